@@ -1,0 +1,143 @@
+//! Everything that can be wrong with a question, and what to do about it.
+
+/// Why a question has no answer.
+///
+/// An `Err` stands for misuse, or for a density that does not exist. A run that did not converge is no error: it is a
+/// result whose [`Termination`](crate::Termination) says so.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A coefficient of the drift or of the noise is NaN or infinite.
+    #[error(
+        "the {part} of state {state} has the coefficient {value} at x^{exponents:?}: every parameter of a system must be a finite number"
+    )]
+    NotFinite {
+        /// Drift or noise.
+        part: &'static str,
+        /// The state's index, from 0.
+        state: usize,
+        /// The exponents of the monomial.
+        exponents: Vec<u32>,
+        /// The offending coefficient.
+        value: f64,
+    },
+    /// A number lies outside the range in which it has a meaning.
+    #[error("{name} = {value}: {remedy}")]
+    OutOfRange {
+        /// What the number is.
+        name: &'static str,
+        /// The offending value.
+        value: f64,
+        /// What it must be.
+        remedy: &'static str,
+    },
+    /// A list of numbers has the wrong length, or an index points past the last state.
+    #[error("{what}: {found} does not fit a system of {expected} states")]
+    Dimension {
+        /// What was given.
+        what: &'static str,
+        /// The number of states.
+        expected: usize,
+        /// The length or the index that was given.
+        found: usize,
+    },
+    /// The system has no noise at all.
+    #[error(
+        "the noise vanishes identically: without noise there is no stationary density to close; give at least one intensity above zero"
+    )]
+    NoNoise,
+    /// The moment equations have no bounded solution.
+    #[error(
+        "no stationary density was found: under the Gaussian closure the variance of state {state} {behaviour}; the drift must bring every trajectory back, so check the signs of damping and leading stiffness"
+    )]
+    NoStationaryDensity {
+        /// The state whose variance fails first.
+        state: usize,
+        /// What the variance does.
+        behaviour: &'static str,
+    },
+    /// exp(Q) has no finite integral.
+    #[error(
+        "exp(Q) of order {order} cannot be normalised: Q grows in the direction {direction:.3?}; it is no density, try another order or basis"
+    )]
+    NotNormalisable {
+        /// The order of the closure.
+        order: u32,
+        /// A direction of the state space, of length one in scaled coordinates, in which Q does not fall.
+        direction: Vec<f64>,
+    },
+    /// The closure ended without a root, so that there is no density to ask.
+    #[error(
+        "the closure of order {order} found no root ({termination}): its last iterate is no solution; try another order, basis or method"
+    )]
+    NoRoot {
+        /// The order of the closure.
+        order: u32,
+        /// How it ended.
+        termination: crate::Termination,
+    },
+    /// A wall needs a displacement whose rate of change is its own velocity.
+    #[error(
+        "a wall stops a displacement: the drift of state 0 must be state {velocity} alone, without noise, but it is not"
+    )]
+    NotADisplacement {
+        /// The state expected as the velocity.
+        velocity: usize,
+    },
+    /// A trajectory left every bound.
+    #[error(
+        "trajectory {trajectory} exploded: its state was {state:?} at time {time}; either the drift has no stationary density or the time step {step} is too long for it"
+    )]
+    Exploded {
+        /// The trajectory's number, which is also the number of its random stream.
+        trajectory: u64,
+        /// The last state.
+        state: Vec<f64>,
+        /// The time of the last state.
+        time: f64,
+        /// The time step.
+        step: f64,
+    },
+    /// A simulation was asked for no samples.
+    #[error("{what} is zero: a simulation without samples estimates nothing; ask for at least {least}")]
+    NoSamples {
+        /// What is missing.
+        what: &'static str,
+        /// The least that works.
+        least: usize,
+    },
+    /// The caller asked the simulation to stop.
+    #[error("the simulation was cancelled by its progress callback after {steps} path-steps")]
+    Cancelled {
+        /// How far it had come.
+        steps: u64,
+    },
+    /// A level whose crossings the simulation did not count.
+    #[error("the crossings of the level {level} were not counted: name it in `Simulation::levels` before running")]
+    LevelNotCounted {
+        /// The level asked for.
+        level: f64,
+    },
+}
+
+/// The result of a question to this library.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Refuses a number that is not finite and positive.
+pub(crate) fn positive(name: &'static str, value: f64, remedy: &'static str) -> Result<f64> {
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(Error::OutOfRange { name, value, remedy }) }
+}
+
+/// Refuses a number that is NaN or infinite.
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::OutOfRange { name, value, remedy: "it must be a finite number" })
+    }
+}
+
+/// Refuses the index of a state that does not exist.
+pub(crate) fn state_index<const N: usize>(what: &'static str, index: usize) -> Result<usize> {
+    if index < N { Ok(index) } else { Err(Error::Dimension { what, expected: N, found: index }) }
+}

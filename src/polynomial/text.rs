@@ -1,0 +1,95 @@
+use super::Polynomial;
+use std::fmt;
+
+/// A polynomial as text with chosen names for its variables; see [`Polynomial::text`] and [`Polynomial::latex`].
+#[derive(Clone, Copy, Debug)]
+pub struct Text<'a, const N: usize> {
+    polynomial: &'a Polynomial<N>,
+    names: [&'a str; N],
+    latex: bool,
+}
+
+impl<const N: usize> Polynomial<N> {
+    /// The polynomial in plain text: `x - 0.3 x^3 v`. A precision, as in `{:.3}`, shortens the coefficients.
+    ///
+    /// ```
+    /// let [x, v] = expoly::Polynomial::<2>::variables();
+    /// let p = &(&x * &x) * &v * -0.125 + x;
+    /// assert_eq!(format!("{:.2}", p.text(["x", "v"])), "x - 0.12 x^2 v");
+    /// ```
+    pub fn text<'a>(&'a self, names: [&'a str; N]) -> Text<'a, N> {
+        Text { polynomial: self, names, latex: false }
+    }
+
+    /// The polynomial in LaTeX: `x - 0.3\,x^{3} v`.
+    ///
+    /// ```
+    /// let [x, v] = expoly::Polynomial::<2>::variables();
+    /// let p = &(&x * &x) * &v * -1.5e-7;
+    /// assert_eq!(p.latex(["x", r"\dot x"]).to_string(), r"- 1.5 \times 10^{-7}\,x^{2} \dot x");
+    /// ```
+    pub fn latex<'a>(&'a self, names: [&'a str; N]) -> Text<'a, N> {
+        Text { polynomial: self, names, latex: true }
+    }
+}
+
+impl<const N: usize> fmt::Display for Polynomial<N> {
+    /// Plain text with the variables named x1, x2, …
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: [String; N] = std::array::from_fn(|i| format!("x{}", i + 1));
+        fmt::Display::fmt(&self.text(names.each_ref().map(String::as_str)), f)
+    }
+}
+
+impl<const N: usize> fmt::Display for Text<'_, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.polynomial.is_zero() {
+            return f.write_str("0");
+        }
+        for (k, (monomial, coefficient)) in self.polynomial.terms().enumerate() {
+            f.write_str(match (k, coefficient < 0.0) {
+                (0, false) => "",
+                (0, true) => "- ",
+                (_, false) => " + ",
+                (_, true) => " - ",
+            })?;
+            let size = coefficient.abs();
+            let factors = (0..N).filter(|&i| monomial.0[i] > 0);
+            let powers: Vec<String> = factors.map(|i| self.power(i, monomial.0[i])).collect();
+            if powers.is_empty() || size != 1.0 {
+                self.number(f, size)?;
+                if !powers.is_empty() {
+                    f.write_str(if self.latex { r"\," } else { " " })?;
+                }
+            }
+            f.write_str(&powers.join(" "))?;
+        }
+        Ok(())
+    }
+}
+
+impl<const N: usize> Text<'_, N> {
+    fn power(&self, i: usize, exponent: u32) -> String {
+        match (exponent, self.latex) {
+            (1, _) => self.names[i].to_owned(),
+            (n, false) => format!("{}^{n}", self.names[i]),
+            (n, true) if self.names[i].contains(['\\', '^']) => format!("{{{}}}^{{{n}}}", self.names[i]),
+            (n, true) => format!("{}^{{{n}}}", self.names[i]),
+        }
+    }
+
+    /// A coefficient: decimal where it is of ordinary size, with a power of ten where it is not.
+    fn number(&self, f: &mut fmt::Formatter<'_>, size: f64) -> fmt::Result {
+        let ordinary = !size.is_finite() || size == 0.0 || (1e-4..1e7).contains(&size);
+        let text = match (ordinary, f.precision()) {
+            (true, Some(digits)) => format!("{size:.digits$}"),
+            (true, None) => format!("{size}"),
+            (false, Some(digits)) => format!("{size:.digits$e}"),
+            (false, None) => format!("{size:e}"),
+        };
+        match text.split_once('e') {
+            Some((mantissa, exponent)) if self.latex => write!(f, r"{mantissa} \times 10^{{{exponent}}}"),
+            _ => f.write_str(&text),
+        }
+    }
+}

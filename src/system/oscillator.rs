@@ -1,0 +1,41 @@
+use crate::{Intensity, PolynomialDrift, Scalar};
+
+/// A single oscillator x″ + h(x, x′) = ξ with white noise ξ, E[ξ(t)ξ(t+τ)] = 2D δ(τ).
+///
+/// Whatever implements it is a [`PolynomialDrift`] of two states, the displacement x and the velocity v = x′:
+///
+/// ```
+/// use expoly::{Intensity, Oscillator, Scalar};
+///
+/// struct Duffing { damping: f64, cubic: f64, intensity: Intensity }
+///
+/// impl Oscillator for Duffing {
+///     fn force<S: Scalar>(&self, x: S, v: S) -> S {
+///         v * self.damping + x + x.powi(3) * self.cubic
+///     }
+///     fn intensity(&self) -> Intensity {
+///         self.intensity
+///     }
+/// }
+/// ```
+///
+/// An oscillator with multiplicative noise implements `PolynomialDrift` itself.
+pub trait Oscillator {
+    /// The force h(x, v) per unit mass, damping and stiffness together, with the sign that it has on the left side.
+    fn force<S: Scalar>(&self, x: S, v: S) -> S;
+
+    /// The intensity D of the external noise.
+    fn intensity(&self) -> Intensity;
+}
+
+impl<T: Oscillator> PolynomialDrift<2, 1> for T {
+    #[inline]
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -self.force(x, v)]
+    }
+
+    #[inline]
+    fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 1]; 2] {
+        [[S::from(0.0)], [S::from(self.intensity().amplitude())]]
+    }
+}
