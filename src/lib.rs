@@ -1,16 +1,19 @@
 //! expoly
 mod barrier;
+mod closure;
 mod density;
 mod error;
 mod estimate;
 mod fokker_planck;
 pub mod models;
 mod polynomial;
+mod quadrature;
 mod scalar;
 mod system;
 
 pub use barrier::Barrier;
-pub use density::{Crossing, Density};
+pub use closure::{Basis, Closure, Route, Solution, Termination};
+pub use density::{Crossing, Density, ExpPolynomial, Frame};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, LocalOperator, OperatorText};
@@ -19,14 +22,3 @@ pub use scalar::Scalar;
 #[doc(hidden)]
 pub use scalar::Transcendental;
 pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift};
-
-/// tmp
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Termination {
-    Root,
-}
-impl std::fmt::Display for Termination {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("x")
-    }
-}

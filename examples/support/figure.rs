@@ -3,8 +3,9 @@
 //! Every figure is 960 px wide and meant for 16 cm in print, so that one pixel is 0.47 pt and
 //! the sizes below are the same on paper in every figure, whatever its number of columns.
 
-// Each example compiles its own copy of this module and uses only part of it.
-#![allow(dead_code)]
+// Each example compiles its own copy of this module and uses only part of it; the copy is private
+// to the example, where `pub` marks what the module offers rather than what a crate exports.
+#![allow(dead_code, unreachable_pub)]
 
 use kuva::prelude::*;
 use kuva::render::layout::ComputedLayout;
@@ -36,7 +37,7 @@ pub enum Style {
 /// A line or a set of points, in the units of the panel's axes.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Legend entry; empty for none.
+    /// Legend entry, up to 40 characters in a figure of two columns; empty for none.
     pub label: String,
     /// Line or markers.
     pub style: Style,
@@ -340,14 +341,17 @@ fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry>) {
         }
     }
     let mut scene = render_multiple(plots, layout);
-    scene.add(path(minor, "black", 1.0, None, None));
+    if !minor.is_empty() {
+        scene.add(path(minor, "black", 1.0, None, None));
+    }
     (scene, entries)
 }
 
 fn contour(panel: &ContourPanel, size: (f64, f64)) -> io::Result<(Scene, Vec<LegendEntry>)> {
     let columns = panel.x.len();
-    if panel.z.len() != panel.y.len() || panel.z.iter().any(|row| row.len() != columns) {
-        return Err(invalid("the contour panel's values do not match its grid"));
+    let infinite = panel.x.iter().chain(&panel.y).any(|v| !v.is_finite());
+    if infinite || panel.z.len() != panel.y.len() || panel.z.iter().any(|row| row.len() != columns) {
+        return Err(invalid("the contour panel's grid is not finite or does not match its values"));
     }
     let mut levels = panel.levels.clone();
     levels.retain(|level| *level > 0.0 && level.is_finite());
@@ -370,7 +374,7 @@ fn contour(panel: &ContourPanel, size: (f64, f64)) -> io::Result<(Scene, Vec<Leg
         plots.push(Plot::Contour(plot.with_line_width(LINE)));
         entries.push(entry(&power(*level), &colour, LegendShape::Line, None));
     }
-    let range = |grid: &[f64]| fit(grid.iter().copied().filter(|v| v.is_finite()));
+    let range = |grid: &[f64]| fit(grid.iter().copied());
     let labels = [&panel.title, &panel.x_label, &panel.y_label];
     let layout = layout(labels, range(&panel.x), range(&panel.y), size);
     Ok((render_multiple(plots, layout), entries))
@@ -441,12 +445,12 @@ fn plain(value: f64) -> String {
     digits.trim_end_matches('0').trim_end_matches('.').into()
 }
 
-/// A number with a power of ten, to two digits.
+/// A number with a power of ten, to three digits.
 fn power(value: f64) -> String {
-    let digits = format!("{value:.1e}");
+    let digits = format!("{value:.2e}");
     let Some((mantissa, exponent)) = digits.split_once('e') else { return digits };
     let exponent = superscript(exponent.parse().unwrap_or(0));
-    match mantissa.trim_end_matches(".0") {
+    match mantissa.trim_end_matches('0').trim_end_matches('.') {
         "1" => format!("10{exponent}"),
         mantissa => format!("{}\u{b7}10{exponent}", mantissa.replace('-', "\u{2212}")),
     }

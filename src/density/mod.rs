@@ -1,5 +1,14 @@
 //! Densities, whichever method made them.
 
+mod exp_polynomial;
+mod frame;
+mod leading_form;
+mod tensor;
+
+pub use exp_polynomial::ExpPolynomial;
+pub use frame::Frame;
+pub(crate) use leading_form::escape_direction;
+
 use crate::{Estimate, Result};
 
 /// A stationary probability density on R^N, or on a part of it.

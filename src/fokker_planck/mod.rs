@@ -15,7 +15,8 @@ mod text;
 pub use local::LocalOperator;
 pub use text::OperatorText;
 
-use crate::{Arena, Error, Interpretation, Polynomial, PolynomialDrift, Result, error::state_index};
+use crate::{Arena, Error, Frame, Gaussian, Interpretation, Polynomial, PolynomialDrift, Result};
+use nalgebra::{SMatrix, SVector};
 
 /// The Fokker-Planck operator as polynomials: the Itô drift f and the diffusion matrix B = G Gᵀ.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +74,11 @@ impl<const N: usize> FokkerPlanck<N> {
         &self.diffusion
     }
 
+    /// The highest total degree among drift and diffusion.
+    pub fn degree(&self) -> u32 {
+        self.drift.iter().chain(self.diffusion.iter().flatten()).map(Polynomial::degree).max().unwrap_or(0)
+    }
+
     /// The divergence ∇·f of the drift.
     pub fn divergence(&self) -> Polynomial<N> {
         (0..N).fold(Polynomial::zero(), |sum, i| sum + self.drift[i].derivative(i))
@@ -114,6 +120,49 @@ impl<const N: usize> FokkerPlanck<N> {
         quiet.then(|| (0..N).find(|&j| j != i && self.drift[i] == variables[j])).flatten()
     }
 
+    /// The same operator for the scaled coordinates z of x = m + L z: drift L⁻¹f and diffusion L⁻¹B L⁻ᵀ.
+    pub(crate) fn in_frame(&self, frame: &Frame<N>) -> Self {
+        let arena = Arena::new();
+        let state = frame.state_polynomials().map(|p| arena.symbol(p));
+        let inverse = frame.inverse();
+        let in_z = |p: &Polynomial<N>| p.evaluate(&state).polynomial();
+        let drift = self.drift.each_ref().map(in_z);
+        let diffusion = self.diffusion.each_ref().map(|row| row.each_ref().map(in_z));
+        // Σ_j L⁻¹_ij p_j, leaving out what is zero anyway.
+        let combined = |factors: [f64; N], parts: [&Polynomial<N>; N]| {
+            let used = (0..N).filter(|&j| factors[j] != 0.0 && !parts[j].is_zero());
+            used.fold(Polynomial::zero(), |sum, j| sum + parts[j] * factors[j])
+        };
+        let row = |i: usize| std::array::from_fn(|j| inverse[(i, j)]);
+        let half: [[Polynomial<N>; N]; N] =
+            std::array::from_fn(|i| std::array::from_fn(|q| combined(row(i), diffusion.each_ref().map(|r| &r[q]))));
+        FokkerPlanck {
+            drift: std::array::from_fn(|i| combined(row(i), drift.each_ref())),
+            diffusion: std::array::from_fn(|i| std::array::from_fn(|j| combined(row(j), half[i].each_ref()))),
+        }
+    }
+
+    /// The linear system with the drift `slopes`·(x − `centre`) and the constant diffusion `diffusion`.
+    pub(crate) fn linear(
+        slopes: &SMatrix<f64, N, N>,
+        centre: &SVector<f64, N>,
+        diffusion: &SMatrix<f64, N, N>,
+    ) -> Self {
+        let variables: [Polynomial<N>; N] = Polynomial::variables();
+        let drift = std::array::from_fn(|i| {
+            (0..N).fold(Polynomial::zero(), |sum, j| sum + (&variables[j] + -centre[j]) * slopes[(i, j)])
+        });
+        let diffusion = std::array::from_fn(|i| std::array::from_fn(|j| Polynomial::constant(diffusion[(i, j)])));
+        FokkerPlanck { drift, diffusion }
+    }
+
+    /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation.
+    pub(crate) fn linearised(&self, gaussian: &Gaussian<N>) -> Self {
+        let slopes = SMatrix::from_fn(|i, j| gaussian.expectation(&self.drift[i].derivative(j)));
+        let diffusion = SMatrix::from_fn(|i, j| gaussian.expectation(&self.diffusion[i][j]));
+        Self::linear(&slopes, &gaussian.mean, &diffusion)
+    }
+
     /// The rate of change of the mean of `statistic` as a polynomial: f·∇φ + ½ B:∇∇φ. Its stationary mean is zero,
     /// which makes every polynomial a check of a density: a *moment equation*.
     pub fn generator(&self, statistic: &Polynomial<N>) -> Polynomial<N> {
@@ -126,11 +175,6 @@ impl<const N: usize> FokkerPlanck<N> {
             }
         }
         rate
-    }
-
-    /// The drift of state `i`, or the typed refusal of an index past the last state.
-    pub fn drift_of(&self, i: usize) -> Result<&Polynomial<N>> {
-        Ok(&self.drift[state_index::<N>("a state's index", i)?])
     }
 }
 

@@ -1,0 +1,194 @@
+//! The Galerkin equations on the whole space: ∫ r(x; a) ψ_k f_N dx = 0.
+
+use super::hermite::{HermiteSeries, ProductTable, derivative};
+use crate::{FokkerPlanck, Monomial, Polynomial};
+use nalgebra::{DMatrix, DVector};
+use std::collections::HashMap;
+
+/// As many nonlinear equations as unknowns, with their exact Jacobian.
+pub(crate) trait GalerkinEquations {
+    /// The left sides F(a) and the Jacobian ∂F/∂a.
+    fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
+}
+
+/// F_k(a) = c_k + Σ_i L_ki a_i + Σ_{i≤j} T_kij a_i a_j, with coefficients exact but for rounding.
+///
+/// The operator is that in scaled coordinates, in which f_N is standard normal, and the unknowns are the coefficients of
+/// Q in the orthonormal Hermite basis; the same functions test the equation.
+#[derive(Clone, Debug)]
+pub(crate) struct HermiteGalerkin<const N: usize> {
+    basis: Vec<Monomial<N>>,
+    constant: DVector<f64>,
+    linear: DMatrix<f64>,
+    quadratic: Vec<Triple>,
+}
+
+/// One coefficient T_kij.
+#[derive(Clone, Copy, Debug)]
+struct Triple {
+    k: u32,
+    i: u32,
+    j: u32,
+    value: f64,
+}
+
+impl<const N: usize> HermiteGalerkin<N> {
+    /// The equations of order `order` for an operator in scaled coordinates.
+    pub(crate) fn new(operator: &FokkerPlanck<N>, order: u32) -> Self {
+        let basis: Vec<Monomial<N>> = crate::monomials(order).split_off(1);
+        let rows: HashMap<Monomial<N>, usize> = basis.iter().enumerate().map(|(k, m)| (*m, k)).collect();
+        let terms = OperatorSeries::new(operator);
+        let table = ProductTable::new(terms.degree + order);
+        let mut constant = DVector::zeros(basis.len());
+        for (m, c) in &terms.constant.0 {
+            if let Some(&k) = rows.get(m) {
+                constant[k] = *c;
+            }
+        }
+        let mut linear = DMatrix::zeros(basis.len(), basis.len());
+        for (i, index) in basis.iter().enumerate() {
+            terms.linear(&table, index, &mut |m, c| {
+                let Some(row) = (m.degree() <= order).then(|| rows.get(m)).flatten() else { return };
+                linear[(*row, i)] += c;
+            });
+        }
+        let quadratic = terms.quadratic(&table, &basis, &rows, order);
+        HermiteGalerkin { basis, constant, linear, quadratic }
+    }
+
+    /// The coefficients of ln f_N itself, −|z|²/2, the start of every search.
+    pub(crate) fn gaussian(&self) -> DVector<f64> {
+        let square = |m: &Monomial<N>| m.degree() == 2 && m.0.contains(&2);
+        DVector::from_iterator(self.basis.len(), self.basis.iter().map(|m| f64::from(square(m)) * -0.5_f64.sqrt()))
+    }
+
+    /// Q as a polynomial in the scaled coordinates; its constant part is left out.
+    pub(crate) fn polynomial(&self, a: &DVector<f64>) -> Polynomial<N> {
+        let series = HermiteSeries(self.basis.iter().copied().zip(a.iter().copied()).collect());
+        let q = series.to_polynomial();
+        q.filtered(|m, _| m.degree() > 0)
+    }
+}
+
+impl<const N: usize> GalerkinEquations for HermiteGalerkin<N> {
+    fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let mut jacobian = self.linear.clone();
+        for t in &self.quadratic {
+            let (k, i, j) = (t.k as usize, t.i as usize, t.j as usize);
+            jacobian[(k, i)] += t.value * a[j];
+            jacobian[(k, j)] += t.value * a[i];
+        }
+        // The linear part counts once and the quadratic part half of its derivative.
+        let residual = &self.constant + (&self.linear + &jacobian) * a * 0.5;
+        (residual, jacobian)
+    }
+}
+
+/// The parts of the residual in the Hermite basis: r = c − Σ_p g_p ∂_pQ + ½ Σ B_pq (∂_p∂_qQ + ∂_pQ ∂_qQ).
+struct OperatorSeries<const N: usize> {
+    constant: HermiteSeries<N>,
+    /// −f_p + Σ_q ∂_qB_pq.
+    gradient: Vec<HermiteSeries<N>>,
+    /// B_pq where it does not vanish.
+    diffusion: Vec<(usize, usize, HermiteSeries<N>)>,
+    degree: u32,
+}
+
+impl<const N: usize> OperatorSeries<N> {
+    fn new(operator: &FokkerPlanck<N>) -> Self {
+        let spread = operator.diffusion_divergence();
+        let constant = operator.residual(&Polynomial::zero());
+        let gradient: Vec<_> = (0..N).map(|p| &spread[p] - &operator.drift()[p]).collect();
+        let mut degree = gradient.iter().map(Polynomial::degree).max().unwrap_or(0);
+        let mut diffusion = Vec::new();
+        for (p, row) in operator.diffusion().iter().enumerate() {
+            for (q, b) in row.iter().enumerate().filter(|(_, b)| !b.is_zero()) {
+                degree = degree.max(b.degree());
+                diffusion.push((p, q, HermiteSeries::from_polynomial(b)));
+            }
+        }
+        OperatorSeries {
+            constant: HermiteSeries::from_polynomial(&constant),
+            gradient: gradient.iter().map(HermiteSeries::from_polynomial).collect(),
+            diffusion,
+            degree,
+        }
+    }
+
+    /// Visits the terms of what r has in front of the unknown of `index`.
+    fn linear(&self, table: &ProductTable, index: &Monomial<N>, visit: &mut impl FnMut(&Monomial<N>, f64)) {
+        let all = self.degree + index.degree();
+        for (p, g) in self.gradient.iter().enumerate() {
+            let Some((slope, factor)) = derivative(index, p) else { continue };
+            for (m, c) in &g.0 {
+                table.product(m, &slope, all, &mut |m, t| visit(m, factor * c * t));
+            }
+        }
+        for (p, q, b) in &self.diffusion {
+            let Some((slope, first)) = derivative(index, *p) else { continue };
+            let Some((curvature, second)) = derivative(&slope, *q) else { continue };
+            for (m, c) in &b.0 {
+                table.product(m, &curvature, all, &mut |m, t| visit(m, 0.5 * first * second * c * t));
+            }
+        }
+    }
+
+    /// All T_kij: the projections of ½ Σ B_pq ∂_pψ_i ∂_qψ_j, counted twice for i < j.
+    fn quadratic(
+        &self,
+        table: &ProductTable,
+        basis: &[Monomial<N>],
+        rows: &HashMap<Monomial<N>, usize>,
+        order: u32,
+    ) -> Vec<Triple> {
+        let mut triples = Vec::new();
+        let mut row = vec![0.0; basis.len()];
+        for (i, index) in basis.iter().enumerate() {
+            let weighted = self.weighted_gradient(table, index);
+            for (j, other) in basis.iter().enumerate().skip(i) {
+                let twice = if i == j { 1.0 } else { 2.0 };
+                for (q, series) in weighted.iter().enumerate() {
+                    let Some((slope, factor)) = derivative(other, q) else { continue };
+                    for (m, c) in series {
+                        table.product(m, &slope, order, &mut |m, t| {
+                            if let Some(&k) = rows.get(m) {
+                                row[k] += twice * factor * c * t;
+                            }
+                        });
+                    }
+                }
+                for (k, value) in row.iter_mut().enumerate().filter(|(_, value)| **value != 0.0) {
+                    triples.push(Triple { k: k as u32, i: i as u32, j: j as u32, value: std::mem::take(value) });
+                }
+            }
+        }
+        triples
+    }
+
+    /// For each q the series ½ Σ_p B_pq ∂_pψ.
+    fn weighted_gradient(&self, table: &ProductTable, index: &Monomial<N>) -> Vec<Vec<(Monomial<N>, f64)>> {
+        let mut weighted = vec![Polynomial::zero(); N];
+        for (p, q, b) in &self.diffusion {
+            let Some((slope, factor)) = derivative(index, *p) else { continue };
+            for (m, c) in &b.0 {
+                let all = self.degree + index.degree();
+                table.product(m, &slope, all, &mut |m, t| weighted[*q].add_term(*m, 0.5 * factor * c * t));
+            }
+        }
+        weighted.iter().map(|series| series.terms().map(|(m, c)| (*m, c)).collect()).collect()
+    }
+}
+
+/// The equations (1 − s) `easy` + s `hard`, in which the second system replaces the first as s goes from 0 to 1.
+pub(crate) struct Blend<'a, E: GalerkinEquations> {
+    pub(crate) easy: &'a E,
+    pub(crate) hard: &'a E,
+}
+
+impl<E: GalerkinEquations> Blend<'_, E> {
+    /// F, ∂F/∂a and ∂F/∂s at (a, s).
+    pub(crate) fn evaluate(&self, a: &DVector<f64>, s: f64) -> (DVector<f64>, DMatrix<f64>, DVector<f64>) {
+        let ((f0, j0), (f1, j1)) = (self.easy.evaluate(a), self.hard.evaluate(a));
+        (&f0 * (1.0 - s) + &f1 * s, j0 * (1.0 - s) + j1 * s, f1 - f0)
+    }
+}

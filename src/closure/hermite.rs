@@ -1,0 +1,189 @@
+//! Hermite polynomials h_j = He_j/√j!, orthonormal under the standard normal weight, and their exact algebra.
+//!
+//! In several dimensions the basis function of an index α is the product Π h_{α_d}(z_d), so that an index is a
+//! [`Monomial`]. Integrals against the Gaussian are read off coefficients: no quadrature, any number of states.
+
+use crate::{Monomial, Polynomial};
+
+/// A function Σ c_α Π h_{α_d}.
+#[derive(Clone, Debug)]
+pub(crate) struct HermiteSeries<const N: usize>(pub(crate) Vec<(Monomial<N>, f64)>);
+
+impl<const N: usize> HermiteSeries<N> {
+    /// A polynomial in the Hermite basis.
+    pub(crate) fn from_polynomial(polynomial: &Polynomial<N>) -> Self {
+        let tables = powers_in_hermite(polynomial.degree());
+        HermiteSeries(
+            converted(polynomial.terms().map(|(m, c)| (*m, c)), &tables).terms().map(|(m, c)| (*m, c)).collect(),
+        )
+    }
+
+    /// The function in powers of z.
+    pub(crate) fn to_polynomial(&self) -> Polynomial<N> {
+        let degree = self.0.iter().map(|(m, _)| m.degree()).max().unwrap_or(0);
+        converted(self.0.iter().copied(), &hermite_in_powers(degree))
+    }
+}
+
+/// Replaces each one-dimensional factor by a row of `tables`.
+fn converted<const N: usize>(terms: impl Iterator<Item = (Monomial<N>, f64)>, tables: &[Vec<f64>]) -> Polynomial<N> {
+    let mut sum = Polynomial::zero();
+    for (index, coefficient) in terms {
+        let mut partial = vec![(Monomial::one(), coefficient)];
+        for d in 0..N {
+            let row = &tables[index.0[d] as usize];
+            partial = partial
+                .iter()
+                .flat_map(|(m, c)| {
+                    row.iter().enumerate().filter(|(_, t)| **t != 0.0).map(move |(power, t)| {
+                        let mut m = *m;
+                        m.0[d] = power as u32;
+                        (m, c * t)
+                    })
+                })
+                .collect();
+        }
+        for (m, c) in partial {
+            sum.add_term(m, c);
+        }
+    }
+    sum
+}
+
+/// Row k: z^k = Σ_j row[j] h_j, by z h_j = √(j+1) h_{j+1} + √j h_{j−1}.
+fn powers_in_hermite(degree: u32) -> Vec<Vec<f64>> {
+    let mut rows = vec![vec![1.0]];
+    for k in 0..degree as usize {
+        let mut next = vec![0.0; k + 2];
+        for (j, c) in rows[k].iter().enumerate() {
+            next[j + 1] += c * ((j + 1) as f64).sqrt();
+            if j > 0 {
+                next[j - 1] += c * (j as f64).sqrt();
+            }
+        }
+        rows.push(next);
+    }
+    rows
+}
+
+/// Row j: h_j = Σ_k row[k] z^k, by √(j+1) h_{j+1} = z h_j − √j h_{j−1}.
+fn hermite_in_powers(degree: u32) -> Vec<Vec<f64>> {
+    let mut rows: Vec<Vec<f64>> = vec![vec![1.0]];
+    for j in 0..degree as usize {
+        let mut next = vec![0.0; j + 2];
+        for (k, c) in rows[j].iter().enumerate() {
+            next[k + 1] += c;
+        }
+        if j > 0 {
+            for (k, c) in rows[j - 1].iter().enumerate() {
+                next[k] -= (j as f64).sqrt() * c;
+            }
+        }
+        rows.push(next.into_iter().map(|c| c / ((j + 1) as f64).sqrt()).collect());
+    }
+    rows
+}
+
+/// The derivative ∂h_α/∂z_d = √α_d h_{α − e_d}, or nothing where it vanishes.
+pub(crate) fn derivative<const N: usize>(index: &Monomial<N>, d: usize) -> Option<(Monomial<N>, f64)> {
+    index.derivative(d).map(|(lower, power)| (lower, f64::from(power).sqrt()))
+}
+
+/// The product h_a h_b = Σ_c t h_c in one dimension, for all a, b up to a degree:
+/// t = √(a! b! c!) / ((s−a)! (s−b)! (s−c)!) with 2s = a + b + c, where c runs from |a − b| to a + b in steps of two.
+#[derive(Clone, Debug)]
+pub(crate) struct ProductTable {
+    size: usize,
+    rows: Vec<Vec<(u32, f64)>>,
+}
+
+impl ProductTable {
+    pub(crate) fn new(degree: u32) -> Self {
+        let size = degree as usize + 1;
+        let log_factorial: Vec<f64> = std::iter::once(0.0)
+            .chain((1..=2 * size).scan(0.0, |sum, k| {
+                *sum += (k as f64).ln();
+                Some(*sum)
+            }))
+            .collect();
+        let entry = |a: usize, b: usize, c: usize| {
+            let s = (a + b + c) / 2;
+            let above = (log_factorial[a] + log_factorial[b] + log_factorial[c]) / 2.0;
+            (above - log_factorial[s - a] - log_factorial[s - b] - log_factorial[s - c]).exp()
+        };
+        let row = |a: usize, b: usize| (a.abs_diff(b)..=a + b).step_by(2).map(|c| (c as u32, entry(a, b, c))).collect();
+        let rows = (0..size * size).map(|k| row(k / size, k % size)).collect();
+        ProductTable { size, rows }
+    }
+
+    /// Visits the terms of degree at most `degree` of the product of two basis functions in N dimensions.
+    pub(crate) fn product<const N: usize>(
+        &self,
+        a: &Monomial<N>,
+        b: &Monomial<N>,
+        degree: u32,
+        visit: &mut impl FnMut(&Monomial<N>, f64),
+    ) {
+        self.product_from(0, a, b, degree, Monomial::one(), 1.0, visit);
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "the state of a recursion over the dimensions")]
+    fn product_from<const N: usize>(
+        &self,
+        d: usize,
+        a: &Monomial<N>,
+        b: &Monomial<N>,
+        left: u32,
+        mut index: Monomial<N>,
+        factor: f64,
+        visit: &mut impl FnMut(&Monomial<N>, f64),
+    ) {
+        if d == N {
+            return visit(&index, factor);
+        }
+        for &(c, t) in &self.rows[a.0[d] as usize * self.size + b.0[d] as usize] {
+            if c > left {
+                break;
+            }
+            index.0[d] = c;
+            self.product_from(d + 1, a, b, left - c, index, factor * t, visit);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quadrature::Rule;
+
+    fn h(j: usize, z: f64) -> f64 {
+        hermite_in_powers(j as u32)[j].iter().enumerate().map(|(k, c)| c * z.powi(k as i32)).sum()
+    }
+
+    /// Exact integrands for the rule; values up to 1e3 are summed, so 1e-12 is rounding.
+    #[test]
+    fn products_agree_with_quadrature() {
+        let (table, rule) = (ProductTable::new(6), Rule::hermite(12));
+        for a in 0..=6u32 {
+            for b in 0..=6u32 {
+                let mut terms = vec![0.0; 13];
+                table.product(&Monomial([a]), &Monomial([b]), 12, &mut |m, t| terms[m.0[0] as usize] += t);
+                for c in 0..=6usize {
+                    let integral: f64 =
+                        rule.iter().map(|(z, w)| w * h(a as usize, z) * h(b as usize, z) * h(c, z)).sum();
+                    assert!((integral - terms[c]).abs() < 1e-12 * (1.0 + integral.abs()), "{a} {b} {c}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn powers_and_hermite_polynomials_convert_back_and_forth() {
+        let [x, v] = Polynomial::<2>::variables();
+        let p = &x * &x * &v * &v * 2.0 + &v * &v * &v + &x * -0.5 + 3.0;
+        let back = HermiteSeries::from_polynomial(&p).to_polynomial();
+        for (m, c) in p.terms() {
+            assert!((back.coefficient(m) - c).abs() < 1e-14 * 10.0, "{back}");
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! The exponential-polynomial closure: p = C exp(Q) with Q a polynomial of any order.
+//!
+//! The *classical* method (G.-K. Er, 1998, doi:10.1023/A:1008346204836) asks that the residual of exp(Q) in the
+//! Fokker-Planck equation be orthogonal, under the Gaussian closure f_N as weight, to the polynomials that Q itself is
+//! made of: N equations ∫ r(x; a) ψ_k f_N dx = 0, quadratic in the N coefficients. The steps, in order:
+//!
+//! 1. `gaussian_closure`: the moments of f_N;
+//! 2. `hermite`, `galerkin`: the equations on the whole space, in polynomials orthonormal under f_N;
+//!    `half_plane`: the same with a wall;
+//! 3. `newton`, `homotopy`: a root;
+//! 4. `solution`: what was found, and whether it is a density.
+
+mod fixed_point;
+mod galerkin;
+mod gaussian_closure;
+mod half_plane;
+mod hermite;
+mod homotopy;
+mod newton;
+mod solution;
+
+pub use solution::{Route, Solution, Termination};
+
+use crate::{Barrier, Error, FokkerPlanck, Frame, Gaussian, Polynomial, PolynomialDrift, Result};
+use fixed_point::fixed_point;
+use galerkin::{GalerkinEquations, HermiteGalerkin};
+use gaussian_closure::gaussian_closure;
+use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator};
+use homotopy::homotopy;
+use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
+use newton::{Iterate, Outcome, newton};
+use std::fmt;
+use std::time::Instant;
+
+/// What Q is a polynomial of, where there is a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Basis {
+    /// Polynomials on Zhuravlev's transformed plane, of even total degree by its symmetry; the literature's basis. With
+    /// the wall away from the rest position ln p has a kink at the wall that it cannot follow.
+    #[default]
+    Classical,
+    /// Polynomials of y − b and y′ on the half plane, of every degree, with the exact wall condition. An elastic wall is
+    /// exact as soon as the density without a wall is, at every offset.
+    Folded,
+}
+
+impl fmt::Display for Basis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Basis::Classical => "classical",
+            Basis::Folded => "folded",
+        })
+    }
+}
+
+/// The exponential-polynomial closure as a method: a value that can be applied to any system.
+///
+/// ```
+/// use expoly::{Closure, Density, Termination, models::Duffing};
+/// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+/// let solution = Closure::classical(4).solve(&duffing)?;
+/// assert_eq!(solution.termination(), Termination::Root);
+/// let density = solution.density()?;
+/// assert!((density.moment([2, 0]).value - 0.661714969204).abs() < 1e-11);
+/// # Ok::<(), expoly::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Closure {
+    order: u32,
+    basis: Basis,
+}
+
+impl Closure {
+    /// The literature's closure of order `order`, the degree of Q: Galerkin equations under the Gaussian closure's
+    /// weight.
+    ///
+    /// Orders 1 and odd orders are allowed; they give a density only where the terms of odd leading degree vanish. At
+    /// many orders the classical equations have no usable root, which the solution's [`Termination`] reports.
+    pub fn classical(order: u32) -> Self {
+        Closure { order, basis: Basis::default() }
+    }
+
+    /// Chooses the basis for systems with a wall; without one it has no effect.
+    pub fn with_basis(self, basis: Basis) -> Self {
+        Closure { basis, ..self }
+    }
+
+    /// Closes a system on the whole space.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for order 0; [`Error::NotFinite`], [`Error::NoNoise`] from the system's parameters;
+    /// [`Error::NoStationaryDensity`] where the Gaussian closure finds no bounded moments.
+    pub fn solve<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(&self, system: &T) -> Result<Solution<N>> {
+        let start = Instant::now();
+        let order = self.checked_order()?;
+        let operator = FokkerPlanck::new(system)?;
+        let gaussian = gaussian_closure(&operator)?;
+        let frame = Frame::new(&gaussian)?;
+        let equations = HermiteGalerkin::new(&operator.in_frame(&frame), order);
+        let linear = || {
+            let easy = HermiteGalerkin::new(&operator.linearised(&gaussian).in_frame(&frame), order);
+            let start = easy.gaussian();
+            (easy, start)
+        };
+        let polynomial = |a: &DVector<f64>| equations.polynomial(a);
+        let found = search(&equations, equations.gaussian(), linear, polynomial, false);
+        Ok(found.into_solution(*self, frame, None, start))
+    }
+
+    /// Closes an oscillator above a wall: y ≥ b, y′₊ = −r y′₋. The solution is the density of (y, y′) on the half plane,
+    /// already transformed back.
+    ///
+    /// # Errors
+    /// As [`Closure::solve`], and [`Error::NotADisplacement`] if state 0 is not a displacement with state 1 as velocity.
+    ///
+    /// ```
+    /// use expoly::{Barrier, Basis, Closure, Density, models::Duffing};
+    /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+    /// let wall = Barrier::new(-0.5, 1.0)?;
+    /// let density = Closure::classical(4).with_basis(Basis::Folded).solve_with_wall(&duffing, wall)?.density()?;
+    /// // An elastic wall only cuts the density off: E[Y′²] = D/c.
+    /// assert!((density.moment([0, 2]).value - 1.0).abs() < 1e-9);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn solve_with_wall<T: PolynomialDrift<2, M>, const M: usize>(
+        &self,
+        system: &T,
+        barrier: Barrier,
+    ) -> Result<Solution<2>> {
+        let start = Instant::now();
+        let order = self.checked_order()?;
+        let operator = FokkerPlanck::new(system)?;
+        if operator.velocity_of(0) != Some(1) {
+            return Err(Error::NotADisplacement { velocity: 1 });
+        }
+        let gaussian = self.wall_weight(&operator, barrier)?;
+        let weight = Weight::new(&gaussian, barrier)?;
+        let equations = HalfPlaneGalerkin::new(&operator, barrier, &weight, self.basis, order);
+        let linear = || {
+            let elastic = Barrier::new(barrier.offset(), 1.0).unwrap_or(barrier);
+            let diffusion = gaussian.expectation(&operator.diffusion()[1][1]);
+            let oscillator = elastic_linear_oscillator(&gaussian, diffusion);
+            let easy = HalfPlaneGalerkin::new(&oscillator, elastic, &weight, self.basis, order);
+            let start = newton(&easy, easy.gaussian()).a;
+            (easy, start)
+        };
+        let polynomial = |a: &DVector<f64>| equations.polynomial(a);
+        let found = search(&equations, equations.gaussian(), linear, polynomial, true);
+        Ok(found.into_solution(*self, weight.frame.clone(), Some(barrier), start))
+    }
+
+    /// The weight f_N of a system with a wall: the Gaussian that is its own closure of order 2 in the same basis.
+    ///
+    /// In the classical basis that is the
+    /// Gaussian closure of the transformed oscillator.
+    fn wall_weight(&self, operator: &FokkerPlanck<2>, barrier: Barrier) -> Result<Gaussian<2>> {
+        let free = gaussian_closure(operator)?;
+        let start = match self.basis {
+            Basis::Folded => free,
+            Basis::Classical => {
+                let spread = free.covariance[(0, 0)] + (free.mean[0] - barrier.offset()).powi(2);
+                let covariance = Matrix2::from_diagonal(&Vector2::new(spread, free.covariance[(1, 1)]));
+                Gaussian { mean: Vector2::new(barrier.offset(), 0.0), covariance }
+            }
+        };
+        let closed = |gaussian: &Gaussian<2>| -> Option<Gaussian<2>> {
+            let weight = Weight::new(gaussian, barrier).ok()?;
+            let equations = HalfPlaneGalerkin::new(operator, barrier, &weight, self.basis, 2);
+            let q = equations.polynomial(&newton(&equations, equations.gaussian()).a);
+            gaussian_of(&q, &weight.frame)
+        };
+        Ok(fixed_point(start, closed))
+    }
+
+    fn checked_order(&self) -> Result<u32> {
+        if self.order == 0 {
+            return Err(Error::OutOfRange {
+                name: "order of the closure",
+                value: 0.0,
+                remedy: "a polynomial of degree 0 has no coefficient to find; ask for order 2 or more",
+            });
+        }
+        Ok(self.order)
+    }
+}
+
+/// The Gaussian exp(Q) of a quadratic Q in the coordinates of `frame`, if its form is negative definite.
+fn gaussian_of(q: &Polynomial<2>, frame: &Frame<2>) -> Option<Gaussian<2>> {
+    let precision = -Matrix2::from(q.hessian(&[0.0; 2])).transpose();
+    if SymmetricEigen::new(precision).eigenvalues.min() <= 0.0 {
+        return None;
+    }
+    let covariance = precision.try_inverse()?;
+    let mean: Vector2<f64> = covariance * Vector2::from(q.gradient(&[0.0; 2]));
+    let scale = frame.scale();
+    Some(Gaussian {
+        mean: Vector2::from(frame.state(&mean.into())),
+        covariance: scale * covariance * scale.transpose(),
+    })
+}
+
+/// The last iterate of the search for a root.
+struct Found<const N: usize> {
+    q: Polynomial<N>,
+    iterate: Iterate,
+    route: Route,
+    termination: Termination,
+    condition: f64,
+}
+
+/// Newton's method from the Gaussian, then the homotopy from the linearised system where that gave no density.
+fn search<E: GalerkinEquations, const N: usize>(
+    equations: &E,
+    gaussian: DVector<f64>,
+    linear: impl FnOnce() -> (E, DVector<f64>),
+    polynomial: impl Fn(&DVector<f64>) -> Polynomial<N>,
+    half_space: bool,
+) -> Found<N> {
+    let judged = |iterate: Iterate, route: Route| {
+        let condition = condition_number(equations.evaluate(&iterate.a).1);
+        let q = polynomial(&iterate.a);
+        let termination = match iterate.outcome {
+            Outcome::Root if solution::falls(&q, half_space, condition) => Termination::Root,
+            Outcome::Root => Termination::NotNormalisable,
+            Outcome::NoDescent => Termination::NoRoot,
+            Outcome::Stalled => Termination::Stalled,
+        };
+        Found { q, iterate, route, termination, condition }
+    };
+    let direct = judged(newton(equations, gaussian), Route::Newton);
+    if direct.termination == Termination::Root {
+        return direct;
+    }
+    let (easy, start) = linear();
+    let mut along = judged(homotopy(&easy, equations, start), Route::Homotopy);
+    along.iterate.iterations += direct.iterate.iterations;
+    let better = along.termination == Termination::Root || direct.termination != Termination::NotNormalisable;
+    if better && along.iterate.outcome == Outcome::Root {
+        return along;
+    }
+    let mut direct = direct;
+    direct.iterate.iterations = along.iterate.iterations;
+    direct
+}
+
+impl<const N: usize> Found<N> {
+    fn into_solution(self, closure: Closure, frame: Frame<N>, barrier: Option<Barrier>, start: Instant) -> Solution<N> {
+        Solution {
+            order: closure.order,
+            basis: closure.basis,
+            frame,
+            q: self.q,
+            barrier,
+            termination: self.termination,
+            route: self.route,
+            unknowns: self.iterate.a.len(),
+            iterations: self.iterate.iterations,
+            residual: self.iterate.residual,
+            condition: self.condition,
+            elapsed: start.elapsed(),
+        }
+    }
+}
+
+fn condition_number(jacobian: DMatrix<f64>) -> f64 {
+    let norm = |m: &DMatrix<f64>| m.column_iter().map(|c| c.lp_norm(1)).fold(0.0, f64::max);
+    let size = norm(&jacobian);
+    jacobian.try_inverse().map_or(f64::INFINITY, |inverse| size * norm(&inverse))
+}

@@ -1,0 +1,68 @@
+//! Damped Newton iteration.
+
+use super::galerkin::GalerkinEquations;
+use nalgebra::DVector;
+
+/// Iterations before the search counts as stalled; roots are found in 4 to 20.
+const MAX_ITERATIONS: usize = 60;
+/// A step is cut at most to 2⁻¹².
+const MAX_HALVINGS: u32 = 12;
+/// A full step this much smaller than the iterate is at the level of the Jacobian's own rounding.
+const STEP_TOLERANCE: f64 = 1e-11;
+
+/// How an iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// The steps have shrunk to rounding.
+    Root,
+    /// No step along Newton's direction lowers ‖F‖: a minimum of it that is not zero, or a singular Jacobian.
+    NoDescent,
+    /// The iterations ran out.
+    Stalled,
+}
+
+/// The last iterate and how it was reached.
+#[derive(Clone, Debug)]
+pub(crate) struct Iterate {
+    pub(crate) a: DVector<f64>,
+    pub(crate) outcome: Outcome,
+    pub(crate) iterations: usize,
+    /// ‖F(a)‖.
+    pub(crate) residual: f64,
+}
+
+/// Newton's method with the exact Jacobian; a step is halved until it lowers ‖F‖.
+pub(crate) fn newton(equations: &impl GalerkinEquations, start: DVector<f64>) -> Iterate {
+    let (mut f, mut jacobian) = equations.evaluate(&start);
+    let mut last = Iterate { a: start, outcome: Outcome::Stalled, iterations: 0, residual: f.norm() };
+    while last.iterations < MAX_ITERATIONS {
+        last.iterations += 1;
+        let Some(step) = jacobian.lu().solve(&-&f).filter(|step| step.norm().is_finite()) else {
+            return Iterate { outcome: Outcome::NoDescent, ..last };
+        };
+        let converged = step.norm() <= STEP_TOLERANCE * (1.0 + last.a.norm());
+        let trial = |length: f64| {
+            let a = &last.a + &step * length;
+            let (f, jacobian) = equations.evaluate(&a);
+            (a, f, jacobian)
+        };
+        if converged {
+            // One last full step costs nothing and takes the iterate to the level of its rounding.
+            let (a, f, _) = trial(1.0);
+            let better = f.norm() <= last.residual;
+            let (a, residual) = if better { (a, f.norm()) } else { (last.a, last.residual) };
+            return Iterate { a, outcome: Outcome::Root, residual, iterations: last.iterations };
+        }
+        let lowered = (0..=MAX_HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|length| {
+            let (a, f, jacobian) = trial(length);
+            (f.norm() <= (1.0 - 1e-4 * length) * last.residual).then_some((a, f, jacobian))
+        });
+        let Some((a, next_f, next_jacobian)) = lowered else {
+            return Iterate { outcome: Outcome::NoDescent, ..last };
+        };
+        last.residual = next_f.norm();
+        last.a = a;
+        (f, jacobian) = (next_f, next_jacobian);
+    }
+    last
+}

@@ -1,0 +1,243 @@
+//! Integrals of exp(Q) over R^N, a half space, or a section of either.
+//!
+//! In the scaled coordinates exp(Q) is an analytic function of ordinary width, for which Gauss rules converge
+//! geometrically. Up to two states, and on a half space, Gauss-Legendre rules cover a box outside of which exp(Q) is
+//! below e^−50 of its maximum. In more states that is too many nodes; there exp(Q + z²/2) is integrated by Gauss-Hermite
+//! rules, which take two nodes for a direction in which the density is normal. Each axis is refined on its own until the
+//! integral stops changing.
+
+use super::frame::Frame;
+use crate::quadrature::Rule;
+use crate::{Crossing, Error, Polynomial, Result};
+
+/// exp(Q) is neglected where it is below e^−50 = 2e-22 of its maximum.
+const DEPTH: f64 = 50.0;
+/// An axis is fine enough when a refinement changes ln ∫exp(Q) by less.
+const TOLERANCE: f64 = 1e-13;
+/// Nodes of a rule at most: about a second of work.
+const MAX_NODES: usize = 4_000_000;
+/// Grid lines per axis of the search for the box.
+const GRID: usize = 61;
+/// A box this wide, in units of the Gaussian closure's standard deviation, means that the mass never ends.
+const TOO_WIDE: f64 = 1e4;
+
+/// How one axis is covered.
+#[derive(Clone, Debug)]
+struct Axis {
+    low: f64,
+    high: f64,
+    hermite: bool,
+    /// Pairs (z, weight) of ∫ … dz.
+    nodes: Vec<(f64, f64)>,
+}
+
+impl Axis {
+    fn new(low: f64, high: f64, hermite: bool, count: usize) -> Self {
+        let nodes = if hermite {
+            let density = |z: f64| (-z * z / 2.0).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            Rule::hermite(count).iter().map(|(z, w)| (z, w / density(z))).collect()
+        } else {
+            Rule::legendre(count).on(low, high).iter().collect()
+        };
+        Axis { low, high, hermite, nodes }
+    }
+
+    fn refined(&self) -> Self {
+        Axis::new(self.low, self.high, self.hermite, (self.nodes.len() * 3).div_ceil(2))
+    }
+
+    fn count(&self) -> usize {
+        self.nodes.len()
+    }
+}
+
+/// Which part of the space an integral runs over, in terms of the states.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Section {
+    /// A state held at a value.
+    pub(super) fixed: Option<(usize, f64)>,
+    /// A state of one sign: true for positive.
+    pub(super) sign: Option<(usize, bool)>,
+}
+
+impl Section {
+    pub(super) fn at(state: usize, value: f64) -> Self {
+        Section { fixed: Some((state, value)), sign: None }
+    }
+
+    pub(super) fn crossing(crossing: Crossing) -> Self {
+        Section {
+            fixed: Some((crossing.displacement, crossing.level)),
+            sign: Some((crossing.velocity, crossing.upward)),
+        }
+    }
+}
+
+/// A tensor rule in scaled coordinates, fine enough for exp(Q).
+#[derive(Clone, Debug)]
+pub(super) struct TensorRule<const N: usize> {
+    axes: [Axis; N],
+    /// Q at the highest point that the rule has seen; exp(Q) is scaled by it.
+    pub(super) top: f64,
+}
+
+impl<const N: usize> TensorRule<N> {
+    /// Two rules for exp(Q), `wall` being the lower bound of z₁ if there is one: the second is fine enough, the first is
+    /// finer still on every axis that needed refinement, and their difference estimates the error of the second.
+    ///
+    /// # Errors
+    /// [`Error::NotNormalisable`] if the mass never ends.
+    pub(super) fn fitted(q: &Polynomial<N>, frame: &Frame<N>, wall: Option<f64>) -> Result<(Self, Self)> {
+        let (bounds, top) = if N <= 2 || wall.is_some() {
+            bounding_box(q, wall)?
+        } else {
+            // The widest box that a half line of a Gauss-Hermite axis can need.
+            let reach = (2.0 * DEPTH).sqrt();
+            ([(-reach, reach); N], q.evaluate(&[0.0; N]))
+        };
+        let hermite = N > 2 && wall.is_none();
+        let count = if hermite { 2 } else { 24 };
+        let mut rule = TensorRule { axes: bounds.map(|(low, high)| Axis::new(low, high, hermite, count)), top };
+        let mass = |rule: &Self| rule.integrate(q, frame, Section::default(), |_| 1.0).ln();
+        let first = rule.clone();
+        let mut last = mass(&rule);
+        loop {
+            let mut changed = false;
+            for d in 0..N {
+                let mut finer = rule.clone();
+                finer.axes[d] = rule.axes[d].refined();
+                if finer.size() > MAX_NODES {
+                    continue;
+                }
+                let next = mass(&finer);
+                // An axis that is fine enough already keeps the coarser rule; `!(… < …)` also catches NaN.
+                if !((next - last).abs() < TOLERANCE * last.abs().max(1.0)) {
+                    (rule, last, changed) = (finer, next, true);
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        let mut finer = rule.clone();
+        for d in 0..N {
+            let needed = rule.axes[d].count() > first.axes[d].count();
+            if needed && finer.size() / rule.axes[d].count() * rule.axes[d].refined().count() <= MAX_NODES {
+                finer.axes[d] = rule.axes[d].refined();
+            }
+        }
+        Ok((finer, rule))
+    }
+
+    fn size(&self) -> usize {
+        self.axes.iter().map(Axis::count).product()
+    }
+
+    /// ∫ g(x) exp(Q − top) dz over a section. Where a state is held, the result is a density in that state.
+    pub(super) fn integrate(
+        &self,
+        q: &Polynomial<N>,
+        frame: &Frame<N>,
+        section: Section,
+        mut g: impl FnMut(&[f64; N]) -> f64,
+    ) -> f64 {
+        let mut z = [0.0; N];
+        let mut x = [0.0; N];
+        self.sum_from(0, &mut z, &mut x, frame, section, &mut |z, x| {
+            let p = (q.evaluate(z) - self.top).exp();
+            if p == 0.0 { 0.0 } else { p * g(x) }
+        })
+    }
+
+    /// The sum over axis `d` and all after it. L is triangular, so that a state is known once its own coordinate and
+    /// those before it are.
+    fn sum_from(
+        &self,
+        d: usize,
+        z: &mut [f64; N],
+        x: &mut [f64; N],
+        frame: &Frame<N>,
+        section: Section,
+        g: &mut impl FnMut(&[f64; N], &[f64; N]) -> f64,
+    ) -> f64 {
+        if d == N {
+            return g(z, x);
+        }
+        let scale = frame.scale();
+        let shift = frame.origin()[d] + (0..d).map(|j| scale[(d, j)] * z[j]).sum::<f64>();
+        let width = scale[(d, d)];
+        let mut step = |z: &mut [f64; N], x: &mut [f64; N], value: f64, weight: f64| {
+            z[d] = value;
+            x[d] = shift + width * value;
+            weight * self.sum_from(d + 1, z, x, frame, section, g)
+        };
+        match section {
+            Section { fixed: Some((state, value)), .. } if state == d => {
+                step(z, x, (value - shift) / width, width.recip())
+            }
+            Section { sign: Some((state, positive)), .. } if state == d => {
+                let axis = &self.axes[d];
+                let zero = (-shift / width).clamp(axis.low, axis.high);
+                let (low, high) = if positive { (zero, axis.high) } else { (axis.low, zero) };
+                let rule = Rule::legendre(axis.nodes.len().max(32)).on(low, high);
+                rule.iter().map(|(value, weight)| step(z, x, value, weight)).sum()
+            }
+            _ => self.axes[d].nodes.iter().map(|&(value, weight)| step(z, x, value, weight)).sum(),
+        }
+    }
+}
+
+/// The box outside of which exp(Q) is negligible, and the largest Q on it.
+fn bounding_box<const N: usize>(q: &Polynomial<N>, wall: Option<f64>) -> Result<([(f64, f64); N], f64)> {
+    let mut bounds = [(-6.0, 6.0); N];
+    if let Some(wall) = wall {
+        bounds[0] = (wall, wall + 12.0);
+    }
+    let mut top = f64::NEG_INFINITY;
+    for round in 0.. {
+        let (cells, highest) = occupied_cells(q, &bounds);
+        top = highest.max(top);
+        let mut settled = true;
+        for d in 0..N {
+            let (low, high) = bounds[d];
+            let width = (high - low) / (GRID - 1) as f64;
+            let held_low = d == 0 && wall.is_some();
+            let (first, last) = cells[d];
+            let below = if first > 0 || held_low { 0.0 } else { 0.5 };
+            let above = if last < GRID - 1 { 0.0 } else { 0.5 };
+            settled &= below == 0.0 && above == 0.0;
+            bounds[d] = (
+                if held_low { low } else { low + (first as f64 - 1.0) * width - below * (high - low) },
+                low + (last as f64 + 1.0) * width + above * (high - low),
+            );
+            if !(bounds[d].1 - bounds[d].0 < TOO_WIDE) {
+                let direction = (0..N).map(|i| f64::from(i == d)).collect();
+                return Err(Error::NotNormalisable { order: q.degree(), direction });
+            }
+        }
+        // A second look on the shrunken box is finer.
+        if settled && round > 0 {
+            break;
+        }
+    }
+    Ok((bounds, top))
+}
+
+/// The first and last grid line of each axis on which exp(Q) matters, and the largest Q on the grid.
+fn occupied_cells<const N: usize>(q: &Polynomial<N>, bounds: &[(f64, f64); N]) -> ([(usize, usize); N], f64) {
+    let total = GRID.pow(N as u32);
+    let index = |k: usize| -> [usize; N] { std::array::from_fn(|d| k / GRID.pow(d as u32) % GRID) };
+    let point = |k: usize| -> [f64; N] {
+        let index = index(k);
+        std::array::from_fn(|d| bounds[d].0 + index[d] as f64 * (bounds[d].1 - bounds[d].0) / (GRID - 1) as f64)
+    };
+    let values: Vec<f64> = (0..total).map(|k| q.evaluate(&point(k))).collect();
+    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut cells = [(GRID - 1, 0); N];
+    for k in (0..total).filter(|&k| values[k] > highest - DEPTH) {
+        for (cell, i) in cells.iter_mut().zip(index(k)) {
+            *cell = (cell.0.min(i), cell.1.max(i));
+        }
+    }
+    (cells, highest)
+}
