@@ -14,10 +14,12 @@ const TOLERANCE: f64 = 1e-12;
 /// Returns the last iterate where `map` gives nothing or the iterations run out: as a weight any Gaussian will do, a
 /// fixed one only makes it definite.
 pub(super) fn fixed_point(start: Gaussian<2>, map: impl Fn(&Gaussian<2>) -> Option<Gaussian<2>>) -> Gaussian<2> {
+    let coordinates = Coordinates::new(&start);
     let mut gaussian = start;
     let mut history: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
     for _ in 0..MAX_ITERATIONS {
-        let Some((x, y)) = pack(&gaussian).zip(map(&gaussian).as_ref().and_then(pack)) else { break };
+        let mapped = map(&gaussian).and_then(|next| coordinates.pack(&next));
+        let Some((x, y)) = coordinates.pack(&gaussian).zip(mapped) else { break };
         let change = &y - &x;
         if change.amax() < TOLERANCE {
             break;
@@ -26,7 +28,7 @@ pub(super) fn fixed_point(start: Gaussian<2>, map: impl Fn(&Gaussian<2>) -> Opti
         if history.len() > MEMORY {
             history.remove(0);
         }
-        gaussian = unpack(&accelerated(&history));
+        gaussian = coordinates.unpack(&accelerated(&history));
     }
     gaussian
 }
@@ -49,15 +51,26 @@ fn accelerated(history: &[(DVector<f64>, DVector<f64>)]) -> DVector<f64> {
     if (&next - x).amax() < 2.0 { next } else { plain }
 }
 
-fn pack(gaussian: &Gaussian<2>) -> Option<DVector<f64>> {
-    let scale = gaussian.scale().ok()?;
-    let (mean, sigma) = (gaussian.mean, [scale[(0, 0)], scale[(1, 1)]]);
-    let entries = [mean[0] / sigma[0], mean[1] / sigma[1], sigma[0].ln(), sigma[1].ln(), scale[(1, 0)] / sigma[1]];
-    Some(DVector::from_column_slice(&entries))
+/// The mean in units of `start`'s deviations, so that a map which keeps the mean has it kept by every combination.
+struct Coordinates {
+    unit: [f64; 2],
 }
 
-fn unpack(x: &DVector<f64>) -> Gaussian<2> {
-    let sigma = [x[2].exp(), x[3].exp()];
-    let scale = Matrix2::new(sigma[0], 0.0, x[4] * sigma[1], sigma[1]);
-    Gaussian { mean: Vector2::new(x[0] * sigma[0], x[1] * sigma[1]), covariance: scale * scale.transpose() }
+impl Coordinates {
+    fn new(start: &Gaussian<2>) -> Self {
+        Coordinates { unit: [0, 1].map(|i| start.covariance[(i, i)].sqrt()) }
+    }
+
+    fn pack(&self, gaussian: &Gaussian<2>) -> Option<DVector<f64>> {
+        let scale = gaussian.scale().ok()?;
+        let mean = [0, 1].map(|i| gaussian.mean[i] / self.unit[i]);
+        let entries = [mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / self.unit[1]];
+        Some(DVector::from_column_slice(&entries))
+    }
+
+    fn unpack(&self, x: &DVector<f64>) -> Gaussian<2> {
+        let scale = Matrix2::new(x[2].exp(), 0.0, x[4] * self.unit[1], x[3].exp());
+        let mean = Vector2::new(x[0] * self.unit[0], x[1] * self.unit[1]);
+        Gaussian { mean, covariance: scale * scale.transpose() }
+    }
 }

@@ -6,9 +6,17 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
 /// As many nonlinear equations as unknowns, with their exact Jacobian.
-pub(crate) trait GalerkinEquations {
+///
+/// The functions of a lower order come first, so that its solution followed by zeros is a start for a higher one.
+pub(crate) trait GalerkinEquations<const N: usize> {
     /// The left sides F(a) and the Jacobian ∂F/∂a.
     fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
+
+    /// The coefficients of ln f_N itself, −|z|²/2, the start of every search.
+    fn gaussian(&self) -> DVector<f64>;
+
+    /// Q as a polynomial in the scaled coordinates; its constant part is left out.
+    fn polynomial(&self, a: &DVector<f64>) -> Polynomial<N>;
 }
 
 /// F_k(a) = c_k + Σ_i L_ki a_i + Σ_{i≤j} T_kij a_i a_j, with coefficients exact but for rounding.
@@ -55,22 +63,9 @@ impl<const N: usize> HermiteGalerkin<N> {
         let quadratic = terms.quadratic(&table, &basis, &rows, order);
         HermiteGalerkin { basis, constant, linear, quadratic }
     }
-
-    /// The coefficients of ln f_N itself, −|z|²/2, the start of every search.
-    pub(crate) fn gaussian(&self) -> DVector<f64> {
-        let square = |m: &Monomial<N>| m.degree() == 2 && m.0.contains(&2);
-        DVector::from_iterator(self.basis.len(), self.basis.iter().map(|m| f64::from(square(m)) * -0.5_f64.sqrt()))
-    }
-
-    /// Q as a polynomial in the scaled coordinates; its constant part is left out.
-    pub(crate) fn polynomial(&self, a: &DVector<f64>) -> Polynomial<N> {
-        let series = HermiteSeries(self.basis.iter().copied().zip(a.iter().copied()).collect());
-        let q = series.to_polynomial();
-        q.filtered(|m, _| m.degree() > 0)
-    }
 }
 
-impl<const N: usize> GalerkinEquations for HermiteGalerkin<N> {
+impl<const N: usize> GalerkinEquations<N> for HermiteGalerkin<N> {
     fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let mut jacobian = self.linear.clone();
         for t in &self.quadratic {
@@ -81,6 +76,17 @@ impl<const N: usize> GalerkinEquations for HermiteGalerkin<N> {
         // The linear part counts once and the quadratic part half of its derivative.
         let residual = &self.constant + (&self.linear + &jacobian) * a * 0.5;
         (residual, jacobian)
+    }
+
+    fn gaussian(&self) -> DVector<f64> {
+        let square = |m: &Monomial<N>| m.degree() == 2 && m.0.contains(&2);
+        DVector::from_iterator(self.basis.len(), self.basis.iter().map(|m| f64::from(square(m)) * -0.5_f64.sqrt()))
+    }
+
+    fn polynomial(&self, a: &DVector<f64>) -> Polynomial<N> {
+        let series = HermiteSeries(self.basis.iter().copied().zip(a.iter().copied()).collect());
+        let q = series.to_polynomial();
+        q.filtered(|m, _| m.degree() > 0)
     }
 }
 
@@ -180,14 +186,21 @@ impl<const N: usize> OperatorSeries<N> {
 }
 
 /// The equations (1 − s) `easy` + s `hard`, in which the second system replaces the first as s goes from 0 to 1.
-pub(crate) struct Blend<'a, E: GalerkinEquations> {
+pub(crate) struct Blend<'a, E> {
     pub(crate) easy: &'a E,
     pub(crate) hard: &'a E,
 }
 
-impl<E: GalerkinEquations> Blend<'_, E> {
+impl<E> Blend<'_, E> {
     /// F, ∂F/∂a and ∂F/∂s at (a, s).
-    pub(crate) fn evaluate(&self, a: &DVector<f64>, s: f64) -> (DVector<f64>, DMatrix<f64>, DVector<f64>) {
+    pub(crate) fn evaluate<const N: usize>(
+        &self,
+        a: &DVector<f64>,
+        s: f64,
+    ) -> (DVector<f64>, DMatrix<f64>, DVector<f64>)
+    where
+        E: GalerkinEquations<N>,
+    {
         let ((f0, j0), (f1, j1)) = (self.easy.evaluate(a), self.hard.evaluate(a));
         (&f0 * (1.0 - s) + &f1 * s, j0 * (1.0 - s) + j1 * s, f1 - f0)
     }

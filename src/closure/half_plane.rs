@@ -184,21 +184,9 @@ impl HalfPlaneGalerkin {
         let gaussian = projection * DVector::from_iterator(indices.len(), indices.iter().map(quadratic));
         HalfPlaneGalerkin { indices, transform, constant, linear, test, slope, half_diffusion, wall, gaussian }
     }
-
-    /// The coefficients of ln f_N.
-    pub(crate) fn gaussian(&self) -> DVector<f64> {
-        self.gaussian.clone()
-    }
-
-    /// Q as a polynomial in the scaled coordinates; its constant part is left out.
-    pub(crate) fn polynomial(&self, a: &DVector<f64>) -> Polynomial<2> {
-        let coefficients = &self.transform * a;
-        let series = HermiteSeries(self.indices.iter().copied().zip(coefficients.iter().copied()).collect());
-        series.to_polynomial().filtered(|m, _| m.degree() > 0)
-    }
 }
 
-impl GalerkinEquations for HalfPlaneGalerkin {
+impl GalerkinEquations<2> for HalfPlaneGalerkin {
     fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let slope = &self.slope * a;
         let half = self.half_diffusion.component_mul(&slope);
@@ -218,6 +206,16 @@ impl GalerkinEquations for HalfPlaneGalerkin {
             jacobian += test * change;
         }
         (residual, jacobian)
+    }
+
+    fn gaussian(&self) -> DVector<f64> {
+        self.gaussian.clone()
+    }
+
+    fn polynomial(&self, a: &DVector<f64>) -> Polynomial<2> {
+        let coefficients = &self.transform * a;
+        let series = HermiteSeries(self.indices.iter().copied().zip(coefficients.iter().copied()).collect());
+        series.to_polynomial().filtered(|m, _| m.degree() > 0)
     }
 }
 

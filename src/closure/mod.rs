@@ -7,7 +7,7 @@
 //! 1. `gaussian_closure`: the moments of f_N;
 //! 2. `hermite`, `galerkin`: the equations on the whole space, in polynomials orthonormal under f_N;
 //!    `half_plane`: the same with a wall;
-//! 3. `newton`, `homotopy`: a root;
+//! 3. `search`, by `newton` and `homotopy`: a root;
 //! 4. `solution`: what was found, and whether it is a density.
 
 mod fixed_point;
@@ -17,6 +17,7 @@ mod half_plane;
 mod hermite;
 mod homotopy;
 mod newton;
+mod search;
 mod solution;
 
 pub use solution::{Route, Solution, Termination};
@@ -26,9 +27,9 @@ use fixed_point::fixed_point;
 use galerkin::{GalerkinEquations, HermiteGalerkin};
 use gaussian_closure::gaussian_closure;
 use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator};
-use homotopy::homotopy;
-use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
-use newton::{Iterate, Outcome, newton};
+use nalgebra::{Matrix2, SymmetricEigen, Vector2};
+use newton::newton;
+use search::{Found, Search};
 use std::fmt;
 use std::time::Instant;
 
@@ -96,15 +97,14 @@ impl Closure {
         let operator = FokkerPlanck::new(system)?;
         let gaussian = gaussian_closure(&operator)?;
         let frame = Frame::new(&gaussian)?;
-        let equations = HermiteGalerkin::new(&operator.in_frame(&frame), order);
-        let linear = || {
-            let easy = HermiteGalerkin::new(&operator.linearised(&gaussian).in_frame(&frame), order);
-            let start = easy.gaussian();
-            (easy, start)
+        let scaled = operator.in_frame(&frame);
+        let linear = operator.linearised(&gaussian).in_frame(&frame);
+        let search = Search {
+            equations: |order| HermiteGalerkin::new(&scaled, order),
+            linearised: |order| HermiteGalerkin::new(&linear, order),
+            half_space: false,
         };
-        let polynomial = |a: &DVector<f64>| equations.polynomial(a);
-        let found = search(&equations, equations.gaussian(), linear, polynomial, false);
-        Ok(found.into_solution(*self, frame, None, start))
+        Ok(self.solution(search.run(order), frame, None, start))
     }
 
     /// Closes an oscillator above a wall: y ≥ b, y′₊ = −r y′₋. The solution is the density of (y, y′) on the half plane,
@@ -135,18 +135,16 @@ impl Closure {
         }
         let gaussian = self.wall_weight(&operator, barrier)?;
         let weight = Weight::new(&gaussian, barrier)?;
-        let equations = HalfPlaneGalerkin::new(&operator, barrier, &weight, self.basis, order);
-        let linear = || {
-            let elastic = Barrier::new(barrier.offset(), 1.0).unwrap_or(barrier);
-            let diffusion = gaussian.expectation(&operator.diffusion()[1][1]);
-            let oscillator = elastic_linear_oscillator(&gaussian, diffusion);
-            let easy = HalfPlaneGalerkin::new(&oscillator, elastic, &weight, self.basis, order);
-            let start = newton(&easy, easy.gaussian()).a;
-            (easy, start)
+        let elastic = Barrier::new(barrier.offset(), 1.0)?;
+        let diffusion = gaussian.expectation(&operator.diffusion()[1][1]);
+        let oscillator = elastic_linear_oscillator(&gaussian, diffusion);
+        let search = Search {
+            equations: |order| HalfPlaneGalerkin::new(&operator, barrier, &weight, self.basis, order),
+            linearised: |order| HalfPlaneGalerkin::new(&oscillator, elastic, &weight, self.basis, order),
+            half_space: true,
         };
-        let polynomial = |a: &DVector<f64>| equations.polynomial(a);
-        let found = search(&equations, equations.gaussian(), linear, polynomial, true);
-        Ok(found.into_solution(*self, weight.frame.clone(), Some(barrier), start))
+        let found = search.run(order);
+        Ok(self.solution(found, weight.frame, Some(barrier), start))
     }
 
     /// The weight f_N of a system with a wall: the Gaussian that is its own closure of order 2 in the same basis.
@@ -170,6 +168,29 @@ impl Closure {
             gaussian_of(&q, &weight.frame)
         };
         Ok(fixed_point(start, closed))
+    }
+
+    fn solution<const N: usize>(
+        &self,
+        found: Found<N>,
+        frame: Frame<N>,
+        barrier: Option<Barrier>,
+        start: Instant,
+    ) -> Solution<N> {
+        Solution {
+            order: self.order,
+            basis: self.basis,
+            frame,
+            q: found.q,
+            barrier,
+            termination: found.termination,
+            route: found.route,
+            unknowns: found.iterate.a.len(),
+            iterations: found.iterations,
+            residual: found.iterate.residual,
+            condition: found.condition,
+            elapsed: start.elapsed(),
+        }
     }
 
     fn checked_order(&self) -> Result<u32> {
@@ -197,73 +218,4 @@ fn gaussian_of(q: &Polynomial<2>, frame: &Frame<2>) -> Option<Gaussian<2>> {
         mean: Vector2::from(frame.state(&mean.into())),
         covariance: scale * covariance * scale.transpose(),
     })
-}
-
-/// The last iterate of the search for a root.
-struct Found<const N: usize> {
-    q: Polynomial<N>,
-    iterate: Iterate,
-    route: Route,
-    termination: Termination,
-    condition: f64,
-}
-
-/// Newton's method from the Gaussian, then the homotopy from the linearised system where that gave no density.
-fn search<E: GalerkinEquations, const N: usize>(
-    equations: &E,
-    gaussian: DVector<f64>,
-    linear: impl FnOnce() -> (E, DVector<f64>),
-    polynomial: impl Fn(&DVector<f64>) -> Polynomial<N>,
-    half_space: bool,
-) -> Found<N> {
-    let judged = |iterate: Iterate, route: Route| {
-        let condition = condition_number(equations.evaluate(&iterate.a).1);
-        let q = polynomial(&iterate.a);
-        let termination = match iterate.outcome {
-            Outcome::Root if solution::falls(&q, half_space, condition) => Termination::Root,
-            Outcome::Root => Termination::NotNormalisable,
-            Outcome::NoDescent => Termination::NoRoot,
-            Outcome::Stalled => Termination::Stalled,
-        };
-        Found { q, iterate, route, termination, condition }
-    };
-    let direct = judged(newton(equations, gaussian), Route::Newton);
-    if direct.termination == Termination::Root {
-        return direct;
-    }
-    let (easy, start) = linear();
-    let mut along = judged(homotopy(&easy, equations, start), Route::Homotopy);
-    along.iterate.iterations += direct.iterate.iterations;
-    let better = along.termination == Termination::Root || direct.termination != Termination::NotNormalisable;
-    if better && along.iterate.outcome == Outcome::Root {
-        return along;
-    }
-    let mut direct = direct;
-    direct.iterate.iterations = along.iterate.iterations;
-    direct
-}
-
-impl<const N: usize> Found<N> {
-    fn into_solution(self, closure: Closure, frame: Frame<N>, barrier: Option<Barrier>, start: Instant) -> Solution<N> {
-        Solution {
-            order: closure.order,
-            basis: closure.basis,
-            frame,
-            q: self.q,
-            barrier,
-            termination: self.termination,
-            route: self.route,
-            unknowns: self.iterate.a.len(),
-            iterations: self.iterate.iterations,
-            residual: self.iterate.residual,
-            condition: self.condition,
-            elapsed: start.elapsed(),
-        }
-    }
-}
-
-fn condition_number(jacobian: DMatrix<f64>) -> f64 {
-    let norm = |m: &DMatrix<f64>| m.column_iter().map(|c| c.lp_norm(1)).fold(0.0, f64::max);
-    let size = norm(&jacobian);
-    jacobian.try_inverse().map_or(f64::INFINITY, |inverse| size * norm(&inverse))
 }

@@ -32,7 +32,7 @@ pub(crate) struct Iterate {
 }
 
 /// Newton's method with the exact Jacobian; a step is halved until it lowers ‖F‖.
-pub(crate) fn newton(equations: &impl GalerkinEquations, start: DVector<f64>) -> Iterate {
+pub(crate) fn newton<const N: usize>(equations: &impl GalerkinEquations<N>, start: DVector<f64>) -> Iterate {
     let (mut f, mut jacobian) = equations.evaluate(&start);
     let mut last = Iterate { a: start, outcome: Outcome::Stalled, iterations: 0, residual: f.norm() };
     while last.iterations < MAX_ITERATIONS {

@@ -34,8 +34,10 @@ impl fmt::Display for Termination {
 pub enum Route {
     /// Newton's method from the Gaussian closure.
     Newton,
-    /// The path from the linearised system, after Newton's method had failed.
+    /// The path from the linearised system, after Newton's method had given no density.
     Homotopy,
+    /// Newton's method from what order n − 2 had found, after both had given no density.
+    LowerOrder,
 }
 
 impl fmt::Display for Route {
@@ -43,6 +45,7 @@ impl fmt::Display for Route {
         f.pad(match self {
             Route::Newton => "Newton from the Gaussian",
             Route::Homotopy => "homotopy from the linearised system",
+            Route::LowerOrder => "Newton from the order below",
         })
     }
 }
@@ -90,7 +93,7 @@ impl<const N: usize> Solution<N> {
         self.unknowns
     }
 
-    /// Newton iterations, those of a homotopy included.
+    /// Newton iterations of all searches together, correctors of a homotopy included.
     pub fn iterations(&self) -> usize {
         self.iterations
     }
@@ -132,7 +135,10 @@ impl<const N: usize> Solution<N> {
         match self.termination {
             Termination::Root | Termination::NotNormalisable => {
                 let q = significant(&self.q, self.noise());
-                ExpPolynomial::new(q, self.frame.clone(), self.barrier, self.noise())
+                ExpPolynomial::new(q, self.frame.clone(), self.barrier, self.noise()).map_err(|error| match error {
+                    Error::NotNormalisable { direction, .. } => Error::NotNormalisable { order: self.order, direction },
+                    other => other,
+                })
             }
             termination => Err(Error::NoRoot { order: self.order, termination }),
         }
