@@ -11,9 +11,9 @@ mod quadrature;
 mod scalar;
 mod system;
 
-pub use barrier::Barrier;
+pub use barrier::{Barrier, Zhuravlev};
 pub use closure::{Basis, Closure, Route, Solution, Termination};
-pub use density::{Crossing, Density, ExpPolynomial, Frame};
+pub use density::{Crossing, Density, ExpPolynomial, Frame, Support};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, LocalOperator, OperatorText};

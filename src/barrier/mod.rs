@@ -1,5 +1,9 @@
 //! Walls: the barrier, and Zhuravlev's transformation that makes the displacement continuous.
 
+mod zhuravlev;
+
+pub use zhuravlev::Zhuravlev;
+
 use crate::{Error, Result, error::finite};
 
 /// A rigid wall at y = `offset` with the oscillator above it: y ≥ b, and y′₊ = −r y′₋ at each impact.

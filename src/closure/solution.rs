@@ -1,6 +1,6 @@
 use super::Basis;
 use crate::density::escape_direction;
-use crate::{Barrier, Error, ExpPolynomial, Frame, Polynomial, Result};
+use crate::{Barrier, Error, ExpPolynomial, Frame, Polynomial, Result, Support};
 use std::fmt;
 use std::time::Duration;
 
@@ -135,13 +135,27 @@ impl<const N: usize> Solution<N> {
         match self.termination {
             Termination::Root | Termination::NotNormalisable => {
                 let q = significant(&self.q, self.noise());
-                ExpPolynomial::new(q, self.frame.clone(), self.barrier, self.noise()).map_err(|error| match error {
+                ExpPolynomial::new(q, self.frame.clone(), self.support(), self.noise()).map_err(|error| match error {
                     Error::NotNormalisable { direction, .. } => Error::NotNormalisable { order: self.order, direction },
                     other => other,
                 })
             }
             termination => Err(Error::NoRoot { order: self.order, termination }),
         }
+    }
+
+    /// The last iterate's exp(Q) cut off at a box of the states, whatever the termination: no solution of the
+    /// Fokker-Planck equation, but the curve that the literature draws where Q turns upwards beyond the figure. With a
+    /// wall the box must not reach below it.
+    ///
+    /// # Errors
+    /// As [`ExpPolynomial::cut_off`].
+    pub fn density_within(&self, region: [[f64; 2]; N]) -> Result<ExpPolynomial<N>> {
+        ExpPolynomial::cut_off(&self.polynomial(), region)
+    }
+
+    fn support(&self) -> Support<N> {
+        self.barrier.map_or(Support::WholeSpace, |barrier| Support::Above(barrier.offset()))
     }
 
     /// The relative size of the coefficients' rounding error.

@@ -1,9 +1,10 @@
 use super::tensor::{Section, TensorRule};
-use super::{Crossing, Density, Frame, escape_direction};
-use crate::error::state_index;
-use crate::{Barrier, Error, Estimate, Gaussian, Monomial, Polynomial, Result};
+use super::{Crossing, Density, Frame, Support, escape_direction};
+use crate::error::{positive, state_index};
+use crate::{Error, Estimate, Gaussian, Monomial, Polynomial, Result};
+use nalgebra::{SMatrix, SVector};
 
-/// A density p = C exp(Q) with a polynomial Q, on R^N or above a wall.
+/// A density p = C exp(Q) with a polynomial Q, on R^N, above a wall, or cut off at a given region.
 ///
 /// It is normalised by quadrature, whose error estimate goes into every value. Integrals cost milliseconds in two states
 /// and up to seconds in six.
@@ -12,7 +13,7 @@ pub struct ExpPolynomial<const N: usize> {
     /// In the coordinates of the frame.
     q: Polynomial<N>,
     frame: Frame<N>,
-    barrier: Option<Barrier>,
+    support: Support<N>,
     rule: TensorRule<N>,
     coarse: TensorRule<N>,
     /// ln ∫ exp(Q) dx.
@@ -20,19 +21,23 @@ pub struct ExpPolynomial<const N: usize> {
 }
 
 impl<const N: usize> ExpPolynomial<N> {
-    /// The density exp(Q) for `q` in the coordinates z of `frame`, on x₁ ≥ b if there is a barrier.
+    /// The density exp(Q) for `q` in the coordinates z of `frame`.
     ///
-    /// `noise` is the relative size below which a coefficient says nothing about the sign of Q far away.
+    /// `noise` is the relative size below which a value says nothing about the sign of Q far away.
     ///
     /// # Errors
-    /// [`Error::NotNormalisable`] if Q does not fall in every direction.
-    pub fn new(q: Polynomial<N>, frame: Frame<N>, barrier: Option<Barrier>, noise: f64) -> Result<Self> {
-        if let Some(direction) = escape_direction(&q, barrier.is_some(), noise) {
+    /// [`Error::NotNormalisable`] if Q does not fall in every direction that `support` leaves open.
+    pub fn new(q: Polynomial<N>, frame: Frame<N>, support: Support<N>, noise: f64) -> Result<Self> {
+        let half_space = match support {
+            Support::WholeSpace => Some(false),
+            Support::Above(_) => Some(true),
+            Support::Region(_) => None,
+        };
+        if let Some(direction) = half_space.and_then(|half_space| escape_direction(&q, half_space, noise)) {
             return Err(Error::NotNormalisable { order: q.degree(), direction: direction.to_vec() });
         }
-        let wall = barrier.map(|b| (b.offset() - frame.origin()[0]) / frame.scale()[(0, 0)]);
-        let (rule, coarse) = TensorRule::fitted(&q, &frame, wall)?;
-        let mut density = ExpPolynomial { q, frame, barrier, rule, coarse, log_mass: Estimate::exact(0.0) };
+        let (rule, coarse) = TensorRule::fitted(&q, &frame, &support)?;
+        let mut density = ExpPolynomial { q, frame, support, rule, coarse, log_mass: Estimate::exact(0.0) };
         let mass = density.integral(Section::default(), |_| 1.0);
         let log_mass = mass.value.ln() + density.rule.top + density.frame.log_volume();
         density.log_mass = Estimate::new(log_mass, mass.error / mass.value);
@@ -43,10 +48,28 @@ impl<const N: usize> ExpPolynomial<N> {
     ///
     /// # Errors
     /// As [`ExpPolynomial::new`]; [`Error::OutOfRange`] if the covariance of `scale` is not positive definite.
-    pub fn from_states(q: &Polynomial<N>, scale: &Gaussian<N>, barrier: Option<Barrier>) -> Result<Self> {
+    pub fn from_states(q: &Polynomial<N>, scale: &Gaussian<N>, support: Support<N>) -> Result<Self> {
         let frame = Frame::new(scale)?;
-        let q = q.compose(&frame.state_polynomials()).filtered(|m, _| m.degree() > 0);
-        ExpPolynomial::new(q, frame, barrier, 1e-13)
+        ExpPolynomial::new(in_frame(q, &frame), frame, support, 1e-13)
+    }
+
+    /// exp(Q) cut off at a box of the states, for `q` in the states themselves, whether or not Q falls outside.
+    ///
+    /// This is how an exp(Q) that is no density on the whole space can still be compared where it is plausible; the
+    /// caller chooses the box and must say so.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if a side of the box is not finite and positive.
+    pub fn cut_off(q: &Polynomial<N>, region: [[f64; 2]; N]) -> Result<Self> {
+        for [low, high] in region {
+            positive("side of a region", high - low, "give finite lower and upper limits in this order")?;
+        }
+        // In this frame the box is the cube [−1, 1]^N.
+        let mean = SVector::from_fn(|i, _| (region[i][0] + region[i][1]) / 2.0);
+        let covariance =
+            SMatrix::from_fn(|i, j| if i == j { ((region[i][1] - region[i][0]) / 2.0).powi(2) } else { 0.0 });
+        let frame = Frame::new(&Gaussian { mean, covariance })?;
+        ExpPolynomial::new(in_frame(q, &frame), frame, Support::Region(region), 0.0)
     }
 
     /// ln ∫ exp(Q) dx, with the quadrature's error.
@@ -71,9 +94,9 @@ impl<const N: usize> ExpPolynomial<N> {
         self.mean_over(Section::default(), g)
     }
 
-    /// Where the density ends, if it does: the wall below state 0.
-    pub fn barrier(&self) -> Option<Barrier> {
-        self.barrier
+    /// Where the density lives.
+    pub fn support(&self) -> &Support<N> {
+        &self.support
     }
 
     /// ∫ g exp(Q − top) dz and the change against the coarser rule.
@@ -89,10 +112,11 @@ impl<const N: usize> ExpPolynomial<N> {
         let part = self.integral(section, g).scaled(scale);
         Estimate::new(part.value, part.error + part.value.abs() * self.log_mass.error)
     }
+}
 
-    fn outside(&self, displacement: f64) -> bool {
-        self.barrier.is_some_and(|b| displacement < b.offset())
-    }
+/// Q in the coordinates of `frame`, without its constant.
+fn in_frame<const N: usize>(q: &Polynomial<N>, frame: &Frame<N>) -> Polynomial<N> {
+    q.compose(&frame.state_polynomials()).filtered(|m, _| m.degree() > 0)
 }
 
 impl<const N: usize> Density<N> for ExpPolynomial<N> {
@@ -102,7 +126,7 @@ impl<const N: usize> Density<N> for ExpPolynomial<N> {
     }
 
     fn log_pdf(&self, x: &[f64; N]) -> f64 {
-        if self.outside(x[0]) {
+        if (0..N).any(|i| !self.support.contains(i, x[i])) {
             return f64::NEG_INFINITY;
         }
         self.q.evaluate(&self.frame.coordinates(x)) - self.log_mass.value
@@ -110,7 +134,7 @@ impl<const N: usize> Density<N> for ExpPolynomial<N> {
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         state_index::<N>("the state of a marginal", state)?;
-        if state == 0 && self.outside(x) {
+        if !self.support.contains(state, x) {
             return Ok(Estimate::exact(0.0));
         }
         Ok(self.mean_over(Section::at(state, x), |_| 1.0))
@@ -133,7 +157,7 @@ impl<const N: usize> Density<N> for ExpPolynomial<N> {
         if displacement == velocity {
             return Err(Error::Dimension { what: "a crossing of a state by itself", expected: N, found: velocity });
         }
-        if displacement == 0 && self.outside(crossing.level) {
+        if !self.support.contains(displacement, crossing.level) {
             return Ok(Estimate::exact(0.0));
         }
         Ok(self.mean_over(Section::crossing(crossing), |x| x[velocity].abs().powi(power as i32)))

@@ -3,11 +3,13 @@
 mod exp_polynomial;
 mod frame;
 mod leading_form;
+mod support;
 mod tensor;
 
 pub use exp_polynomial::ExpPolynomial;
 pub use frame::Frame;
 pub(crate) use leading_form::escape_direction;
+pub use support::Support;
 
 use crate::{Estimate, Result};
 

@@ -7,6 +7,7 @@
 //! integral stops changing.
 
 use super::frame::Frame;
+use super::support::Support;
 use crate::quadrature::Rule;
 use crate::{Crossing, Error, Polynomial, Result};
 
@@ -82,20 +83,28 @@ pub(super) struct TensorRule<const N: usize> {
 }
 
 impl<const N: usize> TensorRule<N> {
-    /// Two rules for exp(Q), `wall` being the lower bound of z₁ if there is one: the second is fine enough, the first is
+    /// Two rules for exp(Q) on `support`: the second is fine enough, the first is
     /// finer still on every axis that needed refinement, and their difference estimates the error of the second.
     ///
     /// # Errors
     /// [`Error::NotNormalisable`] if the mass never ends.
-    pub(super) fn fitted(q: &Polynomial<N>, frame: &Frame<N>, wall: Option<f64>) -> Result<(Self, Self)> {
-        let (bounds, top) = if N <= 2 || wall.is_some() {
-            bounding_box(q, wall)?
-        } else {
-            // The widest box that a half line of a Gauss-Hermite axis can need.
-            let reach = (2.0 * DEPTH).sqrt();
-            ([(-reach, reach); N], q.evaluate(&[0.0; N]))
+    pub(super) fn fitted(q: &Polynomial<N>, frame: &Frame<N>, support: &Support<N>) -> Result<(Self, Self)> {
+        let hermite = N > 2 && *support == Support::WholeSpace;
+        let (bounds, top) = match support {
+            Support::WholeSpace if hermite => {
+                // The widest box that a half line of a Gauss-Hermite axis can need.
+                let reach = (2.0 * DEPTH).sqrt();
+                ([(-reach, reach); N], q.evaluate(&[0.0; N]))
+            }
+            Support::WholeSpace => bounding_box(q, None)?,
+            Support::Above(bound) => bounding_box(q, Some((bound - frame.origin()[0]) / frame.scale()[(0, 0)]))?,
+            Support::Region(limits) => {
+                let corner = |side: usize| frame.coordinates(&std::array::from_fn(|i| limits[i][side]));
+                let (low, high) = (corner(0), corner(1));
+                let bounds = std::array::from_fn(|i| (low[i], high[i]));
+                (bounds, occupied_cells(q, &bounds).1)
+            }
         };
-        let hermite = N > 2 && wall.is_none();
         let count = if hermite { 2 } else { 24 };
         let mut rule = TensorRule { axes: bounds.map(|(low, high)| Axis::new(low, high, hermite, count)), top };
         let mass = |rule: &Self| rule.integrate(q, frame, Section::default(), |_| 1.0).ln();

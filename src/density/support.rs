@@ -1,0 +1,21 @@
+/// The part of R^N on which a density lives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Support<const N: usize> {
+    /// All of it.
+    WholeSpace,
+    /// The half space in which state 0 is at least this: above a wall.
+    Above(f64),
+    /// A box, as pairs of lower and upper limit. Outside, the density is 0 by decree and not by nature.
+    Region([[f64; 2]; N]),
+}
+
+impl<const N: usize> Support<N> {
+    /// Whether the value `x` of state `state` lies inside, whatever the other states are.
+    pub fn contains(&self, state: usize, x: f64) -> bool {
+        match self {
+            Support::WholeSpace => true,
+            Support::Above(bound) => state > 0 || x >= *bound,
+            Support::Region(limits) => limits.get(state).is_some_and(|[low, high]| (*low..=*high).contains(&x)),
+        }
+    }
+}
