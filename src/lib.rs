@@ -1,6 +1,7 @@
 //! expoly
 mod barrier;
 mod closure;
+pub mod compare;
 mod density;
 mod error;
 mod estimate;

@@ -86,6 +86,22 @@ impl Closure {
         Closure { basis, ..self }
     }
 
+    /// The Gaussian closure of a system: the normal distribution under which its moment equations of first and second
+    /// order hold exactly. It is the weight f_N of the higher orders and equal to the closure of order 2.
+    ///
+    /// # Errors
+    /// As [`Closure::solve`].
+    ///
+    /// ```
+    /// use expoly::{Closure, models::Duffing};
+    /// let gaussian = Closure::gaussian(&Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+    /// assert!((gaussian.covariance[(1, 1)] - 1.0).abs() < 1e-12); // D/c
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn gaussian<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(system: &T) -> Result<Gaussian<N>> {
+        gaussian_closure(&FokkerPlanck::new(system)?)
+    }
+
     /// Closes a system on the whole space.
     ///
     /// # Errors

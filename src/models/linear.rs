@@ -1,25 +1,42 @@
+use super::Solved;
 use crate::{Intensity, Oscillator, Result, Scalar};
-/// x″ + c x′ + k x = ξ.
+
+/// The linear oscillator x″ + c x′ + k x = ξ: normal, with E[x′²] = D/c and E[x²] = D/(c k).
+///
+/// # Reference
+/// S. Chandrasekhar, Stochastic problems in physics and astronomy, Reviews of Modern Physics 15 (1943) 1-89,
+/// doi:10.1103/RevModPhys.15.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {
     damping: f64,
     stiffness: f64,
     intensity: Intensity,
 }
+
 impl Linear {
-    /// The oscillator with damping c, stiffness k and intensity D.
+    /// Damping c, stiffness k, intensity D.
     ///
     /// # Errors
-    /// if D is not positive and finite
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless D is finite and positive; the other parameters are checked
+    /// where the system is used.
     pub fn new(damping: f64, stiffness: f64, intensity: f64) -> Result<Self> {
         Ok(Linear { damping, stiffness, intensity: Intensity::new(intensity)? })
     }
 }
+
 impl Oscillator for Linear {
+    #[inline]
     fn force<S: Scalar>(&self, x: S, v: S) -> S {
         v * self.damping + x * self.stiffness
     }
+
     fn intensity(&self) -> Intensity {
         self.intensity
+    }
+}
+
+impl Solved<2, 1> for Linear {
+    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+        (v * v + x * x * self.stiffness) * (-0.5 * self.damping / self.intensity.d())
     }
 }

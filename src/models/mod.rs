@@ -1,5 +1,81 @@
-//! The literature's oscillators.
+//! The literature's oscillators, each with its source and, where there is one, its exact density.
+//!
+//! | model | equation | exact density |
+//! |---|---|---|
+//! | [`Linear`] | x″ + c x′ + k x = ξ | normal |
+//! | [`Duffing`] | x″ + c x′ + k x + μ x³ = ξ, two wells for k < 0 | exp(−c H/D) |
+//! | [`QuinticDuffing`] | x″ + c x′ + k x + μ x³ + ν x⁵ = ξ, up to three wells | exp(−c H/D) |
+//! | [`VanDerPolRayleigh`] | x″ + ε (x² + x′² − 1) x′ + x = ξ | exp of a quartic in x² + x′² |
+//! | [`EnergyDamping`] | x″ + (βH − α) x′ + x + μ x³ = ξ | exp of a quadratic in H |
+//! | [`ParametricLinear`] | x″ + 2α x′ (1 + η) + Ω² x (1 + ζ) = ξ | power law |
+//! | [`DisplacementNoise`] | x″ + c (1 + g x²) x′ + k x + μ x³ = ξ₁ + √g x ξ₂ | exp(−c H/D) |
+//! | [`VelocityNoise`] | noise (g₀ + g₁ x′) ξ, damping to suit | exp(−φ(H)) |
+//! | [`DuffingChain`] | coupled Duffing oscillators at one temperature | exp(−energy/T) |
+//! | [`DuffingVanDerPol`] | x″ + (α + β x²) x′ + k x + μ x³ = ξ | none |
+//! | [`CubicDamping`] | x″ + α x′ + γ x′³ + k x + μ x³ = ξ | none |
+//! | [`VibroImpactDuffing`] | Duffing above a wall that need not stand at the rest position | for r = 1 |
+//!
+//! Every D is an intensity as in [`Intensity`](crate::Intensity); H = x′²/2 + G(x) is the energy per unit mass, G′ the restoring force.
+
+mod chain;
+mod cubic_damping;
+mod displacement_noise;
 mod duffing;
+mod duffing_van_der_pol;
+mod energy_damping;
 mod linear;
+mod parametric_linear;
+mod quintic_duffing;
+mod van_der_pol_rayleigh;
+mod velocity_noise;
+mod vibro_impact;
+
+pub use chain::DuffingChain;
+pub use cubic_damping::CubicDamping;
+pub use displacement_noise::DisplacementNoise;
 pub use duffing::Duffing;
+pub use duffing_van_der_pol::DuffingVanDerPol;
+pub use energy_damping::EnergyDamping;
 pub use linear::Linear;
+pub use parametric_linear::{ParametricLinear, PowerLaw};
+pub use quintic_duffing::QuinticDuffing;
+pub use van_der_pol_rayleigh::VanDerPolRayleigh;
+pub use velocity_noise::VelocityNoise;
+pub use vibro_impact::VibroImpactDuffing;
+
+use crate::{Arena, Closure, ExpPolynomial, Polynomial, PolynomialDrift, Result, Scalar, Support};
+
+/// A system whose stationary density is known as exp of a polynomial.
+pub trait Solved<const N: usize, const M: usize>: PolynomialDrift<N, M> {
+    /// ln p up to its constant, generically, like the drift.
+    fn log_density<S: Scalar>(&self, x: [S; N]) -> S;
+
+    /// The polynomial of [`Solved::log_density`].
+    fn log_polynomial(&self) -> Polynomial<N> {
+        self.log_density(Arena::new().variables()).polynomial()
+    }
+
+    /// The exact stationary density.
+    ///
+    /// # Errors
+    /// [`Error::NotNormalisable`](crate::Error::NotNormalisable), and as [`Closure::gaussian`], where the parameters
+    /// leave no stationary density.
+    fn exact(&self) -> Result<ExpPolynomial<N>>
+    where
+        Self: Sized,
+    {
+        ExpPolynomial::from_states(&self.log_polynomial(), &Closure::gaussian(self)?, Support::WholeSpace)
+    }
+
+    /// The exact density above an elastic wall at `bound`, r = 1: the density without a wall, cut off and normalised
+    /// again.
+    ///
+    /// # Errors
+    /// As [`Solved::exact`].
+    fn exact_above(&self, bound: f64) -> Result<ExpPolynomial<N>>
+    where
+        Self: Sized,
+    {
+        ExpPolynomial::from_states(&self.log_polynomial(), &Closure::gaussian(self)?, Support::Above(bound))
+    }
+}

@@ -1,0 +1,53 @@
+use super::Solved;
+use crate::{Intensity, PolynomialDrift, Result, Scalar};
+
+/// A Duffing oscillator whose noise and damping grow together with the displacement:
+/// x″ + c (1 + g x²) x′ + k x + μ x³ = ξ₁ + √g x ξ₂, both noises of intensity D.
+///
+/// The noise acts on the velocity and depends on the displacement alone, so that Itô and Stratonovich agree.
+/// p = C exp(−c H/D) as without the noise in x: fluctuation and dissipation balance at every displacement.
+///
+/// # Reference
+/// Y. K. Lin and G. Q. Cai, Exact stationary response solution for second order nonlinear systems under parametric and
+/// external white noise excitations: part II, Journal of Applied Mechanics 55 (1988) 702-705.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisplacementNoise {
+    damping: f64,
+    stiffness: f64,
+    cubic: f64,
+    growth: f64,
+    intensity: Intensity,
+}
+
+impl DisplacementNoise {
+    /// Damping c, stiffness k, cubic stiffness μ, growth g ≥ 0 of noise and damping, intensity D.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless D is finite and positive; the other parameters are checked
+    /// where the system is used, where a negative g shows as a coefficient that is not a number.
+    pub fn new(damping: f64, stiffness: f64, cubic: f64, growth: f64, intensity: f64) -> Result<Self> {
+        Ok(DisplacementNoise { damping, stiffness, cubic, growth, intensity: Intensity::new(intensity)? })
+    }
+}
+
+impl PolynomialDrift<2, 2> for DisplacementNoise {
+    #[inline]
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        let damping = (x * x * self.growth + 1.0) * v * self.damping;
+        [v, -(damping + x * self.stiffness + x.powi(3) * self.cubic)]
+    }
+
+    #[inline]
+    fn noise<S: Scalar>(&self, [x, _]: [S; 2]) -> [[S; 2]; 2] {
+        let zero = S::from(0.0);
+        let sigma = self.intensity.amplitude();
+        [[zero, zero], [S::from(sigma), x * (self.growth.sqrt() * sigma)]]
+    }
+}
+
+impl Solved<2, 2> for DisplacementNoise {
+    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+        let energy = v * v * 0.5 + x * x * (self.stiffness / 2.0) + x.powi(4) * (self.cubic / 4.0);
+        energy * (-self.damping / self.intensity.d())
+    }
+}

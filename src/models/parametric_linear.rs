@@ -1,0 +1,169 @@
+use crate::error::{positive, state_index};
+use crate::quadrature::Rule;
+use crate::{Crossing, Density, Estimate, Intensity, Interpretation, PolynomialDrift, Result, Scalar};
+
+/// The linear oscillator with noise in damping and stiffness, x″ + 2α x′ (1 + η) + Ω² x (1 + ζ) = ξ, Stratonovich.
+///
+/// With independent noises whose intensities satisfy Ω² D_ζ = 4α² D_η, the density is the power law
+/// C (κ + x′² + Ω² x²)^−δ with κ = D/(4α² D_η) and δ = ½ + 1/(4α D_η): moments exist up to order 2δ − 2 only, and no
+/// polynomial closure is exact.
+///
+/// # Reference
+/// M. F. Dimentberg, An exact solution to a certain non-linear random vibration problem, International Journal of
+/// Non-Linear Mechanics 17 (1982) 231-236, doi:10.1016/0020-7462(82)90023-3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParametricLinear {
+    damping: f64,
+    frequency: f64,
+    parametric: Intensity,
+    external: Intensity,
+}
+
+impl ParametricLinear {
+    /// Damping α, circular frequency Ω, intensity D_η of the noise in the damping (that in the stiffness follows),
+    /// intensity D of the external noise.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless all are finite and positive and the density exists, which
+    /// asks for δ > 1.
+    ///
+    /// ```
+    /// use expoly::{Density, models::ParametricLinear};
+    /// let exact = ParametricLinear::new(0.1, 1.0, 0.5, 0.2)?.exact();
+    /// assert!((exact.moment([0, 2]).value - 10.0 / 7.0).abs() < 1e-12);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn new(damping: f64, frequency: f64, parametric: f64, external: f64) -> Result<Self> {
+        positive("damping α", damping, "it must be finite and above zero")?;
+        positive("frequency Ω", frequency, "it must be finite and above zero")?;
+        let [parametric, external] = [Intensity::new(parametric)?, Intensity::new(external)?];
+        let system = ParametricLinear { damping, frequency, parametric, external };
+        let remedy = "the parametric noise is too strong for a stationary density: δ = ½ + 1/(4α D_η) must exceed 1";
+        positive("δ − 1", system.exact().exponent - 1.0, remedy)?;
+        Ok(system)
+    }
+
+    /// The exact density.
+    pub fn exact(&self) -> PowerLaw {
+        let d_eta = self.parametric.d();
+        PowerLaw {
+            core: self.external.d() / (4.0 * self.damping.powi(2) * d_eta),
+            exponent: 0.5 + 1.0 / (4.0 * self.damping * d_eta),
+            frequency: self.frequency,
+        }
+    }
+}
+
+impl PolynomialDrift<2, 3> for ParametricLinear {
+    #[inline]
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -(v * (2.0 * self.damping) + x * self.frequency.powi(2))]
+    }
+
+    #[inline]
+    fn noise<S: Scalar>(&self, [x, v]: [S; 2]) -> [[S; 3]; 2] {
+        let zero = S::from(0.0);
+        // Ω² √(2D_ζ) = 2αΩ √(2D_η) by the condition on the intensities.
+        let sigma = 2.0 * self.damping * self.parametric.amplitude();
+        [[zero; 3], [S::from(self.external.amplitude()), -(v * sigma), -(x * (self.frequency * sigma))]]
+    }
+
+    fn interpretation(&self) -> Interpretation {
+        Interpretation::Stratonovich
+    }
+}
+
+/// The density C (κ + v² + Ω² x²)^−δ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PowerLaw {
+    core: f64,
+    exponent: f64,
+    frequency: f64,
+}
+
+impl PowerLaw {
+    /// κ.
+    pub fn core(&self) -> f64 {
+        self.core
+    }
+
+    /// δ.
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    /// C = (δ − 1) Ω κ^(δ−1)/π.
+    fn normalisation(&self) -> f64 {
+        (self.exponent - 1.0) * self.frequency * self.core.powf(self.exponent - 1.0) / std::f64::consts::PI
+    }
+
+    /// ∫₀^∞ t^power (κ₁ + t²)^−δ dt, by t = √κ₁ tan θ; infinite where it diverges.
+    fn half_line(&self, core: f64, power: u32) -> f64 {
+        let power = f64::from(power);
+        let rest = 2.0 * self.exponent - 2.0 - power;
+        if rest <= -1.0 {
+            return f64::INFINITY;
+        }
+        // The substitution θ = (π/2)(1 − s⁴) clusters nodes where cos θ^rest is least smooth.
+        let angle = std::f64::consts::FRAC_PI_2;
+        let integrand = |s: f64| {
+            let (sin, cos) = ((angle * s.powi(4)).cos(), (angle * s.powi(4)).sin());
+            sin.powf(power) * cos.powf(rest) * 4.0 * angle * s.powi(3)
+        };
+        let integral: f64 = Rule::legendre(96).on(0.0, 1.0).iter().map(|(s, w)| w * integrand(s)).sum();
+        core.powf((power + 1.0) / 2.0 - self.exponent) * integral
+    }
+}
+
+impl Density<2> for PowerLaw {
+    fn pdf(&self, x: &[f64; 2]) -> Estimate {
+        Estimate::exact(self.log_pdf(x).exp())
+    }
+
+    fn log_pdf(&self, [x, v]: &[f64; 2]) -> f64 {
+        self.normalisation().ln() - self.exponent * (self.core + v * v + (self.frequency * x).powi(2)).ln()
+    }
+
+    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
+        // The other state, or Ω times it, runs over a line.
+        let (core, jacobian) = match state_index::<2>("the state of a marginal", state)? {
+            0 => (self.core + (self.frequency * x).powi(2), 1.0),
+            _ => (self.core + x * x, self.frequency.recip()),
+        };
+        let value = 2.0 * self.normalisation() * jacobian * self.half_line(core, 0);
+        Ok(Estimate::new(value, 1e-13 * value))
+    }
+
+    /// Infinite where the moment does not exist.
+    fn moment(&self, [i, j]: [u32; 2]) -> Estimate {
+        if i % 2 == 1 || j % 2 == 1 {
+            return Estimate::exact(0.0);
+        }
+        // In polar coordinates ρ² = v² + Ω²x²: E ρ^2m = κ^m m! / Π (δ − 2) … (δ − 1 − m), times a mean over the angle.
+        let half = (i + j) / 2;
+        let mut value = self.frequency.powi(-(i as i32));
+        for m in 1..=half {
+            let margin = self.exponent - 1.0 - f64::from(m);
+            if margin <= 0.0 {
+                return Estimate::new(f64::INFINITY, 0.0);
+            }
+            value *= self.core * f64::from(m) / margin;
+        }
+        let double_factorial = |n: u32| (1..=n).rev().step_by(2).map(f64::from).product::<f64>();
+        let below = |n: u32| if n == 0 { 1.0 } else { double_factorial(n - 1) };
+        Estimate::exact(value * below(i) * below(j) / double_factorial(i + j).max(1.0))
+    }
+
+    fn variance(&self, state: usize) -> Result<Estimate> {
+        let state = state_index::<2>("the state of a variance", state)?;
+        Ok(self.moment(std::array::from_fn(|i| if i == state { 2 } else { 0 })))
+    }
+
+    fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
+        state_index::<2>("the displacement of a crossing", crossing.displacement)?;
+        state_index::<2>("the velocity of a crossing", crossing.velocity)?;
+        let core = self.core + (self.frequency * crossing.level).powi(2);
+        let value = self.normalisation() * self.half_line(core, power);
+        Ok(Estimate::new(value, 1e-13 * value))
+    }
+}
