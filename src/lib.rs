@@ -14,7 +14,7 @@ mod system;
 
 pub use barrier::{Barrier, Zhuravlev};
 pub use closure::{Basis, Closure, Route, Solution, Termination};
-pub use density::{Crossing, Density, ExpPolynomial, Frame, Support};
+pub use density::{Crossing, Density, ExpPolynomial, Frame, Support, energy_balance};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, LocalOperator, OperatorText};

@@ -1,11 +1,13 @@
 //! Densities, whichever method made them.
 
+mod balance;
 mod exp_polynomial;
 mod frame;
 mod leading_form;
 mod support;
 mod tensor;
 
+pub use balance::energy_balance;
 pub use exp_polynomial::ExpPolynomial;
 pub use frame::Frame;
 pub(crate) use leading_form::escape_direction;

@@ -1,0 +1,250 @@
+//! The classical closure where the truth is known: exact at the order that contains it and at every order above.
+
+mod common;
+
+use common::*;
+use expoly::models::{DuffingChain, Solved};
+use expoly::{
+    Basis, Closure, Density, FokkerPlanck, Intensity, Oscillator, Polynomial, PolynomialDrift, Route, Scalar, Solution,
+    Termination, compare,
+};
+
+/// Solves at `order`, asks for a root and for a joint L¹ distance to the exact density.
+fn closes<T: Solved<N, M>, const N: usize, const M: usize>(name: &str, model: &T, order: u32, l1: f64) -> Solution<N> {
+    let solution = Closure::classical(order).solve(model).unwrap();
+    assert_eq!(solution.termination(), Termination::Root, "{name} at order {order}");
+    let distance = compare::l1(&solution.density().unwrap(), &model.exact().unwrap());
+    assert!(distance.value < l1, "{name} at order {order}: L1 = {distance:.3}, condition {:.1e}", solution.condition());
+    solution
+}
+
+/// Two states: L¹ ≤ 1e-10 is what is asked; measured are 1e-14 to 1e-12, κ ε for condition numbers up to 1e4.
+#[test]
+fn the_closure_is_exact_at_the_order_of_the_truth() {
+    closes("linear", &linear(), 2, 1e-10);
+    closes("Duffing", &duffing(), 4, 1e-10);
+    closes("two wells", &bistable(), 4, 1e-10);
+    closes("displacement noise", &displacement_noise(), 4, 1e-10);
+    closes("velocity noise", &velocity_noise(), 4, 1e-10);
+    closes("three wells", &three_wells(), 6, 1e-10);
+    closes("energy damping", &energy_damping(), 8, 1e-10);
+}
+
+/// Four and six states, n = 4 with 69 and 209 unknowns.
+#[test]
+fn the_closure_is_exact_in_two_and_three_degrees_of_freedom() {
+    closes("chain of 2", &DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap(), 4, 1e-10);
+    closes("chain of 3", &DuffingChain::new([0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8).unwrap(), 4, 1e-10);
+}
+
+/// Newton's method from the Gaussian misses the limit cycle; the homotopy from the linearised system finds it, and the
+/// solution says so.
+#[test]
+fn the_homotopy_finds_what_newton_does_not() {
+    for order in [4, 5, 6] {
+        let solution = closes("van der Pol-Rayleigh", &van_der_pol_rayleigh(), order, 1e-10);
+        assert_eq!(solution.route(), Route::Homotopy);
+    }
+    assert_eq!(closes("energy damping", &energy_damping(), 8, 1e-10).route(), Route::Homotopy);
+}
+
+/// Order n + 1 and n + 2 reproduce order n where the truth has order n: the same coefficients in the states, the new ones
+/// zero. The coefficients carry κ ε of rounding, κ up to 1e5 here: 1e-9 relative to the largest is its upper end.
+#[test]
+fn higher_orders_reproduce_the_order_of_the_truth() {
+    fn check<T: Solved<2, M>, const M: usize>(name: &str, model: &T, exact_order: u32) {
+        let base = Closure::classical(exact_order).solve(model).unwrap().polynomial();
+        for order in exact_order + 1..=exact_order + 4 {
+            let solution = closes(name, model, order, 1e-9);
+            let difference = &solution.polynomial() - &base;
+            let relative = difference.max_coefficient() / base.max_coefficient();
+            assert!(relative < 1e-9, "{name} at order {order}: {relative:e}, condition {:.1e}", solution.condition());
+        }
+    }
+    check("linear", &linear(), 2);
+    check("Duffing", &duffing(), 4);
+    check("two wells", &bistable(), 4);
+    check("displacement noise", &displacement_noise(), 4);
+}
+
+/// The numbers of the closed forms, computed by one-dimensional quadrature of exp(−G/T) elsewhere.
+#[test]
+fn moments_have_their_known_values() {
+    let near = |density: &dyn Density<2>, powers: [u32; 2], value: f64| {
+        let moment = density.moment(powers);
+        // The tables carry twelve digits.
+        assert!((moment.value / value - 1.0).abs() < 1e-11, "{powers:?}: {moment:.15} instead of {value}");
+    };
+    let e1 = Closure::classical(4).solve(&duffing()).unwrap().density().unwrap();
+    near(&e1, [2, 0], 0.661714969204);
+    near(&e1, [4, 0], 1.12761676932);
+    let e2 = Closure::classical(4).solve(&bistable()).unwrap().density().unwrap();
+    near(&e2, [2, 0], 0.840546465231);
+    near(&e2, [4, 0], 1.14054646523);
+    near(&Closure::classical(6).solve(&three_wells()).unwrap().density().unwrap(), [2, 0], 1.13676678784);
+    let e3 = Closure::classical(4).solve(&van_der_pol_rayleigh()).unwrap().density().unwrap();
+    near(&e3, [2, 0], 0.521360652674);
+    near(&e3, [4, 0], 0.503520489506);
+    let e4 = Closure::classical(8).solve(&energy_damping()).unwrap().density().unwrap();
+    near(&e4, [2, 0], 0.697729334502);
+    near(&e4, [0, 2], 0.993314738104);
+}
+
+/// A density that no polynomial holds: every order is reported as what it is, and what is returned is a density.
+#[test]
+fn the_power_law_is_reported_as_what_it_is() {
+    let system = parametric_linear();
+    let exact = system.exact();
+    let mut usable = 0;
+    for order in 2..=8 {
+        let solution = Closure::classical(order).solve(&system).unwrap();
+        match solution.termination() {
+            Termination::Root => {
+                let density = solution.density().unwrap();
+                let distance = compare::l1(&density, &exact);
+                assert!(distance.value > 1e-3 && distance.value < 1.0, "order {order}: {distance}");
+                usable += 1;
+            }
+            _ => assert!(solution.density().is_err(), "order {order}: {}", solution.termination()),
+        }
+    }
+    assert!(usable > 0);
+}
+
+/// The power law's own statistics: its marginals integrate to one, its moments agree with its marginals.
+#[test]
+fn the_power_law_is_consistent() {
+    let exact = parametric_linear().exact();
+    for state in [0, 1] {
+        // Trapezoidal sums in x = sinh s, for which the algebraic tail becomes exponential.
+        let (mut mass, mut square) = (0.0, 0.0);
+        for k in -400..=400 {
+            let s = f64::from(k) * 0.03;
+            let weight = 0.03 * s.cosh() * exact.marginal(state, s.sinh()).unwrap().value;
+            mass += weight;
+            square += weight * s.sinh().powi(2);
+        }
+        assert!((mass - 1.0).abs() < 1e-12, "{mass}");
+        // The tail beyond sinh 12 holds (1e5)^−8.
+        assert!((square - exact.moment([2, 0]).value).abs() < 1e-11, "{square}");
+    }
+    let crossing = exact.upcrossing_rate(0.7).unwrap().value;
+    let sum: f64 = (0..4000).map(|k| (f64::from(k) + 0.5) * 0.02).map(|v| 0.02 * v * exact.pdf(&[0.7, v]).value).sum();
+    // Midpoint sums of step 0.02 over a smooth integrand whose slope at v = 0 is p(0.7, 0) ≈ 0.1: h²/24 of that.
+    assert!((crossing - sum).abs() < 1e-5, "{crossing} and {sum}");
+    assert_eq!(exact.moment([10, 0]).value, f64::INFINITY);
+}
+
+/// Two oscillators without coupling: ln p is a sum, so that no coefficient mixes them.
+#[test]
+fn zero_coupling_gives_the_product() {
+    let pair = Closure::classical(4).solve(&DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.0, 0.8).unwrap()).unwrap();
+    let single = Closure::classical(4).solve(&DuffingChain::new([0.2], 1.0, 0.3, 0.0, 0.8).unwrap()).unwrap();
+    let (pair, single) = (pair.polynomial(), single.polynomial());
+    for (m, c) in pair.terms() {
+        let [x, u, y, v] = m.0;
+        let expected = match ([x, u], [y, v]) {
+            (own, [0, 0]) | ([0, 0], own) => single.coefficient(&expoly::Monomial(own)),
+            _ => 0.0,
+        };
+        // Condition numbers of a hundred: κ ε is 1e-14.
+        assert!((c - expected).abs() < 1e-12, "{m:?}: {c} instead of {expected}");
+    }
+}
+
+/// A pair of systems that is not in equilibrium, coupled to nothing: the closure of the product is the product of the
+/// closures, though neither is exact.
+#[test]
+fn zero_coupling_gives_the_product_of_inexact_closures() {
+    struct Pair;
+    impl PolynomialDrift<4, 2> for Pair {
+        fn drift<S: Scalar>(&self, [x, u, y, v]: [S; 4]) -> [S; 4] {
+            [u, -(u * 0.1 + u.powi(3) * 0.3 + x + x.powi(3)), v, -(v * 0.3 + y + y.powi(3) * 0.2)]
+        }
+        fn noise<S: Scalar>(&self, _: [S; 4]) -> [[S; 2]; 4] {
+            let [o, a, b] = [0.0, 1.0, 0.7].map(S::from);
+            [[o, o], [a, o], [o, o], [o, b]]
+        }
+    }
+    struct First;
+    impl Oscillator for First {
+        fn force<S: Scalar>(&self, x: S, v: S) -> S {
+            v * 0.1 + v.powi(3) * 0.3 + x + x.powi(3)
+        }
+        fn intensity(&self) -> Intensity {
+            Intensity::from_sigma(1.0).unwrap()
+        }
+    }
+    let pair = Closure::classical(4).solve(&Pair).unwrap();
+    let first = Closure::classical(4).solve(&First).unwrap();
+    assert_eq!((pair.termination(), first.termination()), (Termination::Root, Termination::Root));
+    let (pair, first) = (pair.polynomial(), first.polynomial());
+    for (m, c) in pair.terms() {
+        let [x, u, y, v] = m.0;
+        if y + v == 0 {
+            assert!((c - first.coefficient(&expoly::Monomial([x, u]))).abs() < 1e-12, "{m:?}");
+        } else if x + u > 0 {
+            assert!(c.abs() < 1e-12, "{m:?}: {c}");
+        }
+    }
+}
+
+/// The mean up-crossing rate of a linear oscillator is Rice's formula, that of Duffing's p(x) √(D/2πc).
+#[test]
+fn crossing_rates_have_their_closed_form() {
+    let density = Closure::classical(2).solve(&linear()).unwrap().density().unwrap();
+    let (sx, sv) = (0.45 / (0.3 * 2.0_f64), 0.45 / 0.3_f64);
+    for level in [0.0, 0.5, 2.0] {
+        let rice = (sv / sx).sqrt() / std::f64::consts::TAU * (-level * level / (2.0 * sx)).exp();
+        let rate = density.upcrossing_rate(level).unwrap();
+        assert!((rate.value / rice - 1.0).abs() < 1e-12, "{rate} and {rice}");
+    }
+    let chain = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap();
+    let density = Closure::classical(4).solve(&chain).unwrap().density().unwrap();
+    let crossing = expoly::Crossing { displacement: 2, velocity: 3, level: 0.4, upward: true };
+    let expected = density.marginal(2, 0.4).unwrap().value * (0.8 / std::f64::consts::TAU).sqrt();
+    assert!((density.flux(crossing, 1).unwrap().value / expected - 1.0).abs() < 1e-9);
+}
+
+/// Every moment equation E[generator φ] = 0 up to degree 4 under the closed density, for an exact and for an inexact one,
+/// in which those of degree 1 and 2 hold only as well as the closure.
+#[test]
+fn moment_equations_hold_where_the_closure_is_exact() {
+    let operator = FokkerPlanck::new(&duffing()).unwrap();
+    let density = Closure::classical(4).solve(&duffing()).unwrap().density().unwrap();
+    for m in expoly::monomials::<2>(4).into_iter().skip(1) {
+        let mut phi = Polynomial::zero();
+        phi.add_term(m, 1.0);
+        let rate = operator.generator(&phi);
+        let mean = density.expectation(|x| rate.evaluate(x));
+        assert!(mean.value.abs() < 1e-11, "{m:?}: {mean:e}", mean = mean.value);
+    }
+}
+
+/// The reported quadrature error covers the true one, which the closed forms give. The estimate stops at 1e-14 of a sum's
+/// size, so that a factor of ten remains for a sum's own rounding.
+#[test]
+fn error_estimates_cover_the_error() {
+    for damping in [0.1, 1.0] {
+        let system = expoly::models::Linear::new(damping, 4.0, damping * 0.5).unwrap();
+        let density = system.exact().unwrap();
+        for (powers, truth) in [([2, 0], 0.125), ([0, 2], 0.5), ([4, 0], 3.0 * 0.125 * 0.125), ([0, 4], 0.75)] {
+            let moment = density.moment(powers);
+            assert!((moment.value - truth).abs() <= 10.0 * moment.error, "{powers:?}: {:e}", moment.value - truth);
+        }
+    }
+}
+
+/// Termination, route, unknowns and iterations are pinned, so that a changed algorithm cannot hide.
+#[test]
+fn counts_are_pinned() {
+    let counts = |s: Solution<2>| (s.unknowns(), s.iterations(), s.termination(), s.route());
+    let solve = |order| counts(Closure::classical(order).solve(&duffing()).unwrap());
+    assert_eq!(Closure::classical(1).solve(&duffing()).unwrap().termination(), Termination::NotNormalisable);
+    assert_eq!(solve(2), (5, 1, Termination::Root, Route::Newton));
+    assert_eq!(solve(3), (9, 1, Termination::Root, Route::Newton));
+    assert_eq!(solve(4), (14, 2, Termination::Root, Route::Newton));
+    assert_eq!(solve(6), (27, 2, Termination::Root, Route::Newton));
+    let classical = Closure::classical(4).with_basis(Basis::Folded).solve(&van_der_pol()).unwrap();
+    assert_ne!(classical.termination(), Termination::Root, "the literature's method has no density for van der Pol");
+}
