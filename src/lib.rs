@@ -7,6 +7,7 @@ mod fokker_planck;
 pub mod models;
 mod polynomial;
 mod scalar;
+mod simulation;
 mod system;
 
 pub use barrier::Barrier;
@@ -18,6 +19,7 @@ pub use polynomial::{Arena, Gaussian, Monomial, Polynomial, Symbol, Text, monomi
 pub use scalar::Scalar;
 #[doc(hidden)]
 pub use scalar::Transcendental;
+pub use simulation::{Axis, Histogram, Progress, Provenance, SimulatedDensity, Simulation};
 pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift};
 
 /// tmp
