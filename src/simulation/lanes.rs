@@ -83,14 +83,16 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
                 coins = std::array::from_fn(|l| self.streams[l].random());
             }
             for (s, w) in block.iter().enumerate() {
+                // A fresh array aliases nothing, so that the compiler may work on several lanes at once.
+                let mut kicked = [[0.0; L]; N];
                 for l in 0..L {
-                    let state = self.state(l);
-                    let state =
-                        scheme.kick::<STRAIGHT>(state, std::array::from_fn(|k| w[k][l]), coins[l] >> s & 1 == 1);
+                    let w = std::array::from_fn(|k| w[k][l]);
+                    let state = scheme.kick::<STRAIGHT>(self.state(l), w, coins[l] >> s & 1 == 1);
                     for i in 0..N {
-                        self.x[i][l] = state[i];
+                        kicked[i][l] = state[i];
                     }
                 }
+                self.x = kicked;
                 let last = left == 0 && s + 1 == block.len();
                 course.drift(&mut self.x, if last { h / 2.0 } else { h }, passages);
             }
