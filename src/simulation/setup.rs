@@ -18,6 +18,9 @@ const MOST_LEVELS: usize = 64;
 /// The stretches that a burn-in is divided into; the pilot looks at the states between them.
 const BURN_IN_STRETCHES: usize = 64;
 
+/// The noise of so many steps spreads the default start: enough to tell trajectories apart, too little to leave the rest.
+const SPREAD_STEPS: f64 = 4.0;
+
 /// How far a simulation has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
@@ -74,7 +77,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             barrier: None,
             trajectories: 1024,
             samples: 1_000_000,
-            time_step: 0.01,
+            time_step: 0.02,
             burn_in: 50.0,
             sampling_interval: 1.0,
             seed: 0,
@@ -141,7 +144,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     }
 
     /// The state that all trajectories start from. By default they start near 0, or near the wall if that stands above 0,
-    /// each with a Gaussian spread: what the noise at 0 does to the state within 50 steps, or 0.1 where it vanishes there.
+    /// each with a Gaussian spread: what the noise at 0 does to the state within four steps, or 0.1 where it vanishes there.
     pub fn start(mut self, start: [f64; N]) -> Self {
         self.start = Some(start);
         self
@@ -270,7 +273,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
         operator: &FokkerPlanck<N>,
         pairs: &[(usize, usize)],
     ) -> impl Fn([f64; N]) -> [f64; N] + use<'a, T, N, M> {
-        let time = 50.0 * self.time_step;
+        let time = SPREAD_STEPS * self.time_step;
         let mut spread: [f64; N] = std::array::from_fn(|i| {
             let variance = operator.diffusion()[i][i].coefficient(&Monomial::one()) * time;
             if variance > 0.0 { variance.sqrt() } else { 0.1 }
