@@ -62,7 +62,7 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
         }
     }
 
-    /// The half drifts between two steps are joined to a whole one.
+    /// The half drifts between two steps are joined to a whole one, except near the wall.
     fn steps<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
         &mut self,
         scheme: &Scheme<'_, T, N, M>,
@@ -72,7 +72,10 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
     ) {
         let h = scheme.step;
         let mut increments = [[[0.0; L]; M]; BLOCK];
-        course.drift(&mut self.x, h / 2.0, passages);
+        let mut ahead = [false; L];
+        for l in 0..L {
+            ahead[l] = self.begin::<T, M, STRAIGHT>(l, scheme, course, passages);
+        }
         let mut left = steps;
         while left > 0 {
             let block = &mut increments[..left.min(BLOCK)];
@@ -87,15 +90,87 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
                 let mut kicked = [[0.0; L]; N];
                 for l in 0..L {
                     let w = std::array::from_fn(|k| w[k][l]);
-                    let state = scheme.kick::<STRAIGHT>(self.state(l), w, coins[l] >> s & 1 == 1);
+                    let state = scheme.kick::<STRAIGHT>(self.state(l), h, w, coins[l] >> s & 1 == 1);
                     for i in 0..N {
                         kicked[i][l] = state[i];
                     }
                 }
-                self.x = kicked;
-                let last = left == 0 && s + 1 == block.len();
-                course.drift(&mut self.x, if last { h / 2.0 } else { h }, passages);
+                let waiting = std::mem::replace(&mut self.x, kicked);
+                if ahead.contains(&true) {
+                    for l in (0..L).filter(|&l| ahead[l]) {
+                        for i in 0..N {
+                            self.x[i][l] = waiting[i][l];
+                        }
+                    }
+                }
+                if left == 0 && s + 1 == block.len() {
+                    break;
+                }
+                let near = course.near(&self.x, h);
+                if (0..L).any(|l| near[l] | ahead[l]) {
+                    for l in 0..L {
+                        if near[l] || ahead[l] {
+                            self.end(l, ahead[l], h, course, passages);
+                            ahead[l] = self.begin::<T, M, STRAIGHT>(l, scheme, course, passages);
+                        } else {
+                            self.drift(l, h, course, passages);
+                        }
+                    }
+                } else {
+                    course.drift(&mut self.x, h, passages);
+                }
             }
+        }
+        for l in 0..L {
+            self.end(l, ahead[l], h, course, passages);
+        }
+    }
+
+    /// The first half drift of a step. A trajectory that grazes the wall takes the whole step at once instead, in shorter
+    /// ones: it is then ahead of the others.
+    fn begin<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
+        &mut self,
+        l: usize,
+        scheme: &Scheme<'_, T, N, M>,
+        course: &Course,
+        passages: &mut Passages,
+    ) -> bool {
+        let h = scheme.step;
+        let grazing = course.step_at(&self.state(l)).is_some();
+        if !grazing {
+            self.drift(l, h / 2.0, course, passages);
+            return false;
+        }
+        let mut left = h;
+        while left > 0.0 {
+            let step = course.step_at(&self.state(l)).map_or(left, |step| step.min(left));
+            left -= step;
+            self.drift(l, step / 2.0, course, passages);
+            let stream = &mut self.streams[l];
+            let w = std::array::from_fn(|_| step.sqrt() * stream.sample::<f64, _>(StandardNormal));
+            let reversed = !STRAIGHT && stream.random();
+            let state = scheme.kick::<STRAIGHT>(self.state(l), step, w, reversed);
+            for i in 0..N {
+                self.x[i][l] = state[i];
+            }
+            self.drift(l, step / 2.0, course, passages);
+        }
+        true
+    }
+
+    /// The second half drift of a step, unless the trajectory is ahead.
+    fn end(&mut self, l: usize, ahead: bool, h: f64, course: &Course, passages: &mut Passages) {
+        if !ahead {
+            self.drift(l, h / 2.0, course, passages);
+        }
+    }
+
+    /// The straight drift of one trajectory.
+    fn drift(&mut self, l: usize, tau: f64, course: &Course, passages: &mut Passages) {
+        let mut x = self.state(l).map(|value| [value]);
+        course.drift(&mut x, tau, passages);
+        for i in 0..N {
+            self.x[i][l] = x[i][0];
         }
     }
 

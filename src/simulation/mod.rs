@@ -4,6 +4,7 @@
 //!
 //! - `scheme`: the step of weak order 2, read off the generic definition of the system;
 //! - `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it;
+//! - `grazing`: shorter steps for trajectories that graze the wall;
 //! - `lanes`: some trajectories advanced in lockstep, each with its own stream of random numbers;
 //! - `ensemble`: batches of trajectories on all threads;
 //! - `tally`, `histogram`: what a batch keeps of its samples;
@@ -12,6 +13,7 @@
 
 mod density;
 mod ensemble;
+mod grazing;
 mod histogram;
 mod jackknife;
 mod lanes;

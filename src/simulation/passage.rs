@@ -1,3 +1,4 @@
+use super::grazing::Grazing;
 use crate::Barrier;
 
 /// The powers 0, 1, 2 of the speed at a passage: enough for the flux moments 1, 2, 3.
@@ -11,6 +12,8 @@ pub(super) struct Course {
     /// The wall's position, or −∞.
     floor: f64,
     restitution: f64,
+    /// Where the steps must be shorter.
+    pub(super) grazing: Grazing,
     /// The levels whose up-crossings by state 0 are counted.
     pub(super) levels: Vec<f64>,
 }
@@ -31,9 +34,34 @@ impl Passages {
 }
 
 impl Course {
-    pub(super) fn new(pairs: Vec<(usize, usize)>, barrier: Option<Barrier>, levels: Vec<f64>) -> Self {
+    /// `diffusion` is ½B_vv at rest on the wall.
+    pub(super) fn new(
+        pairs: Vec<(usize, usize)>,
+        barrier: Option<Barrier>,
+        levels: Vec<f64>,
+        diffusion: f64,
+        step: f64,
+    ) -> Self {
         let (floor, restitution) = barrier.map_or((f64::NEG_INFINITY, 1.0), |b| (b.offset(), b.restitution()));
-        Course { pairs, floor, restitution, levels }
+        Course { pairs, floor, restitution, grazing: Grazing::new(restitution, diffusion, step), levels }
+    }
+
+    /// The state that moves state 0.
+    fn velocity(&self) -> usize {
+        self.pairs.first().map_or(0, |&(_, j)| j)
+    }
+
+    /// Whether a lane comes so near to the wall within the time `tau` that it may have to be looked at.
+    #[inline(always)]
+    pub(super) fn near<const N: usize, const L: usize>(&self, x: &[[f64; L]; N], tau: f64) -> [bool; L] {
+        let (reach, v) = (self.floor + self.grazing.reach(), &x[self.velocity()]);
+        std::array::from_fn(|l| x[0][l] + tau * v[l] < reach)
+    }
+
+    /// The length of the step that a state needs: the whole one, or a shorter one where it grazes the wall.
+    #[inline]
+    pub(super) fn step_at<const N: usize>(&self, x: &[f64; N]) -> Option<f64> {
+        self.grazing.step_at(x[0] - self.floor, x[self.velocity()])
     }
 
     /// Every displacement straight on for the time `tau`, its velocity frozen.
@@ -73,7 +101,7 @@ impl Course {
         tau: f64,
         passages: &mut Passages,
     ) {
-        let velocity = self.pairs.first().map_or(0, |&(_, j)| j);
+        let velocity = self.velocity();
         for l in 0..L {
             if x[0][l] < self.floor {
                 let approach = -x[velocity][l];
@@ -106,7 +134,7 @@ mod tests {
     use super::*;
 
     fn course(levels: Vec<f64>) -> Result<Course, crate::Error> {
-        Ok(Course::new(vec![(0, 1)], Some(Barrier::new(0.5, 0.5)?), levels))
+        Ok(Course::new(vec![(0, 1)], Some(Barrier::new(0.5, 0.5)?), levels, 0.2, 0.1))
     }
 
     /// From y = 0.75 at v = −1 the wall at 0.5 is reached after 0.25; the other 0.75 s go back at 0.5. All numbers are

@@ -21,8 +21,8 @@ pub(super) struct Scheme<'a, T, const N: usize, const M: usize> {
     pub(super) step: f64,
     /// The displacements, each with its velocity.
     pub(super) pairs: Vec<(usize, usize)>,
-    /// The two stages of F: h/4 and h/2 for a state that F moves, 0 for a displacement.
-    stages: [[f64; N]; 2],
+    /// 1 for a state that F moves, 0 for a displacement.
+    moves: [f64; N],
     /// Whether no noise field changes along any noise field.
     pub(super) straight: bool,
     /// Whether the drift is an Itô drift that differs from the Stratonovich drift.
@@ -44,7 +44,7 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
             system,
             step,
             pairs,
-            stages: [moves.map(|m| m * step / 4.0), moves.map(|m| m * step / 2.0)],
+            moves,
             straight: unchanged_along_itself(&noise),
             corrected: system.interpretation() == Interpretation::Ito && !induced.iter().all(Polynomial::is_zero),
         }
@@ -65,16 +65,17 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
 
     /// F(h/2). The factor 0 keeps displacements where they are without a branch.
     #[inline(always)]
-    fn flow(&self, x: [f64; N]) -> [f64; N] {
+    fn flow(&self, x: [f64; N], h: f64) -> [f64; N] {
         let first = self.drift(x);
-        let second = self.drift(std::array::from_fn(|i| x[i] + self.stages[0][i] * first[i]));
-        std::array::from_fn(|i| x[i] + self.stages[1][i] * second[i])
+        let middle = std::array::from_fn(|i| x[i] + self.moves[i] * (h / 4.0) * first[i]);
+        let second = self.drift(middle);
+        std::array::from_fn(|i| x[i] + self.moves[i] * (h / 2.0) * second[i])
     }
 
     /// F(h/2) W(h) F(h/2) for the increments √h Z = `w`; `reversed` is the order of the fields.
     #[inline(always)]
-    pub(super) fn kick<const STRAIGHT: bool>(&self, x: [f64; N], w: [f64; M], reversed: bool) -> [f64; N] {
-        let mut x = self.flow(x);
+    pub(super) fn kick<const STRAIGHT: bool>(&self, x: [f64; N], h: f64, w: [f64; M], reversed: bool) -> [f64; N] {
+        let mut x = self.flow(x, h);
         if STRAIGHT {
             let noise = self.system.noise(x);
             for k in 0..M {
@@ -88,7 +89,7 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
                 x = self.along_field(x, k, w[k]);
             }
         }
-        self.flow(x)
+        self.flow(x, h)
     }
 
     /// The flow of the field G_k over the time s, by the classical Runge-Kutta rule.

@@ -195,7 +195,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
         let (burn_in, sampling) = self.stretches()?;
         let path_steps = self.trajectories as u64 * (sampling.before + sampling.count * sampling.steps) as u64;
         let meter = self.progress.take().map(|callback| Meter { done: 0, callback });
-        let course = Course::new(scheme.pairs.clone(), self.barrier, self.levels.clone());
+        let course = self.course(&scheme, velocity);
         let ensemble =
             Ensemble { scheme: &scheme, course: &course, velocity, control: Control::new(meter, path_steps) };
 
@@ -217,6 +217,13 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             seconds: begin.elapsed().as_secs_f64(),
         };
         Ok(SimulatedDensity::new(tallies, layout, self.barrier, self.levels, velocity, provenance))
+    }
+
+    fn course(&self, scheme: &Scheme<'_, T, N, M>, velocity: Option<usize>) -> Course {
+        let mut at_rest = [0.0; N];
+        at_rest[0] = self.barrier.map_or(0.0, |b| b.offset());
+        let diffusion = velocity.map_or(0.0, |v| scheme.power(v, at_rest)[0]);
+        Course::new(scheme.pairs.clone(), self.barrier, self.levels.clone(), diffusion, self.time_step)
     }
 
     fn validate(&self, velocity: Option<usize>) -> Result<()> {
