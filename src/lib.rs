@@ -10,6 +10,7 @@ pub mod models;
 mod polynomial;
 mod quadrature;
 mod scalar;
+mod simulation;
 mod system;
 
 pub use barrier::{Barrier, Zhuravlev};
@@ -22,4 +23,5 @@ pub use polynomial::{Arena, Gaussian, Monomial, Polynomial, Symbol, Text, monomi
 pub use scalar::Scalar;
 #[doc(hidden)]
 pub use scalar::Transcendental;
+pub use simulation::{Axis, Histogram, Progress, Provenance, SimulatedDensity, Simulation};
 pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift};

@@ -54,15 +54,18 @@ pub trait Scalar:
     /// The whole power xⁿ, by repeated squaring; x⁰ = 1.
     #[inline]
     fn powi(self, exponent: u32) -> Self {
-        match exponent {
-            0 => Self::from(1.0),
-            1 => self,
-            n => {
-                let half = Scalar::powi(self, n / 2);
-                let even = half * half;
-                if n % 2 == 0 { even } else { even * self }
+        if exponent == 0 {
+            return Self::from(1.0);
+        }
+        // A loop over the bits below the leading one, which the compiler unrolls where the exponent is a constant.
+        let mut power = self;
+        for bit in (0..exponent.ilog2()).rev() {
+            power = power * power;
+            if exponent >> bit & 1 == 1 {
+                power = power * self;
             }
         }
+        power
     }
 
     /// Refused: a sine is not a polynomial.

@@ -59,21 +59,34 @@ impl<const N: usize> LocalOperator<N> {
     }
 }
 
-/// The Itô drift on any dual number: the noise-induced part is the derivative of each column of G along itself.
+/// The Itô drift on any dual number.
 pub(crate) fn ito_drift<T, S, const N: usize, const M: usize>(system: &T, x: [S; N]) -> [S; N]
 where
     T: PolynomialDrift<N, M>,
     S: DualNum<Primitive = f64> + Copy,
 {
-    let mut drift = system.drift(x);
-    if system.interpretation() == Interpretation::Stratonovich {
-        let noise = system.noise(x);
-        for k in 0..M {
-            let along = system.noise(std::array::from_fn(|j| Dual::new(x[j], noise[j][k])));
-            for i in 0..N {
-                drift[i] = drift[i] + along[i][k].eps * 0.5;
-            }
+    let drift = system.drift(x);
+    if system.interpretation() == Interpretation::Ito {
+        return drift;
+    }
+    let induced = drift_along_noise(system, x);
+    std::array::from_fn(|i| drift[i] + induced[i])
+}
+
+/// ½ Σ_k (G_k·∇)G_k on any dual number: half the derivative of each column of G along itself.
+#[inline]
+pub(crate) fn drift_along_noise<T, S, const N: usize, const M: usize>(system: &T, x: [S; N]) -> [S; N]
+where
+    T: PolynomialDrift<N, M>,
+    S: DualNum<Primitive = f64> + Copy,
+{
+    let mut induced = [S::from(0.0); N];
+    let noise = system.noise(x);
+    for k in 0..M {
+        let along = system.noise(std::array::from_fn(|j| Dual::new(x[j], noise[j][k])));
+        for i in 0..N {
+            induced[i] = induced[i] + along[i][k].eps * 0.5;
         }
     }
-    drift
+    induced
 }

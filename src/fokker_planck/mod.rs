@@ -13,6 +13,7 @@ mod local;
 mod text;
 
 pub use local::LocalOperator;
+pub(crate) use local::{drift_along_noise, ito_drift};
 pub use text::OperatorText;
 
 use crate::{Arena, Error, Frame, Gaussian, Interpretation, Polynomial, PolynomialDrift, Result};

@@ -1,0 +1,80 @@
+use super::{SimulatedDensity, jackknife::jackknife, passage::POWERS, result::central, tally::Tally};
+use crate::{Crossing, Density, Error, Estimate, Result};
+
+impl<const N: usize> Density<N> for SimulatedDensity<N> {
+    /// The density by the histogram's quadratic reconstruction for N ≤ 2. For more states a histogram would be empty
+    /// almost everywhere: the value is not a number and the error infinite. Marginals are there for every N.
+    fn pdf(&self, x: &[f64; N]) -> Estimate {
+        if self.below_wall(0, x[0]) {
+            return Estimate::new(0.0, 0.0);
+        }
+        match (N, self.joint()) {
+            (1, _) => self.marginal(0, x[0]).unwrap_or(UNKNOWN),
+            (2, Some(joint)) => joint.density_at([x[0], x[1]]),
+            _ => UNKNOWN,
+        }
+    }
+
+    /// ln p; −∞ also where bins are nearly empty and the reconstruction is not positive.
+    fn log_pdf(&self, x: &[f64; N]) -> f64 {
+        let p = self.pdf(x).value;
+        if p <= 0.0 { f64::NEG_INFINITY } else { p.ln() }
+    }
+
+    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
+        let histogram = self.histogram(state)?;
+        Ok(if self.below_wall(state, x) { Estimate::new(0.0, 0.0) } else { histogram.density_at([x]) })
+    }
+
+    /// The raw moment. Tracked are all total degrees up to 4 for N ≤ 3; for more states all up to 2, and the powers of a
+    /// single state up to 4. Of any other the value is not a number and the error infinite.
+    fn moment(&self, powers: [u32; N]) -> Estimate {
+        self.tracked(powers).map_or(UNKNOWN, |k| {
+            jackknife(&self.batches, |b: &Tally<N>| [b.moments[0], b.moments[k]], |[n, sum]| sum / n)
+        })
+    }
+
+    /// The flux moment from counted passages, for the powers 1, 2 and 3: Σ|v|^(power − 1) per unit time. Up-crossings of
+    /// the levels named before the run; at a wall the impacts, and the rebounds, whose speeds are r times as large.
+    ///
+    /// # Errors
+    /// [`Error::LevelNotCounted`] for any other level or direction, [`Error::NotADisplacement`] if the crossing is not
+    /// that of state 0 with its velocity, [`Error::OutOfRange`] for other powers.
+    fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
+        let Crossing { displacement, velocity, level, upward } = crossing;
+        if displacement != 0 || self.velocity != Some(velocity) {
+            return Err(Error::NotADisplacement { velocity });
+        }
+        if !(1..=POWERS as u32).contains(&power) {
+            let remedy = "passages are counted with the powers 1, 2 and 3 of the velocity";
+            return Err(Error::OutOfRange { name: "power of a flux", value: f64::from(power), remedy });
+        }
+        if let Some(wall) = self.barrier.filter(|wall| wall.offset() == level) {
+            let impacts = self.rate(power as usize, |b| b.passages.impacts);
+            let slowed = wall.restitution().powi(power as i32 - 1);
+            return Ok(if upward { impacts.scaled(slowed) } else { impacts });
+        }
+        match self.levels.iter().position(|&counted| counted == level) {
+            Some(k) if upward => Ok(self.rate(power as usize, |b| b.passages.crossings[k])),
+            _ => Err(Error::LevelNotCounted { level }),
+        }
+    }
+
+    fn variance(&self, state: usize) -> Result<Estimate> {
+        self.of_state(state, |raw| central(raw)[0])
+    }
+
+    fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
+        let velocity = self.velocity.ok_or(Error::NotADisplacement { velocity: 1 })?;
+        self.flux(Crossing { velocity, ..Crossing::upward(level) }, 1)
+    }
+}
+
+/// What a simulation did not look at.
+const UNKNOWN: Estimate = Estimate { value: f64::NAN, error: f64::INFINITY };
+
+impl<const N: usize> SimulatedDensity<N> {
+    fn below_wall(&self, state: usize, x: f64) -> bool {
+        state == 0 && self.barrier.is_some_and(|wall| x < wall.offset())
+    }
+}

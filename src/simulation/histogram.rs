@@ -1,0 +1,259 @@
+use super::jackknife::jackknife;
+use crate::{Error, Estimate, Result};
+
+/// Equal bins on an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    lo: f64,
+    width: f64,
+    bins: usize,
+}
+
+impl Axis {
+    /// `bins` equal bins on [lo, hi].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless lo < hi, both finite, and there are at least three bins.
+    pub fn new(lo: f64, hi: f64, bins: usize) -> Result<Self> {
+        let length = hi - lo;
+        if !(length.is_finite() && length > 0.0) {
+            let remedy = "the upper end must lie above the lower one, both finite";
+            return Err(Error::OutOfRange { name: "length of a histogram's range", value: length, remedy });
+        }
+        if bins < 3 {
+            let remedy = "the reconstruction of a density needs at least three bins";
+            return Err(Error::OutOfRange { name: "number of bins", value: bins as f64, remedy });
+        }
+        Ok(Axis { lo, width: length / bins as f64, bins })
+    }
+
+    /// The number of bins.
+    pub fn bins(&self) -> usize {
+        self.bins
+    }
+
+    /// The width of one bin, in the unit of the state.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// The edge below bin `k`; `edge(bins())` is the upper end.
+    pub fn edge(&self, k: usize) -> f64 {
+        self.lo + self.width * k as f64
+    }
+
+    /// All edges, from the lower end to the upper one: one more than bins.
+    pub fn edges(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..=self.bins).map(|k| self.edge(k))
+    }
+
+    /// The bin that holds x.
+    #[inline]
+    pub fn bin(&self, x: f64) -> Option<usize> {
+        let k = (x - self.lo) / self.width;
+        (k >= 0.0 && k < self.bins as f64).then_some(k as usize)
+    }
+
+    /// The first of three neighbouring bins and the weights of their mean densities in the quadratic that has these
+    /// means, at x. The three bins are centred on x where the ends of the axis permit.
+    fn stencil(&self, x: f64) -> Option<(usize, [f64; 3])> {
+        let centre = self.bin(x)?.clamp(1, self.bins - 2);
+        let s = (x - self.edge(centre)) / self.width - 0.5;
+        let curvature = s * s - 1.0 / 12.0;
+        Some((centre - 1, [(curvature - s) / 2.0, 1.0 - curvature, (curvature + s) / 2.0]))
+    }
+}
+
+/// What one batch counted.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Counts {
+    cells: Vec<u64>,
+    outside: u64,
+}
+
+/// A histogram of D states from independent batches: a density with its standard error.
+///
+/// Densities refer to *all* samples, those outside the range included: over the range they integrate to the probability
+/// of being in it.
+#[derive(Clone, Debug)]
+pub struct Histogram<const D: usize = 1> {
+    axes: [Axis; D],
+    batches: Vec<Counts>,
+}
+
+impl Counts {
+    pub(super) fn new<const D: usize>(axes: &[Axis; D]) -> Self {
+        Counts { cells: vec![0; axes.iter().map(Axis::bins).product()], outside: 0 }
+    }
+
+    /// Counts one sample.
+    #[inline]
+    pub(super) fn add<const D: usize>(&mut self, axes: &[Axis; D], x: [f64; D]) {
+        match flat_index(axes, std::array::from_fn(|d| axes[d].bin(x[d]))) {
+            Some(index) => self.cells[index] += 1,
+            None => self.outside += 1,
+        }
+    }
+
+    fn samples(&self) -> u64 {
+        self.outside + self.cells.iter().sum::<u64>()
+    }
+}
+
+/// The place of a cell in the list of all cells, the last axis running fastest.
+#[inline]
+fn flat_index<const D: usize>(axes: &[Axis; D], bins: [Option<usize>; D]) -> Option<usize> {
+    bins.iter().zip(axes).try_fold(0, |index, (bin, axis)| Some(index * axis.bins + (*bin)?))
+}
+
+impl<const D: usize> Histogram<D> {
+    pub(super) fn new(axes: [Axis; D], batches: Vec<Counts>) -> Self {
+        Histogram { axes, batches }
+    }
+
+    /// The bins along each state.
+    pub fn axes(&self) -> &[Axis; D] {
+        &self.axes
+    }
+
+    /// The number of samples, those outside the range included.
+    pub fn samples(&self) -> u64 {
+        self.batches.iter().map(Counts::samples).sum()
+    }
+
+    /// The number of samples outside the range.
+    pub fn outliers(&self) -> u64 {
+        self.batches.iter().map(|b| b.outside).sum()
+    }
+
+    /// The mean density in a cell. An empty cell has the error that one sample in it would have made.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if there is no such cell.
+    pub fn cell(&self, bins: [usize; D]) -> Result<Estimate> {
+        let within = std::array::from_fn(|d| (bins[d] < self.axes[d].bins).then_some(bins[d]));
+        let index = flat_index(&self.axes, within).ok_or_else(|| Error::OutOfRange {
+            name: "index of a bin",
+            value: bins.iter().copied().max().unwrap_or(0) as f64,
+            remedy: "it must be less than the number of bins",
+        })?;
+        Ok(self.functional(&[(index, 1.0)]))
+    }
+
+    /// The density at x: the polynomial, quadratic in each state, that has the mean densities of the three neighbouring
+    /// bins around x, one-sided at the ends. It conserves mass, and its error is of third order in the bins' width. Where
+    /// bins are nearly empty it can fall below zero, within its standard error. Outside the range: 0, with the error
+    /// that one sample would have made.
+    pub fn density_at(&self, x: [f64; D]) -> Estimate {
+        let mut terms = vec![(0, 1.0)];
+        for (axis, x) in self.axes.iter().zip(x) {
+            let Some((first, weights)) = axis.stencil(x) else { return Estimate::new(0.0, self.one_sample()) };
+            let spread = |(index, w): (usize, f64)| {
+                weights.iter().enumerate().map(move |(k, u)| (index * axis.bins + first + k, w * u))
+            };
+            terms = terms.into_iter().flat_map(spread).collect();
+        }
+        self.functional(&terms)
+    }
+
+    /// Σ weight · mean density over cells.
+    fn functional(&self, terms: &[(usize, f64)]) -> Estimate {
+        let volume: f64 = self.axes.iter().map(Axis::width).product();
+        let counted = |b: &Counts| terms.iter().map(|&(index, w)| w * b.cells[index] as f64).sum::<f64>();
+        let totals: Vec<[f64; 2]> = self.batches.iter().map(|b| [counted(b), b.samples() as f64]).collect();
+        let estimate = jackknife(&totals, |&t| t, |[count, samples]| count / samples / volume);
+        let empty = terms.iter().all(|&(index, _)| self.batches.iter().all(|b| b.cells[index] == 0));
+        if empty { Estimate::new(0.0, self.one_sample()) } else { estimate }
+    }
+
+    /// The density that one sample makes in one cell.
+    fn one_sample(&self) -> f64 {
+        1.0 / (self.samples() as f64 * self.axes.iter().map(Axis::width).product::<f64>())
+    }
+}
+
+impl Histogram<1> {
+    /// The number of bins.
+    pub fn len(&self) -> usize {
+        self.axes[0].bins
+    }
+
+    /// Whether no sample was counted inside the range.
+    pub fn is_empty(&self) -> bool {
+        self.samples() == self.outliers()
+    }
+
+    /// All edges, one more than bins.
+    pub fn edges(&self) -> impl Iterator<Item = f64> + '_ {
+        self.axes[0].edges()
+    }
+
+    /// The mean density in bin `k`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if there is no such bin.
+    pub fn bin(&self, k: usize) -> Result<Estimate> {
+        self.cell([k])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted<const D: usize>(axes: [Axis; D], batches: &[&[[f64; D]]]) -> Histogram<D> {
+        let count = |samples: &&[[f64; D]]| {
+            let mut counts = Counts::new(&axes);
+            samples.iter().for_each(|&x| counts.add(&axes, x));
+            counts
+        };
+        Histogram::new(axes, batches.iter().map(count).collect())
+    }
+
+    #[test]
+    fn edges_belong_to_the_bin_above() -> Result<()> {
+        let h = counted([Axis::new(0.0, 4.0, 4)?], &[&[[0.0], [1.0], [3.999]], &[[4.0], [-0.1], [f64::NAN]]]);
+        assert_eq!((h.len(), h.samples(), h.outliers()), (4, 6, 3));
+        assert_eq!(h.edges().collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0]);
+        let values: Vec<f64> = (0..4).map(|k| h.bin(k).map(|e| e.value)).collect::<Result<_>>()?;
+        assert_eq!(values, [1.0 / 6.0, 1.0 / 6.0, 0.0, 1.0 / 6.0]);
+        assert!(h.bin(4).is_err() && h.bin(2)?.error > 0.0);
+        Ok(())
+    }
+
+    /// Counts that are the integrals of a quadratic give back the quadratic, to rounding: 12 ∫(x² + 1) dx over the bins
+    /// of [0, 5] is 16, 40, 88, 160, 256.
+    #[test]
+    fn the_reconstruction_is_exact_for_quadratics_and_one_sided_at_the_ends() -> Result<()> {
+        let samples: Vec<[f64; 1]> = [16, 40, 88, 160, 256]
+            .iter()
+            .enumerate()
+            .flat_map(|(k, &n)| std::iter::repeat_n([k as f64 + 0.5], n))
+            .collect();
+        let h = counted([Axis::new(0.0, 5.0, 5)?], &[&samples, &samples]);
+        for x in [0.0, 0.3, 1.0, 2.5, 4.0, 4.99] {
+            let truth = 12.0 * (x * x + 1.0) / 560.0;
+            assert!((h.density_at([x]).value - truth).abs() < 1e-14 * 50.0, "{x}");
+        }
+        assert_eq!(h.density_at([5.1]).value, 0.0);
+        Ok(())
+    }
+
+    /// The weights of a product are products: one sample in the middle cell of 3 × 3 with x at its centre.
+    #[test]
+    fn two_states_are_reconstructed_by_products() -> Result<()> {
+        let axis = Axis::new(0.0, 3.0, 3)?;
+        let h = counted([axis, axis], &[&[[1.5, 1.5]], &[[1.2, 1.8]]]);
+        let centre = 13.0 / 12.0;
+        assert!((h.density_at([1.5, 1.5]).value - centre * centre).abs() < 1e-14);
+        assert_eq!(h.cell([1, 1])?, Estimate::new(1.0, 0.0));
+        Ok(())
+    }
+
+    #[test]
+    fn impossible_axes_are_refused() {
+        for (lo, hi, bins) in [(1.0, 1.0, 10), (0.0, f64::NAN, 10), (0.0, f64::INFINITY, 10), (0.0, 1.0, 2)] {
+            assert!(matches!(Axis::new(lo, hi, bins), Err(Error::OutOfRange { .. })));
+        }
+    }
+}
