@@ -3,14 +3,11 @@
 //! Every figure is 960 px wide and meant for 16 cm in print, so that one pixel is 0.47 pt and
 //! the sizes below are the same on paper in every figure, whatever its number of columns.
 
-// Each example compiles its own copy of this module and uses only part of it; the copy is private
-// to the example, where `pub` marks what the module offers rather than what a crate exports.
-#![allow(dead_code, unreachable_pub)]
-
+use super::file::write_whole;
 use kuva::prelude::*;
 use kuva::render::layout::ComputedLayout;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
-use std::{ffi::OsString, fs, io, path::Path, sync::Arc};
+use std::{io, path::Path, sync::Arc};
 
 /// Scale of the y axis of a [`Panel`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,21 +124,8 @@ const BAND_OPACITY: f64 = 0.25;
 /// Writes the views, row by row in the given number of columns, with the caption beneath them
 /// (broken at `\n` and where a line is full) as an SVG file, whole or not at all.
 pub fn write_figure(path: &Path, caption: &str, columns: usize, views: &[View]) -> io::Result<()> {
-    let name = path.file_name().ok_or_else(|| invalid("the figure's path has no file name"))?;
     let svg = render(caption, columns.clamp(1, views.len().max(1)), views)?;
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    let mut hidden = OsString::from(".");
-    hidden.push(name);
-    hidden.push(format!(".{}.tmp", std::process::id()));
-    let temporary = path.with_file_name(hidden);
-    let outcome = fs::write(&temporary, svg).and_then(|()| fs::rename(&temporary, path));
-    if outcome.is_err() {
-        // The first error tells more than a failure to clean up after it.
-        let _ = fs::remove_file(&temporary);
-    }
-    outcome
+    write_whole(path, svg.as_bytes())
 }
 
 fn invalid(message: &str) -> io::Error {

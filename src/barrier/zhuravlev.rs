@@ -1,4 +1,5 @@
 use super::Barrier;
+use crate::polynomial::twelve_digits;
 use crate::{Density, Estimate, FokkerPlanck, Polynomial};
 
 /// Zhuravlev's transformation y = |x| + b, y′ = x′ sgn x (V. F. Zhuravlev, 1976; M. F. Dimentberg and D. V. Iourtchenko,
@@ -79,10 +80,11 @@ impl Zhuravlev {
             let factors = [position, power("x'", j)];
             let factors: Vec<&str> = factors.iter().map(|f| f.trim()).filter(|f| !f.is_empty()).collect();
             let sign = if coefficient < 0.0 { '-' } else { '+' };
-            let size = if coefficient.abs() == 1.0 { String::new() } else { format!("{} ", coefficient.abs()) };
+            let size =
+                if coefficient.abs() == 1.0 { String::new() } else { format!("{} ", twelve_digits(coefficient.abs())) };
             text += &format!(" {sign} {size}{}", factors.join(" "));
         }
-        let loss = 1.0 - self.barrier.restitution();
+        let loss = twelve_digits(1.0 - self.barrier.restitution());
         if loss > 0.0 {
             text += &format!(" + {loss} x' |x'| delta(x)");
         }

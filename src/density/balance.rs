@@ -1,14 +1,15 @@
 use super::{Crossing, Density};
 use crate::{Barrier, Error, Estimate, FokkerPlanck, Polynomial, Result};
 
-/// The power balance of an oscillator, (injected − dissipated)/injected, which is 0 for its stationary density.
+/// The power balance of the oscillator of state 0, (injected − dissipated)/injected, which is 0 for the stationary
+/// density: a check that any answer can be put to, without knowing the truth.
 ///
 /// The noise injects E[½ B_vv] (D for additive noise) and the drift f_v of the velocity dissipates −E[v f_v]; a wall at b
 /// takes ½ (1 − r²) ∫ |v|³ p(b, v) dv over v < 0. The error is the sum of the errors that the density states for its
 /// moments.
 ///
 /// # Errors
-/// [`Error::NotADisplacement`] unless state 1 is the velocity of state 0; with a wall as [`Density::flux`].
+/// [`Error::NotADisplacement`] unless some state is the velocity of state 0; with a wall as [`Density::flux`].
 ///
 /// ```
 /// use expoly::{Closure, FokkerPlanck, energy_balance, models::Duffing};
@@ -18,28 +19,26 @@ use crate::{Barrier, Error, Estimate, FokkerPlanck, Polynomial, Result};
 /// assert!(balance.value.abs() < 1e-11);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn energy_balance(
-    operator: &FokkerPlanck<2>,
-    density: &impl Density<2>,
+pub fn energy_balance<const N: usize>(
+    operator: &FokkerPlanck<N>,
+    density: &impl Density<N>,
     barrier: Option<Barrier>,
 ) -> Result<Estimate> {
-    if operator.velocity_of(0) != Some(1) {
-        return Err(Error::NotADisplacement { velocity: 1 });
-    }
-    let mean = |p: &Polynomial<2>| {
+    let velocity = operator.velocity_of(0).ok_or(Error::NotADisplacement { velocity: 1 })?;
+    let mean = |p: &Polynomial<N>| {
         p.terms().fold(Estimate::new(0.0, 0.0), |sum, (m, c)| {
             let moment = density.moment(m.0).scaled(c);
             Estimate::new(sum.value + moment.value, sum.error + moment.error)
         })
     };
-    let [_, v] = Polynomial::variables();
-    let injected = mean(&(&operator.diffusion()[1][1] * 0.5));
-    let drained = mean(&(&v * &operator.drift()[1]));
+    let v = &Polynomial::variables()[velocity];
+    let injected = mean(&(&operator.diffusion()[velocity][velocity] * 0.5));
+    let drained = mean(&(v * &operator.drift()[velocity]));
     let lost = match barrier {
         None => Estimate::new(0.0, 0.0),
         Some(wall) => {
             let share = (1.0 - wall.restitution().powi(2)) / 2.0;
-            density.flux(Crossing::downward(wall.offset()), 3)?.scaled(share)
+            density.flux(Crossing { velocity, ..Crossing::downward(wall.offset()) }, 3)?.scaled(share)
         }
     };
     let residual = injected.value + drained.value - lost.value;

@@ -10,6 +10,7 @@ pub use gaussian::Gaussian;
 pub use monomial::{Monomial, monomials};
 pub use symbol::{Arena, Symbol};
 pub use text::Text;
+pub(crate) use text::twelve_digits;
 
 use crate::{Error, Result, Scalar};
 use std::collections::BTreeMap;

@@ -78,9 +78,10 @@ impl<const N: usize> Text<'_, N> {
         }
     }
 
-    /// A coefficient: decimal where it is of ordinary size, with a power of ten where it is not.
+    /// A coefficient, to twelve digits unless a precision was asked for: decimal where it is of ordinary size, with a power of ten where it is not.
     fn number(&self, f: &mut fmt::Formatter<'_>, size: f64) -> fmt::Result {
         let ordinary = !size.is_finite() || size == 0.0 || (1e-4..1e7).contains(&size);
+        let size = if f.precision().is_none() { twelve_digits(size) } else { size };
         let text = match (ordinary, f.precision()) {
             (true, Some(digits)) => format!("{size:.digits$}"),
             (true, None) => format!("{size}"),
@@ -92,4 +93,9 @@ impl<const N: usize> Text<'_, N> {
             _ => f.write_str(&text),
         }
     }
+}
+
+/// The number rounded to twelve significant digits, so that 0.1 + 0.2 prints as 0.3.
+pub(crate) fn twelve_digits(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
 }

@@ -1,0 +1,20 @@
+//! Progress bars on standard error; they vanish where it is no terminal.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::ops::ControlFlow;
+
+/// A bar for a simulation, and the callback that moves it.
+pub fn simulation_bar(name: &str) -> (ProgressBar, impl FnMut(expoly::Progress) -> ControlFlow<()> + Send + use<>) {
+    let bar = ProgressBar::new(1);
+    let template = "{msg:32} [{bar:40}] {percent:>3} % {eta_precise}";
+    // A template that does not parse would only change the looks.
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(name.to_owned());
+    let handle = bar.clone();
+    let callback = move |progress: expoly::Progress| {
+        handle.set_length(progress.total);
+        handle.set_position(progress.done);
+        ControlFlow::Continue(())
+    };
+    (bar, callback)
+}

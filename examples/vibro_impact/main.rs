@@ -1,0 +1,56 @@
+//! How good is the literature's closure for a Duffing oscillator that hits a wall away from its rest position?
+//!
+//! `cargo run --release --example vibro_impact` answers for four walls: Zhuravlev's transformation, the Fokker-Planck
+//! equation, the exponential-polynomial closure and the back-transformation, against a simulation with exact impacts.
+//! A table goes to the terminal, figures and the numbers behind them to `out/vibro_impact/`. `--help` lists the options.
+
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod figures;
+mod options;
+mod report;
+mod study;
+#[path = "../support/mod.rs"]
+mod support;
+mod table;
+
+use clap::Parser;
+use expoly::FokkerPlanck;
+use options::Options;
+use std::process::ExitCode;
+use study::Study;
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
+    for y in &options.at {
+        if !y.is_finite() {
+            return Err(format!("--at {y}: give finite displacements").into());
+        }
+    }
+    for parameters in options.cases() {
+        if options.json {
+            println!("{}", report::report(&Study::run(parameters, options)?, &options.at)?);
+            return Ok(());
+        }
+        let model = parameters.model()?;
+        let operator = FokkerPlanck::new(model.oscillator())?;
+        println!("{}", model.transformation().text(&operator));
+        let study = Study::run(parameters, options)?;
+        print!("{}", table::table(&study));
+        if !options.at.is_empty() {
+            print!("{}", table::pdf_table(&study, &options.at)?);
+        }
+        figures::draw(&study, &options.out, options.seed)?;
+        println!("  figure: {}\n", options.out.join(format!("{}.svg", parameters.stem())).display());
+    }
+    Ok(())
+}

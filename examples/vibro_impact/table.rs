@@ -1,0 +1,91 @@
+//! The table in the terminal.
+
+use crate::study::{Statistics, Study};
+use expoly::Density;
+use std::fmt::Write;
+
+/// One case as text: a row for each method.
+pub(crate) fn table(study: &Study) -> String {
+    let mut text = format!("{}\n", study.parameters.line());
+    let header =
+        ["method", "termination", "E Y", "Var Y", "E Y'^2", "impact rate", "balance", "L1 p_Y", "tail p_Y", "s"];
+    line(&mut text, &header.map(String::from));
+    let mut cut_off_seen = false;
+    let mut noise = None;
+    for closed in &study.closed {
+        let mut cells = vec![closed.name(), closed.solution.termination().to_string()];
+        cells.extend(values(closed.statistics.as_ref()));
+        let (mut l1, mut tail) = (String::from("-"), String::from("-"));
+        if let Some((distance, cut_off)) = study.distance(closed) {
+            let shown = |value: String| if cut_off { format!("({value})") } else { value };
+            (l1, tail) = (shown(format!("{:.1e}", distance.l1)), shown(format!("{:.2}", distance.tail)));
+            cut_off_seen |= cut_off;
+            noise = Some(distance);
+        }
+        cells.extend([l1, tail, format!("{:.3}", closed.seconds)]);
+        line(&mut text, &cells);
+    }
+    if let Some((result, statistics)) = &study.simulated {
+        let mut cells =
+            vec![String::from("simulation"), format!("{:.1e} steps", result.provenance().path_steps as f64)];
+        cells.extend(values(Some(statistics)));
+        let (l1, tail) = noise.map_or_else(
+            || (String::from("-"), String::from("-")),
+            |d| (format!("~{:.1e}", d.noise), format!("to {:.0e}", d.tail_level)),
+        );
+        cells.extend([l1, tail, format!("{:.1}", result.provenance().seconds)]);
+        line(&mut text, &cells);
+        let mut cells = vec![String::from("  standard error"), String::new()];
+        let errors = all(statistics).map(|estimate| format!("{:.5}", estimate.error));
+        cells.extend(errors);
+        line(&mut text, &cells);
+    }
+    if cut_off_seen {
+        text += "  (…) no density: exp(Q) cut off at the range of the samples\n";
+    }
+    text
+}
+
+fn all(statistics: &Statistics) -> [expoly::Estimate; 5] {
+    [
+        statistics.mean_displacement,
+        statistics.variance_displacement,
+        statistics.mean_square_velocity,
+        statistics.impact_rate,
+        statistics.energy_balance,
+    ]
+}
+
+fn values(statistics: Option<&Statistics>) -> [String; 5] {
+    statistics.map_or_else(
+        || std::array::from_fn(|_| String::from("-")),
+        |statistics| all(statistics).map(|estimate| format!("{:.5}", estimate.value)),
+    )
+}
+
+fn line(text: &mut String, cells: &[String]) {
+    const WIDTHS: [usize; 10] = [17, 17, 9, 9, 9, 12, 9, 10, 9, 6];
+    for (k, (cell, width)) in cells.iter().zip(WIDTHS).enumerate() {
+        // Names to the left, numbers to the right. Writing to a string cannot fail.
+        let _ = if k < 2 { write!(text, "  {cell:<width$}") } else { write!(text, "  {cell:>width$}") };
+    }
+    text.truncate(text.trim_end().len());
+    text.push('\n');
+}
+
+/// p_Y at chosen displacements, a row for each.
+pub(crate) fn pdf_table(study: &Study, at: &[f64]) -> expoly::Result<String> {
+    let mut text = String::from("  p_Y(y)\n");
+    for y in at {
+        let mut cells = vec![format!("y = {y}")];
+        for closed in &study.closed {
+            let value = closed.density.as_ref().map(|density| density.marginal(0, *y)).transpose()?;
+            cells.push(value.map_or_else(|| format!("{}: -", closed.name()), |p| format!("{}: {p:.6}", closed.name())));
+        }
+        if let Some((density, _)) = &study.simulated {
+            cells.push(format!("simulation: {:.6}", density.histogram(0)?.density_at([*y])));
+        }
+        text += &format!("  {}\n", cells.join("   "));
+    }
+    Ok(text)
+}
