@@ -10,9 +10,12 @@ use super::hermite::HermiteSeries;
 use crate::quadrature::Rule;
 use crate::{Barrier, FokkerPlanck, Frame, Gaussian, Monomial, Polynomial, Result, monomials};
 use nalgebra::{DMatrix, DVector, SMatrix};
+use std::sync::LazyLock;
 
 /// Nodes on a half line for a Gaussian times a smooth function: the error is below 1e-13 up to polynomials of degree 40.
 const HALF_LINE: usize = 64;
+/// The rule of [`HALF_LINE`] nodes on [−1, 1], made once.
+static HALF_LINE_RULE: LazyLock<Rule> = LazyLock::new(|| Rule::legendre(HALF_LINE));
 /// The Gaussian weight is cut where it has fallen by e^−60.
 const CUT: f64 = 60.0;
 
@@ -81,7 +84,7 @@ impl Weight {
         // Relative to the weight at the wall or at the centre, so that a far wall does not underflow.
         let top = self.wall.max(0.0).powi(2) / 2.0;
         let normal = |z: f64| (top - z * z / 2.0).exp() / (2.0 * std::f64::consts::PI).sqrt();
-        let mut outwards = Rule::legendre(HALF_LINE).on(first, last);
+        let mut outwards = HALF_LINE_RULE.on(first, last);
         outwards.weights.iter_mut().zip(&outwards.nodes).for_each(|(w, z)| *w *= normal(*z));
         // The integrands are polynomials, of degree 3n − 2 and more with a drift of degree above n.
         let count = (3 * order + degree) as usize / 2 + 1;
@@ -108,7 +111,7 @@ impl Weight {
             let z = (w - mean) / sigma;
             (-z * z / 2.0).exp() / (sigma * (2.0 * std::f64::consts::PI).sqrt())
         };
-        let rule = Rule::legendre(HALF_LINE).on(0.0, far);
+        let rule = HALF_LINE_RULE.on(0.0, far);
         rule.iter().map(|(speed, weight)| (sign * speed, weight * density(sign * speed) * factor)).collect()
     }
 

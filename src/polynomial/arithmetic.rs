@@ -72,6 +72,12 @@ macro_rules! forward_to_references {
                 (&self).$method(&other)
             }
         }
+        impl<const N: usize> $operation<Polynomial<N>> for &Polynomial<N> {
+            type Output = Polynomial<N>;
+            fn $method(self, other: Polynomial<N>) -> Polynomial<N> {
+                self.$method(&other)
+            }
+        }
         impl<const N: usize> $operation<&Polynomial<N>> for Polynomial<N> {
             type Output = Polynomial<N>;
             fn $method(self, other: &Self) -> Polynomial<N> {
