@@ -407,6 +407,8 @@ fn impossible_options_are_refused() -> Result<()> {
         new().start([f64::NAN, 0.0]),
         new().barrier(wall).start([0.4, 0.0]),
         new().bins(2),
+        new().bins(usize::MAX),
+        new().trajectories(usize::MAX),
         new().histogram_range(0, 1.0, 0.0),
     ] {
         let text = format!("{simulation:?}");
