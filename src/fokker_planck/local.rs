@@ -85,7 +85,7 @@ where
     for k in 0..M {
         let along = system.noise(std::array::from_fn(|j| Dual::new(x[j], noise[j][k])));
         for i in 0..N {
-            induced[i] = induced[i] + along[i][k].eps * 0.5;
+            induced[i] += along[i][k].eps * 0.5;
         }
     }
     induced

@@ -6,8 +6,12 @@
 /// p ~ |v|^(3g) is the density's singularity at the grazing point (g = −0.04 for r = 0.9, −0.16 for r = 0.7), though
 /// moments hardly notice. A trajectory at the height u with the velocity v therefore takes steps that its own scale sets.
 /// With S the larger of |v| and (2Du)^(1/3), the speed that noise gains while it crosses the height u, the step is
-/// (S/a)²/2D. Little time is spent at small S, so that this costs little. How often a state is looked at depends on the
-/// state alone, so that the steps remain of weak order 2.
+/// (S/a)²/2D. Little time is spent at small S, so that this costs little.
+///
+/// The share of impacts that happen there is of order h, and each scale has the same small relative error, because steps
+/// that follow the velocity meet the wall in uneven phases. What is left in the impact rate is of first order with a small
+/// factor: at r = 0.7, b = 0.5 (c = D = 0.2, k = 1, μ = 0.3) the rate was 0.52, 0.26, 0.13, 0.06 % (±0.03) high for
+/// h = 0.08, 0.04, 0.02, 0.01, against −2.0, −1.0, −0.6, −0.3 % with plain steps. At r = 0.9 it is not seen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grazing {
     /// The time step h.
@@ -18,8 +22,8 @@ pub(super) struct Grazing {
     height: f64,
 }
 
-/// The ratio a of a trajectory's own speed to what noise adds in one step. At h = 0.02, r = 0.7 the impact rate with
-/// a = 1.5, 2, 3 was 8, 2, 0 (±3) in 10⁴ lower than in the limit.
+/// The ratio a of a trajectory's own speed to what noise adds in one step. The impact rate at h = 0.02, r = 0.7 is the same
+/// with a = 2 and 3 within 2 in 10⁴, and 6 in 10⁴ lower with a = 1.5.
 const RESOLUTION: f64 = 2.0;
 
 /// How many times the step is shortened at most. What is missed falls with the power 1 + 3g/2 of it, one half at r = 0.5.

@@ -9,7 +9,7 @@
 //! - `ensemble`: batches of trajectories on all threads;
 //! - `tally`, `histogram`: what a batch keeps of its samples;
 //! - `jackknife`: estimates and standard errors from the batches;
-//! - `setup`, `result`, `density`: what the user asks, and what the user gets.
+//! - `setup`, `run`, `result`, `density`: what the user asks, what is done, and what the user gets.
 
 mod density;
 mod ensemble;
@@ -19,6 +19,7 @@ mod jackknife;
 mod lanes;
 mod passage;
 mod result;
+mod run;
 mod scheme;
 mod setup;
 mod tally;

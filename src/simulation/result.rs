@@ -140,7 +140,7 @@ impl<const N: usize> SimulatedDensity<N> {
 
     /// What is missing in the power balance of the velocity v of state 0, relative to the power put in by noise:
     ///
-    /// 1 − { −E[v f_v] + ½(1 − r²) ν E[v₋²] } / E[½B_vv],
+    /// 1 − { ½(1 − r²) ν E(v₋²) − E(v f_v) } / E(½B_vv),
     ///
     /// with the Itô drift f, the impact rate ν and the speed v₋ of approach. Zero for the true stationary density. None
     /// where state 0 is no displacement.

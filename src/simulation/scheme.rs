@@ -1,5 +1,5 @@
 use crate::fokker_planck::{drift_along_noise, ito_drift, noise_induced_drift};
-use crate::{Arena, FokkerPlanck, Interpretation, Polynomial, PolynomialDrift};
+use crate::{Arena, FokkerPlanck, Interpretation, Polynomial, PolynomialDrift, Symbol};
 
 /// One step of weak order 2, by a symmetric splitting: A(h/2) F(h/2) W(h) F(h/2) A(h/2).
 ///
@@ -38,7 +38,7 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
             .collect();
         let moves: [f64; N] = std::array::from_fn(|i| f64::from(pairs.iter().all(|&(x, _)| x != i)));
         let arena = Arena::new();
-        let noise = system.noise(arena.variables()).map(|row| row.map(|g| g.polynomial()));
+        let noise = system.noise(arena.variables()).map(|row| row.map(Symbol::polynomial));
         let induced = noise_induced_drift(&noise);
         Scheme {
             system,
