@@ -75,6 +75,8 @@ fn an_order_is_at_least_one() {
     for error in [
         Closure::classical(0).solve(&duffing()).unwrap_err(),
         Closure::classical(0).solve_with_wall(&duffing(), wall).unwrap_err(),
+        Closure::classical(0).with_basis(Basis::Folded).solve_with_wall(&duffing(), wall).unwrap_err(),
+        Closure::classical(1).solve_with_wall(&duffing(), wall).unwrap_err(),
     ] {
         assert!(matches!(error, Error::OutOfRange { name: "order of the closure", .. }));
         assert!(error.to_string().contains("ask for order 2"), "{error}");

@@ -109,7 +109,7 @@ impl Closure {
     /// [`Error::NoStationaryDensity`] where the Gaussian closure finds no bounded moments.
     pub fn solve<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(&self, system: &T) -> Result<Solution<N>> {
         let start = Instant::now();
-        let order = self.checked_order()?;
+        let order = self.checked_order(1)?;
         let operator = FokkerPlanck::new(system)?;
         let gaussian = gaussian_closure(&operator)?;
         let frame = Frame::new(&gaussian)?;
@@ -127,7 +127,8 @@ impl Closure {
     /// already transformed back.
     ///
     /// # Errors
-    /// As [`Closure::solve`], and [`Error::NotADisplacement`] if state 0 is not a displacement with state 1 as velocity.
+    /// As [`Closure::solve`], [`Error::OutOfRange`] also for order 1 in the classical basis, which has no function of odd
+    /// degree, and [`Error::NotADisplacement`] if state 0 is not a displacement with state 1 as velocity.
     ///
     /// ```
     /// use expoly::{Barrier, Basis, Closure, Density, models::Duffing};
@@ -144,7 +145,7 @@ impl Closure {
         barrier: Barrier,
     ) -> Result<Solution<2>> {
         let start = Instant::now();
-        let order = self.checked_order()?;
+        let order = self.checked_order(if self.basis == Basis::Classical { 2 } else { 1 })?;
         let operator = FokkerPlanck::new(system)?;
         if operator.velocity_of(0) != Some(1) {
             return Err(Error::NotADisplacement { velocity: 1 });
@@ -209,12 +210,13 @@ impl Closure {
         }
     }
 
-    fn checked_order(&self) -> Result<u32> {
-        if self.order == 0 {
+    /// The order, refused below the least one that has a coefficient to find.
+    fn checked_order(&self, least: u32) -> Result<u32> {
+        if self.order < least {
             return Err(Error::OutOfRange {
                 name: "order of the closure",
-                value: 0.0,
-                remedy: "a polynomial of degree 0 has no coefficient to find; ask for order 2 or more",
+                value: f64::from(self.order),
+                remedy: "at this order there is no coefficient to find; ask for order 2 or more",
             });
         }
         Ok(self.order)

@@ -48,7 +48,8 @@ impl<A, B> Search<A, B> {
                     let start = newton(&easy, easy.gaussian());
                     homotopy(&easy, &equations, start.a)
                 }
-                Route::LowerOrder if order <= 2 => continue,
+                // Below order 2 there is nothing to learn.
+                Route::LowerOrder if order <= 3 => continue,
                 Route::LowerOrder => {
                     let lower: Found<N> = self.run(order - 2);
                     let unknowns = equations.gaussian().len();

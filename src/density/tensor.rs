@@ -202,34 +202,69 @@ fn bounding_box<const N: usize>(q: &Polynomial<N>, wall: Option<f64>) -> Result<
     if let Some(wall) = wall {
         bounds[0] = (wall, wall + 12.0);
     }
-    let mut top = f64::NEG_INFINITY;
-    for round in 0.. {
-        let (cells, highest) = occupied_cells(q, &bounds);
-        top = highest.max(top);
+    let mut top = occupied_cells(q, &bounds).1;
+    // Outwards on every side that the mass reaches, until it reaches none.
+    loop {
         let mut settled = true;
         for d in 0..N {
             let (low, high) = bounds[d];
-            let width = (high - low) / (GRID - 1) as f64;
-            let held_low = d == 0 && wall.is_some();
-            let (first, last) = cells[d];
-            let below = if first > 0 || held_low { 0.0 } else { 0.5 };
-            let above = if last < GRID - 1 { 0.0 } else { 0.5 };
-            settled &= below == 0.0 && above == 0.0;
-            bounds[d] = (
-                if held_low { low } else { low + (first as f64 - 1.0) * width - below * (high - low) },
-                low + (last as f64 + 1.0) * width + above * (high - low),
-            );
+            let grown = 0.5 * (high - low);
+            let held = d == 0 && wall.is_some();
+            let (from_low, from_high) = (face_maximum(q, &bounds, d, low), face_maximum(q, &bounds, d, high));
+            top = top.max(from_low).max(from_high);
+            let (below, above) = (!held && from_low > top - DEPTH, from_high > top - DEPTH);
+            bounds[d] = (if below { low - grown } else { low }, if above { high + grown } else { high });
+            settled &= !below && !above;
             if !(bounds[d].1 - bounds[d].0 < TOO_WIDE) {
                 let direction = (0..N).map(|i| f64::from(i == d)).collect();
                 return Err(Error::NotNormalisable { order: q.degree(), direction });
             }
         }
-        // A second look on the shrunken box is finer.
-        if settled && round > 0 {
+        if settled {
             break;
         }
     }
+    // Inwards to where it begins, twice, since the second grid is finer.
+    for _ in 0..2 {
+        let (cells, highest) = occupied_cells(q, &bounds);
+        top = top.max(highest);
+        let full = bounds;
+        for (d, (first, last)) in cells.into_iter().enumerate() {
+            let (low, high) = full[d];
+            let width = (high - low) / (GRID - 1) as f64;
+            let inner = (low + (first as f64 - 1.0) * width, low + (last as f64 + 1.0) * width);
+            let free = |side: f64| face_maximum(q, &full, d, side) <= top - DEPTH;
+            if first > 0 && free(inner.0) {
+                bounds[d].0 = inner.0;
+            }
+            if last < GRID - 1 && free(inner.1) {
+                bounds[d].1 = inner.1;
+            }
+        }
+    }
     Ok((bounds, top))
+}
+
+/// The largest Q on the face z_`d` = `side` of a box. A ridge far out is narrow in exp(Q) but not in Q, a polynomial with
+/// few extrema: the highest points of a coarse walk along the face, each refined, are enough.
+fn face_maximum<const N: usize>(q: &Polynomial<N>, bounds: &[(f64, f64); N], d: usize, side: f64) -> f64 {
+    const STEPS: usize = 100;
+    let Some(other) = (0..N).find(|&i| i != d) else { return q.evaluate(&[side; N]) };
+    let (low, high) = bounds[other];
+    let value = |s: f64| q.evaluate(&std::array::from_fn(|i| if i == d { side } else { low + s * (high - low) }));
+    let walk: Vec<f64> = (0..=STEPS).map(|k| value(k as f64 / STEPS as f64)).collect();
+    let mut highest = walk[0].max(walk[STEPS]);
+    for k in 1..STEPS {
+        if walk[k] >= walk[k - 1] && walk[k] >= walk[k + 1] {
+            let (mut left, mut right) = ((k - 1) as f64 / STEPS as f64, (k + 1) as f64 / STEPS as f64);
+            for _ in 0..40 {
+                let third = (right - left) / 3.0;
+                if value(left + third) < value(right - third) { left += third } else { right -= third }
+            }
+            highest = highest.max(value((left + right) / 2.0));
+        }
+    }
+    highest
 }
 
 /// The first and last grid line of each axis on which exp(Q) matters, and the largest Q on the grid.
