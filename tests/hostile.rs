@@ -1,5 +1,7 @@
 //! Bad input gets a typed error that names the value and the remedy; nothing panics.
 
+#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
+
 mod common;
 
 use common::*;

@@ -1,5 +1,7 @@
 //! The Fokker-Planck operator: symbolic against dual numbers, exact densities as null vectors, equations as text.
 
+#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
+
 mod common;
 
 use common::*;

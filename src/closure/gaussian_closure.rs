@@ -48,7 +48,7 @@ pub(crate) fn gaussian_closure<const N: usize>(operator: &FokkerPlanck<N>) -> Re
             }
             None => step *= 0.25,
         }
-        if let Some(i) = (0..N).find(|&i| !(state.covariance[(i, i)] < UNBOUNDED)) {
+        if let Some(i) = (0..N).find(|&i| state.covariance[(i, i)].is_nan() || state.covariance[(i, i)] >= UNBOUNDED) {
             return Err(Error::NoStationaryDensity { state: i, behaviour: "grows without bound" });
         }
     }

@@ -231,6 +231,9 @@ pub(crate) fn elastic_linear_oscillator(gaussian: &Gaussian<2>, diffusion: f64) 
     FokkerPlanck::linear(&slopes, &centre, &SMatrix::<f64, 2, 2>::new(0.0, 0.0, 0.0, diffusion))
 }
 
+/// The value of the product of index (i, j) from the rows h₀ … of both coordinates.
+type Entry<'a> = &'a dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64;
+
 /// Hermite products and their derivatives in z at a set of points: rows are points, columns functions.
 struct HermiteValues {
     value: DMatrix<f64>,
@@ -242,7 +245,7 @@ struct HermiteValues {
 impl HermiteValues {
     fn new(indices: &[Monomial<2>], points: &[[f64; 2]], order: u32) -> Self {
         let rows: Vec<[Vec<f64>; 2]> = points.iter().map(|z| z.map(|z| hermite_row(z, order))).collect();
-        let matrix = |entry: &dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64| {
+        let matrix = |entry: Entry<'_>| {
             DMatrix::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], indices[k].0.map(|j| j as usize)))
         };
         let slope = |row: &[f64], j: usize| if j > 0 { (j as f64).sqrt() * row[j - 1] } else { 0.0 };

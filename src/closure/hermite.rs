@@ -166,7 +166,7 @@ mod tests {
         let (table, rule) = (ProductTable::new(6), Rule::hermite(12));
         for a in 0..=6u32 {
             for b in 0..=6u32 {
-                let mut terms = vec![0.0; 13];
+                let mut terms = [0.0; 13];
                 table.product(&Monomial([a]), &Monomial([b]), 12, &mut |m, t| terms[m.0[0] as usize] += t);
                 for c in 0..=6usize {
                     let integral: f64 =

@@ -119,8 +119,8 @@ impl<const N: usize> TensorRule<N> {
                     continue;
                 }
                 let next = mass(&finer);
-                // An axis that is fine enough already keeps the coarser rule; `!(… < …)` also catches NaN.
-                if !((next - last).abs() < TOLERANCE * last.abs().max(1.0)) {
+                // An axis that is fine enough already keeps the coarser rule.
+                if (next - last).abs() >= TOLERANCE * last.abs().max(1.0) {
                     (rule, last, changed) = (finer, next, true);
                 }
             }
@@ -215,7 +215,7 @@ fn bounding_box<const N: usize>(q: &Polynomial<N>, wall: Option<f64>) -> Result<
             let (below, above) = (!held && from_low > top - DEPTH, from_high > top - DEPTH);
             bounds[d] = (if below { low - grown } else { low }, if above { high + grown } else { high });
             settled &= !below && !above;
-            if !(bounds[d].1 - bounds[d].0 < TOO_WIDE) {
+            if bounds[d].1 - bounds[d].0 >= TOO_WIDE {
                 let direction = (0..N).map(|i| f64::from(i == d)).collect();
                 return Err(Error::NotNormalisable { order: q.degree(), direction });
             }

@@ -16,7 +16,7 @@ pub use local::LocalOperator;
 pub(crate) use local::{drift_along_noise, ito_drift};
 pub use text::OperatorText;
 
-use crate::{Arena, Error, Frame, Gaussian, Interpretation, Polynomial, PolynomialDrift, Result};
+use crate::{Arena, Error, Frame, Gaussian, Interpretation, Polynomial, PolynomialDrift, Result, Symbol};
 use nalgebra::{SMatrix, SVector};
 
 /// The Fokker-Planck operator as polynomials: the Itô drift f and the diffusion matrix B = G Gᵀ.
@@ -43,8 +43,8 @@ impl<const N: usize> FokkerPlanck<N> {
     /// ```
     pub fn new<T: PolynomialDrift<N, M>, const M: usize>(system: &T) -> Result<Self> {
         let arena = Arena::new();
-        let mut drift = system.drift(arena.variables()).map(|f| f.polynomial());
-        let noise = system.noise(arena.variables()).map(|row| row.map(|g| g.polynomial()));
+        let mut drift = system.drift(arena.variables()).map(Symbol::polynomial);
+        let noise = system.noise(arena.variables()).map(|row| row.map(Symbol::polynomial));
         for i in 0..N {
             all_finite("drift", i, &drift[i])?;
             for entry in &noise[i] {

@@ -1,4 +1,5 @@
 //! What several tests need.
+#![allow(clippy::unwrap_used, reason = "a test's own input that is wrong should fail the test")]
 #![allow(dead_code, unreachable_pub, reason = "each test compiles its own copy and uses part of it")]
 
 use expoly::models::{

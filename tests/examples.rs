@@ -1,0 +1,171 @@
+//! The examples as a user runs them: one JSON object, errors that name the value, files whole or not at all.
+//!
+//! `cargo test` builds the examples beside this test.
+
+#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
+
+#[path = "../examples/support/file.rs"]
+#[allow(dead_code, unreachable_pub, reason = "the examples' own module, of which this test uses a part")]
+mod file;
+#[path = "../examples/support/json.rs"]
+#[allow(dead_code, unreachable_pub, reason = "the examples' own module, of which this test uses a part")]
+mod json;
+
+use expoly::Estimate;
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn run(example: &str, arguments: &[&str]) -> Output {
+    let folder = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("examples");
+    Command::new(folder.join(example)).args(arguments).output().unwrap()
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    folder
+}
+
+#[test]
+fn json_is_one_object_with_the_promised_fields() {
+    let arguments = ["--json", "--offset", "-0.5", "--restitution", "0.95", "--order", "4", "--basis", "folded"];
+    let output =
+        run("vibro_impact", &[&arguments[..], &["--samples", "50000", "--seed", "7", "--at", "-0.4,0.5"]].concat());
+    assert!(output.status.success());
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["parameters"]["offset"], -0.5);
+    let (closure, simulation) = (&answer["closure"], &answer["simulation"]);
+    assert_eq!((closure["order"].as_u64(), closure["unknowns"].as_u64()), (Some(4), Some(14)));
+    assert_eq!((closure["basis"].as_str(), closure["termination"].as_str()), (Some("folded"), Some("root")));
+    assert_eq!(simulation["seed"], 7);
+    for field in ["mean_displacement", "variance_displacement", "mean_square_velocity", "impact_rate"] {
+        let (value, error) = (&simulation[field]["value"], &simulation[field]["standard_error"]);
+        let distance = (closure[field].as_f64().unwrap() - value.as_f64().unwrap()).abs();
+        // This closure's own error is below 1 %; 50 000 samples are a sample of 1 % or so.
+        assert!(distance < 0.01 + 5.0 * error.as_f64().unwrap(), "{field}: {closure} and {simulation}");
+    }
+    for (k, field) in [(0, "displacement_pdf"), (1, "displacement_pdf")] {
+        let estimate = &simulation[field][k];
+        let distance = (closure[field][k].as_f64().unwrap() - estimate["value"].as_f64().unwrap()).abs();
+        assert!(distance < 0.02 + 5.0 * estimate["standard_error"].as_f64().unwrap());
+    }
+}
+
+/// The same seed prints the same simulation; another one another.
+#[test]
+fn a_seed_fixes_the_answer() {
+    let values = |seed: &str| {
+        let output = run("vibro_impact", &["--json", "--method", "simulation", "--samples", "20000", "--seed", seed]);
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(answer.get("closure").is_none());
+        answer["simulation"]["mean_displacement"].clone()
+    };
+    assert_eq!(values("3"), values("3"));
+    assert_ne!(values("3"), values("4"));
+}
+
+/// A closure without a density has statistics that are null beside the reason, not instead of it.
+#[test]
+fn a_missing_density_is_explained() {
+    let arguments = ["--json", "--method", "closure", "--restitution", "0.9", "--order", "6", "--at", "0.1"];
+    let output = run("vibro_impact", &arguments);
+    assert!(output.status.success());
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["closure"]["termination"], "no root");
+    assert!(answer["closure"]["refusal"].as_str().unwrap().contains("no root"));
+    assert_eq!(answer["closure"]["mean_displacement"], Value::Null);
+}
+
+#[test]
+fn wrong_options_name_the_value_on_standard_error() {
+    for (arguments, expected) in [
+        (&["--restitution", "1.5"][..], "1.5"),
+        (&["--restitution", "0"], "0 < r ≤ 1"),
+        (&["--intensity", "-0.2"], "-0.2"),
+        (&["--damping", "nan"], "NaN"),
+        (&["--damping", "-0.3"], "no stationary density"),
+        (&["--order", "0"], "order"),
+        (&["--samples", "0"], "samples"),
+        (&["--at", "0.1,inf"], "inf"),
+    ] {
+        let short = if arguments[0] == "--samples" { &[][..] } else { &["--samples", "1000"] };
+        let output = run("vibro_impact", &[&["--json"], arguments, short].concat());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && output.stdout.is_empty(), "{arguments:?}");
+        assert!(message.starts_with("error: ") && message.contains(expected), "{arguments:?}: {message}");
+        assert!(!message.contains("panicked"), "{message}");
+    }
+}
+
+/// A folder that cannot be made, because a file stands there: the error names it, and nothing is left behind.
+#[test]
+fn an_output_folder_that_cannot_be_written_is_named() {
+    let folder = scratch("blocked");
+    std::fs::create_dir_all(&folder).unwrap();
+    let blocked = folder.join("file");
+    std::fs::write(&blocked, "in the way").unwrap();
+    let out = blocked.join("deeper");
+    let output = run("vibro_impact", &["--samples", "2000", "--out", out.to_str().unwrap(), "--order", "2"]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && message.contains("cannot write"), "{message}");
+    assert!(message.contains(blocked.to_str().unwrap()), "{message}");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+}
+
+/// A run leaves the figure and its numbers, and no temporary file.
+#[test]
+fn a_run_leaves_its_figure_and_the_numbers_behind_it() {
+    let out = scratch("figures");
+    let output =
+        run("vibro_impact", &["--samples", "20000", "--offset", "0.2", "--order", "2", "--out", out.to_str().unwrap()]);
+    assert!(output.status.success());
+    let mut names: Vec<String> =
+        std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert!(names.iter().all(|name| !name.ends_with(".tmp")), "{names:?}");
+    assert!(names.contains(&String::from("b0.2_r0.98.svg")) && names.iter().any(|n| n.ends_with("displacement.csv")));
+    let svg = std::fs::read_to_string(out.join("b0.2_r0.98.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains("seed 1"));
+    let mut table = csv::Reader::from_path(out.join("b0.2_r0.98_displacement.csv")).unwrap();
+    assert_eq!(
+        table.headers().unwrap().iter().take(3).collect::<Vec<_>>(),
+        ["displacement", "simulation", "standard error"]
+    );
+    for record in table.records() {
+        assert!(record.unwrap().iter().all(|field| field.parse::<f64>().is_ok_and(f64::is_finite)));
+    }
+}
+
+/// JSON has no NaN: a number that would become `null` is an error that names it.
+#[test]
+fn a_json_value_that_would_be_nan_is_an_error() {
+    for value in [f64::NAN, f64::INFINITY] {
+        let error = serde_json::to_string(&json::Number::new("impact_rate", value)).unwrap_err().to_string();
+        assert!(error.contains("impact_rate") && error.contains(&value.to_string()), "{error}");
+        let estimate = Estimate { value: 1.0, error: value };
+        assert!(serde_json::to_string(&json::Sampled::new("energy_balance", estimate)).is_err());
+    }
+    assert_eq!(serde_json::to_string(&json::Number::new("x", 0.1)).unwrap(), "0.1");
+}
+
+#[test]
+fn tables_keep_every_digit() {
+    let path = scratch("digits").join("deep/table.csv");
+    let row = vec![0.1 + 0.2, 1e-300, std::f64::consts::PI];
+    file::write_csv(&path, &["a", "b", "c"].map(String::from), std::slice::from_ref(&row)).unwrap();
+    let mut reader = csv::Reader::from_path(&path).unwrap();
+    let back: Vec<f64> = reader.records().next().unwrap().unwrap().iter().map(|f| f.parse().unwrap()).collect();
+    assert_eq!(back, row);
+}
+
+#[test]
+fn an_order_study_has_one_row_an_order() {
+    let output = run("order_convergence", &["--model", "duffing", "--orders", "2,4,6", "--json"]);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = answer["rows"].as_array().unwrap();
+    assert_eq!(rows.iter().map(|row| row["order"].as_u64().unwrap()).collect::<Vec<_>>(), [2, 4, 6]);
+    assert!(rows[0]["l1"].as_f64().unwrap() > 0.01 && rows[1]["l1"].as_f64().unwrap() < 1e-10);
+    let output = run("order_convergence", &["--model", "nonsense"]);
+    assert!(!output.status.success() && String::from_utf8(output.stderr).unwrap().contains("there are linear"));
+}
