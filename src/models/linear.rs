@@ -1,7 +1,7 @@
 use super::Solved;
 use crate::{Intensity, Oscillator, Result, Scalar};
 
-/// The linear oscillator x″ + c x′ + k x = ξ: normal, with E[x′²] = D/c and E[x²] = D/(c k).
+/// The linear oscillator x″ + c x′ + k x = ξ: normal, with E x′² = D/c and E x² = D/(c k).
 ///
 /// # Reference
 /// S. Chandrasekhar, Stochastic problems in physics and astronomy, Reviews of Modern Physics 15 (1943) 1-89,

@@ -10,7 +10,7 @@ use crate::Scalar;
 
 /// A stochastic differential equation with polynomial coefficients: the one trait that users implement.
 ///
-/// dX = f(X) dt + G(X) dW on R^N, with M independent standard Wiener processes W, E[dW_k²] = dt. The matrix G carries
+/// dX = f(X) dt + G(X) dW on R^N, with M independent standard Wiener processes W, E dW_k² = dt. The matrix G carries
 /// the noise's strength: a white noise ξ of intensity D, E[ξ(t)ξ(t+τ)] = 2D δ(τ), enters with G = √(2D), which is
 /// [`Intensity::amplitude`].
 ///
