@@ -118,6 +118,28 @@ pub enum Error {
         /// The level asked for.
         level: f64,
     },
+    /// The density does not end within the domain of a grid.
+    #[error(
+        "at state {state} = {edge} the density is {level:.1e} of its peak, and {asked:.1e} was asked for: either the domain cuts it off, then widen `Grid::domain` or leave it out, or the drift has no stationary density"
+    )]
+    DomainCut {
+        /// The state whose limit is too close.
+        state: usize,
+        /// The limit.
+        edge: f64,
+        /// The density there, relative to the peak.
+        level: f64,
+        /// The highest level accepted.
+        asked: f64,
+    },
+    /// The linear equations of a grid have no unique solution.
+    #[error(
+        "the linear system of {unknowns} unknowns is singular: the stationary density is not unique, or there is none; check that the noise reaches every state"
+    )]
+    SingularSystem {
+        /// The number of unknowns.
+        unknowns: usize,
+    },
 }
 
 /// The result of a question to this library.

@@ -1,0 +1,90 @@
+//! Where the density is: the domain, measured by a pilot simulation and then by the solution itself.
+
+use super::field::Field;
+use crate::{Barrier, PolynomialDrift, Result, Simulation};
+
+/// A pilot sees densities down to about 1e-5 of the peak. A Gaussian falls to 1e-10 at 1.6 times the distance.
+const WIDENING: f64 = 1.6;
+
+/// The box that a short simulation says the density lives in, and its mean.
+pub(super) fn pilot<T: PolynomialDrift<2, M> + Sync, const M: usize>(
+    system: &T,
+    barrier: Option<Barrier>,
+) -> Result<[[f64; 2]; 2]> {
+    let mut simulation = Simulation::new(system).trajectories(512).samples(51_200).burn_in(40.0);
+    if let Some(barrier) = barrier {
+        simulation = simulation.barrier(barrier);
+    }
+    let result = simulation.run()?;
+    let mut limits = [[0.0; 2]; 2];
+    for (state, limit) in limits.iter_mut().enumerate() {
+        let histogram = result.histogram(state)?;
+        let edges: Vec<f64> = histogram.edges().collect();
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for k in 0..histogram.len() {
+            if histogram.bin(k)?.value > 0.0 {
+                range = [range[0].min(edges[k]), range[1].max(edges[k + 1])];
+            }
+        }
+        let middle = result.mean(state)?.value;
+        *limit = range.map(|edge| middle + WIDENING * (edge - middle));
+    }
+    Ok(limits)
+}
+
+/// The profile of a density along one state: positions, rising, and the largest |p| over the other state there.
+pub(super) struct Profile {
+    points: Vec<(f64, f64)>,
+    peak: f64,
+}
+
+impl Profile {
+    pub(super) fn new(field: &Field, state: usize) -> Self {
+        let rule = crate::quadrature::Rule::legendre(field.space.degree.max(2));
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        let mut highest = std::collections::BTreeMap::new();
+        field.for_each_node(&rule, |x, _, p| {
+            let key = ordered(x[state]);
+            let entry = highest.entry(key).or_insert((x[state], 0.0_f64));
+            entry.1 = entry.1.max(p.abs());
+        });
+        points.extend(highest.into_values());
+        let peak = points.iter().fold(0.0, |a: f64, (_, p)| a.max(*p));
+        Profile { points, peak }
+    }
+
+    /// The largest |p| next to the lower (0) or upper (1) edge, relative to the peak.
+    pub(super) fn edge(&self, side: usize) -> f64 {
+        let point = if side == 0 { self.points.first() } else { self.points.last() };
+        point.map_or(0.0, |(_, p)| p / self.peak)
+    }
+
+    /// Where the density has fallen to `level` of its peak for good, on one side. Beyond what the profile resolves the
+    /// fall is continued as ln p ~ −|x − m|^k.
+    pub(super) fn limit(&self, side: usize, level: f64) -> f64 {
+        let middle = self.points.iter().fold((0.0, 0.0), |best, p| if p.1 > best.1 { *p } else { best }).0;
+        let outermost = |share: f64| {
+            let inside = |(_, p): &&(f64, f64)| *p >= share * self.peak;
+            let found = if side == 0 { self.points.iter().find(inside) } else { self.points.iter().rfind(inside) };
+            found.map_or(middle, |(x, _)| *x)
+        };
+        let [near, far] = [NEAR, FAR].map(|share: f64| (outermost(share) - middle).abs());
+        let power = ((FAR.ln() / NEAR.ln()).ln() / (far / near).ln()).clamp(0.5, 8.0);
+        let reach = far * (level.ln() / FAR.ln()).powf(power.recip());
+        let reach = if reach.is_finite() { SAFETY * reach } else { far };
+        if side == 0 { middle - reach } else { middle + reach }
+    }
+}
+
+/// The two shares of the peak from which a fall is continued; a coarse solution resolves them well.
+const NEAR: f64 = 1e-3;
+const FAR: f64 = 1e-5;
+
+/// A few percent more than the continued fall asks for.
+const SAFETY: f64 = 1.04;
+
+/// A key that orders finite numbers.
+fn ordered(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    if bits < 0 { i64::MIN - bits } else { bits }
+}

@@ -1,0 +1,99 @@
+//! A piecewise polynomial: its values and integrals.
+
+use super::space::Space;
+use crate::quadrature::Rule;
+
+/// The coefficients of a density on its elements.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Field {
+    pub(super) space: Space,
+    pub(super) coefficients: Vec<f64>,
+}
+
+impl Field {
+    fn block(&self, element: usize) -> &[f64] {
+        let size = self.space.block();
+        &self.coefficients[element * size..(element + 1) * size]
+    }
+
+    /// The value at a state; 0 outside the domain.
+    pub(super) fn value(&self, x: &[f64; 2]) -> f64 {
+        let u: [f64; 2] = std::array::from_fn(|i| x[i] - self.space.axes[i].origin);
+        let cells = [0, 1].map(|i| self.space.axes[i].locate(u[i]));
+        let [Some(i), Some(j)] = cells else { return 0.0 };
+        let [a, b] = [(0, i), (1, j)].map(|(s, cell)| self.space.axes[s].basis(cell, self.space.degree, u[s]).0);
+        self.contract(self.space.element(i, j), &a, &b)
+    }
+
+    fn contract(&self, element: usize, a: &[f64], b: &[f64]) -> f64 {
+        let rows = self.block(element).chunks_exact(b.len());
+        rows.zip(a).map(|(row, a)| a * row.iter().zip(b).map(|(c, b)| c * b).sum::<f64>()).sum()
+    }
+
+    /// ∫ g₀(x₀) g₁(x₁) p dx from the integrals ∫ g φ of every cell of both axes.
+    pub(super) fn integrate(&self, weights: [&[Vec<f64>]; 2]) -> f64 {
+        let mut sum = 0.0;
+        for (i, a) in weights[0].iter().enumerate().filter(|(_, a)| !a.is_empty()) {
+            for (j, b) in weights[1].iter().enumerate().filter(|(_, b)| !b.is_empty()) {
+                sum += self.contract(self.space.element(i, j), a, b);
+            }
+        }
+        sum
+    }
+
+    /// ∫ g φ_k du for every cell of the axis of `state`, over `range`; `extra` is the degree of g.
+    pub(super) fn weights(&self, state: usize, extra: usize, range: [f64; 2], g: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+        let axis = &self.space.axes[state];
+        let rule = self.space.rule(extra);
+        let range = range.map(|x| x - axis.origin);
+        (0..axis.cells())
+            .map(|cell| axis.project(cell, self.space.degree, &rule, range, |u| g(u + axis.origin)))
+            .collect()
+    }
+
+    /// φ_k at x for the cell that holds it, nothing for all other cells.
+    pub(super) fn point(&self, state: usize, x: f64) -> Vec<Vec<f64>> {
+        let axis = &self.space.axes[state];
+        let u = x - axis.origin;
+        let mut weights = vec![Vec::new(); axis.cells()];
+        if let Some(cell) = axis.locate(u) {
+            weights[cell] = axis.basis(cell, self.space.degree, u).0;
+        }
+        weights
+    }
+
+    /// Calls `visit` with every quadrature node: the state, the weight and the value there.
+    pub(super) fn for_each_node(&self, rule: &Rule, mut visit: impl FnMut([f64; 2], f64, f64)) {
+        let space = &self.space;
+        let tables = [0, 1].map(|s| {
+            let axis = &space.axes[s];
+            let nodes = |cell: usize| {
+                let nodes = rule.on(axis.lines[cell], axis.lines[cell + 1]);
+                nodes.iter().map(|(u, w)| (u, w, axis.basis(cell, space.degree, u).0)).collect::<Vec<_>>()
+            };
+            (0..axis.cells()).map(nodes).collect::<Vec<_>>()
+        });
+        for (i, columns) in tables[0].iter().enumerate() {
+            for (j, rows) in tables[1].iter().enumerate() {
+                let element = space.element(i, j);
+                for (u, wu, a) in columns {
+                    for (w, ww, b) in rows {
+                        let x = [space.axes[0].origin + u, space.axes[1].origin + w];
+                        visit(x, wu * ww, self.contract(element, a, b));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The integral over everything.
+    pub(super) fn mass(&self) -> f64 {
+        (0..self.space.elements()).map(|e| self.space.root_area(e) * self.block(e)[0]).sum()
+    }
+
+    /// The element with the highest mean density.
+    pub(super) fn peak_element(&self) -> usize {
+        let mean = |e: &usize| self.block(*e)[0] / self.space.root_area(*e);
+        (0..self.space.elements()).max_by(|a, b| mean(a).total_cmp(&mean(b))).unwrap_or(0)
+    }
+}

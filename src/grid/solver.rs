@@ -1,0 +1,192 @@
+//! From a domain to a density: the domain adjusted by cheap solutions, then two degrees on one mesh.
+
+use super::density::{GridDensity, GridProvenance};
+use super::domain::Profile;
+use super::field::Field;
+use super::legendre::Axis;
+use super::space::{Side, Space};
+use super::{Grid, mesh, stationary};
+use crate::{Barrier, Error, FokkerPlanck, Result};
+
+/// The degree of the solutions that measure the domain.
+const SCOUT_DEGREE: usize = 5;
+
+/// How often a domain is adjusted before the search is given up.
+const ATTEMPTS: usize = 6;
+
+/// The most unknowns that a solution may have: their factors take some ten gigabytes.
+const MOST_UNKNOWNS: usize = 400_000;
+
+type Domain = [[f64; 2]; 2];
+
+pub(super) struct Solver<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) operator: &'a FokkerPlanck<2>,
+    pub(super) walls: [Option<Barrier>; 2],
+    /// Whether state 1 is the velocity of state 0.
+    pub(super) displacement: bool,
+}
+
+impl Solver<'_> {
+    pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<GridDensity> {
+        let mut domain = self.between_walls(start);
+        let mut scout = None;
+        for _ in 0..if adjust { ATTEMPTS } else { 1 } {
+            let space = self.space(domain, SCOUT_DEGREE.min(self.grid.degree), false)?;
+            let pin = scout.as_ref().map_or(space.elements() / 2 + space.axes[1].cells() / 2, |field: &Field| {
+                self.same_place(field, &space)
+            });
+            let field = stationary::solve(self.operator, &space, pin)?.field;
+            let next = self.between_walls(self.measured(&field));
+            scout = Some(field);
+            if !adjust || self.settled(domain, next) {
+                domain = if adjust { next } else { domain };
+                break;
+            }
+            domain = next;
+        }
+        let degree = self.grid.degree;
+        let space = self.space(domain, degree, true)?;
+        let pin = scout.as_ref().map_or(0, |field| self.same_place(field, &space));
+        let coarse = stationary::solve(self.operator, &Space { degree: degree - 1, ..space.clone() }, pin)?.field;
+        let fine = stationary::solve(self.operator, &space, coarse.peak_element())?;
+        self.density(fine, coarse, domain)
+    }
+
+    /// The domain with the walls as its limits.
+    fn between_walls(&self, mut domain: Domain) -> Domain {
+        for (side, wall) in self.walls.iter().enumerate() {
+            if let Some(wall) = wall {
+                domain[0][side] = wall.offset();
+            }
+        }
+        domain
+    }
+
+    fn open(&self, state: usize, side: usize) -> bool {
+        state == 1 || self.walls[side].is_none()
+    }
+
+    /// Where the density of `field` falls to the level at the edges.
+    fn measured(&self, field: &Field) -> Domain {
+        std::array::from_fn(|state| {
+            let profile = Profile::new(field, state);
+            std::array::from_fn(|side| profile.limit(side, self.grid.edge_level))
+        })
+    }
+
+    /// Whether the limits have stopped moving outwards.
+    fn settled(&self, old: Domain, new: Domain) -> bool {
+        (0..2).all(|state| {
+            let slack = 0.05 * (old[state][1] - old[state][0]);
+            new[state][0] > old[state][0] - slack && new[state][1] < old[state][1] + slack
+        })
+    }
+
+    /// The element of `space` that holds the peak of `field`.
+    fn same_place(&self, field: &Field, space: &Space) -> usize {
+        let place = field.space.place(field.peak_element());
+        let cells: [usize; 2] = std::array::from_fn(|s| {
+            let axis = &field.space.axes[s];
+            let u = axis.origin + (axis.lines[place[s]] + axis.lines[place[s] + 1]) / 2.0 - space.axes[s].origin;
+            space.axes[s].locate(u).unwrap_or(0)
+        });
+        space.element(cells[0], cells[1])
+    }
+
+    /// The elements on `domain`; `layers` asks for those at grazing points.
+    fn space(&self, domain: Domain, degree: usize, layers: bool) -> Result<Space> {
+        let [position, velocity] = domain;
+        let cells = self.grid.cells;
+        let origin = if self.walls[0].is_some() { position[0] } else { 0.0 };
+        let (from, to) = (position[0] - origin, position[1] - origin);
+        let through = self.displacement.then_some(0.0);
+        let mut lines = [
+            mesh::equal(from, to, cells[0], None),
+            mesh::equal(velocity[0], velocity[1], cells[1], through),
+        ];
+        let inelastic = self.walls.map(|wall| wall.is_some_and(|w| w.restitution() < 1.0));
+        if layers && inelastic != [false, false] {
+            let widest = [(to - from) / cells[0] as f64, (velocity[1] - velocity[0]) / cells[1] as f64];
+            let at = |wall: Option<Barrier>| wall.map(|w| self.operator.diffusion()[1][1].evaluate(&[w.offset(), 0.0]));
+            let diffusion = self.walls.iter().filter_map(|w| at(*w)).fold(f64::INFINITY, f64::min) / 2.0;
+            let spread = (velocity[1] - velocity[0]) / 14.0;
+            let grazing = mesh::Grazing { speed: self.grid.grazing * spread, diffusion: diffusion.max(1e-300) };
+            lines[0] = match inelastic {
+                [true, false] => grazing.position(to, widest[0]),
+                [false, _] => grazing.position(to, widest[0]).iter().rev().map(|u| to - u).collect(),
+                _ => {
+                    let half = grazing.position(to / 2.0, widest[0]);
+                    half.iter().copied().chain(half.iter().rev().skip(1).map(|u| to - u)).collect()
+                }
+            };
+            lines[1] = mesh::mirrored(
+                &grazing.velocity(-velocity[0], widest[1]),
+                &grazing.velocity(velocity[1], widest[1]),
+            );
+        }
+        let [first, second] = lines;
+        let axes = [Axis { origin, lines: first }, Axis { origin: 0.0, lines: second }];
+        let sides = self.walls.map(|wall| wall.map_or(Side::Open, |w| Side::Wall(w.restitution())));
+        let space = Space { axes, degree, sides };
+        if space.unknowns() > MOST_UNKNOWNS {
+            return Err(Error::OutOfRange {
+                name: "number of unknowns",
+                value: space.unknowns() as f64,
+                remedy: "the factors do not fit into memory; take fewer cells or a lower degree",
+            });
+        }
+        Ok(space)
+    }
+
+    fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
+        let stationary::Stationary { field, leak, residual, nonzeros } = fine;
+        let mut edge_level = 0.0;
+        for state in 0..2 {
+            let profile = Profile::new(&field, state);
+            for side in (0..2).filter(|side| self.open(state, *side)) {
+                let level = profile.edge(side);
+                if level > self.grid.edge_level.max(1e-3 * difference(&field, &coarse)) {
+                    return Err(Error::DomainCut { state, edge: domain[state][side], level, asked: self.grid.edge_level });
+                }
+                edge_level = level.max(edge_level);
+            }
+        }
+        let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
+        field.for_each_node(&field.space.rule(0), |_, weight, p| {
+            (peak, least) = (peak.max(p), least.min(p));
+            negative_mass += weight * (-p).max(0.0);
+        });
+        let provenance = GridProvenance {
+            cells: field.space.axes.each_ref().map(Axis::cells),
+            degree: field.space.degree,
+            unknowns: field.space.unknowns(),
+            nonzeros,
+            domain,
+            edge_level,
+            leak,
+            residual,
+            l1_error: difference(&field, &coarse),
+            most_negative: least / peak,
+            negative_mass,
+            seconds: 0.0,
+        };
+        Ok(GridDensity { fine: field, coarse, walls: self.walls, provenance })
+    }
+}
+
+/// ∫ |p − q| dx for two degrees on one mesh.
+fn difference(fine: &Field, coarse: &Field) -> f64 {
+    let (n, m) = (fine.space.modes(), coarse.space.modes());
+    let mut gap = fine.clone();
+    for (block, lower) in
+        gap.coefficients.chunks_exact_mut(n * n).zip(coarse.coefficients.chunks_exact(m * m))
+    {
+        for (row, lower) in block.chunks_exact_mut(n).zip(lower.chunks_exact(m)) {
+            row.iter_mut().zip(lower).for_each(|(p, q)| *p -= q);
+        }
+    }
+    let mut sum = 0.0;
+    gap.for_each_node(&gap.space.rule(0), |_, weight, p| sum += weight * p.abs());
+    sum
+}

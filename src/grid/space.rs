@@ -1,0 +1,64 @@
+//! The elements and what stands at the domain's four sides.
+
+use super::legendre::Axis;
+use crate::quadrature::Rule;
+
+/// What happens at one side of the domain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Side {
+    /// Probability that is carried out is lost, nothing comes in.
+    Open,
+    /// What leaves with velocity −w/r comes back with velocity w: a wall with restitution r.
+    Wall(f64),
+}
+
+/// Tensor products of Legendre polynomials of one degree on a rectangular mesh of two states.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Space {
+    pub(super) axes: [Axis; 2],
+    pub(super) degree: usize,
+    /// The lower and the upper side of state 0.
+    pub(super) sides: [Side; 2],
+}
+
+impl Space {
+    /// Basis functions along one axis of an element.
+    pub(super) fn modes(&self) -> usize {
+        self.degree + 1
+    }
+
+    /// Basis functions of an element.
+    pub(super) fn block(&self) -> usize {
+        self.modes() * self.modes()
+    }
+
+    pub(super) fn elements(&self) -> usize {
+        self.axes[0].cells() * self.axes[1].cells()
+    }
+
+    pub(super) fn unknowns(&self) -> usize {
+        self.elements() * self.block()
+    }
+
+    /// The number of the element in column `i` and row `j`.
+    pub(super) fn element(&self, i: usize, j: usize) -> usize {
+        i * self.axes[1].cells() + j
+    }
+
+    /// The column and the row of an element.
+    pub(super) fn place(&self, element: usize) -> [usize; 2] {
+        [element / self.axes[1].cells(), element % self.axes[1].cells()]
+    }
+
+    /// √area: the coefficient of the constant function 1 in an element's first basis function, and the mass of that
+    /// function.
+    pub(super) fn root_area(&self, element: usize) -> f64 {
+        let [i, j] = self.place(element);
+        (self.axes[0].width(i) * self.axes[1].width(j)).sqrt()
+    }
+
+    /// A rule that integrates a product of two basis functions and a polynomial of degree `extra` exactly.
+    pub(super) fn rule(&self, extra: usize) -> Rule {
+        Rule::legendre(self.degree + 1 + extra.div_ceil(2))
+    }
+}

@@ -1,0 +1,59 @@
+//! The null vector of the matrix: the stationary density.
+
+use super::assembly::assemble;
+use super::field::Field;
+use super::space::Space;
+use super::sparse::Ordering;
+use crate::{Error, FokkerPlanck, Result};
+
+/// A stationary density and how well it is one.
+#[derive(Clone, Debug)]
+pub(super) struct Stationary {
+    pub(super) field: Field,
+    /// The probability that leaves the domain per unit time.
+    pub(super) leak: f64,
+    /// The largest |K p| relative to the largest |K| |p|: rounding.
+    pub(super) residual: f64,
+    /// Entries of K.
+    pub(super) nonzeros: usize,
+}
+
+/// Solves K p = 0 with total mass 1.
+///
+/// The columns of K sum to what leaves the domain, next to nothing: K is singular. A source of strength α (1 − p_k) in
+/// element k, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and nothing to
+/// the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
+/// Its strength is the multiplier that a border would have had. `pin` is k, an element in which there is mass.
+pub(super) fn solve(operator: &FokkerPlanck<2>, space: &Space, pin: usize) -> Result<Stationary> {
+    let matrix = assemble(operator, space);
+    let k = pin * space.block();
+    let alpha = matrix.magnitude().min(diagonal_scale(&matrix, k));
+    let mut pinned = matrix.clone();
+    pinned.add_to_diagonal(k, alpha);
+    let factors = Ordering::new(&pinned)?.factorise(&pinned)?;
+    let mut right = vec![0.0; matrix.size];
+    right[k] = alpha;
+    let mut p = factors.solve(&right)?;
+    let product = pinned.apply(&p);
+    // One step of iterative refinement: a pin where the density is low would cost digits.
+    let defect: Vec<f64> = right.iter().zip(&product).map(|(b, a)| b - a).collect();
+    p.iter_mut().zip(factors.solve(&defect)?).for_each(|(p, d)| *p += d);
+
+    let mut field = Field { space: space.clone(), coefficients: p };
+    let mass = field.mass();
+    let lost: f64 = alpha * (1.0 - field.coefficients[k]) * space.root_area(pin) / mass;
+    field.coefficients.iter_mut().for_each(|p| *p /= mass);
+    if !field.coefficients.iter().all(|p| p.is_finite()) {
+        return Err(Error::SingularSystem { unknowns: matrix.size });
+    }
+    let mut product = matrix.apply(&field.coefficients);
+    product[k] -= lost / space.root_area(pin);
+    let largest = |x: &[f64]| x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    let residual = largest(&product) / (matrix.magnitude() * largest(&field.coefficients));
+    Ok(Stationary { field, leak: lost, residual, nonzeros: matrix.values.len() })
+}
+
+fn diagonal_scale(matrix: &super::sparse::SparseMatrix, k: usize) -> f64 {
+    let column = matrix.columns[k]..matrix.columns[k + 1];
+    column.map(|n| matrix.values[n].abs()).fold(f64::MIN_POSITIVE, f64::max)
+}
