@@ -1,5 +1,7 @@
 //! The simulation against closed forms, a reference table, and itself.
 
+#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
+
 use expoly::{
     Barrier, Crossing, Density, Error, Estimate, FokkerPlanck, Interpretation, PolynomialDrift, Result, Scalar,
     SimulatedDensity, Simulation,
@@ -232,6 +234,8 @@ fn twenty_walls_match_the_reference() -> Result<()> {
         for (what, estimate, truth, scale, uncertainty) in rows {
             let name = format!("{what} for b = {b}, r = {r}");
             assert!(estimate.error <= 3e-3 * scale, "{name}: {estimate} is not precise enough");
+            let deviation = estimate.deviation(truth);
+            println!("{name}: {estimate}, reference {truth}, {deviation:.1} standard errors");
             let estimate = Estimate::new(estimate.value, estimate.error.hypot(uncertainty));
             assert_close(&name, estimate, truth, f64::INFINITY);
             squares.push(estimate.deviation(truth).powi(2));
