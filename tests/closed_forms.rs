@@ -1,11 +1,12 @@
 //! The classical closure where the truth is known: exact at the order that contains it and at every order above.
 
+#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
 #![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
 
 mod common;
 
 use common::*;
-use expoly::models::{DuffingChain, Solved};
+use expoly::models::{Duffing, DuffingChain, Solved};
 use expoly::{
     Closure, Density, FokkerPlanck, Intensity, Oscillator, Polynomial, PolynomialDrift, Route, Scalar, Solution,
     Termination, compare, energy_balance,
@@ -16,6 +17,7 @@ fn closes<T: Solved<N, M>, const N: usize, const M: usize>(name: &str, model: &T
     let solution = Closure::classical(order).solve(model).unwrap();
     assert_eq!(solution.termination(), Termination::Root, "{name} at order {order}");
     let distance = compare::l1(&solution.density().unwrap(), &model.exact().unwrap());
+    println!("{name}, n = {order}: L1 = {:.1e}, condition {:.1e}", distance.value, solution.condition());
     assert!(distance.value < l1, "{name} at order {order}: L1 = {distance:.3}, condition {:.1e}", solution.condition());
     solution
 }
@@ -258,4 +260,24 @@ fn a_spurious_root_shows_in_the_power_balance() {
     let balance = energy_balance(&operator, &solution.density().unwrap(), None).unwrap();
     assert!(balance.value.abs() > 0.5, "{balance}");
     assert_eq!(Closure::classical(6).solve(&van_der_pol()).unwrap().termination(), Termination::NoRoot);
+}
+
+/// Units do not matter: x = αX, t = βT turns c, k, μ, D into c/β, k/β², μ/(α²β²), Dα²/β³, and the closure finds the same
+/// density in every unit. L¹ carries the rounding of the density's own quadrature, 1e-14, times what the scales cost.
+#[test]
+fn the_closure_does_not_depend_on_units() {
+    for alpha in [1e-6, 1e-2, 1.0, 1e3, 1e6] {
+        for beta in [1e-4, 1.0, 1e3] {
+            let [c, k, mu, d] = [
+                0.2 / beta,
+                1.0 / (beta * beta),
+                0.3 / (alpha * alpha * beta * beta),
+                0.2 * alpha * alpha / (beta * beta * beta),
+            ];
+            let system = Duffing::new(c, k, mu, d).unwrap();
+            let solution = closes(&format!("α = {alpha}, β = {beta}"), &system, 4, 1e-10);
+            let square = solution.density().unwrap().moment([2, 0]).value / (alpha * alpha);
+            assert!((square / 0.661714969204 - 1.0).abs() < 1e-10, "α = {alpha}, β = {beta}: {square}");
+        }
+    }
 }

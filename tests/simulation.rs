@@ -1,5 +1,7 @@
 //! The simulation against closed forms, a reference table, and itself.
 
+#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
+
 use expoly::{
     Barrier, Crossing, Density, Error, Estimate, FokkerPlanck, Interpretation, PolynomialDrift, Result, Scalar,
     SimulatedDensity, Simulation,
@@ -199,6 +201,12 @@ fn noise_that_depends_on_the_displacement_leaves_the_duffing_density() -> Result
     Ok(())
 }
 
+/// Impact rates for strong losses, as (b, r, rate). Those of the table are 0.1 to 0.6 % low: near the grazing point
+/// p ~ |v|^(3g), and impacts slower than the table's smallest element, 0.04, are missed. Elements down to 1e-6 there give
+/// these, with a change of at most 3e-4 between meshes from 1e-4 to 1e-6.
+const REFINED_RATES: [[f64; 3]; 4] =
+    [[0.5, 0.7, 0.76656], [0.2, 0.7, 0.49293], [-0.5, 0.7, 0.20260], [-0.5, 0.5, 0.20515]];
+
 #[test]
 fn twenty_walls_match_the_reference() -> Result<()> {
     let table = include_str!("reference/vibro_impact.csv");
@@ -212,26 +220,22 @@ fn twenty_walls_match_the_reference() -> Result<()> {
         let wall = Barrier::new(b, r)?;
         let result = Simulation::new(&oscillator).barrier(wall).samples(4_000_000).seed(row as u64).run()?;
         // E y passes through zero between the walls, so that its scale is the standard deviation. A skewness may be
-        // zero: its scale is one. The table's rates converge slowly, with the power 1 + 3g/2 < 1 of the elements at the
-        // grazing point, and its two meshes have elements of nearly one size there: their difference is about a tenth of
-        // the error. It counts from r = 0.7 downwards only.
+        // zero: its scale is one.
+        let refined = REFINED_RATES.iter().find(|[wall, restitution, _]| *wall == b && *restitution == r);
+        let (rate, uncertainty) = refined.map_or((rate, numbers[15]), |[.., refined]| (*refined, 3e-4));
         let rows = [
             ("E y", result.mean(0)?, mean, variance.sqrt(), 0.0),
             ("Var y", result.variance(0)?, variance, variance, 0.0),
             ("E v²", result.moment([0, 2]), square, square, 0.0),
             ("skewness", result.skewness_about_zero(1)?, skewness, 1.0, 0.0),
             ("kurtosis", result.kurtosis_about_zero(1)?, kurtosis, kurtosis, 0.0),
-            (
-                "impact rate",
-                result.impact_rate().unwrap_or(Estimate::exact(0.0)),
-                rate,
-                rate,
-                10.0 * numbers[15] * rate,
-            ),
+            ("impact rate", result.impact_rate().unwrap_or(Estimate::exact(0.0)), rate, rate, uncertainty * rate),
         ];
         for (what, estimate, truth, scale, uncertainty) in rows {
             let name = format!("{what} for b = {b}, r = {r}");
             assert!(estimate.error <= 3e-3 * scale, "{name}: {estimate} is not precise enough");
+            let deviation = estimate.deviation(truth);
+            println!("{name}: {estimate}, reference {truth}, {deviation:.1} standard errors");
             let estimate = Estimate::new(estimate.value, estimate.error.hypot(uncertainty));
             assert_close(&name, estimate, truth, f64::INFINITY);
             squares.push(estimate.deviation(truth).powi(2));

@@ -4,7 +4,7 @@
 //! how the search ended, the mean squares, and the L¹ distance to the exact density or, where none is known, that of p(x)
 //! to a simulation. A figure of the error against the order goes to `out/order_convergence/`.
 
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+#![allow(clippy::print_stdout)]
 
 mod catalogue;
 mod rows;
@@ -41,13 +41,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    support::exit_code(run(&Options::parse()))
 }
 
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {

@@ -7,3 +7,15 @@ pub mod figure;
 pub mod file;
 pub mod json;
 pub mod progress;
+
+/// Success, or the error on standard error and a failure.
+#[allow(clippy::print_stderr)]
+pub fn exit_code(outcome: Result<(), Box<dyn std::error::Error>>) -> std::process::ExitCode {
+    match outcome {
+        Ok(()) => std::process::ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            std::process::ExitCode::FAILURE
+        }
+    }
+}

@@ -11,8 +11,9 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 /// Iso-lines of a density: the eight highest below its peak are drawn.
 const LEVELS: [f64; 14] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 
-/// One drawn closure: its legend entry, whether it is only a cut-off exp(Q), its density.
+/// One drawn closure: its order, its legend entry, whether it is only a cut-off exp(Q), its density.
 struct Drawn {
+    order: u32,
     label: String,
     cut_off: bool,
     colour: usize,
@@ -29,7 +30,8 @@ pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
         .filter_map(|(k, closed)| {
             let (density, cut_off) = closed.drawn(simulated)?;
             let note = if cut_off { ", no density" } else { "" };
-            Some(Drawn { label: format!("{}{note}", closed.name()), cut_off, colour: k + 1, density })
+            let (order, label) = (closed.solution.order(), format!("{}{note}", closed.name()));
+            Some(Drawn { order, label, cut_off, colour: k + 1, density })
         })
         .collect();
     let stem = study.parameters.stem();
@@ -43,7 +45,8 @@ pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
             views.push(View::Curves(table.panel(&drawn, axis, symbol, scale)));
         }
     }
-    for drawn in drawn.iter().filter(|d| d.label.ends_with("n = 4") || d.cut_off).take(2) {
+    // The phase plane of order 4 in both bases, or of the only closure there is.
+    for drawn in drawn.iter().filter(|d| d.order == 4 || drawn.len() == 1) {
         let (x, y) = (grid(study, std::slice::from_ref(drawn), 0)?, grid(study, std::slice::from_ref(drawn), 1)?);
         let (x, y) = (thinned(&x), thinned(&y));
         let z: Vec<Vec<f64>> =

@@ -4,7 +4,7 @@
 //! equation, the exponential-polynomial closure and the back-transformation, against a simulation with exact impacts.
 //! A table goes to the terminal, figures and the numbers behind them to `out/vibro_impact/`. `--help` lists the options.
 
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+#![allow(clippy::print_stdout)]
 
 mod figures;
 mod options;
@@ -21,13 +21,7 @@ use std::process::ExitCode;
 use study::Study;
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    support::exit_code(run(&Options::parse()))
 }
 
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {

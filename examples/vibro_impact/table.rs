@@ -80,7 +80,9 @@ pub(crate) fn pdf_table(study: &Study, at: &[f64]) -> expoly::Result<String> {
         let mut cells = vec![format!("y = {y}")];
         for closed in &study.closed {
             let value = closed.density.as_ref().map(|density| density.marginal(0, *y)).transpose()?;
-            cells.push(value.map_or_else(|| format!("{}: -", closed.name()), |p| format!("{}: {p:.6}", closed.name())));
+            cells.push(
+                value.map_or_else(|| format!("{}: -", closed.name()), |p| format!("{}: {:.6}", closed.name(), p.value)),
+            );
         }
         if let Some((density, _)) = &study.simulated {
             cells.push(format!("simulation: {:.6}", density.histogram(0)?.density_at([*y])));

@@ -1,5 +1,6 @@
 //! The Gaussian closure: the normal distribution whose mean and covariance satisfy the moment equations.
 
+use super::units::natural_units;
 use crate::{Error, FokkerPlanck, Gaussian, Polynomial, Result};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
@@ -14,11 +15,19 @@ const UNBOUNDED: f64 = 1e12;
 /// under N(m, S), exactly. The moments' own evolution in time is followed by implicit steps of growing length
 /// (pseudo-transient continuation, C. T. Kelley and D. E. Keyes, 1998, doi:10.1137/S0036142996304796), which keeps S
 /// positive definite, picks an attracting solution and ends as Newton's method. The exact Jacobian uses
-/// ∂E[g]/∂m_k = E[∂_k g] and ∂E[g]/∂S_kl = ½ E[∂_k∂_l g].
+/// ∂E[g]/∂m_k = E[∂_k g] and ∂E[g]/∂S_kl = ½ E[∂_k∂_l g]. It starts from unit variance in the system's natural units.
 ///
 /// # Errors
 /// [`Error::NoStationaryDensity`] if a variance grows without bound or does not settle.
 pub(crate) fn gaussian_closure<const N: usize>(operator: &FokkerPlanck<N>) -> Result<Gaussian<N>> {
+    let (units, time) = natural_units(operator)?;
+    let found = in_natural_units(&operator.in_frame(&units).in_time(time))?;
+    let scale = units.scale();
+    Ok(Gaussian { mean: scale * found.mean, covariance: scale * found.covariance * scale.transpose() })
+}
+
+/// The closure of a system with coefficients of order one.
+fn in_natural_units<const N: usize>(operator: &FokkerPlanck<N>) -> Result<Gaussian<N>> {
     let equations = MomentEquations::new(operator);
     let mut state = Gaussian { mean: SVector::zeros(), covariance: SMatrix::identity() };
     let mut rate = equations.rate(&state);

@@ -84,6 +84,16 @@ fn hermite_in_powers(degree: u32) -> Vec<Vec<f64>> {
     rows
 }
 
+/// h₀(z) … h_degree(z).
+pub(crate) fn hermite_row(z: f64, degree: u32) -> Vec<f64> {
+    let mut row = vec![1.0, z];
+    for j in 1..degree as usize {
+        row.push((z * row[j] - (j as f64).sqrt() * row[j - 1]) / ((j + 1) as f64).sqrt());
+    }
+    row.truncate(degree as usize + 1);
+    row
+}
+
 /// The derivative ∂h_α/∂z_d = √α_d h_{α − e_d}, or nothing where it vanishes.
 pub(crate) fn derivative<const N: usize>(index: &Monomial<N>, d: usize) -> Option<(Monomial<N>, f64)> {
     index.derivative(d).map(|(lower, power)| (lower, f64::from(power).sqrt()))
@@ -157,7 +167,7 @@ mod tests {
     use crate::quadrature::Rule;
 
     fn h(j: usize, z: f64) -> f64 {
-        hermite_in_powers(j as u32)[j].iter().enumerate().map(|(k, c)| c * z.powi(k as i32)).sum()
+        hermite_row(z, j as u32)[j]
     }
 
     /// Exact integrands for the rule; values up to 1e3 are summed, so 1e-12 is rounding.
@@ -173,6 +183,19 @@ mod tests {
                         rule.iter().map(|(z, w)| w * h(a as usize, z) * h(b as usize, z) * h(c, z)).sum();
                     assert!((integral - terms[c]).abs() < 1e-12 * (1.0 + integral.abs()), "{a} {b} {c}");
                 }
+            }
+        }
+    }
+
+    /// Two recurrences for the same polynomials.
+    #[test]
+    fn rows_agree_with_powers() {
+        for j in 0..9 {
+            let powers = &hermite_in_powers(j as u32)[j];
+            for z in [-2.5, 0.0, 0.3, 4.0_f64] {
+                let value: f64 = powers.iter().enumerate().map(|(k, c)| c * z.powi(k as i32)).sum();
+                // Powers up to 4⁸ cancel.
+                assert!((value - h(j, z)).abs() < 1e-11, "{j}, {z}");
             }
         }
     }

@@ -4,7 +4,7 @@
 //! Fokker-Planck equation be orthogonal, under the Gaussian closure f_N as weight, to the polynomials that Q itself is
 //! made of: N equations ∫ r(x; a) ψ_k f_N dx = 0, quadratic in the N coefficients. The steps, in order:
 //!
-//! 1. `gaussian_closure`: the moments of f_N;
+//! 1. `units`, `gaussian_closure`: the moments of f_N;
 //! 2. `hermite`, `galerkin`: the equations on the whole space, in polynomials orthonormal under f_N;
 //!    `half_plane`: the same with a wall;
 //! 3. `search`, by `newton` and `homotopy`: a root;
@@ -19,6 +19,7 @@ mod homotopy;
 mod newton;
 mod search;
 mod solution;
+mod units;
 
 pub use solution::{Route, Solution, Termination};
 

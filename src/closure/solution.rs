@@ -164,10 +164,10 @@ impl<const N: usize> Solution<N> {
     }
 }
 
-/// κ ε with a factor for the sums behind it, at least 1e-13 and at most 1e-7: a Jacobian worse than that has coefficients
-/// whose last digits mean nothing, and it is reported by its condition number instead.
+/// κ ε with a factor for the sums behind it, at least 1e-13 and at most 1e-8: beyond that the condition number is a bound
+/// that rounding does not reach, and what would be left out might be seen in the tail.
 fn rounding_noise(condition: f64) -> f64 {
-    (16.0 * f64::EPSILON * condition).clamp(1e-13, 1e-7)
+    (4.0 * f64::EPSILON * condition).clamp(1e-13, 1e-8)
 }
 
 fn significant<const N: usize>(q: &Polynomial<N>, noise: f64) -> Polynomial<N> {

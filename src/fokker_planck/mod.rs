@@ -143,6 +143,14 @@ impl<const N: usize> FokkerPlanck<N> {
         }
     }
 
+    /// The same operator for the time t/`unit`.
+    pub(crate) fn in_time(&self, unit: f64) -> Self {
+        FokkerPlanck {
+            drift: self.drift.each_ref().map(|p| p * unit),
+            diffusion: self.diffusion.each_ref().map(|row| row.each_ref().map(|p| p * unit)),
+        }
+    }
+
     /// The linear system with the drift `slopes`·(x − `centre`) and the constant diffusion `diffusion`.
     pub(crate) fn linear(
         slopes: &SMatrix<f64, N, N>,

@@ -32,6 +32,11 @@ impl Duffing {
     pub fn new(damping: f64, stiffness: f64, cubic: f64, intensity: f64) -> Result<Self> {
         Ok(Duffing { damping, stiffness, cubic, intensity: Intensity::new(intensity)? })
     }
+
+    /// Damping c, stiffness k and cubic stiffness μ.
+    pub fn coefficients(&self) -> [f64; 3] {
+        [self.damping, self.stiffness, self.cubic]
+    }
 }
 
 impl Oscillator for Duffing {

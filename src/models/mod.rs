@@ -13,7 +13,7 @@
 //! | [`DuffingChain`] | coupled Duffing oscillators at one temperature | exp(−energy/T) |
 //! | [`DuffingVanDerPol`] | x″ + (α + β x²) x′ + k x + μ x³ = ξ | none |
 //! | [`CubicDamping`] | x″ + α x′ + γ x′³ + k x + μ x³ = ξ | none |
-//! | [`VibroImpactDuffing`] | Duffing above a wall that need not stand at the rest position | for r = 1 |
+//! | [`VibroImpactDuffing`] | Duffing above a wall that need not stand at the rest position | for r = 1; for r near 1 the asymptotic [`EnergyAveraged`] |
 //!
 //! Every D is an intensity as in [`Intensity`](crate::Intensity); H = x′²/2 + G(x) is the energy per unit mass, G′ the restoring force.
 
@@ -22,6 +22,7 @@ mod cubic_damping;
 mod displacement_noise;
 mod duffing;
 mod duffing_van_der_pol;
+mod energy_averaged;
 mod energy_damping;
 mod linear;
 mod parametric_linear;
@@ -35,6 +36,7 @@ pub use cubic_damping::CubicDamping;
 pub use displacement_noise::DisplacementNoise;
 pub use duffing::Duffing;
 pub use duffing_van_der_pol::DuffingVanDerPol;
+pub use energy_averaged::EnergyAveraged;
 pub use energy_damping::EnergyDamping;
 pub use linear::Linear;
 pub use parametric_linear::{ParametricLinear, PowerLaw};

@@ -1,5 +1,5 @@
-use super::{Duffing, Solved};
-use crate::{Barrier, ExpPolynomial, Result, Zhuravlev};
+use super::{Duffing, EnergyAveraged, Solved};
+use crate::{Barrier, ExpPolynomial, Oscillator, Result, Zhuravlev};
 
 /// The Duffing oscillator above a one-sided wall that need not stand at its rest position:
 /// y″ + c y′ + k y + μ y³ = ξ for y > b, and y′₊ = −r y′₋ at y = b.
@@ -47,5 +47,23 @@ impl VibroImpactDuffing {
     pub fn exact(&self) -> Result<Option<ExpPolynomial<2>>> {
         let elastic = self.barrier.restitution() == 1.0;
         elastic.then(|| self.oscillator.exact_above(self.barrier.offset())).transpose()
+    }
+
+    /// The density by averaging over the free orbits, for small damping and nearly elastic impacts.
+    ///
+    /// # Errors
+    /// As [`EnergyAveraged::new`].
+    pub fn averaged(&self) -> Result<EnergyAveraged> {
+        EnergyAveraged::new(self)
+    }
+
+    /// The potential U(y) of the spring.
+    pub(super) fn potential(&self, y: f64) -> f64 {
+        let [_, k, mu] = self.oscillator.coefficients();
+        y * y * (k / 2.0 + mu / 4.0 * y * y)
+    }
+
+    pub(super) fn intensity(&self) -> f64 {
+        Oscillator::intensity(&self.oscillator).d()
     }
 }

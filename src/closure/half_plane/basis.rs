@@ -1,0 +1,97 @@
+use crate::closure::Basis;
+use crate::closure::hermite::{HermiteSeries, hermite_row};
+use crate::{Monomial, Polynomial, monomials};
+use nalgebra::{DMatrix, DVector};
+
+/// Polynomials that are orthonormal under the weight on the half plane, and to the constants.
+///
+/// They are combinations of Hermite products in the scaled coordinates, less their means, lower degrees first.
+#[derive(Clone, Debug)]
+pub(super) struct HalfPlaneBasis {
+    indices: Vec<Monomial<2>>,
+    order: u32,
+    /// Columns: the functions as combinations of Hermite products.
+    transform: DMatrix<f64>,
+    /// The coefficients of a combination of Hermite products in this basis.
+    projection: DMatrix<f64>,
+    means: DVector<f64>,
+}
+
+/// Functions and their derivatives in z at a set of points: rows are points, columns functions.
+pub(super) struct Values {
+    pub(super) value: DMatrix<f64>,
+    pub(super) first: DMatrix<f64>,
+    pub(super) second: DMatrix<f64>,
+    pub(super) curvature: DMatrix<f64>,
+}
+
+impl HalfPlaneBasis {
+    /// The basis of an order: even total degrees in the classical basis, all in the folded one.
+    pub(super) fn new(basis: Basis, order: u32, points: &[[f64; 2]], weights: &[f64]) -> Self {
+        let kept = |m: &Monomial<2>| m.degree() > 0 && !(basis == Basis::Classical && m.degree() % 2 == 1);
+        let indices: Vec<Monomial<2>> = monomials(order).into_iter().filter(kept).collect();
+        let mut scaled = hermite_products(&indices, order, points).value;
+        let weights = DVector::from_column_slice(weights);
+        let raw_means = scaled.tr_mul(&weights);
+        for (mut row, weight) in scaled.row_iter_mut().zip(weights.iter()) {
+            row -= raw_means.transpose();
+            row *= weight.sqrt();
+        }
+        let projection = scaled.qr().r();
+        let identity = DMatrix::identity(indices.len(), indices.len());
+        // The functions are linearly independent at as many nodes, so that R is regular.
+        let transform = projection.solve_upper_triangular(&identity).unwrap_or(identity);
+        let means = transform.tr_mul(&raw_means);
+        HalfPlaneBasis { indices, order, transform, projection, means }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    /// The functions at points, with their derivatives in z₁, in z₂ and twice in z₂.
+    pub(super) fn at(&self, points: &[[f64; 2]]) -> Values {
+        let hermite = hermite_products(&self.indices, self.order, points);
+        let mut value = hermite.value * &self.transform;
+        for mut row in value.row_iter_mut() {
+            row -= self.means.transpose();
+        }
+        Values {
+            value,
+            first: hermite.first * &self.transform,
+            second: hermite.second * &self.transform,
+            curvature: hermite.curvature * &self.transform,
+        }
+    }
+
+    /// The coefficients of ln f_N = −|z|²/2 = −(h₂(z₁) + h₂(z₂))/√2 + constant.
+    pub(super) fn gaussian(&self) -> DVector<f64> {
+        let quadratic = |m: &Monomial<2>| if m.0.contains(&2) && m.degree() == 2 { -0.5_f64.sqrt() } else { 0.0 };
+        &self.projection * DVector::from_iterator(self.len(), self.indices.iter().map(quadratic))
+    }
+
+    /// A combination of the functions as a polynomial in z, without its constant.
+    pub(super) fn polynomial(&self, a: &DVector<f64>) -> Polynomial<2> {
+        let coefficients = &self.transform * a;
+        let series = HermiteSeries(self.indices.iter().copied().zip(coefficients.iter().copied()).collect());
+        series.to_polynomial().filtered(|m, _| m.degree() > 0)
+    }
+}
+
+/// The value of the product of index (i, j) from the rows h₀ … of both coordinates.
+type Entry<'a> = &'a dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64;
+
+fn hermite_products(indices: &[Monomial<2>], order: u32, points: &[[f64; 2]]) -> Values {
+    let rows: Vec<[Vec<f64>; 2]> = points.iter().map(|z| z.map(|z| hermite_row(z, order))).collect();
+    let matrix = |entry: Entry<'_>| {
+        DMatrix::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], indices[k].0.map(|j| j as usize)))
+    };
+    let slope = |row: &[f64], j: usize| if j > 0 { (j as f64).sqrt() * row[j - 1] } else { 0.0 };
+    let bend = |row: &[f64], j: usize| if j > 1 { ((j * (j - 1)) as f64).sqrt() * row[j - 2] } else { 0.0 };
+    Values {
+        value: matrix(&|h, [i, j]| h[0][i] * h[1][j]),
+        first: matrix(&|h, [i, j]| slope(&h[0], i) * h[1][j]),
+        second: matrix(&|h, [i, j]| h[0][i] * slope(&h[1], j)),
+        curvature: matrix(&|h, [i, j]| h[0][i] * bend(&h[1], j)),
+    }
+}
