@@ -30,7 +30,7 @@ pub use density::{Crossing, Density, ExpPolynomial, Frame, Support, energy_balan
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, LocalOperator, OperatorText};
-pub use grid::{Grid, GridDensity, GridProvenance};
+pub use grid::{Grid, GridDensity, GridProvenance, Relaxation, Start, Transient};
 pub use polynomial::{Arena, Gaussian, Monomial, Polynomial, Symbol, Text, monomials};
 pub use scalar::Scalar;
 #[doc(hidden)]

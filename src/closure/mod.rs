@@ -26,6 +26,7 @@ pub use solution::{Route, Solution, Termination};
 use crate::{Barrier, Error, FokkerPlanck, Frame, Gaussian, Polynomial, PolynomialDrift, Result};
 use fixed_point::fixed_point;
 use galerkin::{GalerkinEquations, HermiteGalerkin};
+pub(crate) use gaussian_closure::gaussian_after;
 use gaussian_closure::gaussian_closure;
 use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator};
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};

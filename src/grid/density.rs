@@ -1,7 +1,7 @@
 use super::field::Field;
 use crate::error::state_index;
 use crate::quadrature::Rule;
-use crate::{Barrier, Crossing, Density, Error, Estimate, Result, Support};
+use crate::{Barrier, Crossing, Density, Error, Estimate, FokkerPlanck, Result, Support};
 
 /// A grid solution's origin: how it was made and how good it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,7 @@ pub struct GridDensity {
     pub(super) fine: Field,
     /// The solution of one degree less.
     pub(super) coarse: Field,
+    pub(super) operator: FokkerPlanck<2>,
     pub(super) walls: [Option<Barrier>; 2],
     pub(super) provenance: GridProvenance,
 }

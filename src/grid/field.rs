@@ -11,6 +11,32 @@ pub(super) struct Field {
 }
 
 impl Field {
+    /// The L² projection of a function.
+    pub(super) fn projected(space: &Space, g: impl Fn([f64; 2]) -> f64) -> Self {
+        let rule = space.rule(8);
+        let mut field = Field { space: space.clone(), coefficients: vec![0.0; space.unknowns()] };
+        for element in 0..space.elements() {
+            let place = space.place(element);
+            let [first, second] = [0, 1].map(|s| {
+                let axis = &space.axes[s];
+                let cell = rule.on(axis.lines[place[s]], axis.lines[place[s] + 1]);
+                cell.iter()
+                    .map(|(u, w)| (axis.origin + u, w, axis.basis(place[s], space.degree, u).0))
+                    .collect::<Vec<_>>()
+            });
+            let block = &mut field.coefficients[element * space.block()..(element + 1) * space.block()];
+            for (x, wx, a) in &first {
+                for (y, wy, b) in &second {
+                    let value = wx * wy * g([*x, *y]);
+                    for (row, a) in block.chunks_exact_mut(b.len()).zip(a) {
+                        row.iter_mut().zip(b).for_each(|(c, b)| *c += value * a * b);
+                    }
+                }
+            }
+        }
+        field
+    }
+
     fn block(&self, element: usize) -> &[f64] {
         let size = self.space.block();
         &self.coefficients[element * size..(element + 1) * size]

@@ -4,7 +4,8 @@
 //! - `assembly`, `face`, `wall`: the matrix: volumes, faces between elements, rebounds;
 //! - `sparse`: LU factors; `stationary`: the null vector of the matrix;
 //! - `domain`: where the density is; `solver`: domain, mesh and two degrees for an error estimate;
-//! - `field`, `density`: the piecewise polynomial and what it answers.
+//! - `field`, `density`: the piecewise polynomial and what it answers;
+//! - `relaxation`, `march`, `transient`: the spectrum next to zero and p(x, t) on the same matrix.
 
 mod assembly;
 mod density;
@@ -12,14 +13,19 @@ mod domain;
 mod face;
 mod field;
 mod legendre;
+mod march;
 mod mesh;
+mod relaxation;
 mod solver;
 mod space;
 mod sparse;
 mod stationary;
+mod transient;
 mod wall;
 
 pub use density::{GridDensity, GridProvenance};
+pub use relaxation::Relaxation;
+pub use transient::{Start, Transient};
 
 use crate::error::{finite, positive};
 use crate::{Barrier, Error, FokkerPlanck, PolynomialDrift, Result};

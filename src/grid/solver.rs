@@ -101,10 +101,8 @@ impl Solver<'_> {
         let origin = if self.walls[0].is_some() { position[0] } else { 0.0 };
         let (from, to) = (position[0] - origin, position[1] - origin);
         let through = self.displacement.then_some(0.0);
-        let mut lines = [
-            mesh::equal(from, to, cells[0], None),
-            mesh::equal(velocity[0], velocity[1], cells[1], through),
-        ];
+        let mut lines =
+            [mesh::equal(from, to, cells[0], None), mesh::equal(velocity[0], velocity[1], cells[1], through)];
         let inelastic = self.walls.map(|wall| wall.is_some_and(|w| w.restitution() < 1.0));
         if layers && inelastic != [false, false] {
             let widest = [(to - from) / cells[0] as f64, (velocity[1] - velocity[0]) / cells[1] as f64];
@@ -120,10 +118,8 @@ impl Solver<'_> {
                     half.iter().copied().chain(half.iter().rev().skip(1).map(|u| to - u)).collect()
                 }
             };
-            lines[1] = mesh::mirrored(
-                &grazing.velocity(-velocity[0], widest[1]),
-                &grazing.velocity(velocity[1], widest[1]),
-            );
+            lines[1] =
+                mesh::mirrored(&grazing.velocity(-velocity[0], widest[1]), &grazing.velocity(velocity[1], widest[1]));
         }
         let [first, second] = lines;
         let axes = [Axis { origin, lines: first }, Axis { origin: 0.0, lines: second }];
@@ -147,7 +143,12 @@ impl Solver<'_> {
             for side in (0..2).filter(|side| self.open(state, *side)) {
                 let level = profile.edge(side);
                 if level > self.grid.edge_level.max(1e-3 * difference(&field, &coarse)) {
-                    return Err(Error::DomainCut { state, edge: domain[state][side], level, asked: self.grid.edge_level });
+                    return Err(Error::DomainCut {
+                        state,
+                        edge: domain[state][side],
+                        level,
+                        asked: self.grid.edge_level,
+                    });
                 }
                 edge_level = level.max(edge_level);
             }
@@ -171,17 +172,15 @@ impl Solver<'_> {
             negative_mass,
             seconds: 0.0,
         };
-        Ok(GridDensity { fine: field, coarse, walls: self.walls, provenance })
+        Ok(GridDensity { fine: field, coarse, operator: self.operator.clone(), walls: self.walls, provenance })
     }
 }
 
 /// ∫ |p − q| dx for two degrees on one mesh.
-fn difference(fine: &Field, coarse: &Field) -> f64 {
+pub(super) fn difference(fine: &Field, coarse: &Field) -> f64 {
     let (n, m) = (fine.space.modes(), coarse.space.modes());
     let mut gap = fine.clone();
-    for (block, lower) in
-        gap.coefficients.chunks_exact_mut(n * n).zip(coarse.coefficients.chunks_exact(m * m))
-    {
+    for (block, lower) in gap.coefficients.chunks_exact_mut(n * n).zip(coarse.coefficients.chunks_exact(m * m)) {
         for (row, lower) in block.chunks_exact_mut(n).zip(lower.chunks_exact(m)) {
             row.iter_mut().zip(lower).for_each(|(p, q)| *p -= q);
         }

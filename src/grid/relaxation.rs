@@ -1,0 +1,76 @@
+//! The slowest relaxation rates: the spectrum next to zero.
+
+use super::sparse::{Ordering, SparseMatrix};
+use crate::Result;
+use nalgebra::{DMatrix, DVector};
+
+/// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
+/// known to rounding.
+const KRYLOV: usize = 80;
+/// The smaller space whose eigenvalues estimate the error of the larger one's.
+const SMALLER: usize = 60;
+
+/// One mode of relaxation, p(x, t) ~ exp(−rate t) cos(frequency t).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relaxation {
+    /// The rate at which the mode decays, per unit time. Zero for the stationary density itself.
+    pub rate: f64,
+    /// Its circular frequency, not negative; modes with a frequency are pairs, of which one is listed.
+    pub frequency: f64,
+    /// The change of rate and frequency against a smaller Krylov space: the error of the eigenvalue of the discrete operator,
+    /// not of the discretisation.
+    pub error: f64,
+}
+
+/// The `count` eigenvalues of K next to zero, by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
+/// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ.
+pub(super) fn slowest(matrix: &SparseMatrix, ordering: &Ordering, shift: f64, count: usize) -> Result<Vec<Relaxation>> {
+    let factors = ordering.factorise(&matrix.shifted(shift))?;
+    let size = matrix.size;
+    let krylov = KRYLOV.min(size);
+    // Any vector with a part in every slow mode serves; this one has no symmetry of a mesh.
+    let start = DVector::from_fn(size, |i, _| ((i as f64 + 1.0) * 0.754_877_666).fract() - 0.5);
+    let mut basis = vec![&start / start.norm()];
+    let mut hessenberg = DMatrix::<f64>::zeros(krylov, krylov);
+    for k in 0..krylov {
+        let mut next = DVector::from_vec(factors.solve(basis[k].as_slice())?);
+        // Twice is enough to keep the basis orthogonal to rounding.
+        for _ in 0..2 {
+            for (j, q) in basis.iter().enumerate() {
+                let part = q.dot(&next);
+                hessenberg[(j, k)] += part;
+                next.axpy(-part, q, 1.0);
+            }
+        }
+        let norm = next.norm();
+        if k + 1 == krylov || norm < 1e-14 * hessenberg.column(k).norm() {
+            let used = k + 1;
+            let smaller = eigenvalues(&hessenberg, SMALLER.min(used * 3 / 4), shift);
+            return Ok(listed(&eigenvalues(&hessenberg, used, shift), &smaller, count));
+        }
+        hessenberg[(k + 1, k)] = norm;
+        basis.push(next / norm);
+    }
+    Ok(Vec::new())
+}
+
+/// The eigenvalues μ of the leading block, by rising modulus.
+fn eigenvalues(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
+    let block = hessenberg.view((0, 0), (size, size)).into_owned();
+    let mut all: Vec<[f64; 2]> = block
+        .complex_eigenvalues()
+        .iter()
+        .map(|theta| theta.inv())
+        .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)
+        .map(|inverse| [inverse.re - shift, inverse.im.abs()])
+        .collect();
+    all.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    all
+}
+
+fn listed(all: &[[f64; 2]], smaller: &[[f64; 2]], count: usize) -> Vec<Relaxation> {
+    let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let nearest = |a: &[f64; 2]| smaller.iter().map(|b| distance(a, b)).fold(f64::INFINITY, f64::min);
+    let mode = |a: &[f64; 2]| Relaxation { rate: a[0], frequency: a[1], error: nearest(a) };
+    all.iter().take(count).map(mode).collect()
+}

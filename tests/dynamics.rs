@@ -1,0 +1,165 @@
+//! Relaxation rates and transient densities on the grid.
+
+#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
+#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
+
+use expoly::models::{Duffing, Linear};
+use expoly::{Error, Gaussian, Grid, GridDensity, Start};
+use nalgebra::{Matrix2, Vector2, matrix, vector};
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rand_distr::StandardNormal;
+
+fn linear() -> GridDensity {
+    let grid = Grid::new().degree(7).cells([10, 10]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
+    grid.solve(&Linear::new(0.5, 1.0, 0.5).unwrap()).unwrap()
+}
+
+fn duffing() -> GridDensity {
+    let grid = Grid::new().degree(7).cells([10, 10]).domain([[-3.9, 3.9], [-6.2, 6.2]]).edge_level(1e-6);
+    grid.solve(&Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap()).unwrap()
+}
+
+/// The eigenvalues of a linear oscillator's operator are sums n λ₊ + m λ₋ of its own, λ = c/2 ± i √(k − c²/4), n, m ≥ 0.
+#[test]
+fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
+    let modes = linear().relaxation(6).unwrap();
+    let frequency = 0.9375_f64.sqrt();
+    // n + m = 0, 1, 2: rate (n + m)/4, frequency |n − m| times 0.968, by modulus; 3 of higher degree follow.
+    let expected = [(0.0, 0.0), (0.5, 0.0), (0.25, frequency), (1.0, 0.0), (0.75, frequency)];
+    for (mode, (rate, frequency)) in modes.iter().zip(expected) {
+        println!("{mode:?}");
+        // Spectral accuracy: the mode of degree 2k is a polynomial of degree 2k times the density.
+        assert!((mode.rate - rate).abs() < 1e-4 && (mode.frequency - frequency).abs() < 1e-4, "{mode:?}");
+        assert!(mode.error < 1e-9);
+    }
+    assert!(modes[0].rate.abs() < 1e-7 && (modes[1].rate - 0.5).abs() < 1e-5);
+}
+
+/// A normal distribution stays normal: m(t) = e^At m₀, S(t) = S∞ + e^At (S₀ − S∞) e^Aᵀt.
+#[test]
+fn a_linear_oscillator_keeps_its_gaussian() {
+    let stationary = linear();
+    let start = Gaussian { mean: vector![0.8, -0.5], covariance: matrix![0.3, 0.05; 0.05, 0.4] };
+    let times = [0.5, 1.0, 2.0, 4.0, 8.0];
+    let densities = stationary.transient(&Start::Gaussian(start.clone()), &times, 1e-5).unwrap();
+    for transient in &densities {
+        let flow = (matrix![0.0, 1.0; -1.0, -0.5] * transient.time).exp();
+        let mean: Vector2<f64> = flow * start.mean;
+        let limit = Matrix2::identity();
+        let spread = limit + flow * (start.covariance - limit) * flow.transpose();
+        for (powers, truth) in [
+            ([1, 0], mean[0]),
+            ([0, 1], mean[1]),
+            ([2, 0], spread[(0, 0)] + mean[0] * mean[0]),
+            ([1, 1], spread[(0, 1)] + mean[0] * mean[1]),
+            ([0, 2], spread[(1, 1)] + mean[1] * mean[1]),
+        ] {
+            let moment = transient.moment(powers);
+            println!(
+                "t = {}, {powers:?}: {:.1e} off, {:.1e} estimated",
+                transient.time,
+                moment.value - truth,
+                moment.error
+            );
+            assert!((moment.value - truth).abs() < 1e-6, "t = {}, {powers:?}: {moment} and {truth}", transient.time);
+        }
+        // Mass is conserved but for what leaks through the edges.
+        assert!((transient.moment([0, 0]).value - 1.0).abs() < 1e-7);
+    }
+}
+
+/// The step's error falls with the fourth power: a tolerance a hundred times smaller gives an error a hundred times
+/// smaller, within a factor of ten for steps that change by factors of three.
+#[test]
+fn a_smaller_tolerance_gives_a_smaller_error() {
+    let stationary = linear();
+    let start = Start::Gaussian(Gaussian { mean: vector![0.8, -0.5], covariance: matrix![0.3, 0.05; 0.05, 0.4] });
+    let at = |tolerance: f64| stationary.transient(&start, &[3.0], tolerance).unwrap().remove(0);
+    let truth = at(1e-8).moment([1, 0]).value;
+    let errors = [1e-3, 1e-5].map(|tolerance| (at(tolerance).moment([1, 0]).value - truth).abs());
+    println!("{errors:?}");
+    assert!(errors[1] < 0.1 * errors[0], "{errors:?}");
+}
+
+/// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at five times, within four standard errors.
+#[test]
+fn a_point_start_agrees_with_a_simulation() {
+    const PATHS: usize = 200_000;
+    const STEP: f64 = 0.01;
+    let times = [0.8, 1.6, 3.2, 6.4, 12.8];
+    let densities = duffing().transient(&Start::Point([1.0, 0.0]), &times, 1e-4).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut sums = [[0.0; 10]; 5];
+    let kick = (2.0 * 0.2 * STEP).sqrt();
+    for _ in 0..PATHS {
+        let (mut x, mut v) = (1.0_f64, 0.0_f64);
+        let mut steps = 0;
+        for (sum, time) in sums.iter_mut().zip(times) {
+            while (steps as f64 + 0.5) * STEP < time {
+                // Half a drift, a kick whose force is taken at the middle velocity, half a drift: of weak order 2.
+                x += v * STEP / 2.0;
+                let spring = x + 0.3 * x * x * x;
+                let z: f64 = rng.sample(StandardNormal);
+                v = ((1.0 - 0.1 * STEP) * v - STEP * spring + kick * z) / (1.0 + 0.1 * STEP);
+                x += v * STEP / 2.0;
+                steps += 1;
+            }
+            for (k, value) in [x, v, x * x, x * v, v * v].into_iter().enumerate() {
+                sum[k] += value;
+                sum[5 + k] += value * value;
+            }
+        }
+    }
+    for (transient, sum) in densities.iter().zip(&sums) {
+        for (k, powers) in [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]].into_iter().enumerate() {
+            let mean = sum[k] / PATHS as f64;
+            let error = ((sum[5 + k] / PATHS as f64 - mean * mean) / PATHS as f64).sqrt();
+            let moment = transient.moment(powers);
+            let deviation = (moment.value - mean).abs() / error.hypot(moment.error);
+            println!("t = {}, {powers:?}: {moment}, simulated {mean:.6} ± {error:.6}", transient.time);
+            assert!(deviation < 4.0, "t = {}, {powers:?}: {moment} and {mean} ± {error}", transient.time);
+        }
+    }
+}
+
+/// After many relaxation times a transient is the stationary density, and on the way it decays at the slowest rate.
+#[test]
+fn a_transient_ends_in_the_stationary_density_at_the_slowest_rate() {
+    let grid = Grid::new().degree(7).cells([10, 8]).domain([[-2.6, 2.6], [-2.6, 2.6]]).edge_level(1e-5);
+    let bistable = grid.solve(&Duffing::new(0.5, -1.0, 1.0, 0.1).unwrap()).unwrap();
+    let rate = bistable.relaxation(2).unwrap()[1].rate;
+    let start = Start::Gaussian(Gaussian { mean: vector![1.0, 0.0], covariance: matrix![0.1, 0.0; 0.0, 0.2] });
+    let times = [20.0, 30.0, 14.0 / rate];
+    let densities = bistable.transient(&start, &times, 1e-4).unwrap();
+    let [first, second] = [0, 1].map(|k| densities[k].moment([1, 0]).value);
+    let measured = (first / second).ln() / 10.0;
+    println!("slowest rate {rate:.6}, E x decays with {measured:.6}");
+    // The next mode is ten times as fast and has died by then.
+    assert!((measured / rate - 1.0).abs() < 1e-3, "{measured} and {rate}");
+    let distance = densities[2].density.l1_distance(&bistable);
+    println!("at the end: L1 {:.1e}, steps {:.1e}", distance.value, densities[2].step_error);
+    // What is left of the slowest mode, e^−14 = 8e-7 times its size, besides the steps' error.
+    assert!(distance.value < 5e-6 + densities[2].step_error, "{distance}");
+}
+
+#[test]
+fn transients_without_a_meaning_are_refused() {
+    let stationary = duffing();
+    let refused =
+        |start: Start, times: &[f64], tolerance: f64| stationary.transient(&start, times, tolerance).unwrap_err();
+    let wide = Gaussian { mean: vector![0.0, 0.0], covariance: matrix![0.3, 0.0; 0.0, 0.4] };
+    let flat = Gaussian { mean: vector![0.0, 0.0], covariance: matrix![0.0, 0.0; 0.0, 0.0] };
+    let far = Gaussian { mean: vector![9.0, 0.0], covariance: matrix![0.3, 0.0; 0.0, 0.4] };
+    for error in [
+        refused(Start::Gaussian(wide.clone()), &[1.0], 0.0),
+        refused(Start::Gaussian(wide.clone()), &[1.0], f64::NAN),
+        refused(Start::Gaussian(wide.clone()), &[1.0, 0.5], 1e-3),
+        refused(Start::Gaussian(wide), &[-1.0], 1e-3),
+        refused(Start::Gaussian(flat), &[1.0], 1e-3),
+        refused(Start::Gaussian(far), &[1.0], 1e-3),
+        refused(Start::Point([f64::NAN, 0.0]), &[1.0], 1e-3),
+        refused(Start::Point([1.0, 0.0]), &[1e-9], 1e-3),
+    ] {
+        assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+    }
+}
