@@ -157,6 +157,7 @@ impl Grid {
             Some(domain) => (domain, false),
             None => (domain::pilot(system, walls[0])?, true),
         };
+eprintln!("pilot {:?}",begin.elapsed());
         let mut density = solver::Solver { grid: self, operator: &operator, walls, displacement }.run(start, adjust)?;
         density.provenance.seconds = begin.elapsed().as_secs_f64();
         Ok(density)

@@ -141,12 +141,13 @@ impl Solver<'_> {
 
     fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
         let stationary::Stationary { field, leak, residual, nonzeros } = fine;
+        let error = difference(&field, &coarse);
         let mut edge_level = 0.0;
         for state in 0..2 {
             let profile = Profile::new(&field, state);
             for side in (0..2).filter(|side| self.open(state, *side)) {
                 let level = profile.edge(side);
-                if level > self.grid.edge_level.max(1e-3 * difference(&field, &coarse)) {
+                if level > self.grid.edge_level.max(error) {
                     return Err(Error::DomainCut { state, edge: domain[state][side], level, asked: self.grid.edge_level });
                 }
                 edge_level = level.max(edge_level);
@@ -166,7 +167,7 @@ impl Solver<'_> {
             edge_level,
             leak,
             residual,
-            l1_error: difference(&field, &coarse),
+            l1_error: error,
             most_negative: least / peak,
             negative_mass,
             seconds: 0.0,
