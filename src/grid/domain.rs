@@ -78,14 +78,17 @@ impl Profile {
         let [near, far] = [NEAR, FAR].map(|share: f64| (outermost(share) - middle).abs());
         let power = ((FAR.ln() / NEAR.ln()).ln() / (far / near).ln()).clamp(0.5, 8.0);
         let reach = far * (level.ln() / FAR.ln()).powf(power.recip());
-        let reach = if reach.is_finite() { SAFETY * reach } else { far };
+        // A density that does not fall within the domain says nothing about what is far outside.
+        let edge = if side == 0 { self.points.first() } else { self.points.last() };
+        let farthest = 1.6 * edge.map_or(far, |(x, _)| (x - middle).abs());
+        let reach = if reach.is_finite() { (SAFETY * reach).min(farthest) } else { farthest };
         if side == 0 { middle - reach } else { middle + reach }
     }
 }
 
 /// The two shares of the peak from which a fall is continued; a coarse solution resolves them well.
-const NEAR: f64 = 1e-3;
-const FAR: f64 = 1e-5;
+const NEAR: f64 = 1e-2;
+const FAR: f64 = 1e-4;
 
 /// A few percent more than the continued fall asks for.
 const SAFETY: f64 = 1.04;

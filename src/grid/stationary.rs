@@ -2,6 +2,7 @@
 
 use super::assembly::assemble;
 use super::field::Field;
+use super::dissection::elimination_order;
 use super::space::Space;
 use super::sparse::Ordering;
 use crate::{Error, FokkerPlanck, Result};
@@ -33,7 +34,7 @@ pub(super) fn solve(operator: &FokkerPlanck<2>, space: &Space, pin: usize) -> Re
     let mut pinned = matrix.clone();
     pinned.add_to_diagonal(k, alpha);
     let t=std::time::Instant::now();
-    let o = Ordering::new(&pinned)?;
+    let o = Ordering::new(&pinned, elimination_order(space).as_deref())?;
  eprintln!("order {:?}",t.elapsed());
     let factors = o.factorise(&pinned)?;
  eprintln!("lu {:?}",t.elapsed());
