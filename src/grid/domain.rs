@@ -63,22 +63,32 @@ impl Profile {
     /// fall is continued as ln p ~ −|x − m|^k.
     pub(super) fn limit(&self, side: usize, level: f64) -> f64 {
         let middle = self.points.iter().fold((0.0, 0.0), |best, p| if p.1 > best.1 { *p } else { best }).0;
+        let inwards: Vec<(f64, f64)> = match side {
+            0 => self.points.clone(),
+            _ => self.points.iter().rev().copied().collect(),
+        };
         let outermost = |share: f64| {
-            let inside = |(_, p): &&(f64, f64)| *p >= share * self.peak;
-            let found = if side == 0 { self.points.iter().find(inside) } else { self.points.iter().rfind(inside) };
-            found.map_or(middle, |(x, _)| *x)
+            let level = share * self.peak;
+            let first = inwards.iter().position(|(_, p)| *p >= level).unwrap_or(0);
+            let (x, p) = inwards[first];
+            // Between two nodes ln p is nearly straight.
+            let beyond = first.checked_sub(1).map(|k| inwards[k]).filter(|(_, q)| *q > 0.0);
+            beyond.map_or(x, |(y, q)| y + (x - y) * (level / q).ln() / (p / q).ln())
         };
         let [near, far] = [NEAR, FAR].map(|share: f64| (outermost(share) - middle).abs());
         let power = ((FAR.ln() / NEAR.ln()).ln() / (far / near).ln()).clamp(0.5, 8.0);
         let reach = far * (level.ln() / FAR.ln()).powf(power.recip());
-        let reach = if reach.is_finite() { SAFETY * reach } else { far };
+        // A density that does not fall within the domain says nothing about what is far outside.
+        let edge = if side == 0 { self.points.first() } else { self.points.last() };
+        let farthest = 1.6 * edge.map_or(far, |(x, _)| (x - middle).abs());
+        let reach = if reach.is_finite() { (SAFETY * reach).min(farthest) } else { farthest };
         if side == 0 { middle - reach } else { middle + reach }
     }
 }
 
 /// The two shares of the peak from which a fall is continued; a coarse solution resolves them well.
-const NEAR: f64 = 1e-3;
-const FAR: f64 = 1e-5;
+const NEAR: f64 = 1e-2;
+const FAR: f64 = 1e-4;
 
 /// A few percent more than the continued fall asks for.
 const SAFETY: f64 = 1.04;

@@ -9,6 +9,7 @@
 
 mod assembly;
 mod density;
+mod dissection;
 mod domain;
 mod face;
 mod field;
@@ -50,8 +51,8 @@ use std::time::Instant;
 /// Scientific Computing 16 (2001) 173-261, doi:10.1023/A:1012873910884.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    degree: usize,
-    cells: [usize; 2],
+    degree: Option<usize>,
+    cells: Option<[usize; 2]>,
     domain: Option<[[f64; 2]; 2]>,
     edge_level: f64,
     grazing: f64,
@@ -59,7 +60,7 @@ pub struct Grid {
 
 impl Default for Grid {
     fn default() -> Self {
-        Grid { degree: 8, cells: [12, 14], domain: None, edge_level: 1e-10, grazing: 1e-3 }
+        Grid { degree: None, cells: None, domain: None, edge_level: 1e-10, grazing: 1e-3 }
     }
 }
 
@@ -69,14 +70,14 @@ impl Grid {
         Self::default()
     }
 
-    /// The polynomials' degree in each state, 8 by default, from 2 to 24.
+    /// The polynomials' degree in each state, 8 by default, 6 above a wall with r < 1; from 2 to 24.
     pub fn degree(self, degree: usize) -> Self {
-        Grid { degree, ..self }
+        Grid { degree: Some(degree), ..self }
     }
 
-    /// Cells along each state, [12, 14] by default. Layers towards a grazing point come on top.
+    /// Cells along each state, [12, 14] by default, [8, 10] above a wall with r < 1; from 2 to 1000. Layers towards a grazing point come on top.
     pub fn cells(self, cells: [usize; 2]) -> Self {
-        Grid { cells, ..self }
+        Grid { cells: Some(cells), ..self }
     }
 
     /// Lower and upper limit of each state. By default they are where the density has fallen to
@@ -153,7 +154,7 @@ impl Grid {
         walls: [Option<Barrier>; 2],
     ) -> Result<GridDensity> {
         let begin = Instant::now();
-        self.validate()?;
+        let (degree, cells) = self.validate(walls)?;
         let operator = FokkerPlanck::new(system)?;
         let displacement = operator.velocity_of(0) == Some(1);
         if walls.iter().any(Option::is_some) && !displacement {
@@ -163,20 +164,27 @@ impl Grid {
             Some(domain) => (domain, false),
             None => (domain::pilot(system, walls[0])?, true),
         };
-        let mut density = solver::Solver { grid: self, operator: &operator, walls, displacement }.run(start, adjust)?;
+        eprintln!("pilot {:?}", begin.elapsed());
+        let mut density = solver::Solver { grid: self, degree, cells, operator: &operator, walls, displacement }
+            .run(start, adjust)?;
         density.provenance.seconds = begin.elapsed().as_secs_f64();
         Ok(density)
     }
 
-    fn validate(&self) -> Result<()> {
+    /// Degree and cells, once every option has a meaning.
+    fn validate(&self, walls: [Option<Barrier>; 2]) -> Result<(usize, [usize; 2])> {
+        // The layers at a grazing point are many, and their density is singular: cheaper elements are better there.
+        let grazed = walls.iter().flatten().any(|wall| wall.restitution() < 1.0);
+        let (degree, cells) = if grazed { (6, [8, 10]) } else { (8, [12, 14]) };
+        let (degree, cells) = (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells));
         let range = |name, value: usize, least: usize, most: usize, remedy| {
             if (least..=most).contains(&value) {
                 return Ok(());
             }
             Err(Error::OutOfRange { name, value: value as f64, remedy })
         };
-        range("degree of the grid", self.degree, 2, 24, "it must lie between 2 and 24")?;
-        for cells in self.cells {
+        range("degree of the grid", degree, 2, 24, "it must lie between 2 and 24")?;
+        for cells in cells {
             range("number of cells", cells, 2, 1000, "take between 2 and 1000 along each state")?;
         }
         let share = "it is a share and must lie between 0 and 1, both excluded";
@@ -190,6 +198,6 @@ impl Grid {
             finite("limit of the domain", high)?;
             positive("side of the domain", high - low, "give lower and upper limits in this order")?;
         }
-        Ok(())
+        Ok((degree, cells))
     }
 }

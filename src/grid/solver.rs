@@ -21,6 +21,8 @@ type Domain = [[f64; 2]; 2];
 
 pub(super) struct Solver<'a> {
     pub(super) grid: &'a Grid,
+    pub(super) degree: usize,
+    pub(super) cells: [usize; 2],
     pub(super) operator: &'a FokkerPlanck<2>,
     pub(super) walls: [Option<Barrier>; 2],
     /// Whether state 1 is the velocity of state 0.
@@ -32,7 +34,7 @@ impl Solver<'_> {
         let mut domain = self.between_walls(start);
         let mut scout = None;
         for _ in 0..if adjust { ATTEMPTS } else { 1 } {
-            let space = self.space(domain, SCOUT_DEGREE.min(self.grid.degree), false)?;
+            let space = self.space(domain, SCOUT_DEGREE.min(self.degree), false)?;
             let pin = scout.as_ref().map_or(space.elements() / 2 + space.axes[1].cells() / 2, |field: &Field| {
                 self.same_place(field, &space)
             });
@@ -45,7 +47,7 @@ impl Solver<'_> {
             }
             domain = next;
         }
-        let degree = self.grid.degree;
+        let degree = self.degree;
         let space = self.space(domain, degree, true)?;
         let pin = scout.as_ref().map_or(0, |field| self.same_place(field, &space));
         let coarse = stationary::solve(self.operator, &Space { degree: degree - 1, ..space.clone() }, pin)?.field;
@@ -97,7 +99,7 @@ impl Solver<'_> {
     /// The elements on `domain`; `layers` asks for those at grazing points.
     fn space(&self, domain: Domain, degree: usize, layers: bool) -> Result<Space> {
         let [position, velocity] = domain;
-        let cells = self.grid.cells;
+        let cells = self.cells;
         let origin = if self.walls[0].is_some() { position[0] } else { 0.0 };
         let (from, to) = (position[0] - origin, position[1] - origin);
         let through = self.displacement.then_some(0.0);
@@ -137,12 +139,13 @@ impl Solver<'_> {
 
     fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
         let stationary::Stationary { field, leak, residual, nonzeros } = fine;
+        let error = difference(&field, &coarse);
         let mut edge_level = 0.0;
         for state in 0..2 {
             let profile = Profile::new(&field, state);
             for side in (0..2).filter(|side| self.open(state, *side)) {
                 let level = profile.edge(side);
-                if level > self.grid.edge_level.max(1e-3 * difference(&field, &coarse)) {
+                if level > self.grid.edge_level.max(error) {
                     return Err(Error::DomainCut {
                         state,
                         edge: domain[state][side],
@@ -167,7 +170,7 @@ impl Solver<'_> {
             edge_level,
             leak,
             residual,
-            l1_error: difference(&field, &coarse),
+            l1_error: error,
             most_negative: least / peak,
             negative_mass,
             seconds: 0.0,

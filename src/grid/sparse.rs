@@ -1,9 +1,12 @@
 //! Sparse matrices and their LU factors: the only file that knows the linear algebra's library.
 
 use crate::{Error, Result};
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::perm::PermRef;
+use faer::sparse::linalg::lu::supernodal;
+use faer::sparse::linalg::{colamd, qr};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, Par};
 
 /// A square matrix by columns. Every diagonal entry is stored, so that a shift keeps the pattern.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +53,24 @@ impl SparseMatrix {
         self.values.iter().fold(0.0, |a: f64, v| a.max(v.abs()))
     }
 
+    fn transposed(&self) -> Self {
+        let mut columns = vec![0; self.size + 1];
+        self.rows.iter().for_each(|row| columns[row + 1] += 1);
+        for k in 0..self.size {
+            columns[k + 1] += columns[k];
+        }
+        let mut next = columns.clone();
+        let (mut rows, mut values) = (vec![0; self.rows.len()], vec![0.0; self.rows.len()]);
+        for column in 0..self.size {
+            for k in self.columns[column]..self.columns[column + 1] {
+                let place = &mut next[self.rows[k]];
+                (rows[*place], values[*place]) = (column, self.values[k]);
+                *place += 1;
+            }
+        }
+        SparseMatrix { size: self.size, columns, rows, values }
+    }
+
     fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
         SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.columns, None, &self.rows)
     }
@@ -57,25 +78,99 @@ impl SparseMatrix {
 
 /// The order of elimination for one pattern, for every matrix that has it.
 #[derive(Clone, Debug)]
-pub(crate) struct Ordering(SymbolicLu<usize>);
+pub(crate) struct Ordering {
+    symbolic: supernodal::SymbolicSupernodalLu<usize>,
+    forward: Vec<usize>,
+    inverse: Vec<usize>,
+}
 
 impl Ordering {
-    pub(crate) fn new(matrix: &SparseMatrix) -> Result<Self> {
-        SymbolicLu::try_new(matrix.symbolic()).map(Ordering).map_err(|_| too_large(matrix))
+    /// The analysis of the pattern of `matrix`, with its columns eliminated in the order `columns` or, if none is given, in
+    /// one of approximately minimum degree.
+    pub(crate) fn new(matrix: &SparseMatrix, columns: Option<&[usize]>) -> Result<Self> {
+        let n = matrix.size;
+        let transposed = matrix.transposed();
+        let request = StackReq::all_of(&[
+            StackReq::new::<usize>(n).array(12),
+            supernodal::factorize_supernodal_symbolic_lu_scratch::<usize>(n, n),
+            colamd::order_scratch::<usize>(n, n, matrix.rows.len()),
+        ]);
+        let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(matrix))?;
+        let stack = MemStack::new(&mut memory);
+        let (mut tree, mut post) = (vec![0; n], vec![0; n]);
+        let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
+        match columns {
+            Some(columns) => (forward, inverse) = (columns.to_vec(), inverted(columns)),
+            None => {
+                colamd::order(&mut forward, &mut inverse, matrix.symbolic(), Default::default(), stack)
+                    .map_err(|_| too_large(matrix))?;
+            }
+        }
+        // Columns in postorder of their own elimination tree, so that those that are eliminated together are neighbours.
+        {
+            let permutation = PermRef::new_checked(&forward, &inverse, n);
+            let tree = qr::col_etree(matrix.symbolic(), Some(permutation), &mut tree, stack);
+            qr::postorder(&mut post, tree, stack);
+        }
+        forward = post.iter().map(|k| forward[*k]).collect();
+        inverse = inverted(&forward);
+        let permutation = PermRef::new_checked(&forward, &inverse, n);
+        let tree = qr::col_etree(matrix.symbolic(), Some(permutation), &mut tree, stack);
+        qr::postorder(&mut post, tree, stack);
+        let (mut counts, mut first) = (vec![0; n], vec![0; n]);
+        qr::column_counts_ata(&mut counts, &mut first, transposed.symbolic(), Some(permutation), tree, &post, stack);
+        let symbolic = supernodal::factorize_supernodal_symbolic_lu(
+            matrix.symbolic(),
+            Some(permutation),
+            &first,
+            tree,
+            &counts,
+            stack,
+            Default::default(),
+        )
+        .map_err(|_| too_large(matrix))?;
+        Ok(Ordering { symbolic, forward, inverse })
     }
 
     /// The LU factors of `matrix`, which must have the pattern that the ordering was made for.
     pub(crate) fn factorise(&self, matrix: &SparseMatrix) -> Result<Factors> {
-        let view = SparseColMatRef::new(matrix.symbolic(), &matrix.values);
-        let lu = Lu::try_new_with_symbolic(self.0.clone(), view).map_err(|_| too_large(matrix))?;
-        Ok(Factors { lu, size: matrix.size })
+        let n = matrix.size;
+        let transposed = matrix.transposed();
+        let parameters = Default::default();
+        let request = supernodal::factorize_supernodal_numeric_lu_scratch::<usize, f64>(&self.symbolic, parameters);
+        let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(matrix))?;
+        let (mut row_forward, mut row_inverse) = (vec![0; n], vec![0; n]);
+        let mut lu = supernodal::SupernodalLu::new();
+        supernodal::factorize_supernodal_numeric_lu(
+            &mut row_forward,
+            &mut row_inverse,
+            &mut lu,
+            SparseColMatRef::new(matrix.symbolic(), &matrix.values),
+            SparseColMatRef::new(transposed.symbolic(), &transposed.values),
+            PermRef::new_checked(&self.forward, &self.inverse, n),
+            &self.symbolic,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            parameters,
+        )
+        .map_err(|_| too_large(matrix))?;
+        let columns = (self.forward.clone(), self.inverse.clone());
+        Ok(Factors { lu, rows: (row_forward, row_inverse), columns, size: n })
     }
+}
+
+fn inverted(order: &[usize]) -> Vec<usize> {
+    let mut inverse = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(k, i)| inverse[*i] = k);
+    inverse
 }
 
 /// LU factors of a matrix.
 #[derive(Debug)]
 pub(crate) struct Factors {
-    lu: Lu<usize, f64>,
+    lu: supernodal::SupernodalLu<usize, f64>,
+    rows: (Vec<usize>, Vec<usize>),
+    columns: (Vec<usize>, Vec<usize>),
     size: usize,
 }
 
@@ -85,10 +180,21 @@ impl Factors {
     /// # Errors
     /// [`Error::SingularSystem`] if A is singular: the library divides by a zero pivot then, and does not say so.
     pub(crate) fn solve(&self, right: &[f64]) -> Result<Vec<f64>> {
-        let mut x = faer::Mat::from_fn(self.size, 1, |i, _| right[i]);
-        self.lu.solve_in_place(x.as_mut());
+        let n = self.size;
+        let singular = Error::SingularSystem { unknowns: n };
+        let request = supernodal::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
+        let mut memory = MemBuffer::try_new(request).map_err(|_| singular.clone())?;
+        let mut x = faer::Mat::from_fn(n, 1, |i, _| right[i]);
+        self.lu.solve_in_place_with_conj(
+            PermRef::new_checked(&self.rows.0, &self.rows.1, n),
+            PermRef::new_checked(&self.columns.0, &self.columns.1, n),
+            Conj::No,
+            x.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
         let x: Vec<f64> = x.col(0).iter().copied().collect();
-        if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(Error::SingularSystem { unknowns: self.size }) }
+        if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(singular) }
     }
 }
 
@@ -111,7 +217,7 @@ mod tests {
     #[test]
     fn one_ordering_serves_every_shift_and_a_singular_matrix_is_refused() {
         let a = matrix([1.0, 2.0, 2.0, 4.0]);
-        let ordering = Ordering::new(&a).unwrap();
+        let ordering = Ordering::new(&a, None).unwrap();
         let singular = ordering.factorise(&a).and_then(|factors| factors.solve(&[1.0, 0.0]));
         assert!(matches!(singular, Err(Error::SingularSystem { unknowns: 2 })), "{singular:?}");
         let shifted = a.shifted(1.0);
