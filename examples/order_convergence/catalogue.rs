@@ -1,7 +1,7 @@
 //! The library's models by name, with the parameters of the literature's usual cases.
 
+use crate::plan::Plan;
 use crate::rows::Study;
-use expoly::PolynomialDrift;
 use expoly::models::{
     CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
     QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise,
@@ -11,14 +11,9 @@ const NAMES: &str = "linear, duffing, bistable, three_wells, van_der_pol_rayleig
     velocity_noise, two_degrees_of_freedom, parametric_linear, cubic_damping_duffing, van_der_pol, bistable_damping, \
     rayleigh, duffing_van_der_pol";
 
-/// Studies the model of this name.
-pub(crate) fn study(
-    name: &str,
-    orders: &[u32],
-    samples: usize,
-    seed: u64,
-) -> Result<Study, Box<dyn std::error::Error>> {
-    let plan = Plan { name, orders, samples, seed };
+/// Studies the model of the plan's name.
+pub(crate) fn study(plan: &Plan<'_>) -> Result<Study, Box<dyn std::error::Error>> {
+    let name = plan.model;
     Ok(match name {
         "linear" => plan.solved("x'' + 0.2 x' + x, D = 0.2", &Linear::new(0.2, 1.0, 0.2)?)?,
         "duffing" => plan.solved("x'' + 0.2 x' + x + 0.3 x^3, D = 0.2", &Duffing::new(0.2, 1.0, 0.3, 0.2)?)?,
@@ -45,48 +40,26 @@ pub(crate) fn study(
         }
         "two_degrees_of_freedom" => {
             let model = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?;
-            plan.solved("two coupled Duffing oscillators, T = 0.8", &model)?
+            plan.against_exact("two coupled Duffing oscillators, T = 0.8", &model, &model.exact()?)?
         }
         "parametric_linear" => {
             let model = ParametricLinear::new(0.1, 1.0, 0.5, 0.2)?;
             let equation = "x'' + 0.2 x' (1 + eta) + x (1 + zeta), D = 0.2, D_eta = 0.5";
-            Study::against_exact(name, equation, &model, &model.exact(), orders)?
+            plan.two_states(equation, &model, Some(&model.exact()))?
         }
         "cubic_damping_duffing" => {
-            plan.simulated("x'' + 0.1 x' + 0.3 x'^3 + x + x^3, D = 0.5", CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?
+            plan.unsolved("x'' + 0.1 x' + 0.3 x'^3 + x + x^3, D = 0.5", CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?
         }
         "van_der_pol" => {
-            plan.simulated("x'' - 0.5 (1 - x^2) x' + x, D = 0.3", DuffingVanDerPol::van_der_pol(0.5, 0.3)?)?
+            plan.unsolved("x'' - 0.5 (1 - x^2) x' + x, D = 0.3", DuffingVanDerPol::van_der_pol(0.5, 0.3)?)?
         }
-        "bistable_damping" => plan.simulated(
+        "bistable_damping" => plan.unsolved(
             "x'' + 0.3 (1 + x^2) x' - x + x^3, D = 0.3",
             DuffingVanDerPol::new([0.3, 0.3], -1.0, 1.0, 0.3)?,
         )?,
-        "rayleigh" => plan.simulated("x'' - (1 - x'^2) x' + x, D = 0.2", CubicDamping::rayleigh(1.0, 0.2)?)?,
+        "rayleigh" => plan.unsolved("x'' - (1 - x'^2) x' + x, D = 0.2", CubicDamping::rayleigh(1.0, 0.2)?)?,
         "duffing_van_der_pol" => plan
-            .simulated("x'' - (0.5 - x^2) x' + x + x^3, D = 0.5", DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5)?)?,
+            .unsolved("x'' - (0.5 - x^2) x' + x + x^3, D = 0.5", DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5)?)?,
         _ => return Err(format!("--model {name}: no such model; there are {NAMES}").into()),
     })
-}
-
-/// What every study needs besides its system.
-struct Plan<'a> {
-    name: &'a str,
-    orders: &'a [u32],
-    samples: usize,
-    seed: u64,
-}
-
-impl Plan<'_> {
-    fn solved<T: Solved<N, M>, const N: usize, const M: usize>(
-        &self,
-        equation: &str,
-        model: &T,
-    ) -> expoly::Result<Study> {
-        Study::against_exact(self.name, equation, model, &model.exact()?, self.orders)
-    }
-
-    fn simulated<T: PolynomialDrift<2, 1> + Sync>(&self, equation: &str, system: T) -> expoly::Result<Study> {
-        Study::against_simulation(self.name, equation, &system, self.orders, self.samples, self.seed)
-    }
 }

@@ -1,10 +1,7 @@
 //! The study: a row for each order.
 
 use crate::support::json::Number;
-use crate::support::progress::simulation_bar;
-use expoly::{
-    Closure, Density, ExpPolynomial, FokkerPlanck, Histogram, PolynomialDrift, Simulation, compare, energy_balance,
-};
+use expoly::{Closure, Density, ExpPolynomial, FokkerPlanck, PolynomialDrift, energy_balance};
 use serde::Serialize;
 use std::fmt::Write;
 use std::time::Instant;
@@ -32,67 +29,17 @@ pub(crate) struct Row {
 #[derive(Clone, Debug)]
 pub(crate) struct Study {
     pub(crate) model: String,
-    equation: String,
+    pub(crate) equation: String,
     /// What the orders are compared with.
     pub(crate) reference: String,
     /// What `l1` measures.
     pub(crate) measure: &'static str,
-    /// The distance that the reference's own noise makes.
+    /// The distance that the reference's own error makes.
     pub(crate) noise: Option<f64>,
     pub(crate) rows: Vec<Row>,
 }
 
 impl Study {
-    pub(crate) fn against_exact<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
-        model: &str,
-        equation: &str,
-        system: &T,
-        exact: &impl Density<N>,
-        orders: &[u32],
-    ) -> expoly::Result<Self> {
-        let distance = |density: &ExpPolynomial<N>| Ok(compare::l1(density, exact).value);
-        Ok(Study {
-            model: model.to_owned(),
-            equation: equation.to_owned(),
-            reference: String::from("against the exact density"),
-            measure: "joint L1",
-            noise: None,
-            rows: orders.iter().map(|order| row(system, *order, &distance)).collect::<expoly::Result<_>>()?,
-        })
-    }
-
-    pub(crate) fn against_simulation<T: PolynomialDrift<2, M> + Sync, const M: usize>(
-        model: &str,
-        equation: &str,
-        system: &T,
-        orders: &[u32],
-        samples: usize,
-        seed: u64,
-    ) -> expoly::Result<Self> {
-        let (bar, callback) = simulation_bar("simulation");
-        let simulated = Simulation::new(system).samples(samples).seed(seed).progress(callback).run()?;
-        bar.finish_and_clear();
-        let histogram: &Histogram<1> = simulated.histogram(0)?;
-        let distance = |density: &ExpPolynomial<2>| Ok(compare::with_histogram(density, 0, histogram)?.l1);
-        let rows = orders.iter().map(|order| row(system, *order, &distance)).collect::<expoly::Result<_>>()?;
-        // The noise is the histogram's own and the same for every density; one is needed to ask for it.
-        let gaussian = Closure::classical(2).solve(system)?.density()?;
-        let noise = compare::with_histogram(&gaussian, 0, histogram)?.noise;
-        let provenance = simulated.provenance();
-        let (x, v) = (simulated.moment([2, 0]), simulated.moment([0, 2]));
-        Ok(Study {
-            model: model.to_owned(),
-            equation: equation.to_owned(),
-            reference: format!(
-                "against {} samples, seed {}, time step {}: E x1^2 = {x:.5}, E x2^2 = {v:.5}, noise of L1 {noise:.1e}",
-                provenance.samples, provenance.seed, provenance.time_step
-            ),
-            measure: "L1 of p(x)",
-            noise: Some(noise),
-            rows,
-        })
-    }
-
     /// The study as text.
     pub(crate) fn table(&self) -> String {
         let mut text = format!("{} = noise, intensities D of E[xi(t) xi(t+tau)] = 2 D delta(tau)\n", self.equation);
@@ -136,7 +83,7 @@ impl Study {
     }
 }
 
-fn row<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
+pub(crate) fn row<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
     system: &T,
     order: u32,
     distance: &impl Fn(&ExpPolynomial<N>) -> expoly::Result<f64>,

@@ -74,6 +74,13 @@ pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
             provenance.samples, provenance.trajectories, provenance.time_step
         );
     }
+    if let Some((density, _)) = &study.gridded {
+        let provenance = density.provenance();
+        caption += &format!(
+            "\nGrid: {} × {} cells of degree {}, estimated joint L¹ error {:.0e}.",
+            provenance.cells[0], provenance.cells[1], provenance.degree, provenance.l1_error
+        );
+    }
     if drawn.iter().any(|d| d.cut_off) {
         caption +=
             "\nWithout density: exp(Q) of a root that cannot be normalised, cut off at the range of the samples.";
@@ -82,10 +89,11 @@ pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
     Ok(())
 }
 
-/// What is drawn of one state: the grid, the simulation and the closures on it.
+/// What is drawn of one state: the abscissae and there the simulation, the grid's solution and the closures.
 struct Table {
     x: Vec<f64>,
     simulated: Vec<(f64, f64)>,
+    gridded: Vec<f64>,
     closures: Vec<Vec<f64>>,
 }
 
@@ -98,11 +106,14 @@ impl Table {
                 grid.iter().map(|x| histogram.density_at([*x])).map(|p| (p.value, p.error)).collect()
             }
         };
+        let gridded = study.gridded.as_ref().map(|(density, _)| {
+            grid.iter().map(|x| Ok(density.marginal(state, *x)?.value)).collect::<expoly::Result<Vec<f64>>>()
+        });
         let marginal = |drawn: &Drawn| {
             grid.iter().map(|x| Ok(drawn.density.marginal(state, *x)?.value)).collect::<expoly::Result<Vec<f64>>>()
         };
         let closures = drawn.iter().map(marginal).collect::<expoly::Result<_>>()?;
-        Ok(Table { x: grid.to_vec(), simulated, closures })
+        Ok(Table { x: grid.to_vec(), simulated, gridded: gridded.transpose()?.unwrap_or_default(), closures })
     }
 
     fn write(&self, path: &Path, name: &str, drawn: &[Drawn]) -> std::io::Result<()> {
@@ -110,10 +121,14 @@ impl Table {
         if !self.simulated.is_empty() {
             header.extend(["simulation", "standard error"].map(String::from));
         }
+        if !self.gridded.is_empty() {
+            header.push(String::from("grid"));
+        }
         header.extend(drawn.iter().map(|d| d.label.clone()));
         let row = |i: usize| {
             let mut row = vec![self.x[i]];
             row.extend(self.simulated.get(i).into_iter().flat_map(|(p, error)| [*p, *error]));
+            row.extend(self.gridded.get(i));
             row.extend(self.closures.iter().map(|closure| closure[i]));
             row
         };
@@ -131,8 +146,16 @@ impl Table {
                 points: self.x.iter().zip(values).map(|(x, p)| [*x, *p]).collect(),
             })
             .collect();
+        if !self.gridded.is_empty() {
+            curves.push(Curve {
+                label: String::from("grid"),
+                style: Style::Dashed,
+                colour: 5,
+                points: self.x.iter().zip(&self.gridded).map(|(x, p)| [*x, *p]).collect(),
+            });
+        }
         let mut bands = Vec::new();
-        let mut floor = self.closures.iter().flatten().copied().fold(0.0, f64::max) * 1e-6;
+        let mut floor = self.closures.iter().flatten().chain(&self.gridded).copied().fold(0.0, f64::max) * 1e-6;
         if !self.simulated.is_empty() {
             let around = |(x, (p, error)): (&f64, &(f64, f64))| [*x, p - 2.0 * error, p + 2.0 * error];
             bands.push(Band {
@@ -168,6 +191,10 @@ fn grid(study: &Study, drawn: &[Drawn], state: usize) -> Outcome<Vec<f64>> {
     };
     let coarse = match &study.simulated {
         Some((density, _)) => density.histogram(state)?.edges().collect(),
+        None if study.gridded.is_some() => {
+            let domain = study.gridded.as_ref().map_or([[-1.0, 1.0]; 2], |(density, _)| density.provenance().domain);
+            between(domain[state][0], domain[state][1])
+        }
         None => {
             let mean = |d: &Drawn| d.density.expectation(|x| x[state]).value;
             let spread = |d: &Drawn| d.density.variance(state).map_or(1.0, |v| v.value.sqrt());

@@ -6,7 +6,7 @@ use expoly::{Barrier, Basis};
 use std::path::PathBuf;
 
 /// Stationary density of the Duffing oscillator above a one-sided wall, y″ + c y′ + k y + μ y³ = ξ for y > b and
-/// y′₊ = −r y′₋ at y = b, by the exponential-polynomial closure and by simulation.
+/// y′₊ = −r y′₋ at y = b, by the exponential-polynomial closure, by simulation and on a grid.
 ///
 /// Without any option of one case, four standard walls are studied. The intensity D is that of
 /// E[ξ(t)ξ(t+τ)] = 2D δ(τ).
@@ -42,6 +42,12 @@ pub(crate) struct Options {
     /// Samples of each simulation
     #[arg(long, default_value_t = 8_000_000)]
     pub(crate) samples: usize,
+    /// Degree of the grid's polynomials [default: the library's]
+    #[arg(long)]
+    pub(crate) degree: Option<usize>,
+    /// The grid's cells along displacement and velocity, besides the layers at the wall [default: the library's]
+    #[arg(long, num_args = 2, value_names = ["Y", "V"])]
+    pub(crate) cells: Option<Vec<usize>>,
     /// Seed of the simulation
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
@@ -60,7 +66,15 @@ pub(crate) struct Options {
 pub(crate) enum Method {
     Closure,
     Simulation,
+    Grid,
     All,
+}
+
+impl Method {
+    /// Whether `method` is asked for.
+    pub(crate) fn includes(self, method: Method) -> bool {
+        self == Method::All || self == method
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -122,7 +136,7 @@ impl Options {
             BasisName::Classical => Basis::Classical,
             BasisName::Folded => Basis::Folded,
         });
-        if self.method == Method::Simulation {
+        if !self.method.includes(Method::Closure) {
             Vec::new()
         } else if self.json || self.order.is_some() || basis.is_some() {
             vec![(self.order.unwrap_or(4), basis.unwrap_or(Basis::Classical))]

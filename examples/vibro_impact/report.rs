@@ -2,7 +2,7 @@
 
 use crate::study::{Closed, Statistics, Study};
 use crate::support::json::{Number, Sampled};
-use expoly::Density;
+use expoly::{Density, GridDensity};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -12,6 +12,8 @@ struct Report {
     closure: Option<ClosureReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     simulation: Option<SimulationReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grid: Option<GridReport>,
 }
 
 #[derive(Serialize)]
@@ -61,6 +63,22 @@ struct SimulationReport {
     seconds: Number,
 }
 
+/// The closure's field names, and how good the solution is: `error_estimate` is the joint L¹ distance to one degree less.
+#[derive(Serialize)]
+struct GridReport {
+    mean_displacement: Number,
+    variance_displacement: Number,
+    mean_square_velocity: Number,
+    impact_rate: Number,
+    energy_balance: Number,
+    displacement_pdf: Vec<Number>,
+    error_estimate: Number,
+    degree: usize,
+    cells: [usize; 2],
+    unknowns: usize,
+    seconds: Number,
+}
+
 /// The study of one case as one JSON object; an error names a value that is no finite number.
 pub(crate) fn report(study: &Study, at: &[f64]) -> Result<String, Box<dyn std::error::Error>> {
     let p = &study.parameters;
@@ -94,6 +112,7 @@ pub(crate) fn report(study: &Study, at: &[f64]) -> Result<String, Box<dyn std::e
         },
         closure,
         simulation: simulation.transpose()?,
+        grid: study.gridded.as_ref().map(|(density, statistics)| grid(density, statistics, at)).transpose()?,
     };
     Ok(serde_json::to_string_pretty(&report)?)
 }
@@ -126,5 +145,23 @@ fn closure(closed: &Closed, at: &[f64]) -> expoly::Result<ClosureReport> {
         impact_rate: statistic("impact_rate", |s| s.impact_rate),
         energy_balance: statistic("energy_balance", |s| s.energy_balance),
         displacement_pdf: pdf.transpose()?,
+    })
+}
+
+fn grid(density: &GridDensity, statistics: &Statistics, at: &[f64]) -> expoly::Result<GridReport> {
+    let provenance = density.provenance();
+    let pdf = |y: &f64| Ok(Number::new("displacement_pdf", density.marginal(0, *y)?.value));
+    Ok(GridReport {
+        mean_displacement: Number::new("mean_displacement", statistics.mean_displacement.value),
+        variance_displacement: Number::new("variance_displacement", statistics.variance_displacement.value),
+        mean_square_velocity: Number::new("mean_square_velocity", statistics.mean_square_velocity.value),
+        impact_rate: Number::new("impact_rate", statistics.impact_rate.value),
+        energy_balance: Number::new("energy_balance", statistics.energy_balance.value),
+        displacement_pdf: at.iter().map(pdf).collect::<expoly::Result<_>>()?,
+        error_estimate: Number::new("error_estimate", provenance.l1_error),
+        degree: provenance.degree,
+        cells: provenance.cells,
+        unknowns: provenance.unknowns,
+        seconds: Number::new("seconds", provenance.seconds),
     })
 }

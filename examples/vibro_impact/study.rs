@@ -1,10 +1,10 @@
-//! One case: the closures and the simulation, and their statistics.
+//! One case: the closures, the simulation and the grid, and their statistics.
 
 use crate::options::{Method, Options, Parameters};
 use crate::support::progress::simulation_bar;
 use expoly::{
-    Barrier, Basis, Closure, Crossing, Density, Estimate, ExpPolynomial, FokkerPlanck, Histogram, SimulatedDensity,
-    Simulation, Solution, Termination, compare, energy_balance,
+    Barrier, Basis, Closure, Crossing, Density, Estimate, ExpPolynomial, FokkerPlanck, Grid, GridDensity, Histogram,
+    SimulatedDensity, Simulation, Solution, Termination, compare, energy_balance,
 };
 use std::time::Instant;
 
@@ -68,6 +68,7 @@ pub(crate) struct Study {
     pub(crate) parameters: Parameters,
     pub(crate) closed: Vec<Closed>,
     pub(crate) simulated: Option<(SimulatedDensity<2>, Statistics)>,
+    pub(crate) gridded: Option<(GridDensity, Statistics)>,
 }
 
 impl Study {
@@ -92,9 +93,22 @@ impl Study {
             Ok(Closed { solution, density, statistics, refusal, seconds: start.elapsed().as_secs_f64() })
         };
         let closed = options.closures().into_iter().map(close).collect::<expoly::Result<Vec<_>>>()?;
-        let simulated = match options.method {
-            Method::Closure => None,
-            Method::Simulation | Method::All => {
+        let gridded = match options.method.includes(Method::Grid) {
+            false => None,
+            true => {
+                let mut grid = options.degree.map_or(Grid::new(), |degree| Grid::new().degree(degree));
+                if let Some(&[along, across]) = options.cells.as_deref() {
+                    grid = grid.cells([along, across]);
+                }
+                let density = grid.solve_with_wall(model.oscillator(), model.barrier())?;
+                let balance = energy_balance(&operator, &density, Some(model.barrier()))?;
+                let statistics = Statistics::of(&density, model.barrier(), balance)?;
+                Some((density, statistics))
+            }
+        };
+        let simulated = match options.method.includes(Method::Simulation) {
+            false => None,
+            true => {
                 let (bar, callback) = simulation_bar(&format!("simulation at {}", parameters.stem()));
                 let result = Simulation::new(model.oscillator())
                     .barrier(model.barrier())
@@ -108,7 +122,15 @@ impl Study {
                 Some((result, statistics))
             }
         };
-        Ok(Study { parameters, closed, simulated })
+        Ok(Study { parameters, closed, simulated, gridded })
+    }
+
+    /// The L¹ distance of a closure's p_Y to the grid's.
+    pub(crate) fn distance_to_grid(&self, closed: &Closed) -> Option<(f64, bool)> {
+        let (grid, _) = self.gridded.as_ref()?;
+        let (density, cut_off) = closed.drawn(self.simulated.as_ref().map(|(density, _)| density))?;
+        let range = grid.provenance().domain[0];
+        compare::marginal_l1(&density, grid, 0, range).ok().map(|distance| (distance.value, cut_off))
     }
 
     /// The distance of a closure's p_Y to the simulation's, with the flag of [`Closed::drawn`].

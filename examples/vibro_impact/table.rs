@@ -1,14 +1,25 @@
 //! The table in the terminal.
 
 use crate::study::{Statistics, Study};
-use expoly::Density;
+use expoly::{Density, compare};
 use std::fmt::Write;
 
 /// One case as text: a row for each method.
 pub(crate) fn table(study: &Study) -> String {
     let mut text = format!("{}\n", study.parameters.line());
-    let header =
-        ["method", "termination", "E Y", "Var Y", "E Y'^2", "impact rate", "balance", "L1 p_Y", "tail p_Y", "s"];
+    let header = [
+        "method",
+        "termination",
+        "E Y",
+        "Var Y",
+        "E Y'^2",
+        "impact rate",
+        "balance",
+        "L1 p_Y",
+        "tail p_Y",
+        "L1 grid",
+        "s",
+    ];
     line(&mut text, &header.map(String::from));
     let mut cut_off_seen = false;
     let mut noise = None;
@@ -22,8 +33,28 @@ pub(crate) fn table(study: &Study) -> String {
             cut_off_seen |= cut_off;
             noise = Some(distance);
         }
-        cells.extend([l1, tail, format!("{:.3}", closed.seconds)]);
+        let to_grid = study.distance_to_grid(closed).map_or_else(
+            || String::from("-"),
+            |(distance, cut_off)| if cut_off { format!("({distance:.1e})") } else { format!("{distance:.1e}") },
+        );
+        cells.extend([l1, tail, to_grid, format!("{:.3}", closed.seconds)]);
         line(&mut text, &cells);
+    }
+    if let Some((grid, statistics)) = &study.gridded {
+        let provenance = grid.provenance();
+        let mut cells = vec![String::from("grid"), format!("{} unknowns", provenance.unknowns)];
+        cells.extend(values(Some(statistics)));
+        let distance = study
+            .simulated
+            .as_ref()
+            .and_then(|(simulated, _)| compare::with_histogram(grid, 0, simulated.histogram(0).ok()?).ok());
+        cells.extend(distance.map_or_else(
+            || [String::from("-"), String::from("-")],
+            |distance| [format!("{:.1e}", distance.l1), format!("{:.2}", distance.tail)],
+        ));
+        cells.extend([format!("±{:.0e}", provenance.l1_error), format!("{:.1}", provenance.seconds)]);
+        line(&mut text, &cells);
+        noise = noise.or(distance);
     }
     if let Some((result, statistics)) = &study.simulated {
         let mut cells =
@@ -33,7 +64,7 @@ pub(crate) fn table(study: &Study) -> String {
             || (String::from("-"), String::from("-")),
             |d| (format!("~{:.1e}", d.noise), format!("to {:.0e}", d.tail_level)),
         );
-        cells.extend([l1, tail, format!("{:.1}", result.provenance().seconds)]);
+        cells.extend([l1, tail, String::new(), format!("{:.1}", result.provenance().seconds)]);
         line(&mut text, &cells);
         let mut cells = vec![String::from("  standard error"), String::new()];
         let errors = all(statistics).map(|estimate| format!("{:.5}", estimate.error));
@@ -64,7 +95,7 @@ fn values(statistics: Option<&Statistics>) -> [String; 5] {
 }
 
 fn line(text: &mut String, cells: &[String]) {
-    const WIDTHS: [usize; 10] = [17, 17, 9, 9, 9, 12, 9, 10, 9, 6];
+    const WIDTHS: [usize; 11] = [17, 17, 9, 9, 9, 12, 9, 10, 9, 9, 6];
     for (k, (cell, width)) in cells.iter().zip(WIDTHS).enumerate() {
         // Names to the left, numbers to the right. Writing to a string cannot fail.
         let _ = if k < 2 { write!(text, "  {cell:<width$}") } else { write!(text, "  {cell:>width$}") };
@@ -83,6 +114,9 @@ pub(crate) fn pdf_table(study: &Study, at: &[f64]) -> expoly::Result<String> {
             cells.push(
                 value.map_or_else(|| format!("{}: -", closed.name()), |p| format!("{}: {:.6}", closed.name(), p.value)),
             );
+        }
+        if let Some((density, _)) = &study.gridded {
+            cells.push(format!("grid: {:.6}", density.marginal(0, *y)?.value));
         }
         if let Some((density, _)) = &study.simulated {
             cells.push(format!("simulation: {:.6}", density.histogram(0)?.density_at([*y])));

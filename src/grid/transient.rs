@@ -2,6 +2,7 @@
 
 use super::assembly::assemble;
 use super::density::GridDensity;
+use super::dissection::elimination_order;
 use super::field::Field;
 use super::march::March;
 use super::relaxation::{Relaxation, slowest};
@@ -62,7 +63,8 @@ impl GridDensity {
             Ok(self.expectation(|x| injected.evaluate(x)).value / 2.0 / self.variance(state)?.value)
         };
         let shift = rate(0)?.max(rate(1)?).max(f64::MIN_POSITIVE);
-        slowest(&matrix, &Ordering::new(&matrix)?, shift / 4.0, count)
+        let ordering = Ordering::new(&matrix, elimination_order(&self.fine.space).as_deref())?;
+        slowest(&matrix, &ordering, shift / 4.0, count)
     }
 
     /// The densities at rising `times` after `start`, by a Runge-Kutta method of order 4 that is stable for every step. Each
@@ -140,7 +142,7 @@ impl GridDensity {
         tolerance: f64,
     ) -> Result<Vec<(Field, f64)>> {
         let matrix = assemble(&self.operator, space);
-        let ordering = Ordering::new(&matrix)?;
+        let ordering = Ordering::new(&matrix, elimination_order(space).as_deref())?;
         let frame = Frame::new(gaussian)?;
         let volume = (std::f64::consts::TAU.ln() + frame.log_volume()).exp();
         let density = |x: [f64; 2]| {

@@ -1,0 +1,109 @@
+//! What the orders are compared with: the exact density, the grid or a simulation.
+
+use crate::Reference;
+use crate::rows::{Study, row};
+use crate::support::progress::simulation_bar;
+use expoly::models::{PowerLaw, Solved};
+use expoly::{Closure, Density, ExpPolynomial, Grid, Histogram, PolynomialDrift, Simulation, compare};
+
+/// A model's name, the orders, and the reference.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan<'a> {
+    pub(crate) model: &'a str,
+    pub(crate) orders: &'a [u32],
+    pub(crate) reference: Option<Reference>,
+    pub(crate) samples: usize,
+    pub(crate) seed: u64,
+}
+
+type Outcome = Result<Study, Box<dyn std::error::Error>>;
+
+impl Plan<'_> {
+    /// A model of two states with an exact density.
+    pub(crate) fn solved<T: Solved<2, M> + Sync, const M: usize>(&self, equation: &str, model: &T) -> Outcome {
+        self.two_states(equation, model, Some(&model.exact()?))
+    }
+
+    /// A model of two states without one.
+    pub(crate) fn unsolved<T: PolynomialDrift<2, 1> + Sync>(&self, equation: &str, system: T) -> Outcome {
+        self.two_states(equation, &system, None::<&PowerLaw>)
+    }
+
+    pub(crate) fn two_states<T: PolynomialDrift<2, M> + Sync, const M: usize>(
+        &self,
+        equation: &str,
+        system: &T,
+        exact: Option<&impl Density<2>>,
+    ) -> Outcome {
+        let best = if exact.is_some() { Reference::Exact } else { Reference::Grid };
+        match (self.reference.unwrap_or(best), exact) {
+            (Reference::Exact, Some(exact)) => self.against_exact(equation, system, exact),
+            (Reference::Exact, None) => Err(format!("--model {}: no exact density is known", self.model).into()),
+            (Reference::Grid, _) => self.against_grid(equation, system),
+            (Reference::Simulation, _) => self.against_simulation(equation, system),
+        }
+    }
+
+    /// A model of any number of states.
+    pub(crate) fn against_exact<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
+        &self,
+        equation: &str,
+        system: &T,
+        exact: &impl Density<N>,
+    ) -> Outcome {
+        let distance = |density: &ExpPolynomial<N>| Ok(compare::l1(density, exact).value);
+        let reference = String::from("against the exact density");
+        self.study(equation, system, ("joint L1", reference, None), &distance)
+    }
+
+    fn against_grid<T: PolynomialDrift<2, M> + Sync, const M: usize>(&self, equation: &str, system: &T) -> Outcome {
+        let grid = Grid::new().solve(system)?;
+        let distance = |density: &ExpPolynomial<2>| Ok(grid.l1_distance(density).value);
+        let provenance = grid.provenance();
+        let (x, v) = (grid.moment([2, 0]), grid.moment([0, 2]));
+        let reference = format!(
+            "against the grid, {} unknowns of degree {}: E x1^2 = {x:.8}, E x2^2 = {v:.8}, error of L1 {:.1e}",
+            provenance.unknowns, provenance.degree, provenance.l1_error
+        );
+        self.study(equation, system, ("joint L1", reference, Some(provenance.l1_error)), &distance)
+    }
+
+    fn against_simulation<T: PolynomialDrift<2, M> + Sync, const M: usize>(
+        &self,
+        equation: &str,
+        system: &T,
+    ) -> Outcome {
+        let (bar, callback) = simulation_bar("simulation");
+        let simulated = Simulation::new(system).samples(self.samples).seed(self.seed).progress(callback).run()?;
+        bar.finish_and_clear();
+        let histogram: &Histogram<1> = simulated.histogram(0)?;
+        let distance = |density: &ExpPolynomial<2>| Ok(compare::with_histogram(density, 0, histogram)?.l1);
+        // The noise is the histogram's own and the same for every density; one is needed to ask for it.
+        let gaussian = Closure::classical(2).solve(system)?.density()?;
+        let noise = compare::with_histogram(&gaussian, 0, histogram)?.noise;
+        let provenance = simulated.provenance();
+        let (x, v) = (simulated.moment([2, 0]), simulated.moment([0, 2]));
+        let reference = format!(
+            "against {} samples, seed {}, time step {}: E x1^2 = {x:.5}, E x2^2 = {v:.5}, noise of L1 {noise:.1e}",
+            provenance.samples, provenance.seed, provenance.time_step
+        );
+        self.study(equation, system, ("L1 of p(x)", reference, Some(noise)), &distance)
+    }
+
+    fn study<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
+        &self,
+        equation: &str,
+        system: &T,
+        (measure, reference, noise): (&'static str, String, Option<f64>),
+        distance: &impl Fn(&ExpPolynomial<N>) -> expoly::Result<f64>,
+    ) -> Outcome {
+        Ok(Study {
+            model: self.model.to_owned(),
+            equation: equation.to_owned(),
+            reference,
+            measure,
+            noise,
+            rows: self.orders.iter().map(|order| row(system, *order, distance)).collect::<expoly::Result<_>>()?,
+        })
+    }
+}
