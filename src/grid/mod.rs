@@ -64,12 +64,12 @@ impl Grid {
         Self::default()
     }
 
-    /// The polynomials' degree in each state, 8 by default, 6 above a wall with r < 1; from 2 to 24.
+    /// The polynomials' degree in each state, 10 by default, 6 above a wall with r < 1; from 2 to 24.
     pub fn degree(self, degree: usize) -> Self {
         Grid { degree: Some(degree), ..self }
     }
 
-    /// Cells along each state, [12, 14] by default, [8, 10] above a wall with r < 1; from 2 to 1000. Layers towards a grazing point come on top.
+    /// Cells along each state, [9, 10] by default, [8, 10] above a wall with r < 1; from 2 to 1000. Layers towards a grazing point come on top.
     pub fn cells(self, cells: [usize; 2]) -> Self {
         Grid { cells: Some(cells), ..self }
     }
@@ -158,8 +158,8 @@ impl Grid {
             Some(domain) => (domain, false),
             None => (domain::pilot(system, walls[0])?, true),
         };
-eprintln!("pilot {:?}",begin.elapsed());
-        let mut density = solver::Solver { grid: self, degree, cells, operator: &operator, walls, displacement }.run(start, adjust)?;
+        let mut density = solver::Solver { grid: self, degree, cells, operator: &operator, walls, displacement }
+            .run(start, adjust)?;
         density.provenance.seconds = begin.elapsed().as_secs_f64();
         Ok(density)
     }
@@ -168,7 +168,7 @@ eprintln!("pilot {:?}",begin.elapsed());
     fn validate(&self, walls: [Option<Barrier>; 2]) -> Result<(usize, [usize; 2])> {
         // The layers at a grazing point are many, and their density is singular: cheaper elements are better there.
         let grazed = walls.iter().flatten().any(|wall| wall.restitution() < 1.0);
-        let (degree, cells) = if grazed { (6, [8, 10]) } else { (8, [12, 14]) };
+        let (degree, cells) = if grazed { (6, [8, 10]) } else { (10, [9, 10]) };
         let (degree, cells) = (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells));
         let range = |name, value: usize, least: usize, most: usize, remedy| {
             if (least..=most).contains(&value) {

@@ -8,8 +8,10 @@ use super::space::{Side, Space};
 use super::{Grid, mesh, stationary};
 use crate::{Barrier, Error, FokkerPlanck, Result};
 
-/// The degree of the solutions that measure the domain.
+/// The elements of the solutions that measure the domain, whatever the final ones are: cheap, and fine enough for a narrow
+/// ridge in a domain that is still too wide.
 const SCOUT_DEGREE: usize = 5;
+const SCOUT_CELLS: [usize; 2] = [14, 14];
 
 /// How often a domain is adjusted before the search is given up.
 const ATTEMPTS: usize = 6;
@@ -34,7 +36,7 @@ impl Solver<'_> {
         let mut domain = self.between_walls(start);
         let mut scout = None;
         for _ in 0..if adjust { ATTEMPTS } else { 1 } {
-            let space = self.space(domain, SCOUT_DEGREE.min(self.degree), false)?;
+            let space = self.space(domain, SCOUT_DEGREE, SCOUT_CELLS, false)?;
             let pin = scout.as_ref().map_or(space.elements() / 2 + space.axes[1].cells() / 2, |field: &Field| {
                 self.same_place(field, &space)
             });
@@ -48,7 +50,7 @@ impl Solver<'_> {
             domain = next;
         }
         let degree = self.degree;
-        let space = self.space(domain, degree, true)?;
+        let space = self.space(domain, degree, self.cells, true)?;
         let pin = scout.as_ref().map_or(0, |field| self.same_place(field, &space));
         let coarse = stationary::solve(self.operator, &Space { degree: degree - 1, ..space.clone() }, pin)?.field;
         let fine = stationary::solve(self.operator, &space, coarse.peak_element())?;
@@ -97,16 +99,13 @@ impl Solver<'_> {
     }
 
     /// The elements on `domain`; `layers` asks for those at grazing points.
-    fn space(&self, domain: Domain, degree: usize, layers: bool) -> Result<Space> {
+    fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Result<Space> {
         let [position, velocity] = domain;
-        let cells = self.cells;
         let origin = if self.walls[0].is_some() { position[0] } else { 0.0 };
         let (from, to) = (position[0] - origin, position[1] - origin);
         let through = self.displacement.then_some(0.0);
-        let mut lines = [
-            mesh::equal(from, to, cells[0], None),
-            mesh::equal(velocity[0], velocity[1], cells[1], through),
-        ];
+        let mut lines =
+            [mesh::equal(from, to, cells[0], None), mesh::equal(velocity[0], velocity[1], cells[1], through)];
         let inelastic = self.walls.map(|wall| wall.is_some_and(|w| w.restitution() < 1.0));
         if layers && inelastic != [false, false] {
             let widest = [(to - from) / cells[0] as f64, (velocity[1] - velocity[0]) / cells[1] as f64];
@@ -122,10 +121,8 @@ impl Solver<'_> {
                     half.iter().copied().chain(half.iter().rev().skip(1).map(|u| to - u)).collect()
                 }
             };
-            lines[1] = mesh::mirrored(
-                &grazing.velocity(-velocity[0], widest[1]),
-                &grazing.velocity(velocity[1], widest[1]),
-            );
+            lines[1] =
+                mesh::mirrored(&grazing.velocity(-velocity[0], widest[1]), &grazing.velocity(velocity[1], widest[1]));
         }
         let [first, second] = lines;
         let axes = [Axis { origin, lines: first }, Axis { origin: 0.0, lines: second }];
@@ -150,7 +147,12 @@ impl Solver<'_> {
             for side in (0..2).filter(|side| self.open(state, *side)) {
                 let level = profile.edge(side);
                 if level > self.grid.edge_level.max(error) {
-                    return Err(Error::DomainCut { state, edge: domain[state][side], level, asked: self.grid.edge_level });
+                    return Err(Error::DomainCut {
+                        state,
+                        edge: domain[state][side],
+                        level,
+                        asked: self.grid.edge_level,
+                    });
                 }
                 edge_level = level.max(edge_level);
             }
@@ -182,9 +184,7 @@ impl Solver<'_> {
 fn difference(fine: &Field, coarse: &Field) -> f64 {
     let (n, m) = (fine.space.modes(), coarse.space.modes());
     let mut gap = fine.clone();
-    for (block, lower) in
-        gap.coefficients.chunks_exact_mut(n * n).zip(coarse.coefficients.chunks_exact(m * m))
-    {
+    for (block, lower) in gap.coefficients.chunks_exact_mut(n * n).zip(coarse.coefficients.chunks_exact(m * m)) {
         for (row, lower) in block.chunks_exact_mut(n).zip(lower.chunks_exact(m)) {
             row.iter_mut().zip(lower).for_each(|(p, q)| *p -= q);
         }

@@ -120,7 +120,13 @@ impl Ordering {
         let (mut counts, mut first) = (vec![0; n], vec![0; n]);
         qr::column_counts_ata(&mut counts, &mut first, transposed.symbolic(), Some(permutation), tree, &post, stack);
         let symbolic = supernodal::factorize_supernodal_symbolic_lu(
-            matrix.symbolic(), Some(permutation), &first, tree, &counts, stack, Default::default(),
+            matrix.symbolic(),
+            Some(permutation),
+            &first,
+            tree,
+            &counts,
+            stack,
+            Default::default(),
         )
         .map_err(|_| too_large(matrix))?;
         Ok(Ordering { symbolic, forward, inverse })
