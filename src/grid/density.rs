@@ -1,7 +1,12 @@
+use super::assembly::assemble;
+use super::dissection::elimination_order;
 use super::field::Field;
+use super::space::Space;
+use super::sparse::{Ordering, SparseMatrix};
 use crate::error::state_index;
 use crate::quadrature::Rule;
-use crate::{Barrier, Crossing, Density, Error, Estimate, Result, Support};
+use crate::{Barrier, Crossing, Density, Error, Estimate, FokkerPlanck, Result, Support};
+use std::fmt;
 
 /// A grid solution's origin: how it was made and how good it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,13 +42,24 @@ pub struct GridProvenance {
 ///
 /// Every value carries the difference to the solution of one degree less on the same mesh as its error. Values may be
 /// negative within their error; nothing is clipped, and [`GridProvenance`] says how much there is of it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct GridDensity {
     pub(super) fine: Field,
     /// The solution of one degree less.
     pub(super) coarse: Field,
     pub(super) walls: [Option<Barrier>; 2],
+    pub(super) operator: FokkerPlanck<2>,
     pub(super) provenance: GridProvenance,
+}
+
+impl fmt::Debug for GridDensity {
+    /// How it was made, without the thousands of coefficients.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("GridDensity")
+            .field("walls", &self.walls)
+            .field("provenance", &self.provenance)
+            .finish_non_exhaustive()
+    }
 }
 
 impl GridDensity {
@@ -96,6 +112,17 @@ impl GridDensity {
         Some(rates.fold(Estimate::new(0.0, 0.0), |a, b| Estimate::new(a.value + b.value, a.error + b.error)))
     }
 
+    /// The mesh and the matrix K of ∂p/∂t = −K p on it, and the analysis of its pattern for LU factors of K + s·I. The
+    /// basis is orthonormal, so that the mass matrix is the identity; the coefficients of the stationary density are in K's
+    /// null space but for the leak.
+    #[allow(dead_code, reason = "eigenvalues and time stepping start here")]
+    pub(crate) fn discretisation(&self) -> Result<Discretisation<'_>> {
+        let space = &self.fine.space;
+        let matrix = assemble(&self.operator, space);
+        let ordering = Ordering::new(&matrix, elimination_order(space).as_deref())?;
+        Ok(Discretisation { space, matrix, ordering, stationary: &self.fine.coefficients })
+    }
+
     fn rule(&self) -> Rule {
         self.fine.space.rule(4)
     }
@@ -105,6 +132,20 @@ impl GridDensity {
         let value = statistic(&self.fine);
         Estimate::new(value, value - statistic(&self.coarse))
     }
+}
+
+/// A system's operator on a mesh.
+#[derive(Debug)]
+#[allow(dead_code, reason = "eigenvalues and time stepping start here")]
+pub(crate) struct Discretisation<'a> {
+    /// The elements: where each coefficient belongs.
+    pub(super) space: &'a Space,
+    /// K.
+    pub(crate) matrix: SparseMatrix,
+    /// For the factors of every matrix with the pattern of K.
+    pub(crate) ordering: Ordering,
+    /// The coefficients of the stationary density.
+    pub(crate) stationary: &'a [f64],
 }
 
 impl Density<2> for GridDensity {
@@ -168,4 +209,23 @@ fn flux(field: &Field, crossing: Crossing, power: u32) -> f64 {
     let range = if crossing.upward { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
     let over = field.weights(crossing.velocity, power as usize, range, |v| (sign * v).powi(power as i32));
     if crossing.displacement == 0 { field.integrate([&at, &over]) } else { field.integrate([&over, &at]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Grid, models::Duffing};
+
+    /// An implicit Euler step (I + τK) q = p leaves the stationary density as it is, up to the leak of 1e-10 and rounding.
+    #[test]
+    fn the_discretisation_keeps_the_stationary_density() {
+        let density = Grid::new().degree(6).solve(&Duffing::new(0.5, 1.0, 0.3, 0.5).unwrap()).unwrap();
+        let discretisation = density.discretisation().unwrap();
+        assert_eq!(discretisation.space.unknowns(), discretisation.matrix.size);
+        let tau = 0.1;
+        let factors = discretisation.ordering.factorise(&discretisation.matrix.shifted(1.0 / tau)).unwrap();
+        let right: Vec<f64> = discretisation.stationary.iter().map(|p| p / tau).collect();
+        let next = factors.solve(&right).unwrap();
+        let change = next.iter().zip(discretisation.stationary).fold(0.0_f64, |a, (q, p)| a.max((q - p).abs()));
+        assert!(change < 1e-8, "{change:e}");
+    }
 }

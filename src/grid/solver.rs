@@ -19,6 +19,9 @@ const ATTEMPTS: usize = 6;
 /// The most unknowns that a solution may have: their factors take some ten gigabytes.
 const MOST_UNKNOWNS: usize = 400_000;
 
+/// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.
+const CUT: f64 = 1e-3;
+
 type Domain = [[f64; 2]; 2];
 
 pub(super) struct Solver<'a> {
@@ -34,20 +37,25 @@ pub(super) struct Solver<'a> {
 impl Solver<'_> {
     pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<GridDensity> {
         let mut domain = self.between_walls(start);
-        let mut scout = None;
-        for _ in 0..if adjust { ATTEMPTS } else { 1 } {
+        let mut scout: Option<Field> = None;
+        for attempt in 1..=ATTEMPTS {
             let space = self.space(domain, SCOUT_DEGREE, SCOUT_CELLS, false)?;
-            let pin = scout.as_ref().map_or(space.elements() / 2 + space.axes[1].cells() / 2, |field: &Field| {
-                self.same_place(field, &space)
-            });
+            let centre = space.elements() / 2 + space.axes[1].cells() / 2;
+            let pin = scout.as_ref().map_or(centre, |field| self.same_place(field, &space));
             let field = stationary::solve(self.operator, &space, pin)?.field;
             let next = self.between_walls(self.measured(&field));
+            let settled = self.settled(domain, next);
+            if !adjust || attempt == ATTEMPTS {
+                self.edge_level(&field, domain, CUT)?;
+            }
             scout = Some(field);
-            if !adjust || self.settled(domain, next) {
-                domain = if adjust { next } else { domain };
+            if !adjust {
                 break;
             }
             domain = next;
+            if settled {
+                break;
+            }
         }
         let degree = self.degree;
         let space = self.space(domain, degree, self.cells, true)?;
@@ -138,25 +146,28 @@ impl Solver<'_> {
         Ok(space)
     }
 
+    /// The largest density at an open edge relative to the peak, refused if above `accepted`.
+    fn edge_level(&self, field: &Field, domain: Domain, accepted: f64) -> Result<f64> {
+        let mut highest = 0.0;
+        for state in 0..2 {
+            let profile = Profile::new(field, state);
+            for side in (0..2).filter(|side| self.open(state, *side)) {
+                let level = profile.edge(side);
+                // NaN is no level either.
+                if !(level <= accepted) {
+                    let asked = self.grid.edge_level;
+                    return Err(Error::DomainCut { state, edge: domain[state][side], level, asked });
+                }
+                highest = level.max(highest);
+            }
+        }
+        Ok(highest)
+    }
+
     fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
         let stationary::Stationary { field, leak, residual, nonzeros } = fine;
         let error = difference(&field, &coarse);
-        let mut edge_level = 0.0;
-        for state in 0..2 {
-            let profile = Profile::new(&field, state);
-            for side in (0..2).filter(|side| self.open(state, *side)) {
-                let level = profile.edge(side);
-                if level > self.grid.edge_level.max(error) {
-                    return Err(Error::DomainCut {
-                        state,
-                        edge: domain[state][side],
-                        level,
-                        asked: self.grid.edge_level,
-                    });
-                }
-                edge_level = level.max(edge_level);
-            }
-        }
+        let edge_level = self.edge_level(&field, domain, self.grid.edge_level.max(error.min(CUT)))?;
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
         field.for_each_node(&field.space.rule(0), |_, weight, p| {
             (peak, least) = (peak.max(p), least.min(p));
@@ -176,7 +187,7 @@ impl Solver<'_> {
             negative_mass,
             seconds: 0.0,
         };
-        Ok(GridDensity { fine: field, coarse, walls: self.walls, provenance })
+        Ok(GridDensity { fine: field, coarse, walls: self.walls, operator: self.operator.clone(), provenance })
     }
 }
 
