@@ -2,6 +2,7 @@ use super::field::Field;
 use crate::error::state_index;
 use crate::quadrature::Rule;
 use crate::{Barrier, Crossing, Density, Error, Estimate, FokkerPlanck, Result, Support};
+use std::fmt;
 
 /// A grid solution's origin: how it was made and how good it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,14 +38,24 @@ pub struct GridProvenance {
 ///
 /// Every value carries the difference to the solution of one degree less on the same mesh as its error. Values may be
 /// negative within their error; nothing is clipped, and [`GridProvenance`] says how much there is of it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct GridDensity {
     pub(super) fine: Field,
     /// The solution of one degree less.
     pub(super) coarse: Field,
-    pub(super) operator: FokkerPlanck<2>,
     pub(super) walls: [Option<Barrier>; 2],
+    pub(super) operator: FokkerPlanck<2>,
     pub(super) provenance: GridProvenance,
+}
+
+impl fmt::Debug for GridDensity {
+    /// How it was made, without the thousands of coefficients.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("GridDensity")
+            .field("walls", &self.walls)
+            .field("provenance", &self.provenance)
+            .finish_non_exhaustive()
+    }
 }
 
 impl GridDensity {

@@ -1,6 +1,7 @@
 //! Steps in time for ∂p/∂t = −K p.
 
-use super::sparse::{Factors, Ordering, SparseMatrix};
+use super::discretisation::Discretisation;
+use super::sparse::Factors;
 use crate::{Error, Result};
 
 /// The L-stable singly diagonally implicit Runge-Kutta method of order 4 with five stages (E. Hairer and G. Wanner, Solving
@@ -25,8 +26,7 @@ const MAX_STEPS: usize = 20_000;
 /// The state of a march.
 #[derive(Debug)]
 pub(super) struct March<'a> {
-    matrix: &'a SparseMatrix,
-    ordering: &'a Ordering,
+    operator: &'a Discretisation,
     tolerance: f64,
     /// The step that the factors belong to.
     prepared: Option<(f64, Factors)>,
@@ -39,14 +39,8 @@ pub(super) struct March<'a> {
 
 impl<'a> March<'a> {
     /// Begins at `time` with the coefficients `p`; `step` is tried first. Each step may err by `tolerance`, relative to ‖p‖.
-    pub(super) fn new(
-        matrix: &'a SparseMatrix,
-        ordering: &'a Ordering,
-        (time, p): (f64, Vec<f64>),
-        step: f64,
-        tolerance: f64,
-    ) -> Self {
-        March { matrix, ordering, tolerance, prepared: None, step, time, p, error: 0.0 }
+    pub(super) fn new(operator: &'a Discretisation, (time, p): (f64, Vec<f64>), step: f64, tolerance: f64) -> Self {
+        March { operator, tolerance, prepared: None, step, time, p, error: 0.0 }
     }
 
     /// Goes on to `end`.
@@ -85,7 +79,7 @@ impl<'a> March<'a> {
         let diagonal = (GAMMA * step).recip();
         let fresh = match self.prepared.take() {
             Some((old, factors)) if (old - step).abs() <= 1e-9 * step => (old, factors),
-            _ => (step, self.ordering.factorise(&self.matrix.shifted(diagonal))?),
+            _ => (step, self.operator.shifted(diagonal)?),
         };
         let (step, factors) = (fresh.0, self.prepared.insert(fresh));
         let factors = &factors.1;
@@ -96,7 +90,7 @@ impl<'a> March<'a> {
             for (a, slope) in row.iter().zip(&slopes) {
                 stage.iter_mut().zip(slope).for_each(|(s, k)| *s += step * a * k);
             }
-            let right: Vec<f64> = self.matrix.apply(&stage).iter().map(|k| -k / (GAMMA * step)).collect();
+            let right: Vec<f64> = self.operator.matrix.apply(&stage).iter().map(|k| -k / (GAMMA * step)).collect();
             slopes.push(factors.solve(&right)?);
         }
         let mut next = self.p.clone();

@@ -1,6 +1,6 @@
 //! The slowest relaxation rates: the spectrum next to zero.
 
-use super::sparse::{Ordering, SparseMatrix};
+use super::discretisation::Discretisation;
 use crate::Result;
 use nalgebra::{DMatrix, DVector};
 
@@ -24,9 +24,9 @@ pub struct Relaxation {
 
 /// The `count` eigenvalues of K next to zero, by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
 /// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ.
-pub(super) fn slowest(matrix: &SparseMatrix, ordering: &Ordering, shift: f64, count: usize) -> Result<Vec<Relaxation>> {
-    let factors = ordering.factorise(&matrix.shifted(shift))?;
-    let size = matrix.size;
+pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Result<Vec<Relaxation>> {
+    let factors = operator.shifted(shift)?;
+    let size = operator.matrix.size;
     let krylov = KRYLOV.min(size);
     // Any vector with a part in every slow mode serves; this one has no symmetry of a mesh.
     let start = DVector::from_fn(size, |i, _| ((i as f64 + 1.0) * 0.754_877_666).fract() - 0.5);

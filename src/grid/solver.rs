@@ -8,14 +8,19 @@ use super::space::{Side, Space};
 use super::{Grid, mesh, stationary};
 use crate::{Barrier, Error, FokkerPlanck, Result};
 
-/// The degree of the solutions that measure the domain.
+/// The elements of the solutions that measure the domain, whatever the final ones are: cheap, and fine enough for a narrow
+/// ridge in a domain that is still too wide.
 const SCOUT_DEGREE: usize = 5;
+const SCOUT_CELLS: [usize; 2] = [14, 14];
 
 /// How often a domain is adjusted before the search is given up.
 const ATTEMPTS: usize = 6;
 
 /// The most unknowns that a solution may have: their factors take some ten gigabytes.
 const MOST_UNKNOWNS: usize = 400_000;
+
+/// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.
+const CUT: f64 = 1e-3;
 
 type Domain = [[f64; 2]; 2];
 
@@ -32,23 +37,28 @@ pub(super) struct Solver<'a> {
 impl Solver<'_> {
     pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<GridDensity> {
         let mut domain = self.between_walls(start);
-        let mut scout = None;
-        for _ in 0..if adjust { ATTEMPTS } else { 1 } {
-            let space = self.space(domain, SCOUT_DEGREE.min(self.degree), false)?;
-            let pin = scout.as_ref().map_or(space.elements() / 2 + space.axes[1].cells() / 2, |field: &Field| {
-                self.same_place(field, &space)
-            });
+        let mut scout: Option<Field> = None;
+        for attempt in 1..=ATTEMPTS {
+            let space = self.space(domain, SCOUT_DEGREE, SCOUT_CELLS, false)?;
+            let centre = space.elements() / 2 + space.axes[1].cells() / 2;
+            let pin = scout.as_ref().map_or(centre, |field| self.same_place(field, &space));
             let field = stationary::solve(self.operator, &space, pin)?.field;
             let next = self.between_walls(self.measured(&field));
+            let settled = self.settled(domain, next);
+            if !adjust || attempt == ATTEMPTS {
+                self.edge_level(&field, domain, CUT)?;
+            }
             scout = Some(field);
-            if !adjust || self.settled(domain, next) {
-                domain = if adjust { next } else { domain };
+            if !adjust {
                 break;
             }
             domain = next;
+            if settled {
+                break;
+            }
         }
         let degree = self.degree;
-        let space = self.space(domain, degree, true)?;
+        let space = self.space(domain, degree, self.cells, true)?;
         let pin = scout.as_ref().map_or(0, |field| self.same_place(field, &space));
         let coarse = stationary::solve(self.operator, &Space { degree: degree - 1, ..space.clone() }, pin)?.field;
         let fine = stationary::solve(self.operator, &space, coarse.peak_element())?;
@@ -97,9 +107,8 @@ impl Solver<'_> {
     }
 
     /// The elements on `domain`; `layers` asks for those at grazing points.
-    fn space(&self, domain: Domain, degree: usize, layers: bool) -> Result<Space> {
+    fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Result<Space> {
         let [position, velocity] = domain;
-        let cells = self.cells;
         let origin = if self.walls[0].is_some() { position[0] } else { 0.0 };
         let (from, to) = (position[0] - origin, position[1] - origin);
         let through = self.displacement.then_some(0.0);
@@ -137,25 +146,28 @@ impl Solver<'_> {
         Ok(space)
     }
 
+    /// The largest density at an open edge relative to the peak, refused if above `accepted`.
+    fn edge_level(&self, field: &Field, domain: Domain, accepted: f64) -> Result<f64> {
+        let mut highest = 0.0;
+        for state in 0..2 {
+            let profile = Profile::new(field, state);
+            for side in (0..2).filter(|side| self.open(state, *side)) {
+                let level = profile.edge(side);
+                // NaN is no level either.
+                if !(level <= accepted) {
+                    let asked = self.grid.edge_level;
+                    return Err(Error::DomainCut { state, edge: domain[state][side], level, asked });
+                }
+                highest = level.max(highest);
+            }
+        }
+        Ok(highest)
+    }
+
     fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
         let stationary::Stationary { field, leak, residual, nonzeros } = fine;
         let error = difference(&field, &coarse);
-        let mut edge_level = 0.0;
-        for state in 0..2 {
-            let profile = Profile::new(&field, state);
-            for side in (0..2).filter(|side| self.open(state, *side)) {
-                let level = profile.edge(side);
-                if level > self.grid.edge_level.max(error) {
-                    return Err(Error::DomainCut {
-                        state,
-                        edge: domain[state][side],
-                        level,
-                        asked: self.grid.edge_level,
-                    });
-                }
-                edge_level = level.max(edge_level);
-            }
-        }
+        let edge_level = self.edge_level(&field, domain, self.grid.edge_level.max(error.min(CUT)))?;
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
         field.for_each_node(&field.space.rule(0), |_, weight, p| {
             (peak, least) = (peak.max(p), least.min(p));
@@ -175,7 +187,7 @@ impl Solver<'_> {
             negative_mass,
             seconds: 0.0,
         };
-        Ok(GridDensity { fine: field, coarse, operator: self.operator.clone(), walls: self.walls, provenance })
+        Ok(GridDensity { fine: field, coarse, walls: self.walls, operator: self.operator.clone(), provenance })
     }
 }
 

@@ -26,18 +26,12 @@ pub(super) struct Stationary {
 /// the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
 /// Its strength is the multiplier that a border would have had. `pin` is k, an element in which there is mass.
 pub(super) fn solve(operator: &FokkerPlanck<2>, space: &Space, pin: usize) -> Result<Stationary> {
-    let t = std::time::Instant::now();
     let matrix = assemble(operator, space);
-    eprintln!("n {} nnz {} assembly {:?}", matrix.size, matrix.values.len(), t.elapsed());
     let k = pin * space.block();
     let alpha = matrix.magnitude().min(diagonal_scale(&matrix, k));
     let mut pinned = matrix.clone();
     pinned.add_to_diagonal(k, alpha);
-    let t = std::time::Instant::now();
-    let o = Ordering::new(&pinned, elimination_order(space).as_deref())?;
-    eprintln!("order {:?}", t.elapsed());
-    let factors = o.factorise(&pinned)?;
-    eprintln!("lu {:?}", t.elapsed());
+    let factors = Ordering::new(&pinned, elimination_order(space).as_deref())?.factorise(&pinned)?;
     let mut right = vec![0.0; matrix.size];
     right[k] = alpha;
     let mut p = factors.solve(&right)?;
@@ -46,7 +40,6 @@ pub(super) fn solve(operator: &FokkerPlanck<2>, space: &Space, pin: usize) -> Re
     let defect: Vec<f64> = right.iter().zip(&product).map(|(b, a)| b - a).collect();
     p.iter_mut().zip(factors.solve(&defect)?).for_each(|(p, d)| *p += d);
 
-    eprintln!("solves {:?}", t.elapsed());
     let mut field = Field { space: space.clone(), coefficients: p };
     let mass = field.mass();
     let lost: f64 = alpha * (1.0 - field.coefficients[k]) * space.root_area(pin) / mass;

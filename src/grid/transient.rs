@@ -1,14 +1,12 @@
 //! Transient densities p(x, t) and the rates at which transients die.
 
-use super::assembly::assemble;
 use super::density::GridDensity;
-use super::dissection::elimination_order;
+use super::discretisation::Discretisation;
 use super::field::Field;
 use super::march::March;
 use super::relaxation::{Relaxation, slowest};
 use super::solver::difference;
 use super::space::Space;
-use super::sparse::Ordering;
 use crate::closure::gaussian_after;
 use crate::error::{finite, positive};
 use crate::{Density, Error, Estimate, Frame, Gaussian, Result};
@@ -56,15 +54,14 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
-        let matrix = assemble(&self.operator, &self.fine.space);
+        let operator = Discretisation::new(&self.operator, &self.fine.space)?;
         // What the noise brings into a state per unit time over what is in it: a rate of the right size.
         let rate = |state: usize| -> Result<f64> {
             let injected = self.operator.diffusion()[state][state].clone();
             Ok(self.expectation(|x| injected.evaluate(x)).value / 2.0 / self.variance(state)?.value)
         };
         let shift = rate(0)?.max(rate(1)?).max(f64::MIN_POSITIVE);
-        let ordering = Ordering::new(&matrix, elimination_order(&self.fine.space).as_deref())?;
-        slowest(&matrix, &ordering, shift / 4.0, count)
+        slowest(&operator, shift / 4.0, count)
     }
 
     /// The densities at rising `times` after `start`, by a Runge-Kutta method of order 4 that is stable for every step. Each
@@ -141,8 +138,7 @@ impl GridDensity {
         times: &[f64],
         tolerance: f64,
     ) -> Result<Vec<(Field, f64)>> {
-        let matrix = assemble(&self.operator, space);
-        let ordering = Ordering::new(&matrix, elimination_order(space).as_deref())?;
+        let operator = Discretisation::new(&self.operator, space)?;
         let frame = Frame::new(gaussian)?;
         let volume = (std::f64::consts::TAU.ln() + frame.log_volume()).exp();
         let density = |x: [f64; 2]| {
@@ -156,7 +152,7 @@ impl GridDensity {
             return Err(Error::OutOfRange { name: "mass of the start on the mesh", value: mass, remedy });
         }
         let span = times.last().copied().unwrap_or(begin) - begin;
-        let mut march = March::new(&matrix, &ordering, (begin, start.coefficients), span / 400.0, tolerance);
+        let mut march = March::new(&operator, (begin, start.coefficients), span / 400.0, tolerance);
         let mut fields = Vec::new();
         for time in times {
             march.advance(*time)?;
