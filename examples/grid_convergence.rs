@@ -35,7 +35,7 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
         scale: Scale::Logarithmic,
         bands: Vec::new(),
         curves: curves.into_iter().flatten().collect(),
-        y_range: None,
+        y_range: Some([1e-11, 1e-1]),
         x_range: None,
     };
     let path = Path::new("out/grid_convergence/degree.svg");
