@@ -4,7 +4,8 @@
 //!
 //! A system dX = f(X) dt + G(X) dW is [`PolynomialDrift`], or [`Oscillator`] for x″ + h(x, x′) = ξ. Everything reads that
 //! one definition: [`FokkerPlanck`] for the equation 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p), B = G Gᵀ; [`Closure`] for p = C exp(Q);
-//! [`Simulation`] for trajectories. All answers are a [`Density`], so that any two can be compared ([`compare`]).
+//! [`Simulation`] for trajectories; [`Grid`] for the equation itself, in two states, to seven digits. All answers are a
+//! [`Density`], so that any two can be compared ([`compare`]).
 //!
 //! The closure asks that the residual r = L exp(Q) / exp(Q) be orthogonal, under a Gaussian f_N, to the polynomials that Q is
 //! made of: ∫ r(x; a) ψ_k f_N dx = 0. f_N is the Gaussian closure of the same system, [`Closure::gaussian`].

@@ -4,6 +4,7 @@
 //! last, and so on within each half, so that factors fill only within lines. One line would do for the matrix A, but with
 //! row exchanges factors fill like those of AᵀA, in which elements two apart see each other.
 
+use super::legendre::Axis;
 use super::space::{Side, Space};
 
 /// Pieces of this size are not divided.
@@ -14,7 +15,7 @@ pub(super) fn elimination_order(space: &Space) -> Option<Vec<usize>> {
     if space.sides != [Side::Open, Side::Open] {
         return None;
     }
-    let [columns, rows] = space.axes.each_ref().map(|axis| axis.cells());
+    let [columns, rows] = space.axes.each_ref().map(Axis::cells);
     let mut order = Vec::with_capacity(space.elements());
     dissect(space, [0, columns], [0, rows], &mut order);
     let block = space.block();

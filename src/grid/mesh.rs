@@ -1,7 +1,8 @@
 //! Mesh lines: equal cells, and layers towards the point at which a trajectory grazes a wall.
 
-/// How much of a layer's distance from the grazing point lies beyond the layer below it: the factor by which layers grow
-/// along the velocity, which is w ~ (9Du)^⅓ on the displacement's side.
+/// How many times farther from the wall each layer reaches than the one below it. Polynomials of degree 6 resolve powers of
+/// the distance to a few digits on such a layer. Along the velocity layers grow by the cube root, since the density near
+/// the grazing point is a function of w³/9Du times a power of u.
 const POSITION_GROWTH: f64 = 7.0;
 
 /// `cells` equal cells from `low` to `high`; with `through` inside, a line goes through it and both parts have equal cells.

@@ -89,7 +89,8 @@ impl Grid {
 
     /// How large the density may be at the domain's edge, relative to its peak: 1e-10 by default.
     ///
-    /// What lies beyond is missing from moments, and their errors do not know of it: some 1e-10 of E x², 1e-8 of E x⁶.
+    /// What lies beyond is missing from moments, and their errors do not know of it: about 3e-10 of E x² and 3e-8 of
+    /// E x⁶ for a Gaussian.
     pub fn edge_level(self, level: f64) -> Self {
         Grid { edge_level: level, ..self }
     }

@@ -153,8 +153,7 @@ impl Solver<'_> {
             let profile = Profile::new(field, state);
             for side in (0..2).filter(|side| self.open(state, *side)) {
                 let level = profile.edge(side);
-                // NaN is no level either.
-                if !(level <= accepted) {
+                if level.is_nan() || level > accepted {
                     let asked = self.grid.edge_level;
                     return Err(Error::DomainCut { state, edge: domain[state][side], level, asked });
                 }
