@@ -8,25 +8,35 @@
 #[path = "support/mod.rs"]
 mod support;
 
+use clap::Parser;
 use expoly::models::{Duffing, Solved, VanDerPolRayleigh};
 use expoly::{Grid, PolynomialDrift};
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use support::figure::{Curve, Panel, Scale, Style, View, write_figure};
 
-const DEGREES: std::ops::RangeInclusive<usize> = 2..=10;
-
-fn main() -> ExitCode {
-    support::exit_code(run())
+/// Convergence of the grid with its polynomials' degree.
+#[derive(Clone, Debug, Parser)]
+struct Options {
+    /// Degrees, separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "2,3,4,5,6,7,8,9,10")]
+    degrees: Vec<usize>,
+    /// Folder for the figure
+    #[arg(long, default_value = "out/grid_convergence")]
+    out: PathBuf,
 }
 
-fn run() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    support::exit_code(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     println!("joint L1 error of the grid, 12 x 14 cells; D is the intensity of E[xi(t) xi(t+tau)] = 2 D delta(tau)");
     println!("{:>24} {:>6} {:>9} {:>9} {:>9} {:>7}", "", "degree", "unknowns", "L1", "estimate", "s");
     let curves = [
-        study("Duffing, two wells", &Duffing::new(1.0, -1.0, 1.0, 0.3)?, 1)?,
-        study("van der Pol-Rayleigh", &VanDerPolRayleigh::new(1.0, 0.15)?, 2)?,
-        study("Duffing", &Duffing::new(0.2, 1.0, 0.3, 0.2)?, 3)?,
+        study("Duffing, two wells", &Duffing::new(1.0, -1.0, 1.0, 0.3)?, 1, &options.degrees)?,
+        study("van der Pol-Rayleigh", &VanDerPolRayleigh::new(1.0, 0.15)?, 2, &options.degrees)?,
+        study("Duffing", &Duffing::new(0.2, 1.0, 0.3, 0.2)?, 3, &options.degrees)?,
     ];
     let panel = Panel {
         title: String::new(),
@@ -38,16 +48,16 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
         y_range: Some([1e-11, 1e-1]),
         x_range: None,
     };
-    let path = Path::new("out/grid_convergence/degree.svg");
+    let path = options.out.join("degree.svg");
     let caption = "Joint L¹ distance to the exact density, 12 × 14 cells. Duffing: c = 0.2, k = 1, μ = 0.3, D = 0.2; \
         two wells: c = 1, k = −1, μ = 1, D = 0.3; van der Pol-Rayleigh: ε = 1, D = 0.15; E[ξ(t)ξ(t+τ)] = 2D δ(τ).";
-    write_figure(path, caption, 1, &[View::Curves(panel)])?;
+    write_figure(&path, caption, 1, &[View::Curves(panel)])?;
     println!("figure: {}", path.display());
     Ok(())
 }
 
 /// One system over all degrees: a line and its points.
-fn study<T, const M: usize>(name: &str, system: &T, colour: usize) -> expoly::Result<[Curve; 2]>
+fn study<T, const M: usize>(name: &str, system: &T, colour: usize, degrees: &[usize]) -> expoly::Result<[Curve; 2]>
 where
     T: Solved<2, M> + PolynomialDrift<2, M> + Sync,
 {
@@ -55,7 +65,7 @@ where
     // The finest solution's domain serves all degrees, so that only the degree changes.
     let domain = Grid::new().solve(system)?.provenance().domain;
     let mut points = Vec::new();
-    for degree in DEGREES {
+    for &degree in degrees {
         let density = Grid::new().degree(degree).cells([12, 14]).domain(domain).edge_level(1e-3).solve(system)?;
         let (l1, provenance) = (density.l1_distance(&exact).value, density.provenance());
         println!(

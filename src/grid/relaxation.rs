@@ -60,7 +60,7 @@ fn eigenvalues(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 
     let mut all: Vec<[f64; 2]> = block
         .complex_eigenvalues()
         .iter()
-        .map(|theta| theta.inv())
+        .map(nalgebra::Complex::inv)
         .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)
         .map(|inverse| [inverse.re - shift, inverse.im.abs()])
         .collect();
