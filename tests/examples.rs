@@ -30,12 +30,14 @@ fn scratch(name: &str) -> PathBuf {
 #[test]
 fn json_is_one_object_with_the_promised_fields() {
     let arguments = ["--json", "--offset", "-0.5", "--restitution", "0.95", "--order", "4", "--basis", "folded"];
-    let output =
-        run("vibro_impact", &[&arguments[..], &["--samples", "50000", "--seed", "7", "--at", "-0.4,0.5"]].concat());
+    let output = run(
+        "vibro_impact",
+        &[&arguments[..], &["--samples", "50000", "--seed", "7", "--degree", "4", "--at", "-0.4,0.5"]].concat(),
+    );
     assert!(output.status.success());
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["parameters"]["offset"], -0.5);
-    let (closure, simulation) = (&answer["closure"], &answer["simulation"]);
+    let (closure, simulation, grid) = (&answer["closure"], &answer["simulation"], &answer["grid"]);
     assert_eq!((closure["order"].as_u64(), closure["unknowns"].as_u64()), (Some(4), Some(14)));
     assert_eq!((closure["basis"].as_str(), closure["termination"].as_str()), (Some("folded"), Some("root")));
     assert_eq!(simulation["seed"], 7);
@@ -44,6 +46,12 @@ fn json_is_one_object_with_the_promised_fields() {
         let distance = (closure[field].as_f64().unwrap() - value.as_f64().unwrap()).abs();
         // This closure's own error is below 1 %; 50 000 samples are a sample of 1 % or so.
         assert!(distance < 0.01 + 5.0 * error.as_f64().unwrap(), "{field}: {closure} and {simulation}");
+        // At degree 4 the grid has three digits.
+        let distance = (grid[field].as_f64().unwrap() - value.as_f64().unwrap()).abs();
+        assert!(distance < 1e-3 + 5.0 * error.as_f64().unwrap(), "{field}: {grid} and {simulation}");
+    }
+    for field in ["error_estimate", "unknowns", "seconds", "energy_balance"] {
+        assert!(grid[field].is_number(), "{field}: {grid}");
     }
     for (k, field) in [(0, "displacement_pdf"), (1, "displacement_pdf")] {
         let estimate = &simulation[field][k];
@@ -88,8 +96,10 @@ fn wrong_options_name_the_value_on_standard_error() {
         (&["--order", "0"], "order"),
         (&["--samples", "0"], "samples"),
         (&["--at", "0.1,inf"], "inf"),
+        (&["--degree", "0"], "degree"),
+        (&["--cells", "0", "8"], "cells"),
     ] {
-        let short = if arguments[0] == "--samples" { &[][..] } else { &["--samples", "1000"] };
+        let short = if arguments[0] == "--samples" { &["--degree", "3"][..] } else { &["--samples", "1000"] };
         let output = run("vibro_impact", &[&["--json"], arguments, short].concat());
         let message = String::from_utf8(output.stderr).unwrap();
         assert!(!output.status.success() && output.stdout.is_empty(), "{arguments:?}");
@@ -106,7 +116,8 @@ fn an_output_folder_that_cannot_be_written_is_named() {
     let blocked = folder.join("file");
     std::fs::write(&blocked, "in the way").unwrap();
     let out = blocked.join("deeper");
-    let output = run("vibro_impact", &["--samples", "2000", "--out", out.to_str().unwrap(), "--order", "2"]);
+    let output =
+        run("vibro_impact", &["--samples", "2000", "--degree", "3", "--out", out.to_str().unwrap(), "--order", "2"]);
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(!output.status.success() && message.contains("cannot write"), "{message}");
     assert!(message.contains(blocked.to_str().unwrap()), "{message}");
@@ -117,8 +128,10 @@ fn an_output_folder_that_cannot_be_written_is_named() {
 #[test]
 fn a_run_leaves_its_figure_and_the_numbers_behind_it() {
     let out = scratch("figures");
-    let output =
-        run("vibro_impact", &["--samples", "20000", "--offset", "0.2", "--order", "2", "--out", out.to_str().unwrap()]);
+    let output = run(
+        "vibro_impact",
+        &["--samples", "20000", "--degree", "4", "--offset", "0.2", "--order", "2", "--out", out.to_str().unwrap()],
+    );
     assert!(output.status.success());
     let mut names: Vec<String> =
         std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

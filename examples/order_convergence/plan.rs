@@ -2,7 +2,7 @@
 
 use crate::Reference;
 use crate::rows::{Study, row};
-use crate::support::progress::simulation_bar;
+use crate::support::progress::{simulation_bar, spinner};
 use expoly::models::{PowerLaw, Solved};
 use expoly::{Closure, Density, ExpPolynomial, Grid, Histogram, PolynomialDrift, Simulation, compare};
 
@@ -57,7 +57,9 @@ impl Plan<'_> {
     }
 
     fn against_grid<T: PolynomialDrift<2, M> + Sync, const M: usize>(&self, equation: &str, system: &T) -> Outcome {
+        let sign = spinner("grid");
         let grid = Grid::new().solve(system)?;
+        sign.finish_and_clear();
         let distance = |density: &ExpPolynomial<2>| Ok(grid.l1_distance(density).value);
         let provenance = grid.provenance();
         let (x, v) = (grid.moment([2, 0]), grid.moment([0, 2]));

@@ -3,6 +3,13 @@
 use indicatif::{ProgressBar, ProgressStyle};
 use std::ops::ControlFlow;
 
+/// A sign that something without a measure of its progress is at work.
+pub fn spinner(name: &str) -> ProgressBar {
+    let spinner = ProgressBar::new_spinner().with_message(name.to_owned());
+    spinner.enable_steady_tick(std::time::Duration::from_millis(100));
+    spinner
+}
+
 /// A bar for a simulation, and the callback that moves it.
 pub fn simulation_bar(name: &str) -> (ProgressBar, impl FnMut(expoly::Progress) -> ControlFlow<()> + Send + use<>) {
     let bar = ProgressBar::new(1);

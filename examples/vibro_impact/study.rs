@@ -1,7 +1,7 @@
 //! One case: the closures, the simulation and the grid, and their statistics.
 
 use crate::options::{Method, Options, Parameters};
-use crate::support::progress::simulation_bar;
+use crate::support::progress::{simulation_bar, spinner};
 use expoly::{
     Barrier, Basis, Closure, Crossing, Density, Estimate, ExpPolynomial, FokkerPlanck, Grid, GridDensity, Histogram,
     SimulatedDensity, Simulation, Solution, Termination, compare, energy_balance,
@@ -100,7 +100,9 @@ impl Study {
                 if let Some(&[along, across]) = options.cells.as_deref() {
                     grid = grid.cells([along, across]);
                 }
+                let sign = spinner(&format!("grid at {}", parameters.stem()));
                 let density = grid.solve_with_wall(model.oscillator(), model.barrier())?;
+                sign.finish_and_clear();
                 let balance = energy_balance(&operator, &density, Some(model.barrier()))?;
                 let statistics = Statistics::of(&density, model.barrier(), balance)?;
                 Some((density, statistics))
