@@ -1,5 +1,6 @@
 //! The grid against closed forms, reference solutions, a simulation of its own, and what it says about its own error.
 
+#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
 #![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
 
 mod common;
@@ -69,14 +70,14 @@ fn the_error_falls_exponentially_with_the_degree() {
     }
 }
 
-/// Values, marginals, moments, rates: each within its own error of the closed form, and what is beyond the domain: 1e-10 of
-/// the peak, times 7⁵ for the moment E v⁶ = 15.
+/// Values, marginals, moments, rates: each within its own error of the closed form. The difference of two degrees may pass
+/// through zero; 1e-9 of the value's size is allowed for that.
 #[test]
 fn every_statistic_is_right_within_its_own_error() {
     let (density, exact) = (Grid::new().solve(&duffing()).unwrap(), duffing().exact().unwrap());
     let check = |name: &str, found: expoly::Estimate, truth: f64| {
         assert!(
-            (found.value - truth).abs() <= found.error + 1e-7 * truth.abs().max(1.0),
+            (found.value - truth).abs() <= found.error + 1e-9 * truth.abs().max(1.0),
             "{name}: {found:.12} instead of {truth}"
         );
     };
@@ -119,9 +120,9 @@ fn moment_equations_and_the_power_balance_hold_to_the_reported_error() {
                 (sum, error) = (sum + c * moment.value, error + c.abs() * moment.error);
                 size += (c * moment.value).abs();
             }
-            // What is beyond the domain, 1e-10 of the peak, has moments too; where a mean
-            // is zero by symmetry, its two ends do not quite cancel: 1e-10.
-            assert!(sum.abs() <= error + 1e-7 * size + 1e-10, "{m:?}: {sum:e}, {error:e}, {size:e}");
+            // The difference of two degrees may pass through zero: 1e-9 of the terms' size.
+            println!("{m:?}: {sum:.1e} off, {error:.1e} reported");
+            assert!(sum.abs() <= error + 1e-9 * size, "{m:?}: {sum:e}, {error:e}, {size:e}");
         }
         let balance = energy_balance(&operator, &density, None).unwrap();
         assert!(balance.value.abs() <= balance.error + 1e-8, "{balance:.12}");

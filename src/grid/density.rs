@@ -108,6 +108,32 @@ impl GridDensity {
         Some(rates.fold(Estimate::new(0.0, 0.0), |a, b| Estimate::new(a.value + b.value, a.error + b.error)))
     }
 
+    /// What |x₁^p₁ x₂^p₂| has beyond the open edges, roughly: the edges' level times the peak of the marginal, falling as a
+    /// normal density does there. High powers see more of it than the degrees differ by.
+    fn beyond(&self, powers: [u32; 2]) -> f64 {
+        const SAFETY: f64 = 3.0;
+        let field = &self.fine;
+        let level = self.provenance.edge_level.clamp(f64::MIN_POSITIVE, 0.1);
+        let moment = |state: usize, power: u32| {
+            let size = |x: f64| x.abs().powi(power as i32);
+            let all = field.weights(1 - state, 0, EVERYWHERE, |_| 1.0);
+            let own = field.weights(state, power as usize, EVERYWHERE, size);
+            if state == 0 { field.integrate([&own, &all]) } else { field.integrate([&all, &own]) }
+        };
+        let mut beyond = 0.0;
+        for (state, limits) in self.provenance.domain.iter().enumerate() {
+            let peak = 1.0 / (std::f64::consts::TAU * (moment(state, 2) - moment(state, 1).powi(2)).abs()).sqrt();
+            let decay = (limits[1] - limits[0]) / (4.0 * -level.ln());
+            for (side, edge) in limits.iter().enumerate() {
+                if state == 1 || self.walls[side].is_none() {
+                    let edge = edge.abs().powi(powers[state] as i32);
+                    beyond += level * peak * decay * edge * moment(1 - state, powers[1 - state]);
+                }
+            }
+        }
+        SAFETY * beyond
+    }
+
     fn rule(&self) -> Rule {
         self.fine.space.rule(4)
     }
@@ -138,11 +164,13 @@ impl Density<2> for GridDensity {
         }))
     }
 
+    /// The raw moment; its error is the difference of the two degrees and what lies beyond the domain.
     fn moment(&self, powers: [u32; 2]) -> Estimate {
-        self.estimate(|field| {
+        let moment = self.estimate(|field| {
             let [a, b] = [0, 1].map(|s| field.weights(s, powers[s] as usize, EVERYWHERE, |x| x.powi(powers[s] as i32)));
             field.integrate([&a, &b])
-        })
+        });
+        Estimate::new(moment.value, moment.error + self.beyond(powers))
     }
 
     /// The flux moment of one state's passages with the other as velocity.
