@@ -1,6 +1,6 @@
 //! How accurate is the grid, and what does accuracy cost?
 //!
-//! `cargo run --release --example grid_convergence` solves three oscillators with a known density by polynomials of rising
+//! `cargo run --release --example grid_convergence` solves seven oscillators with a known density by polynomials of rising
 //! degree on one mesh and prints the joint L¹ error, its estimate, and the time; a figure goes to `out/grid_convergence/`.
 
 #![allow(clippy::print_stdout)]
@@ -9,7 +9,9 @@
 mod support;
 
 use clap::Parser;
-use expoly::models::{Duffing, Solved, VanDerPolRayleigh};
+use expoly::models::{
+    DisplacementNoise, Duffing, EnergyDamping, QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise,
+};
 use expoly::{Grid, PolynomialDrift};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -33,10 +35,15 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     println!("joint L1 error of the grid, 12 x 14 cells; D is the intensity of E[xi(t) xi(t+tau)] = 2 D delta(tau)");
     println!("{:>24} {:>6} {:>9} {:>9} {:>9} {:>7}", "", "degree", "unknowns", "L1", "estimate", "s");
+    let degrees = &options.degrees;
     let curves = [
-        study("Duffing, two wells", &Duffing::new(1.0, -1.0, 1.0, 0.3)?, 1, &options.degrees)?,
-        study("van der Pol-Rayleigh", &VanDerPolRayleigh::new(1.0, 0.15)?, 2, &options.degrees)?,
-        study("Duffing", &Duffing::new(0.2, 1.0, 0.3, 0.2)?, 3, &options.degrees)?,
+        study("Duffing", &Duffing::new(0.2, 1.0, 0.3, 0.2)?, 1, degrees)?,
+        study("Duffing, two wells", &Duffing::new(1.0, -1.0, 1.0, 0.3)?, 2, degrees)?,
+        study("Duffing, three wells", &QuinticDuffing::new(1.0, 1.0, -1.8, 0.6, 0.3)?, 3, degrees)?,
+        study("van der Pol-Rayleigh", &VanDerPolRayleigh::new(1.0, 0.15)?, 4, degrees)?,
+        study("energy damping", &EnergyDamping::new(0.2, 0.3, 0.3, 0.2)?, 5, degrees)?,
+        study("displacement noise", &DisplacementNoise::new(0.5, 1.0, 0.4, 0.7, 0.5)?, 6, degrees)?,
+        study("velocity noise", &VelocityNoise::new([0.7, 0.3], [0.8, 0.0], 1.0, 0.4)?, 0, degrees)?,
     ];
     let panel = Panel {
         title: String::new(),
@@ -50,7 +57,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     };
     let path = options.out.join("degree.svg");
     let caption = "Joint L¹ distance to the exact density, 12 × 14 cells. Duffing: c = 0.2, k = 1, μ = 0.3, D = 0.2; \
-        two wells: c = 1, k = −1, μ = 1, D = 0.3; van der Pol-Rayleigh: ε = 1, D = 0.15; E[ξ(t)ξ(t+τ)] = 2D δ(τ).";
+        two wells: c = 1, k = −1, μ = 1, D = 0.3; three: c = k = 1, μ = −1.8, ν = 0.6, D = 0.3; van der Pol-Rayleigh: \
+        ε = 1, D = 0.15; energy: α = 0.2, β = μ = 0.3, D = 0.2; displacement: c = D = 0.5, k = 1, μ = 0.4, g = 0.7; \
+        velocity: g₀ = 0.7, g₁ = 0.3, α = 0.8, k = 1, μ = 0.4. E[ξ(t)ξ(t+τ)] = 2D δ(τ).";
     write_figure(&path, caption, 1, &[View::Curves(panel)])?;
     println!("figure: {}", path.display());
     Ok(())
