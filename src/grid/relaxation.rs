@@ -22,7 +22,7 @@ pub struct Relaxation {
     pub error: f64,
 }
 
-/// The `count` eigenvalues of K next to zero, by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
+/// The `count` slowest of the eigenvalues of K next to zero, by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
 /// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ.
 pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Result<Vec<Relaxation>> {
     let factors = operator.shifted(shift)?;
@@ -72,5 +72,9 @@ fn listed(all: &[[f64; 2]], smaller: &[[f64; 2]], count: usize) -> Vec<Relaxatio
     let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let nearest = |a: &[f64; 2]| smaller.iter().map(|b| distance(a, b)).fold(f64::INFINITY, f64::min);
     let mode = |a: &[f64; 2]| Relaxation { rate: a[0], frequency: a[1], error: nearest(a) };
-    all.iter().take(count).map(mode).collect()
+    // Twice as many as asked for, so that those with a frequency, which lie further from zero, are among them.
+    let mut modes: Vec<Relaxation> = all.iter().take(2 * count).map(mode).collect();
+    modes.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+    modes.truncate(count);
+    modes
 }

@@ -37,7 +37,8 @@ pub struct Transient {
 const RESOLVED: f64 = 1.25;
 
 impl GridDensity {
-    /// The `count` slowest modes of relaxation, the stationary density itself first, whose rate is 0 to rounding.
+    /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
+    /// the leak. They are chosen among the 2`count` eigenvalues nearest to zero.
     ///
     /// The second one tells how long a transient lasts: it is a thousandth after 7/rate. A bistable system's second rate is
     /// the rate at which its wells mix.
