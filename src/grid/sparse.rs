@@ -32,7 +32,6 @@ impl SparseMatrix {
     }
 
     /// A + `shift`·I on the same pattern.
-    #[allow(dead_code, reason = "eigenvalues and time stepping start here")]
     pub(crate) fn shifted(&self, shift: f64) -> Self {
         let mut shifted = self.clone();
         for k in 0..self.size {
