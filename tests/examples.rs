@@ -1,6 +1,7 @@
 //! The examples as a user runs them: one JSON object, errors that name the value, files whole or not at all.
 //!
-//! `cargo test` builds the examples beside this test.
+//! `cargo test` builds the examples beside this test; `cargo test --test examples` alone does not, and takes those that
+//! `cargo build --examples` left.
 
 #![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
 
@@ -98,6 +99,7 @@ fn wrong_options_name_the_value_on_standard_error() {
         (&["--at", "0.1,inf"], "inf"),
         (&["--degree", "0"], "degree"),
         (&["--cells", "0", "8"], "cells"),
+        (&["--degree", "4", "--domain", "0", "0.5", "-6", "6"], "0.5"),
     ] {
         let short = if arguments[0] == "--samples" { &["--degree", "3"][..] } else { &["--samples", "1000"] };
         let output = run("vibro_impact", &[&["--json"], arguments, short].concat());

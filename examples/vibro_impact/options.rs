@@ -48,6 +48,9 @@ pub(crate) struct Options {
     /// The grid's cells along displacement and velocity, besides the layers at the wall [default: the library's]
     #[arg(long, num_args = 2, value_names = ["Y", "V"])]
     pub(crate) cells: Option<Vec<usize>>,
+    /// The grid's limits of displacement and velocity [default: found by a pilot simulation]
+    #[arg(long, num_args = 4, value_names = ["Y_LOW", "Y_HIGH", "V_LOW", "V_HIGH"], allow_negative_numbers = true)]
+    pub(crate) domain: Option<Vec<f64>>,
     /// Seed of the simulation
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,

@@ -100,6 +100,9 @@ impl Study {
                 if let Some(&[along, across]) = options.cells.as_deref() {
                     grid = grid.cells([along, across]);
                 }
+                if let Some(&[low, high, slowest, fastest]) = options.domain.as_deref() {
+                    grid = grid.domain([[low, high], [slowest, fastest]]);
+                }
                 let sign = spinner(&format!("grid at {}", parameters.stem()));
                 let density = grid.solve_with_wall(model.oscillator(), model.barrier())?;
                 sign.finish_and_clear();
