@@ -76,6 +76,14 @@ pub enum Error {
         /// How it ended.
         termination: crate::Termination,
     },
+    /// The closure of an order came to nothing.
+    #[error("the closure of order {order} has no density: {reason}")]
+    NotClosed {
+        /// The order of the closure.
+        order: u32,
+        /// What stands in the way, and what may help.
+        reason: &'static str,
+    },
     /// A wall needs a displacement whose rate of change is its own velocity.
     #[error(
         "a wall stops a displacement: the drift of state 0 must be state {velocity} alone, without noise, but it is not"

@@ -26,7 +26,10 @@ mod simulation;
 mod system;
 
 pub use barrier::{Barrier, Zhuravlev};
-pub use closure::{Basis, Closure, Route, Solution, Termination};
+pub use closure::{
+    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, ClosureProvenance, Degrees, NodeKind, Origin, Route,
+    Solution, Termination, Weight,
+};
 pub use density::{Crossing, Density, ExpPolynomial, Frame, Support, energy_balance};
 pub use error::{Error, Result};
 pub use estimate::Estimate;

@@ -114,6 +114,22 @@ impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Ensemble<'
         })
     }
 
+    /// Runs the batches and keeps the state of every trajectory after each stretch, trajectory by trajectory.
+    pub(super) fn collect(
+        &self,
+        batches: &mut [Batch<N>],
+        stretches: Stretches,
+        bound: &[f64; N],
+    ) -> Result<Vec<[f64; N]>> {
+        let states = self.on_all(batches, |batch| {
+            let mut passages = Passages::new(self.course.levels.len());
+            let mut states = Vec::with_capacity(batch.trajectories() * stretches.count);
+            self.advance(batch, stretches, bound, &mut passages, |_, x| states.push(x))?;
+            Ok(states)
+        })?;
+        Ok(states.concat())
+    }
+
     /// Each batch is one task; the results keep the order of the batches, and so does the first error.
     fn on_all<R: Send>(
         &self,

@@ -38,27 +38,17 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// - [`Error::Cancelled`]: the progress callback said so.
     pub fn run(mut self) -> Result<SimulatedDensity<N>> {
         let begin = Instant::now();
-        let operator = FokkerPlanck::new(self.system)?;
-        let scheme = Scheme::new(
-            self.system,
-            &operator,
-            positive("time step", self.time_step, "it must be finite and above zero")?,
-        );
-        let velocity = scheme.pairs.iter().find(|&&(i, _)| i == 0).map(|&(_, j)| j);
-        self.validate(velocity)?;
-        let (burn_in, sampling) = self.stretches()?;
-        let path_steps = self.trajectories as u64 * (sampling.before + sampling.count * sampling.steps) as u64;
+        let Prepared { operator, scheme, velocity, burn_in, sampling } = self.prepared()?;
+        let path_steps = self.path_steps(&sampling);
         let meter = self.progress.take().map(|callback| Meter { done: 0, callback });
         let course = self.course(&scheme, velocity);
         let ensemble =
             Ensemble { scheme: &scheme, course: &course, velocity, control: Control::new(meter, path_steps) };
 
-        let start = self.starts(&operator, &scheme.pairs);
-        let ranges = deal(self.trajectories).into_iter().enumerate();
-        let mut batches: Vec<Batch<N>> = ranges.map(|(b, range)| Batch::new(b, range, self.seed, &start)).collect();
+        let mut batches = self.batches(&operator, &scheme);
         let reach = ensemble.burn_in(&mut batches, burn_in)?;
         let layout = self.layout(&reach)?;
-        let tallies = ensemble.sample(&mut batches, sampling, &layout, &reach.map(|r| 1e6 * r.largest()))?;
+        let tallies = ensemble.sample(&mut batches, sampling, &layout, &bounds(&reach))?;
 
         let provenance = Provenance {
             seed: self.seed,
@@ -71,6 +61,54 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             seconds: begin.elapsed().as_secs_f64(),
         };
         Ok(SimulatedDensity::new(tallies, layout, self.barrier, self.levels, velocity, provenance))
+    }
+
+    /// Runs the simulation and returns the sampled states themselves, in the order of the trajectories and, within each,
+    /// of time. Histograms and levels are left out.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    ///
+    /// ```
+    /// use expoly::{Simulation, models::Duffing};
+    /// let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+    /// let states = Simulation::new(&oscillator).trajectories(64).samples(640).states()?;
+    /// assert_eq!(states.len(), 640);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn states(mut self) -> Result<Vec<[f64; N]>> {
+        let Prepared { operator, scheme, velocity, burn_in, sampling } = self.prepared()?;
+        let meter = self.progress.take().map(|callback| Meter { done: 0, callback });
+        let course = self.course(&scheme, velocity);
+        let control = Control::new(meter, self.path_steps(&sampling));
+        let ensemble = Ensemble { scheme: &scheme, course: &course, velocity, control };
+        let mut batches = self.batches(&operator, &scheme);
+        let reach = ensemble.burn_in(&mut batches, burn_in)?;
+        ensemble.collect(&mut batches, sampling, &bounds(&reach))
+    }
+
+    /// The scheme and the plan, after all options have been looked at.
+    fn prepared(&self) -> Result<Prepared<'a, T, N, M>> {
+        let operator = FokkerPlanck::new(self.system)?;
+        let scheme = Scheme::new(
+            self.system,
+            &operator,
+            positive("time step", self.time_step, "it must be finite and above zero")?,
+        );
+        let velocity = scheme.pairs.iter().find(|&&(i, _)| i == 0).map(|&(_, j)| j);
+        self.validate(velocity)?;
+        let (burn_in, sampling) = self.stretches()?;
+        Ok(Prepared { operator, scheme, velocity, burn_in, sampling })
+    }
+
+    fn path_steps(&self, sampling: &Stretches) -> u64 {
+        self.trajectories as u64 * (sampling.before + sampling.count * sampling.steps) as u64
+    }
+
+    fn batches(&self, operator: &FokkerPlanck<N>, scheme: &Scheme<'_, T, N, M>) -> Vec<Batch<N>> {
+        let start = self.starts(operator, &scheme.pairs);
+        let ranges = deal(self.trajectories).into_iter().enumerate();
+        ranges.map(|(b, range)| Batch::new(b, range, self.seed, &start)).collect()
     }
 
     fn course(&self, scheme: &Scheme<'_, T, N, M>, velocity: Option<usize>) -> Course {
@@ -166,6 +204,21 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
         let plane = if N >= 2 { Some([axis(0, joint)?, axis(1, joint)?]) } else { None };
         Ok(Layout::new(std::array::from_fn(|i| axes[i]), plane))
     }
+}
+
+/// What a run needs besides its options.
+struct Prepared<'a, T, const N: usize, const M: usize> {
+    operator: FokkerPlanck<N>,
+    scheme: Scheme<'a, T, N, M>,
+    /// The velocity of state 0.
+    velocity: Option<usize>,
+    burn_in: Stretches,
+    sampling: Stretches,
+}
+
+/// A state a million times larger than any in the second half of the burn-in has exploded.
+fn bounds<const N: usize>(reach: &[Reach; N]) -> [f64; N] {
+    reach.map(|r| 1e6 * r.largest())
 }
 
 fn at_most(name: &'static str, number: usize, most: usize, remedy: &'static str) -> Result<()> {

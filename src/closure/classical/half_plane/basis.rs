@@ -1,5 +1,5 @@
 use crate::closure::Basis;
-use crate::closure::hermite::{HermiteSeries, hermite_row};
+use crate::closure::classical::hermite::{HermiteSeries, hermite_row};
 use crate::{Monomial, Polynomial, monomials};
 use nalgebra::{DMatrix, DVector};
 

@@ -1,0 +1,188 @@
+//! The candidates for an order's answer, and the choice among them.
+
+use super::exponent::Exponent;
+use super::projection::{project, tempered};
+use super::reference::{Reference, normalised};
+use super::setting::Setting;
+use super::space::Space;
+use super::weight::{Weight, mixed};
+use faer::MatRef;
+use std::fmt;
+use std::sync::Arc;
+
+/// The tails are compared down to this share of the peak, and are right within so many decades, as far as the reference knows.
+const TAIL: f64 = 1e-5;
+pub(super) const DECADES: f64 = 0.22;
+/// The largest share of the weight that the tails get unasked, and the bisections for the smallest that suffices.
+const LARGEST_SHARE: f64 = 0.14;
+/// Where the largest share makes the tails no better than this, it is not worth its price.
+const HOPELESS: f64 = 0.5;
+/// While the estimated L¹ error is larger, all weight goes to the middle.
+const MIDDLE: f64 = 0.0125;
+const BISECTIONS: usize = 5;
+
+/// Where a candidate comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// The solution of the moment equations, fitted with this share λ of the weight for the tails.
+    MomentEquations {
+        /// λ of [`Weight`].
+        tails: f64,
+    },
+    /// A root of the Galerkin equations at which the residual vanishes everywhere.
+    Exact,
+    /// The pilot's states fitted by maximum likelihood: only as good as their number.
+    MaximumLikelihood,
+    /// The Galerkin equations on the pilot's states as nodes.
+    Galerkin,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Origin::MomentEquations { tails } => f.pad(&format!("moment equations, tails {tails:.3}")),
+            Origin::Exact => f.pad("exact"),
+            Origin::MaximumLikelihood => f.pad("maximum likelihood"),
+            Origin::Galerkin => f.pad("Galerkin on the pilot's states"),
+        }
+    }
+}
+
+/// One density that was tried, and what is known of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// Where it comes from.
+    pub origin: Origin,
+    /// The estimate of ∫ |p̃ − p| dx.
+    pub l1_estimate: f64,
+    /// The largest |log₁₀| distance from the solution of the moment equations down to 1e-5 of the peak.
+    pub tail_estimate: f64,
+    /// How much less likely than under the most likely density of degree 8 a state of the pilot is on average, in ln p.
+    pub likelihood_loss: f64,
+    /// Whether the likelihood guard let it pass.
+    pub accepted: bool,
+}
+
+/// A candidate with its density.
+#[derive(Clone)]
+pub(super) struct Fitted<const N: usize> {
+    pub(super) candidate: Candidate,
+    pub(super) exponent: Exponent<N>,
+    /// ln p̃ at the kept nodes, normalised over them.
+    pub(super) logarithm: Vec<f64>,
+}
+
+/// The nodes that the answer is defined on, and what the reference says there.
+pub(super) struct Judge<'a, const N: usize> {
+    pub(super) setting: &'a Setting<N>,
+    pub(super) reference: &'a Reference<N>,
+    pub(super) space: Arc<dyn Space<N> + Send>,
+    /// The functions' values at the kept nodes, the constant's first.
+    pub(super) values: MatRef<'a, f64>,
+    pub(super) fixed: Vec<f64>,
+    pub(super) weights: Vec<f64>,
+    /// ln p̂ at the kept nodes, normalised over them.
+    pub(super) target: Vec<f64>,
+    /// The same without the ripples that a polynomial ratio leaves in the tails: an exponential polynomial of a higher degree.
+    pub(super) smooth: Vec<f64>,
+    /// States under the system's own intensity, and the mean of ln p over them under the most likely density.
+    pub(super) pilot: &'a [[f64; N]],
+    pub(super) likelihood: f64,
+}
+
+impl<const N: usize> Judge<'_, N> {
+    /// The candidates in the order in which they were tried; the first of the result is chosen.
+    pub(super) fn candidates(&self, weight: Weight) -> Vec<Fitted<N>> {
+        let mut tried: Vec<Fitted<N>> = Vec::new();
+        let mut fit = |share: f64| -> Option<Candidate> {
+            let fitted = self.fitted(share)?;
+            let candidate = fitted.candidate;
+            tried.push(fitted);
+            Some(candidate)
+        };
+        // The tail that a candidate must reach to be preferred to one with a smaller error.
+        let mut wanted = DECADES;
+        match weight {
+            Weight::Density => drop(fit(0.0)),
+            Weight::Tails(share) => drop(fit(share)),
+            Weight::Automatic => {
+                let right = |c: Option<Candidate>| c.is_some_and(|c| c.tail_estimate <= DECADES);
+                let middle = fit(0.0);
+                if !right(middle) && middle.is_some_and(|c| c.l1_estimate <= MIDDLE) {
+                    let largest = fit(LARGEST_SHARE);
+                    if right(largest) {
+                        // In ln λ: a hundredth of the largest share is next to nothing.
+                        let mut bracket = [LARGEST_SHARE / 100.0, LARGEST_SHARE];
+                        for _ in 0..BISECTIONS {
+                            let share = (bracket[0] * bracket[1]).sqrt();
+                            bracket[usize::from(right(fit(share)))] = share;
+                        }
+                    } else {
+                        wanted = HOPELESS;
+                    }
+                }
+            }
+        }
+        let chosen = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
+            let rank = |c: &Candidate| (!c.accepted, c.tail_estimate > wanted, c.l1_estimate);
+            let (a, b) = (rank(&a.candidate), rank(&b.candidate));
+            a.0.cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2))
+        });
+        if let Some((chosen, _)) = chosen {
+            tried[..=chosen].rotate_right(1);
+        }
+        tried
+    }
+
+    /// The density fitted to the reference with a share of the weight for the tails.
+    fn fitted(&self, share: f64) -> Option<Fitted<N>> {
+        let measure = mixed(&self.target, &self.weights, share);
+        let projection = project(self.values, &self.fixed, &self.target, &measure)?;
+        let exponent = Exponent {
+            known: self.setting.known.clone(),
+            space: self.space.clone(),
+            constant: projection.constant,
+            coefficients: projection.coefficients,
+        };
+        Some(self.judged(Origin::MomentEquations { tails: share }, exponent, &projection.logarithm))
+    }
+
+    /// A density with the estimates of its error. `logarithm` holds its values at the kept nodes.
+    pub(super) fn judged(&self, origin: Origin, mut exponent: Exponent<N>, logarithm: &[f64]) -> Fitted<N> {
+        let normal = normalised(logarithm, &self.weights);
+        exponent.constant += normal[0] - logarithm[0];
+        let answer = tempered(&normal, &self.weights, 1.0);
+        let truth = tempered(&self.target, &self.weights, 1.0);
+        let distance: f64 = answer.iter().zip(&truth).map(|(a, b)| (a - b).abs()).sum();
+        let peak = self.target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let tail = (0..normal.len())
+            .filter(|&i| self.target[i] > peak + TAIL.ln())
+            .map(|i| (normal[i] - self.smooth[i]).abs() / std::f64::consts::LN_10)
+            .fold(0.0, f64::max);
+        let likelihood_loss = self.likelihood - mean_logarithm(&exponent, self.pilot);
+        let candidate = Candidate {
+            origin,
+            // No two densities are farther apart than 2.
+            l1_estimate: (distance + self.reference.error).min(2.0),
+            tail_estimate: tail,
+            likelihood_loss,
+            accepted: likelihood_loss <= self.tolerance(),
+        };
+        Fitted { candidate, exponent, logarithm: normal }
+    }
+
+    /// What a density may lose in mean ln p: K functions fitted to M states gain K/(2M) by chance, and states of one
+    /// trajectory are correlated.
+    fn tolerance(&self) -> f64 {
+        let functions = self.values.ncols() as f64;
+        (50.0 * functions / (2.0 * self.pilot.len() as f64)).max(LEAST_LOSS)
+    }
+}
+
+/// A low order may lose this much and still be the best of its order: an L¹ error of .2 costs about this.
+const LEAST_LOSS: f64 = 0.05;
+
+/// The mean of ln p over states.
+pub(super) fn mean_logarithm<const N: usize>(exponent: &Exponent<N>, states: &[[f64; N]]) -> f64 {
+    states.iter().map(|x| exponent.value(x)).sum::<f64>() / states.len() as f64
+}

@@ -1,0 +1,120 @@
+//! The root of the Galerkin equations where there is one that solves the Fokker-Planck equation itself.
+
+use super::exponent::{Exponent, Residual};
+use super::orthonormal::Orthonormal;
+use super::projection::tempered;
+use super::setting::Setting;
+use super::space::Local;
+use super::table::local;
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
+
+const MAX_STEPS: usize = 8;
+/// The root mean square of the residual, relative to that of its parts, of a solution.
+const SOLVED: f64 = 1e-9;
+/// Singular values below this share of the norm are left alone.
+const NEGLIGIBLE: f64 = 1e-9;
+/// It must fall by this factor in every step: Newton's method does, near a solution.
+const FALLING: f64 = 0.5;
+/// Candidates that are farther off, in the same measure, are not tried.
+const NEAR: f64 = 0.3;
+
+/// Newton's method on ∫ r ψ_k p̃ dx = 0 from an exponent that is close already. Where the order contains the exact density
+/// the residual vanishes at every node, and this, which most roots do not, is what is asked for; otherwise `None`.
+///
+/// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way.
+pub(super) fn polished<const N: usize>(
+    setting: &Setting<N>,
+    exponent: &Exponent<N>,
+    points: &[[f64; N]],
+    weights: &[f64],
+) -> Option<Exponent<N>> {
+    let residual = Residual::new(&setting.operator);
+    let count = exponent.coefficients.len();
+    let mut current = exponent.clone();
+    let ends: Vec<_> = setting.passages.iter().flat_map(|p| [p.before, p.after]).collect();
+    let constant = |x: &[f64; N]| -> Vec<f64> {
+        let mut values = vec![1.0; count + 1];
+        exponent.space.values(x, &mut values[1..]);
+        values
+    };
+    let walls: Vec<Vec<f64>> = ends.iter().map(constant).collect();
+    let mut last = f64::INFINITY;
+    for _ in 0..MAX_STEPS {
+        let log: Vec<f64> = points.iter().map(|x| current.value(x)).collect();
+        let measure = tempered(&log, weights, 1.0);
+        let (mut square, mut parts) = (0.0, 0.0);
+        let mut values = Mat::zeros(points.len(), count + 1);
+        // The linearised residual of each function, and the residual in the first column.
+        let mut images = Mat::zeros(points.len(), count + 1);
+        let (mut row, mut rates) = (vec![1.0; count + 1], vec![0.0; count + 1]);
+        for (i, x) in points.iter().enumerate() {
+            let jet = current.jet(x);
+            let r = residual.at(x, &jet);
+            let Local { drift, diffusion } = local(&setting.operator, x);
+            // L′δ = (−f + ∂B + B∇Q)·∇δ + ½ B:∇∇δ
+            let reversed = Local { drift: residual.reversed_drift(x, &drift, &diffusion, &jet), diffusion };
+            exponent.space.rates(x, &reversed, &mut row[1..], &mut rates[1..]);
+            let root = measure[i].sqrt();
+            for k in 0..=count {
+                values[(i, k)] = row[k];
+                images[(i, k)] = root * rates[k];
+            }
+            images[(i, 0)] = root * r;
+            square += measure[i] * r * r;
+            parts += measure[i] * (0..N).map(|a| (drift[a] * jet.gradient[a]).powi(2)).sum::<f64>();
+        }
+        let size = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
+        if size < SOLVED {
+            return Some(current);
+        }
+        // The negation also refuses NaN.
+        if !(size < NEAR && size < FALLING * last) {
+            return None;
+        }
+        last = size;
+        let basis = Orthonormal::new(values.as_ref(), &measure)?;
+        // Coefficients in units in which every function has the same size under p̃.
+        let scale: Vec<f64> = (1..=count)
+            .map(|k| {
+                let square: f64 = (0..points.len()).map(|i| measure[i] * values[(i, k)] * values[(i, k)]).sum();
+                square.sqrt().recip()
+            })
+            .collect();
+        let mut system = basis.weighted.transpose() * &images;
+        if !walls.is_empty() {
+            let density: Vec<f64> =
+                ends.iter().map(|x| (current.value(x) - peak(&log)).exp() / mass(&log, weights)).collect();
+            let after = Mat::from_fn(walls.len() / 2, count + 1, |i, k| walls[2 * i + 1][k]);
+            let tests = basis.transformed(after.as_ref());
+            let missing = Mat::from_fn(walls.len() / 2, count + 1, |i, k| {
+                let passage = &setting.passages[i];
+                let [before, after] = [0, 1].map(|end| density[2 * i + end] * walls[2 * i + end][k]);
+                passage.weight * (passage.contraction * after - before)
+            });
+            // The first column is that of the constant function: the mismatch itself.
+            system -= tests.transpose() * missing;
+        }
+        // Next to an exact solution many functions about a wall do nothing: the least step is taken.
+        let matrix = DMatrix::from_fn(count, count, |k, l| system[(k + 1, l + 1)] * scale[l]);
+        let right = DVector::from_fn(count, |k, _| -system[(k + 1, 0)]);
+        let cut = NEGLIGIBLE * matrix.norm();
+        let step = matrix.svd(true, true).solve(&right, cut).ok()?;
+        for k in 0..count {
+            current.coefficients[k] += scale[k] * step[k];
+        }
+        if !current.coefficients.iter().all(|a| a.is_finite()) {
+            return None;
+        }
+    }
+    None
+}
+
+fn peak(log: &[f64]) -> f64 {
+    log.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn mass(log: &[f64], weights: &[f64]) -> f64 {
+    let top = peak(log);
+    log.iter().zip(weights).map(|(q, w)| w * (q - top).exp()).sum()
+}

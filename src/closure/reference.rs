@@ -1,0 +1,143 @@
+//! The density that the closures of one system are measured against: a solution of many more moment equations.
+
+use super::exponent::{Exponent, Residual};
+use super::family::Ladder;
+use super::moment_equations::resolve;
+use super::projection::{project, tempered};
+use super::setting::Setting;
+use super::space::Space;
+use super::table::Table;
+use std::sync::Arc;
+
+/// How often the weight is renewed at most.
+const RENEWALS: usize = 8;
+/// The weight follows the density with this power of it: flatter than the density, for the tails' sake.
+const FLATNESS: f64 = 0.6;
+/// The correction below which the weight is the solution to rounding.
+const EXACT: f64 = 1e-12;
+/// A correction that has come down to this share of the one before is still converging.
+const CONVERGING: f64 = 0.5;
+/// The error may grow by this factor while the weight settles.
+const PATIENCE: f64 = 2.0;
+/// A later density is preferred to an earlier one whose error is smaller by less than this factor.
+const LATER: f64 = 1.5;
+/// A first guess that leads to a larger error than this has led astray.
+const GOOD: f64 = 0.05;
+/// 1 + δ is cut off here before its logarithm is taken.
+const CUT: [f64; 2] = [0.05, 20.0];
+
+/// p̂ = ω (1 + δ) with ln ω a polynomial and δ a polynomial of higher degree.
+#[derive(Clone)]
+pub(super) struct Reference<const N: usize> {
+    weight: Exponent<N>,
+    space: Arc<dyn Space<N> + Send>,
+    /// The coefficients of δ, the constant's first.
+    correction: Vec<f64>,
+    /// ln p̂ at the nodes, normalised over them.
+    pub(super) logarithm: Vec<f64>,
+    /// An estimate of ∫ |p̂ − p| dx.
+    pub(super) error: f64,
+    /// The number of linear systems solved.
+    pub(super) solved: usize,
+}
+
+impl<const N: usize> Reference<N> {
+    /// Solves the moment equations of a ladder, tabulated in `table`, from the setting's first guess. That one is good in the
+    /// tails, but where ln p does not scale with the intensity it puts the mass elsewhere: `fit`, right in the middle, is
+    /// the start then. `None` if no system had a solution.
+    pub(super) fn new(
+        setting: &Setting<N>,
+        ladder: &Ladder<N>,
+        table: &Table,
+        fit: impl FnOnce() -> Option<Exponent<N>>,
+    ) -> Option<Self> {
+        let first = Self::renewed(setting, ladder, table, setting.guess.clone());
+        if first.as_ref().is_some_and(|first| first.error <= GOOD) {
+            return first;
+        }
+        let second = fit().and_then(|fit| Self::renewed(setting, ladder, table, fit));
+        first.into_iter().chain(second).min_by(|a, b| a.error.total_cmp(&b.error))
+    }
+
+    /// Renews a weight until that no longer helps, and returns the best density on the way.
+    fn renewed(setting: &Setting<N>, ladder: &Ladder<N>, table: &Table, start: Exponent<N>) -> Option<Self> {
+        let nodes = &setting.nodes;
+        let residual = Residual::new(&setting.operator);
+        let mut weight = start;
+        let mut log: Vec<f64> = nodes.points.iter().map(|x| weight.value(x)).collect();
+        let mut best: Option<Self> = None;
+        let mut change = f64::INFINITY;
+        // One bad weight may be followed by a good one; two in all are not.
+        let mut strikes = 0;
+        for solved in 1..=RENEWALS {
+            let measure = tempered(&log, &nodes.weights, 1.0);
+            let top_log = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let mass: f64 = log.iter().zip(&nodes.weights).map(|(q, w)| w * (q - top_log).exp()).sum();
+            let passages: Vec<f64> =
+                setting.passages.iter().map(|p| p.weight * (weight.value(&p.before) - top_log).exp() / mass).collect();
+            let r: Vec<f64> = nodes.points.iter().map(|x| residual.at(x, &weight.jet(x))).collect();
+            let r = setting.passages.is_empty().then_some(&r[..]);
+            let Some(found) = resolve(table, &measure, &passages, r, ladder.lower_columns) else { break };
+            let error = found.error;
+            let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
+            strikes += u32::from(error > PATIENCE * least);
+            if strikes > 1 {
+                break;
+            }
+            let target: Vec<f64> =
+                log.iter().zip(&found.correction).map(|(q, d)| q + (1.0 + d).clamp(CUT[0], CUT[1]).ln()).collect();
+            let before = std::mem::replace(&mut change, found.size);
+            // Of two that are about as good the later one is better in the tails.
+            if error < LATER * least {
+                best = Some(Reference {
+                    weight: weight.clone(),
+                    space: ladder.all.clone(),
+                    correction: found.coefficients,
+                    logarithm: normalised(&target, &nodes.weights),
+                    error,
+                    solved,
+                });
+            }
+            // After the first renewals the correction is what a polynomial of the weight's degree leaves.
+            if change < EXACT || (solved > 3 && change > CONVERGING * before) || solved == RENEWALS {
+                break;
+            }
+            let values = table.values.get(.., ..ladder.weight_columns);
+            let values = values.get(..nodes.len(), ..);
+            let Some(next) = project(values, &setting.fixed, &target, &tempered(&target, &nodes.weights, FLATNESS))
+            else {
+                break;
+            };
+            weight = Exponent {
+                known: setting.known.clone(),
+                space: ladder.weight.clone(),
+                constant: next.constant,
+                coefficients: next.coefficients,
+            };
+            log = next.logarithm;
+        }
+        best
+    }
+
+    /// The same with a constant added to ln p̂.
+    pub(super) fn shifted(mut self, constant: f64) -> Self {
+        self.weight.constant += constant;
+        self
+    }
+
+    /// ln p̂ at a state, up to a constant.
+    pub(super) fn value(&self, x: &[f64; N]) -> f64 {
+        let mut values = vec![0.0; self.space.len()];
+        self.space.values(x, &mut values);
+        let delta: f64 = values.iter().zip(&self.correction[1..]).map(|(phi, c)| phi * c).sum();
+        self.weight.value(x) + (1.0 + self.correction[0] + delta).clamp(CUT[0], CUT[1]).ln()
+    }
+}
+
+/// A logarithm with the constant that makes its exponential's sum over the nodes 1.
+pub(super) fn normalised(log: &[f64], weights: &[f64]) -> Vec<f64> {
+    let top = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mass: f64 = log.iter().zip(weights).map(|(q, w)| w * (q - top).exp()).sum();
+    let shift = top + mass.ln();
+    log.iter().map(|q| q - shift).collect()
+}

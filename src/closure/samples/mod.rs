@@ -1,0 +1,246 @@
+//! The closure on the pilot's own states, in any number of dimensions.
+//!
+//! Where the residual r of the true density is tested, it vanishes; and where it vanishes, an average over random states
+//! has no noise. So the pilot's states serve as nodes for E[r ψ_k] = 0, and a further dimension costs no more than the
+//! functions that it brings.
+
+mod assembly;
+mod basis;
+mod importance;
+mod iteration;
+mod products;
+mod proposal;
+mod score_matching;
+mod sites;
+
+pub(crate) use importance::ImportanceRule;
+pub(crate) use iteration::SampleStep;
+
+use super::degrees::Degrees;
+use super::exponent::Exponent;
+use super::pilot::Pilot;
+use super::space::Polynomials;
+use super::symmetry::Symmetry;
+use crate::FokkerPlanck;
+use assembly::Assembly;
+use basis::Basis;
+use iteration::{Iteration, dissipative};
+use products::Products;
+use score_matching::Score;
+use sites::Sites;
+use std::sync::Arc;
+
+/// The equations are solved in a space two degrees higher, of at most so many functions.
+const MOST_FUNCTIONS: usize = 700;
+/// States that each function needs there.
+const STATES_EACH: usize = 60;
+/// The order of the start: higher ones follow the states' noise.
+const START_ORDER: u32 = 4;
+
+/// ln p up to a constant, as found on samples.
+#[derive(Clone, Debug)]
+pub(crate) struct SampleClosure<const N: usize> {
+    /// Q; its constant is zero.
+    pub(crate) exponent: Exponent<N>,
+    /// The functions of Q.
+    pub(crate) polynomials: Polynomials<N>,
+    products: Products<N>,
+    /// ‖F‖ in orthonormal functions, in the space in which the equations were solved.
+    pub(crate) residual: f64,
+    /// The root mean square of the residual at the states, in that space.
+    pub(crate) pointwise: f64,
+    /// Whether the equations have been solved. Where not, this is where the iteration got stuck.
+    pub(crate) solved: bool,
+    /// How much ln p was changed, in the mean square, by leaving out the terms of higher degree; none without any.
+    pub(crate) indicator: Option<f64>,
+    /// Half the mean square by which ∇Q, in units of the standard deviations, differs from its fit to the pilot's states:
+    /// large for a spurious root.
+    pub(crate) excess: f64,
+    /// Whether that is more than chance explains.
+    pub(crate) suspect: bool,
+    /// One entry a step.
+    pub(crate) trace: Vec<SampleStep>,
+}
+
+/// Closes at one order on the pilot's states. `None` where the functions are linearly dependent at them: too few states.
+///
+/// The equations are solved two degrees higher where that is affordable, and the solution is cut back to the order,
+/// orthogonally in L²: Q is then the best of its order in the mean square of ln p. Solved at the order itself, Q would
+/// take up what the missing terms do, and the larger residual would let in more of the states' noise.
+pub(crate) fn close_on_samples<const N: usize>(
+    operator: &FokkerPlanck<N>,
+    pilot: &Pilot<N>,
+    degrees: &Degrees<N>,
+    order: u32,
+    symmetry: &Symmetry<N>,
+) -> Option<SampleClosure<N>> {
+    let kept = degrees.exponents(order, |alpha| symmetry.keeps(alpha));
+    let sites = Sites::new(operator, &pilot.states);
+    let higher = degrees.exponents(order + 2, |alpha| symmetry.keeps(alpha));
+    let affordable = higher.len() <= MOST_FUNCTIONS.min(sites.len() / STATES_EACH);
+    let larger = affordable.then(|| close_within(&sites, pilot, symmetry, &kept, &higher)).flatten();
+    match larger {
+        Some(closure) if closure.solved && !closure.suspect => Some(closure),
+        larger => {
+            let plain = close_within(&sites, pilot, symmetry, &kept, &kept);
+            let found = larger.into_iter().chain(plain);
+            found.min_by(|a, b| b.solved.cmp(&a.solved).then(a.excess.total_cmp(&b.excess)))
+        }
+    }
+}
+
+/// Solves with the functions `used` and cuts back to the functions `kept`, which come first among them.
+fn close_within<const N: usize>(
+    sites: &Sites<N>,
+    pilot: &Pilot<N>,
+    symmetry: &Symmetry<N>,
+    kept: &[[u32; N]],
+    used: &[[u32; N]],
+) -> Option<SampleClosure<N>> {
+    let (centre, deviation) = pilot.spread(symmetry);
+    let half_width = reach(pilot, &centre);
+    let products = Products::new(centre, half_width, used);
+    let assembly = Assembly { products: &products, sites };
+    let basis = Basis::new(&assembly.gram())?;
+    let score = Score::new(&assembly, &basis, &deviation, kept.len(), pilot.inflation)?;
+    let low = kept.iter().filter(|alpha| alpha.iter().sum::<u32>() <= START_ORDER).count();
+    let start = basis.coefficients(&score.start(low)?);
+    let matrix = dissipative(&assembly);
+    let ended = Iteration { assembly, basis: &basis }.run(start, &matrix);
+    let d = basis.orthogonal(&ended.a);
+    let (inside, beyond) = d.split_at(kept.len());
+    let excess = score.excess(inside);
+    let coefficients = basis.coefficients(inside)[1..=kept.len()].to_vec();
+    let polynomials = Polynomials::new(centre, half_width, kept.to_vec());
+    Some(SampleClosure {
+        exponent: Exponent { known: None, space: Arc::new(polynomials.clone()), constant: 0.0, coefficients },
+        polynomials,
+        products: Products::new(centre, half_width, kept),
+        residual: ended.residual,
+        excess,
+        suspect: score.suspects(excess),
+        pointwise: ended.pointwise,
+        solved: ended.solved,
+        indicator: (!beyond.is_empty()).then(|| beyond.iter().map(|d| d * d).sum::<f64>().sqrt()),
+        trace: ended.trace,
+    })
+}
+
+/// The farthest that a state has been from the centre.
+fn reach<const N: usize>(pilot: &Pilot<N>, centre: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop")]
+    use super::*;
+    use crate::PolynomialDrift;
+    use crate::closure::pilot::Scout;
+    use crate::models::{DuffingChain, Solved};
+
+    fn pilot<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize>(
+        system: &T,
+        count: usize,
+    ) -> (FokkerPlanck<N>, Symmetry<N>, Pilot<N>) {
+        let operator = FokkerPlanck::new(system).unwrap();
+        let symmetry = Symmetry::of(&operator);
+        let pilot = Scout::new(system, &operator, None, 1).unwrap().pilot(count, 1.0).unwrap();
+        (operator, symmetry, pilot)
+    }
+
+    /// The largest error of ln p over the pilot's states, constants apart.
+    fn farthest<T: Solved<N, M> + Sync, const N: usize, const M: usize>(system: &T, count: usize) -> f64 {
+        let (operator, symmetry, pilot) = pilot(system, count);
+        let closure = close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry).unwrap();
+        assert!(closure.solved && closure.pointwise < 1e-7, "{closure:?}");
+        let error = |x: &[f64; N]| closure.exponent.value(x) - system.log_density(*x);
+        let middle = error(&[0.0; N]);
+        pilot.states.iter().map(|x| (error(x) - middle).abs()).fold(0.0, f64::max)
+    }
+
+    /// Where p is the exponential of a quartic, the residual vanishes at every state: chance leaves no error.
+    #[test]
+    fn coupled_oscillators_in_equilibrium_are_exact() {
+        assert!(farthest(&DuffingChain::<2>::new([0.2, 0.4], 1.0, 0.5, 0.5, 1.0).unwrap(), 20_000) < 1e-8);
+        assert!(farthest(&DuffingChain::<3>::new([0.1, 0.2, 0.3], 1.0, 1.0, 0.5, 0.7).unwrap(), 20_000) < 1e-8);
+    }
+
+    /// F is quadratic in the coefficients, so that central differences are exact whatever their width.
+    #[test]
+    fn the_jacobian_is_the_derivative_of_the_residual() {
+        let chain = DuffingChain::<2>::new([0.2, 0.4], 1.0, 0.5, 0.5, 1.0).unwrap();
+        let (operator, symmetry, pilot) = pilot(&chain, 2048);
+        let exponents = Degrees::complete().exponents(4, |alpha| symmetry.keeps(alpha));
+        let products = Products::new([0.0; 4], [3.0; 4], &exponents);
+        let sites = Sites::new(&operator, &pilot.states);
+        let assembly = Assembly { products: &products, sites: &sites };
+        let a: Vec<f64> = (0..products.len()).map(|k| (0.7 * k as f64).sin()).collect();
+        let step: Vec<f64> = (0..products.len()).map(|k| (1.3 * k as f64).cos()).collect();
+        let moved = |sign: f64| -> Vec<f64> { a.iter().zip(&step).map(|(a, s)| a + sign * s).collect() };
+        let (ahead, behind) = (assembly.residual(&moved(1.0)).0, assembly.residual(&moved(-1.0)).0);
+        let jacobian = assembly.images(|site, scratch| assembly.linearised(&a, site, scratch));
+        let scale = ahead.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        for k in 0..products.len() {
+            let along: f64 = (0..products.len()).map(|l| jacobian[(k, l)] * step[l]).sum();
+            assert!((along - 0.5 * (ahead[k] - behind[k])).abs() < 1e-12 * scale);
+        }
+    }
+
+    /// At the stationary density both matrices are the same but for chance, and A is dissipative with any states.
+    #[test]
+    fn the_first_matrix_is_the_jacobian_at_the_stationary_density() {
+        let chain = DuffingChain::<2>::new([0.5, 0.8], 1.0, 0.5, 0.5, 1.0).unwrap();
+        let (operator, symmetry, pilot) = pilot(&chain, 100_000);
+        let exponents = Degrees::complete().exponents(2, |alpha| symmetry.keeps(alpha));
+        let products = Products::new([0.0; 4], [3.0; 4], &exponents);
+        let sites = Sites::new(&operator, &pilot.states);
+        let assembly = Assembly { products: &products, sites: &sites };
+        let basis = Basis::new(&assembly.gram()).unwrap();
+        let first = basis.form(&dissipative(&assembly));
+        let symmetric = &first + first.transpose();
+        assert!((faer::Scale(-1.0) * symmetric).self_adjoint_eigenvalues(faer::Side::Lower).unwrap()[0] > -1e-10);
+
+        let slope = |x: [f64; 4]| -> [f64; 4] {
+            std::array::from_fn(|i| {
+                let dual = |j: usize| num_dual::Dual64::new(x[j], f64::from(i == j));
+                chain.log_density(std::array::from_fn(dual)).eps
+            })
+        };
+        let exact = assembly.images(|site, _| {
+            let mut symbols = products::Symbols { first: site.backward, second: site.generator.second };
+            for l in 0..products::LANES {
+                let slope = slope(std::array::from_fn(|i| site.x[i][l]));
+                for i in 0..4 {
+                    symbols.first[i][l] += (0..4).map(|j| site.generator.second[i][j][l] * slope[j]).sum::<f64>();
+                }
+            }
+            symbols
+        });
+        // Means of 1e5 correlated products of rates near one.
+        assert!((basis.form(&exact) - first).norm_max() < 0.15);
+    }
+
+    /// The integrals know equipartition, and no thread from another.
+    #[test]
+    fn integrals_have_honest_errors_and_do_not_depend_on_threads() {
+        let chain = DuffingChain::<2>::new([0.2, 0.4], 1.0, 0.5, 0.5, 1.0).unwrap();
+        let (operator, symmetry, pilot) = pilot(&chain, 20_000);
+        let closure = close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry).unwrap();
+        let rule = || ImportanceRule::new(&closure, &pilot, &symmetry, 100_000, 3).unwrap();
+        let [square, fourth] = rule().means(|x| [x[1].powi(2), x[1].powi(4)]).unwrap();
+        // E v² = T = 1; the trusted part leaves out a few millionths.
+        assert!(square.deviation(1.0) < 4.0 && square.error < 2e-3, "{square}");
+        assert!(fourth.deviation(3.0) < 4.0 && fourth.error < 2e-2, "{fourth}");
+        let [density] = rule().section(1, 0.5, |_| [1.0]).unwrap();
+        let normal = (-0.125_f64).exp() / std::f64::consts::TAU.sqrt();
+        assert!(density.deviation(normal) < 4.0 && density.error < 1e-3, "{density}");
+        assert!(rule().effective() > 50_000.0 && rule().trusts(&pilot.states[0]) && !rule().trusts(&[50.0; 4]));
+        let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let on_one =
+            || (close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry).unwrap(), rule().log_mass());
+        let (alone, mass) = single.install(on_one);
+        assert_eq!(alone.exponent.coefficients, closure.exponent.coefficients);
+        assert_eq!(mass, rule().log_mass());
+    }
+}

@@ -1,0 +1,247 @@
+//! Products of Legendre polynomials at eight points at a time.
+
+use std::collections::HashMap;
+
+/// Points that are worked on together.
+pub(super) const LANES: usize = 8;
+
+/// One number for each of them.
+pub(super) type Lane = [f64; LANES];
+
+pub(super) const ZERO: Lane = [0.0; LANES];
+
+/// Coefficients of a first- and second-order operator b·∇ + ½ B:∇∇ at eight points.
+#[derive(Clone, Debug)]
+pub(super) struct Symbols<const N: usize> {
+    pub(super) first: [Lane; N],
+    pub(super) second: [[Lane; N]; N],
+}
+
+/// The functions of `Polynomials`, each built from a shorter one by a single multiplication.
+///
+/// A product P_a(x₁) P_b(x₂) P_c(x₃) needs P_a P_b anyway: the products form a tree, and its sweeps cost a few operations
+/// a function in any number of states. A function that is only there as a part of others has no place in the list.
+#[derive(Clone, Debug)]
+pub(super) struct Products<const N: usize> {
+    centre: [f64; N],
+    half_width: [f64; N],
+    /// The root is 1; every other product follows its shorter one.
+    steps: Vec<Step>,
+    /// Where function k stands in the tree; the constant is function 0.
+    places: Vec<usize>,
+    /// Degrees of each state's table.
+    degrees: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    shorter: usize,
+    state: usize,
+    degree: usize,
+}
+
+/// Room for the sweeps of one thread.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch {
+    /// P_k, P_k′, P_k″ by state and degree.
+    table: Vec<[Lane; 3]>,
+    /// b P_k′ + ½ B P_k″.
+    moved: Vec<Lane>,
+    /// The sensitivity of a sum to each entry of the table.
+    entries: Vec<Lane>,
+    values: Vec<Lane>,
+    rates: Vec<Lane>,
+    /// ∂_c of the products, for each coupled state c.
+    slopes: Vec<Vec<Lane>>,
+}
+
+impl<const N: usize> Products<N> {
+    /// The same functions as those of `Polynomials::new` with these arguments, after the constant.
+    pub(super) fn new(centre: [f64; N], half_width: [f64; N], exponents: &[[u32; N]]) -> Self {
+        let mut steps = vec![Step { shorter: 0, state: 0, degree: 0 }];
+        let mut known = HashMap::from([([0; N], 0)]);
+        let mut places = vec![0];
+        for alpha in exponents {
+            let mut part = [0; N];
+            let mut place = 0;
+            for state in (0..N).filter(|&i| alpha[i] > 0) {
+                part[state] = alpha[state];
+                place = *known.entry(part).or_insert_with(|| {
+                    steps.push(Step { shorter: place, state, degree: alpha[state] as usize });
+                    steps.len() - 1
+                });
+            }
+            places.push(place);
+        }
+        let degrees = steps.iter().map(|s| s.degree).max().unwrap_or(0) + 1;
+        Products { centre, half_width, steps, places, degrees }
+    }
+
+    /// The number of functions, the constant included.
+    pub(super) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    pub(super) fn scratch(&self) -> Scratch {
+        let (entries, size) = (N * self.degrees, self.steps.len());
+        Scratch {
+            table: vec![[ZERO; 3]; entries],
+            moved: vec![ZERO; entries],
+            entries: vec![ZERO; entries],
+            values: vec![ZERO; size],
+            rates: vec![ZERO; size],
+            slopes: vec![vec![ZERO; size]; N],
+        }
+    }
+
+    /// Places eight points: fills the tables and the values.
+    pub(super) fn place(&self, x: &[Lane; N], scratch: &mut Scratch) {
+        for i in 0..N {
+            let scale = self.half_width[i].recip();
+            let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
+            rows[0] = [[1.0; LANES], ZERO, ZERO];
+            if self.degrees > 1 {
+                rows[1] = [x[i].map(|x| (x - self.centre[i]) * scale), [scale; LANES], ZERO];
+            }
+            let t = rows.get(1).map_or(ZERO, |row| row[0]);
+            // (k+1) P_{k+1} = (2k+1) t P_k − k P_{k−1}, and the same rule differentiated.
+            for k in 1..self.degrees - 1 {
+                let n = k as f64;
+                let (a, b) = ((2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0));
+                for l in 0..LANES {
+                    let ([p, d, s], [p0, d0, s0]) = (rows[k].map(|r| r[l]), rows[k - 1].map(|r| r[l]));
+                    rows[k + 1][0][l] = a * t[l] * p - b * p0;
+                    rows[k + 1][1][l] = a * (t[l] * d + scale * p) - b * d0;
+                    rows[k + 1][2][l] = a * (t[l] * s + 2.0 * scale * d) - b * s0;
+                }
+            }
+        }
+        scratch.values[0] = [1.0; LANES];
+        for (k, step) in self.steps.iter().enumerate().skip(1) {
+            let factor = &scratch.table[step.state * self.degrees + step.degree][0];
+            let shorter = scratch.values[step.shorter];
+            scratch.values[k] = std::array::from_fn(|l| shorter[l] * factor[l]);
+        }
+    }
+
+    /// The value of function k at the points placed.
+    pub(super) fn value<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
+        &scratch.values[self.places[k]]
+    }
+
+    /// The image of function k under the operator of the last [`Products::apply`].
+    pub(super) fn image<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
+        &scratch.rates[self.places[k]]
+    }
+
+    /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed. `coupled` lists the states i with some B_ij ≠ 0, j ≠ i.
+    pub(super) fn apply(&self, operator: &Symbols<N>, coupled: &[usize], scratch: &mut Scratch) {
+        for i in 0..N {
+            for k in 0..self.degrees {
+                let at = i * self.degrees + k;
+                let [_, d, s] = &scratch.table[at];
+                let (b, c) = (&operator.first[i], &operator.second[i][i]);
+                scratch.moved[at] = std::array::from_fn(|l| b[l] * d[l] + 0.5 * c[l] * s[l]);
+            }
+        }
+        scratch.rates[0] = ZERO;
+        for &c in coupled {
+            scratch.slopes[c][0] = ZERO;
+        }
+        for (k, step) in self.steps.iter().enumerate().skip(1) {
+            let at = step.state * self.degrees + step.degree;
+            let ([p, d, _], moved) = (&scratch.table[at], &scratch.moved[at]);
+            let (value, rate) = (&scratch.values[step.shorter], &scratch.rates[step.shorter]);
+            let mut sum: Lane = std::array::from_fn(|l| rate[l] * p[l] + value[l] * moved[l]);
+            for &c in coupled {
+                let slope = scratch.slopes[c][step.shorter];
+                let mixed = &operator.second[c][step.state];
+                for l in 0..LANES {
+                    // The shorter product does not contain this state, so that each pair is met once.
+                    sum[l] += mixed[l] * slope[l] * d[l];
+                }
+                let own = if c == step.state { 1.0 } else { 0.0 };
+                scratch.slopes[c][k] = std::array::from_fn(|l| slope[l] * p[l] + own * value[l] * d[l]);
+            }
+            scratch.rates[k] = sum;
+        }
+    }
+
+    /// Σ a_k φ_k at the points placed, a₀ the constant's.
+    pub(super) fn sum(&self, a: &[f64], scratch: &Scratch) -> Lane {
+        let mut sum = ZERO;
+        for (a, &place) in a.iter().zip(&self.places) {
+            let value = &scratch.values[place];
+            (0..LANES).for_each(|l| sum[l] += a * value[l]);
+        }
+        sum
+    }
+
+    /// ∇ Σ a_k φ_k at the points placed, by one sweep back through the tree. Overwrites what [`Products::apply`] left.
+    pub(super) fn gradient(&self, a: &[f64], scratch: &mut Scratch) -> [Lane; N] {
+        let sensitivity = &mut scratch.rates;
+        sensitivity.fill(ZERO);
+        scratch.entries.fill(ZERO);
+        for (&a, &place) in a.iter().zip(&self.places) {
+            sensitivity[place] = [a; LANES];
+        }
+        for (k, step) in self.steps.iter().enumerate().skip(1).rev() {
+            let at = step.state * self.degrees + step.degree;
+            let (own, factor, value) = (sensitivity[k], &scratch.table[at][0], &scratch.values[step.shorter]);
+            let (shorter, entry) = (&mut sensitivity[step.shorter], &mut scratch.entries[at]);
+            for l in 0..LANES {
+                shorter[l] += own[l] * factor[l];
+                entry[l] += own[l] * value[l];
+            }
+        }
+        std::array::from_fn(|i| {
+            let mut sum = ZERO;
+            for at in i * self.degrees..(i + 1) * self.degrees {
+                (0..LANES).for_each(|l| sum[l] += scratch.entries[at][l] * scratch.table[at][1][l]);
+            }
+            sum
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closure::space::{Local, Polynomials, Space};
+
+    /// The tree's sweeps give what the functions one by one give.
+    #[test]
+    fn sweeps_agree_with_single_functions() {
+        let exponents = vec![[1, 0, 0], [0, 2, 0], [1, 1, 0], [3, 1, 2], [0, 0, 5]];
+        let (centre, half) = ([0.1, -0.2, 0.3], [1.5, 0.7, 2.0]);
+        let products = Products::new(centre, half, &exponents);
+        let space = Polynomials::new(centre, half, exponents);
+        let mut scratch = products.scratch();
+        let x: [Lane; 3] = std::array::from_fn(|i| std::array::from_fn(|l| 0.3 * i as f64 - 0.2 * l as f64 + 0.1));
+        let local = Local { drift: [0.4, -0.9, 1.3], diffusion: [[0.5, 0.1, 0.0], [0.1, 0.8, -0.3], [0.0, -0.3, 1.1]] };
+        let symbols = Symbols {
+            first: local.drift.map(|f| [f; LANES]),
+            second: local.diffusion.map(|row| row.map(|b| [b; LANES])),
+        };
+        let a = [0.7, 0.3, -1.2, 0.5, 0.7, -0.4];
+        products.place(&x, &mut scratch);
+        products.apply(&symbols, &[0, 1, 2], &mut scratch);
+        for l in 0..LANES {
+            let point = std::array::from_fn(|i| x[i][l]);
+            let (mut values, mut rates) = ([0.0; 5], [0.0; 5]);
+            space.rates(&point, &local, &mut values, &mut rates);
+            for k in 0..5 {
+                assert!((products.value(&scratch, k + 1)[l] - values[k]).abs() < 1e-12 * (1.0 + values[k].abs()));
+                assert!((products.image(&scratch, k + 1)[l] - rates[k]).abs() < 1e-11 * (1.0 + rates[k].abs()));
+            }
+        }
+        let (sum, gradient) = (products.sum(&a, &scratch), products.gradient(&a, &mut scratch));
+        for l in 0..LANES {
+            let jet = space.combination(&std::array::from_fn(|i| x[i][l]), &a[1..]);
+            assert!((sum[l] - 0.7 - jet.value).abs() < 1e-12 * (1.0 + jet.value.abs()));
+            for i in 0..3 {
+                assert!((gradient[i][l] - jet.gradient[i]).abs() < 1e-11 * (1.0 + jet.gradient[i].abs()));
+            }
+        }
+    }
+}

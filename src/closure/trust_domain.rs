@@ -1,0 +1,230 @@
+use super::pilot::Pilot;
+use super::symmetry::Symmetry;
+
+/// Angular sectors in two states.
+const SECTORS: usize = 48;
+
+/// Steps along a ray when its end is looked for.
+const RAY: usize = 128;
+/// The guard's least fall for each reach.
+const STEEP: f64 = 20.0;
+/// A logarithmic density that rises this far below its peak is no longer believed.
+const RISING: f64 = 5.0;
+
+/// Where the pilot has been, slightly widened: the part of the state space on which a closure is defined.
+///
+/// It is star-shaped about its centre. In one state it is an interval, in two its reach depends on the direction, by 48
+/// sectors, and in more it is an ellipsoid along the states' axes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TrustDomain<const N: usize> {
+    centre: [f64; N],
+    /// The scales of the states, in which directions and distances are measured.
+    scale: [f64; N],
+    /// The reach by direction, in units of the scales.
+    reach: Vec<f64>,
+    /// The limits of state 0 where walls stand.
+    walls: [f64; 2],
+}
+
+impl<const N: usize> TrustDomain<N> {
+    /// The hull of the pilot's states and their mirror images about `centre`, with all distances multiplied by
+    /// `widening`. Walls at state 0, if any, stay where they are.
+    pub(super) fn new(
+        pilot: &Pilot<N>,
+        symmetry: &Symmetry<N>,
+        centre: [f64; N],
+        walls: [Option<f64>; 2],
+        widening: f64,
+    ) -> Self {
+        let images = || pilot.states.iter().flat_map(|x| symmetry.images(*x));
+        let scale = std::array::from_fn(|i| images().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max));
+        let walls = [walls[0].unwrap_or(f64::NEG_INFINITY), walls[1].unwrap_or(f64::INFINITY)];
+        let sectors = match N {
+            1 => 2,
+            2 => SECTORS,
+            _ => 1,
+        };
+        let mut domain = TrustDomain { centre, scale, reach: vec![0.0; sectors], walls };
+        let mut reach = vec![0.0_f64; sectors];
+        for x in images() {
+            let sector = domain.sector(&x).0;
+            reach[sector] = reach[sector].max(domain.distance(&x));
+        }
+        if N == 2 {
+            // A sector that few states have met reaches at least as far as the mean of its neighbours.
+            domain.reach = (0..SECTORS)
+                .map(|k| reach[k].max((reach[k] + reach[(k + 1) % SECTORS] + reach[(k + SECTORS - 1) % SECTORS]) / 3.0))
+                .collect();
+        } else {
+            domain.reach = reach;
+        }
+        domain.reach.iter_mut().for_each(|r| *r *= widening);
+        domain
+    }
+
+    /// The domain as far as a logarithmic density `log` falls: in each direction from three quarters of the present reach
+    /// outwards, until it is `drop` below its highest value anywhere, begins to rise again, or the reach has grown by
+    /// `most`.
+    pub(super) fn following(&self, log: impl Fn(&[f64; N]) -> f64, drop: f64, most: f64) -> Self {
+        let rays: Vec<Vec<f64>> =
+            (0..self.reach.len()).map(|k| (0..=RAY).map(|step| log(&self.on_ray(k, step, most))).collect()).collect();
+        let inner = (0.75 / most * RAY as f64) as usize;
+        let highest = rays.iter().flat_map(|ray| &ray[..=inner]).copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut domain = self.clone();
+        for (reach, ray) in domain.reach.iter_mut().zip(&rays) {
+            let mut step = inner;
+            while step < RAY
+                && ray[step] > highest - drop
+                && !(ray[step + 1] > ray[step] && ray[step] < highest - RISING)
+            {
+                step += 1;
+            }
+            *reach *= most * step as f64 / RAY as f64;
+        }
+        domain
+    }
+
+    /// The point at `step` of `RAY` on the way from the centre through the middle of a sector to `most` times its reach;
+    /// beyond a wall, the point of the wall at the same height.
+    fn on_ray(&self, sector: usize, step: usize, most: f64) -> [f64; N] {
+        let mut x = self.free_ray(sector, step, most);
+        x[0] = x[0].clamp(self.walls[0], self.walls[1]);
+        x
+    }
+
+    fn free_ray(&self, sector: usize, step: usize, most: f64) -> [f64; N] {
+        let r = self.reach[sector] * most * step as f64 / RAY as f64;
+        let phi = (sector as f64 + 0.5) / SECTORS as f64 * std::f64::consts::TAU;
+        let direction = |i: usize| match (N, i) {
+            (1, _) => [-1.0, 1.0][sector],
+            (2, 0) => phi.cos(),
+            (2, 1) => phi.sin(),
+            _ => 0.0,
+        };
+        std::array::from_fn(|i| self.centre[i] + self.scale[i] * r * direction(i))
+    }
+
+    /// Whether a state lies inside.
+    pub(super) fn contains(&self, x: &[f64; N]) -> bool {
+        self.between_walls(x[0]) && self.distance(x) <= self.reach_towards(x)
+    }
+
+    /// The box around the domain.
+    pub(super) fn bounds(&self) -> [[f64; 2]; N] {
+        let widest = self.reach.iter().copied().fold(0.0, f64::max);
+        let mut bounds = std::array::from_fn(|i| {
+            let half = self.scale[i] * self.extent(i).min(widest);
+            [self.centre[i] - half, self.centre[i] + half]
+        });
+        bounds[0] = [bounds[0][0].max(self.walls[0]), bounds[0][1].min(self.walls[1])];
+        bounds
+    }
+
+    /// The middle and the half widths of that box.
+    pub(super) fn box_around(&self) -> [[f64; N]; 2] {
+        let bounds = self.bounds();
+        [bounds.map(|[low, high]| (low + high) / 2.0), bounds.map(|[low, high]| (high - low) / 2.0)]
+    }
+
+    /// The domain cut back, in each direction, to the outermost point where a logarithmic density is not yet `drop` below
+    /// its highest value on any ray, the centre itself left out: above a wall the density may be infinite there.
+    pub(super) fn above(&self, log: impl Fn(&[f64; N]) -> f64, drop: f64) -> Self {
+        let rays: Vec<Vec<f64>> =
+            (0..self.reach.len()).map(|k| (1..=RAY).map(|step| log(&self.on_ray(k, step, 1.0))).collect()).collect();
+        let highest = rays.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut domain = self.clone();
+        for (reach, ray) in domain.reach.iter_mut().zip(&rays) {
+            let outermost = ray.iter().rposition(|log| *log > highest - drop);
+            *reach *= outermost.map_or(0.0, |step| (step + 1) as f64 / RAY as f64);
+        }
+        domain
+    }
+
+    /// The mass beyond the edge if a logarithmic density falls on at the rate that it has there.
+    pub(super) fn mass_beyond(&self, log: impl Fn(&[f64; N]) -> f64) -> f64 {
+        if N > 2 {
+            return f64::NAN;
+        }
+        let area: f64 = self.scale.iter().product();
+        let angle = std::f64::consts::TAU / SECTORS as f64;
+        (0..self.reach.len())
+            .filter(|&k| self.reach[k] > 0.0 && self.between_walls(self.free_ray(k, RAY, 1.0)[0]))
+            .map(|k| {
+                let edge = self.on_ray(k, RAY, 1.0);
+                let s = self.fall(&edge, &log);
+                let volume =
+                    area * if N == 1 { self.reach[k] / s } else { self.reach[k].powi(2) * angle * (1.0 + 1.0 / s) / s };
+                volume * log(&edge).exp()
+            })
+            .sum()
+    }
+
+    /// The guard: outside the domain, the value at the edge less at least `STEEP` for each time that the distance from
+    /// the centre exceeds the reach; −∞ behind walls.
+    pub(super) fn continued(&self, x: &[f64; N], log: impl Fn(&[f64; N]) -> f64) -> f64 {
+        if !self.between_walls(x[0]) {
+            return f64::NEG_INFINITY;
+        }
+        let excess = self.distance(x) / self.reach_towards(x).max(f64::MIN_POSITIVE);
+        let edge: [f64; N] = std::array::from_fn(|i| self.centre[i] + (x[i] - self.centre[i]) / excess);
+        log(&edge) - self.fall(&edge, &log) * (excess - 1.0)
+    }
+
+    /// How steeply a logarithmic density falls outwards at a point of the edge, for each reach; at least `STEEP`.
+    fn fall(&self, edge: &[f64; N], log: impl Fn(&[f64; N]) -> f64) -> f64 {
+        const NEAR: f64 = 0.99;
+        let inner = std::array::from_fn(|i| self.centre[i] + NEAR * (edge[i] - self.centre[i]));
+        ((log(&inner) - log(edge)) / (1.0 - NEAR)).max(STEEP)
+    }
+
+    fn between_walls(&self, x: f64) -> bool {
+        (self.walls[0]..=self.walls[1]).contains(&x)
+    }
+
+    /// How far the domain extends along one state, in units of its scale.
+    fn extent(&self, state: usize) -> f64 {
+        if N != 2 {
+            return self.reach.iter().copied().fold(0.0, f64::max);
+        }
+        // Between the middles of two sectors the reach is interpolated: the farther of both bounds it.
+        let angle = |k: usize| (k as f64 + 0.5) / SECTORS as f64 * std::f64::consts::TAU;
+        let along = |phi: f64| if state == 0 { phi.cos().abs() } else { phi.sin().abs() };
+        (0..8 * SECTORS)
+            .map(|fine| {
+                let at = fine as f64 / 8.0;
+                let (k, share) = (at as usize, at.fract());
+                let reach = self.reach[k] * (1.0 - share) + self.reach[(k + 1) % SECTORS] * share;
+                reach * along(angle(0) + at / SECTORS as f64 * std::f64::consts::TAU)
+            })
+            .fold(0.0, f64::max)
+            * 1.001
+    }
+
+    /// The distance from the centre, in units of the scales.
+    fn distance(&self, x: &[f64; N]) -> f64 {
+        (0..N).map(|i| ((x[i] - self.centre[i]) / self.scale[i]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// The sector of a state's direction, and how far it lies past the sector's middle, in sectors.
+    fn sector(&self, x: &[f64; N]) -> (usize, f64) {
+        match N {
+            1 => (usize::from(x[0] > self.centre[0]), 0.0),
+            2 => {
+                let z: [f64; N] = std::array::from_fn(|i| (x[i] - self.centre[i]) / self.scale[i]);
+                let turn = (z[1].atan2(z[0]) / std::f64::consts::TAU).rem_euclid(1.0) * SECTORS as f64;
+                let sector = (turn as usize).min(SECTORS - 1);
+                (sector, turn - sector as f64 - 0.5)
+            }
+            _ => (0, 0.0),
+        }
+    }
+
+    fn reach_towards(&self, x: &[f64; N]) -> f64 {
+        let (sector, past) = self.sector(x);
+        if N != 2 {
+            return self.reach[sector];
+        }
+        let neighbour = if past > 0.0 { (sector + 1) % SECTORS } else { (sector + SECTORS - 1) % SECTORS };
+        self.reach[sector] * (1.0 - past.abs()) + self.reach[neighbour] * past.abs()
+    }
+}
