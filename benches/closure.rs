@@ -1,4 +1,4 @@
-//! The classical closure from the system to its coefficients, per order; order 2 is the baseline of each group.
+//! Both closures from the system to its density, per order; order 2 of the classical one is the baseline of each group.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use expoly::models::{CubicDamping, Duffing, DuffingChain};
@@ -33,6 +33,22 @@ fn wall(criterion: &mut Criterion) {
     group.finish();
 }
 
+fn robust(criterion: &mut Criterion) {
+    let Ok(inexact) = CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5) else { return };
+    let (Ok(duffing), Ok(wall)) = (Duffing::new(0.2, 1.0, 0.3, 0.2), Barrier::new(-0.5, 0.95)) else { return };
+    let Ok(chain) = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8) else { return };
+    let mut group = criterion.benchmark_group("robust, pilot included");
+    group.sample_size(10);
+    group.bench_function("classical, n = 2", |b| b.iter(|| Closure::classical(2).solve(black_box(&inexact))));
+    for order in [4, 8, 12] {
+        let closure = Closure::new(order);
+        group.bench_function(format!("two states, n = {order}"), |b| b.iter(|| closure.solve(black_box(&inexact))));
+    }
+    group.bench_function("a wall, n = 8", |b| b.iter(|| Closure::new(8).solve_with_wall(black_box(&duffing), wall)));
+    group.bench_function("4 states, n = 4", |b| b.iter(|| Closure::new(4).solve(black_box(&chain))));
+    group.finish();
+}
+
 fn more_states(criterion: &mut Criterion) {
     let Ok(chain) = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8) else { return };
     let Ok(long) = DuffingChain::new([0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8) else { return };
@@ -46,5 +62,5 @@ fn more_states(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, whole_space, wall, more_states);
+criterion_group!(benches, whole_space, wall, robust, more_states);
 criterion_main!(benches);

@@ -40,7 +40,12 @@ fn json_is_one_object_with_the_promised_fields() {
     assert_eq!(answer["parameters"]["offset"], -0.5);
     let (closure, simulation, grid) = (&answer["closure"], &answer["simulation"], &answer["grid"]);
     assert_eq!((closure["order"].as_u64(), closure["unknowns"].as_u64()), (Some(4), Some(14)));
-    assert_eq!((closure["basis"].as_str(), closure["termination"].as_str()), (Some("folded"), Some("root")));
+    assert_eq!((closure["method"].as_str(), closure["basis"].as_str()), (Some("classical"), Some("folded")));
+    assert_eq!(closure["termination"], "root");
+    // A method that does not judge itself says so.
+    for field in ["indicator", "l1_estimate", "least_residual", "warning", "refusal"] {
+        assert!(closure[field].is_null(), "{field}: {closure}");
+    }
     assert_eq!(simulation["seed"], 7);
     for field in ["mean_displacement", "variance_displacement", "mean_square_velocity", "impact_rate"] {
         let (value, error) = (&simulation[field]["value"], &simulation[field]["standard_error"]);
@@ -61,6 +66,37 @@ fn json_is_one_object_with_the_promised_fields() {
     }
 }
 
+/// Without a basis the closure is the robust one, of order 8, which knows its own error.
+#[test]
+fn the_closure_by_default_estimates_its_error() {
+    let run_with = |more: &[&str]| -> Value {
+        let fixed = ["--json", "--offset", "-0.5", "--restitution", "0.9", "--at", "-0.5,0.2"];
+        let output = run("vibro_impact", &[&fixed[..], more].concat());
+        assert!(output.status.success(), "{more:?}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let answer = run_with(&["--method", "closure", "--seed", "3"]);
+    assert!(answer.get("simulation").is_none() && answer.get("grid").is_none());
+    let closure = &answer["closure"];
+    assert_eq!((closure["method"].as_str(), closure["order"].as_u64()), (Some("robust"), Some(8)));
+    assert_eq!(closure["seed"], 3);
+    assert!(closure["l1_estimate"].as_f64().unwrap() < 1e-3, "{closure}");
+    assert!(closure["indicator"].as_f64().unwrap() < 1e-2, "{closure}");
+    assert_eq!((&closure["least_residual"], &closure["termination"]), (&true.into(), &"least residual".into()));
+    assert!(closure["origin"].as_str().unwrap().starts_with("moment equations") && closure["warning"].is_null());
+    // E y′² and the impact rate by the grid: 0.82455 and 0.21225.
+    assert!((closure["mean_square_velocity"].as_f64().unwrap() / 0.82455 - 1.0).abs() < 1e-3);
+    assert!((closure["impact_rate"].as_f64().unwrap() / 0.21225 - 1.0).abs() < 1e-3);
+    assert_eq!(closure["displacement_pdf"].as_array().unwrap().len(), 2);
+    // The weight is the fit's: all for the middle, or half for the tails.
+    let origin =
+        |weight| run_with(&["--method", "closure", "--order", "4", "--weight", weight])["closure"]["origin"].clone();
+    assert_eq!(origin("density"), "moment equations, tails 0.000");
+    assert_eq!(origin("0.5"), "moment equations, tails 0.500");
+    let classical = run_with(&["--method", "classical"]);
+    assert_eq!((&classical["closure"]["basis"], &classical["closure"]["order"]), (&"classical".into(), &4.into()));
+}
+
 /// The same seed prints the same simulation; another one another.
 #[test]
 fn a_seed_fixes_the_answer() {
@@ -77,7 +113,7 @@ fn a_seed_fixes_the_answer() {
 /// A closure without a density has statistics that are null beside the reason, not instead of it.
 #[test]
 fn a_missing_density_is_explained() {
-    let arguments = ["--json", "--method", "closure", "--restitution", "0.9", "--order", "6", "--at", "0.1"];
+    let arguments = ["--json", "--method", "classical", "--restitution", "0.9", "--order", "6", "--at", "0.1"];
     let output = run("vibro_impact", &arguments);
     assert!(output.status.success());
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -95,6 +131,11 @@ fn wrong_options_name_the_value_on_standard_error() {
         (&["--damping", "nan"], "NaN"),
         (&["--damping", "-0.3"], "no stationary density"),
         (&["--order", "0"], "order"),
+        (&["--order", "11"], "11"),
+        (&["--order", "0", "--basis", "folded"], "order"),
+        (&["--weight", "1.5"], "1.5"),
+        (&["--weight", "nan"], "NaN"),
+        (&["--weight", "heavy"], "heavy"),
         (&["--samples", "0"], "samples"),
         (&["--at", "0.1,inf"], "inf"),
         (&["--degree", "0"], "degree"),
@@ -174,13 +215,79 @@ fn tables_keep_every_digit() {
     assert_eq!(back, row);
 }
 
+fn order_study(arguments: &[&str]) -> Value {
+    let output = run("order_convergence", &[arguments, &["--json"]].concat());
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
 #[test]
 fn an_order_study_has_one_row_an_order() {
-    let output = run("order_convergence", &["--model", "duffing", "--orders", "2,4,6", "--json"]);
-    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let answer = order_study(&["--model", "duffing", "--orders", "2,4,6"]);
     let rows = answer["rows"].as_array().unwrap();
     assert_eq!(rows.iter().map(|row| row["order"].as_u64().unwrap()).collect::<Vec<_>>(), [2, 4, 6]);
     assert!(rows[0]["l1"].as_f64().unwrap() > 0.01 && rows[1]["l1"].as_f64().unwrap() < 1e-10);
-    let output = run("order_convergence", &["--model", "nonsense"]);
-    assert!(!output.status.success() && String::from_utf8(output.stderr).unwrap().contains("there are linear"));
+    assert_eq!((&rows[0]["least_residual"], &rows[1]["least_residual"]), (&true.into(), &false.into()));
+    let estimate = rows[0]["l1_estimate"].as_f64().unwrap();
+    assert!((0.5..2.0).contains(&(rows[0]["l1"].as_f64().unwrap() / estimate)), "{}", rows[0]);
+    assert_eq!(rows[1]["origin"], "exact");
+    assert!(rows.iter().all(|row| row["method"] == "robust" && row["indicator"].is_number()));
+}
+
+/// Where the literature's closure has no root, the robust one has a density, and both rows stand beside each other.
+#[test]
+fn an_order_study_sets_the_classical_closure_beside_the_robust_one() {
+    let options = ["--model", "van_der_pol", "--orders", "6", "--method", "both", "--weight", "density", "--seed", "2"];
+    let answer = order_study(&options);
+    let [robust, classical] = answer["rows"].as_array().unwrap().as_slice() else { panic!("{answer}") };
+    assert!(robust["l1"].as_f64().unwrap() < 0.1 && robust["seed"] == 2, "{robust}");
+    assert_eq!(robust["origin"], "moment equations, tails 0.000");
+    assert!(classical["l1"].is_null() && classical["termination"] == "no root", "{classical}");
+    assert!(classical["refusal"].as_str().unwrap().contains("no root"));
+    let alone = order_study(&["--orders", "4", "--method", "classical"]);
+    assert_eq!(alone["rows"].as_array().unwrap().len(), 1);
+}
+
+/// Four states: the nodes are the pilot's states, and no number is NaN, which JSON would refuse.
+#[test]
+fn an_order_study_takes_more_than_two_states() {
+    let answer = order_study(&["--model", "two_degrees_of_freedom", "--orders", "2", "--nodes", "samples"]);
+    let row = &answer["rows"][0];
+    assert!((0.02..0.15).contains(&row["l1"].as_f64().unwrap()), "{row}");
+    assert!(row["origin"].as_str().unwrap().contains("Galerkin") && row["l1_estimate"].is_number());
+}
+
+#[test]
+fn wrong_options_of_an_order_study_are_named() {
+    for (arguments, expected) in [
+        (&["--model", "nonsense"][..], "there are linear"),
+        (&["--orders", "2,0"], "order"),
+        (&["--orders", "17"], "17"),
+        (&["--weight", "-0.5"], "-0.5"),
+        (&["--weight", "tails"], "tails"),
+        (&["--nodes", "some"], "some"),
+        (&["--model", "two_degrees_of_freedom", "--nodes", "tensor"], "tensor"),
+        (&["--model", "two_degrees_of_freedom", "--reference", "grid"], "two states"),
+        (&["--model", "van_der_pol", "--reference", "exact"], "no exact density"),
+    ] {
+        let output = run("order_convergence", arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && output.stdout.is_empty(), "{arguments:?}");
+        assert!(message.starts_with("error: ") && message.contains(expected), "{arguments:?}: {message}");
+        assert!(!message.contains("panicked"), "{message}");
+    }
+}
+
+/// Three states: the closure's moments agree with the simulation's.
+#[test]
+fn many_states_prints_moments_beside_a_simulation() {
+    let output = run("many_states", &["--filter", "--samples", "20000"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("3 states, 21 unknowns"), "{text}");
+    let off = |line: &str| line.split_whitespace().rev().nth(1).unwrap().parse::<f64>().unwrap();
+    let moments: Vec<f64> = text.lines().filter(|line| line.starts_with("E ")).map(off).collect();
+    // 20 000 samples know fourth moments to some percent.
+    assert!(moments.len() == 6 && moments.iter().all(|percent| percent.abs() < 15.0), "{text}");
+    let output = run("many_states", &["--oscillators", "4"]);
+    assert!(!output.status.success() && String::from_utf8(output.stderr).unwrap().contains("2, 3 and 5"));
 }
