@@ -13,7 +13,7 @@ const NAMES: &str = "linear, duffing, bistable, three_wells, van_der_pol_rayleig
 
 /// Studies the model of the plan's name.
 pub(crate) fn study(plan: &Plan<'_>) -> Result<Study, Box<dyn std::error::Error>> {
-    let name = plan.model;
+    let name = plan.0.model.as_str();
     Ok(match name {
         "linear" => plan.solved("x'' + 0.2 x' + x, D = 0.2", &Linear::new(0.2, 1.0, 0.2)?)?,
         "duffing" => plan.solved("x'' + 0.2 x' + x + 0.3 x^3, D = 0.2", &Duffing::new(0.2, 1.0, 0.3, 0.2)?)?,
@@ -40,7 +40,7 @@ pub(crate) fn study(plan: &Plan<'_>) -> Result<Study, Box<dyn std::error::Error>
         }
         "two_degrees_of_freedom" => {
             let model = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?;
-            plan.against_exact("two coupled Duffing oscillators, T = 0.8", &model, &model.exact()?)?
+            plan.many_states("two coupled Duffing oscillators, T = 0.8", &model, &model.exact()?)?
         }
         "parametric_linear" => {
             let model = ParametricLinear::new(0.1, 1.0, 0.5, 0.2)?;

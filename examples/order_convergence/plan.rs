@@ -1,20 +1,16 @@
 //! What the orders are compared with: the exact density, the grid or a simulation.
 
-use crate::Reference;
-use crate::rows::{Study, row};
+use crate::rows::{Row, Study};
+use crate::support::closure::{Closed, EitherDensity};
+use crate::support::json::Number;
 use crate::support::progress::{simulation_bar, spinner};
+use crate::{Options, Reference};
 use expoly::models::{PowerLaw, Solved};
-use expoly::{Closure, Density, ExpPolynomial, Grid, Histogram, PolynomialDrift, Simulation, compare};
+use expoly::{Closure, Density, Grid, Histogram, PolynomialDrift, Simulation, compare};
 
-/// A model's name, the orders, and the reference.
+/// The study that the options ask for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plan<'a> {
-    pub(crate) model: &'a str,
-    pub(crate) orders: &'a [u32],
-    pub(crate) reference: Option<Reference>,
-    pub(crate) samples: usize,
-    pub(crate) seed: u64,
-}
+pub(crate) struct Plan<'a>(pub(crate) &'a Options);
 
 type Outcome = Result<Study, Box<dyn std::error::Error>>;
 
@@ -33,25 +29,38 @@ impl Plan<'_> {
         &self,
         equation: &str,
         system: &T,
-        exact: Option<&impl Density<2>>,
+        exact: Option<&(impl Density<2> + Sync)>,
     ) -> Outcome {
         let best = if exact.is_some() { Reference::Exact } else { Reference::Grid };
-        match (self.reference.unwrap_or(best), exact) {
+        match (self.0.reference.unwrap_or(best), exact) {
             (Reference::Exact, Some(exact)) => self.against_exact(equation, system, exact),
-            (Reference::Exact, None) => Err(format!("--model {}: no exact density is known", self.model).into()),
+            (Reference::Exact, None) => Err(format!("--model {}: no exact density is known", self.0.model).into()),
             (Reference::Grid, _) => self.against_grid(equation, system),
             (Reference::Simulation, _) => self.against_simulation(equation, system),
         }
     }
 
-    /// A model of any number of states.
-    pub(crate) fn against_exact<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
+    /// A model of any number of states with an exact density.
+    pub(crate) fn many_states<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize>(
         &self,
         equation: &str,
         system: &T,
-        exact: &impl Density<N>,
+        exact: &(impl Density<N> + Sync),
     ) -> Outcome {
-        let distance = |density: &ExpPolynomial<N>| Ok(compare::l1(density, exact).value);
+        match self.0.reference.unwrap_or(Reference::Exact) {
+            Reference::Exact => self.against_exact(equation, system, exact),
+            Reference::Grid => Err(format!("--model {}: the grid takes two states, not {N}", self.0.model).into()),
+            Reference::Simulation => self.against_simulation(equation, system),
+        }
+    }
+
+    fn against_exact<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize>(
+        &self,
+        equation: &str,
+        system: &T,
+        exact: &(impl Density<N> + Sync),
+    ) -> Outcome {
+        let distance = |density: &EitherDensity<N>| Ok(density.l1(exact));
         let reference = String::from("against the exact density");
         self.study(equation, system, ("joint L1", reference, None), &distance)
     }
@@ -60,7 +69,7 @@ impl Plan<'_> {
         let sign = spinner("grid");
         let grid = Grid::new().solve(system)?;
         sign.finish_and_clear();
-        let distance = |density: &ExpPolynomial<2>| Ok(grid.l1_distance(density).value);
+        let distance = |density: &EitherDensity<2>| Ok(grid.l1_distance(density).value);
         let provenance = grid.provenance();
         let (x, v) = (grid.moment([2, 0]), grid.moment([0, 2]));
         let reference = format!(
@@ -70,21 +79,21 @@ impl Plan<'_> {
         self.study(equation, system, ("joint L1", reference, Some(provenance.l1_error)), &distance)
     }
 
-    fn against_simulation<T: PolynomialDrift<2, M> + Sync, const M: usize>(
+    fn against_simulation<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize>(
         &self,
         equation: &str,
         system: &T,
     ) -> Outcome {
         let (bar, callback) = simulation_bar("simulation");
-        let simulated = Simulation::new(system).samples(self.samples).seed(self.seed).progress(callback).run()?;
+        let simulated = Simulation::new(system).samples(self.0.samples).seed(self.0.seed).progress(callback).run()?;
         bar.finish_and_clear();
         let histogram: &Histogram<1> = simulated.histogram(0)?;
-        let distance = |density: &ExpPolynomial<2>| Ok(compare::with_histogram(density, 0, histogram)?.l1);
+        let distance = |density: &EitherDensity<N>| Ok(compare::with_histogram(density, 0, histogram)?.l1);
         // The noise is the histogram's own and the same for every density; one is needed to ask for it.
         let gaussian = Closure::classical(2).solve(system)?.density()?;
         let noise = compare::with_histogram(&gaussian, 0, histogram)?.noise;
         let provenance = simulated.provenance();
-        let (x, v) = (simulated.moment([2, 0]), simulated.moment([0, 2]));
+        let [x, v] = [0, 1].map(|state| simulated.moment(square(state)));
         let reference = format!(
             "against {} samples, seed {}, time step {}: E x1^2 = {x:.5}, E x2^2 = {v:.5}, noise of L1 {noise:.1e}",
             provenance.samples, provenance.seed, provenance.time_step
@@ -92,20 +101,37 @@ impl Plan<'_> {
         self.study(equation, system, ("L1 of p(x)", reference, Some(noise)), &distance)
     }
 
-    fn study<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
+    fn study<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize>(
         &self,
         equation: &str,
         system: &T,
         (measure, reference, noise): (&'static str, String, Option<f64>),
-        distance: &impl Fn(&ExpPolynomial<N>) -> expoly::Result<f64>,
+        distance: &impl Fn(&EitherDensity<N>) -> expoly::Result<f64>,
     ) -> Outcome {
+        let options = self.0;
+        let mut rows = Vec::new();
+        for &order in &options.orders {
+            if options.method.robust() {
+                let closure = Closure::new(order).weight(options.weight).nodes(options.nodes.into()).seed(options.seed);
+                rows.push(Row::new(Closed::robust(order, || closure.solve(system))?, system, distance)?);
+            }
+            if options.method.classical() {
+                let closed = Closed::classical(|| Closure::classical(order).solve(system))?;
+                rows.push(Row::new(closed, system, distance)?);
+            }
+        }
         Ok(Study {
-            model: self.model.to_owned(),
+            model: options.model.clone(),
             equation: equation.to_owned(),
             reference,
             measure,
-            noise,
-            rows: self.orders.iter().map(|order| row(system, *order, distance)).collect::<expoly::Result<_>>()?,
+            noise: noise.map(|noise| Number::new("noise", noise)),
+            rows,
         })
     }
+}
+
+/// The powers of x_i².
+pub(crate) fn square<const N: usize>(state: usize) -> [u32; N] {
+    std::array::from_fn(|i| if i == state { 2 } else { 0 })
 }

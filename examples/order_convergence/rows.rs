@@ -1,32 +1,26 @@
-//! The study: a row for each order.
+//! The study: a row for each order and method.
 
+use crate::plan::square;
+use crate::support::closure::{Closed, EitherDensity, Facts};
 use crate::support::json::Number;
-use expoly::{Closure, Density, ExpPolynomial, FokkerPlanck, PolynomialDrift, energy_balance};
+use expoly::{Density, FokkerPlanck, PolynomialDrift, energy_balance};
 use serde::Serialize;
 use std::fmt::Write;
-use std::time::Instant;
 
-/// One order of the closure. Without a density the statistics are missing and `refusal` says why.
-#[derive(Clone, Debug)]
+/// One closure. Without a density the statistics are missing.
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Row {
-    pub(crate) order: u32,
-    unknowns: usize,
-    termination: String,
-    route: String,
-    iterations: usize,
-    residual: f64,
-    condition: f64,
+    #[serde(flatten)]
+    pub(crate) facts: Facts,
     /// E x_i² of the first two states.
-    mean_squares: Option<[f64; 2]>,
+    mean_squares: Option<[Number; 2]>,
     /// The power balance, 0 for the truth.
-    balance: Option<f64>,
-    pub(crate) l1: Option<f64>,
-    refusal: Option<String>,
-    seconds: f64,
+    balance: Option<Number>,
+    pub(crate) l1: Option<Number>,
 }
 
 /// All orders of one model.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Study {
     pub(crate) model: String,
     pub(crate) equation: String,
@@ -35,8 +29,28 @@ pub(crate) struct Study {
     /// What `l1` measures.
     pub(crate) measure: &'static str,
     /// The distance that the reference's own error makes.
-    pub(crate) noise: Option<f64>,
+    pub(crate) noise: Option<Number>,
     pub(crate) rows: Vec<Row>,
+}
+
+impl Row {
+    pub(crate) fn new<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
+        closed: Closed<N>,
+        system: &T,
+        distance: &impl Fn(&EitherDensity<N>) -> expoly::Result<f64>,
+    ) -> expoly::Result<Self> {
+        let Closed { facts, density: Some(density), .. } = closed else {
+            return Ok(Row { facts: closed.facts, mean_squares: None, balance: None, l1: None });
+        };
+        let balance = energy_balance(&FokkerPlanck::new(system)?, &density, None)?;
+        let mean_square = |state| Number::new("mean_squares", density.moment(square(state)).value);
+        Ok(Row {
+            facts,
+            mean_squares: Some([mean_square(0), mean_square(1.min(N - 1))]),
+            balance: Some(Number::new("balance", balance.value)),
+            l1: Some(Number::new("l1", distance(&density)?)),
+        })
+    }
 }
 
 impl Study {
@@ -47,117 +61,44 @@ impl Study {
         // Writing to a string cannot fail, here and below.
         let _ = writeln!(
             text,
-            "{:>3} {:>9}  {:16} {:>5} {:>9} {:>9} {:>10} {:>10} {:>9} {:>9} {:>9}",
-            "n", "unknowns", "termination", "iter", "|F|", "cond", "E x1^2", "E x2^2", "balance", "L1", "ms"
+            "{:16} {:>8}  {:16} {:>9} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "closure",
+            "unknowns",
+            "termination",
+            "|F|",
+            "E x1^2",
+            "E x2^2",
+            "balance",
+            "L1",
+            "estimate",
+            "indicator",
+            "ms"
         );
         for row in &self.rows {
-            let [x, v] =
-                row.mean_squares.map_or([String::from("-"), String::from("-")], |m| m.map(|m| format!("{m:.6}")));
-            let [balance, l1] = [row.balance, row.l1]
-                .map(|value| value.map_or_else(|| String::from("-"), |value| format!("{value:.1e}")));
+            let facts = &row.facts;
+            let shown = |number: Option<Number>| {
+                number.map_or_else(|| String::from("-"), |number| format!("{:.1e}", number.value()))
+            };
+            let [x, v] = row
+                .mean_squares
+                .map_or([String::from("-"), String::from("-")], |m| m.map(|m| format!("{:.6}", m.value())));
+            let [residual, balance, l1, estimate, indicator] =
+                [facts.residual, row.balance, row.l1, facts.l1_estimate, facts.indicator].map(shown);
             let _ = writeln!(
                 text,
-                "{:>3} {:>9}  {:16} {:>5} {:>9.1e} {:>9.1e} {x:>10} {v:>10} {balance:>9} {l1:>9} {:>9.2}",
-                row.order,
-                row.unknowns,
-                row.termination,
-                row.iterations,
-                row.residual,
-                row.condition,
-                1e3 * row.seconds
+                "{:16} {:>8}  {:16} {residual:>9} {x:>10} {v:>10} {balance:>9} {l1:>9} {estimate:>9} {indicator:>9} \
+                 {:>9.2}",
+                facts.name(),
+                facts.unknowns.map_or_else(|| String::from("-"), |unknowns| unknowns.to_string()),
+                facts.termination,
+                1e3 * facts.seconds.value()
             );
         }
+        for facts in self.rows.iter().map(|row| &row.facts) {
+            if let Some(reason) = facts.warning.or(facts.refusal.as_deref()) {
+                let _ = writeln!(text, "{}: {reason}", facts.name());
+            }
+        }
         text
-    }
-
-    /// The study for JSON.
-    pub(crate) fn report(&self) -> impl Serialize + use<> {
-        Report {
-            model: self.model.clone(),
-            equation: self.equation.clone(),
-            reference: self.reference.clone(),
-            measure: self.measure,
-            noise: self.noise.map(|noise| Number::new("noise", noise)),
-            rows: self.rows.iter().map(RowReport::new).collect(),
-        }
-    }
-}
-
-pub(crate) fn row<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
-    system: &T,
-    order: u32,
-    distance: &impl Fn(&ExpPolynomial<N>) -> expoly::Result<f64>,
-) -> expoly::Result<Row> {
-    let start = Instant::now();
-    let solution = Closure::classical(order).solve(system)?;
-    let seconds = start.elapsed().as_secs_f64();
-    let density = solution.density();
-    let operator = FokkerPlanck::new(system)?;
-    let square = |density: &ExpPolynomial<N>, state: usize| {
-        density.moment(std::array::from_fn(|i| if i == state { 2 } else { 0 })).value
-    };
-    Ok(Row {
-        order,
-        unknowns: solution.unknowns(),
-        termination: solution.termination().to_string(),
-        route: solution.route().to_string(),
-        iterations: solution.iterations(),
-        residual: solution.residual(),
-        condition: solution.condition(),
-        mean_squares: density.as_ref().ok().map(|density| [square(density, 0), square(density, 1.min(N - 1))]),
-        balance: density
-            .as_ref()
-            .ok()
-            .map(|d| Ok::<f64, expoly::Error>(energy_balance(&operator, d, None)?.value))
-            .transpose()?,
-        l1: density.as_ref().ok().map(distance).transpose()?,
-        refusal: density.err().map(|error| error.to_string()),
-        seconds,
-    })
-}
-
-#[derive(Serialize)]
-struct Report {
-    model: String,
-    equation: String,
-    reference: String,
-    measure: &'static str,
-    noise: Option<Number>,
-    rows: Vec<RowReport>,
-}
-
-#[derive(Serialize)]
-struct RowReport {
-    order: u32,
-    unknowns: usize,
-    termination: String,
-    route: String,
-    refusal: Option<String>,
-    iterations: usize,
-    residual: Number,
-    condition: Option<Number>,
-    mean_squares: Option<[Number; 2]>,
-    balance: Option<Number>,
-    l1: Option<Number>,
-    seconds: Number,
-}
-
-impl RowReport {
-    fn new(row: &Row) -> Self {
-        RowReport {
-            order: row.order,
-            unknowns: row.unknowns,
-            termination: row.termination.clone(),
-            route: row.route.clone(),
-            refusal: row.refusal.clone(),
-            iterations: row.iterations,
-            residual: Number::new("residual", row.residual),
-            // A singular Jacobian has none.
-            condition: Some(row.condition).filter(|c| c.is_finite()).map(|c| Number::new("condition", c)),
-            mean_squares: row.mean_squares.map(|m| m.map(|m| Number::new("mean_squares", m))),
-            balance: row.balance.map(|balance| Number::new("balance", balance)),
-            l1: row.l1.map(|l1| Number::new("l1", l1)),
-            seconds: Number::new("seconds", row.seconds),
-        }
     }
 }

@@ -1,9 +1,10 @@
 //! Figures, and the numbers drawn in them as CSV.
 
 use crate::study::Study;
+use crate::support::closure::EitherDensity;
 use crate::support::figure::{Band, ContourPanel, Curve, Panel, Scale, Style, View, write_figure};
 use crate::support::file::write_csv;
-use expoly::{Density, ExpPolynomial};
+use expoly::Density;
 use std::path::Path;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -11,53 +12,62 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 /// Iso-lines of a density: the eight highest below its peak are drawn.
 const LEVELS: [f64; 14] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 
-/// One drawn closure: its order, its legend entry, whether it is only a cut-off exp(Q), its density.
+/// One drawn closure: its method, its name, its legend entry, whether it is only a cut-off exp(Q), its density.
 struct Drawn {
-    order: u32,
+    method: &'static str,
+    name: String,
     label: String,
     cut_off: bool,
     colour: usize,
-    density: ExpPolynomial<2>,
+    density: EitherDensity<2>,
 }
 
 /// Writes `<stem>.svg` and the CSV files behind it.
 pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
     let simulated = study.simulated.as_ref().map(|(density, _)| density);
-    let drawn: Vec<Drawn> = study
-        .closed
+    let all: Vec<Drawn> = study
+        .closures
         .iter()
         .enumerate()
-        .filter_map(|(k, closed)| {
-            let (density, cut_off) = closed.drawn(simulated)?;
-            let note = if cut_off { ", no density" } else { "" };
-            let (order, label) = (closed.solution.order(), format!("{}{note}", closed.name()));
-            Some(Drawn { order, label, cut_off, colour: k + 1, density })
+        .filter_map(|(k, judged)| {
+            let (density, cut_off) = judged.drawn(simulated)?;
+            let facts = &judged.closed.facts;
+            let name = facts.name();
+            let label = match facts.l1_estimate {
+                Some(l1) => format!("{name} (L¹ ≈ {:.0e})", l1.value()),
+                None if cut_off => format!("{name}, no density"),
+                None => name.clone(),
+            };
+            Some(Drawn { method: facts.method, name, label, cut_off, colour: k + 1, density })
         })
         .collect();
     let stem = study.parameters.stem();
     let mut views = Vec::new();
     for (state, name, axis) in [(0, "displacement", "displacement y"), (1, "velocity", "velocity y′")] {
-        let grid = grid(study, &drawn, state)?;
+        let grid = grid(study, &all, state)?;
         let symbol = ["p_Y(y)", "p_Y′(y′)"][state];
-        let table = Table::new(study, &drawn, state, &grid)?;
-        table.write(&folder.join(format!("{stem}_{name}.csv")), name, &drawn)?;
+        let table = Table::new(study, &all, state, &grid)?;
+        table.write(&folder.join(format!("{stem}_{name}.csv")), name, &all)?;
         for scale in [Scale::Linear, Scale::Logarithmic] {
-            views.push(View::Curves(table.panel(&drawn, axis, symbol, scale)));
+            views.push(View::Curves(table.panel(&all, axis, symbol, scale)));
         }
     }
-    // The phase plane of order 4 in both bases, or of the only closure there is.
-    for drawn in drawn.iter().filter(|d| d.order == 4 || drawn.len() == 1) {
+    // The phase plane of each method's first closure.
+    for (k, drawn) in all.iter().enumerate() {
+        if all[..k].iter().any(|before| before.method == drawn.method) {
+            continue;
+        }
         let (x, y) = (grid(study, std::slice::from_ref(drawn), 0)?, grid(study, std::slice::from_ref(drawn), 1)?);
         let (x, y) = (thinned(&x), thinned(&y));
         let z: Vec<Vec<f64>> =
             y.iter().map(|v| x.iter().map(|y| drawn.density.pdf(&[*y, *v]).value).collect()).collect();
         let rows: Vec<Vec<f64>> =
             y.iter().zip(&z).flat_map(|(v, row)| x.iter().zip(row).map(|(y, p)| vec![*y, *v, *p])).collect();
-        let file = format!("{stem}_phase_plane_{}.csv", drawn.label.replace(" n = ", "_").replace(", no density", ""));
+        let file = format!("{stem}_phase_plane_{}.csv", drawn.name.replace(" n = ", "_"));
         write_csv(&folder.join(file), &["displacement", "velocity", "density"].map(String::from), &rows)?;
         let peak = z.iter().flatten().copied().fold(0.0, f64::max);
         views.push(View::Contour(ContourPanel {
-            title: format!("p(y, y′), {}", drawn.label),
+            title: format!("p(y, y′), {}{}", drawn.name, if drawn.cut_off { ", no density" } else { "" }),
             x_label: String::from("displacement y"),
             y_label: String::from("velocity y′"),
             levels: LEVELS.iter().copied().filter(|level| *level < peak).take(8).collect(),
@@ -81,7 +91,10 @@ pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
             provenance.cells[0], provenance.cells[1], provenance.degree, provenance.l1_error
         );
     }
-    if drawn.iter().any(|d| d.cut_off) {
+    for judgement in study.closures.iter().filter_map(|judged| judged.closed.facts.judgement()) {
+        caption += &format!("\n{judgement}.");
+    }
+    if all.iter().any(|d| d.cut_off) {
         caption +=
             "\nWithout density: exp(Q) of a root that cannot be normalised, cut off at the range of the samples.";
     }
@@ -124,7 +137,7 @@ impl Table {
         if !self.gridded.is_empty() {
             header.push(String::from("grid"));
         }
-        header.extend(drawn.iter().map(|d| d.label.clone()));
+        header.extend(drawn.iter().map(|d| d.name.clone()));
         let row = |i: usize| {
             let mut row = vec![self.x[i]];
             row.extend(self.simulated.get(i).into_iter().flat_map(|(p, error)| [*p, *error]));
@@ -196,7 +209,8 @@ fn grid(study: &Study, drawn: &[Drawn], state: usize) -> Outcome<Vec<f64>> {
             between(domain[state][0], domain[state][1])
         }
         None => {
-            let mean = |d: &Drawn| d.density.expectation(|x| x[state]).value;
+            let powers = [[1, 0], [0, 1]][state];
+            let mean = |d: &Drawn| d.density.moment(powers).value;
             let spread = |d: &Drawn| d.density.variance(state).map_or(1.0, |v| v.value.sqrt());
             let low = drawn.iter().map(|d| mean(d) - 6.0 * spread(d)).fold(f64::MAX, f64::min);
             let high = drawn.iter().map(|d| mean(d) + 6.0 * spread(d)).fold(f64::MIN, f64::max);

@@ -1,8 +1,9 @@
 //! The command line.
 
+use crate::support::closure::weight;
 use clap::{Parser, ValueEnum};
 use expoly::models::{Duffing, VibroImpactDuffing};
-use expoly::{Barrier, Basis};
+use expoly::{Barrier, Basis, Weight};
 use std::path::PathBuf;
 
 /// Stationary density of the Duffing oscillator above a one-sided wall, y″ + c y′ + k y + μ y³ = ξ for y > b and
@@ -30,17 +31,20 @@ pub(crate) struct Options {
     /// Intensity D [default: 0.2]
     #[arg(long, allow_negative_numbers = true)]
     intensity: Option<f64>,
-    /// Order of the closure [default for one case: 4]
+    /// Order of the closure [default: 8; of the classical method 4]
     #[arg(long)]
     order: Option<u32>,
-    /// Basis of the closure [default for one case: classical]
+    /// Close by the classical method, in this basis
     #[arg(long, value_enum)]
     basis: Option<BasisName>,
+    /// The weight of the closure's fit: auto, density, or the share of the tails between 0 and 1
+    #[arg(long, default_value = "auto", value_parser = weight, allow_negative_numbers = true)]
+    pub(crate) weight: Weight,
     /// Which methods answer
     #[arg(long, value_enum, default_value = "all")]
     pub(crate) method: Method,
     /// Samples of each simulation
-    #[arg(long, default_value_t = 8_000_000)]
+    #[arg(long, default_value_t = 4_000_000)]
     pub(crate) samples: usize,
     /// Degree of the grid's polynomials [default: the library's]
     #[arg(long)]
@@ -51,7 +55,7 @@ pub(crate) struct Options {
     /// The grid's limits of displacement and velocity [default: found by a pilot simulation]
     #[arg(long, num_args = 4, value_names = ["Y_LOW", "Y_HIGH", "V_LOW", "V_HIGH"], allow_negative_numbers = true)]
     pub(crate) domain: Option<Vec<f64>>,
-    /// Seed of the simulation
+    /// Seed of the simulation and of the closure's pilot
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
     /// Folder for figures and tables
@@ -67,10 +71,20 @@ pub(crate) struct Options {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
+    /// The closure that gives a density at every order; with --basis, the classical one
     Closure,
+    /// The literature's closure
+    Classical,
     Simulation,
     Grid,
     All,
+}
+
+/// One closure to solve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Task {
+    Robust(u32),
+    Classical(u32, Basis),
 }
 
 impl Method {
@@ -133,18 +147,22 @@ impl Options {
         VibroImpactDuffing::STANDARD_WALLS.iter().map(|[b, r]| case(*b, *r)).collect()
     }
 
-    /// The closures to solve: the one that the options describe, or the literature's orders and one in the folded basis.
-    pub(crate) fn closures(&self) -> Vec<(u32, Basis)> {
+    /// The closures to solve: the one that the options describe, or for comparison the classical method in both bases
+    /// beside the robust one.
+    pub(crate) fn closures(&self) -> Vec<Task> {
         let basis = self.basis.map(|name| match name {
             BasisName::Classical => Basis::Classical,
             BasisName::Folded => Basis::Folded,
         });
-        if !self.method.includes(Method::Closure) {
-            Vec::new()
-        } else if self.json || self.order.is_some() || basis.is_some() {
-            vec![(self.order.unwrap_or(4), basis.unwrap_or(Basis::Classical))]
-        } else {
-            vec![(2, Basis::Classical), (4, Basis::Classical), (6, Basis::Classical), (4, Basis::Folded)]
+        let classical = |basis| Task::Classical(self.order.unwrap_or(4), basis);
+        let robust = Task::Robust(self.order.unwrap_or(8));
+        match (self.method, basis) {
+            (Method::Simulation | Method::Grid, _) => Vec::new(),
+            (_, Some(basis)) => vec![classical(basis)],
+            (Method::Classical, None) => vec![classical(Basis::Classical)],
+            (Method::Closure, None) => vec![robust],
+            (Method::All, None) if self.json || self.order.is_some() => vec![robust],
+            (Method::All, None) => vec![classical(Basis::Classical), classical(Basis::Folded), robust],
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The JSON object.
 
-use crate::study::{Closed, Statistics, Study};
+use crate::study::{Judged, Statistics, Study};
+use crate::support::closure::Facts;
 use crate::support::json::{Number, Sampled};
 use expoly::{Density, GridDensity};
 use serde::Serialize;
@@ -31,16 +32,8 @@ struct ParametersReport {
 /// Without a density the statistics are `null` and `refusal` says why; with one, `refusal` is `null`.
 #[derive(Serialize)]
 struct ClosureReport {
-    order: u32,
-    basis: String,
-    unknowns: usize,
-    termination: String,
-    route: String,
-    refusal: Option<String>,
-    iterations: usize,
-    residual: Number,
-    condition: Option<Number>,
-    seconds: Number,
+    #[serde(flatten)]
+    facts: Facts,
     mean_displacement: Option<Number>,
     variance_displacement: Option<Number>,
     mean_square_velocity: Option<Number>,
@@ -82,7 +75,7 @@ struct GridReport {
 /// The study of one case as one JSON object; an error names a value that is no finite number.
 pub(crate) fn report(study: &Study, at: &[f64]) -> Result<String, Box<dyn std::error::Error>> {
     let p = &study.parameters;
-    let closure = study.closed.first().map(|closed| closure(closed, at)).transpose()?;
+    let closure = study.closures.first().map(|judged| closure(judged, at)).transpose()?;
     let simulation = study.simulated.as_ref().map(|(density, statistics)| -> expoly::Result<SimulationReport> {
         let provenance = density.provenance();
         let histogram = density.histogram(0)?;
@@ -117,28 +110,16 @@ pub(crate) fn report(study: &Study, at: &[f64]) -> Result<String, Box<dyn std::e
     Ok(serde_json::to_string_pretty(&report)?)
 }
 
-fn closure(closed: &Closed, at: &[f64]) -> expoly::Result<ClosureReport> {
-    let solution = &closed.solution;
+fn closure(judged: &Judged, at: &[f64]) -> expoly::Result<ClosureReport> {
     let statistic = |name: &'static str, value: fn(&Statistics) -> expoly::Estimate| {
-        closed.statistics.as_ref().map(|statistics| Number::new(name, value(statistics).value))
+        judged.statistics.as_ref().map(|statistics| Number::new(name, value(statistics).value))
     };
-    let pdf = closed.density.as_ref().map(|density| {
+    let pdf = judged.closed.density.as_ref().map(|density| {
         let value = |y: &f64| Ok(Number::new("displacement_pdf", density.marginal(0, *y)?.value));
         at.iter().map(value).collect::<expoly::Result<Vec<_>>>()
     });
-    // A singular Jacobian has no condition number; the termination says that it has no root either.
-    let condition = Some(solution.condition()).filter(|c| c.is_finite());
     Ok(ClosureReport {
-        order: solution.order(),
-        basis: solution.basis().to_string(),
-        unknowns: solution.unknowns(),
-        termination: solution.termination().to_string(),
-        route: solution.route().to_string(),
-        refusal: closed.refusal.clone(),
-        iterations: solution.iterations(),
-        residual: Number::new("residual", solution.residual()),
-        condition: condition.map(|c| Number::new("condition", c)),
-        seconds: Number::new("seconds", closed.seconds),
+        facts: judged.closed.facts.clone(),
         mean_displacement: statistic("mean_displacement", |s| s.mean_displacement),
         variance_displacement: statistic("variance_displacement", |s| s.variance_displacement),
         mean_square_velocity: statistic("mean_square_velocity", |s| s.mean_square_velocity),

@@ -1,12 +1,13 @@
 //! One case: the closures, the simulation and the grid, and their statistics.
 
-use crate::options::{Method, Options, Parameters};
+use crate::options::{Method, Options, Parameters, Task};
+use crate::support::closure::{Closed, EitherDensity};
 use crate::support::progress::{simulation_bar, spinner};
 use expoly::{
-    Barrier, Basis, Closure, Crossing, Density, Estimate, ExpPolynomial, FokkerPlanck, Grid, GridDensity, Histogram,
-    SimulatedDensity, Simulation, Solution, Termination, compare, energy_balance,
+    Barrier, Closure, Crossing, Density, Estimate, FokkerPlanck, Grid, GridDensity, Histogram, SimulatedDensity,
+    Simulation, Termination, compare, energy_balance,
 };
-use std::time::Instant;
+use indicatif::ProgressBar;
 
 /// What is compared between methods.
 #[derive(Clone, Copy, Debug)]
@@ -30,35 +31,29 @@ impl Statistics {
     }
 }
 
-/// A closure's answer. Without a density, `refusal` says why.
+/// A closure with its statistics, if it has a density.
 #[derive(Clone, Debug)]
-pub(crate) struct Closed {
-    pub(crate) solution: Solution<2>,
-    pub(crate) density: Option<ExpPolynomial<2>>,
+pub(crate) struct Judged {
+    pub(crate) closed: Closed<2>,
     pub(crate) statistics: Option<Statistics>,
-    pub(crate) refusal: Option<String>,
-    /// From the system to the normalised density and its statistics.
-    pub(crate) seconds: f64,
 }
 
-impl Closed {
-    pub(crate) fn name(&self) -> String {
-        format!("{} n = {}", self.solution.basis(), self.solution.order())
-    }
-
-    /// The density to draw: the real one or, where Q turns upwards, exp(Q) cut off at the range of the samples. The flag
-    /// tells the two apart.
-    pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity<2>>) -> Option<(ExpPolynomial<2>, bool)> {
-        if let Some(density) = &self.density {
+impl Judged {
+    /// The density to draw: the real one or, where the classical Q turns upwards, exp(Q) cut off at the range of the
+    /// samples. The flag tells the two apart.
+    pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity<2>>) -> Option<(EitherDensity<2>, bool)> {
+        if let Some(density) = &self.closed.density {
             return Some((density.clone(), false));
         }
         let range = |state: usize| {
             let edges: Vec<f64> = simulated?.histogram(state).ok()?.edges().collect();
             Some([*edges.first()?, *edges.last()?])
         };
-        let drawable = self.solution.termination() == Termination::NotNormalisable;
+        let solution = self.closed.solution.as_ref()?;
+        let drawable = solution.termination() == Termination::NotNormalisable;
         let region = [range(0)?, range(1)?];
-        drawable.then(|| self.solution.density_within(region).ok()).flatten().map(|density| (density, true))
+        let density = drawable.then(|| solution.density_within(region).ok()).flatten()?;
+        Some((EitherDensity::Classical(Box::new(density)), true))
     }
 }
 
@@ -66,7 +61,7 @@ impl Closed {
 #[derive(Debug)]
 pub(crate) struct Study {
     pub(crate) parameters: Parameters,
-    pub(crate) closed: Vec<Closed>,
+    pub(crate) closures: Vec<Judged>,
     pub(crate) simulated: Option<(SimulatedDensity<2>, Statistics)>,
     pub(crate) gridded: Option<(GridDensity, Statistics)>,
 }
@@ -75,74 +70,87 @@ impl Study {
     pub(crate) fn run(parameters: Parameters, options: &Options) -> expoly::Result<Self> {
         let model = parameters.model()?;
         let operator = FokkerPlanck::new(model.oscillator())?;
-        let close = |(order, basis): (u32, Basis)| -> expoly::Result<Closed> {
-            let start = Instant::now();
-            let closure = Closure::classical(order).with_basis(basis);
-            let solution = closure.solve_with_wall(model.oscillator(), model.barrier())?;
-            let (density, refusal) = match solution.density() {
-                Ok(density) => (Some(density), None),
-                Err(error) => (None, Some(error.to_string())),
+        let close = |task: Task| -> expoly::Result<Judged> {
+            let (oscillator, barrier) = (model.oscillator(), model.barrier());
+            let closed = match task {
+                Task::Robust(order) => {
+                    let closure = Closure::new(order).weight(options.weight).seed(options.seed);
+                    Closed::robust(order, || closure.solve_with_wall(oscillator, barrier))?
+                }
+                Task::Classical(order, basis) => {
+                    let closure = Closure::classical(order).with_basis(basis);
+                    Closed::classical(|| closure.solve_with_wall(oscillator, barrier))?
+                }
             };
-            let statistics = match &density {
-                Some(density) => {
-                    let balance = energy_balance(&operator, density, Some(model.barrier()))?;
-                    Some(Statistics::of(density, model.barrier(), balance)?)
-                }
-                None => None,
-            };
-            Ok(Closed { solution, density, statistics, refusal, seconds: start.elapsed().as_secs_f64() })
+            let statistics = closed.density.as_ref().map(|density| {
+                let balance = energy_balance(&operator, density, Some(barrier))?;
+                Statistics::of(density, barrier, balance)
+            });
+            let statistics = statistics.transpose()?;
+            Ok(Judged { closed, statistics })
         };
-        let closed = options.closures().into_iter().map(close).collect::<expoly::Result<Vec<_>>>()?;
-        let gridded = match options.method.includes(Method::Grid) {
-            false => None,
-            true => {
-                let mut grid = options.degree.map_or(Grid::new(), |degree| Grid::new().degree(degree));
-                if let Some(&[along, across]) = options.cells.as_deref() {
-                    grid = grid.cells([along, across]);
-                }
-                if let Some(&[low, high, slowest, fastest]) = options.domain.as_deref() {
-                    grid = grid.domain([[low, high], [slowest, fastest]]);
-                }
-                let sign = spinner(&format!("grid at {}", parameters.stem()));
-                let density = grid.solve_with_wall(model.oscillator(), model.barrier())?;
-                sign.finish_and_clear();
-                let balance = energy_balance(&operator, &density, Some(model.barrier()))?;
-                let statistics = Statistics::of(&density, model.barrier(), balance)?;
-                Some((density, statistics))
-            }
-        };
-        let simulated = match options.method.includes(Method::Simulation) {
-            false => None,
-            true => {
-                let (bar, callback) = simulation_bar(&format!("simulation at {}", parameters.stem()));
-                let result = Simulation::new(model.oscillator())
-                    .barrier(model.barrier())
-                    .samples(options.samples)
-                    .seed(options.seed)
-                    .progress(callback)
-                    .run()?;
-                bar.finish_and_clear();
-                let balance = result.energy_balance().unwrap_or(Estimate::new(f64::NAN, f64::INFINITY));
-                let statistics = Statistics::of(&result, model.barrier(), balance)?;
-                Some((result, statistics))
-            }
-        };
-        Ok(Study { parameters, closed, simulated, gridded })
+        let closures = options.closures().into_iter().map(close).collect::<expoly::Result<Vec<_>>>()?;
+        let (gridded, simulated) =
+            rayon::join(|| gridded(&parameters, options, &operator), || simulated(&parameters, options));
+        Ok(Study { parameters, closures, simulated: simulated?, gridded: gridded? })
     }
 
-    /// The L¹ distance of a closure's p_Y to the grid's.
-    pub(crate) fn distance_to_grid(&self, closed: &Closed) -> Option<(f64, bool)> {
+    /// The joint L¹ distance of a closure to the grid, with the flag of [`Judged::drawn`].
+    pub(crate) fn distance_to_grid(&self, judged: &Judged) -> Option<(f64, bool)> {
         let (grid, _) = self.gridded.as_ref()?;
-        let (density, cut_off) = closed.drawn(self.simulated.as_ref().map(|(density, _)| density))?;
-        let range = grid.provenance().domain[0];
-        compare::marginal_l1(&density, grid, 0, range).ok().map(|distance| (distance.value, cut_off))
+        let (density, cut_off) = judged.drawn(self.simulated.as_ref().map(|(density, _)| density))?;
+        Some((grid.l1_distance(&density).value, cut_off))
     }
 
-    /// The distance of a closure's p_Y to the simulation's, with the flag of [`Closed::drawn`].
-    pub(crate) fn distance(&self, closed: &Closed) -> Option<(compare::HistogramDistance, bool)> {
+    /// The distance of a closure's p_Y to the simulation's, with the flag of [`Judged::drawn`].
+    pub(crate) fn distance(&self, judged: &Judged) -> Option<(compare::HistogramDistance, bool)> {
         let simulated = &self.simulated.as_ref()?.0;
-        let (density, cut_off) = closed.drawn(Some(simulated))?;
+        let (density, cut_off) = judged.drawn(Some(simulated))?;
         let histogram: &Histogram<1> = simulated.histogram(0).ok()?;
         compare::with_histogram(&density, 0, histogram).ok().map(|distance| (distance, cut_off))
     }
+}
+
+fn gridded(
+    parameters: &Parameters,
+    options: &Options,
+    operator: &FokkerPlanck<2>,
+) -> expoly::Result<Option<(GridDensity, Statistics)>> {
+    if !options.method.includes(Method::Grid) {
+        return Ok(None);
+    }
+    let model = parameters.model()?;
+    let mut grid = options.degree.map_or(Grid::new(), |degree| Grid::new().degree(degree));
+    if let Some(&[along, across]) = options.cells.as_deref() {
+        grid = grid.cells([along, across]);
+    }
+    if let Some(&[low, high, slowest, fastest]) = options.domain.as_deref() {
+        grid = grid.domain([[low, high], [slowest, fastest]]);
+    }
+    // A simulation at the same time has a bar, and two signs would overwrite each other.
+    let alone = !options.method.includes(Method::Simulation);
+    let sign = alone.then(|| spinner(&format!("grid at {}", parameters.stem())));
+    let density = grid.solve_with_wall(model.oscillator(), model.barrier())?;
+    sign.inspect(ProgressBar::finish_and_clear);
+    let balance = energy_balance(operator, &density, Some(model.barrier()))?;
+    let statistics = Statistics::of(&density, model.barrier(), balance)?;
+    Ok(Some((density, statistics)))
+}
+
+fn simulated(parameters: &Parameters, options: &Options) -> expoly::Result<Option<(SimulatedDensity<2>, Statistics)>> {
+    if !options.method.includes(Method::Simulation) {
+        return Ok(None);
+    }
+    let model = parameters.model()?;
+    let (bar, callback) = simulation_bar(&format!("simulation at {}", parameters.stem()));
+    let result = Simulation::new(model.oscillator())
+        .barrier(model.barrier())
+        .samples(options.samples)
+        .seed(options.seed)
+        .progress(callback)
+        .run()?;
+    bar.finish_and_clear();
+    let balance = result.energy_balance().unwrap_or(Estimate::new(f64::NAN, f64::INFINITY));
+    let statistics = Statistics::of(&result, model.barrier(), balance)?;
+    Ok(Some((result, statistics)))
 }

@@ -18,27 +18,39 @@ pub(crate) fn table(study: &Study) -> String {
         "L1 p_Y",
         "tail p_Y",
         "L1 grid",
+        "estimate",
+        "indicator",
         "s",
     ];
     line(&mut text, &header.map(String::from));
     let mut cut_off_seen = false;
     let mut noise = None;
-    for closed in &study.closed {
-        let mut cells = vec![closed.name(), closed.solution.termination().to_string()];
-        cells.extend(values(closed.statistics.as_ref()));
+    let mut remarks = String::new();
+    for judged in &study.closures {
+        let facts = &judged.closed.facts;
+        let mut cells = vec![facts.name(), facts.termination.clone()];
+        cells.extend(values(judged.statistics.as_ref()));
         let (mut l1, mut tail) = (String::from("-"), String::from("-"));
-        if let Some((distance, cut_off)) = study.distance(closed) {
+        if let Some((distance, cut_off)) = study.distance(judged) {
             let shown = |value: String| if cut_off { format!("({value})") } else { value };
             (l1, tail) = (shown(format!("{:.1e}", distance.l1)), shown(format!("{:.2}", distance.tail)));
             cut_off_seen |= cut_off;
             noise = Some(distance);
         }
-        let to_grid = study.distance_to_grid(closed).map_or_else(
+        let to_grid = study.distance_to_grid(judged).map_or_else(
             || String::from("-"),
             |(distance, cut_off)| if cut_off { format!("({distance:.1e})") } else { format!("{distance:.1e}") },
         );
-        cells.extend([l1, tail, to_grid, format!("{:.3}", closed.seconds)]);
+        cells.extend([l1, tail, to_grid]);
+        cells.extend(
+            [facts.l1_estimate, facts.indicator]
+                .map(|number| number.map_or_else(|| String::from("-"), |number| format!("{:.1e}", number.value()))),
+        );
+        cells.push(format!("{:.3}", facts.seconds.value()));
         line(&mut text, &cells);
+        if let Some(reason) = facts.warning.or(facts.refusal.as_deref()) {
+            remarks += &format!("  {}: {reason}\n", facts.name());
+        }
     }
     if let Some((grid, statistics)) = &study.gridded {
         let provenance = grid.provenance();
@@ -52,7 +64,8 @@ pub(crate) fn table(study: &Study) -> String {
             || [String::from("-"), String::from("-")],
             |distance| [format!("{:.1e}", distance.l1), format!("{:.2}", distance.tail)],
         ));
-        cells.extend([format!("±{:.0e}", provenance.l1_error), format!("{:.1}", provenance.seconds)]);
+        cells.extend([String::new(), format!("{:.1e}", provenance.l1_error), String::new()]);
+        cells.push(format!("{:.1}", provenance.seconds));
         line(&mut text, &cells);
         noise = noise.or(distance);
     }
@@ -64,7 +77,8 @@ pub(crate) fn table(study: &Study) -> String {
             || (String::from("-"), String::from("-")),
             |d| (format!("~{:.1e}", d.noise), format!("to {:.0e}", d.tail_level)),
         );
-        cells.extend([l1, tail, String::new(), format!("{:.1}", result.provenance().seconds)]);
+        cells.extend([l1, tail, String::new(), String::new(), String::new()]);
+        cells.push(format!("{:.1}", result.provenance().seconds));
         line(&mut text, &cells);
         let mut cells = vec![String::from("  standard error"), String::new()];
         let errors = all(statistics).map(|estimate| format!("{:.5}", estimate.error));
@@ -74,7 +88,7 @@ pub(crate) fn table(study: &Study) -> String {
     if cut_off_seen {
         text += "  (…) no density: exp(Q) cut off at the range of the samples\n";
     }
-    text
+    text + &remarks
 }
 
 fn all(statistics: &Statistics) -> [expoly::Estimate; 5] {
@@ -95,7 +109,7 @@ fn values(statistics: Option<&Statistics>) -> [String; 5] {
 }
 
 fn line(text: &mut String, cells: &[String]) {
-    const WIDTHS: [usize; 11] = [17, 17, 9, 9, 9, 12, 9, 10, 9, 9, 6];
+    const WIDTHS: [usize; 13] = [17, 17, 8, 8, 8, 12, 8, 9, 8, 9, 8, 9, 6];
     for (k, (cell, width)) in cells.iter().zip(WIDTHS).enumerate() {
         // Names to the left, numbers to the right. Writing to a string cannot fail.
         let _ = if k < 2 { write!(text, "  {cell:<width$}") } else { write!(text, "  {cell:>width$}") };
@@ -109,11 +123,10 @@ pub(crate) fn pdf_table(study: &Study, at: &[f64]) -> expoly::Result<String> {
     let mut text = String::from("  p_Y(y)\n");
     for y in at {
         let mut cells = vec![format!("y = {y}")];
-        for closed in &study.closed {
+        for closed in study.closures.iter().map(|judged| &judged.closed) {
+            let name = closed.facts.name();
             let value = closed.density.as_ref().map(|density| density.marginal(0, *y)).transpose()?;
-            cells.push(
-                value.map_or_else(|| format!("{}: -", closed.name()), |p| format!("{}: {:.6}", closed.name(), p.value)),
-            );
+            cells.push(value.map_or_else(|| format!("{name}: -"), |p| format!("{name}: {:.6}", p.value)));
         }
         if let Some((density, _)) = &study.gridded {
             cells.push(format!("grid: {:.6}", density.marginal(0, *y)?.value));

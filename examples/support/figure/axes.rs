@@ -1,254 +1,23 @@
-//! Figures of the examples: panels of densities and contours, written as one SVG file.
-//!
-//! Every figure is 960 px wide and meant for 16 cm in print, so that one pixel is 0.47 pt and
-//! the sizes below are the same on paper in every figure, whatever its number of columns.
+//! One panel: its axes and what is drawn between them.
 
-use super::file::write_whole;
+use super::page::{BAND_OPACITY, FONT, LINE, MARKER, TEXT, path};
+use super::{ContourPanel, Panel, Scale, Style};
 use kuva::prelude::*;
 use kuva::render::layout::ComputedLayout;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
-use std::{io, path::Path, sync::Arc};
-
-/// Scale of the y axis of a [`Panel`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    /// Values as they are.
-    Linear,
-    /// Decimal logarithm; values that are not positive are left out.
-    Logarithmic,
-}
-
-/// How a [`Curve`] is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Style {
-    /// Continuous line.
-    Solid,
-    /// Line of long dashes.
-    Dashed,
-    /// Line of dots.
-    Dotted,
-    /// Unconnected round markers.
-    Points,
-}
-
-/// A line or a set of points, in the units of the panel's axes.
-#[derive(Clone, Debug)]
-pub struct Curve {
-    /// Legend entry, up to 40 characters in a figure of two columns; empty for none.
-    pub label: String,
-    /// Line or markers.
-    pub style: Style,
-    /// Index into the palette (taken modulo 7); 0 is black, for the reference.
-    pub colour: usize,
-    /// Pairs (x, y); a line breaks at a pair that cannot be drawn.
-    pub points: Vec<[f64; 2]>,
-}
-
-/// A shaded region between two ordinates, such as an error band, drawn behind all curves.
-#[derive(Clone, Debug)]
-pub struct Band {
-    /// Legend entry; empty for none.
-    pub label: String,
-    /// Index into the palette, as in [`Curve`].
-    pub colour: usize,
-    /// Triples (x, low, high).
-    pub points: Vec<[f64; 3]>,
-}
-
-/// Axes with curves and bands.
-#[derive(Clone, Debug)]
-pub struct Panel {
-    /// Heading; empty for none.
-    pub title: String,
-    /// Name and unit of the abscissa, such as `displacement y [m]`.
-    pub x_label: String,
-    /// Name and unit of the ordinate.
-    pub y_label: String,
-    /// Scale of the ordinate.
-    pub scale: Scale,
-    /// Regions behind the curves.
-    pub bands: Vec<Band>,
-    /// Curves, the first at the bottom.
-    pub curves: Vec<Curve>,
-    /// Limits of the ordinate; `None` fits the data (8 decades at most if logarithmic).
-    pub y_range: Option<[f64; 2]>,
-    /// Limits of the abscissa; `None` fits the data.
-    pub x_range: Option<[f64; 2]>,
-}
-
-/// Axes with iso-lines of a positive function of two variables.
-#[derive(Clone, Debug)]
-pub struct ContourPanel {
-    /// Heading, which should name the function and its unit; empty for none.
-    pub title: String,
-    /// Name and unit of the abscissa.
-    pub x_label: String,
-    /// Name and unit of the ordinate.
-    pub y_label: String,
-    /// Abscissae of the grid, ascending.
-    pub x: Vec<f64>,
-    /// Ordinates of the grid, ascending.
-    pub y: Vec<f64>,
-    /// Values, `z[i][j]` at (`x[j]`, `y[i]`); interpolated in their logarithm.
-    pub z: Vec<Vec<f64>>,
-    /// Values of the iso-lines; those that are not positive are left out.
-    pub levels: Vec<f64>,
-}
-
-/// One cell of a figure.
-#[derive(Clone, Debug)]
-pub enum View {
-    /// Curves over one variable.
-    Curves(Panel),
-    /// Iso-lines over two variables.
-    Contour(ContourPanel),
-}
+use kuva::render::render::Scene;
+use std::io;
+use std::sync::Arc;
 
 /// Okabe and Ito's palette, told apart by colour-blind readers and in grey; its yellow is left
 /// out because it vanishes on white.
 const PALETTE: [&str; 7] = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
-const FONT: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
 /// Mean advance of a character in running text, in units of the font size, rounded up.
 const ADVANCE: f64 = 0.57;
-const WIDTH: f64 = 960.0;
-const MARGIN: f64 = 14.0;
 const TITLE: u32 = 18;
 const LABEL: u32 = 17;
-const TEXT: u32 = 15;
-const LINE: f64 = 2.2;
-const MARKER: f64 = 2.8;
-const SWATCH: f64 = 32.0;
-const ROW: f64 = 22.0;
-const BAND_OPACITY: f64 = 0.25;
 
-/// Writes the views, row by row in the given number of columns, with the caption beneath them
-/// (broken at `\n` and where a line is full) as an SVG file, whole or not at all.
-pub fn write_figure(path: &Path, caption: &str, columns: usize, views: &[View]) -> io::Result<()> {
-    let svg = render(caption, columns.clamp(1, views.len().max(1)), views)?;
-    write_whole(path, svg.as_bytes())
-}
-
-fn invalid(message: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, message)
-}
-
-fn render(caption: &str, columns: usize, views: &[View]) -> io::Result<String> {
-    let width = (WIDTH - MARGIN * (columns + 1) as f64) / columns as f64;
-    let size = (width, 170.0 + 0.42 * width);
-    let mut figure = Scene::new(WIDTH, 0.0);
-    figure.font_family = Some(FONT.into());
-    figure.text_color = Some("black".into());
-    let mut top = MARGIN;
-    for row in views.chunks(columns) {
-        let mut legend_rows = 0;
-        for (column, view) in row.iter().enumerate() {
-            let (scene, entries) = match view {
-                View::Curves(panel) => curves(panel, size),
-                View::Contour(panel) => contour(panel, size)?,
-            };
-            let left = MARGIN + column as f64 * (width + MARGIN);
-            figure.defs.extend(scene.defs);
-            figure.add(Primitive::GroupStart {
-                transform: Some(format!("translate({left:.2},{top:.2})")),
-                title: None,
-                extra_attrs: None,
-            });
-            figure.elements.extend(scene.elements);
-            // The library's own legend has swatches too short to tell dashes from dots.
-            legend_rows = legend_rows.max(legend(&mut figure, &entries, size));
-            figure.add(Primitive::GroupEnd);
-        }
-        top += size.1 + ROW * legend_rows as f64 + 1.5 * MARGIN;
-    }
-    for line in caption.lines().flat_map(wrap) {
-        top += ROW;
-        figure.add(text(MARGIN, top - 0.3 * ROW, line));
-    }
-    figure.height = (top + MARGIN).ceil();
-    // Without a view box the drawing would be cropped instead of scaled where it is embedded.
-    let view_box = format!("<svg viewBox=\"0 0 {WIDTH} {}\" ", figure.height);
-    let svg = SvgBackend::new().render_scene(&figure);
-    Ok(svg.replacen("<svg ", &view_box, 1))
-}
-
-/// Draws the entries below a panel in as many columns as fit; returns the number of rows.
-fn legend(figure: &mut Scene, entries: &[LegendEntry], (width, top): (f64, f64)) -> usize {
-    // Text starts 8 px right of its swatch and ends 16 px before the next column.
-    let needed = |entry: &LegendEntry| SWATCH + 24.0 + f64::from(TEXT) * ems(&entry.label);
-    let widths = |columns: usize| -> Vec<f64> {
-        let column = |c| entries.iter().skip(c).step_by(columns).map(needed);
-        (0..columns).map(|c| column(c).fold(0.0, f64::max)).collect()
-    };
-    let fits = |widths: &Vec<f64>| widths.iter().sum::<f64>() <= width + 16.0;
-    let most = (1..=entries.len()).rev().map(widths).find(fits);
-    let rows = entries.len().div_ceil(most.map_or(1, |widths| widths.len()));
-    if rows == 0 {
-        return 0;
-    }
-    // As few columns as those rows need, so that the last row is not nearly empty.
-    let widths = widths(entries.len().div_ceil(rows));
-    let left = ((width + 16.0 - widths.iter().sum::<f64>()) / 2.0).max(0.0);
-    for (i, entry) in entries.iter().enumerate() {
-        let x = left + widths[..i % widths.len()].iter().sum::<f64>();
-        let y = top + ROW * ((i / widths.len()) as f64 + 0.6);
-        let (d, width, opacity) = match entry.shape {
-            LegendShape::Circle => {
-                let (left, r) = (x + SWATCH / 2.0 - MARKER, MARKER);
-                let half = format!("a{r} {r} 0 0 1");
-                (format!("M{left:.2} {y:.2}{half} {0} 0{half} -{0} 0z", 2.0 * r), 0.0, None)
-            }
-            LegendShape::Rect => {
-                let corner = y - 7.0;
-                (format!("M{x:.2} {corner:.2}h{SWATCH}v14h-{SWATCH}z"), 0.0, Some(BAND_OPACITY))
-            }
-            _ => (format!("M{x:.2} {y:.2}h{SWATCH}"), LINE, None),
-        };
-        figure.add(path(d, &entry.color, width, opacity, entry.dasharray.clone()));
-        let baseline = y + 0.35 * f64::from(TEXT);
-        figure.add(text(x + SWATCH + 8.0, baseline, entry.label.clone()));
-    }
-    rows
-}
-
-/// Breaks a line of the caption where it is full.
-fn wrap(line: &str) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in line.split(' ') {
-        match lines.last_mut() {
-            Some(last) if (ems(last) + ems(word) + 1.0) * f64::from(TEXT) < WIDTH - 2.0 * MARGIN => {
-                last.push(' ');
-                last.push_str(word);
-            }
-            _ => lines.push(word.into()),
-        }
-    }
-    lines
-}
-
-/// Width of a text in units of its font size, near enough to place it.
-fn ems(label: &str) -> f64 {
-    let advance = |c| if " fijlrt.,:;()[]|/'".contains(c) { 0.37 } else { 0.64 };
-    label.chars().map(advance).sum()
-}
-
-fn text(x: f64, y: f64, content: String) -> Primitive {
-    Primitive::Text { x, y, content, size: TEXT, anchor: TextAnchor::Start, rotate: None, bold: false, color: None }
-}
-
-/// A stroked path, or a filled one if the width is zero.
-fn path(d: String, colour: &str, width: f64, opacity: Option<f64>, dashes: Option<String>) -> Primitive {
-    let filled = width == 0.0;
-    Primitive::Path(Box::new(PathData {
-        d,
-        fill: filled.then(|| colour.into()),
-        stroke: if filled { "none" } else { colour }.into(),
-        stroke_width: width,
-        opacity,
-        stroke_dasharray: dashes,
-    }))
-}
-
-fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry>) {
+/// The axes of a panel with its curves and bands, and the entries of its legend.
+pub(super) fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry>) {
     let logarithmic = panel.scale == Scale::Logarithmic;
     // The library's logarithmic axis ends at 1e-10, so logarithms are drawn on a linear one.
     let axis = |y: f64| if logarithmic { y.log10() } else { y };
@@ -331,11 +100,13 @@ fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry>) {
     (scene, entries)
 }
 
-fn contour(panel: &ContourPanel, size: (f64, f64)) -> io::Result<(Scene, Vec<LegendEntry>)> {
+/// The axes of a panel with iso-lines, and the entries of its legend.
+pub(super) fn contour(panel: &ContourPanel, size: (f64, f64)) -> io::Result<(Scene, Vec<LegendEntry>)> {
     let columns = panel.x.len();
     let infinite = panel.x.iter().chain(&panel.y).any(|v| !v.is_finite());
     if infinite || panel.z.len() != panel.y.len() || panel.z.iter().any(|row| row.len() != columns) {
-        return Err(invalid("the contour panel's grid is not finite or does not match its values"));
+        let message = "the contour panel's grid is not finite or does not match its values";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     let mut levels = panel.levels.clone();
     levels.retain(|level| *level > 0.0 && level.is_finite());

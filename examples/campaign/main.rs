@@ -1,0 +1,56 @@
+//! Does the closure give a density for every system, and is it as good as it says?
+//!
+//! `cargo run --release --example campaign` closes 200 random oscillators at several orders and compares each density with
+//! the solution of the Fokker-Planck equation on a grid; `--walls` does the same above 100 random walls. The tables go to
+//! `out/campaign/`. A system is known by the seed and its index: `--only 17` repeats one.
+
+#![allow(clippy::print_stdout)]
+
+mod plane;
+mod statistics;
+#[path = "../support/mod.rs"]
+mod support;
+mod systems;
+mod walls;
+
+use clap::Parser;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// The closure on random systems, against the grid.
+#[derive(Clone, Debug, Parser)]
+pub(crate) struct Options {
+    /// How many systems [default: 200, with --walls 100]
+    #[arg(long)]
+    count: Option<usize>,
+    /// Seed of the systems' parameters
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Orders, separated by commas [default: 4,6,8,10, with --walls 8]
+    #[arg(long, value_delimiter = ',')]
+    orders: Vec<u32>,
+    /// Random walls instead of the whole plane
+    #[arg(long)]
+    walls: bool,
+    /// The system of this index alone
+    #[arg(long)]
+    only: Option<usize>,
+    /// Folder for the table
+    #[arg(long, default_value = "out/campaign")]
+    out: PathBuf,
+}
+
+impl Options {
+    fn indices(&self, usual: usize) -> std::ops::Range<usize> {
+        self.only.map_or(0..self.count.unwrap_or(usual), |only| only..only + 1)
+    }
+
+    fn orders(&self, usual: &[u32]) -> Vec<u32> {
+        if self.orders.is_empty() { usual.to_vec() } else { self.orders.clone() }
+    }
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    support::exit_code(if options.walls { walls::run(&options) } else { plane::run(&options) })
+}

@@ -1,0 +1,159 @@
+//! Duffing oscillators above a wall.
+
+use crate::Options;
+use crate::statistics::{header, quantile, right, share};
+use crate::support::file::write_csv;
+use crate::systems::Walled;
+use expoly::{Closure, Density, Grid, GridDensity};
+use std::time::Instant;
+
+/// The marginal of Y is compared at so many points, down to this share of its peak.
+const POINTS: usize = 400;
+const TAIL: f64 = 1e-5;
+/// A larger L¹ error should come with a warning or an estimate of its size.
+const BAD: f64 = 1e-2;
+
+/// One density against the truth.
+struct Row {
+    index: usize,
+    order: u32,
+    truth_error: f64,
+    l1: f64,
+    estimate: f64,
+    /// The largest |log₁₀| error of p_Y.
+    tail: f64,
+    /// Relative errors of E Y, E Y′² and the impact rate; that of E Y in units of the root mean square of Y.
+    moments: [f64; 3],
+    warned: bool,
+    seconds: f64,
+}
+
+impl Row {
+    fn right(&self) -> Option<bool> {
+        right(self.estimate, self.l1, self.truth_error)
+    }
+
+    fn bad_unsaid(&self) -> bool {
+        self.l1 > BAD && !self.warned && self.estimate < BAD
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let [y, square, rate] = self.moments;
+        let (index, order, warned) = (self.index as f64, f64::from(self.order), f64::from(u8::from(self.warned)));
+        vec![index, order, self.truth_error, self.l1, self.estimate, self.tail, y, square, rate, warned, self.seconds]
+    }
+}
+
+pub(crate) fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
+    let (mut rows, mut unknown, mut failures) = (Vec::new(), Vec::new(), Vec::new());
+    println!("seed {}; L1 (estimate; grid), decades of p_Y, errors of E Y, E Y'^2, impact rate in %, s", options.seed);
+    for index in options.indices(100) {
+        let system = Walled::random(options.seed, index)?;
+        println!("{index:4} {system}");
+        let truth = match Grid::new().solve_with_wall(&system.oscillator, system.wall) {
+            Ok(truth) => truth,
+            Err(reason) => {
+                println!("       no truth: {reason}");
+                unknown.push(index);
+                continue;
+            }
+        };
+        for order in options.orders(&[8]) {
+            match row(index, order, &system, &truth) {
+                Ok(row) => {
+                    print(&row);
+                    rows.push(row);
+                }
+                Err(error) => {
+                    println!("       n = {order}: {error}");
+                    failures.push(format!("{index:4} n = {order}: {error}; {system}"));
+                }
+            }
+        }
+    }
+    let columns =
+        ["index", "order", "truth_error", "l1", "estimate", "tail", "E_Y", "E_Y'2", "impact_rate", "warned", "seconds"];
+    let path = options.out.join("walls.csv");
+    write_csv(&path, &header(&columns), &rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
+    println!("\ntruth unknown: {} {unknown:?}", unknown.len());
+    println!("without a density: {}", failures.len());
+    failures.iter().for_each(|failure| println!("{failure}"));
+    for order in options.orders(&[8]) {
+        summary(order, &rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
+    }
+    for row in rows.iter().filter(|row| row.right() == Some(false) || row.l1 > BAD) {
+        println!("{:4} {}", row.index, Walled::random(options.seed, row.index)?);
+        print(row);
+    }
+    println!("table: {}", path.display());
+    Ok(())
+}
+
+fn row(index: usize, order: u32, system: &Walled, truth: &GridDensity) -> expoly::Result<Row> {
+    let begin = Instant::now();
+    let density = Closure::new(order).solve_with_wall(&system.oscillator, system.wall)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let relative = |powers| density.moment(powers).value / truth.moment(powers).value - 1.0;
+    let mean = density.moment([1, 0]).value - truth.moment([1, 0]).value;
+    let rate = truth.impact_rate().map_or(f64::NAN, |rate| rate.value);
+    Ok(Row {
+        index,
+        order,
+        truth_error: truth.provenance().l1_error,
+        l1: truth.l1_distance(&density).value,
+        estimate: density.l1_estimate(),
+        tail: tail(&density, truth)?,
+        moments: [
+            mean / truth.moment([2, 0]).value.sqrt(),
+            relative([0, 2]),
+            density.impact_rate()?.value / rate - 1.0,
+        ],
+        warned: density.warning().is_some(),
+        seconds,
+    })
+}
+
+/// The largest |log₁₀| distance of the two marginals of Y where the truth is above [`TAIL`] of its peak.
+fn tail(density: &impl Density<2>, truth: &GridDensity) -> expoly::Result<f64> {
+    let [low, high] = truth.provenance().domain[0];
+    let at = |k: usize| low + (high - low) * (k as f64 + 0.5) / POINTS as f64;
+    let pairs = (0..POINTS)
+        .map(|k| Ok([truth.marginal(0, at(k))?.value, density.marginal(0, at(k))?.value]))
+        .collect::<expoly::Result<Vec<_>>>()?;
+    let peak = pairs.iter().map(|[truth, _]| *truth).fold(0.0, f64::max);
+    let seen = pairs.iter().filter(|[truth, _]| *truth > TAIL * peak);
+    Ok(seen.map(|[truth, found]| (found / truth).log10().abs()).fold(0.0, f64::max))
+}
+
+fn print(row: &Row) {
+    let [y, square, rate] = row.moments.map(|error| 100.0 * error);
+    let (l1, estimate, truth) = (row.l1, row.estimate, row.truth_error);
+    let warned = if row.warned { "warned" } else { "" };
+    println!(
+        "       n = {:2}: {l1:.1e} ({estimate:.1e}; {truth:.0e}) {:.2} {y:+.3} {square:+.3} {rate:+.3}  {:.2} s  {warned}",
+        row.order, row.tail, row.seconds
+    );
+}
+
+fn summary(order: u32, rows: &[&Row]) {
+    let of = |value: fn(&Row) -> f64, share| quantile(rows.iter().map(|row| value(row)), share);
+    let three = |value: fn(&Row) -> f64| {
+        let [half, most, all] = [0.5, 0.9, 1.0].map(|share| of(value, share));
+        format!("{half:.1e}, {most:.1e}, {all:.1e}")
+    };
+    let judged: Vec<bool> = rows.iter().filter_map(|row| row.right()).collect();
+    println!("\nn = {order}: {} densities; median, 90 %, worst", rows.len());
+    println!("  L1: {}", three(|row| row.l1));
+    println!("  decades of p_Y: {}", three(|row| row.tail));
+    println!("  E Y: {}", three(|row| row.moments[0].abs()));
+    println!("  E Y'^2: {}", three(|row| row.moments[1].abs()));
+    println!("  impact rate: {}", three(|row| row.moments[2].abs()));
+    println!(
+        "  estimate within a factor 3: {}; not judged {}",
+        share(judged.iter().filter(|right| **right).count(), judged.len()),
+        rows.len() - judged.len()
+    );
+    let unsaid = rows.iter().filter(|row| row.bad_unsaid()).count();
+    println!("  L1 above {BAD} unsaid: {}", share(unsaid, rows.len()));
+    println!("  seconds: median {:.2}", of(|row| row.seconds, 0.5));
+}

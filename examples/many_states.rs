@@ -1,0 +1,158 @@
+//! How far does the closure reach in many states, where no grid can follow?
+//!
+//! `cargo run --release --example many_states -- --oscillators 3` closes a chain of coupled oscillators with cubic damping,
+//! each at a temperature of its own, so that no closed form is known: x_i″ + c x_i′ + γ x_i′³ + k x_i + μ x_i³ +
+//! κ (2x_i − x_{i−1} − x_{i+1}) = ξ_i. `--filter` closes a single such oscillator under coloured noise instead: three
+//! states. Second and fourth moments stand beside a simulation's with its standard errors.
+
+#![allow(clippy::print_stdout)]
+
+#[path = "support/mod.rs"]
+mod support;
+
+use clap::Parser;
+use expoly::{Closure, Density, Intensity, Monomial, PolynomialDrift, Scalar, Simulation};
+use std::process::ExitCode;
+use support::progress::{simulation_bar, spinner};
+
+/// The closure of a chain of oscillators, or of one under coloured noise, beside a simulation.
+#[derive(Clone, Copy, Debug, Parser)]
+struct Options {
+    /// Oscillators in the chain: 2, 3 or 5
+    #[arg(long, default_value_t = 2)]
+    oscillators: usize,
+    /// One oscillator under noise that a filter of first order has coloured
+    #[arg(long, conflicts_with = "oscillators")]
+    filter: bool,
+    /// Order of the closure
+    #[arg(long, default_value_t = 4)]
+    order: u32,
+    /// Samples of the simulation
+    #[arg(long, default_value_t = 2_000_000)]
+    samples: usize,
+    /// Seed of the simulation and of the closure's pilot
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+const DAMPING: f64 = 0.1;
+const CUBIC_DAMPING: f64 = 0.3;
+const STIFFNESS: f64 = 1.0;
+const CUBIC_STIFFNESS: f64 = 1.0;
+const COUPLING: f64 = 0.5;
+
+/// The restoring and damping force of a single oscillator.
+fn force<S: Scalar>(x: S, v: S) -> S {
+    v * DAMPING + v.powi(3) * CUBIC_DAMPING + x * STIFFNESS + x.powi(3) * CUBIC_STIFFNESS
+}
+
+/// A chain with free ends, its M displacements before its M velocities.
+struct Chain<const M: usize> {
+    intensities: [Intensity; M],
+}
+
+impl<const M: usize> Chain<M> {
+    /// Intensities from 0.3 at one end to 0.6 at the other.
+    fn new() -> expoly::Result<Self> {
+        let mut intensities = [Intensity::new(0.3)?; M];
+        for (i, intensity) in intensities.iter_mut().enumerate() {
+            *intensity = Intensity::new(0.3 + 0.3 * i as f64 / (M - 1) as f64)?;
+        }
+        Ok(Chain { intensities })
+    }
+}
+
+// N is always 2M, which a generic parameter cannot say.
+impl<const N: usize, const M: usize> PolynomialDrift<N, M> for Chain<M> {
+    fn drift<S: Scalar>(&self, state: [S; N]) -> [S; N] {
+        let (x, v) = state.split_at(M);
+        std::array::from_fn(|k| {
+            if k < M {
+                return v[k];
+            }
+            let i = k - M;
+            let neighbours = [i.checked_sub(1), Some(i + 1).filter(|j| *j < M)].into_iter().flatten();
+            neighbours.fold(-force(x[i], v[i]), |sum, j| sum + (x[j] - x[i]) * COUPLING)
+        })
+    }
+
+    fn noise<S: Scalar>(&self, _: [S; N]) -> [[S; M]; N] {
+        let amplitude = |k: usize, j: usize| if k == M + j { self.intensities[j].amplitude() } else { 0.0 };
+        std::array::from_fn(|k| std::array::from_fn(|j| S::from(amplitude(k, j))))
+    }
+}
+
+/// x″ + f(x, x′) = z with z′ = a (ξ − z): displacement, velocity, force.
+struct Filtered {
+    rate: f64,
+    intensity: Intensity,
+}
+
+impl PolynomialDrift<3, 1> for Filtered {
+    fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
+        [v, z - force(x, v), -(z * self.rate)]
+    }
+
+    fn noise<S: Scalar>(&self, _: [S; 3]) -> [[S; 1]; 3] {
+        [0.0, 0.0, self.rate * self.intensity.amplitude()].map(|amplitude| [S::from(amplitude)])
+    }
+}
+
+fn main() -> ExitCode {
+    support::exit_code(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
+    if options.filter {
+        let system = Filtered { rate: 2.0, intensity: Intensity::new(0.5)? };
+        return compare(&system, ["x", "v", "z"], options);
+    }
+    match options.oscillators {
+        2 => compare(&Chain::<2>::new()?, ["x1", "x2", "v1", "v2"], options),
+        3 => compare(&Chain::<3>::new()?, ["x1", "x2", "x3", "v1", "v2", "v3"], options),
+        5 => {
+            let names = ["x1", "x2", "x3", "x4", "x5", "v1", "v2", "v3", "v4", "v5"];
+            compare(&Chain::<5>::new()?, names, options)
+        }
+        other => Err(format!("--oscillators {other}: there are chains of 2, 3 and 5").into()),
+    }
+}
+
+/// Closes, simulates, and prints the moments of both.
+fn compare<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize>(
+    system: &T,
+    names: [&str; N],
+    options: &Options,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let sign = spinner("closure");
+    let density = Closure::new(options.order).seed(options.seed).solve(system)?;
+    sign.finish_and_clear();
+    let provenance = density.provenance();
+    println!(
+        "closure     n = {}, {N} states, {} unknowns on {} nodes, {:.1} s",
+        provenance.order,
+        provenance.unknowns,
+        provenance.nodes,
+        provenance.elapsed.as_secs_f64()
+    );
+    println!("            estimated L1 error {:.1e}, indicator {:.1e}", density.l1_estimate(), density.indicator());
+    if let Some(warning) = density.warning() {
+        println!("            warning: {warning}");
+    }
+    let (bar, callback) = simulation_bar("simulation");
+    let simulated = Simulation::new(system).samples(options.samples).seed(options.seed).progress(callback).run()?;
+    bar.finish_and_clear();
+    let (samples, seconds) = (simulated.provenance().samples, simulated.provenance().seconds);
+    println!("simulation  {samples} samples, {seconds:.1} s\n");
+    println!("{:8} {:>10} {:>21} {:>10}", "moment", "closure", "simulation", "off");
+    for power in [2, 4] {
+        for (state, name) in names.iter().enumerate() {
+            let monomial = Monomial(std::array::from_fn(|i| if i == state { power } else { 0 }));
+            let (closed, sampled) = (density.moment(monomial.0), simulated.moment(monomial.0));
+            let off = 100.0 * (closed.value / sampled.value - 1.0);
+            let name = format!("E {name}^{power}");
+            println!("{name:8} {:>10.5} {:>11.5} ± {:.5} {off:>8.2} %", closed.value, sampled.value, sampled.error);
+        }
+    }
+    Ok(())
+}
