@@ -7,8 +7,10 @@
 //! [`Simulation`] for trajectories; [`Grid`] for the equation itself, in two states, to seven digits. All answers are a
 //! [`Density`], so that any two can be compared ([`compare`]).
 //!
-//! The closure asks that the residual r = L exp(Q) / exp(Q) be orthogonal, under a Gaussian f_N, to the polynomials that Q is
-//! made of: ∫ r(x; a) ψ_k f_N dx = 0. f_N is the Gaussian closure of the same system, [`Closure::gaussian`].
+//! [`Closure::new`] gives a density at every order, with an estimate of its error: the exponential polynomial that comes
+//! closest to a solution of many more moment equations than it has coefficients. [`Closure::classical`] is the literature's
+//! method, which asks that the residual r = L exp(Q) / exp(Q) be orthogonal, under a Gaussian f_N, to the polynomials that Q
+//! is made of: ∫ r(x; a) ψ_k f_N dx = 0. f_N is the Gaussian closure of the same system, [`Closure::gaussian`].
 
 mod barrier;
 mod closure;

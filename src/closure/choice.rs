@@ -18,7 +18,7 @@ const LARGEST_SHARE: f64 = 0.14;
 /// Where the largest share makes the tails no better than this, it is not worth its price.
 const HOPELESS: f64 = 0.5;
 /// While the estimated L¹ error is larger, all weight goes to the middle.
-const MIDDLE: f64 = 0.0125;
+const MIDDLE: f64 = 0.0115;
 const BISECTIONS: usize = 5;
 
 /// Where a candidate comes from.
@@ -162,8 +162,8 @@ impl<const N: usize> Judge<'_, N> {
         let likelihood_loss = self.likelihood - mean_logarithm(&exponent, self.pilot);
         let candidate = Candidate {
             origin,
-            // No two densities are farther apart than 2.
-            l1_estimate: (distance + self.reference.error).min(2.0),
+            // Errors of different origin add in squares; no two densities are farther apart than 2.
+            l1_estimate: distance.hypot(self.reference.error).min(2.0),
             tail_estimate: tail,
             likelihood_loss,
             accepted: likelihood_loss <= self.tolerance(),

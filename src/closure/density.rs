@@ -90,7 +90,7 @@ impl<const N: usize> ClosureDensity<N> {
         &self.candidates
     }
 
-    /// The estimate of ∫ |p̃ − p| dx, between 0 and 2: the distance from the reference plus the reference's own error,
+    /// The estimate of ∫ |p̃ − p| dx, between 0 and 2: the distance from the reference and the reference's own error,
     /// as far as it shows in its highest degrees.
     pub fn l1_estimate(&self) -> f64 {
         self.candidates[0].l1_estimate
@@ -305,11 +305,7 @@ impl<const N: usize> Density<N> for ClosureDensity<N> {
     }
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        let displacement = state_index::<N>("the displacement of a crossing", crossing.displacement)?;
-        let velocity = state_index::<N>("the velocity of a crossing", crossing.velocity)?;
-        if displacement == velocity {
-            return Err(Error::Dimension { what: "a crossing of a state by itself", expected: N, found: velocity });
-        }
+        let [displacement, velocity] = crossing.states::<N>()?;
         Ok(self.section(displacement, crossing.level, |x| {
             let speed = if crossing.upward { x[velocity] } else { -x[velocity] };
             if speed > 0.0 { speed.powi(power as i32) } else { 0.0 }

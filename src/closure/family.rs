@@ -20,6 +20,20 @@ pub(super) struct Ladder<const N: usize> {
     pub(super) lower_columns: usize,
 }
 
+impl<const N: usize> Ladder<N> {
+    /// The ladder of the answer's space, the weight's, all functions but those of the last degrees, and all.
+    pub(super) fn new([answer, weight, lower, all]: [Arc<impl Space<N> + Send + 'static>; 4]) -> Self {
+        Ladder {
+            answer_columns: answer.len() + 1,
+            weight_columns: weight.len() + 1,
+            lower_columns: lower.len() + 1,
+            answer,
+            weight,
+            all,
+        }
+    }
+}
+
 /// The spaces of all orders for one system.
 pub(super) trait Family<const N: usize>: Send + Sync {
     fn ladder(&self, order: u32) -> Ladder<N>;
@@ -47,13 +61,6 @@ impl<const N: usize> Family<N> for Smooth<N> {
         // A weight of low degree serves a low order, and is faster.
         let weight = order.max(if order < 6 { 8 } else { 12 });
         let [answer, weight, lower, all] = [order, weight, degree - 2, degree].map(|d| Arc::new(self.polynomials(d)));
-        Ladder {
-            answer_columns: answer.len() + 1,
-            weight_columns: weight.len() + 1,
-            lower_columns: lower.len() + 1,
-            answer,
-            weight,
-            all,
-        }
+        Ladder::new([answer, weight, lower, all])
     }
 }

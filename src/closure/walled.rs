@@ -82,14 +82,7 @@ impl Family<2> for Walled {
         let functions =
             |steps: usize| WallFunctions::new(self.corners.clone(), self.centre, self.half_width, &levels[..steps]);
         let [answer, weight, lower, all] = [1, 2, 3, 4].map(|steps| Arc::new(functions(steps)));
-        Ladder {
-            answer_columns: answer.len() + 1,
-            weight_columns: weight.len() + 1,
-            lower_columns: lower.len() + 1,
-            answer,
-            weight,
-            all,
-        }
+        Ladder::new([answer, weight, lower, all])
     }
 }
 

@@ -13,7 +13,7 @@ const FLAT: f64 = 0.3;
 /// the middle and make the density right to a factor of two where it is 1e-5 of its peak.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Weight {
-    /// λ = 0 while the estimated L¹ error exceeds 1.25 %, for the middle comes first. Then the smallest λ ≤ 0.14 that makes
+    /// λ = 0 while the estimated L¹ error exceeds 1.15 %, for the middle comes first. Then the smallest λ ≤ 0.14 that makes
     /// the tails right to 0.22 decades down to 1e-5 of the peak, or 0.14 if that makes them right to half a decade.
     #[default]
     Automatic,

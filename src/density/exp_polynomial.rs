@@ -154,11 +154,7 @@ impl<const N: usize> Density<N> for ExpPolynomial<N> {
     }
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        let displacement = state_index::<N>("the displacement of a crossing", crossing.displacement)?;
-        let velocity = state_index::<N>("the velocity of a crossing", crossing.velocity)?;
-        if displacement == velocity {
-            return Err(Error::Dimension { what: "a crossing of a state by itself", expected: N, found: velocity });
-        }
+        let [displacement, velocity] = crossing.states::<N>()?;
         if !self.support.contains(displacement, crossing.level) {
             return Ok(Estimate::exact(0.0));
         }

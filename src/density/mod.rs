@@ -13,7 +13,8 @@ pub use frame::Frame;
 pub(crate) use leading_form::escape_direction;
 pub use support::Support;
 
-use crate::{Estimate, Result};
+use crate::error::state_index;
+use crate::{Error, Estimate, Result};
 
 /// A stationary probability density on R^N, or on a part of it.
 ///
@@ -77,6 +78,16 @@ impl Crossing {
     /// State 0 going up through `level`, state 1 its velocity.
     pub fn upward(level: f64) -> Self {
         Crossing { displacement: 0, velocity: 1, level, upward: true }
+    }
+
+    /// The two states, refused if they do not exist or are one.
+    pub(crate) fn states<const N: usize>(&self) -> Result<[usize; 2]> {
+        let displacement = state_index::<N>("the displacement of a crossing", self.displacement)?;
+        let velocity = state_index::<N>("the velocity of a crossing", self.velocity)?;
+        if displacement == velocity {
+            return Err(Error::Dimension { what: "a crossing of a state by itself", expected: N, found: velocity });
+        }
+        Ok([displacement, velocity])
     }
 
     /// State 0 going down through `level`, state 1 its velocity: at a wall, an impact.

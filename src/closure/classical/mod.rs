@@ -1,10 +1,10 @@
-//! The exponential-polynomial closure: p = C exp(Q) with Q a polynomial of any order.
+//! The literature's closure.
 //!
-//! The *classical* method (G.-K. Er, 1998, doi:10.1023/A:1008346204836) asks that the residual of exp(Q) in the
+//! The method (G.-K. Er, 1998, doi:10.1023/A:1008346204836) asks that the residual of exp(Q) in the
 //! Fokker-Planck equation be orthogonal, under the Gaussian closure f_N as weight, to the polynomials that Q itself is
 //! made of: N equations ∫ r(x; a) ψ_k f_N dx = 0, quadratic in the N coefficients. The steps, in order:
 //!
-//! 1. `units`, `gaussian_closure`: the moments of f_N;
+//! 1. `gaussian_closure`: the moments of f_N;
 //! 2. `hermite`, `galerkin`: the equations on the whole space, in polynomials orthonormal under f_N;
 //!    `half_plane`: the same with a wall;
 //! 3. `search`, by `newton` and `homotopy`: a root;
@@ -53,7 +53,8 @@ impl fmt::Display for Basis {
     }
 }
 
-/// The exponential-polynomial closure as a method: a value that can be applied to any system.
+/// The literature's closure as a method: a value that can be applied to any system; made by
+/// [`Closure::classical`](crate::Closure::classical).
 ///
 /// ```
 /// use expoly::{Closure, Density, Termination, models::Duffing};
