@@ -64,6 +64,8 @@ struct Case<T> {
     name: &'static str,
     system: T,
     limits: [f64; 5],
+    /// The largest |log₁₀| distance down to 1e-5 of the peak at n = 12.
+    tail: f64,
 }
 
 const ORDERS: [u32; 5] = [4, 6, 8, 10, 12];
@@ -96,16 +98,16 @@ impl<T: PolynomialDrift<2, 1> + Sync> Case<T> {
                     tail(&density, &truth)
                 );
                 assert!(l1 <= limit, "{}, seed {seed}, n = {order}: {l1:.3e} > {limit:.3e}", self.name);
-                // Measured: 1.0 to 2.2, the most where the error is 5e-5.
-                assert!(estimate > 0.9 * l1 && estimate < 3.0 * l1, "{}: {estimate:.2e} for {l1:.2e}", self.name);
+                // Measured: 0.98 to 1.5, the most where the error is 5e-5.
+                assert!(estimate > 0.9 * l1 && estimate < 2.0 * l1, "{}: {estimate:.2e} for {l1:.2e}", self.name);
                 // No order is worse than the best lower one.
                 assert!(l1 < best, "{}, n = {order}: {l1:.3e} after {best:.3e}", self.name);
                 assert!(density.warning().is_none(), "{:?}", density.warning());
                 best = l1;
-                // 0.25 decades are asked for; measured are 0.01 to 0.30: the estimate that the choice rests on is
-                // itself off by a tenth of a decade.
+                // 0.25 decades are asked for. Two systems miss it for some seeds, with 0.28 and 0.29: the reference that the
+                // choice rests on is itself off by a tenth of a decade there.
                 if order == 12 {
-                    assert!(tail(&density, &truth) <= 0.35, "{}, seed {seed}", self.name);
+                    assert!(tail(&density, &truth) <= self.tail, "{}, seed {seed}", self.name);
                 }
             }
         }
@@ -118,24 +120,28 @@ fn every_order_is_close_to_the_best_polynomial() {
         name: "cubic damping",
         system: CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5).unwrap(),
         limits: [2.7e-2, 1.9e-3, 5e-4, 1.6e-4, 6e-5],
+        tail: 0.25,
     }
     .check();
     Case {
         name: "Duffing-van der Pol",
         system: DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5).unwrap(),
         limits: [0.11, 3.8e-2, 2.7e-2, 1.7e-2, 6.1e-3],
+        tail: 0.3,
     }
     .check();
-    Case { name: "Rayleigh", system: rayleigh(), limits: [9.5e-2, 5.5e-2, 2.3e-2, 1.5e-2, 9e-3] }.check();
+    Case { name: "Rayleigh", system: rayleigh(), limits: [9.5e-2, 5.5e-2, 2.3e-2, 1.5e-2, 9e-3], tail: 0.25 }.check();
 }
 
 #[test]
 fn limit_cycles_and_wells_too() {
-    Case { name: "van der Pol", system: van_der_pol(), limits: [0.16, 6.5e-2, 5.2e-2, 3.1e-2, 1.7e-2] }.check();
+    Case { name: "van der Pol", system: van_der_pol(), limits: [0.16, 6.5e-2, 5.2e-2, 3.1e-2, 1.7e-2], tail: 0.3 }
+        .check();
     Case {
         name: "two wells",
         system: DuffingVanDerPol::new([0.3, 0.3], -1.0, 1.0, 0.3).unwrap(),
         limits: [4.1e-2, 2.4e-2, 1e-2, 4.7e-3, 3.4e-3],
+        tail: 0.25,
     }
     .check();
 }
@@ -195,12 +201,12 @@ fn seeds_decide_and_threads_do_not() {
 }
 
 /// With the pilot's states as nodes the smooth system's error falls with the order as it does on Gauss nodes, until the
-/// number of states limits it; 2e-2, 1e-2 and 5e-3 are twice what was measured at n = 4, 6, 8.
+/// number of states limits it; the limits are twice what was measured.
 #[test]
 fn states_as_nodes_do_as_well_where_the_density_is_smooth() {
     let system = CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5).unwrap();
     let truth = Grid::new().solve(&system).unwrap();
-    for (order, limit) in [(4, 5e-2), (6, 1e-2), (8, 5e-3)] {
+    for (order, limit) in [(4, 4.6e-2), (6, 3.6e-3), (8, 1.03e-3)] {
         let density = Closure::new(order).nodes(NodeKind::Samples).solve(&system).unwrap();
         let l1 = truth.l1_distance(&density).value;
         println!("n = {order}: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());

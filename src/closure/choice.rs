@@ -10,7 +10,8 @@ use faer::MatRef;
 use std::fmt;
 use std::sync::Arc;
 
-/// The tails are compared down to this share of the peak, and are right within so many decades, as far as the reference knows.
+/// The tails are compared down to this share of the peak, and are right within so many decades as far as the reference
+/// knows.
 const TAIL: f64 = 1e-5;
 pub(super) const DECADES: f64 = 0.22;
 /// The largest share of the weight that the tails get unasked, and the bisections for the smallest that suffices.
@@ -83,7 +84,8 @@ pub(super) struct Judge<'a, const N: usize> {
     pub(super) weights: Vec<f64>,
     /// ln p̂ at the kept nodes, normalised over them.
     pub(super) target: Vec<f64>,
-    /// The same without the ripples that a polynomial ratio leaves in the tails: an exponential polynomial of a higher degree.
+    /// The same without the ripples that a polynomial ratio leaves in the tails: an exponential polynomial of a higher
+    /// degree.
     pub(super) smooth: Vec<f64>,
     /// States under the system's own intensity, and the mean of ln p over them under the most likely density.
     pub(super) pilot: &'a [[f64; N]],

@@ -50,6 +50,7 @@ pub use classical::{Basis, ClassicalClosure, Route, Solution, Termination};
 pub use degrees::Degrees;
 pub use density::{ClosureDensity, ClosureProvenance};
 pub(crate) use gaussian_closure::gaussian_after;
+pub use nodes::NodeKind;
 pub use weight::Weight;
 
 use crate::{Barrier, Error, FokkerPlanck, Gaussian, PolynomialDrift, Result};
@@ -59,7 +60,6 @@ use pilot::Scout;
 use robust::Workshop;
 use sampled::Sampled;
 use setting::Setting;
-use std::fmt;
 use std::time::Instant;
 use symmetry::Symmetry;
 
@@ -100,28 +100,6 @@ pub struct Closure {
     /// The defaults depend on the nodes.
     states: Option<usize>,
     inflation: f64,
-}
-
-/// The points that stand for integrals while the equations are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum NodeKind {
-    /// Gauss nodes in one state and in two, the pilot's states in more.
-    #[default]
-    Automatic,
-    /// Products of Gauss nodes on the trust domain: one state or two.
-    Tensor,
-    /// The pilot's own states: any number of states, no walls.
-    Samples,
-}
-
-impl fmt::Display for NodeKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            NodeKind::Automatic => "automatic",
-            NodeKind::Tensor => "tensor",
-            NodeKind::Samples => "samples",
-        })
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
