@@ -1,4 +1,5 @@
-//! Path-steps per second on one thread, beside a plain loop over the same scheme, one trajectory at a time.
+//! Path-steps per second on one thread, beside a plain loop over the same scheme, one trajectory at a time, and beside the
+//! cost of the random numbers alone, one normal number for each path-step.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -7,11 +8,18 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use std::hint::black_box;
 
+#[allow(dead_code, unused_imports)]
+#[path = "../src/simulation/normal.rs"]
+mod normal;
+#[allow(dead_code, unused_imports)]
+#[path = "../src/simulation/random.rs"]
+mod random;
+
 const STEP: f64 = 0.02;
 /// Time steps between samples, samples in all, trajectories: a few million path-steps, of which the burn-in is a tenth.
 const INTERVAL: usize = 50;
 const SAMPLES: usize = 65_536;
-const TRAJECTORIES: usize = 512;
+const TRAJECTORIES: usize = 1024;
 const BURN_IN: usize = 640;
 
 /// Half drift, kick, half drift by hand for y″ + c y′ + k y + μ y³ = ξ, with the moments that a user would write down.
@@ -52,6 +60,38 @@ fn plain_loop(parameters: [f64; 4], wall: Option<(f64, f64)>) -> [f64; 3] {
     sums
 }
 
+/// The normal numbers that a simulation without a wall takes, in groups of lanes as it takes them.
+struct Numbers {
+    random: random::Random,
+    pairs: u64,
+}
+
+const LANES: usize = 16;
+
+impl pulp::NullaryFnOnce for Numbers {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let mut sums = [0.0; LANES];
+        for place in 0..self.pairs {
+            let mut numbers = [[0.0; LANES]; 2];
+            for l in 0..LANES {
+                [numbers[0][l], numbers[1][l]] = self.random.normals(l as u64, 0, place);
+            }
+            for l in 0..LANES {
+                sums[l] += numbers[0][l] + numbers[1][l];
+            }
+        }
+        sums.iter().sum()
+    }
+}
+
+fn random_numbers(seed: u64) -> f64 {
+    let pairs = (TRAJECTORIES * BURN_IN + SAMPLES * INTERVAL) / (2 * LANES);
+    pulp::Arch::new().dispatch(Numbers { random: random::Random::new(seed), pairs: pairs as u64 })
+}
+
 fn simulation(c: &mut Criterion) {
     let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -75,6 +115,7 @@ fn simulation(c: &mut Criterion) {
         };
         group.bench_function(BenchmarkId::new("simulation", name), |b| b.iter(|| pool.install(run)));
     }
+    group.bench_function("random numbers alone", |b| b.iter(|| random_numbers(black_box(1))));
     group.finish();
 }
 

@@ -97,7 +97,8 @@ pub enum Error {
         "trajectory {trajectory} exploded: its state was {state:?} at time {time}; either the drift has no stationary density or the time step {step} is too long for it"
     )]
     Exploded {
-        /// The trajectory's number, which is also the number of its random stream.
+        /// The trajectory's number, which is also the number of its random stream. Those of the pilot, which runs first,
+        /// begin at 2³².
         trajectory: u64,
         /// The last state.
         state: Vec<f64>,
@@ -120,11 +121,89 @@ pub enum Error {
         /// How far it had come.
         steps: u64,
     },
+    /// The time budget of a simulation ended before its first sample.
+    #[error(
+        "the time budget was over after {steps} path-steps, before the first sample: allow more time, or shorten the burn-in"
+    )]
+    OutOfTime {
+        /// How far it had come.
+        steps: u64,
+    },
+    /// A file could not be read or written.
+    #[error("cannot {action} {path}: {reason}")]
+    File {
+        /// To read, or to write.
+        action: &'static str,
+        /// The file.
+        path: String,
+        /// What the operating system says.
+        reason: String,
+    },
+    /// A file is no checkpoint, or is damaged.
+    #[error("{path} is no checkpoint to go on from: {problem}; restore it from a copy, or remove it to begin anew")]
+    NotACheckpoint {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// Two states or results belong to different simulations.
+    #[error(
+        "these are different simulations: the {what} is {found} there and {expected} here; make it the same, or keep them in different files"
+    )]
+    OtherSimulation {
+        /// The first option that differs.
+        what: &'static str,
+        /// Its value in the file, or in the later part.
+        found: String,
+        /// Its value in the options, or in the first part.
+        expected: String,
+    },
+    /// A checkpoint has no result yet.
+    #[error("the simulation in {path} has not ended: run it again with the same options, and it goes on from there")]
+    Unfinished {
+        /// The file.
+        path: String,
+    },
+    /// The parts to be merged are not the whole simulation.
+    #[error("trajectories {trajectories:?} of seed {seed} are missing: merge all parts of the simulation at once")]
+    MissingPart {
+        /// The seed of the simulation.
+        seed: u64,
+        /// The first trajectories that are missing.
+        trajectories: std::ops::Range<u64>,
+    },
+    /// Two of the parts to be merged hold the same trajectories.
+    #[error(
+        "trajectories {trajectories:?} of seed {seed} are there twice: merge each part once, and give independent runs different seeds"
+    )]
+    RepeatedPart {
+        /// The seed of the simulation.
+        seed: u64,
+        /// The first trajectories that are repeated.
+        trajectories: std::ops::Range<u64>,
+    },
+    /// Another process of a simulation on several ranks failed.
+    #[error("rank {rank} failed: {reason}")]
+    Rank {
+        /// The process.
+        rank: usize,
+        /// What it says.
+        reason: String,
+    },
     /// A level whose crossings the simulation did not count.
     #[error("the crossings of the level {level} were not counted: name it in `Simulation::levels` before running")]
     LevelNotCounted {
         /// The level asked for.
         level: f64,
+    },
+    /// A statistic was not asked for before the run.
+    #[error("the {what} was not recorded: ask for it by {option} before the run")]
+    NotRecorded {
+        /// What is missing.
+        what: &'static str,
+        /// The option that asks for it.
+        option: &'static str,
     },
     /// The density does not end within the domain of a grid.
     #[error(

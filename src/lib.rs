@@ -41,5 +41,8 @@ pub use polynomial::{Arena, Gaussian, Monomial, Polynomial, Symbol, Text, monomi
 pub use scalar::Scalar;
 #[doc(hidden)]
 pub use scalar::Transcendental;
-pub use simulation::{Axis, Histogram, Progress, Provenance, SimulatedDensity, Simulation};
+pub use simulation::{
+    Axis, FirstPassage, Histogram, Progress, Provenance, SimulatedDensity, Simulation, Spectrum, Splitting,
+    SplittingProvenance, Stopped, Tails, Tolerance,
+};
 pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift};

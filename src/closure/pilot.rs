@@ -8,7 +8,8 @@ use nalgebra::{SMatrix, SVector};
 
 /// Path-steps are cheapest in multiples of this many trajectories.
 const TRAJECTORIES: usize = 512;
-const GROUPS: usize = TRAJECTORIES / 8;
+/// Groups of trajectories, whose spread tells the error.
+const GROUPS: usize = 32;
 /// The time step times the fastest rate. A pilot need not be exact: its moments are off by some tenths of a percent.
 const STEP: f64 = 0.4;
 /// How often the burn-in is doubled while the samples still change, and the step halved after an explosion.
@@ -173,15 +174,18 @@ fn rates<const N: usize>(operator: &FokkerPlanck<N>, gaussian: &Gaussian<N>) -> 
 
 /// Whether means of squares agree between the earlier and the later half of each trajectory's samples.
 fn stationary<const N: usize>(states: &[[f64; N]]) -> bool {
-    let size = states.len() / GROUPS;
+    let samples = states.len() / TRAJECTORIES;
+    let group = TRAJECTORIES / GROUPS * samples;
     (0..N).all(|i| {
-        // Groups of eight trajectories in lockstep follow one another, each in order of time.
+        let square = |part: &[[f64; N]]| part.iter().map(|x| x[i] * x[i]).sum::<f64>() / part.len() as f64;
         let differences: Vec<f64> = (0..GROUPS)
             .map(|g| {
-                let group = &states[g * size..(g + 1) * size];
-                let square = |part: &[[f64; N]]| part.iter().map(|x| x[i] * x[i]).sum::<f64>();
-                let (early, late) = group.split_at(size / 2);
-                square(late) / late.len() as f64 - square(early) / early.len() as f64
+                let trajectories = states[g * group..(g + 1) * group].chunks_exact(samples);
+                let change = trajectories.map(|trajectory| {
+                    let (early, late) = trajectory.split_at(samples / 2);
+                    square(late) - square(early)
+                });
+                change.sum::<f64>() * GROUPS as f64 / TRAJECTORIES as f64
             })
             .collect();
         let mean = differences.iter().sum::<f64>() / GROUPS as f64;

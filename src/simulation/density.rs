@@ -1,4 +1,4 @@
-use super::{SimulatedDensity, jackknife::jackknife, passage::POWERS, result::central, tally::Tally};
+use super::{SimulatedDensity, passage::POWERS, result::central, tally::Tally};
 use crate::{Crossing, Density, Error, Estimate, Result};
 
 impl<const N: usize> Density<N> for SimulatedDensity<N> {
@@ -10,7 +10,9 @@ impl<const N: usize> Density<N> for SimulatedDensity<N> {
         }
         match (N, self.joint()) {
             (1, _) => self.marginal(0, x[0]).unwrap_or(UNKNOWN),
-            (2, Some(joint)) => joint.density_at([x[0], x[1]]),
+            (2, Some(_)) => {
+                self.with_both_errors(|d| d.joint().map_or(UNKNOWN, |joint| joint.density_at([x[0], x[1]])))
+            }
             _ => UNKNOWN,
         }
     }
@@ -22,16 +24,18 @@ impl<const N: usize> Density<N> for SimulatedDensity<N> {
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        let histogram = self.histogram(state)?;
-        Ok(if self.below_wall(state, x) { Estimate::new(0.0, 0.0) } else { histogram.density_at([x]) })
+        self.histogram(state)?;
+        if self.below_wall(state, x) {
+            return Ok(Estimate::new(0.0, 0.0));
+        }
+        Ok(self.with_both_errors(|d| d.histogram(state).map_or(UNKNOWN, |histogram| histogram.density_at([x]))))
     }
 
     /// The raw moment. Tracked are all total degrees up to 4 for N ≤ 3; for more states all up to 2, and the powers of a
     /// single state up to 4. Of any other the value is not a number and the error infinite.
     fn moment(&self, powers: [u32; N]) -> Estimate {
-        self.tracked(powers).map_or(UNKNOWN, |k| {
-            jackknife(&self.batches, |b: &Tally<N>| [b.moments[0], b.moments[k]], |[n, sum]| sum / n)
-        })
+        self.tracked(powers)
+            .map_or(UNKNOWN, |k| self.estimate(|b: &Tally<N>| [b.moments[0], b.moments[k]], |[n, sum]| sum / n))
     }
 
     /// The flux moment from counted passages, for the powers 1, 2 and 3: Σ|v|^(power − 1) per unit time. Up-crossings of

@@ -1,4 +1,4 @@
-use super::jackknife::jackknife;
+use super::{jackknife::jackknife, store::stored};
 use crate::{Error, Estimate, Result};
 
 /// Equal bins on an interval.
@@ -8,6 +8,7 @@ pub struct Axis {
     width: f64,
     bins: usize,
 }
+stored!(Axis { lo, width, bins });
 
 impl Axis {
     /// `bins` equal bins on [lo, hi].
@@ -70,6 +71,7 @@ pub(super) struct Counts {
     cells: Vec<u64>,
     outside: u64,
 }
+stored!(Counts { cells, outside });
 
 /// A histogram of D states from independent batches: a density with its standard error.
 ///
@@ -109,6 +111,11 @@ fn flat_index<const D: usize>(axes: &[Axis; D], bins: [Option<usize>; D]) -> Opt
 impl<const D: usize> Histogram<D> {
     pub(super) fn new(axes: [Axis; D], batches: Vec<Counts>) -> Self {
         Histogram { axes, batches }
+    }
+
+    /// What each batch counted.
+    pub(super) fn into_batches(self) -> Vec<Counts> {
+        self.batches
     }
 
     /// The bins along each state.

@@ -1,53 +1,78 @@
 use super::{
+    normal::pair,
     passage::{Course, Passages},
+    random::Random,
     scheme::Scheme,
+    store::{Reader, Stored},
 };
 use crate::{Error, PolynomialDrift, Result};
-use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
-use rand_distr::StandardNormal;
+use pulp::{Arch, NullaryFnOnce};
+use std::ops::Range;
 
-/// How many steps' random numbers are drawn at a time; a word of 32 coins serves one block.
+/// How many steps' random numbers are drawn at a time; even, since they come in pairs of steps.
 const BLOCK: usize = 32;
 
-/// L trajectories advanced in lockstep, which lets the compiler work on several at once.
+/// L trajectories advanced in lockstep, the lanes of wide registers.
 ///
 /// Trajectory i draws from stream i of the seed and from nothing else, so that its path does not depend on the lanes next
-/// to it, nor on the number of threads.
-#[derive(Debug)]
+/// to it, nor on the number of threads. What is random is a function of the stream and of the number of steps taken: the
+/// whole state of a group is in these fields.
+#[derive(Clone, Debug)]
 pub(super) struct Lanes<const N: usize, const L: usize> {
+    random: Random,
     first: u64,
+    /// The number of lanes that hold a trajectory; the others idle along and count for nothing.
+    active: usize,
+    /// The time steps taken so far.
+    taken: u64,
     x: [[f64; L]; N],
-    streams: [ChaCha8Rng; L],
 }
 
 impl<const N: usize, const L: usize> Lanes<N, L> {
-    /// The trajectories from `first` on, each begun at `start` of its standard normal numbers.
-    pub(super) fn new(seed: u64, first: u64, start: impl Fn([f64; N]) -> [f64; N]) -> Self {
-        let mut streams: [ChaCha8Rng; L] = std::array::from_fn(|l| {
-            let mut stream = ChaCha8Rng::seed_from_u64(seed);
-            stream.set_stream(first + l as u64);
-            stream
-        });
+    /// The first L of `trajectories`, each begun at `start` of its standard normal numbers.
+    pub(super) fn new(seed: u64, trajectories: Range<u64>, start: impl Fn([f64; N]) -> [f64; N]) -> Self {
+        let random = Random::new(seed);
+        let first = trajectories.start;
+        let active = (trajectories.end - first).min(L as u64) as usize;
         let mut x = [[0.0; L]; N];
-        for (l, stream) in streams.iter_mut().enumerate() {
-            let state = start(std::array::from_fn(|_| stream.sample(StandardNormal)));
-            for i in 0..N {
-                x[i][l] = state[i];
-            }
+        for l in 0..L {
+            let normals = std::array::from_fn(|i| random.start(first + l as u64, i as u64 / 2)[i % 2]);
+            set_lane(&mut x, l, start(normals));
         }
-        Lanes { first, x, streams }
+        Lanes { random, first, active, taken: 0, x }
     }
 
-    /// The states of the lanes.
+    /// The number of trajectories.
+    pub(super) fn trajectories(&self) -> usize {
+        self.active
+    }
+
+    /// Where the lanes are, and how many steps they have taken: all that the future depends on.
+    pub(super) fn write(&self, out: &mut Vec<u8>) {
+        self.x.write(out);
+        self.taken.write(out);
+    }
+
+    /// The first L of `trajectories`, as they were when their bytes were written.
+    pub(super) fn restored(seed: u64, trajectories: Range<u64>, input: &mut Reader<'_>) -> Option<Self> {
+        let mut lanes = Lanes::new(seed, trajectories, |_| [0.0; N]);
+        lanes.x = Stored::read(input)?;
+        lanes.taken = Stored::read(input)?;
+        Some(lanes)
+    }
+
+    /// The states of the trajectories.
     pub(super) fn states(&self) -> impl Iterator<Item = [f64; N]> + '_ {
-        (0..L).map(|l| self.state(l))
+        (0..self.active).map(|l| lane(&self.x, l))
     }
 
-    fn state(&self, l: usize) -> [f64; N] {
-        std::array::from_fn(|i| self.x[i][l])
+    /// Puts one trajectory somewhere else; it goes on with its own random numbers.
+    pub(super) fn set_state(&mut self, l: usize, state: [f64; N]) {
+        set_lane(&mut self.x, l, state);
     }
 
-    /// Advances all lanes by `steps` time steps.
+    /// Advances all lanes by `steps` time steps, with the widest registers that the processor has. Their width changes
+    /// nothing but the speed: every lane goes through the same operations.
     pub(super) fn advance<T: PolynomialDrift<N, M>, const M: usize>(
         &mut self,
         scheme: &Scheme<'_, T, N, M>,
@@ -56,13 +81,14 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
         passages: &mut Passages,
     ) {
         if scheme.straight {
-            self.steps::<T, M, true>(scheme, course, steps, passages);
+            Arch::new().dispatch(Advance::<T, N, M, L, true> { lanes: self, scheme, course, steps, passages });
         } else {
-            self.steps::<T, M, false>(scheme, course, steps, passages);
+            Arch::new().dispatch(Advance::<T, N, M, L, false> { lanes: self, scheme, course, steps, passages });
         }
     }
 
     /// The half drifts between two steps are joined to a whole one, except near the wall.
+    #[inline(always)]
     fn steps<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
         &mut self,
         scheme: &Scheme<'_, T, N, M>,
@@ -72,115 +98,193 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
     ) {
         let h = scheme.step;
         let mut increments = [[[0.0; L]; M]; BLOCK];
-        let mut ahead = [false; L];
-        for l in 0..L {
-            ahead[l] = self.begin::<T, M, STRAIGHT>(l, scheme, course, passages);
+        // Local arrays alias nothing, so that the compiler may work on several lanes at once.
+        let mut x = self.x;
+        for l in self.active..L {
+            // Idle lanes start afresh beside the first one, so that they neither hit the wall all the time nor explode.
+            set_lane(&mut x, l, lane(&self.x, 0));
         }
-        let mut left = steps;
-        while left > 0 {
-            let block = &mut increments[..left.min(BLOCK)];
-            left -= block.len();
-            let mut coins = [0_u32; L];
-            self.draw(h.sqrt(), block);
-            if !STRAIGHT {
-                coins = std::array::from_fn(|l| self.streams[l].random());
+        let mut ahead = self.begin::<T, M, STRAIGHT>(&mut x, scheme, course, passages);
+        let mut any_ahead = ahead.contains(&true);
+        let end = self.taken + steps as u64;
+        while self.taken < end {
+            let (offset, length);
+            if scheme.merged {
+                (offset, length) = (0, BLOCK.min((end - self.taken) as usize));
+                self.draw_merged((h / 2.0).sqrt(), &mut increments[..length]);
+            } else {
+                offset = (self.taken % 2) as usize;
+                length = (BLOCK - offset).min((end - self.taken) as usize);
+                self.draw(h.sqrt(), &mut increments[..(offset + length).next_multiple_of(2)]);
             }
-            for (s, w) in block.iter().enumerate() {
-                // A fresh array aliases nothing, so that the compiler may work on several lanes at once.
+            for w in &increments[offset..offset + length] {
+                let mut coins = [false; L];
+                if !STRAIGHT {
+                    for l in 0..L {
+                        coins[l] = self.random.coin(self.first + l as u64, self.taken);
+                    }
+                }
                 let mut kicked = [[0.0; L]; N];
                 for l in 0..L {
                     let w = std::array::from_fn(|k| w[k][l]);
-                    let state = scheme.kick::<STRAIGHT>(self.state(l), h, w, coins[l] >> s & 1 == 1);
+                    let state = scheme.kick::<STRAIGHT>(lane(&x, l), h, w, coins[l]);
                     for i in 0..N {
                         kicked[i][l] = state[i];
                     }
                 }
-                let waiting = std::mem::replace(&mut self.x, kicked);
-                if ahead.contains(&true) {
+                self.taken += 1;
+                if any_ahead {
                     for l in (0..L).filter(|&l| ahead[l]) {
-                        for i in 0..N {
-                            self.x[i][l] = waiting[i][l];
-                        }
+                        set_lane(&mut kicked, l, lane(&x, l));
                     }
                 }
-                if left == 0 && s + 1 == block.len() {
+                x = kicked;
+                if self.taken == end {
                     break;
                 }
-                let near = course.near(&self.x, h);
-                if (0..L).any(|l| near[l] | ahead[l]) {
-                    for l in 0..L {
-                        if near[l] || ahead[l] {
-                            self.end(l, ahead[l], h, course, passages);
-                            ahead[l] = self.begin::<T, M, STRAIGHT>(l, scheme, course, passages);
-                        } else {
-                            self.drift(l, h, course, passages);
+                let mut near = course.near(&x, h);
+                let mut any_near = false;
+                for l in 0..L {
+                    near[l] |= ahead[l];
+                    any_near |= near[l];
+                }
+                course.drift(&mut x, h, &self.idle_or(&near), 0, passages);
+                if any_near {
+                    any_ahead = false;
+                    for l in (0..self.active).filter(|&l| near[l]) {
+                        set_lane(&mut x, l, lane(&kicked, l));
+                        if !ahead[l] {
+                            drift_lane(&mut x, l, h / 2.0, course, passages);
                         }
+                        ahead[l] = self.begin_lane::<T, M, STRAIGHT>(&mut x, l, scheme, course, passages);
+                        any_ahead |= ahead[l];
                     }
-                } else {
-                    course.drift(&mut self.x, h, passages);
                 }
             }
         }
-        for l in 0..L {
-            self.end(l, ahead[l], h, course, passages);
+        let arrived = x;
+        let except = self.idle_or(&ahead);
+        course.drift(&mut x, h / 2.0, &except, 0, passages);
+        for l in (0..L).filter(|&l| ahead[l]) {
+            set_lane(&mut x, l, lane(&arrived, l));
         }
+        self.x = x;
     }
 
-    /// The first half drift of a step. A trajectory that grazes the wall takes the whole step at once instead, in shorter
-    /// ones: it is then ahead of the others.
+    /// The first half drift of a step, of all lanes together but those that graze the wall, which it returns: they are then
+    /// ahead of the others.
+    #[inline(always)]
     fn begin<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
-        &mut self,
+        &self,
+        x: &mut [[f64; L]; N],
+        scheme: &Scheme<'_, T, N, M>,
+        course: &Course,
+        passages: &mut Passages,
+    ) -> [bool; L] {
+        let before = *x;
+        let mut ahead = course.near(x, 0.0);
+        for l in 0..L {
+            ahead[l] &= l < self.active && course.step_at(&lane(x, l)).is_some();
+        }
+        course.drift(x, scheme.step / 2.0, &self.idle_or(&ahead), 0, passages);
+        for l in (0..L).filter(|&l| ahead[l]) {
+            set_lane(x, l, self.graze::<T, M, STRAIGHT>(lane(&before, l), l, scheme, course, passages));
+        }
+        ahead
+    }
+
+    /// `lanes`, and those that hold no trajectory.
+    #[inline(always)]
+    fn idle_or(&self, lanes: &[bool; L]) -> [bool; L] {
+        let mut either = *lanes;
+        for l in 0..L {
+            either[l] |= l >= self.active;
+        }
+        either
+    }
+
+    /// The first half drift of a step of one lane. A trajectory that grazes the wall takes the whole step at once instead,
+    /// in shorter ones: it is then ahead of the others.
+    #[inline(always)]
+    fn begin_lane<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
+        &self,
+        x: &mut [[f64; L]; N],
         l: usize,
         scheme: &Scheme<'_, T, N, M>,
         course: &Course,
         passages: &mut Passages,
     ) -> bool {
-        let h = scheme.step;
-        let grazing = course.step_at(&self.state(l)).is_some();
-        if !grazing {
-            self.drift(l, h / 2.0, course, passages);
-            return false;
+        let state = lane(x, l);
+        let grazing = course.step_at(&state).is_some();
+        if grazing {
+            set_lane(x, l, self.graze::<T, M, STRAIGHT>(state, l, scheme, course, passages));
+        } else {
+            drift_lane(x, l, scheme.step / 2.0, course, passages);
         }
-        let mut left = h;
+        grazing
+    }
+
+    /// A whole time step of one lane in shorter steps, with random numbers that nothing else uses.
+    #[inline(never)]
+    fn graze<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
+        &self,
+        mut x: [f64; N],
+        l: usize,
+        scheme: &Scheme<'_, T, N, M>,
+        course: &Course,
+        passages: &mut Passages,
+    ) -> [f64; N] {
+        let mut left = scheme.step;
+        let mut draws = 0;
+        let mut draw = || {
+            draws += 1;
+            self.random.grazing(self.first + l as u64, self.taken, draws - 1)
+        };
         while left > 0.0 {
-            let step = course.step_at(&self.state(l)).map_or(left, |step| step.min(left));
+            let step = course.step_at(&x).map_or(left, |step| step.min(left));
             left -= step;
-            self.drift(l, step / 2.0, course, passages);
-            let stream = &mut self.streams[l];
-            let w = std::array::from_fn(|_| step.sqrt() * stream.sample::<f64, _>(StandardNormal));
-            let reversed = !STRAIGHT && stream.random();
-            let state = scheme.kick::<STRAIGHT>(self.state(l), step, w, reversed);
-            for i in 0..N {
-                self.x[i][l] = state[i];
+            x = course.drifted(x, step / 2.0, l, passages);
+            let mut w = [0.0; M];
+            for two in w.chunks_mut(2) {
+                for (increment, z) in two.iter_mut().zip(pair(draw())) {
+                    *increment = step.sqrt() * z;
+                }
             }
-            self.drift(l, step / 2.0, course, passages);
+            let reversed = !STRAIGHT && draw()[0] & 1 == 1;
+            x = scheme.kick::<STRAIGHT>(x, step, w, reversed);
+            x = course.drifted(x, step / 2.0, l, passages);
         }
-        true
+        x
     }
 
-    /// The second half drift of a step, unless the trajectory is ahead.
-    fn end(&mut self, l: usize, ahead: bool, h: f64, course: &Course, passages: &mut Passages) {
-        if !ahead {
-            self.drift(l, h / 2.0, course, passages);
+    /// Normal increments of the standard deviation `scale` for an even number of steps from the last even one on.
+    #[inline(always)]
+    fn draw<const M: usize>(&self, scale: f64, block: &mut [[[f64; L]; M]]) {
+        for (place, w) in block.chunks_exact_mut(2).enumerate() {
+            let place = self.taken / 2 + place as u64;
+            for k in 0..M {
+                let mut z = [[0.0; L]; 2];
+                for l in 0..L {
+                    [z[0][l], z[1][l]] = self.random.normals(self.first + l as u64, k as u64, place);
+                }
+                for s in 0..2 {
+                    for l in 0..L {
+                        w[s][k][l] = scale * z[s][l];
+                    }
+                }
+            }
         }
     }
 
-    /// The straight drift of one trajectory.
-    fn drift(&mut self, l: usize, tau: f64, course: &Course, passages: &mut Passages) {
-        let mut x = self.state(l).map(|value| [value]);
-        course.drift(&mut x, tau, passages);
-        for i in 0..N {
-            self.x[i][l] = x[i][0];
-        }
-    }
-
-    /// Normal increments of the standard deviation `scale`.
-    fn draw<const M: usize>(&mut self, scale: f64, block: &mut [[[f64; L]; M]]) {
-        for (l, stream) in self.streams.iter_mut().enumerate() {
-            for w in block.iter_mut() {
-                for k in 0..M {
-                    let z: f64 = stream.sample(StandardNormal);
-                    w[k][l] = scale * z;
+    /// The increments of steps that are twice as long as those that the random numbers are for: sums of two.
+    #[inline(always)]
+    fn draw_merged<const M: usize>(&self, scale: f64, block: &mut [[[f64; L]; M]]) {
+        for (place, w) in block.iter_mut().enumerate() {
+            let place = self.taken + place as u64;
+            for k in 0..M {
+                for l in 0..L {
+                    let [first, second] = self.random.normals(self.first + l as u64, k as u64, place);
+                    w[k][l] = scale * (first + second);
                 }
             }
         }
@@ -195,5 +299,50 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
             }
         }
         Ok(())
+    }
+}
+
+/// The state in one lane.
+#[inline(always)]
+fn lane<const N: usize, const L: usize>(x: &[[f64; L]; N], l: usize) -> [f64; N] {
+    std::array::from_fn(|i| x[i][l])
+}
+
+#[inline(always)]
+fn set_lane<const N: usize, const L: usize>(x: &mut [[f64; L]; N], l: usize, state: [f64; N]) {
+    for i in 0..N {
+        x[i][l] = state[i];
+    }
+}
+
+/// The straight drift of one lane.
+#[inline(always)]
+fn drift_lane<const N: usize, const L: usize>(
+    x: &mut [[f64; L]; N],
+    l: usize,
+    tau: f64,
+    course: &Course,
+    passages: &mut Passages,
+) {
+    set_lane(x, l, course.drifted(lane(x, l), tau, l, passages));
+}
+
+/// [`Lanes::steps`] as a call that is compiled for every width of registers.
+struct Advance<'a, 'b, T, const N: usize, const M: usize, const L: usize, const STRAIGHT: bool> {
+    lanes: &'a mut Lanes<N, L>,
+    scheme: &'a Scheme<'b, T, N, M>,
+    course: &'a Course,
+    steps: usize,
+    passages: &'a mut Passages,
+}
+
+impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize, const L: usize, const STRAIGHT: bool> NullaryFnOnce
+    for Advance<'_, '_, T, N, M, L, STRAIGHT>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.lanes.steps::<T, M, STRAIGHT>(self.scheme, self.course, self.steps, self.passages);
     }
 }

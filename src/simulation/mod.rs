@@ -5,25 +5,55 @@
 //! - `scheme`: the step of weak order 2, read off the generic definition of the system;
 //! - `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it;
 //! - `grazing`: shorter steps for trajectories that graze the wall;
-//! - `lanes`: some trajectories advanced in lockstep, each with its own stream of random numbers;
+//! - `random`, `normal`: random numbers as a function of seed, trajectory and time step, and normal ones from them;
+//! - `lanes`: some trajectories advanced in lockstep, as wide registers allow;
+//! - `time_step`: the choice of the time step, by the system's own time scales;
+//! - `pilot`: a few trajectories ahead of all others, which tell where the states are;
 //! - `ensemble`: batches of trajectories on all threads;
-//! - `tally`, `histogram`: what a batch keeps of its samples;
+//! - `tally`, `histogram`, `trend`: what a batch keeps of its samples;
 //! - `jackknife`: estimates and standard errors from the batches;
+//! - `plan`, `timetable`: what decides which numbers are found, and when;
+//! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
+//!   `checkpoint` and `store` (the state in a file), `peers` and `ranks` (several processes);
+//! - `setup`, `run`, `result`, `merge`, `density`: what the user asks, what is done, and what the user gets.
+//! - `splitting`: rare states;
+//! - `statistics`: what is kept beside the standard statistics, on request;
 //! - `setup`, `run`, `result`, `density`: what the user asks, what is done, and what the user gets.
 
+mod checkpoint;
+mod control;
 mod density;
 mod ensemble;
 mod grazing;
 mod histogram;
 mod jackknife;
 mod lanes;
+mod merge;
+mod normal;
 mod passage;
+mod peers;
+mod pilot;
+mod plan;
+mod random;
+#[cfg(feature = "mpi")]
+mod ranks;
 mod result;
 mod run;
 mod scheme;
+mod session;
 mod setup;
+mod splitting;
+mod statistics;
+mod store;
 mod tally;
+mod target;
+mod time_step;
+mod timetable;
+mod trend;
 
 pub use histogram::{Axis, Histogram};
-pub use result::{Provenance, SimulatedDensity};
+pub use result::{Provenance, SimulatedDensity, Stopped};
 pub use setup::{Progress, Simulation};
+pub use splitting::{Splitting, SplittingProvenance, Tails};
+pub use statistics::{FirstPassage, Spectrum};
+pub use target::Tolerance;

@@ -19,6 +19,8 @@ pub(super) struct Scheme<'a, T, const N: usize, const M: usize> {
     system: &'a T,
     /// The time step h.
     pub(super) step: f64,
+    /// Whether a step takes the noise of two steps of half its length, so that both follow the same Brownian path.
+    pub(super) merged: bool,
     /// The displacements, each with its velocity.
     pub(super) pairs: Vec<(usize, usize)>,
     /// 1 for a state that F moves, 0 for a displacement.
@@ -43,6 +45,7 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
         Scheme {
             system,
             step,
+            merged: false,
             pairs,
             moves,
             straight: unchanged_along_itself(&noise),
@@ -52,9 +55,9 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
 
     /// The Stratonovich drift.
     #[inline(always)]
-    fn drift(&self, x: [f64; N]) -> [f64; N] {
+    fn drift<const STRAIGHT: bool>(&self, x: [f64; N]) -> [f64; N] {
         let mut drift = self.system.drift(x);
-        if self.corrected {
+        if !STRAIGHT && self.corrected {
             let induced = drift_along_noise(self.system, x);
             for i in 0..N {
                 drift[i] -= induced[i];
@@ -65,17 +68,17 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
 
     /// F(h/2). The factor 0 keeps displacements where they are without a branch.
     #[inline(always)]
-    fn flow(&self, x: [f64; N], h: f64) -> [f64; N] {
-        let first = self.drift(x);
+    fn flow<const STRAIGHT: bool>(&self, x: [f64; N], h: f64) -> [f64; N] {
+        let first = self.drift::<STRAIGHT>(x);
         let middle = std::array::from_fn(|i| x[i] + self.moves[i] * (h / 4.0) * first[i]);
-        let second = self.drift(middle);
+        let second = self.drift::<STRAIGHT>(middle);
         std::array::from_fn(|i| x[i] + self.moves[i] * (h / 2.0) * second[i])
     }
 
     /// F(h/2) W(h) F(h/2) for the increments √h Z = `w`; `reversed` is the order of the fields.
     #[inline(always)]
     pub(super) fn kick<const STRAIGHT: bool>(&self, x: [f64; N], h: f64, w: [f64; M], reversed: bool) -> [f64; N] {
-        let mut x = self.flow(x, h);
+        let mut x = self.flow::<STRAIGHT>(x, h);
         if STRAIGHT {
             let noise = self.system.noise(x);
             for k in 0..M {
@@ -89,7 +92,7 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
                 x = self.along_field(x, k, w[k]);
             }
         }
-        self.flow(x, h)
+        self.flow::<STRAIGHT>(x, h)
     }
 
     /// The flow of the field G_k over the time s, by the classical Runge-Kutta rule.

@@ -6,7 +6,21 @@ use expoly::models::{
     CubicDamping, DisplacementNoise, Duffing, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
     QuinticDuffing, VanDerPolRayleigh, VelocityNoise,
 };
+use expoly::{PolynomialDrift, Scalar};
 use std::path::PathBuf;
+
+/// dx = −x dt + √2 dW.
+#[derive(Debug)]
+pub struct OrnsteinUhlenbeck;
+
+impl PolynomialDrift<1, 1> for OrnsteinUhlenbeck {
+    fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
+        [-x]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 1]) -> [[S; 1]; 1] {
+        [[S::from(2.0_f64.sqrt())]]
+    }
+}
 
 /// Duffing's oscillator of all reference tables: c = 0.2, k = 1, μ = 0.3, D = 0.2.
 pub fn duffing() -> Duffing {

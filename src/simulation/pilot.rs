@@ -1,0 +1,104 @@
+use super::{
+    ensemble::{Ensemble, Trajectories, WIDTH},
+    timetable::{BURN_IN_STRETCHES, Timetable},
+};
+use crate::{PolynomialDrift, Result};
+
+/// The trajectories of the pilot.
+const TRAJECTORIES: u64 = 64;
+
+/// The number of the pilot's first trajectory, which is also its stream: beyond every sampled one.
+const FIRST: u64 = 1 << 32;
+
+/// What a few trajectories tell about the states before any is sampled: the ranges of histograms, and where a trajectory
+/// has exploded.
+///
+/// The pilot has streams of its own, so that it depends on the system, the options and the seed alone, and not on which of
+/// the sampled trajectories run here: every part of a simulation repeats it and finds the same.
+#[derive(Clone, Debug)]
+pub(super) struct Pilot<const N: usize> {
+    reach: [Reach; N],
+}
+
+impl<const N: usize> Pilot<N> {
+    pub(super) const NONE: Self = Pilot { reach: [Reach::NONE; N] };
+
+    /// The path-steps that the pilot takes.
+    pub(super) fn path_steps(timetable: &Timetable) -> u64 {
+        TRAJECTORIES * timetable.steps(BURN_IN_STRETCHES) as u64
+    }
+
+    /// Runs the pilot through the burn-in and looks at its states in the second half.
+    pub(super) fn run<T: PolynomialDrift<N, M> + Sync, const M: usize>(
+        ensemble: &Ensemble<'_, T, N, M>,
+        seed: u64,
+        start: impl Fn([f64; N]) -> [f64; N],
+    ) -> Result<Self> {
+        let firsts = (FIRST..FIRST + TRAJECTORIES).step_by(WIDTH);
+        ensemble.pilot(firsts.map(|first| Trajectories::new(first..first + WIDTH as u64, seed, &start)).collect())
+    }
+
+    /// Looks at one state.
+    pub(super) fn look_at(&mut self, x: [f64; N]) {
+        self.reach = std::array::from_fn(|i| self.reach[i].joined(Reach::of(x[i])));
+    }
+
+    /// What two groups of the pilot's trajectories have seen.
+    pub(super) fn joined(self, other: Self) -> Self {
+        Pilot { reach: std::array::from_fn(|i| self.reach[i].joined(other.reach[i])) }
+    }
+
+    /// For each state an interval that its samples will hardly leave.
+    pub(super) fn intervals(&self) -> [(f64, f64); N] {
+        self.reach.map(|r| r.interval())
+    }
+
+    /// The moduli beyond which a trajectory has exploded: a million times larger than any that the pilot met.
+    pub(super) fn bounds(&self) -> [f64; N] {
+        self.reach.map(|r| 1e6 * r.largest())
+    }
+}
+
+/// How far one state reaches.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    count: f64,
+    sum: f64,
+    squares: f64,
+    lo: f64,
+    hi: f64,
+}
+
+impl Reach {
+    const NONE: Reach = Reach { count: 0.0, sum: 0.0, squares: 0.0, lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+
+    fn of(x: f64) -> Self {
+        Reach { count: 1.0, sum: x, squares: x * x, lo: x, hi: x }
+    }
+
+    fn joined(self, other: Self) -> Self {
+        Reach {
+            count: self.count + other.count,
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+        }
+    }
+
+    /// The largest modulus that was met.
+    fn largest(&self) -> f64 {
+        self.lo.abs().max(self.hi.abs())
+    }
+
+    /// An interval that later samples will hardly leave: the extremes, at least four standard deviations about the mean,
+    /// widened by a quarter of its length at both ends.
+    fn interval(&self) -> (f64, f64) {
+        let mean = self.sum / self.count;
+        let deviation = (self.squares / self.count - mean * mean).max(0.0).sqrt();
+        let (lo, hi) = (self.lo.min(mean - 4.0 * deviation), self.hi.max(mean + 4.0 * deviation));
+        // A state that never moved still gets an interval around it.
+        let margin = if hi > lo { (hi - lo) / 4.0 } else { 1.0 + lo.abs() };
+        (lo - margin, hi + margin)
+    }
+}

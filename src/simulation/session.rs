@@ -1,0 +1,222 @@
+use super::{
+    checkpoint::{self, Checkpoint, SavedBatch, State},
+    ensemble::{Batch, Ensemble, Trajectories, deal},
+    peers::{Peers, agree, share},
+    plan::Plan,
+    result::{SimulatedDensity, Stopped},
+    store::{Reader, Stored},
+    tally::{Layout, Origin, Tally},
+    target::Target,
+    timetable::{BURN_IN_STRETCHES, next_look, samples},
+};
+use crate::{Error, PolynomialDrift, Result};
+use std::{
+    ops::Range,
+    time::{Duration, Instant},
+};
+
+/// When a run is over, besides when it fails.
+#[derive(Debug)]
+pub(super) struct Limits<'a, const N: usize> {
+    /// The most samples of each trajectory.
+    pub(super) samples: usize,
+    pub(super) targets: Vec<Target<'a, N>>,
+    pub(super) time_budget: Option<Duration>,
+}
+
+/// A run in progress: the batches of this process, and the others that it shares the work with.
+pub(super) struct Session<'a, T, P, const N: usize, const M: usize> {
+    pub(super) ensemble: Ensemble<'a, T, N, M>,
+    pub(super) peers: &'a P,
+    pub(super) plan: Plan<N>,
+    pub(super) layout: Layout<N>,
+    /// Beyond these moduli a trajectory has exploded.
+    pub(super) bounds: [f64; N],
+    pub(super) limits: Limits<'a, N>,
+    pub(super) checkpoint: Option<Checkpoint>,
+    pub(super) batches: Vec<Batch<N>>,
+    pub(super) begin: Instant,
+    /// The time that earlier sessions of the run took, in seconds.
+    pub(super) seconds_before: f64,
+}
+
+/// What processes tell one another after each round.
+#[derive(Clone, Copy, Default)]
+struct Word {
+    cancelled: bool,
+    /// Whether the time budget is used up.
+    late: bool,
+    /// Whether it is time to write a checkpoint.
+    due: bool,
+}
+
+impl<T, P, const N: usize, const M: usize> Session<'_, T, P, N, M>
+where
+    T: PolynomialDrift<N, M> + Sync,
+    P: Peers,
+{
+    /// Runs round after round until a limit is reached.
+    ///
+    /// All decisions fall between rounds, when all batches stand at the same stretch; only a cancelled run is left
+    /// uneven, and a resumed one therefore begins with making its batches even. At least one round is run whatever the
+    /// time budget, so that many short sessions come to an end as well.
+    pub(super) fn run(
+        mut self,
+        part: Range<usize>,
+        start: impl Fn([f64; N]) -> [f64; N],
+    ) -> Result<SimulatedDensity<N>> {
+        let end = BURN_IN_STRETCHES + self.limits.samples;
+        let mut done = self.begin(part, start)?;
+        let trajectories = self.batches.iter().map(|b| b.trajectories.count()).sum();
+        self.ensemble.control.set(self.path_steps(), self.plan.path_steps(trajectories, self.limits.samples));
+        let (mut saved, mut rounds) = (Instant::now(), 0);
+        let mut look = next_look(samples(done).saturating_sub(1));
+        let mut outcome = self.advance(done, end);
+        let stopped = loop {
+            let word = self.agree(outcome, saved)?;
+            if word.cancelled {
+                self.save(None)?;
+                return Err(Error::Cancelled { steps: self.path_steps() });
+            }
+            if samples(done) >= look {
+                look = next_look(samples(done));
+                if self.on_target()? {
+                    break Stopped::Precision;
+                }
+            }
+            if done >= end {
+                break Stopped::Samples;
+            }
+            if word.late && rounds > 0 {
+                break Stopped::TimeBudget;
+            }
+            if word.due {
+                self.save(None)?;
+                saved = Instant::now();
+            }
+            let round = self.plan.timetable.next_round(done, self.plan.trajectories);
+            let next = if self.limits.targets.is_empty() { end } else { BURN_IN_STRETCHES + look };
+            done = round.min(next).min(end);
+            outcome = self.advance(done, end);
+            rounds += 1;
+        };
+        if samples(done) == 0 {
+            self.save(None)?;
+            return Err(Error::OutOfTime { steps: self.path_steps() });
+        }
+        self.save(Some(stopped))?;
+        let (tallies, seconds) = (self.gather()?, self.seconds());
+        Ok(SimulatedDensity::new(tallies, self.plan, seconds, stopped))
+    }
+
+    fn advance(&mut self, goal: usize, end: usize) -> Result<()> {
+        self.ensemble.advance_to(&mut self.batches, [goal, end], &self.layout, &self.bounds)
+    }
+
+    /// The path-steps of this process so far, those of the pilot included.
+    fn path_steps(&self) -> u64 {
+        let steps = |b: &Batch<N>| b.path_steps(&self.plan.timetable);
+        self.plan.pilot_steps() + self.batches.iter().map(steps).sum::<u64>()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.seconds_before + self.begin.elapsed().as_secs_f64()
+    }
+
+    /// Makes the batches of this process, from the checkpoint if there is one, and returns the furthest stretch that any
+    /// batch has completed.
+    fn begin(&mut self, part: Range<usize>, start: impl Fn([f64; N]) -> [f64; N]) -> Result<usize> {
+        let ranges = deal(self.plan.trajectories);
+        let edge = |rank: usize| part.start + rank * part.len() / self.peers.count();
+        let mine = edge(self.peers.rank())..edge(self.peers.rank() + 1);
+        let seed = self.plan.seed;
+        let Some((path, state)) = self.load()? else {
+            let fresh = mine.map(|index| {
+                let trajectories = Trajectories::new(ranges[index].clone(), seed, &start);
+                let tally = Tally::new(Origin { seed, batch: index }, &self.layout, self.ensemble.course.passages());
+                Batch::new(index, tally, &self.layout, trajectories)
+            });
+            self.batches = fresh.collect();
+            return Ok(0);
+        };
+        let spoiled = || Error::NotACheckpoint { path: path.clone(), problem: "its batches cannot be read" };
+        self.plan.same_as(&state.plan, false)?;
+        self.seconds_before = state.seconds;
+        let batches = state.batches().ok_or_else(spoiled)?;
+        let indices: Vec<usize> = batches.iter().map(|b| b.index).collect();
+        if !indices.iter().copied().eq(part.clone()) {
+            let found = format!("batches {:?} to {:?} of {}", indices.first(), indices.last(), ranges.len());
+            let expected = format!("batches {} to {}", part.start, part.end - 1);
+            return Err(Error::OtherSimulation { what: "part", found, expected });
+        }
+        let done = batches.iter().map(|b| b.done).max().unwrap_or(0);
+        if samples(done) > self.limits.samples {
+            let [found, expected] = [samples(done), self.limits.samples].map(|n| n.to_string());
+            return Err(Error::OtherSimulation { what: "number of samples per trajectory", found, expected });
+        }
+        for batch in batches.into_iter().filter(|b| mine.contains(&b.index)) {
+            let range = ranges[batch.index].clone();
+            self.batches.push(Batch::restored(batch, range, seed).ok_or_else(spoiled)?);
+        }
+        Ok(done)
+    }
+
+    /// The state in the checkpoint and the name of its file: rank 0 reads it and tells the others.
+    fn load(&self) -> Result<Option<(String, State<N>)>> {
+        let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(None) };
+        let mine = if self.peers.rank() == 0 { checkpoint::read(path) } else { Ok(None) };
+        // The content behind a byte that tells an empty file from no file.
+        let mine = mine.map(|content| content.map_or(Vec::new(), |content| [&[1], &content[..]].concat()));
+        match share(self.peers, mine)?.first().and_then(|word| word.split_first()) {
+            Some((_, content)) => Ok(Some((path.display().to_string(), State::from_file(path, content)?))),
+            None => Ok(None),
+        }
+    }
+
+    /// Writes the checkpoint, if there is to be one: every rank sends its batches to rank 0.
+    fn save(&self, stopped: Option<Stopped>) -> Result<()> {
+        let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(()) };
+        let mine: Vec<SavedBatch<N>> = self.batches.iter().map(SavedBatch::from).collect();
+        let lists = self.peers.exchange(mine.bytes())?;
+        let written = if self.peers.rank() == 0 {
+            let state = State { states: N, plan: self.plan.clone(), seconds: self.seconds(), stopped, lists };
+            checkpoint::write(path, &state.to_file())
+        } else {
+            Ok(())
+        };
+        share(self.peers, written.map(|()| Vec::new())).map(|_| ())
+    }
+
+    /// What the processes have to say after a round, or the error of one of them.
+    fn agree(&self, outcome: Result<()>, saved: Instant) -> Result<Word> {
+        let late = self.limits.time_budget.is_some_and(|budget| self.begin.elapsed() >= budget);
+        let due = self.checkpoint.as_ref().is_some_and(|c| saved.elapsed() >= c.every);
+        let [cancelled, late, due] = agree(self.peers, outcome, [late, due])?;
+        Ok(Word { cancelled, late, due })
+    }
+
+    /// The tallies of all processes, in the order of the batches.
+    fn gather(&self) -> Result<Vec<Tally<N>>> {
+        let mine: Vec<Tally<N>> = self.batches.iter().map(|b| b.tally.clone()).collect();
+        if self.peers.count() == 1 {
+            return Ok(mine);
+        }
+        let read = |(rank, bytes): (usize, Vec<u8>)| {
+            let unread = || Error::Rank { rank, reason: String::from("its tallies cannot be read") };
+            Reader(&bytes).whole::<Vec<Tally<N>>>().ok_or_else(unread)
+        };
+        let all: Vec<Vec<Tally<N>>> =
+            self.peers.exchange(mine.bytes())?.into_iter().enumerate().map(read).collect::<Result<_>>()?;
+        Ok(all.into_iter().flatten().collect())
+    }
+
+    /// Whether there are targets and all are met.
+    fn on_target(&self) -> Result<bool> {
+        if self.limits.targets.is_empty() {
+            return Ok(false);
+        }
+        let result = SimulatedDensity::new(self.gather()?, self.plan.clone(), 0.0, Stopped::Precision);
+        let mut targets = self.limits.targets.iter();
+        targets.try_fold(true, |met, target| Ok(met && target.tolerance.holds((target.statistic)(&result)?)))
+    }
+}

@@ -1,0 +1,169 @@
+use super::{
+    importance::Importance,
+    population::{Motion, Particle, Population},
+    tally::Levels,
+};
+use crate::simulation::passage::Course;
+use crate::{PolynomialDrift, Result};
+use std::f64::consts::E;
+
+/// A threshold is set only where so large a share of the weight seen lies beyond it.
+const SEEN: f64 = 0.1;
+
+/// So many of the starting states lie beyond the last threshold that they set.
+const LEAST_STATES: f64 = 30.0;
+
+/// The most bins, whatever the importance function does.
+const MOST_BINS: usize = 200;
+
+/// So many rounds may pass without a new threshold before the importance function counts as exhausted.
+const PATIENCE: usize = 10;
+
+/// The rounds that the scale of the tail is taken from.
+const CELL_ROUNDS: usize = 4;
+
+/// The width δ of a cell about a level, as a share of the mean excess E(X − y | X > y), which is the scale of the tail
+/// there. For an exponential tail the cells then err by 6·10⁻⁵ of the density.
+const CELL: f64 = 1.0 / 3.0;
+
+/// The run that finds the thresholds, before anything is measured.
+pub(super) struct Pilot<'a, T, const N: usize, const M: usize> {
+    pub(super) motion: &'a Motion<'a, T, N, M>,
+    pub(super) course: &'a Course,
+    /// Cycles of one round.
+    pub(super) cycles: usize,
+    /// The share of the weight beyond the last threshold at which it stops.
+    pub(super) rarest: f64,
+    pub(super) floor: f64,
+}
+
+/// From fewer particles beyond a level the mean excess is not taken.
+const LEAST_SEEN: f64 = 50.0;
+
+/// What the states do beyond one level and below it: Σ1, Σw and Σw|x − y|.
+#[derive(Clone, Copy, Default)]
+struct Excess {
+    above: [f64; 3],
+    below: [f64; 3],
+}
+
+impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Pilot<'_, T, N, M> {
+    /// Thresholds that each leave a share of e⁻¹ beyond them. A round of some cycles sees a little farther than the last
+    /// threshold, and sets the next ones.
+    pub(super) fn thresholds(&self, population: &mut Population<N>, states: &[Particle<N>]) -> Result<Vec<f64>> {
+        let least = LEAST_STATES / states.len() as f64;
+        let mut thresholds = quantiles(values(self.motion.importance, states)?, least, f64::NEG_INFINITY);
+        population.set_thresholds(&thresholds);
+        population.place(self.motion.importance, states)?;
+        let mut idle = 0;
+        while thresholds.len() < MOST_BINS && idle < PATIENCE {
+            let (mut beyond, mut share) = (Vec::new(), 0.0);
+            for cycle in 0..self.cycles {
+                let states = population.advance(self.motion, self.course, &mut [])?;
+                population.place(self.motion.importance, &states)?;
+                if 2 * cycle >= self.cycles {
+                    let last = population.last();
+                    share += last.iter().map(|&(_, w)| w).sum::<f64>();
+                    beyond.extend(values(self.motion.importance, &last)?);
+                }
+            }
+            idle += 1;
+            if !beyond.is_empty() {
+                if share / (self.cycles - self.cycles / 2) as f64 <= self.rarest {
+                    break;
+                }
+                let more = quantiles(beyond, SEEN, thresholds.last().copied().unwrap_or(f64::NEG_INFINITY));
+                idle = if more.is_empty() { idle } else { 0 };
+                thresholds.extend(more);
+                population.set_thresholds(&thresholds);
+            }
+        }
+        Ok(thresholds)
+    }
+
+    /// The widths of the cells about the levels of each state.
+    pub(super) fn cells(&self, population: &mut Population<N>, asked: &[(usize, Vec<f64>)]) -> Result<Vec<Levels>> {
+        let mut seen: Vec<Vec<Excess>> = asked.iter().map(|(_, y)| vec![Excess::default(); y.len()]).collect();
+        for _ in 0..CELL_ROUNDS * self.cycles {
+            let states = population.advance(self.motion, self.course, &mut [])?;
+            for ((state, levels), seen) in asked.iter().zip(&mut seen) {
+                for (y, excess) in levels.iter().zip(seen) {
+                    states.iter().for_each(|(x, weight)| excess.add(x[*state] - y, *weight));
+                }
+            }
+            population.place(self.motion.importance, &states)?;
+        }
+        let watched = asked.iter().zip(seen).map(|((state, levels), seen)| {
+            let floor = if *state == 0 { self.floor } else { f64::NEG_INFINITY };
+            let scales = scales(&seen);
+            let width = |(&y, scale): (&f64, f64)| (y, (CELL * scale).min((y - floor) / 1.5));
+            Levels::new(*state, levels.iter().zip(scales).map(width).collect())
+        });
+        Ok(watched.collect())
+    }
+}
+
+impl Excess {
+    fn add(&mut self, away: f64, weight: f64) {
+        let side = if away >= 0.0 { &mut self.above } else { &mut self.below };
+        *side = [side[0] + 1.0, side[1] + weight, side[2] + weight * away.abs()];
+    }
+
+    /// The smaller of the mean excess and the mean deficit; none where one of them is not known.
+    fn scale(&self) -> Option<f64> {
+        let mean = |[count, weight, sum]: [f64; 3]| (count >= LEAST_SEEN).then_some(sum / weight);
+        Some(mean(self.above)?.min(mean(self.below)?))
+    }
+}
+
+/// The scale at each of some rising levels. Those too far out to be seen take the scale of the nearest that is known; if
+/// there is none, it is zero.
+fn scales(seen: &[Excess]) -> Vec<f64> {
+    let known: Vec<(usize, f64)> = seen.iter().enumerate().filter_map(|(k, e)| Some((k, e.scale()?))).collect();
+    let nearest = |k: usize| known.iter().min_by_key(|&&(other, _)| other.abs_diff(k)).map_or(0.0, |&(_, scale)| scale);
+    (0..seen.len()).map(nearest).collect()
+}
+
+fn values<const N: usize>(importance: &Importance<'_, N>, states: &[Particle<N>]) -> Result<Vec<(f64, f64)>> {
+    states.iter().map(|(x, w)| Ok((importance.at(x)?, *w))).collect()
+}
+
+/// The values above `above` that leave the shares e⁻¹, e⁻², ... ≥ `least` of the weight beyond them, rising.
+fn quantiles(mut values: Vec<(f64, f64)>, least: f64, above: f64) -> Vec<f64> {
+    values.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let total: f64 = values.iter().map(|&(_, w)| w).sum();
+    // A threshold that nothing lies below divides nothing.
+    let above = values.last().map_or(above, |&(lowest, _)| above.max(lowest));
+    let shares = std::iter::successors(Some(1.0 / E), |share| Some(share / E)).take_while(|&share| share >= least);
+    let mut found = Vec::new();
+    for share in shares {
+        let mut sum = 0.0;
+        let beyond = |&&(_, w): &&(f64, f64)| {
+            sum += w;
+            sum >= share * total
+        };
+        if let Some(&(xi, _)) = values.iter().find(beyond)
+            && xi.is_finite()
+            && found.last().is_none_or(|&last| xi > last)
+            && xi > above
+        {
+            found.push(xi);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of the weights 1 at 1, 2, ..., 100 the shares 1/e and 1/e² are reached at the 37th and the 14th from above.
+    #[test]
+    fn quantiles_leave_powers_of_one_over_e_beyond() {
+        let values: Vec<(f64, f64)> = (1..=100).map(|k| (f64::from(k), 1.0)).collect();
+        assert_eq!(quantiles(values.clone(), 0.1, 0.0), [64.0, 87.0]);
+        assert_eq!(quantiles(values, 0.1, 70.0), [87.0]);
+        assert!(quantiles(vec![(3.0, 0.5), (3.0, 0.5)], 0.1, 3.0).is_empty());
+        assert!(quantiles(Vec::new(), 0.1, 0.0).is_empty());
+    }
+}

@@ -1,0 +1,245 @@
+use super::{
+    importance::Importance,
+    pilot::Pilot,
+    population::{Motion, Particle, Population, WIDTH},
+    result::{SplittingProvenance, Tails},
+    setup::Splitting,
+    tally::{Levels, Tally},
+};
+use crate::error::{finite, positive, state_index};
+use crate::simulation::{
+    Simulation,
+    control::Control,
+    passage::Course,
+    run::at_most,
+    scheme::Scheme,
+    setup::{Meter, Progress},
+};
+use crate::{Error, FokkerPlanck, PolynomialDrift, Result};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Path-steps of one replica between two looks at the progress callback.
+const REPORT: u64 = 1 << 18;
+
+/// The starting states of one replica: as many as leave a few beyond the fourth threshold.
+const STATES: usize = 128;
+
+/// From fewer replicas a standard error is known to worse than 18 %.
+const LEAST_REPLICAS: usize = 16;
+
+/// More would need more starting states than one simulation holds.
+const MOST_REPLICAS: usize = 2048;
+
+/// The most particles in a bin; two hundred bins of so many fit into memory on any number of threads.
+const MOST_PARTICLES: usize = 4096;
+
+/// The most levels of one state.
+const MOST_LEVELS: usize = 64;
+
+/// The pilot's particles in a bin, as a multiple of a replica's.
+const PILOT: usize = 4;
+
+/// One round of the pilot, as a share of the relaxation.
+const ROUND: f64 = 0.1;
+
+impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitting<'a, T, N, M> {
+    /// Runs the starting states, the pilot and the replicas.
+    ///
+    /// # Errors
+    /// - As [`Simulation::run`](crate::Simulation::run) for the system, its wall and its start.
+    /// - [`Error::NoSamples`]: no particles, or fewer than 16 replicas.
+    /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning, a level that is not finite or not above
+    ///   the wall, an importance function that is not a number somewhere.
+    /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any starting state.
+    /// - [`Error::Cancelled`]: the progress callback said so.
+    pub fn run(mut self) -> Result<Tails> {
+        let begin = Instant::now();
+        let plan = self.plan()?;
+        let states = self.plain().states()?;
+        let operator = FokkerPlanck::new(self.system)?;
+        let scheme = Scheme::new(self.system, &operator, self.time_step);
+        let importance = match self.importance.take() {
+            Some(function) => Importance::Given(function),
+            None => Importance::natural(&operator, &scheme.pairs, &states)?,
+        };
+        let largest = |i: usize| states.iter().map(|x| x[i].abs()).fold(0.0, f64::max);
+        let bound = std::array::from_fn(|i| 1e6 * largest(i));
+        let motion = Motion { scheme: &scheme, importance: &importance, bound, steps: plan.steps };
+        let floor = self.barrier.map_or(f64::NEG_INFINITY, |wall| wall.offset());
+        let velocity = scheme.pairs.iter().find(|&&(i, _)| i == 0).map(|&(_, j)| j);
+        let crossings = plan.levels.iter().filter(|(state, _)| velocity.is_some() && *state == 0);
+        let crossings = crossings.flat_map(|(_, levels)| levels.clone()).collect();
+        let [course, quiet] = [crossings, Vec::new()].map(|y| Course::for_scheme(&scheme, self.barrier, y));
+
+        let pilot = Pilot { motion: &motion, course: &quiet, cycles: plan.round, rarest: self.rarest, floor };
+        let mut population = Population::new(self.seed, 0, PILOT * plan.particles);
+        let (first, states) = states.split_at(STATES);
+        let thresholds = pilot.thresholds(&mut population, &weighted(first))?;
+        let watched = pilot.cells(&mut population, &plan.levels)?;
+
+        let cycles = plan.relaxing + plan.measuring;
+        let most = (self.replicas * (thresholds.len() + 1) * plan.particles * plan.steps) as u64 * cycles as u64;
+        let meter =
+            self.progress.take().map(|callback| Meter { progress: Progress { done: 0, total: most }, callback });
+        let control = Control::new(meter);
+        let replica = |(index, states): (usize, &[[f64; N]])| -> Result<(Tally, u64)> {
+            let mut population = Population::new(self.seed, 1 + index as u64, plan.particles);
+            population.set_thresholds(&thresholds);
+            population.place(&importance, &weighted(states))?;
+            let replica =
+                Replica { motion: &motion, quiet: &quiet, course: &course, watched: &watched, control: &control };
+            replica.run(&mut population, index, &plan, thresholds.len() + 1).inspect_err(|_| control.fail(index))
+        };
+        let results: Vec<Result<(Tally, u64)>> = states.par_chunks(STATES).enumerate().map(replica).collect();
+        let (replicas, steps): (Vec<Tally>, Vec<u64>) =
+            results.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
+
+        let cycle = plan.steps as f64 * self.time_step;
+        let provenance = SplittingProvenance {
+            seed: self.seed,
+            replicas: self.replicas,
+            particles: plan.particles,
+            thresholds,
+            path_steps: steps.iter().sum(),
+            time_step: self.time_step,
+            resampling_interval: cycle,
+            relaxation: plan.relaxing as f64 * cycle,
+            duration: plan.measuring as f64 * cycle,
+            seconds: begin.elapsed().as_secs_f64(),
+        };
+        Ok(Tails::new(replicas, watched, course.levels, provenance))
+    }
+
+    /// A plain simulation of the same system: it makes the starting states, [`STATES`] for the pilot and for each replica.
+    fn plain(&self) -> Simulation<'a, T, N, M> {
+        let count = STATES * (self.replicas + 1);
+        Simulation {
+            barrier: self.barrier,
+            start: self.start,
+            ..Simulation::new(self.system)
+                .trajectories(count)
+                .samples(count)
+                .time_step(self.time_step)
+                .sampling_interval(self.time_step)
+                .burn_in(self.burn_in)
+                .seed(self.seed)
+        }
+    }
+
+    /// Looks at all options that the starting states do not need.
+    fn plan(&self) -> Result<Plan> {
+        if self.particles == 0 {
+            return Err(Error::NoSamples { what: "the number of particles", least: 1 });
+        }
+        if self.replicas < LEAST_REPLICAS {
+            return Err(Error::NoSamples { what: "the number of replicas", least: LEAST_REPLICAS });
+        }
+        at_most("number of replicas", self.replicas, MOST_REPLICAS, "at most 2048; take more particles instead")?;
+        at_most("number of particles", self.particles, MOST_PARTICLES, "at most 4096; take more replicas instead")?;
+        if !(self.rarest > 0.0 && self.rarest < 1.0) {
+            let remedy = "the probability of the rarest states lies between 0 and 1";
+            return Err(Error::OutOfRange { name: "rarest", value: self.rarest, remedy });
+        }
+        let above_zero = "it must be finite and above zero";
+        let h = positive("time step", self.time_step, above_zero)?;
+        let interval = positive("resampling interval", self.resampling_interval, above_zero)?;
+        let relaxation = positive("relaxation", self.relaxation, above_zero)?;
+        let duration = positive("duration", self.duration, above_zero)?;
+        let steps = (interval / h).round().max(1.0);
+        let cycles = |time: f64| (time / (steps * h)).ceil().max(2.0);
+        // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
+        let path = (self.replicas * self.particles) as f64 * steps * cycles(relaxation + duration);
+        if path > 2.0_f64.powi(53) {
+            let remedy = "more than 2^53 path-steps never end: take a longer time step or a shorter duration";
+            return Err(Error::OutOfRange { name: "number of path-steps", value: path, remedy });
+        }
+        Ok(Plan {
+            levels: self.sorted_levels()?,
+            particles: self.particles.next_multiple_of(WIDTH),
+            steps: steps as usize,
+            round: cycles(ROUND * relaxation) as usize,
+            relaxing: cycles(relaxation) as usize,
+            // Two halves of equal length.
+            measuring: (cycles(duration) as usize).next_multiple_of(2),
+        })
+    }
+
+    /// The levels of each state, rising, each of them once.
+    fn sorted_levels(&self) -> Result<Vec<(usize, Vec<f64>)>> {
+        let mut levels = self.levels.clone();
+        for &(state, level) in &levels {
+            state_index::<N>("the state of a level", state)?;
+            finite("level", level)?;
+            if state == 0 && self.barrier.is_some_and(|wall| level <= wall.offset()) {
+                let remedy = "a level must lie above the wall; there are no states below it";
+                return Err(Error::OutOfRange { name: "level", value: level, remedy });
+            }
+        }
+        levels.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        levels.dedup();
+        let states = levels.chunk_by(|a, b| a.0 == b.0);
+        let sorted: Vec<(usize, Vec<f64>)> = states.map(|s| (s[0].0, s.iter().map(|&(_, y)| y).collect())).collect();
+        for (_, levels) in &sorted {
+            at_most("number of levels", levels.len(), MOST_LEVELS, "at most 64 levels of one state can be watched")?;
+        }
+        Ok(sorted)
+    }
+}
+
+/// The options in whole numbers.
+struct Plan {
+    /// The levels of each state.
+    levels: Vec<(usize, Vec<f64>)>,
+    particles: usize,
+    /// Time steps of a cycle, from one resampling to the next.
+    steps: usize,
+    /// Cycles of a round of the pilot, of the relaxation, of the measurement.
+    round: usize,
+    relaxing: usize,
+    measuring: usize,
+}
+
+/// What one replica needs.
+struct Replica<'a, 'c, T, const N: usize, const M: usize> {
+    motion: &'a Motion<'a, T, N, M>,
+    /// Without levels and with them.
+    quiet: &'a Course,
+    course: &'a Course,
+    watched: &'a [Levels],
+    control: &'a Control<'c>,
+}
+
+impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Replica<'_, '_, T, N, M> {
+    /// Relaxes and measures; returns the path-steps too.
+    fn run(&self, population: &mut Population<N>, index: usize, plan: &Plan, bins: usize) -> Result<(Tally, u64)> {
+        let mut tally = Tally::new(self.watched, self.course.levels.len(), bins);
+        let (mut path_steps, mut unreported) = (0, 0);
+        let last = plan.relaxing + plan.measuring - 1;
+        for cycle in 0..=last {
+            let measured = cycle.checked_sub(plan.relaxing);
+            let course = if measured.is_some() { self.course } else { self.quiet };
+            let states = population.advance(self.motion, course, &mut tally.crossings)?;
+            if let Some(measured) = measured {
+                states.iter().for_each(|&particle| tally.observe(self.watched, particle));
+                let half = usize::from(2 * measured >= plan.measuring);
+                tally.occupy(half, population.masses());
+            }
+            population.place(self.motion.importance, &states)?;
+            unreported += (states.len() * plan.steps) as u64;
+            if unreported >= REPORT || cycle == last {
+                self.control.report(unreported);
+                self.control.check(index)?;
+                path_steps += std::mem::take(&mut unreported);
+            }
+        }
+        tally.instants = plan.measuring as f64;
+        tally.time = (plan.measuring * plan.steps) as f64 * self.motion.scheme.step;
+        Ok((tally, path_steps))
+    }
+}
+
+/// The states with equal weights.
+fn weighted<const N: usize>(states: &[[f64; N]]) -> Vec<Particle<N>> {
+    states.iter().map(|&x| (x, 1.0 / states.len() as f64)).collect()
+}

@@ -1,0 +1,181 @@
+use crate::error::positive;
+use crate::simulation::{jackknife::jackknife, store::stored};
+use crate::{Error, Estimate, Result};
+
+/// How a stationary path is cut into windows, each of which begins at a stationary state and waits for the first passage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulation) struct PassageWindow {
+    /// Observations in a window.
+    count: usize,
+    interval: f64,
+    bins: usize,
+    /// Whether the path is watched between observations too.
+    continuous: bool,
+}
+
+/// Where one trajectory is in its window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::simulation) struct PassageClock {
+    observed: usize,
+    passed: bool,
+}
+stored!(PassageClock { observed, passed });
+
+/// The counts of one batch of trajectories.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::simulation) struct PassageTally {
+    /// Windows that have ended.
+    windows: f64,
+    /// Σ min(T, W).
+    waited: f64,
+    /// Passages after the k-th share of a window; the first are those of windows that began beyond the level.
+    passages: Vec<f64>,
+}
+stored!(PassageTally { windows, waited, passages });
+
+impl PassageWindow {
+    /// Windows of the length `length`, observed after each `interval`, with the distribution function at `bins` times that
+    /// divide it equally.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless length and interval are finite and positive, and there are from 1 to 4096 bins, none
+    /// shorter than an interval.
+    pub(super) fn new(length: f64, interval: f64, bins: usize, continuous: bool) -> Result<Self> {
+        let remedy = "it must be finite and above zero";
+        let count = positive("length of a window", length, remedy)? / positive("interval", interval, remedy)?;
+        if !(1..=4096).contains(&bins) || count.round() < bins as f64 || count > 2.0_f64.powi(53) {
+            let remedy = "there must be from 1 to 4096, each at least as long as the interval between observations";
+            return Err(Error::OutOfRange { name: "number of bins", value: bins as f64, remedy });
+        }
+        // Whole observations in each bin.
+        let each = (count / bins as f64).round();
+        Ok(PassageWindow { count: each as usize * bins, interval, bins, continuous })
+    }
+
+    /// The length W, rounded to whole observations in each bin.
+    fn length(&self) -> f64 {
+        self.count as f64 * self.interval
+    }
+
+    /// An empty tally.
+    pub(super) fn tally(&self) -> PassageTally {
+        PassageTally { windows: 0.0, waited: 0.0, passages: vec![0.0; self.bins + 1] }
+    }
+}
+
+impl PassageTally {
+    /// Takes one observation of a trajectory: whether it lies beyond the level, and whether it has come there since the last
+    /// one. The first observation of a window is its beginning; each trajectory has its own clock.
+    pub(super) fn push(&mut self, window: &PassageWindow, clock: &mut PassageClock, [beyond, since]: [bool; 2]) {
+        if (beyond || since && clock.observed > 0) && !clock.passed {
+            clock.passed = true;
+            self.passages[clock.observed.div_ceil(window.count / window.bins)] += 1.0;
+            // A passage between two observations happened half an interval before the second, in the mean.
+            let ahead = if window.continuous && clock.observed > 0 { 0.5 } else { 0.0 };
+            self.waited += (clock.observed as f64 - ahead) * window.interval;
+        }
+        if clock.observed < window.count {
+            clock.observed += 1;
+            return;
+        }
+        if !clock.passed {
+            self.waited += window.length();
+        }
+        self.windows += 1.0;
+        *clock = PassageClock::default();
+    }
+}
+
+/// The time T that a stationary path takes to pass a level from below, with standard errors from batches of independent
+/// trajectories.
+///
+/// Each window begins at a stationary state: T is zero if that lies beyond the level already. A window that ends without a
+/// passage tells T > W, its length W. All windows have the same length, so that nothing but W itself is censored: the
+/// distribution function is exact up to W, and nothing is known beyond. Windows of one trajectory follow each other and are
+/// correlated; batches are not. Errors cover chance, not the time step.
+#[derive(Clone, Debug)]
+pub struct FirstPassage {
+    window: PassageWindow,
+    batches: Vec<PassageTally>,
+}
+
+impl FirstPassage {
+    /// From the tallies of batches that are independent of each other.
+    ///
+    /// # Errors
+    /// [`Error::NoSamples`] if fewer than two batches have a window that has ended.
+    pub(super) fn new(window: PassageWindow, mut batches: Vec<PassageTally>) -> Result<Self> {
+        batches.retain(|batch| batch.windows > 0.0);
+        if batches.len() < 2 {
+            return Err(Error::NoSamples { what: "the number of batches with a whole window", least: 2 });
+        }
+        Ok(FirstPassage { window, batches })
+    }
+
+    /// P(T ≤ t) at the times t that divide a window equally, from t = 0 to W. For other states than displacements, T is the
+    /// time of the first sample beyond the level.
+    pub fn distribution(&self) -> Vec<(f64, Estimate)> {
+        let bin = self.window.length() / self.window.bins as f64;
+        let until = |k: usize| {
+            let sums = |b: &PassageTally| [b.windows, b.passages[..=k].iter().sum()];
+            (k as f64 * bin, jackknife(&self.batches, sums, |[windows, passed]: [f64; 2]| passed / windows))
+        };
+        (0..=self.window.bins).map(until).collect()
+    }
+
+    /// The restricted mean E min(T, W), which is ∫ P(T > t) dt over the window. Where the path is watched at all times, a
+    /// passage counts in the middle of its sampling interval Δ, which leaves an error of order Δ².
+    pub fn restricted_mean(&self) -> Estimate {
+        jackknife(&self.batches, |b| [b.windows, b.waited], |[windows, waited]| waited / windows)
+    }
+
+    /// The mean E T as it would be if passages went on at a constant rate, P(T > t) = P₀ exp(−λt) with P₀ = P(T > 0):
+    /// the mean P₀/λ, with λ passages per unit time of waiting. Exact for no oscillator; close where the level is high,
+    /// so that passages are rare and forget the start. [`FirstPassage::distribution`] shows whether the rate is constant.
+    pub fn extrapolated_mean(&self) -> Estimate {
+        let sums = |b: &PassageTally| [b.windows, b.waited, b.passages[0], b.passages[1..].iter().sum()];
+        jackknife(&self.batches, sums, |[windows, waited, at_once, later]| (1.0 - at_once / windows) * waited / later)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Windows of four intervals in two bins. The first passes at its second interval, the second never, the third at once.
+    #[test]
+    fn windows_count_their_first_passage() -> Result<()> {
+        let window = PassageWindow::new(2.0, 0.5, 2, false)?;
+        let (mut tally, mut clock) = (window.tally(), PassageClock::default());
+        for beyond in [0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0] {
+            tally.push(&window, &mut clock, [beyond == 1, false]);
+        }
+        assert_eq!(clock, PassageClock::default());
+        assert_eq!((tally.windows, tally.waited), (3.0, 1.0 + 2.0));
+        assert_eq!(tally.passages, [1.0, 1.0, 0.0]);
+        let passage = FirstPassage::new(window, vec![tally.clone(), tally])?;
+        assert_eq!(passage.restricted_mean(), Estimate::new(1.0, 0.0));
+        let distribution = passage.distribution();
+        assert_eq!(distribution.iter().map(|d| d.0).collect::<Vec<_>>(), [0.0, 1.0, 2.0]);
+        assert!((distribution[1].1.value - 2.0 / 3.0).abs() < 1e-15);
+        Ok(())
+    }
+
+    /// A passage between two observations belongs to the interval before the second; one before the window does not count.
+    #[test]
+    fn a_watched_path_passes_between_observations() -> Result<()> {
+        let window = PassageWindow::new(2.0, 0.5, 2, true)?;
+        let (mut tally, mut clock) = (window.tally(), PassageClock::default());
+        for since in [true, false, false, true, false] {
+            tally.push(&window, &mut clock, [false, since]);
+        }
+        assert_eq!((tally.windows, tally.waited, tally.passages), (1.0, 1.25, vec![0.0, 0.0, 1.0]));
+        Ok(())
+    }
+
+    #[test]
+    fn windows_without_a_meaning_are_refused() {
+        assert!(PassageWindow::new(0.0, 0.5, 1, true).is_err() && PassageWindow::new(1.0, f64::NAN, 1, true).is_err());
+        assert!(PassageWindow::new(1.0, 0.5, 0, true).is_err() && PassageWindow::new(1.0, 0.5, 3, true).is_err());
+    }
+}

@@ -1,0 +1,52 @@
+use super::questions::{PassageQuestion, Point};
+use crate::{PolynomialDrift, Simulation};
+
+impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation<'_, T, N, M> {
+    /// Moments to be kept besides those that always are (all degrees up to 4 for N ≤ 3): the exponents of each, of degree 32
+    /// at most. [`Density::moment`](crate::Density::moment) then knows them.
+    ///
+    /// High moments live in the tail: the relative standard error of E x^k grows about like 2^(k/2) for a normal density.
+    pub fn moments(mut self, exponents: impl IntoIterator<Item = [u32; N]>) -> Self {
+        self.questions.moments.extend(exponents);
+        self
+    }
+
+    /// Keeps the spectral density and the autocovariance of one state, from segments of `length` samples each (8 to 2²⁰).
+    /// [`SimulatedDensity::spectrum`](crate::SimulatedDensity::spectrum) gives them.
+    ///
+    /// The path is looked at once in each sampling interval Δ: frequencies beyond π/Δ are folded back, and a segment lasts
+    /// `length` × Δ, which should be many relaxation times. The present segment of every trajectory is kept in memory.
+    ///
+    /// ```
+    /// use expoly::{Simulation, models::Linear};
+    /// let oscillator = Linear::new(0.5, 2.0, 0.3)?;
+    /// let result = Simulation::new(&oscillator).sampling_interval(0.1).spectrum(0, 256).run()?;
+    /// let spectrum = result.spectrum(0)?;
+    /// // x″ + c x′ + k x = ξ has R(τ) = D/ck exp(−cτ/2) (cos ω_d τ + c/2ω_d sin ω_d τ), ω_d² = k − c²/4: here at 0 and at 1.
+    /// assert!(spectrum.autocovariance(0)?.deviation(0.3) < 4.0);
+    /// assert!(spectrum.autocovariance(10)?.deviation(0.08286) < 4.0);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn spectrum(mut self, state: usize, length: usize) -> Self {
+        self.questions.spectra.push((state, length));
+        self
+    }
+
+    /// Waits for the first passage of state 0 through `level` from below, in windows of the length `window`, each begun at
+    /// a stationary state, and keeps the distribution of the time at `bins` equal times in them.
+    /// [`SimulatedDensity::first_passage`](crate::SimulatedDensity::first_passage) gives it.
+    ///
+    /// The path of a displacement is watched at all times and its passages are told to a sampling interval; of any other
+    /// state 0 only the samples are seen. The window is rounded to whole sampling intervals for each of the `bins`.
+    pub fn first_passage(mut self, level: f64, window: f64, bins: usize) -> Self {
+        self.questions.passages.push(PassageQuestion { level, length: window, bins });
+        self
+    }
+
+    /// Points of the state space whose density is to be measured in cells of the given widths about each, for any number of
+    /// states. [`SimulatedDensity::at_points`](crate::SimulatedDensity::at_points) gives it, and says what widths do.
+    pub fn points(mut self, points: impl IntoIterator<Item = [f64; N]>, widths: [f64; N]) -> Self {
+        self.questions.points.extend(points.into_iter().map(|at| Point { at, widths }));
+        self
+    }
+}

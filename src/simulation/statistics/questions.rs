@@ -1,0 +1,100 @@
+use super::{first_passage::PassageWindow, spectrum::Segments};
+use crate::error::{finite, positive, state_index};
+use crate::simulation::{run::at_most, store::stored};
+use crate::{Error, Result};
+
+/// Each moment, point or state that is asked for costs time at every sample.
+const MOST_MOMENTS: usize = 64;
+const MOST_POINTS: usize = 256;
+const MOST_PASSAGES: usize = 16;
+
+/// The highest degree of a moment: beyond, a sum of powers is one sample alone.
+const HIGHEST_DEGREE: u32 = 32;
+
+/// The most numbers that are kept of all paths together: half a gigabyte.
+const MOST_KEPT: usize = 1 << 26;
+
+/// What is asked of a simulation beyond the statistics that every one keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::simulation) struct Questions<const N: usize> {
+    /// The exponents of moments.
+    pub(in crate::simulation) moments: Vec<[u32; N]>,
+    /// States whose spectra are wanted, each with the number of samples in a segment.
+    pub(in crate::simulation) spectra: Vec<(usize, usize)>,
+    pub(in crate::simulation) passages: Vec<PassageQuestion>,
+    pub(in crate::simulation) points: Vec<Point<N>>,
+}
+stored!(Questions[N] { moments, spectra, passages, points });
+
+/// A level of state 0, the length of the windows in which its first passage is waited for, and the number of times in one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulation) struct PassageQuestion {
+    pub(in crate::simulation) level: f64,
+    pub(in crate::simulation) length: f64,
+    pub(in crate::simulation) bins: usize,
+}
+stored!(PassageQuestion { level, length, bins });
+
+/// A point whose density is wanted, and the widths of the cells about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulation) struct Point<const N: usize> {
+    pub(in crate::simulation) at: [f64; N],
+    pub(in crate::simulation) widths: [f64; N],
+}
+stored!(Point[N] { at, widths });
+
+impl<const N: usize> Questions<N> {
+    pub(in crate::simulation) const NONE: Self =
+        Questions { moments: Vec::new(), spectra: Vec::new(), passages: Vec::new(), points: Vec::new() };
+
+    /// The levels whose up-crossings are to be counted: those named, and those of first passages.
+    pub(in crate::simulation) fn with_levels(&self, named: &[f64]) -> Vec<f64> {
+        let mut levels = named.to_vec();
+        for passage in &self.passages {
+            if !levels.contains(&passage.level) {
+                levels.push(passage.level);
+            }
+        }
+        levels
+    }
+
+    /// Looks at all of them, for `trajectories` trajectories that are sampled at `interval` above the wall at `floor`.
+    pub(in crate::simulation) fn validate(&self, trajectories: usize, interval: f64, floor: f64) -> Result<()> {
+        at_most("number of moments", self.moments.len(), MOST_MOMENTS, "at most 64 can be named")?;
+        at_most("number of points", self.points.len(), MOST_POINTS, "at most 256 can be watched")?;
+        at_most("number of first passages", self.passages.len(), MOST_PASSAGES, "at most 16 can be waited for")?;
+        for exponents in &self.moments {
+            let degree = exponents.iter().fold(0_u32, |sum, &power| sum.saturating_add(power));
+            at_most("degree of a moment", degree as usize, HIGHEST_DEGREE as usize, "at most 32")?;
+        }
+        let mut kept = 0_usize;
+        for (k, &(state, length)) in self.spectra.iter().enumerate() {
+            state_index::<N>("the state of a spectrum", state)?;
+            Segments::check(length, interval)?;
+            if self.spectra[..k].iter().any(|&(other, _)| other == state) {
+                let remedy = "its spectrum is asked for twice; one segment length can be given for each state";
+                return Err(Error::OutOfRange { name: "state", value: state as f64, remedy });
+            }
+            kept += length * trajectories;
+        }
+        at_most("number of samples in all segments", kept, MOST_KEPT, "take shorter segments or fewer trajectories")?;
+        for (k, &PassageQuestion { level, length, bins }) in self.passages.iter().enumerate() {
+            finite("level", level)?;
+            PassageWindow::new(length, interval, bins, false)?;
+            if self.passages[..k].iter().any(|other| other.level == level) {
+                let remedy = "its first passage is asked for twice; one window can be given for each level";
+                return Err(Error::OutOfRange { name: "level", value: level, remedy });
+            }
+        }
+        for Point { at, widths } in &self.points {
+            at.iter().try_for_each(|&x| finite("point", x).map(|_| ()))?;
+            let remedy = "the width of the cells about a point must be finite and above zero";
+            widths.iter().try_for_each(|&width| positive("width", width, remedy).map(|_| ()))?;
+            if at[0] - 1.5 * widths[0] < floor {
+                let remedy = "the cells about a point reach 1.5 widths to either side and must lie above the wall";
+                return Err(Error::OutOfRange { name: "point", value: at[0], remedy });
+            }
+        }
+        Ok(())
+    }
+}

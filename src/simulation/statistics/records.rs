@@ -1,0 +1,127 @@
+use super::{
+    cells::{PointCounts, Slab},
+    first_passage::{PassageClock, PassageTally, PassageWindow},
+    questions::{Point, Questions},
+    spectrum::{Segments, SpectralTally},
+};
+use crate::simulation::store::stored;
+
+/// How a run looks at its samples to answer [`Questions`].
+#[derive(Clone, Debug)]
+pub(in crate::simulation) struct Watch<const N: usize> {
+    pub(super) spectra: Vec<(usize, Segments)>,
+    pub(super) passages: Vec<Waiting>,
+    pub(super) points: Vec<Point<N>>,
+    /// The cells about each level of state 0 whose up-crossings are counted, and the state that is its velocity.
+    pub(super) slabs: Vec<Slab>,
+    velocity: usize,
+}
+
+/// A level whose first passage is waited for.
+#[derive(Clone, Debug)]
+pub(super) struct Waiting {
+    pub(super) level: f64,
+    /// Its place among the levels whose up-crossings are counted; none where state 0 is no displacement.
+    crossing: Option<usize>,
+    pub(super) window: PassageWindow,
+}
+
+/// What one batch has found.
+#[derive(Clone, Debug)]
+pub(in crate::simulation) struct Records {
+    pub(super) spectra: Vec<SpectralTally>,
+    pub(super) passages: Vec<PassageTally>,
+    pub(super) points: Vec<PointCounts>,
+    /// Σ max(v, 0) in three cells about each level.
+    pub(super) slabs: Vec<[f64; 3]>,
+}
+stored!(Records { spectra, passages, points, slabs });
+
+/// What is remembered of the paths of a batch until a segment or a window is whole.
+#[derive(Clone, Debug)]
+pub(in crate::simulation) struct Memory {
+    /// For each trajectory the segments of all spectra.
+    segments: Vec<Vec<f64>>,
+    /// For each trajectory the clocks of all first passages.
+    clocks: Vec<PassageClock>,
+}
+stored!(Memory { segments, clocks });
+
+/// One sample of a trajectory.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::simulation) struct Seen<'a, const N: usize> {
+    /// The trajectory's number in its batch.
+    pub(in crate::simulation) trajectory: usize,
+    pub(in crate::simulation) x: [f64; N],
+    /// For each level the lanes that have crossed it since the last sample, one bit each; and the trajectory's lane.
+    pub(in crate::simulation) crossed: &'a [u64],
+    pub(in crate::simulation) lane: usize,
+}
+
+impl<const N: usize> Watch<N> {
+    #[cfg(test)]
+    pub(in crate::simulation) const NONE: Self =
+        Watch { spectra: Vec::new(), passages: Vec::new(), points: Vec::new(), slabs: Vec::new(), velocity: 0 };
+
+    /// `levels` are those of state 0, which moves at the rate of `velocity` between `ends`; samples are `interval` apart.
+    pub(in crate::simulation) fn new(
+        questions: &Questions<N>,
+        interval: f64,
+        (levels, velocity): (&[f64], Option<usize>),
+        ends: [f64; 2],
+        floor: f64,
+    ) -> Self {
+        let segments = |&(state, length): &(usize, usize)| (state, Segments::new(length, interval));
+        let crossing = |level: f64| levels.iter().position(|&y| y == level).filter(|_| velocity.is_some());
+        let waiting = questions.passages.iter().filter_map(|asked| {
+            let crossing = crossing(asked.level);
+            let window = PassageWindow::new(asked.length, interval, asked.bins, crossing.is_some()).ok()?;
+            Some(Waiting { level: asked.level, crossing, window })
+        });
+        Watch {
+            spectra: questions.spectra.iter().map(segments).collect(),
+            passages: waiting.collect(),
+            points: questions.points.clone(),
+            slabs: levels.iter().map(|&level| Slab::new(level, ends, floor)).collect(),
+            velocity: velocity.unwrap_or(0),
+        }
+    }
+
+    /// Empty records.
+    pub(in crate::simulation) fn records(&self) -> Records {
+        Records {
+            spectra: self.spectra.iter().map(|(_, segments)| segments.tally()).collect(),
+            passages: self.passages.iter().map(|waiting| waiting.window.tally()).collect(),
+            points: vec![PointCounts::default(); self.points.len()],
+            slabs: vec![[0.0; 3]; self.slabs.len()],
+        }
+    }
+
+    /// The memory of so many trajectories before their first sample.
+    pub(in crate::simulation) fn memory(&self, trajectories: usize) -> Memory {
+        Memory {
+            segments: vec![Vec::new(); trajectories * self.spectra.len()],
+            clocks: vec![PassageClock::default(); trajectories * self.passages.len()],
+        }
+    }
+
+    /// Looks at one sample.
+    pub(in crate::simulation) fn observe(&self, records: &mut Records, memory: &mut Memory, seen: Seen<'_, N>) {
+        let Seen { trajectory, x, crossed, lane } = seen;
+        let segments = memory.segments.iter_mut().skip(trajectory * self.spectra.len());
+        for (((state, spectrum), tally), path) in self.spectra.iter().zip(&mut records.spectra).zip(segments) {
+            tally.push(spectrum, path, x[*state]);
+        }
+        let clocks = memory.clocks.iter_mut().skip(trajectory * self.passages.len());
+        for ((waiting, tally), clock) in self.passages.iter().zip(&mut records.passages).zip(clocks) {
+            let since = waiting.crossing.is_some_and(|k| crossed[k] >> lane & 1 == 1);
+            tally.push(&waiting.window, clock, [x[0] >= waiting.level, since]);
+        }
+        for (point, counts) in self.points.iter().zip(&mut records.points) {
+            point.observe(counts, &x);
+        }
+        for (slab, sums) in self.slabs.iter().zip(&mut records.slabs) {
+            slab.observe(sums, x[0], x[self.velocity]);
+        }
+    }
+}

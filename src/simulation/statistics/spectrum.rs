@@ -1,0 +1,240 @@
+use crate::error::positive;
+use crate::simulation::{jackknife::jackknife, store::stored};
+use crate::{Error, Estimate, Result};
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex};
+use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
+
+/// How the path of one state is cut into segments for its spectral density and autocovariance (P. D. Welch, 1967,
+/// doi:10.1109/TAU.1967.1161901).
+#[derive(Clone)]
+pub(in crate::simulation) struct Segments {
+    length: usize,
+    interval: f64,
+    window: Vec<f64>,
+    /// |Σ_t w_t exp(−iω_j t)|², what a mean of 1 adds to the periodogram.
+    of_mean: Vec<f64>,
+    /// Σ w².
+    energy: f64,
+    forward: Arc<dyn RealToComplex<f64>>,
+    padded: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+/// The sums of one batch of trajectories.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::simulation) struct SpectralTally {
+    segments: f64,
+    /// Σ x over the samples of all segments.
+    sum: f64,
+    /// Σ |Σ_t w_t x_t exp(−iω_j t)|².
+    power: Vec<f64>,
+    /// Σ Σ_t x_t x_(t+k) for each lag k.
+    products: Vec<f64>,
+}
+stored!(SpectralTally { segments, sum, power, products });
+
+/// The most samples in a segment.
+const LONGEST: usize = 1 << 20;
+
+impl Segments {
+    /// Refuses intervals that are not finite and positive, and lengths that do not lie between 8 and 2²⁰.
+    pub(super) fn check(length: usize, interval: f64) -> Result<()> {
+        positive("sampling interval", interval, "it must be finite and above zero")?;
+        if !(8..=LONGEST).contains(&length) {
+            let remedy = "a segment holds from 8 to 2^20 samples";
+            return Err(Error::OutOfRange { name: "length of a segment", value: length as f64, remedy });
+        }
+        Ok(())
+    }
+
+    /// Segments of `length` samples that are `interval` apart.
+    pub(super) fn new(length: usize, interval: f64) -> Self {
+        let hann = |t: usize| 0.5 - 0.5 * (TAU * t as f64 / length as f64).cos();
+        let window: Vec<f64> = (0..length).map(hann).collect();
+        let mut planner = RealFftPlanner::new();
+        let mut segments = Segments {
+            length,
+            interval,
+            of_mean: Vec::new(),
+            energy: window.iter().map(|w| w * w).sum(),
+            forward: planner.plan_fft_forward(length),
+            padded: planner.plan_fft_forward(2 * length),
+            inverse: planner.plan_fft_inverse(2 * length),
+            window,
+        };
+        segments.of_mean = segments.periodogram(&segments.window);
+        segments
+    }
+
+    /// An empty tally.
+    pub(super) fn tally(&self) -> SpectralTally {
+        SpectralTally {
+            segments: 0.0,
+            sum: 0.0,
+            power: vec![0.0; self.length / 2 + 1],
+            products: vec![0.0; self.length / 2 + 1],
+        }
+    }
+
+    /// |Σ_t y_t exp(−iω_j t)|². The transform fails only for buffers of a wrong length, which these are not.
+    fn periodogram(&self, y: &[f64]) -> Vec<f64> {
+        let (mut input, mut output) = (y.to_vec(), self.forward.make_output_vec());
+        if self.forward.process(&mut input, &mut output).is_err() {
+            return vec![f64::NAN; output.len()];
+        }
+        output.iter().map(Complex::norm_sqr).collect()
+    }
+
+    /// Σ_t x_t x_(t+k), by a transform padded with zeros, so that nothing wraps around.
+    fn products(&self, x: &[f64]) -> Vec<f64> {
+        let mut input = self.padded.make_input_vec();
+        input[..x.len()].copy_from_slice(x);
+        let mut spectrum = self.padded.make_output_vec();
+        let mut output = self.inverse.make_output_vec();
+        let mut done = self.padded.process(&mut input, &mut spectrum).is_ok();
+        for c in &mut spectrum {
+            (c.re, c.im) = (c.norm_sqr(), 0.0);
+        }
+        done &= self.inverse.process(&mut spectrum, &mut output).is_ok();
+        // Neither transform is normalised.
+        let scale = if done { (output.len() as f64).recip() } else { f64::NAN };
+        output[..=self.length / 2].iter().map(|p| p * scale).collect()
+    }
+}
+
+impl fmt::Debug for Segments {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Segments")
+            .field("length", &self.length)
+            .field("interval", &self.interval)
+            .finish_non_exhaustive()
+    }
+}
+
+impl SpectralTally {
+    /// Takes one sample of a trajectory. `path` holds what its present segment has so far; it is empty at the start, and
+    /// each trajectory has its own. Segments overlap by a half.
+    pub(super) fn push(&mut self, segments: &Segments, path: &mut Vec<f64>, x: f64) {
+        path.push(x);
+        if path.len() < segments.length {
+            return;
+        }
+        let windowed: Vec<f64> = path.iter().zip(&segments.window).map(|(x, w)| x * w).collect();
+        self.segments += 1.0;
+        self.sum += path.iter().sum::<f64>();
+        for (sum, power) in self.power.iter_mut().zip(segments.periodogram(&windowed)) {
+            *sum += power;
+        }
+        for (sum, product) in self.products.iter_mut().zip(segments.products(path)) {
+            *sum += product;
+        }
+        path.drain(..segments.length / 2);
+    }
+}
+
+/// Spectral density and autocovariance with standard errors from batches of independent trajectories.
+///
+/// The spectral density S(ω) is two-sided, ω in radians per unit time: Var x = ∫ S dω over all ω, negative ones included, and
+/// R(τ) = ∫ S(ω) exp(iωτ) dω. The one-sided density over ω > 0 is 2S, that over the frequency f = ω/2π is 4πS. For
+/// x″ + c x′ + k x = ξ it is S = (D/π) / ((k − ω²)² + c²ω²).
+///
+/// It is a mean over segments that overlap by a half, each under a Hann window (P. D. Welch, 1967,
+/// doi:10.1109/TAU.1967.1161901). Segments of the length T smooth it and add ⅔ (π/T)² S″; what lies above the highest
+/// frequency is folded back below it. Errors cover chance, and none of these.
+#[derive(Clone, Debug)]
+pub struct Spectrum {
+    segments: Segments,
+    batches: Vec<SpectralTally>,
+}
+
+impl Spectrum {
+    /// From the tallies of batches that are independent of each other.
+    ///
+    /// # Errors
+    /// [`Error::NoSamples`] if fewer than two batches have a whole segment.
+    pub(super) fn new(segments: Segments, mut batches: Vec<SpectralTally>) -> Result<Self> {
+        batches.retain(|batch| batch.segments > 0.0);
+        if batches.len() < 2 {
+            return Err(Error::NoSamples { what: "the number of batches with a whole segment", least: 2 });
+        }
+        Ok(Spectrum { segments, batches })
+    }
+
+    /// The frequencies ω_j = 2πj/(length × interval), from 0 to π/interval.
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> + '_ {
+        let segments = &self.segments;
+        (0..segments.of_mean.len()).map(move |j| TAU * j as f64 / (segments.length as f64 * segments.interval))
+    }
+
+    /// The two-sided spectral density S at ω_j, smoothed by the window. The mean is taken off: what it adds is known. At
+    /// ω = 0 and next to it that costs precision.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if there is no such frequency.
+    pub fn density(&self, j: usize) -> Result<Estimate> {
+        let segments = &self.segments;
+        known("index of a frequency", j, segments.of_mean.len())?;
+        let (length, of_mean) = (segments.length as f64, segments.of_mean[j]);
+        let scale = segments.interval / (TAU * segments.energy);
+        Ok(jackknife(
+            &self.batches,
+            |b| [b.segments, b.sum, b.power[j]],
+            move |[n, sum, power]| scale * (power / n - (sum / (n * length)).powi(2) * of_mean),
+        ))
+    }
+
+    /// The autocovariance R(τ) = E[(x(t) − m)(x(t + τ) − m)] at the lag τ = k × interval, k up to half the length of a
+    /// segment.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a longer lag.
+    pub fn autocovariance(&self, k: usize) -> Result<Estimate> {
+        let length = self.segments.length as f64;
+        known("lag", k, self.segments.length / 2 + 1)?;
+        Ok(jackknife(
+            &self.batches,
+            |b| [b.segments, b.sum, b.products[k]],
+            move |[n, sum, products]| products / (n * (length - k as f64)) - (sum / (n * length)).powi(2),
+        ))
+    }
+}
+
+fn known(name: &'static str, index: usize, count: usize) -> Result<()> {
+    let remedy = "the segments are too short for it: frequencies and lags go up to half their length";
+    if index < count { Ok(()) } else { Err(Error::OutOfRange { name, value: index as f64, remedy }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The products are those of the definition, to the rounding of a transform of 32 numbers of order one.
+    #[test]
+    fn products_do_not_wrap_around() {
+        let segments = Segments::new(16, 0.5);
+        let x: Vec<f64> = (0..16).map(|t| (1.7 * f64::from(t)).sin() + 0.3).collect();
+        for (k, product) in segments.products(&x).into_iter().enumerate() {
+            let plain: f64 = (0..16 - k).map(|t| x[t] * x[t + k]).sum();
+            assert!((product - plain).abs() < 1e-13, "{k}: {product}, {plain}");
+        }
+    }
+
+    /// A constant has neither spectrum nor covariance.
+    #[test]
+    fn a_mean_is_no_fluctuation() -> Result<()> {
+        let segments = Segments::new(8, 1.0);
+        let mut tally = segments.tally();
+        let mut path = Vec::new();
+        (0..20).for_each(|_| tally.push(&segments, &mut path, 3.0));
+        assert_eq!(tally.segments, 4.0);
+        let spectrum = Spectrum::new(segments, vec![tally.clone(), tally])?;
+        for j in 0..5 {
+            // Squares of 9 times the window's energy, less themselves.
+            assert!(spectrum.density(j)?.value.abs() < 1e-13 && spectrum.autocovariance(j)?.value.abs() < 1e-13);
+        }
+        assert!(spectrum.density(5).is_err() && spectrum.autocovariance(5).is_err());
+        Ok(())
+    }
+}

@@ -1,0 +1,83 @@
+use super::store::stored;
+
+/// The stretches that a burn-in is divided into; the pilot's states are looked at between them.
+pub(super) const BURN_IN_STRETCHES: usize = 64;
+
+/// Path-steps of all trajectories in one round, about: some hundredths of a second.
+const ROUND: usize = 1 << 21;
+
+/// Samples of each trajectory before precision is looked at for the first time.
+const FIRST_LOOK: usize = 8;
+
+/// The path of every trajectory, cut into stretches: first those of the burn-in, then one for each sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Timetable {
+    /// Time steps in each stretch of the burn-in.
+    pub(super) burn_in_steps: usize,
+    /// Time steps between two samples.
+    pub(super) interval_steps: usize,
+}
+stored!(Timetable { burn_in_steps, interval_steps });
+
+impl Timetable {
+    /// The time steps in the first `stretches` stretches.
+    pub(super) fn steps(&self, stretches: usize) -> usize {
+        let samples = samples(stretches);
+        (stretches - samples) * self.burn_in_steps + samples * self.interval_steps
+    }
+
+    /// The time that `trajectories` take for so many samples each, with the time step h.
+    pub(super) fn sampled_time(&self, samples: usize, trajectories: usize, h: f64) -> f64 {
+        (samples * self.interval_steps) as f64 * h * trajectories as f64
+    }
+
+    /// The end of the next round: stretches that every trajectory completes before anything is decided. It depends on
+    /// `trajectories`, their number in the whole simulation, so that rounds end at the same places in all its parts.
+    pub(super) fn next_round(&self, done: usize, trajectories: usize) -> usize {
+        let (first, steps) =
+            if done < BURN_IN_STRETCHES { (0, self.burn_in_steps) } else { (BURN_IN_STRETCHES, self.interval_steps) };
+        let round = (ROUND / trajectories.saturating_mul(steps)).max(1);
+        let end = first + ((done - first) / round + 1).saturating_mul(round);
+        if first == 0 { end.min(BURN_IN_STRETCHES) } else { end }
+    }
+}
+
+/// The samples of each trajectory after so many stretches.
+pub(super) fn samples(stretches: usize) -> usize {
+    stretches.saturating_sub(BURN_IN_STRETCHES)
+}
+
+/// The number of samples per trajectory at the first look at precision after `samples`: each look is an eighth after the
+/// one before. Where they fall depends on nothing else, so that a run that stops there can be repeated bit for bit; and
+/// they are few, since each look at a standard error that is itself uncertain is one more chance to stop too soon.
+pub(super) fn next_look(samples: usize) -> usize {
+    let mut look = FIRST_LOOK;
+    while look <= samples {
+        look += look / 8;
+    }
+    look
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_end_with_the_burn_in_and_on_a_fixed_grid() {
+        let timetable = Timetable { burn_in_steps: 40, interval_steps: 50 };
+        assert_eq!(timetable.next_round(0, 1024), 51);
+        assert_eq!(timetable.next_round(51, 1024), 64);
+        assert_eq!(timetable.next_round(64, 1024), 104);
+        assert_eq!((timetable.next_round(70, 1024), timetable.next_round(103, 1024)), (104, 104));
+        assert_eq!(timetable.next_round(104, usize::MAX), 105);
+        assert_eq!(timetable.steps(66), 64 * 40 + 2 * 50);
+    }
+
+    #[test]
+    fn looks_are_an_eighth_apart() {
+        let looks: Vec<usize> = std::iter::successors(Some(0), |&n| Some(next_look(n))).skip(1).take(6).collect();
+        assert_eq!(looks, [8, 9, 10, 11, 12, 13]);
+        assert_eq!(next_look(1000), next_look(1001));
+        assert!((1000..=1125).contains(&next_look(1000)));
+    }
+}
