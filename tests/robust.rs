@@ -104,8 +104,8 @@ impl<T: PolynomialDrift<2, 1> + Sync> Case<T> {
                 assert!(l1 < best, "{}, n = {order}: {l1:.3e} after {best:.3e}", self.name);
                 assert!(density.warning().is_none(), "{:?}", density.warning());
                 best = l1;
-                // 0.25 decades are asked for. Two systems miss it for some seeds, with 0.28 and 0.29: the reference that the
-                // choice rests on is itself off by a tenth of a decade there.
+                // 0.25 decades are asked for. Van der Pol's oscillator misses it for some seeds, with up to 0.28: the reference
+                // that the choice rests on is itself off by a tenth of a decade there.
                 if order == 12 {
                     assert!(tail(&density, &truth) <= self.tail, "{}, seed {seed}", self.name);
                 }
@@ -127,7 +127,7 @@ fn every_order_is_close_to_the_best_polynomial() {
         name: "Duffing-van der Pol",
         system: DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5).unwrap(),
         limits: [0.11, 3.8e-2, 2.7e-2, 1.7e-2, 6.1e-3],
-        tail: 0.3,
+        tail: 0.25,
     }
     .check();
     Case { name: "Rayleigh", system: rayleigh(), limits: [9.5e-2, 5.5e-2, 2.3e-2, 1.5e-2, 9e-3], tail: 0.25 }.check();

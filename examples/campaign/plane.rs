@@ -1,10 +1,12 @@
 //! Oscillators on the whole plane.
 
 use crate::Options;
+use crate::runner::findings;
 use crate::statistics::{header, quantile, right, share};
 use crate::support::file::write_csv;
 use crate::systems::System;
 use expoly::{Closure, Density, Grid, GridDensity};
+use std::fmt;
 use std::time::Instant;
 
 /// The grid's own L¹ error that counts as the truth, and the meshes and degrees that are tried for it in turn.
@@ -50,44 +52,19 @@ impl Row {
 
 pub(crate) fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let orders = options.orders(&[4, 6, 8, 10]);
-    let (mut rows, mut unknown, mut failures) = (Vec::new(), Vec::new(), Vec::new());
     println!("seed {}; L1 (estimate), errors of E x^2 and E v^2 in %, warning, seconds", options.seed);
-    for index in options.indices(200) {
-        let system = System::random(options.seed, index);
-        println!("{index:4} {system}");
-        let truth = match truth(&system) {
-            Ok(truth) => truth,
-            Err(reason) => {
-                println!("       no truth: {reason}");
-                unknown.push(index);
-                continue;
-            }
-        };
-        for &order in &orders {
-            match row(index, order, &system, &truth) {
-                Ok(row) => {
-                    print(&row);
-                    rows.push(row);
-                }
-                Err(error) => {
-                    println!("       n = {order}: {error}");
-                    failures.push(format!("{index:4} n = {order}: {error}; {system}"));
-                }
-            }
-        }
-    }
+    let system = |index| Ok(System::random(options.seed, index));
+    let findings = findings(options.indices(200), &orders, system, truth, row)?;
+    let rows = &findings.rows;
     let columns = ["index", "order", "truth_error", "l1", "estimate", "E_x2", "E_v2", "warned", "seconds"];
     let path = options.out.join("plane.csv");
     write_csv(&path, &header(&columns), &rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
-    println!("\ntruth unknown: {} {unknown:?}", unknown.len());
-    println!("without a density: {}", failures.len());
-    failures.iter().for_each(|failure| println!("{failure}"));
+    findings.print_missing();
     for order in orders {
         summary(order, &rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
     }
     for row in rows.iter().filter(|row| row.right() == Some(false) || (row.order == JUDGED && row.wrong_unsaid())) {
-        println!("{:4} {}", row.index, System::random(options.seed, row.index));
-        print(row);
+        println!("{:4} {}\n{row}", row.index, System::random(options.seed, row.index));
     }
     println!("table: {}", path.display());
     Ok(())
@@ -123,21 +100,24 @@ fn row(index: usize, order: u32, system: &System, truth: &GridDensity) -> expoly
     })
 }
 
-fn print(row: &Row) {
-    let [x, v] = row.moments.map(|error| 100.0 * error);
-    let judged = match row.right() {
-        Some(true) => " ",
-        Some(false) => "!",
-        None => "?",
-    };
-    println!(
-        "       n = {:2}: {:.1e} ({:.1e}){judged} {x:+6.2} {v:+6.2}  {:.2} s  {}",
-        row.order,
-        row.l1,
-        row.estimate,
-        row.seconds,
-        row.warning.unwrap_or("")
-    );
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, v] = self.moments.map(|error| 100.0 * error);
+        let judged = match self.right() {
+            Some(true) => " ",
+            Some(false) => "!",
+            None => "?",
+        };
+        write!(
+            f,
+            "       n = {:2}: {:.1e} ({:.1e}){judged} {x:+6.2} {v:+6.2}  {:.2} s  {}",
+            self.order,
+            self.l1,
+            self.estimate,
+            self.seconds,
+            self.warning.unwrap_or("")
+        )
+    }
 }
 
 fn summary(order: u32, rows: &[&Row]) {

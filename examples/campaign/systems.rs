@@ -109,6 +109,11 @@ impl fmt::Display for System {
     }
 }
 
+/// The walls of the lattice: offsets, restitutions below 1 (an elastic wall is exact) and the cubic stiffness above them.
+const OFFSETS: [f64; 4] = [-0.5, 0.0, 0.2, 0.5];
+const RESTITUTIONS: [f64; 5] = [0.98, 0.95, 0.9, 0.7, 0.5];
+const CUBIC: [f64; 2] = [0.3, 1.0];
+
 /// A Duffing oscillator above a wall.
 #[derive(Clone, Debug)]
 pub(crate) struct Walled {
@@ -123,7 +128,21 @@ impl Walled {
         let mut draw = Draw::new(seed, index);
         let [c, k, mu] = [draw.log_within(0.05, 0.6), draw.within(0.3, 2.0), draw.within(0.0, 2.0)];
         let (offset, restitution) = (draw.within(-0.9, 0.7), draw.within(0.5, 1.0));
-        let d = draw.log_within(0.05, 0.6);
+        Walled::new([c, k, mu, draw.log_within(0.05, 0.6)], offset, restitution)
+    }
+
+    /// The walls of [`OFFSETS`] × [`RESTITUTIONS`] × [`CUBIC`], the restitution changing fastest; beyond the last one the
+    /// first again.
+    pub(crate) fn on_lattice(index: usize) -> expoly::Result<Self> {
+        let (rest, r) = (index / RESTITUTIONS.len(), index % RESTITUTIONS.len());
+        let (mu, b) = (CUBIC[rest / OFFSETS.len() % CUBIC.len()], OFFSETS[rest % OFFSETS.len()]);
+        Walled::new([0.2, 1.0, mu, 0.2], b, RESTITUTIONS[r])
+    }
+
+    /// How many walls the lattice has.
+    pub(crate) const LATTICE: usize = OFFSETS.len() * RESTITUTIONS.len() * CUBIC.len();
+
+    fn new([c, k, mu, d]: [f64; 4], offset: f64, restitution: f64) -> expoly::Result<Self> {
         Ok(Walled {
             parameters: [c, k, mu, d],
             oscillator: Duffing::new(c, k, mu, d)?,

@@ -1,10 +1,12 @@
 //! Duffing oscillators above a wall.
 
 use crate::Options;
+use crate::runner::findings;
 use crate::statistics::{header, quantile, right, share};
 use crate::support::file::write_csv;
 use crate::systems::Walled;
-use expoly::{Closure, Density, Grid, GridDensity};
+use expoly::{Basis, Closure, Density, Grid, GridDensity, Termination};
+use std::fmt;
 use std::time::Instant;
 
 /// The marginal of Y is compared at so many points, down to this share of its peak.
@@ -12,6 +14,8 @@ const POINTS: usize = 400;
 const TAIL: f64 = 1e-5;
 /// A larger L¹ error should come with a warning or an estimate of its size.
 const BAD: f64 = 1e-2;
+/// At higher orders the literature's closure has a root above few walls.
+const CLASSICAL_ORDER: u32 = 4;
 
 /// One density against the truth.
 struct Row {
@@ -45,48 +49,53 @@ impl Row {
 }
 
 pub(crate) fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
-    let (mut rows, mut unknown, mut failures) = (Vec::new(), Vec::new(), Vec::new());
+    let (usual, orders, name): (usize, &[u32], _) =
+        if options.lattice { (Walled::LATTICE, &[4, 6, 8, 10], "lattice") } else { (100, &[8], "walls") };
+    let orders = options.orders(orders);
+    let system = |index| {
+        if options.lattice { Walled::on_lattice(index) } else { Walled::random(options.seed, index) }
+    };
     println!("seed {}; L1 (estimate; grid), decades of p_Y, errors of E Y, E Y'^2, impact rate in %, s", options.seed);
-    for index in options.indices(100) {
-        let system = Walled::random(options.seed, index)?;
-        println!("{index:4} {system}");
-        let truth = match Grid::new().solve_with_wall(&system.oscillator, system.wall) {
-            Ok(truth) => truth,
-            Err(reason) => {
-                println!("       no truth: {reason}");
-                unknown.push(index);
-                continue;
-            }
-        };
-        for order in options.orders(&[8]) {
-            match row(index, order, &system, &truth) {
-                Ok(row) => {
-                    print(&row);
-                    rows.push(row);
-                }
-                Err(error) => {
-                    println!("       n = {order}: {error}");
-                    failures.push(format!("{index:4} n = {order}: {error}; {system}"));
-                }
-            }
-        }
-    }
+    let findings = findings(options.indices(usual), &orders, system, truth, row)?;
+    let rows = &findings.rows;
     let columns =
         ["index", "order", "truth_error", "l1", "estimate", "tail", "E_Y", "E_Y'2", "impact_rate", "warned", "seconds"];
-    let path = options.out.join("walls.csv");
+    let path = options.out.join(format!("{name}.csv"));
     write_csv(&path, &header(&columns), &rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
-    println!("\ntruth unknown: {} {unknown:?}", unknown.len());
-    println!("without a density: {}", failures.len());
-    failures.iter().for_each(|failure| println!("{failure}"));
-    for order in options.orders(&[8]) {
+    findings.print_missing();
+    for order in orders {
         summary(order, &rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
     }
     for row in rows.iter().filter(|row| row.right() == Some(false) || row.l1 > BAD) {
-        println!("{:4} {}", row.index, Walled::random(options.seed, row.index)?);
-        print(row);
+        println!("{:4} {}\n{row}", row.index, system(row.index)?);
     }
     println!("table: {}", path.display());
     Ok(())
+}
+
+/// The grid's density; what the literature's closure makes of the wall is printed beside it.
+fn truth(system: &Walled) -> Result<GridDensity, String> {
+    let truth = Grid::new().solve_with_wall(&system.oscillator, system.wall).map_err(|error| error.to_string())?;
+    let shown = [Basis::Classical, Basis::Folded].map(|basis| format!("{basis} {}", classical(basis, system, &truth)));
+    println!("       n = {CLASSICAL_ORDER}, {}", shown.join(", "));
+    Ok(truth)
+}
+
+/// The joint L¹ error of the literature's closure; in brackets that of exp(Q) cut off at the edge of the grid where it is
+/// no density.
+fn classical(basis: Basis, system: &Walled, truth: &GridDensity) -> String {
+    let closure = Closure::classical(CLASSICAL_ORDER).with_basis(basis);
+    let solution = match closure.solve_with_wall(&system.oscillator, system.wall) {
+        Ok(solution) => solution,
+        Err(error) => return error.to_string(),
+    };
+    match (solution.density(), solution.density_within(truth.provenance().domain)) {
+        (Ok(density), _) => format!("{:.1e}", truth.l1_distance(&density).value),
+        (_, Ok(density)) if solution.termination() == Termination::NotNormalisable => {
+            format!("({:.1e})", truth.l1_distance(&density).value)
+        }
+        _ => solution.termination().to_string(),
+    }
 }
 
 fn row(index: usize, order: u32, system: &Walled, truth: &GridDensity) -> expoly::Result<Row> {
@@ -125,14 +134,17 @@ fn tail(density: &impl Density<2>, truth: &GridDensity) -> expoly::Result<f64> {
     Ok(seen.map(|[truth, found]| (found / truth).log10().abs()).fold(0.0, f64::max))
 }
 
-fn print(row: &Row) {
-    let [y, square, rate] = row.moments.map(|error| 100.0 * error);
-    let (l1, estimate, truth) = (row.l1, row.estimate, row.truth_error);
-    let warned = if row.warned { "warned" } else { "" };
-    println!(
-        "       n = {:2}: {l1:.1e} ({estimate:.1e}; {truth:.0e}) {:.2} {y:+.3} {square:+.3} {rate:+.3}  {:.2} s  {warned}",
-        row.order, row.tail, row.seconds
-    );
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [y, square, rate] = self.moments.map(|error| 100.0 * error);
+        let (l1, estimate, truth) = (self.l1, self.estimate, self.truth_error);
+        let warned = if self.warned { "warned" } else { "" };
+        write!(
+            f,
+            "       n = {:2}: {l1:.1e} ({estimate:.1e}; {truth:.0e}) {:.2} {y:+.3} {square:+.3} {rate:+.3}  {:.2} s  {warned}",
+            self.order, self.tail, self.seconds
+        )
+    }
 }
 
 fn summary(order: u32, rows: &[&Row]) {

@@ -1,8 +1,9 @@
-//! What several examples need: closures of either method, figures, files, numbers in JSON, progress bars.
+//! What several examples need: a chain of oscillators, closures of either method, figures, files, numbers in JSON, progress bars.
 
 // Each example compiles its own copy of this folder and uses only part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod chain;
 pub mod closure;
 pub mod figure;
 pub mod file;

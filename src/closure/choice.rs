@@ -11,9 +11,11 @@ use std::fmt;
 use std::sync::Arc;
 
 /// The tails are compared down to this share of the peak, and are right within so many decades as far as the reference
-/// knows.
+/// knows: well, as long as that raises the estimated L¹ error by no more than a third, or just enough.
 const TAIL: f64 = 1e-5;
-pub(super) const DECADES: f64 = 0.22;
+const WELL: f64 = 0.17;
+pub(super) const ENOUGH: f64 = 0.25;
+const PRICE: f64 = 1.33;
 /// The largest share of the weight that the tails get unasked, and the bisections for the smallest that suffices.
 const LARGEST_SHARE: f64 = 0.14;
 /// Where the largest share makes the tails no better than this, it is not worth its price.
@@ -102,17 +104,21 @@ impl<const N: usize> Judge<'_, N> {
             tried.push(fitted);
             Some(candidate)
         };
-        // The tail that a candidate must reach to be preferred to one with a smaller error.
-        let mut wanted = DECADES;
+        let mut least = f64::INFINITY;
+        let right = |c: &Candidate, least: f64| {
+            c.tail_estimate <= WELL || (c.tail_estimate <= ENOUGH && c.l1_estimate >= PRICE * least)
+        };
+        // Without any candidate that is right, the tail that one must reach to be preferred to one with a smaller error.
+        let mut wanted = None;
         match weight {
             Weight::Density => drop(fit(0.0)),
             Weight::Tails(share) => drop(fit(share)),
             Weight::Automatic => {
-                let right = |c: Option<Candidate>| c.is_some_and(|c| c.tail_estimate <= DECADES);
                 let middle = fit(0.0);
-                if !right(middle) && middle.is_some_and(|c| c.l1_estimate <= MIDDLE) {
-                    let largest = fit(LARGEST_SHARE);
-                    if right(largest) {
+                least = middle.map_or(f64::INFINITY, |c| c.l1_estimate);
+                let right = |c: Option<Candidate>| c.is_some_and(|c| right(&c, least));
+                if !right(middle) && least <= MIDDLE {
+                    if right(fit(LARGEST_SHARE)) {
                         // In ln λ: a hundredth of the largest share is next to nothing.
                         let mut bracket = [LARGEST_SHARE / 100.0, LARGEST_SHARE];
                         for _ in 0..BISECTIONS {
@@ -120,13 +126,14 @@ impl<const N: usize> Judge<'_, N> {
                             bracket[usize::from(right(fit(share)))] = share;
                         }
                     } else {
-                        wanted = HOPELESS;
+                        wanted = Some(HOPELESS);
                     }
                 }
             }
         }
+        let falls_short = |c: &Candidate| wanted.map_or_else(|| !right(c, least), |wanted| c.tail_estimate > wanted);
         let chosen = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
-            let rank = |c: &Candidate| (!c.accepted, c.tail_estimate > wanted, c.l1_estimate);
+            let rank = |c: &Candidate| (!c.accepted, falls_short(c), c.l1_estimate);
             let (a, b) = (rank(&a.candidate), rank(&b.candidate));
             a.0.cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2))
         });
@@ -153,9 +160,7 @@ impl<const N: usize> Judge<'_, N> {
     pub(super) fn judged(&self, origin: Origin, mut exponent: Exponent<N>, logarithm: &[f64]) -> Fitted<N> {
         let normal = normalised(logarithm, &self.weights);
         exponent.constant += normal[0] - logarithm[0];
-        let answer = tempered(&normal, &self.weights, 1.0);
-        let truth = tempered(&self.target, &self.weights, 1.0);
-        let distance: f64 = answer.iter().zip(&truth).map(|(a, b)| (a - b).abs()).sum();
+        let distance = self.distance(&normal);
         let peak = self.target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let tail = (0..normal.len())
             .filter(|&i| self.target[i] > peak + TAIL.ln())
@@ -173,6 +178,12 @@ impl<const N: usize> Judge<'_, N> {
         Fitted { candidate, exponent, logarithm: normal }
     }
 
+    /// ∫ |p̃ − p̂| for a density given by its logarithm at the kept nodes, up to a constant.
+    pub(super) fn distance(&self, logarithm: &[f64]) -> f64 {
+        let [answer, truth] = [logarithm, &self.target].map(|log| tempered(log, &self.weights, 1.0));
+        answer.iter().zip(&truth).map(|(a, b)| (a - b).abs()).sum()
+    }
+
     /// What a density may lose in mean ln p: K functions fitted to M states gain K/(2M) by chance, and states of one
     /// trajectory are correlated.
     fn tolerance(&self) -> f64 {
@@ -186,5 +197,5 @@ const LEAST_LOSS: f64 = 0.05;
 
 /// The mean of ln p over states.
 pub(super) fn mean_logarithm<const N: usize>(exponent: &Exponent<N>, states: &[[f64; N]]) -> f64 {
-    states.iter().map(|x| exponent.value(x)).sum::<f64>() / states.len() as f64
+    exponent.values(states).iter().sum::<f64>() / states.len() as f64
 }

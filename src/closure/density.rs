@@ -1,4 +1,4 @@
-use super::choice::{Candidate, DECADES, Origin};
+use super::choice::{Candidate, ENOUGH, Origin};
 use super::exponent::Exponent;
 use super::indicator::Indication;
 use super::reference::Reference;
@@ -132,7 +132,7 @@ impl<const N: usize> ClosureDensity<N> {
 
     /// Whether the tails are estimated to be right to 0.22 decades down to 1e-5 of the peak.
     pub fn tails_are_right(&self) -> bool {
-        self.candidates[0].tail_estimate <= DECADES
+        self.candidates[0].tail_estimate <= ENOUGH
     }
 
     /// ln p as a polynomial of the states, valid on the trust domain; `None` where walls ask for more than polynomials.

@@ -1,6 +1,7 @@
 use super::space::{Jet, Local, Space};
 use super::table::local;
 use crate::{FokkerPlanck, Polynomial};
+use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 
@@ -27,6 +28,11 @@ impl<const N: usize> Exponent<N> {
         self.space.values(x, &mut values);
         let sum: f64 = values.iter().zip(&self.coefficients).map(|(phi, a)| phi * a).sum();
         self.constant + sum + self.known.as_ref().map_or(0.0, |known| known.jet(x).value)
+    }
+
+    /// The values at many states.
+    pub(super) fn values(&self, points: &[[f64; N]]) -> Vec<f64> {
+        points.par_iter().map(|x| self.value(x)).collect()
     }
 
     pub(super) fn jet(&self, x: &[f64; N]) -> Jet<N> {

@@ -18,6 +18,16 @@ pub(super) struct Ladder<const N: usize> {
     pub(super) answer_columns: usize,
     pub(super) weight_columns: usize,
     pub(super) lower_columns: usize,
+    /// The columns whose share in the correction tells its error, and the end of what is kept of it: all, or less than that.
+    pub(super) whole: Band,
+    pub(super) cut: Option<Band>,
+}
+
+/// Columns by which a correction is judged, and where it ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Band {
+    pub(super) judged: usize,
+    pub(super) end: usize,
 }
 
 impl<const N: usize> Ladder<N> {
@@ -27,12 +37,17 @@ impl<const N: usize> Ladder<N> {
             answer_columns: answer.len() + 1,
             weight_columns: weight.len() + 1,
             lower_columns: lower.len() + 1,
+            whole: Band { judged: lower.len() + 1, end: all.len() + 1 },
+            cut: None,
             answer,
             weight,
             all,
         }
     }
 }
+
+/// The highest degrees, where the edge of the domain shows as ripples; a correction may be cut off below them.
+const BUFFER: u32 = 4;
 
 /// The spaces of all orders for one system.
 pub(super) trait Family<const N: usize>: Send + Sync {
@@ -61,6 +76,7 @@ impl<const N: usize> Family<N> for Smooth<N> {
         // A weight of low degree serves a low order, and is faster.
         let weight = order.max(if order < 6 { 8 } else { 12 });
         let [answer, weight, lower, all] = [order, weight, degree - 2, degree].map(|d| Arc::new(self.polynomials(d)));
-        Ladder::new([answer, weight, lower, all])
+        let [judged, end] = [BUFFER + 2, BUFFER].map(|less| self.polynomials(degree - less).len() + 1);
+        Ladder { cut: Some(Band { judged, end }), ..Ladder::new([answer, weight, lower, all]) }
     }
 }

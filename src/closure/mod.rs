@@ -68,7 +68,7 @@ const STATES: usize = 20_000;
 /// An estimated L¹ error above this is worth another try with a pilot of less inflation.
 const ASTRAY: f64 = 0.2;
 /// A kurtosis above this tells of a power tail; limit cycles, wells and hardening springs are below 3 or near it.
-const HEAVY: f64 = 4.0;
+const HEAVY: f64 = 8.0;
 /// The pilot's states as nodes: for each coefficient, at least, and at most.
 const STATES_EACH: usize = 130;
 const FEWEST_NODES: usize = 40_000;

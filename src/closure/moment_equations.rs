@@ -1,5 +1,6 @@
 //! The moment equations as a linear system for the ratio of the density to a reference weight.
 
+use super::family::Band;
 use super::orthonormal::Orthonormal;
 use super::table::Table;
 use faer::prelude::*;
@@ -38,7 +39,7 @@ pub(super) fn resolve(
     measure: &[f64],
     passages: &[f64],
     residual: Option<&[f64]>,
-    top: usize,
+    band: Band,
 ) -> Option<Resolved> {
     let interior = measure.len();
     let columns = table.values.ncols();
@@ -66,13 +67,14 @@ pub(super) fn resolve(
     let factors = matrix.get(1.., 1..).partial_piv_lu();
     let at_nodes = |c: &[f64]| -> Vec<f64> {
         let c = Mat::from_fn(c.len(), 1, |k, _| c[k]);
-        let values = table.values.get(..interior, ..) * c;
+        let values = table.values.get(..interior, ..c.nrows()) * c;
         (0..interior).map(|i| values[(i, 0)]).collect()
     };
     let solutions = std::iter::once(by_weight).chain(by_residual).filter_map(|right| {
         let solved = factors.solve(right);
-        let d: Vec<f64> = std::iter::once(0.0).chain((0..columns - 1).map(|k| solved[(k, 0)])).collect();
-        let highest: Vec<f64> = d.iter().enumerate().map(|(k, d)| if k < top { 0.0 } else { *d }).collect();
+        let kept = band.end - 1;
+        let d: Vec<f64> = std::iter::once(0.0).chain((0..kept).map(|k| solved[(k, 0)])).collect();
+        let highest: Vec<f64> = d.iter().enumerate().map(|(k, d)| if k < band.judged { 0.0 } else { *d }).collect();
         let rough: f64 = measure.iter().zip(at_nodes(&basis.coefficients(&highest))).map(|(w, d)| w * d.abs()).sum();
         let coefficients = basis.coefficients(&d);
         let correction = at_nodes(&coefficients);

@@ -9,6 +9,8 @@ const MAX_STEPS: usize = 60;
 const CONVERGED: f64 = 1e-10;
 /// The powers of w under which Newton's method finds a start.
 const FLATTENED: [f64; 4] = [1.0, 0.6, 0.3, 0.1];
+/// A start with less than this distance is good enough.
+const NEAR: f64 = 0.1;
 const RIDGE: f64 = 1e-13;
 /// The longest step in units of the decrement.
 const LONGEST: f64 = 1.0;
@@ -43,7 +45,7 @@ pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], me
         |difference: &[f64]| -> f64 { measure.iter().zip(difference).map(|(w, d)| w * (d.exp() - 1.0 - d)).sum() };
     // Least squares in ln p̂ to begin with. Under w itself they may turn upwards where w is small; under flatter weights
     // they do not, but are worse in the middle.
-    let starts = FLATTENED.iter().filter_map(|share| {
+    let start = |share: f64| {
         // √w^share: the rule's own weights are flattened too, which no start minds.
         let roots: Vec<f64> = measure.iter().map(|w| w.powf(share / 2.0)).collect();
         let right = Mat::from_fn(rows, 1, |i, _| roots[i] * (target[i] - fixed[i]));
@@ -51,8 +53,15 @@ pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], me
         let difference = times(&c);
         let cost = cost(&difference);
         cost.is_finite().then_some((cost, c, difference))
-    });
-    let (mut value, mut c, mut difference) = starts.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    };
+    let mut starts = Vec::new();
+    for share in FLATTENED {
+        starts.extend(start(share));
+        if starts.last().is_some_and(|(cost, ..)| *cost < NEAR) {
+            break;
+        }
+    }
+    let (mut value, mut c, mut difference) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     for _ in 0..MAX_STEPS {
         let mass: Vec<f64> = measure.iter().zip(&difference).map(|(w, d)| w * d.exp()).collect();
         let gradient = tested(&mass) - &wanted;

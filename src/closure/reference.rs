@@ -1,12 +1,13 @@
 //! The density that the closures of one system are measured against: a solution of many more moment equations.
 
 use super::exponent::{Exponent, Residual};
-use super::family::Ladder;
+use super::family::{Band, Ladder};
 use super::moment_equations::resolve;
 use super::projection::{project, tempered};
 use super::setting::Setting;
 use super::space::Space;
 use super::table::Table;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// How often the weight is renewed at most.
@@ -23,6 +24,10 @@ const PATIENCE: f64 = 2.0;
 const LATER: f64 = 1.5;
 /// A first guess that leads to a larger error than this has led astray.
 const GOOD: f64 = 0.05;
+/// A reference's error that is below this share of the answer's distance from it hardly counts.
+const MINOR: f64 = 0.7;
+/// Nor does one that is as small as this.
+const FINE: f64 = 2e-5;
 /// 1 + δ is cut off here before its logarithm is taken.
 const CUT: [f64; 2] = [0.05, 20.0];
 
@@ -37,34 +42,74 @@ pub(super) struct Reference<const N: usize> {
     pub(super) logarithm: Vec<f64>,
     /// An estimate of ∫ |p̂ − p| dx.
     pub(super) error: f64,
+    /// The largest of such estimates, if there were several attempts.
+    pub(super) doubt: f64,
     /// The number of linear systems solved.
     pub(super) solved: usize,
 }
 
 impl<const N: usize> Reference<N> {
-    /// Solves the moment equations of a ladder, tabulated in `table`, from the setting's first guess. That one is good in the
-    /// tails, but where ln p does not scale with the intensity it puts the mass elsewhere: `fit`, right in the middle, is
-    /// the start then. `None` if no system had a solution.
+    /// Solves the moment equations of a ladder, tabulated in `table`. The correction's highest degrees carry the error that
+    /// the edge of the domain makes, as ripples; where they are larger than what the answer leaves out anyway, a correction
+    /// without them is tried too. `None` if no system had a solution.
     pub(super) fn new(
         setting: &Setting<N>,
         ladder: &Ladder<N>,
         table: &Table,
-        fit: impl FnOnce() -> Option<Exponent<N>>,
+        fit: impl Fn() -> Option<Exponent<N>>,
     ) -> Option<Self> {
-        let first = Self::renewed(setting, ladder, table, setting.guess.clone());
+        let whole = Self::of_band(setting, ladder, table, ladder.whole, &fit);
+        let Some(cut) = ladder.cut else { return whole };
+        let minor = |whole: &Self| whole.error <= FINE || whole.error <= MINOR * whole.distance(setting, ladder, table);
+        if whole.as_ref().is_some_and(minor) {
+            return whole;
+        }
+        let part = Self::of_band(setting, ladder, table, cut, &fit);
+        let doubt = [&whole, &part].into_iter().flatten().map(|found| found.error).fold(0.0, f64::max);
+        let better = whole.into_iter().chain(part).min_by(|a, b| a.error.total_cmp(&b.error));
+        better.map(|better| Reference { doubt, ..better })
+    }
+
+    /// The same with a band, from the setting's first guess. That one is good in the tails, but where ln p does not scale
+    /// with the intensity it puts the mass elsewhere: `fit`, right in the middle, is the start then.
+    fn of_band(
+        setting: &Setting<N>,
+        ladder: &Ladder<N>,
+        table: &Table,
+        band: Band,
+        fit: impl Fn() -> Option<Exponent<N>>,
+    ) -> Option<Self> {
+        let first = Self::renewed(setting, ladder, table, band, setting.guess.clone());
         if first.as_ref().is_some_and(|first| first.error <= GOOD) {
             return first;
         }
-        let second = fit().and_then(|fit| Self::renewed(setting, ladder, table, fit));
+        let second = fit().and_then(|fit| Self::renewed(setting, ladder, table, band, fit));
         first.into_iter().chain(second).min_by(|a, b| a.error.total_cmp(&b.error))
     }
 
+    /// The distance to the closest density of the answer's order; 0 where there is none.
+    fn distance(&self, setting: &Setting<N>, ladder: &Ladder<N>, table: &Table) -> f64 {
+        let weights = &setting.nodes.weights;
+        let values = table.values.get(..weights.len(), ..ladder.answer_columns);
+        let measure = tempered(&self.logarithm, weights, 1.0);
+        project(values, &setting.fixed, &self.logarithm, &measure).map_or(0.0, |fit| {
+            let fit = tempered(&fit.logarithm, weights, 1.0);
+            fit.iter().zip(&measure).map(|(a, b)| (a - b).abs()).sum()
+        })
+    }
+
     /// Renews a weight until that no longer helps, and returns the best density on the way.
-    fn renewed(setting: &Setting<N>, ladder: &Ladder<N>, table: &Table, start: Exponent<N>) -> Option<Self> {
+    fn renewed(
+        setting: &Setting<N>,
+        ladder: &Ladder<N>,
+        table: &Table,
+        band: Band,
+        start: Exponent<N>,
+    ) -> Option<Self> {
         let nodes = &setting.nodes;
         let residual = Residual::new(&setting.operator);
         let mut weight = start;
-        let mut log: Vec<f64> = nodes.points.iter().map(|x| weight.value(x)).collect();
+        let mut log = weight.values(&nodes.points);
         let mut best: Option<Self> = None;
         let mut change = f64::INFINITY;
         // One bad weight may be followed by a good one; two in all are not.
@@ -75,9 +120,9 @@ impl<const N: usize> Reference<N> {
             let mass: f64 = log.iter().zip(&nodes.weights).map(|(q, w)| w * (q - top_log).exp()).sum();
             let passages: Vec<f64> =
                 setting.passages.iter().map(|p| p.weight * (weight.value(&p.before) - top_log).exp() / mass).collect();
-            let r: Vec<f64> = nodes.points.iter().map(|x| residual.at(x, &weight.jet(x))).collect();
+            let r: Vec<f64> = nodes.points.par_iter().map(|x| residual.at(x, &weight.jet(x))).collect();
             let r = setting.passages.is_empty().then_some(&r[..]);
-            let Some(found) = resolve(table, &measure, &passages, r, ladder.lower_columns) else { break };
+            let Some(found) = resolve(table, &measure, &passages, r, band) else { break };
             let error = found.error;
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
             strikes += u32::from(error > PATIENCE * least);
@@ -95,6 +140,7 @@ impl<const N: usize> Reference<N> {
                     correction: found.coefficients,
                     logarithm: normalised(&target, &nodes.weights),
                     error,
+                    doubt: error,
                     solved,
                 });
             }
@@ -123,6 +169,11 @@ impl<const N: usize> Reference<N> {
     pub(super) fn shifted(mut self, constant: f64) -> Self {
         self.weight.constant += constant;
         self
+    }
+
+    /// ln p̂ at many states, up to a constant.
+    pub(super) fn values(&self, points: &[[f64; N]]) -> Vec<f64> {
+        points.par_iter().map(|x| self.value(x)).collect()
     }
 
     /// ln p̂ at a state, up to a constant.

@@ -11,6 +11,7 @@ use super::projection::{project, tempered};
 use super::reference::{Reference, normalised};
 use super::setting::{FINE, Setting, likeliest, lines};
 use super::table::Table;
+use super::trust_domain::TrustDomain;
 use super::weight::Weight;
 use crate::{Barrier, Error, Result};
 use faer::Mat;
@@ -23,6 +24,13 @@ const SMOOTHED: f64 = 0.5;
 const WITNESSES: usize = 4000;
 /// The orders at which known densities are exact.
 const LOWER_ORDERS: [u32; 4] = [2, 4, 6, 8];
+/// An answer with a larger error is looked at once more.
+const ROUGH: f64 = 0.2;
+/// A reference with a larger error says nothing.
+const UNKNOWN: f64 = 1.0;
+/// A density farther from the reference than so many times that one's own error is not an exact one.
+const POLISHABLE: f64 = 30.0;
+const ROUNDING: f64 = 1e-6;
 /// An exact density is followed down to e^−30 = 1e-13 of its peak, at most to three times the pilot's domain.
 const EXACT_DROP: f64 = 30.0;
 const EXACT_WIDENING: f64 = 3.0;
@@ -83,8 +91,8 @@ impl<const N: usize> Workshop<N> {
             likelihood: self.likelihood(&reference, &witnesses),
         };
         let mut tried = judge.candidates(self.weight);
-        if !tried.first().is_some_and(|f| f.candidate.accepted) {
-            // The pilot contradicts the reference: its own fit is the better answer.
+        if reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted) {
+            // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
             let fit = likeliest(ladder.answer.clone(), setting.known.clone(), &setting.nodes, &self.pilot.states, 1.0);
             if let Some(fit) = fit {
                 let log: Vec<f64> = kept.iter().map(|&i| fit.value(&setting.nodes.points[i])).collect();
@@ -94,19 +102,29 @@ impl<const N: usize> Workshop<N> {
         let points: Vec<[f64; N]> = kept.iter().map(|&i| setting.nodes.points[i]).collect();
         let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
         let solution = |exponent: &Exponent<N>| polished(setting, exponent, &points, &weights);
+        // An exact density is as near to the reference as that one's own error.
+        let polishable = POLISHABLE * reference.doubt + ROUNDING;
         // Where a lower order is exact already, the higher one is all but singular at its density.
         let lower = LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
             let space = setting.family.ladder(lower).answer;
             let values = Table::new(&*space, &setting.operator, &points).values;
             let fit = project(values.as_ref(), &judge.fixed, &judge.target, &tempered(&judge.target, &weights, 1.0))?;
+            if judge.distance(&fit.logarithm) > polishable {
+                return None;
+            }
             let (constant, coefficients) = (fit.constant, fit.coefficients);
             solution(&Exponent { known: setting.known.clone(), space, constant, coefficients })
         });
-        if let Some(exact) = lower.or_else(|| solution(&chosen.exponent)) {
+        if let Some(exact) =
+            lower.or_else(|| (chosen.candidate.l1_estimate <= polishable).then(|| solution(&chosen.exponent))?)
+        {
             return Ok(self.exact(order, exact, &reference));
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
         let Fitted { exponent, logarithm, .. } = tried.swap_remove(0);
+        if candidates[0].l1_estimate > ROUGH && !self.resolved(&exponent, &kept_domain) {
+            return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
+        }
         let masses =
             (0..kept.len()).map(|i| [logarithm[i], judge.target[i]].map(|log| weights[i] * log.exp())).collect();
         let after = Mat::from_fn(impacts, ladder.lower_columns, |i, k| tabulated.values[(interior + impacts + i, k)]);
@@ -134,6 +152,16 @@ impl<const N: usize> Workshop<N> {
             candidates,
             indication,
         })
+    }
+
+    /// Whether a density that is normalised on the nodes is so on twice as many.
+    fn resolved(&self, exponent: &Exponent<N>, domain: &TrustDomain<N>) -> bool {
+        if self.setting.smooth.is_none() {
+            return true;
+        }
+        let finer = Nodes::gauss(domain, 2 * FINE[N.min(2) - 1]);
+        let mass: f64 = exponent.values(&finer.points).iter().zip(&finer.weights).map(|(log, w)| w * log.exp()).sum();
+        (0.9..=1.1).contains(&mass)
     }
 
     /// An exact density: it is its own reference, and trusted as far as it falls.
@@ -201,9 +229,9 @@ impl<const N: usize> Workshop<N> {
     fn likelihood(&self, reference: &Reference<N>, states: &[[f64; N]]) -> f64 {
         let setting = &self.setting;
         let shift = reference.value(&setting.nodes.points[0]) - reference.logarithm[0];
-        let of_reference = states.iter().map(|x| reference.value(x) - shift).sum::<f64>() / states.len() as f64;
+        let of_reference = reference.values(states).iter().sum::<f64>() / states.len() as f64 - shift;
         let Some(mut fit) = self.fit(states) else { return of_reference };
-        let log: Vec<f64> = setting.nodes.points.iter().map(|x| fit.value(x)).collect();
+        let log = fit.values(&setting.nodes.points);
         fit.constant += normalised(&log, &setting.nodes.weights)[0] - log[0];
         mean_logarithm(&fit, states).max(of_reference)
     }

@@ -9,6 +9,7 @@ use super::space::Space;
 use super::trust_domain::TrustDomain;
 use crate::FokkerPlanck;
 use crate::quadrature::Rule;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The degree of the polynomial that the pilot's states are fitted by.
@@ -18,7 +19,7 @@ const COARSE: usize = 40;
 pub(super) const FINE: [usize; 2] = [240, 80];
 /// A low order's functions are smoother, and the answer is to come fast.
 const LOW_ORDER: u32 = 5;
-const LOW_ORDER_NODES: usize = 56;
+const LOW_ORDER_NODES: usize = 44;
 /// Nodes on either side of 0 along a line.
 const LINE: usize = 72;
 /// The answer is defined where the reference is above e^−13.8 = 1e-6 of its peak.
@@ -116,18 +117,37 @@ pub(super) fn likeliest<const N: usize>(
     states: &[[f64; N]],
     inflation: f64,
 ) -> Option<Exponent<N>> {
-    let mut mean = vec![0.0; space.len()];
-    let mut values = vec![0.0; space.len()];
-    for x in states {
-        space.values(x, &mut values);
-        mean.iter_mut().zip(&values).for_each(|(mean, value)| *mean += value / states.len() as f64);
-    }
-    let mut table = faer::Mat::zeros(nodes.len(), space.len());
-    for (i, x) in nodes.points.iter().enumerate() {
-        space.values(x, &mut values);
-        values.iter().enumerate().for_each(|(k, value)| table[(i, k)] = *value);
-    }
+    let mean = means(&*space, states);
+    let table = rows(&*space, &nodes.points);
     let fixed: Vec<f64> = nodes.points.iter().map(|x| known.as_ref().map_or(0.0, |known| known.jet(x).value)).collect();
     let a = most_likely(table.as_ref(), &fixed, &nodes.weights, &mean)?;
     Some(Exponent { known, space, constant: 0.0, coefficients: a.iter().map(|a| inflation * a).collect() })
+}
+
+/// States whose functions' values are added up at a time: sums of sums are the same on any number of threads.
+const CHUNK: usize = 512;
+
+/// The means of a space's functions over some states.
+fn means<const N: usize>(space: &(impl Space<N> + ?Sized), states: &[[f64; N]]) -> Vec<f64> {
+    let sums = |chunk: &[[f64; N]]| {
+        let (mut sums, mut values) = (vec![0.0; space.len()], vec![0.0; space.len()]);
+        for x in chunk {
+            space.values(x, &mut values);
+            sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += value);
+        }
+        sums
+    };
+    let parts: Vec<Vec<f64>> = states.par_chunks(CHUNK).map(sums).collect();
+    (0..space.len()).map(|k| parts.iter().map(|part| part[k]).sum::<f64>() / states.len() as f64).collect()
+}
+
+/// The values of a space's functions at some points: one row a point.
+fn rows<const N: usize>(space: &(impl Space<N> + ?Sized), points: &[[f64; N]]) -> faer::Mat<f64> {
+    let values = |x: &[f64; N]| {
+        let mut values = vec![0.0; space.len()];
+        space.values(x, &mut values);
+        values
+    };
+    let rows: Vec<Vec<f64>> = points.par_iter().map(values).collect();
+    faer::Mat::from_fn(points.len(), space.len(), |i, k| rows[i][k])
 }

@@ -1,5 +1,6 @@
 use super::pilot::Pilot;
 use super::symmetry::Symmetry;
+use rayon::prelude::*;
 
 /// Angular sectors in two states.
 const SECTORS: usize = 48;
@@ -65,9 +66,11 @@ impl<const N: usize> TrustDomain<N> {
     /// The domain as far as a logarithmic density `log` falls: in each direction from three quarters of the present reach
     /// outwards, until it is `drop` below its highest value anywhere, begins to rise again, or the reach has grown by
     /// `most`.
-    pub(super) fn following(&self, log: impl Fn(&[f64; N]) -> f64, drop: f64, most: f64) -> Self {
-        let rays: Vec<Vec<f64>> =
-            (0..self.reach.len()).map(|k| (0..=RAY).map(|step| log(&self.on_ray(k, step, most))).collect()).collect();
+    pub(super) fn following(&self, log: impl Fn(&[f64; N]) -> f64 + Sync, drop: f64, most: f64) -> Self {
+        let rays: Vec<Vec<f64>> = (0..self.reach.len())
+            .into_par_iter()
+            .map(|k| (0..=RAY).map(|step| log(&self.on_ray(k, step, most))).collect())
+            .collect();
         let inner = (0.75 / most * RAY as f64) as usize;
         let highest = rays.iter().flat_map(|ray| &ray[..=inner]).copied().fold(f64::NEG_INFINITY, f64::max);
         let mut domain = self.clone();
@@ -127,10 +130,14 @@ impl<const N: usize> TrustDomain<N> {
     }
 
     /// The domain cut back, in each direction, to the outermost point where a logarithmic density is not yet `drop` below
-    /// its highest value on any ray, the centre itself left out: above a wall the density may be infinite there.
-    pub(super) fn above(&self, log: impl Fn(&[f64; N]) -> f64, drop: f64) -> Self {
-        let rays: Vec<Vec<f64>> =
-            (0..self.reach.len()).map(|k| (1..=RAY).map(|step| log(&self.on_ray(k, step, 1.0))).collect()).collect();
+    /// its highest value on any ray, the centre itself left out: above a wall the density may be infinite there. Nor do
+    /// points of the wall count that a ray behind it leads to beyond the domain.
+    pub(super) fn above(&self, log: impl Fn(&[f64; N]) -> f64 + Sync, drop: f64) -> Self {
+        let on_ray = |k: usize| {
+            let points = (1..=RAY).map(move |step| self.on_ray(k, step, 1.0));
+            points.map(|x| if self.contains(&x) { log(&x) } else { f64::NEG_INFINITY }).collect()
+        };
+        let rays: Vec<Vec<f64>> = (0..self.reach.len()).into_par_iter().map(on_ray).collect();
         let highest = rays.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut domain = self.clone();
         for (reach, ray) in domain.reach.iter_mut().zip(&rays) {

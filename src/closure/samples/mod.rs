@@ -103,8 +103,14 @@ fn close_within<const N: usize>(
     let assembly = Assembly { products: &products, sites };
     let basis = Basis::new(&assembly.gram())?;
     let score = Score::new(&assembly, &basis, &deviation, kept.len(), pilot.inflation)?;
-    let low = kept.iter().filter(|alpha| alpha.iter().sum::<u32>() <= START_ORDER).count();
-    let start = basis.coefficients(&score.start(low)?);
+    let low = used.iter().filter(|alpha| alpha.iter().sum::<u32>() <= START_ORDER).count();
+    let fitted = || Some(basis.coefficients(&score.start(low.min(kept.len()))?));
+    // The solution of a low order is nearer than any fit to the states.
+    let start = if low < used.len() {
+        lower(sites, pilot, symmetry, &used[..low], used.len()).or_else(fitted)?
+    } else {
+        fitted()?
+    };
     let matrix = dissipative(&assembly);
     let ended = Iteration { assembly, basis: &basis }.run(start, &matrix);
     let d = basis.orthogonal(&ended.a);
@@ -124,6 +130,21 @@ fn close_within<const N: usize>(
         indicator: (!beyond.is_empty()).then(|| beyond.iter().map(|d| d * d).sum::<f64>().sqrt()),
         trace: ended.trace,
     })
+}
+
+/// The solution in fewer functions, the coefficients of the others zero.
+fn lower<const N: usize>(
+    sites: &Sites<N>,
+    pilot: &Pilot<N>,
+    symmetry: &Symmetry<N>,
+    used: &[[u32; N]],
+    size: usize,
+) -> Option<Vec<f64>> {
+    let closure = close_within(sites, pilot, symmetry, used, used).filter(|closure| closure.solved)?;
+    let mut coefficients = vec![0.0];
+    coefficients.extend(&closure.exponent.coefficients);
+    coefficients.resize(size + 1, 0.0);
+    Some(coefficients)
 }
 
 /// The farthest that a state has been from the centre.
