@@ -32,7 +32,8 @@ fn check_smooth<T: Solved<2, M> + Sync, const M: usize>(name: &str, grid: Grid, 
         made.edge_level < 1e-10_f64.max(made.l1_error) && made.residual < 1e-13 && made.leak.abs() < 1e-8,
         "{made:?}"
     );
-    assert!(made.most_negative > -1e-6 && made.negative_mass < 1e-7, "{made:?}");
+    // A density that is known to the tolerance may be as negative somewhere.
+    assert!(made.most_negative > -tolerance.max(1e-6) && made.negative_mass < 1e-7, "{made:?}");
     assert_eq!(density.support(), Support::WholeSpace);
 }
 
