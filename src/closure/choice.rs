@@ -1,7 +1,7 @@
 //! The candidates for an order's answer, and the choice among them.
 
 use super::exponent::Exponent;
-use super::projection::{project, tempered};
+use super::projection::{distance, project};
 use super::reference::{Reference, normalised};
 use super::setting::Setting;
 use super::space::Space;
@@ -71,8 +71,6 @@ pub struct Candidate {
 pub(super) struct Fitted<const N: usize> {
     pub(super) candidate: Candidate,
     pub(super) exponent: Exponent<N>,
-    /// ln p̃ at the kept nodes, normalised over them.
-    pub(super) logarithm: Vec<f64>,
 }
 
 /// The nodes that the answer is defined on, and what the reference says there.
@@ -160,7 +158,7 @@ impl<const N: usize> Judge<'_, N> {
     pub(super) fn judged(&self, origin: Origin, mut exponent: Exponent<N>, logarithm: &[f64]) -> Fitted<N> {
         let normal = normalised(logarithm, &self.weights);
         exponent.constant += normal[0] - logarithm[0];
-        let distance = self.distance(&normal);
+        let distance = distance(&normal, &self.target, &self.weights);
         let peak = self.target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let tail = (0..normal.len())
             .filter(|&i| self.target[i] > peak + TAIL.ln())
@@ -175,13 +173,7 @@ impl<const N: usize> Judge<'_, N> {
             likelihood_loss,
             accepted: likelihood_loss <= self.tolerance(),
         };
-        Fitted { candidate, exponent, logarithm: normal }
-    }
-
-    /// ∫ |p̃ − p̂| for a density given by its logarithm at the kept nodes, up to a constant.
-    pub(super) fn distance(&self, logarithm: &[f64]) -> f64 {
-        let [answer, truth] = [logarithm, &self.target].map(|log| tempered(log, &self.weights, 1.0));
-        answer.iter().zip(&truth).map(|(a, b)| (a - b).abs()).sum()
+        Fitted { candidate, exponent }
     }
 
     /// What a density may lose in mean ln p: K functions fitted to M states gain K/(2M) by chance, and states of one

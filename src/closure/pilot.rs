@@ -3,7 +3,8 @@
 use super::gaussian_closure::gaussian_closure;
 use super::symmetry::Symmetry;
 use super::units::natural_units;
-use crate::{Barrier, Error, FokkerPlanck, Gaussian, Interpretation, PolynomialDrift, Result, Scalar, Simulation};
+use crate::eigenvalues::eigenvalues;
+use crate::{Barrier, Error, FokkerPlanck, Gaussian, PolynomialDrift, Result, Simulation};
 use nalgebra::{SMatrix, SVector};
 
 /// Path-steps are cheapest in multiples of this many trajectories.
@@ -17,27 +18,6 @@ const DOUBLINGS: u32 = 5;
 const HALVINGS: u32 = 3;
 /// The two halves of the samples may differ by so many standard errors.
 const DRIFTING: f64 = 6.0;
-
-/// The system with its noise intensities multiplied by a factor.
-#[derive(Debug)]
-struct Inflated<'a, T> {
-    system: &'a T,
-    amplitude: f64,
-}
-
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> PolynomialDrift<N, M> for Inflated<'_, T> {
-    fn drift<S: Scalar>(&self, x: [S; N]) -> [S; N] {
-        self.system.drift(x)
-    }
-
-    fn noise<S: Scalar>(&self, x: [S; N]) -> [[S; M]; N] {
-        self.system.noise(x).map(|row| row.map(|entry| entry * self.amplitude))
-    }
-
-    fn interpretation(&self) -> Interpretation {
-        self.system.interpretation()
-    }
-}
 
 /// The states that a pilot has visited once stationary.
 #[derive(Clone, Debug)]
@@ -97,11 +77,11 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Scout<
     }
 
     fn at(&self, count: usize, inflation: f64) -> Result<Pilot<N>> {
-        let system = Inflated { system: self.system, amplitude: inflation.sqrt() };
         let (mut step, mut burn_in) = (self.step, self.burn_in);
         let (mut halved, mut doubled) = (0, 0);
         loop {
-            let mut simulation = Simulation::new(&system)
+            let mut simulation = Simulation::new(self.system)
+                .amplified(inflation.sqrt())
                 .trajectories(TRAJECTORIES)
                 .samples(count)
                 .time_step(step)
@@ -167,8 +147,7 @@ fn rates<const N: usize>(operator: &FokkerPlanck<N>, gaussian: &Gaussian<N>) -> 
     }
     let slopes = SMatrix::<f64, N, N>::from_fn(|i, j| gaussian.expectation(&operator.drift()[i].derivative(j)));
     let slopes = nalgebra::DMatrix::from_fn(N, N, |i, j| slopes[(i, j)]);
-    let eigenvalues = slopes.complex_eigenvalues();
-    let slowest = eigenvalues.iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min);
+    let slowest = eigenvalues(slopes).iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min);
     (fastest.max(f64::MIN_POSITIVE), slowest.max(1e-3 * fastest))
 }
 

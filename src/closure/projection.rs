@@ -106,3 +106,9 @@ pub(super) fn tempered(logarithm: &[f64], weights: &[f64], theta: f64) -> Vec<f6
     measure.iter_mut().for_each(|w| *w /= sum);
     measure
 }
+
+/// ∫ |p − q| for densities given by their logarithms at the nodes, up to constants.
+pub(super) fn distance(p: &[f64], q: &[f64], weights: &[f64]) -> f64 {
+    let [p, q] = [p, q].map(|log| tempered(log, weights, 1.0));
+    p.iter().zip(&q).map(|(p, q)| (p - q).abs()).sum()
+}

@@ -3,18 +3,18 @@
 use super::choice::{Candidate, Fitted, Judge, Origin, mean_logarithm};
 use super::density::{ClosureDensity, ClosureProvenance, Integrals};
 use super::exponent::Exponent;
+use super::family::Ladder;
 use super::indicator::{Indication, Probe, indicate};
 use super::nodes::Nodes;
 use super::pilot::Pilot;
-use super::polish::polished;
 use super::projection::{project, tempered};
-use super::reference::{Reference, normalised};
-use super::setting::{FINE, Setting, likeliest, lines};
+use super::reference::{Reference, Start, normalised};
+use super::setting::{FINE, Setting, likeliest};
 use super::table::Table;
 use super::trust_domain::TrustDomain;
 use super::weight::Weight;
 use crate::{Barrier, Error, Result};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use std::time::Instant;
 
 /// The power of the reference under which it is smoothed, for the tails' sake.
@@ -22,22 +22,15 @@ const SMOOTHED: f64 = 0.5;
 
 /// The pilot's states whose likelihood is looked at.
 const WITNESSES: usize = 4000;
-/// The orders at which known densities are exact.
-const LOWER_ORDERS: [u32; 4] = [2, 4, 6, 8];
 /// An answer with a larger error is looked at once more.
 const ROUGH: f64 = 0.2;
 /// A reference with a larger error says nothing.
 const UNKNOWN: f64 = 1.0;
-/// A density farther from the reference than so many times that one's own error is not an exact one.
-const POLISHABLE: f64 = 30.0;
-const ROUNDING: f64 = 1e-6;
-/// An exact density is followed down to e^−30 = 1e-13 of its peak, at most to three times the pilot's domain.
-const EXACT_DROP: f64 = 30.0;
-const EXACT_WIDENING: f64 = 3.0;
-
 /// What the closures of one system share at all orders.
 pub(super) struct Workshop<const N: usize> {
     pub(super) setting: Setting<N>,
+    /// What a similar system's reference has come to.
+    pub(super) start: Option<Start<N>>,
     /// Under the system's own intensities.
     pub(super) pilot: Pilot<N>,
     pub(super) inflation: f64,
@@ -46,6 +39,26 @@ pub(super) struct Workshop<const N: usize> {
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
+}
+
+/// The part of the trust domain on which a reference is large enough to be asked, with its nodes.
+pub(super) struct Kept<const N: usize> {
+    domain: TrustDomain<N>,
+    /// The nodes' places among those of the setting.
+    nodes: Vec<usize>,
+    pub(super) points: Vec<[f64; N]>,
+    pub(super) weights: Vec<f64>,
+}
+
+impl<const N: usize> Kept<N> {
+    fn above(setting: &Setting<N>, reference: &Reference<N>) -> Self {
+        let domain = setting.domain.above(|x| reference.value(x), setting.drop);
+        let all = &setting.nodes;
+        let nodes: Vec<usize> = (0..all.len()).filter(|&i| domain.contains(&all.points[i])).collect();
+        let points = nodes.iter().map(|&i| all.points[i]).collect();
+        let weights = nodes.iter().map(|&i| all.weights[i]).collect();
+        Kept { domain, nodes, points, weights }
+    }
 }
 
 impl<const N: usize> Workshop<N> {
@@ -57,81 +70,30 @@ impl<const N: usize> Workshop<N> {
         let failed = |reason| Error::NotClosed { order, reason };
         let setting = &self.setting;
         let ladder = setting.family.ladder(order);
-        let ends = setting.passages.iter().map(|p| p.before).chain(setting.passages.iter().map(|p| p.after));
-        let points: Vec<[f64; N]> = setting.nodes.points.iter().copied().chain(ends).collect();
-        let tabulated = Table::new(&*ladder.all, &setting.operator, &points);
-        let (interior, impacts) = (setting.nodes.len(), setting.passages.len());
-        let table = tabulated.with_passages(interior, impacts);
-        let reference = Reference::new(setting, &ladder, &table, || self.fit(&self.pilot.states))
+        let (table, after) = self.tabulated(&ladder);
+        let reference = Reference::new(setting, &ladder, &table, self.start.as_ref(), || self.fit(&self.pilot.states))
             .ok_or_else(|| failed("its moment equations have no solution; the noise may not reach every state"))?;
-
-        let kept_domain = setting.domain.above(|x| reference.value(x), setting.drop);
-        let kept: Vec<usize> = (0..interior).filter(|&i| kept_domain.contains(&setting.nodes.points[i])).collect();
-        if kept.len() < ladder.answer_columns {
+        let kept = Kept::above(setting, &reference);
+        if kept.points.len() < ladder.answer_columns {
             return Err(failed("its moment equations leave no part of the trust domain to be judged on"));
         }
-        let values = Mat::from_fn(kept.len(), ladder.lower_columns, |i, k| table.values[(kept[i], k)]);
-        let weights: Vec<f64> = kept.iter().map(|&i| setting.nodes.weights[i]).collect();
-        let target: Vec<f64> = kept.iter().map(|&i| reference.logarithm[i]).collect();
-        let target = normalised(&target, &weights);
-        let fixed: Vec<f64> = kept.iter().map(|&i| setting.fixed[i]).collect();
-        let smooth = project(values.as_ref(), &fixed, &target, &tempered(&target, &weights, SMOOTHED))
-            .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
+        let values = Mat::from_fn(kept.points.len(), ladder.lower_columns, |i, k| table.values[(kept.nodes[i], k)]);
         let witnesses = self.witnesses();
-        let judge = Judge {
-            setting,
-            reference: &reference,
-            space: ladder.answer.clone(),
-            values: values.get(.., ..ladder.answer_columns),
-            fixed,
-            target,
-            smooth,
-            weights: weights.clone(),
-            pilot: &witnesses,
-            likelihood: self.likelihood(&reference, &witnesses),
-        };
-        let mut tried = judge.candidates(self.weight);
-        if reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted) {
-            // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
-            let fit = likeliest(ladder.answer.clone(), setting.known.clone(), &setting.nodes, &self.pilot.states, 1.0);
-            if let Some(fit) = fit {
-                let log: Vec<f64> = kept.iter().map(|&i| fit.value(&setting.nodes.points[i])).collect();
-                tried.insert(0, judge.judged(Origin::MaximumLikelihood, fit, &log));
-            }
-        }
-        let points: Vec<[f64; N]> = kept.iter().map(|&i| setting.nodes.points[i]).collect();
+        let judge = self.judge(&ladder, &reference, &kept, values.as_ref(), &witnesses);
+        let mut tried = self.tried(&judge, &kept);
         let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
-        let solution = |exponent: &Exponent<N>| polished(setting, exponent, &points, &weights);
-        // An exact density is as near to the reference as that one's own error.
-        let polishable = POLISHABLE * reference.doubt + ROUNDING;
-        // Where a lower order is exact already, the higher one is all but singular at its density.
-        let lower = LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
-            let space = setting.family.ladder(lower).answer;
-            let values = Table::new(&*space, &setting.operator, &points).values;
-            let fit = project(values.as_ref(), &judge.fixed, &judge.target, &tempered(&judge.target, &weights, 1.0))?;
-            if judge.distance(&fit.logarithm) > polishable {
-                return None;
-            }
-            let (constant, coefficients) = (fit.constant, fit.coefficients);
-            solution(&Exponent { known: setting.known.clone(), space, constant, coefficients })
-        });
-        if let Some(exact) =
-            lower.or_else(|| (chosen.candidate.l1_estimate <= polishable).then(|| solution(&chosen.exponent))?)
-        {
+        if let Some(exact) = self.exact_at(order, &judge, &kept, chosen) {
             return Ok(self.exact(order, exact, &reference));
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
-        let Fitted { exponent, logarithm, .. } = tried.swap_remove(0);
-        if candidates[0].l1_estimate > ROUGH && !self.resolved(&exponent, &kept_domain) {
+        let Fitted { exponent, .. } = tried.swap_remove(0);
+        if candidates[0].l1_estimate > ROUGH && !self.resolved(&exponent, &kept.domain) {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
-        let masses =
-            (0..kept.len()).map(|i| [logarithm[i], judge.target[i]].map(|log| weights[i] * log.exp())).collect();
-        let after = Mat::from_fn(impacts, ladder.lower_columns, |i, k| tabulated.values[(interior + impacts + i, k)]);
         let probe = Probe {
-            domain: &kept_domain,
-            points: &points,
-            weights: &weights,
+            domain: &kept.domain,
+            points: &kept.points,
+            weights: &kept.weights,
             values: values.as_ref(),
             at_walls: after.as_ref(),
             own: ladder.answer_columns,
@@ -139,19 +101,69 @@ impl<const N: usize> Workshop<N> {
         };
         let unknown = Indication { indicator: f64::INFINITY, residual: f64::INFINITY };
         let indication = indicate(setting, &exponent, &probe).unwrap_or(unknown);
-        let reference_shift = reference.value(&points[0]) - judge.target[0];
+        let reference_shift = reference.value(&kept.points[0]) - judge.target[0];
+        let reference = reference.shifted(-reference_shift);
+        let (rules, lines) = (setting.nodes.rules.clone(), setting.lines.clone());
         Ok(ClosureDensity {
             polynomials: setting.smooth.as_ref().map(|smooth| smooth.polynomials(order)),
             provenance: self.provenance(order, exponent.coefficients.len(), reference.solved),
+            integrals: Integrals::panels(rules, lines, &kept.domain, &exponent, Some(&reference)),
             exponent,
-            reference: Some(reference.shifted(-reference_shift)),
-            domain: kept_domain,
-            integrals: Integrals::Panels { points, masses, lines: setting.lines.clone() },
+            reference: Some(reference),
+            domain: kept.domain,
             walls: self.walls,
             guarded: self.guarded,
             candidates,
             indication,
         })
+    }
+
+    /// All functions at the nodes and before impacts, less what they are after them; and what they are after them.
+    fn tabulated(&self, ladder: &Ladder<N>) -> (Table, Mat<f64>) {
+        let setting = &self.setting;
+        let ends = setting.passages.iter().map(|p| p.before).chain(setting.passages.iter().map(|p| p.after));
+        let points: Vec<[f64; N]> = setting.nodes.points.iter().copied().chain(ends).collect();
+        let all = Table::new(&*ladder.all, &setting.operator, &points);
+        let (interior, impacts) = (setting.nodes.len(), setting.passages.len());
+        let after = Mat::from_fn(impacts, ladder.lower_columns, |i, k| all.values[(interior + impacts + i, k)]);
+        (all.with_passages(interior, impacts), after)
+    }
+
+    /// Who judges the densities of an order: the reference, as it stands and as an exponential polynomial.
+    fn judge<'a>(
+        &'a self,
+        ladder: &Ladder<N>,
+        reference: &'a Reference<N>,
+        kept: &Kept<N>,
+        values: MatRef<'a, f64>,
+        witnesses: &'a [[f64; N]],
+    ) -> Judge<'a, N> {
+        let setting = &self.setting;
+        let weights = kept.weights.clone();
+        let target: Vec<f64> = kept.nodes.iter().map(|&i| reference.logarithm[i]).collect();
+        let target = normalised(&target, &weights);
+        let fixed: Vec<f64> = kept.nodes.iter().map(|&i| setting.fixed[i]).collect();
+        let smooth = project(values, &fixed, &target, &tempered(&target, &weights, SMOOTHED))
+            .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
+        let likelihood = self.likelihood(reference, witnesses);
+        let values = values.get(.., ..ladder.answer_columns);
+        let space = ladder.answer.clone();
+        Judge { setting, reference, space, values, fixed, target, smooth, weights, pilot: witnesses, likelihood }
+    }
+
+    /// The densities that were tried, the best one first.
+    fn tried(&self, judge: &Judge<'_, N>, kept: &Kept<N>) -> Vec<Fitted<N>> {
+        let setting = &self.setting;
+        let mut tried = judge.candidates(self.weight);
+        if judge.reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted) {
+            // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
+            let fit = likeliest(judge.space.clone(), setting.known.clone(), &setting.nodes, &self.pilot.states, 1.0);
+            if let Some(fit) = fit {
+                let log: Vec<f64> = kept.points.iter().map(|x| fit.value(x)).collect();
+                tried.insert(0, judge.judged(Origin::MaximumLikelihood, fit, &log));
+            }
+        }
+        tried
     }
 
     /// Whether a density that is normalised on the nodes is so on twice as many.
@@ -164,53 +176,13 @@ impl<const N: usize> Workshop<N> {
         (0.9..=1.1).contains(&mass)
     }
 
-    /// An exact density: it is its own reference, and trusted as far as it falls.
-    fn exact(&self, order: u32, mut exponent: Exponent<N>, reference: &Reference<N>) -> ClosureDensity<N> {
-        let setting = &self.setting;
-        let (domain, nodes, lines) = match &setting.smooth {
-            Some(_) => {
-                let domain = setting.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
-                let lines = lines(&domain);
-                (domain.clone(), Nodes::gauss(&domain, FINE[N.min(2) - 1]), lines)
-            }
-            None => (setting.domain.clone(), setting.nodes.clone(), setting.lines.clone()),
-        };
-        let log: Vec<f64> = nodes.points.iter().map(|x| exponent.value(x)).collect();
-        let normal = normalised(&log, &nodes.weights);
-        exponent.constant += normal[0] - log[0];
-        let witnesses = self.witnesses();
-        let candidate = Candidate {
-            origin: Origin::Exact,
-            l1_estimate: 0.0,
-            tail_estimate: 0.0,
-            likelihood_loss: self.likelihood(reference, &witnesses) - mean_logarithm(&exponent, &witnesses),
-            accepted: true,
-        };
-        ClosureDensity {
-            polynomials: setting.smooth.as_ref().map(|smooth| smooth.polynomials(order)),
-            provenance: self.provenance(order, exponent.coefficients.len(), reference.solved),
-            integrals: Integrals::Panels {
-                masses: normal.iter().zip(&nodes.weights).map(|(log, w)| [w * log.exp(); 2]).collect(),
-                points: nodes.points,
-                lines,
-            },
-            exponent,
-            reference: None,
-            domain,
-            walls: self.walls,
-            guarded: self.guarded,
-            candidates: vec![candidate],
-            indication: Indication { indicator: 0.0, residual: 0.0 },
-        }
-    }
-
     /// Some of the pilot's states, evenly chosen: enough for a guard that is to see gross errors.
-    fn witnesses(&self) -> Vec<[f64; N]> {
+    pub(super) fn witnesses(&self) -> Vec<[f64; N]> {
         let states = &self.pilot.states;
         states.iter().step_by((states.len() / WITNESSES).max(1)).copied().collect()
     }
 
-    fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> ClosureProvenance {
+    pub(super) fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> ClosureProvenance {
         ClosureProvenance {
             order,
             unknowns,
@@ -226,7 +198,7 @@ impl<const N: usize> Workshop<N> {
 
     /// The mean of ln p over the pilot's states that a good density has: the reference's, or that of the fit which the
     /// first guess is if it is larger.
-    fn likelihood(&self, reference: &Reference<N>, states: &[[f64; N]]) -> f64 {
+    pub(super) fn likelihood(&self, reference: &Reference<N>, states: &[[f64; N]]) -> f64 {
         let setting = &self.setting;
         let shift = reference.value(&setting.nodes.points[0]) - reference.logarithm[0];
         let of_reference = reference.values(states).iter().sum::<f64>() / states.len() as f64 - shift;

@@ -2,6 +2,7 @@
 
 use super::discretisation::Discretisation;
 use crate::Result;
+use crate::eigenvalues::eigenvalues;
 use nalgebra::{DMatrix, DVector};
 
 /// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
@@ -45,8 +46,8 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
         let norm = next.norm();
         if k + 1 == krylov || norm < 1e-14 * hessenberg.column(k).norm() {
             let used = k + 1;
-            let smaller = eigenvalues(&hessenberg, SMALLER.min(used * 3 / 4), shift);
-            return Ok(listed(&eigenvalues(&hessenberg, used, shift), &smaller, count));
+            let smaller = rates(&hessenberg, SMALLER.min(used * 3 / 4), shift);
+            return Ok(listed(&rates(&hessenberg, used, shift), &smaller, count));
         }
         hessenberg[(k + 1, k)] = norm;
         basis.push(next / norm);
@@ -55,10 +56,9 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
 }
 
 /// The eigenvalues μ of the leading block, by rising modulus.
-fn eigenvalues(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
+fn rates(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
     let block = hessenberg.view((0, 0), (size, size)).into_owned();
-    let mut all: Vec<[f64; 2]> = block
-        .complex_eigenvalues()
+    let mut all: Vec<[f64; 2]> = eigenvalues(block)
         .iter()
         .map(nalgebra::Complex::inv)
         .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)

@@ -53,6 +53,8 @@ impl<const DOF: usize> DuffingChain<DOF> {
 macro_rules! chain_of {
     ($($degrees:literal has $states:literal),*) => {$(
         impl PolynomialDrift<$states, $degrees> for DuffingChain<$degrees> {
+            const CONSTANT_NOISE: bool = true;
+
             #[inline]
             fn drift<S: Scalar>(&self, state: [S; $states]) -> [S; $states] {
                 let accelerations = self.accelerations(positions(&state), velocities(&state));

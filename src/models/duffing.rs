@@ -1,5 +1,7 @@
 use super::Solved;
 use crate::{Intensity, Oscillator, Result, Scalar};
+#[cfg(not(test))]
+use crate::{SimulatedDensity, Simulation};
 
 /// Duffing's oscillator x″ + c x′ + k x + μ x³ = ξ, with two wells for k < 0 < μ.
 ///
@@ -56,3 +58,11 @@ impl Solved<2, 1> for Duffing {
         energy * (-self.damping / self.intensity.d())
     }
 }
+
+/// Most programs begin with this oscillator: its simulation is compiled here, and not once more in each of them.
+#[cfg(not(test))]
+#[allow(dead_code, reason = "it is there to be compiled")]
+static COMPILED: (Answer<SimulatedDensity<2>>, Answer<Vec<[f64; 2]>>) = (Simulation::run, Simulation::states);
+
+#[cfg(not(test))]
+type Answer<A> = fn(Simulation<'static, Duffing, 2, 1>) -> Result<A>;

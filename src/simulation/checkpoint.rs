@@ -5,8 +5,8 @@ use super::{
     store::{Reader, Stored, stored},
     tally::Tally,
 };
-use crate::{Error, Result};
-use std::{ffi::OsString, fs, io, io::Write, path::Path, path::PathBuf, time::Duration};
+use crate::{Error, Result, record::checksum};
+use std::{path::Path, path::PathBuf, time::Duration};
 
 /// The first bytes of a file: the version of the library, since another one may find other bits, and that of the format.
 const MAGIC: &[u8] = concat!("expoly ", env!("CARGO_PKG_VERSION"), " simulation 1\n").as_bytes();
@@ -81,45 +81,4 @@ impl<const N: usize> State<N> {
             self.lists.iter().map(|list| Reader(list).whole()).collect::<Option<_>>()?;
         Some(lists.into_iter().flatten().collect())
     }
-}
-
-/// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo): it guards against accidents, not against intent.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
-}
-
-/// The content of a file, or none if there is no such file.
-pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>> {
-    match fs::read(path) {
-        Ok(content) => Ok(Some(content)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(file_error("read", path, &error)),
-    }
-}
-
-/// Writes a file whole or not at all, by way of a hidden one beside it.
-pub(super) fn write(path: &Path, content: &[u8]) -> Result<()> {
-    let name = path.file_name().ok_or(io::ErrorKind::InvalidInput.into());
-    let written = name.and_then(|name| {
-        let mut hidden = OsString::from(".");
-        hidden.push(name);
-        hidden.push(format!(".{}.tmp", std::process::id()));
-        let temporary = path.with_file_name(hidden);
-        let save = |content: &[u8]| {
-            let mut file = fs::File::create(&temporary)?;
-            file.write_all(content)?;
-            // On the disk before it gets its name, so that a crash leaves the old file or the new one.
-            file.sync_all()?;
-            fs::rename(&temporary, path)
-        };
-        save(content).inspect_err(|_| {
-            // That the half-written file cannot be removed either is less than the error itself.
-            let _ = fs::remove_file(&temporary);
-        })
-    });
-    written.map_err(|error| file_error("write", path, &error))
-}
-
-pub(super) fn file_error(action: &'static str, path: &Path, error: &io::Error) -> Error {
-    Error::File { action, path: path.display().to_string(), reason: error.to_string() }
 }

@@ -1,4 +1,5 @@
 use super::{SimulatedDensity, passage::POWERS, result::central, tally::Tally};
+use crate::density::{UNKNOWN, pair};
 use crate::{Crossing, Density, Error, Estimate, Result};
 
 impl<const N: usize> Density<N> for SimulatedDensity<N> {
@@ -29,6 +30,36 @@ impl<const N: usize> Density<N> for SimulatedDensity<N> {
             return Ok(Estimate::new(0.0, 0.0));
         }
         Ok(self.with_both_errors(|d| d.histogram(state).map_or(UNKNOWN, |histogram| histogram.density_at([x]))))
+    }
+
+    /// The range of the histograms.
+    fn bounds(&self) -> [[f64; 2]; N] {
+        self.layout.axes.each_ref().map(|axis| [axis.edge(0), axis.edge(axis.bins())])
+    }
+
+    /// E[g(X)] over the cells of the histogram for N ≤ 2; unknown for more states. Each sample counts as spread over its
+    /// cell; the error holds what g's curvature within a cell may make of that.
+    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
+        let line = |[x]: [f64; 1]| g(&[x; N]);
+        let plane = |x: [f64; 2]| g(&std::array::from_fn(|i| x[i.min(1)]));
+        self.with_both_errors(|d| match (N, d.histogram(0), d.joint()) {
+            (1, Ok(histogram), _) => histogram.mean(line),
+            (2, _, Some(joint)) => joint.mean(plane),
+            _ => UNKNOWN,
+        })
+    }
+
+    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
+        let [first, second] = pair::<N>(states)?;
+        if first + second != 1 {
+            let remedy = "a simulation counts states 0 and 1 together; put these first, or ask another method";
+            return Err(Error::NotKnown { what: "the joint density of these two states", remedy });
+        }
+        let x = if first == 0 { x } else { [x[1], x[0]] };
+        if self.below_wall(0, x[0]) {
+            return Ok(Estimate::new(0.0, 0.0));
+        }
+        Ok(self.with_both_errors(|d| d.joint().map_or(UNKNOWN, |joint| joint.density_at(x))))
     }
 
     /// The raw moment. Tracked are all total degrees up to 4 for N ≤ 3; for more states all up to 2, and the powers of a
@@ -73,9 +104,6 @@ impl<const N: usize> Density<N> for SimulatedDensity<N> {
         self.flux(Crossing { velocity, ..Crossing::upward(level) }, 1)
     }
 }
-
-/// What a simulation did not look at.
-const UNKNOWN: Estimate = Estimate { value: f64::NAN, error: f64::INFINITY };
 
 impl<const N: usize> SimulatedDensity<N> {
     fn below_wall(&self, state: usize, x: f64) -> bool {

@@ -80,7 +80,8 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
         steps: usize,
         passages: &mut Passages,
     ) {
-        if scheme.straight {
+        // Where the first condition holds, a constant, the other of the two is not even compiled.
+        if const { T::CONSTANT_NOISE } || scheme.straight {
             Arch::new().dispatch(Advance::<T, N, M, L, true> { lanes: self, scheme, course, steps, passages });
         } else {
             Arch::new().dispatch(Advance::<T, N, M, L, false> { lanes: self, scheme, course, steps, passages });
@@ -344,5 +345,54 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize, const L: usize, c
     #[inline(always)]
     fn call(self) {
         self.lanes.steps::<T, M, STRAIGHT>(self.scheme, self.course, self.steps, self.passages);
+    }
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use crate::models::{Duffing, VelocityNoise};
+    use crate::system::Amplified;
+    use crate::{Barrier, FokkerPlanck};
+    use pulp::x86::{V3, V4};
+
+    type Bits = (Vec<[u64; 2]>, [u64; 3]);
+
+    /// The states after some thousand steps above a wall, and the impacts on the way.
+    fn way<T, const STRAIGHT: bool>(
+        system: &T,
+        advance: impl Fn(Advance<'_, '_, T, 2, 1, 16, STRAIGHT>),
+    ) -> Result<Bits>
+    where
+        T: PolynomialDrift<2, 1>,
+    {
+        let operator = FokkerPlanck::new(system)?;
+        let scheme = Scheme::new(Amplified { system, amplitude: 1.0 }, &operator, 0.04);
+        assert_eq!(scheme.straight, STRAIGHT);
+        let course = Course::for_scheme(&scheme, Some(Barrier::new(0.1, 0.7)?), Vec::new());
+        let mut lanes = Lanes::<2, 16>::new(5, 0..16, |[x, v]| [0.1 + x.abs(), v]);
+        let mut passages = Passages::new(0);
+        for steps in [1000, 1, 2500] {
+            advance(Advance { lanes: &mut lanes, scheme: &scheme, course: &course, steps, passages: &mut passages });
+        }
+        assert!(passages.impacts[0] > 100.0);
+        Ok((lanes.states().map(|x| x.map(f64::to_bits)).collect(), passages.impacts.map(f64::to_bits)))
+    }
+
+    fn same_bits<T: PolynomialDrift<2, 1>, const STRAIGHT: bool>(system: &T) -> Result<()> {
+        let narrow = way::<T, STRAIGHT>(system, |advance| advance.call())?;
+        if let Some(wider) = V3::try_new() {
+            assert_eq!(narrow, way::<T, STRAIGHT>(system, |advance| wider.vectorize(advance))?);
+        }
+        if let Some(widest) = V4::try_new() {
+            assert_eq!(narrow, way::<T, STRAIGHT>(system, |advance| widest.vectorize(advance))?);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn every_width_of_registers_makes_the_same_bits() -> Result<()> {
+        same_bits::<_, true>(&Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+        same_bits::<_, false>(&VelocityNoise::new([0.2, 0.1], [1.0, 0.1], 1.0, 0.3)?)
     }
 }

@@ -1,10 +1,10 @@
 use super::{
     SimulatedDensity,
-    checkpoint::{self, State, file_error},
+    checkpoint::State,
     ensemble::deal,
     tally::{Origin, Tally},
 };
-use crate::{Error, Result};
+use crate::{Error, Result, file};
 use std::{io, path::Path};
 
 impl<const N: usize> SimulatedDensity<N> {
@@ -16,8 +16,8 @@ impl<const N: usize> SimulatedDensity<N> {
     /// [`Error::Unfinished`] if the run has not ended.
     pub fn from_checkpoint(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let content = checkpoint::read(path)?;
-        let content = content.ok_or_else(|| file_error("read", path, &io::ErrorKind::NotFound.into()))?;
+        let content = file::read(path)?;
+        let content = content.ok_or_else(|| file::file_error("read", path, &io::ErrorKind::NotFound.into()))?;
         let state = State::<N>::from_file(path, &content)?;
         let name = || path.display().to_string();
         let stopped = state.stopped.ok_or_else(|| Error::Unfinished { path: name() })?;

@@ -41,6 +41,8 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// - [`Error::OutOfTime`]: the time budget was over before the first sample.
     /// - [`Error::File`], [`Error::NotACheckpoint`], [`Error::OtherSimulation`]: a checkpoint that cannot be used.
     /// - Those of the statistics that [`Simulation::until`] looks at.
+    // Not inlined, so that a program may use what this crate has compiled of it.
+    #[inline(never)]
     pub fn run(self) -> Result<SimulatedDensity<N>> {
         self.run_among(&Alone)
     }
@@ -64,6 +66,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// The options that decide the numbers found, without those that say when to stop.
     fn twin(&self) -> Self {
         Simulation {
+            system: self.system,
             barrier: self.barrier,
             trajectories: self.trajectories,
             samples: self.samples,
@@ -76,7 +79,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             bins: self.bins,
             part: self.part,
             questions: self.questions.clone(),
-            ..Simulation::new(self.system)
+            ..Simulation::new(self.system.system)
         }
     }
 
@@ -96,7 +99,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
         let pilot = pilot?;
         let (axes, plane) = self.axes(pilot.intervals())?;
         let plan = Plan {
-            equations: equations(self.system, &operator),
+            equations: equations(&self.system, &operator),
             seed: self.seed,
             trajectories: self.trajectories,
             time_step: scheme.step,
@@ -141,6 +144,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// assert_eq!(states.len(), 640);
     /// # Ok::<(), expoly::Error>(())
     /// ```
+    #[inline(never)]
     pub fn states(mut self) -> Result<Vec<[f64; N]>> {
         let Prepared { operator, scheme, velocity, timetable, samples, .. } = self.prepared(false)?;
         let course = Course::for_scheme(&scheme, self.barrier, Vec::new());
@@ -154,7 +158,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
 
     /// The scheme and the plan, after all options have been looked at.
     fn prepared(&self, merged: bool) -> Result<Prepared<'a, T, N, M>> {
-        let operator = FokkerPlanck::new(self.system)?;
+        let operator = FokkerPlanck::new(&self.system)?;
         if let Some(step) = self.time_step {
             positive("time step", step, "it must be finite and above zero")?;
         }

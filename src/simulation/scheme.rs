@@ -1,4 +1,5 @@
 use crate::fokker_planck::{drift_along_noise, ito_drift, noise_induced_drift};
+use crate::system::Amplified;
 use crate::{Arena, FokkerPlanck, Interpretation, Polynomial, PolynomialDrift, Symbol};
 
 /// One step of weak order 2, by a symmetric splitting: A(h/2) F(h/2) W(h) F(h/2) A(h/2).
@@ -16,7 +17,7 @@ use crate::{Arena, FokkerPlanck, Interpretation, Polynomial, PolynomialDrift, Sy
 /// O(h²). Explicit Euler-Maruyama would be off by O(h), and pumps energy into a weakly damped oscillator.
 #[derive(Debug)]
 pub(super) struct Scheme<'a, T, const N: usize, const M: usize> {
-    system: &'a T,
+    system: Amplified<'a, T>,
     /// The time step h.
     pub(super) step: f64,
     /// Whether a step takes the noise of two steps of half its length, so that both follow the same Brownian path.
@@ -33,7 +34,7 @@ pub(super) struct Scheme<'a, T, const N: usize, const M: usize> {
 
 impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T, N, M> {
     /// The scheme for `system`, whose structure is read off its polynomials.
-    pub(super) fn new(system: &'a T, operator: &FokkerPlanck<N>, step: f64) -> Self {
+    pub(super) fn new(system: Amplified<'a, T>, operator: &FokkerPlanck<N>, step: f64) -> Self {
         let pairs: Vec<(usize, usize)> = (0..N)
             .filter_map(|i| operator.velocity_of(i).map(|j| (i, j)))
             .filter(|&(_, j)| operator.velocity_of(j).is_none())
@@ -58,7 +59,7 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
     fn drift<const STRAIGHT: bool>(&self, x: [f64; N]) -> [f64; N] {
         let mut drift = self.system.drift(x);
         if !STRAIGHT && self.corrected {
-            let induced = drift_along_noise(self.system, x);
+            let induced = drift_along_noise(&self.system, x);
             for i in 0..N {
                 drift[i] -= induced[i];
             }
@@ -111,7 +112,7 @@ impl<'a, T: PolynomialDrift<N, M>, const N: usize, const M: usize> Scheme<'a, T,
     /// Itô drift f.
     pub(super) fn power(&self, v: usize, x: [f64; N]) -> [f64; 2] {
         let injected: f64 = self.system.noise(x)[v].iter().map(|g| g * g / 2.0).sum();
-        [injected, -x[v] * ito_drift(self.system, x)[v]]
+        [injected, -x[v] * ito_drift(&self.system, x)[v]]
     }
 }
 

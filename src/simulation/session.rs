@@ -1,5 +1,5 @@
 use super::{
-    checkpoint::{self, Checkpoint, SavedBatch, State},
+    checkpoint::{Checkpoint, SavedBatch, State},
     ensemble::{Batch, Ensemble, Trajectories, deal},
     peers::{Peers, agree, share},
     plan::Plan,
@@ -9,7 +9,7 @@ use super::{
     target::Target,
     timetable::{BURN_IN_STRETCHES, next_look, samples},
 };
-use crate::{Error, PolynomialDrift, Result};
+use crate::{Error, PolynomialDrift, Result, file};
 use std::{
     ops::Range,
     time::{Duration, Instant},
@@ -164,7 +164,7 @@ where
     /// The state in the checkpoint and the name of its file: rank 0 reads it and tells the others.
     fn load(&self) -> Result<Option<(String, State<N>)>> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(None) };
-        let mine = if self.peers.rank() == 0 { checkpoint::read(path) } else { Ok(None) };
+        let mine = if self.peers.rank() == 0 { file::read(path) } else { Ok(None) };
         // The content behind a byte that tells an empty file from no file.
         let mine = mine.map(|content| content.map_or(Vec::new(), |content| [&[1], &content[..]].concat()));
         match share(self.peers, mine)?.first().and_then(|word| word.split_first()) {
@@ -180,7 +180,7 @@ where
         let lists = self.peers.exchange(mine.bytes())?;
         let written = if self.peers.rank() == 0 {
             let state = State { states: N, plan: self.plan.clone(), seconds: self.seconds(), stopped, lists };
-            checkpoint::write(path, &state.to_file())
+            file::write(path, &state.to_file())
         } else {
             Ok(())
         };

@@ -1,4 +1,5 @@
 use super::{SimulatedDensity, checkpoint::Checkpoint, statistics::Questions, target::Target, target::Tolerance};
+use crate::system::Amplified;
 use crate::{Barrier, Estimate, PolynomialDrift, Result};
 use std::{fmt, ops::ControlFlow, path::PathBuf, time::Duration};
 
@@ -55,7 +56,7 @@ pub(super) struct Meter<'a> {
 /// # Ok::<(), Error>(())
 /// ```
 pub struct Simulation<'a, T, const N: usize, const M: usize> {
-    pub(super) system: &'a T,
+    pub(super) system: Amplified<'a, T>,
     pub(super) barrier: Option<Barrier>,
     pub(super) trajectories: usize,
     pub(super) samples: usize,
@@ -81,7 +82,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// A simulation of `system` with the defaults named at each method.
     pub fn new(system: &'a T) -> Self {
         Simulation {
-            system,
+            system: Amplified { system, amplitude: 1.0 },
             barrier: None,
             trajectories: 1024,
             samples: 1_000_000,
@@ -101,6 +102,12 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             part: (0, 1),
             questions: Questions::NONE,
         }
+    }
+
+    /// Multiplies the noise by a factor, the intensities by its square.
+    pub(crate) fn amplified(mut self, amplitude: f64) -> Self {
+        self.system.amplitude = amplitude;
+        self
     }
 
     /// A wall that state 0 hits; none by default. State 0 must be a displacement.
@@ -123,7 +130,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     }
 
     /// The time step h, in the system's unit of time. By default the library chooses it, and
-    /// [`Provenance`](crate::Provenance) says what it chose: h = 0.04/ω, rounded down to two digits, with
+    /// [`Provenance`](crate::Provenance) says what it chose: h = 0.04/ω (0.03/ω beside a wall with r < 1), rounded down to two digits, with
     ///
     /// ω² = E[(ρ(∂f/∂x) + |∂G/∂x|²)²] + (πν)²,
     ///

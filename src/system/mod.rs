@@ -1,8 +1,10 @@
 //! Systems: what the state does, written once and generically.
 
+mod amplified;
 mod intensity;
 mod oscillator;
 
+pub(crate) use amplified::Amplified;
 pub use intensity::Intensity;
 pub use oscillator::Oscillator;
 
@@ -46,6 +48,11 @@ use crate::Scalar;
 /// }
 /// ```
 pub trait PolynomialDrift<const N: usize, const M: usize> {
+    /// Whether G is known to be the same at all states when a program is compiled, so that less of it need be; an
+    /// [`Oscillator`]'s is. `false` says nothing: it is found out when the program runs.
+    #[doc(hidden)]
+    const CONSTANT_NOISE: bool = false;
+
     /// The drift f(x).
     fn drift<S: Scalar>(&self, x: [S; N]) -> [S; N];
 

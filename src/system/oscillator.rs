@@ -29,6 +29,8 @@ pub trait Oscillator {
 }
 
 impl<T: Oscillator> PolynomialDrift<2, 1> for T {
+    const CONSTANT_NOISE: bool = true;
+
     #[inline]
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -self.force(x, v)]

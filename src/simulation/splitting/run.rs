@@ -15,6 +15,7 @@ use crate::simulation::{
     scheme::Scheme,
     setup::{Meter, Progress},
 };
+use crate::system::Amplified;
 use crate::{Error, FokkerPlanck, PolynomialDrift, Result};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -58,7 +59,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
         let plan = self.plan()?;
         let states = self.plain().states()?;
         let operator = FokkerPlanck::new(self.system)?;
-        let scheme = Scheme::new(self.system, &operator, self.time_step);
+        let scheme = Scheme::new(Amplified { system: self.system, amplitude: 1.0 }, &operator, self.time_step);
         let importance = match self.importance.take() {
             Some(function) => Importance::Given(function),
             None => Importance::natural(&operator, &scheme.pairs, &states)?,

@@ -7,7 +7,7 @@ impl<const N: usize> SimulatedDensity<N> {
     /// The spectral density and the autocovariance of one state.
     ///
     /// # Errors
-    /// [`Error::NotRecorded`] if [`Simulation::spectrum`](crate::Simulation::spectrum) did not ask for it, [`Error::NoSamples`]
+    /// [`Error::NotRecorded`] if [`Simulation::spectrum`](crate::Simulation::spectrum) did not ask for it, [`Error::OutOfRange`]
     /// if the run was shorter than a segment, [`Error::Dimension`] if there is no such state.
     pub fn spectrum(&self, state: usize) -> Result<Spectrum> {
         let state = state_index::<N>("a state's index", state)?;
@@ -23,7 +23,7 @@ impl<const N: usize> SimulatedDensity<N> {
     ///
     /// # Errors
     /// [`Error::NotRecorded`] if [`Simulation::first_passage`](crate::Simulation::first_passage) did not ask for it,
-    /// [`Error::NoSamples`] if the run was shorter than a window.
+    /// [`Error::OutOfRange`] if the run was shorter than a window.
     pub fn first_passage(&self, level: f64) -> Result<FirstPassage> {
         let passages = &self.layout.watch.passages;
         let what = "first passage of this level";

@@ -103,11 +103,12 @@ impl FirstPassage {
     /// From the tallies of batches that are independent of each other.
     ///
     /// # Errors
-    /// [`Error::NoSamples`] if fewer than two batches have a window that has ended.
+    /// [`Error::OutOfRange`] if fewer than two batches have a window that has ended.
     pub(super) fn new(window: PassageWindow, mut batches: Vec<PassageTally>) -> Result<Self> {
         batches.retain(|batch| batch.windows > 0.0);
         if batches.len() < 2 {
-            return Err(Error::NoSamples { what: "the number of batches with a whole window", least: 2 });
+            let remedy = "too few trajectories were watched for so long; ask for more samples or a shorter window";
+            return Err(Error::OutOfRange { name: "window of a first passage", value: window.length(), remedy });
         }
         Ok(FirstPassage { window, batches })
     }

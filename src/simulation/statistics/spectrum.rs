@@ -153,11 +153,12 @@ impl Spectrum {
     /// From the tallies of batches that are independent of each other.
     ///
     /// # Errors
-    /// [`Error::NoSamples`] if fewer than two batches have a whole segment.
+    /// [`Error::OutOfRange`] if fewer than two batches have a whole segment.
     pub(super) fn new(segments: Segments, mut batches: Vec<SpectralTally>) -> Result<Self> {
         batches.retain(|batch| batch.segments > 0.0);
         if batches.len() < 2 {
-            return Err(Error::NoSamples { what: "the number of batches with a whole segment", least: 2 });
+            let remedy = "too few trajectories have so many samples; ask for more samples or a shorter segment";
+            return Err(Error::OutOfRange { name: "length of a segment", value: segments.length as f64, remedy });
         }
         Ok(Spectrum { segments, batches })
     }

@@ -3,12 +3,7 @@
 //! `reference/vibro_impact_displacement_pdf.csv` holds p_Y at Gauss nodes with their weights, so that a weighted sum of
 //! |p − p_Y| is an L¹ distance; it is accurate to about 1e-6 near the peak and 1e-3 at the wall.
 
-#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
-#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
-
-mod common;
-
-use common::*;
+use crate::common::*;
 use expoly::models::{Solved, VibroImpactDuffing};
 use expoly::{
     Barrier, Basis, Closure, Crossing, Density, Error, ExpPolynomial, FokkerPlanck, Solution, Termination, Zhuravlev,

@@ -1,11 +1,6 @@
 //! The robust closure above walls: against the reference table, the grid, and closed forms for elastic walls.
 
-#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
-#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
-
-mod common;
-
-use common::*;
+use crate::common::*;
 use expoly::models::{Duffing, Solved};
 use expoly::{Barrier, Closure, ClosureDensity, Crossing, Density, Error, Grid, NodeKind, Origin, compare};
 

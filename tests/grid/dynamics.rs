@@ -1,8 +1,5 @@
 //! Relaxation rates and transient densities on the grid.
 
-#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
-#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
-
 use expoly::models::{Duffing, Linear};
 use expoly::{Error, Gaussian, Grid, GridDensity, Start};
 use nalgebra::{Matrix2, Vector2, matrix, vector};
@@ -75,7 +72,7 @@ fn a_smaller_tolerance_gives_a_smaller_error() {
     let stationary = linear();
     let start = Start::Gaussian(Gaussian { mean: vector![0.8, -0.5], covariance: matrix![0.3, 0.05; 0.05, 0.4] });
     let at = |tolerance: f64| stationary.transient(&start, &[3.0], tolerance).unwrap().remove(0);
-    let truth = at(1e-8).moment([1, 0]).value;
+    let truth = at(1e-7).moment([1, 0]).value;
     let errors = [1e-3, 1e-5].map(|tolerance| (at(tolerance).moment([1, 0]).value - truth).abs());
     println!("{errors:?}");
     assert!(errors[1] < 0.1 * errors[0], "{errors:?}");
@@ -85,7 +82,7 @@ fn a_smaller_tolerance_gives_a_smaller_error() {
 #[test]
 fn a_point_start_agrees_with_a_simulation() {
     const PATHS: usize = 200_000;
-    const STEP: f64 = 0.01;
+    const STEP: f64 = 0.02;
     let times = [0.8, 1.6, 3.2, 6.4, 12.8];
     let densities = duffing().transient(&Start::Point([1.0, 0.0]), &times, 1e-4).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(2);

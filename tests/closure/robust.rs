@@ -1,11 +1,6 @@
 //! The robust closure: exact where the truth is a polynomial, close to the grid where it is not, at every order.
 
-#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
-#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
-
-mod common;
-
-use common::*;
+use crate::common::*;
 use expoly::models::{CubicDamping, Duffing, DuffingChain, DuffingVanDerPol, Solved};
 use expoly::{
     Closure, ClosureDensity, Degrees, Density, Error, Grid, GridDensity, Intensity, NodeKind, Origin, PolynomialDrift,
@@ -263,7 +258,7 @@ fn a_density_knows_where_it_ends() {
     assert_eq!(plain.log_pdf(&[0.3, 0.4]), guarded.log_pdf(&[0.3, 0.4]));
     let unseen = plain.unseen_mass();
     assert!(unseen > 0.0 && unseen < 1e-3, "{unseen}");
-    let mass = plain.expectation(|_| 1.0).value;
+    let mass = plain.expectation(&|_| 1.0).value;
     assert!((mass - 1.0).abs() < 1e-12);
 }
 

@@ -1,10 +1,6 @@
 //! Rare states against closed forms, the grid, and themselves.
 
-#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
-
-mod common;
-
-use common::OrnsteinUhlenbeck;
+use crate::common::OrnsteinUhlenbeck;
 use expoly::{
     Barrier, Density, Error, Estimate, Grid, PolynomialDrift, Result, Scalar, Splitting, Tails,
     models::{Duffing, ParametricLinear, Solved},

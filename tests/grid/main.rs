@@ -1,0 +1,11 @@
+//! The grid: stationary densities, relaxation and transients.
+//!
+//! One program, so that what its parts have in common is compiled once.
+
+#![allow(clippy::print_stdout, reason = "`-- --nocapture` shows what was measured")]
+#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod dynamics;
+mod stationary;

@@ -1,0 +1,376 @@
+//! The simulation against closed forms, a reference table, and itself.
+
+use expoly::{
+    Barrier, Crossing, Density, Error, Estimate, FokkerPlanck, Interpretation, PolynomialDrift, Result, Scalar,
+    SimulatedDensity, Simulation,
+    models::{Duffing, Linear},
+};
+
+/// Values beyond four standard errors do not happen by chance here: one test in 8000, with 64 batches.
+const LIMIT: f64 = 4.0;
+
+/// Within four standard errors of the truth, and precise enough to mean something.
+fn assert_close(what: &str, estimate: Estimate, truth: f64, most: f64) {
+    assert!(estimate.error <= most, "{what}: {estimate} is not precise to {most}");
+    assert!(estimate.deviation(truth) < LIMIT, "{what}: {estimate} is not {truth}");
+}
+
+fn assert_relative(what: &str, estimate: Estimate, truth: f64) {
+    // 0.3 %: a tenth of what an order-4 closure is off by.
+    assert_close(what, estimate, truth, 3e-3 * truth.abs());
+}
+
+/// dx = (1 − x) dt + σ x dW₁ + σ dW₂: two noise fields that do not commute.
+struct Affine {
+    sigma: f64,
+    interpretation: Interpretation,
+}
+
+impl PolynomialDrift<1, 2> for Affine {
+    fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
+        [-x + 1.0]
+    }
+    fn noise<S: Scalar>(&self, [x]: [S; 1]) -> [[S; 2]; 1] {
+        [[x * self.sigma, S::from(self.sigma)]]
+    }
+    fn interpretation(&self) -> Interpretation {
+        self.interpretation
+    }
+}
+
+impl Affine {
+    /// E x and E x² from the moment equations 0 = 1 − a E x, 0 = 2 E x + σ² − (2a − σ²) E x², where the Itô drift is
+    /// 1 − a x.
+    fn moments(&self) -> [f64; 2] {
+        let square = self.sigma.powi(2);
+        let a = match self.interpretation {
+            Interpretation::Ito => 1.0,
+            Interpretation::Stratonovich => 1.0 - square / 2.0,
+        };
+        [1.0 / a, (2.0 / a + square) / (2.0 * a - square)]
+    }
+}
+
+/// x″ + 2αx′(1 + η) + x(1 + ζ) = ξ with D_ζ = 4α²D_η, as Stratonovich means it, or the same process written for Itô.
+struct Parametric {
+    alpha: f64,
+    eta: f64,
+    external: f64,
+    interpretation: Interpretation,
+}
+
+impl PolynomialDrift<2, 3> for Parametric {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        let induced = match self.interpretation {
+            // ½ (2α)² 2D_η v.
+            Interpretation::Ito => 4.0 * self.alpha.powi(2) * self.eta,
+            Interpretation::Stratonovich => 0.0,
+        };
+        [v, -(v * (2.0 * self.alpha - induced)) - x]
+    }
+    fn noise<S: Scalar>(&self, [x, v]: [S; 2]) -> [[S; 3]; 2] {
+        let damping = 2.0 * self.alpha * (2.0 * self.eta).sqrt();
+        let zero = S::from(0.0);
+        [[zero, zero, zero], [v * damping, x * damping, S::from((2.0 * self.external).sqrt())]]
+    }
+    fn interpretation(&self) -> Interpretation {
+        self.interpretation
+    }
+}
+
+impl Parametric {
+    fn new(interpretation: Interpretation) -> Self {
+        Parametric { alpha: 0.1, eta: 0.5, external: 0.2, interpretation }
+    }
+
+    fn simulated(&self) -> Result<SimulatedDensity<2>> {
+        Simulation::new(self).samples(2_000_000).sampling_interval(4.0).time_step(0.04).seed(5).run()
+    }
+}
+
+/// Damping c(1 + g x²)v and noise D(1 + g x²): the density is that of constant damping and noise.
+struct Modulated {
+    g: f64,
+}
+
+impl PolynomialDrift<2, 2> for Modulated {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -(v * (x.powi(2) * self.g + 1.0) * 0.5) - x - x.powi(3) * 0.3]
+    }
+    fn noise<S: Scalar>(&self, [x, _]: [S; 2]) -> [[S; 2]; 2] {
+        let zero = S::from(0.0);
+        [[zero, zero], [S::from(1.0), x * self.g.sqrt()]]
+    }
+}
+
+#[test]
+fn linear_and_duffing_oscillators_have_their_closed_forms() -> Result<()> {
+    let linear = Linear::new(0.5, 2.0, 0.3)?;
+    let result = Simulation::new(&linear).samples(4_000_000).levels([0.0, 0.5]).seed(1).run()?;
+    assert_relative("E v²", result.moment([0, 2]), 0.6);
+    assert_relative("E x²", result.moment([2, 0]), 0.3);
+    // Rice: ν⁺(ξ) = √(E v²/E x²)/2π · exp(−ξ²/2E x²), and E[v²; v > 0] p(ξ) = E v²/2 · p(ξ).
+    let zero_rate = 2.0_f64.sqrt() / std::f64::consts::TAU;
+    let fall = (-0.25_f64 / 0.6).exp();
+    assert_relative("ν⁺(0)", result.upcrossing_rate(0.0)?, zero_rate);
+    assert_relative("ν⁺(½)", result.upcrossing_rate(0.5)?, zero_rate * fall);
+    let density = fall / (std::f64::consts::TAU * 0.3).sqrt();
+    assert_relative("second flux", result.flux(Crossing::upward(0.5), 2)?, 0.3 * density);
+    assert_close("energy balance", result.energy_balance().unwrap_or(Estimate::exact(9.0)), 0.0, 3e-3);
+
+    let duffing = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
+    let result = Simulation::new(&duffing).samples(4_000_000).seed(2).run()?;
+    assert_relative("E x²", result.moment([2, 0]), 0.661714969204);
+    assert_relative("E x⁴", result.moment([4, 0]), 1.12761676932);
+    assert_relative("E v²", result.moment([0, 2]), 1.0);
+    assert_relative("kurtosis of v", result.kurtosis(1)?, 3.0);
+    // Bins of a tenth of the scale: the reconstruction is exact to third order, far below the noise.
+    let peak = result.marginal(0, 0.0)?;
+    assert_close("p_x(0)", peak, 0.453248327025, 3e-3);
+    let joint = 0.453248327025 / std::f64::consts::TAU.sqrt();
+    assert_close("p(0, 0)", result.pdf(&[0.0, 0.0]), joint, 3e-3);
+    assert!(result.stationarity().iter().all(|z| z.abs() < LIMIT));
+    Ok(())
+}
+
+#[test]
+fn parametric_noise_has_its_closed_forms_and_both_interpretations_agree() -> Result<()> {
+    let stratonovich = Parametric::new(Interpretation::Stratonovich);
+    let ito = Parametric::new(Interpretation::Ito);
+    let (s, i) = (FokkerPlanck::new(&stratonovich)?, FokkerPlanck::new(&ito)?);
+    for x in [[0.3, 0.7], [-1.0_f64, 2.0]] {
+        // The same operator, up to the rounding of 2α − 4α²D_η.
+        let difference: f64 = s.drift()[1].evaluate(&x) - i.drift()[1].evaluate(&x);
+        assert!(difference.abs() < 1e-14);
+    }
+    let (s, i) = (stratonovich.simulated()?, ito.simulated()?);
+    for powers in [[2, 0], [0, 2]] {
+        // C(κ + v² + x²)^−δ with κ = 10, δ = 5.5: E v² = E x² = κ/(2δ − 4).
+        assert_relative("second moment", s.moment(powers), 10.0 / 7.0);
+        assert_relative("second moment", i.moment(powers), 10.0 / 7.0);
+    }
+    // E (x² + v²)² = 2κ²/((δ − 2)(δ − 3)); a heavy tail, so that 3 % is what the samples give.
+    let radial =
+        |r: &SimulatedDensity<2>| r.moment([4, 0]).value + r.moment([0, 4]).value + 2.0 * r.moment([2, 2]).value;
+    let truth = 200.0 / (3.5 * 2.5);
+    assert!((radial(&s) / truth - 1.0).abs() < 0.03 && (radial(&i) / truth - 1.0).abs() < 0.03);
+    Ok(())
+}
+
+#[test]
+fn noise_that_depends_on_the_displacement_leaves_the_duffing_density() -> Result<()> {
+    let result = Simulation::new(&Modulated { g: 0.8 }).samples(4_000_000).seed(3).run()?;
+    assert_relative("E x²", result.moment([2, 0]), 0.661714969204);
+    assert_relative("E x⁴", result.moment([4, 0]), 1.12761676932);
+    assert_relative("E v²", result.moment([0, 2]), 1.0);
+    Ok(())
+}
+
+/// Impact rates for strong losses, as (b, r, rate). Those of the table are 0.06 to 0.6 % low: near the grazing point
+/// p ~ |v|^(3g), and impacts slower than the table's smallest element, 0.04, are missed. These are the grid's, whose cells
+/// are layered towards that point; they move by less than 5e-5 when its smallest cell shrinks tenfold.
+const REFINED_RATES: [[f64; 3]; 4] =
+    [[0.5, 0.7, 0.766552], [0.2, 0.7, 0.492937], [-0.5, 0.7, 0.202531], [-0.5, 0.5, 0.205206]];
+
+#[test]
+fn twenty_walls_match_the_reference() -> Result<()> {
+    let table = include_str!("../reference/vibro_impact.csv");
+    let mut squares = Vec::new();
+    for (row, line) in table.lines().skip(1).enumerate() {
+        let numbers: Vec<f64> = line.split(',').filter_map(|field| field.parse().ok()).collect();
+        let [c, k, mu, b, r, d, mean, variance, square, skewness, kurtosis, rate] = numbers[..12] else {
+            unreachable!("a row of the table has 16 numbers")
+        };
+        let oscillator = Duffing::new(c, k, mu, d)?;
+        let wall = Barrier::new(b, r)?;
+        let result = Simulation::new(&oscillator).barrier(wall).samples(4_000_000).seed(row as u64).run()?;
+        // E y passes through zero between the walls, so that its scale is the standard deviation. A skewness may be
+        // zero: its scale is one.
+        let refined = REFINED_RATES.iter().find(|[wall, restitution, _]| *wall == b && *restitution == r);
+        let (rate, uncertainty) = refined.map_or((rate, numbers[15]), |[.., refined]| (*refined, 5e-5));
+        let rows = [
+            ("E y", result.mean(0)?, mean, variance.sqrt(), 0.0),
+            ("Var y", result.variance(0)?, variance, variance, 0.0),
+            ("E v²", result.moment([0, 2]), square, square, 0.0),
+            ("skewness", result.skewness_about_zero(1)?, skewness, 1.0, 0.0),
+            ("kurtosis", result.kurtosis_about_zero(1)?, kurtosis, kurtosis, 0.0),
+            ("impact rate", result.impact_rate().unwrap_or(Estimate::exact(0.0)), rate, rate, uncertainty * rate),
+        ];
+        for (what, estimate, truth, scale, uncertainty) in rows {
+            let name = format!("{what} for b = {b}, r = {r}");
+            assert!(estimate.error <= 3e-3 * scale, "{name}: {estimate} is not precise enough");
+            let deviation = estimate.deviation(truth);
+            println!("{name}: {estimate}, reference {truth}, {deviation:.1} standard errors");
+            let estimate = Estimate::new(estimate.value, estimate.error.hypot(uncertainty));
+            assert_close(&name, estimate, truth, f64::INFINITY);
+            squares.push(estimate.deviation(truth).powi(2));
+        }
+        let balance = result.energy_balance().unwrap_or(Estimate::exact(9.0));
+        assert_close(&format!("energy balance for b = {b}, r = {r}"), balance, 0.0, 3e-3);
+        assert_eq!(result.pdf(&[b - 0.1, 0.3]).value, 0.0);
+        assert_eq!(result.histogram(0)?.axes()[0].edge(0), b);
+    }
+    // A bias of one standard error in all would make the root mean square 1.4; chance gives 1 ± 0.07 for 120 statistics,
+    // somewhat more because those of a row are correlated.
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    assert!((0.75..1.3).contains(&rms), "the deviations have the root mean square {rms}");
+    Ok(())
+}
+
+#[test]
+fn fields_that_do_not_commute_have_their_moments() -> Result<()> {
+    for interpretation in [Interpretation::Ito, Interpretation::Stratonovich] {
+        let system = Affine { sigma: 0.5, interpretation };
+        let result = Simulation::new(&system).samples(2_000_000).time_step(0.05).seed(9).run()?;
+        let [mean, square] = system.moments();
+        assert_relative("E x", result.mean(0)?, mean);
+        assert_relative("E x²", result.moment([2]), square);
+        assert!(result.joint().is_none() && result.pdf(&[1.0]).value > 0.0);
+    }
+    Ok(())
+}
+
+#[test]
+fn standard_errors_cover() -> Result<()> {
+    // Twenty seeds with five statistics of known value, of which x² and x⁴ are strongly correlated: about 70 independent
+    // ones. Their root mean square is 1 ± 1/√140 = 1 ± 0.085 where standard errors are honest, which 0.8 and 1.25 enclose
+    // by more than two deviations. Samples one time unit apart are strongly correlated here: errors that took them for
+    // independent would be half as large.
+    let oscillator = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
+    let mut squares = Vec::new();
+    for seed in 0..20 {
+        let result = Simulation::new(&oscillator).trajectories(256).samples(100_000).seed(seed).run()?;
+        squares.extend([
+            result.moment([2, 0]).deviation(0.661714969204),
+            result.moment([0, 2]).deviation(1.0),
+            result.moment([1, 1]).deviation(0.0),
+            result.mean(0)?.deviation(0.0),
+            result.skewness(1)?.deviation(0.0),
+        ]);
+    }
+    let rms = (squares.iter().map(|z| z * z).sum::<f64>() / squares.len() as f64).sqrt();
+    assert!((0.8..1.25).contains(&rms), "deviation over standard error has the root mean square {rms}");
+    Ok(())
+}
+
+/// A system of three states: a linear oscillator driven by filtered noise, with the filter as the last state.
+struct Filtered;
+
+impl PolynomialDrift<3, 1> for Filtered {
+    fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
+        [v, -v - x + z, -z]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 3]) -> [[S; 1]; 3] {
+        [[S::from(0.0)], [S::from(0.0)], [S::from(2.0_f64.sqrt())]]
+    }
+}
+
+#[test]
+fn three_states_have_moments_and_marginals_but_no_joint_density() -> Result<()> {
+    let result = Simulation::new(&Filtered).samples(2_000_000).seed(4).run()?;
+    // From the moment equations of second order, with E z² = 1: E xz = E vz = 1/3, E v² = 1/3, E x² = 2/3.
+    for (powers, truth) in [([0, 0, 2], 1.0), ([1, 0, 1], 1.0 / 3.0), ([0, 2, 0], 1.0 / 3.0), ([2, 0, 0], 2.0 / 3.0)] {
+        assert_relative("second moment", result.moment(powers), truth);
+    }
+    assert!(result.pdf(&[0.0; 3]).value.is_nan() && result.pdf(&[0.0; 3]).error.is_infinite());
+    assert!(result.moment([5, 0, 0]).value.is_nan());
+    assert_close("p_z(0)", result.marginal(2, 0.0)?, std::f64::consts::TAU.sqrt().recip(), 3e-3);
+    assert!(matches!(result.marginal(3, 0.0), Err(Error::Dimension { expected: 3, found: 3, .. })));
+    Ok(())
+}
+
+#[test]
+fn fluxes_that_were_not_counted_are_refused() -> Result<()> {
+    let oscillator = Linear::new(0.2, 1.0, 0.2)?;
+    let wall = Barrier::new(0.0, 0.5)?;
+    let result = Simulation::new(&oscillator).barrier(wall).samples(10_000).levels([0.3]).burn_in(5.0).run()?;
+    let impacts = result.flux(Crossing::downward(0.0), 2)?;
+    assert_eq!(result.flux(Crossing::upward(0.0), 2)?, impacts.scaled(0.5));
+    assert!(result.flux(Crossing::upward(0.3), 1)?.value > 0.0);
+    assert_eq!(result.flux(Crossing::upward(0.4), 1), Err(Error::LevelNotCounted { level: 0.4 }));
+    assert_eq!(result.flux(Crossing::downward(0.3), 1), Err(Error::LevelNotCounted { level: 0.3 }));
+    assert!(matches!(result.flux(Crossing::downward(0.0), 4), Err(Error::OutOfRange { .. })));
+    let sideways = Crossing { displacement: 1, velocity: 0, level: 0.0, upward: true };
+    assert_eq!(result.flux(sideways, 1), Err(Error::NotADisplacement { velocity: 0 }));
+    Ok(())
+}
+
+#[test]
+fn impossible_options_are_refused() -> Result<()> {
+    let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+    let new = || Simulation::new(&oscillator).samples(100);
+    let wall = Barrier::new(0.5, 0.9)?;
+    for simulation in [
+        new().time_step(0.0),
+        new().time_step(-0.1),
+        new().time_step(f64::NAN),
+        new().time_step(1e-300),
+        new().burn_in(-1.0),
+        new().burn_in(f64::INFINITY),
+        new().sampling_interval(0.0),
+        new().sampling_interval(f64::NAN),
+        new().levels([f64::NAN]),
+        new().levels((0..65).map(f64::from)),
+        new().start([f64::NAN, 0.0]),
+        new().barrier(wall).start([0.4, 0.0]),
+        new().bins(2),
+        new().bins(usize::MAX),
+        new().trajectories(usize::MAX),
+        new().histogram_range(0, 1.0, 0.0),
+    ] {
+        let text = format!("{simulation:?}");
+        assert!(matches!(simulation.run(), Err(Error::OutOfRange { .. })), "{text}");
+    }
+    assert!(matches!(new().histogram_range(2, 0.0, 1.0).run(), Err(Error::Dimension { found: 2, .. })));
+    assert!(matches!(new().samples(0).run(), Err(Error::NoSamples { least: 1, .. })));
+    assert!(matches!(new().trajectories(0).run(), Err(Error::NoSamples { least: 2, .. })));
+    assert!(matches!(new().trajectories(1).run(), Err(Error::NoSamples { least: 2, .. })));
+    assert!(new().trajectories(2).burn_in(0.0).run().is_ok());
+    Ok(())
+}
+
+/// A single state, which no wall can stop.
+struct Diffusion {
+    pull: f64,
+    sigma: f64,
+}
+
+impl PolynomialDrift<1, 1> for Diffusion {
+    fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
+        [-x.powi(3) * self.pull]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 1]) -> [[S; 1]; 1] {
+        [[S::from(self.sigma)]]
+    }
+}
+
+#[test]
+fn impossible_systems_are_refused() -> Result<()> {
+    let wall = Barrier::new(0.0, 0.9)?;
+    let still = Diffusion { pull: 1.0, sigma: 0.0 };
+    assert!(matches!(Simulation::new(&still).run(), Err(Error::NoNoise)));
+    let broken = Diffusion { pull: f64::NAN, sigma: 1.0 };
+    assert!(matches!(Simulation::new(&broken).run(), Err(Error::NotFinite { state: 0, .. })));
+    let diffusion = Diffusion { pull: 1.0, sigma: 1.0 };
+    assert!(matches!(Simulation::new(&diffusion).barrier(wall).run(), Err(Error::NotADisplacement { .. })));
+    assert!(matches!(Simulation::new(&diffusion).levels([0.0]).run(), Err(Error::NotADisplacement { .. })));
+    assert!(Simulation::new(&diffusion).samples(1000).run()?.energy_balance().is_none());
+    Ok(())
+}
+
+#[test]
+fn explosions_name_the_trajectory() -> Result<()> {
+    // At once, by the cubic drift; and slowly, by negative damping, where states grow a million times beyond the pilot's.
+    let escaping = Diffusion { pull: -1.0, sigma: 1.0 };
+    let Err(Error::Exploded { trajectory, step, .. }) = Simulation::new(&escaping).time_step(0.02).run() else {
+        unreachable!("x³ pushes every trajectory out")
+    };
+    // A pilot's trajectory, since the pilot runs first.
+    assert!((1 << 32..(1 << 32) + 64).contains(&trajectory) && step == 0.02);
+    let growing = Linear::new(-0.1, 1.0, 0.2)?;
+    let run = || Simulation::new(&growing).burn_in(1.0).run();
+    assert!(matches!(run(), Err(Error::Exploded { state, .. }) if state.len() == 2));
+    let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(5).build() else { return Ok(()) };
+    assert_eq!(run().err(), pool.install(run).err());
+    Ok(())
+}
