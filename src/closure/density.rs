@@ -1,14 +1,16 @@
 use super::choice::{Candidate, ENOUGH, Origin};
 use super::exponent::Exponent;
 use super::indicator::Indication;
-use super::reference::Reference;
+use super::nodes::Nodes;
+use super::reference::{Reference, Start};
 use super::samples::ImportanceRule;
 use super::space::Polynomials;
 use super::trust_domain::TrustDomain;
-use crate::density::escape_direction;
+use crate::density::{UNKNOWN, escape_direction, pair, placed};
 use crate::error::state_index;
 use crate::quadrature::Rule;
-use crate::{Barrier, Crossing, Density, Error, Estimate, Monomial, Polynomial, Result};
+use crate::{Barrier, Crossing, Density, Error, Estimate, Polynomial, Result};
+use rayon::prelude::*;
 use std::time::Duration;
 
 /// A density above this estimated error is flagged as unreliable.
@@ -49,6 +51,8 @@ pub struct ClosureProvenance {
 pub(super) enum Integrals<const N: usize> {
     /// On Gauss nodes, in one state and in two.
     Panels {
+        /// The rules whose product the nodes are.
+        rules: [Rule; N],
         points: Vec<[f64; N]>,
         /// p̃ and p̂ times the quadrature weights.
         masses: Vec<[f64; 2]>,
@@ -57,6 +61,25 @@ pub(super) enum Integrals<const N: usize> {
     },
     /// By importance sampling, in any number of states.
     Draws(ImportanceRule<N>),
+}
+
+impl<const N: usize> Integrals<N> {
+    /// On the nodes of a product of rules that lie in the domain.
+    pub(super) fn panels(
+        rules: [Rule; N],
+        lines: [Rule; N],
+        domain: &TrustDomain<N>,
+        exponent: &Exponent<N>,
+        reference: Option<&Reference<N>>,
+    ) -> Self {
+        let Nodes { points, weights, rules } = Nodes::tensor(domain, &rules);
+        let mass = |(x, w): (&[f64; N], &f64)| {
+            let log = exponent.value(x);
+            [log, reference.map_or(log, |reference| reference.value(x))].map(|log| w * log.exp())
+        };
+        let masses = points.par_iter().zip(&weights).map(mass).collect();
+        Integrals::Panels { rules, points, masses, lines }
+    }
 }
 
 /// The closure's answer: p = C exp(Q) on its trust domain, with estimates of its own error.
@@ -166,11 +189,6 @@ impl<const N: usize> ClosureDensity<N> {
         &self.exponent.coefficients
     }
 
-    /// The box around the trust domain.
-    pub fn bounds(&self) -> [[f64; 2]; N] {
-        self.domain.bounds()
-    }
-
     /// Whether a state lies in the trust domain. Outside, the density is 0, or the guard's.
     pub fn contains(&self, x: &[f64; N]) -> bool {
         match &self.integrals {
@@ -188,23 +206,6 @@ impl<const N: usize> ClosureDensity<N> {
         }
     }
 
-    /// E[g(X)] with its error.
-    pub fn expectation(&self, g: impl Fn(&[f64; N]) -> f64 + Sync) -> Estimate {
-        match &self.integrals {
-            Integrals::Panels { points, masses, .. } => {
-                let (mut sums, mut square) = ([0.0; 2], 0.0);
-                for (x, masses) in points.iter().zip(masses) {
-                    let value = g(x);
-                    sums[0] += value * masses[0];
-                    sums[1] += value * masses[1];
-                    square += value * value * masses[1];
-                }
-                Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt())
-            }
-            Integrals::Draws(rule) => rule.means(|x| [g(x)]).map_or(UNKNOWN, |[mean]| mean),
-        }
-    }
-
     /// The mean number of impacts per unit time at the lower wall, or at the upper if that is the only one.
     ///
     /// # Errors
@@ -214,6 +215,14 @@ impl<const N: usize> ClosureDensity<N> {
             [Some(floor), _] => self.flux(Crossing::downward(floor.offset()), 1),
             [None, Some(ceiling)] => self.flux(Crossing::upward(ceiling.offset()), 1),
             _ => Err(Error::LevelNotCounted { level: f64::NAN }),
+        }
+    }
+
+    /// Where a similar system's reference may start.
+    pub(super) fn start(&self) -> Start<N> {
+        match &self.reference {
+            Some(reference) => Start { weight: reference.weight.clone(), settled: reference.size },
+            None => Start { weight: self.exponent.clone(), settled: 0.0 },
         }
     }
 
@@ -230,7 +239,7 @@ impl<const N: usize> ClosureDensity<N> {
     fn section(&self, state: usize, x: f64, g: impl Fn(&[f64; N]) -> f64 + Sync) -> Estimate {
         let lines = match &self.integrals {
             Integrals::Panels { lines, .. } => lines,
-            Integrals::Draws(rule) => return rule.section(state, x, |x| [g(x)]).map_or(UNKNOWN, |[part]| part),
+            Integrals::Draws(rule) => return rule.section(&[(state, x)], |x| [g(x)]).map_or(UNKNOWN, |[part]| part),
         };
         let mut point = [0.0; N];
         point[state] = x;
@@ -254,9 +263,6 @@ impl<const N: usize> ClosureDensity<N> {
         Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * sums[1].abs())
     }
 }
-
-/// What no draw has told.
-const UNKNOWN: Estimate = Estimate { value: f64::NAN, error: f64::INFINITY };
 
 impl<const N: usize> std::fmt::Debug for ClosureDensity<N> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -293,15 +299,44 @@ impl<const N: usize> Density<N> for ClosureDensity<N> {
         Ok(self.section(state, x, |_| 1.0))
     }
 
-    fn moment(&self, powers: [u32; N]) -> Estimate {
-        let monomial = Monomial(powers);
-        self.expectation(|x| monomial.evaluate(x))
+    /// The box around the trust domain.
+    fn bounds(&self) -> [[f64; 2]; N] {
+        self.domain.bounds()
     }
 
-    fn variance(&self, state: usize) -> Result<Estimate> {
-        state_index::<N>("the state of a variance", state)?;
-        let mean = self.expectation(|x| x[state]).value;
-        Ok(self.expectation(|x| (x[state] - mean).powi(2)))
+    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
+        match &self.integrals {
+            Integrals::Panels { points, masses, .. } => {
+                let (mut sums, mut square) = ([0.0; 2], 0.0);
+                for (x, masses) in points.iter().zip(masses) {
+                    let value = g(x);
+                    sums[0] += value * masses[0];
+                    sums[1] += value * masses[1];
+                    square += value * value * masses[1];
+                }
+                Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt())
+            }
+            Integrals::Draws(rule) => rule.means(|x| [g(x)]).map_or(UNKNOWN, |[mean]| mean),
+        }
+    }
+
+    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
+        let states = pair::<N>(states)?;
+        Ok(match &self.integrals {
+            Integrals::Panels { .. } => self.pdf(&placed(states, x)),
+            Integrals::Draws(rule) => {
+                let held = [0, 1].map(|k| (states[k], x[k]));
+                rule.section(&held, |_| [1.0]).map_or(UNKNOWN, |[part]| part)
+            }
+        })
+    }
+
+    /// The draws that integrals are taken on, in more than two states.
+    fn weighted_states(&self) -> Option<Vec<([f64; N], f64)>> {
+        match &self.integrals {
+            Integrals::Panels { .. } => None,
+            Integrals::Draws(rule) => rule.drawn(),
+        }
     }
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {

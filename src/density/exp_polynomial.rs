@@ -1,7 +1,7 @@
 use super::tensor::{Section, TensorRule};
-use super::{Crossing, Density, Frame, Support, escape_direction};
+use super::{Crossing, Density, Frame, Support, escape_direction, pair};
 use crate::error::{positive, state_index};
-use crate::{Error, Estimate, Gaussian, Monomial, Polynomial, Result};
+use crate::{Error, Estimate, Gaussian, Polynomial, Result};
 use nalgebra::{SMatrix, SVector};
 
 /// A density p = C exp(Q) with a polynomial Q, on R^N, above a wall, or cut off at a given region.
@@ -11,9 +11,11 @@ use nalgebra::{SMatrix, SVector};
 #[derive(Clone, Debug)]
 pub struct ExpPolynomial<const N: usize> {
     /// In the coordinates of the frame.
-    q: Polynomial<N>,
-    frame: Frame<N>,
-    support: Support<N>,
+    pub(super) q: Polynomial<N>,
+    pub(super) frame: Frame<N>,
+    pub(super) support: Support<N>,
+    /// The relative size below which a coefficient was taken for rounding.
+    pub(super) noise: f64,
     rule: TensorRule<N>,
     coarse: TensorRule<N>,
     /// ln ∫ exp(Q) dx.
@@ -37,7 +39,7 @@ impl<const N: usize> ExpPolynomial<N> {
             return Err(Error::NotNormalisable { order: q.degree(), direction: direction.to_vec() });
         }
         let (rule, coarse) = TensorRule::fitted(&q, &frame, &support)?;
-        let mut density = ExpPolynomial { q, frame, support, rule, coarse, log_mass: Estimate::exact(0.0) };
+        let mut density = ExpPolynomial { q, frame, support, noise, rule, coarse, log_mass: Estimate::exact(0.0) };
         let mass = density.integral(Section::default(), |_| 1.0);
         let log_mass = mass.value.ln() + density.rule.top + density.frame.log_volume();
         density.log_mass = Estimate::new(log_mass, mass.error / mass.value);
@@ -91,11 +93,6 @@ impl<const N: usize> ExpPolynomial<N> {
         self.q.compose(&self.frame.coordinate_polynomials()) + -self.log_mass.value
     }
 
-    /// E[g(X)] with the quadrature's error; g should be smooth for the estimate to be sharp.
-    pub fn expectation(&self, g: impl Fn(&[f64; N]) -> f64) -> Estimate {
-        self.mean_over(Section::default(), g)
-    }
-
     /// Where the density lives.
     pub fn support(&self) -> &Support<N> {
         &self.support
@@ -142,15 +139,26 @@ impl<const N: usize> Density<N> for ExpPolynomial<N> {
         Ok(self.mean_over(Section::at(state, x), |_| 1.0))
     }
 
-    fn moment(&self, powers: [u32; N]) -> Estimate {
-        let monomial = Monomial(powers);
-        self.expectation(|x| monomial.evaluate(x))
+    fn bounds(&self) -> [[f64; 2]; N] {
+        let mut bounds = self.rule.bounds(&self.frame);
+        match self.support {
+            Support::WholeSpace => {}
+            Support::Above(bound) => bounds[0][0] = bound,
+            Support::Region(limits) => bounds = limits,
+        }
+        bounds
     }
 
-    fn variance(&self, state: usize) -> Result<Estimate> {
-        state_index::<N>("the state of a variance", state)?;
-        let mean = self.expectation(|x| x[state]).value;
-        Ok(self.expectation(|x| (x[state] - mean).powi(2)))
+    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
+        self.mean_over(Section::default(), g)
+    }
+
+    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
+        let states = pair::<N>(states)?;
+        if states.iter().zip(x).any(|(&state, x)| !self.support.contains(state, x)) {
+            return Ok(Estimate::exact(0.0));
+        }
+        Ok(self.mean_over(Section::at_pair(states, x), |_| 1.0))
     }
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {

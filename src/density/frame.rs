@@ -25,6 +25,13 @@ impl<const N: usize> Frame<N> {
         Ok(Frame { origin: gaussian.mean, scale, inverse })
     }
 
+    /// The coordinates x = m + L z, or nothing where L is not lower triangular with a positive diagonal.
+    pub(crate) fn of(origin: SVector<f64, N>, scale: SMatrix<f64, N, N>) -> Option<Self> {
+        let sound = (0..N).all(|i| scale[(i, i)] > 0.0 && (i + 1..N).all(|j| scale[(i, j)] == 0.0));
+        let inverse = scale.solve_lower_triangular(&SMatrix::from_fn(|i, j| f64::from(i == j))).filter(|_| sound)?;
+        Some(Frame { origin, scale, inverse })
+    }
+
     /// m, the state at z = 0.
     pub fn origin(&self) -> [f64; N] {
         self.origin.into()

@@ -3,13 +3,14 @@
 //! In the scaled coordinates exp(Q) is an analytic function of ordinary width, for which Gauss rules converge
 //! geometrically. Up to two states, and on a half space, Gauss-Legendre rules cover a box outside of which exp(Q) is
 //! below e^−50 of its maximum. In more states that is too many nodes; there exp(Q + z²/2) is integrated by Gauss-Hermite
-//! rules, which take two nodes for a direction in which the density is normal. Each axis is refined on its own until the
-//! integral stops changing.
+//! rules, which take few nodes for a direction in which the density is normal. Each axis is refined on its own until the
+//! integral stops changing. Three nodes at least make means of fourth powers right.
 
 use super::frame::Frame;
 use super::support::Support;
 use crate::quadrature::Rule;
 use crate::{Crossing, Error, Polynomial, Result};
+use std::sync::OnceLock;
 
 /// exp(Q) is neglected where it is below e^−50 = 2e-22 of its maximum.
 const DEPTH: f64 = 50.0;
@@ -17,6 +18,8 @@ const DEPTH: f64 = 50.0;
 const TOLERANCE: f64 = 1e-13;
 /// Nodes of a rule at most: about a second of work.
 const MAX_NODES: usize = 4_000_000;
+/// Nodes of a rule that cost so little that every axis may be finer than need be.
+const CHEAP: usize = 20_000;
 /// Grid lines per axis of the search for the box.
 const GRID: usize = 61;
 /// A box this wide, in units of the Gaussian closure's standard deviation, means that the mass never ends.
@@ -30,6 +33,8 @@ struct Axis {
     hermite: bool,
     /// Pairs (z, weight) of ∫ … dz.
     nodes: Vec<(f64, f64)>,
+    /// The rule on [−1, 1] for one sign of the state, made when it is first needed.
+    signed: OnceLock<Rule>,
 }
 
 impl Axis {
@@ -40,7 +45,7 @@ impl Axis {
         } else {
             Rule::legendre(count).on(low, high).iter().collect()
         };
-        Axis { low, high, hermite, nodes }
+        Axis { low, high, hermite, nodes, signed: OnceLock::new() }
     }
 
     fn refined(&self) -> Self {
@@ -55,20 +60,34 @@ impl Axis {
 /// Which part of the space an integral runs over, in terms of the states.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Section {
-    /// A state held at a value.
-    pub(super) fixed: Option<(usize, f64)>,
+    /// States held at values.
+    pub(super) fixed: [Option<(usize, f64)>; 2],
     /// A state of one sign: true for positive.
     pub(super) sign: Option<(usize, bool)>,
 }
 
 impl Section {
     pub(super) fn at(state: usize, value: f64) -> Self {
-        Section { fixed: Some((state, value)), sign: None }
+        Section { fixed: [Some((state, value)), None], sign: None }
+    }
+
+    pub(super) fn at_pair(states: [usize; 2], values: [f64; 2]) -> Self {
+        Section { fixed: [0, 1].map(|k| Some((states[k], values[k]))), sign: None }
+    }
+
+    /// The value at which a state is held.
+    fn held(&self, state: usize) -> Option<f64> {
+        self.fixed.iter().flatten().find(|(held, _)| *held == state).map(|(_, value)| *value)
+    }
+
+    /// The sign that a state has.
+    fn sign_of(&self, state: usize) -> Option<bool> {
+        self.sign.filter(|(signed, _)| *signed == state).map(|(_, positive)| positive)
     }
 
     pub(super) fn crossing(crossing: Crossing) -> Self {
         Section {
-            fixed: Some((crossing.displacement, crossing.level)),
+            fixed: [Some((crossing.displacement, crossing.level)), None],
             sign: Some((crossing.velocity, crossing.upward)),
         }
     }
@@ -105,7 +124,7 @@ impl<const N: usize> TensorRule<N> {
                 (bounds, occupied_cells(q, &bounds).1)
             }
         };
-        let count = if hermite { 2 } else { 24 };
+        let count = if hermite { 3 } else { 24 };
         let mut rule = TensorRule { axes: bounds.map(|(low, high)| Axis::new(low, high, hermite, count)), top };
         let mass = |rule: &Self| rule.integrate(q, frame, Section::default(), |_| 1.0).ln();
         let first = rule.clone();
@@ -131,11 +150,26 @@ impl<const N: usize> TensorRule<N> {
         let mut finer = rule.clone();
         for d in 0..N {
             let needed = rule.axes[d].count() > first.axes[d].count();
-            if needed && finer.size() / rule.axes[d].count() * rule.axes[d].refined().count() <= MAX_NODES {
+            // An axis that is fine enough for the mass may not be for what a mean is taken of.
+            let most = if needed { MAX_NODES } else { CHEAP };
+            if (needed || hermite) && finer.size() / rule.axes[d].count() * rule.axes[d].refined().count() <= most {
                 finer.axes[d] = rule.axes[d].refined();
             }
         }
         Ok((finer, rule))
+    }
+
+    /// The box that the rule covers, in the states: the smallest with sides along the states that holds the box in z.
+    pub(super) fn bounds(&self, frame: &Frame<N>) -> [[f64; 2]; N] {
+        std::array::from_fn(|i| {
+            let mut bounds = [frame.origin()[i]; 2];
+            for (j, axis) in self.axes.iter().enumerate().take(i + 1) {
+                let ends = [axis.low, axis.high].map(|z| frame.scale()[(i, j)] * z);
+                bounds[0] += ends[0].min(ends[1]);
+                bounds[1] += ends[0].max(ends[1]);
+            }
+            bounds
+        })
     }
 
     fn size(&self) -> usize {
@@ -180,18 +214,16 @@ impl<const N: usize> TensorRule<N> {
             x[d] = shift + width * value;
             weight * self.sum_from(d + 1, z, x, frame, section, g)
         };
-        match section {
-            Section { fixed: Some((state, value)), .. } if state == d => {
-                step(z, x, (value - shift) / width, width.recip())
-            }
-            Section { sign: Some((state, positive)), .. } if state == d => {
+        match (section.held(d), section.sign_of(d)) {
+            (Some(value), _) => step(z, x, (value - shift) / width, width.recip()),
+            (None, Some(positive)) => {
                 let axis = &self.axes[d];
                 let zero = (-shift / width).clamp(axis.low, axis.high);
                 let (low, high) = if positive { (zero, axis.high) } else { (axis.low, zero) };
-                let rule = Rule::legendre(axis.nodes.len().max(32)).on(low, high);
+                let rule = axis.signed.get_or_init(|| Rule::legendre(axis.nodes.len().max(32))).on(low, high);
                 rule.iter().map(|(value, weight)| step(z, x, value, weight)).sum()
             }
-            _ => self.axes[d].nodes.iter().map(|&(value, weight)| step(z, x, value, weight)).sum(),
+            (None, None) => self.axes[d].nodes.iter().map(|&(value, weight)| step(z, x, value, weight)).sum(),
         }
     }
 }

@@ -76,16 +76,6 @@ impl GridDensity {
         }
     }
 
-    /// E[g(X)] over the elements' Gauss nodes; exact for polynomials of moderate degree.
-    pub fn expectation(&self, g: impl Fn(&[f64; 2]) -> f64) -> Estimate {
-        let rule = self.rule();
-        self.estimate(|field| {
-            let mut sum = 0.0;
-            field.for_each_node(&rule, |x, weight, p| sum += weight * p * g(&x));
-            sum
-        })
-    }
-
     /// The joint distance ∫ |p − q| dx to another density over the domain, by the elements' Gauss nodes.
     pub fn l1_distance(&self, other: &impl Density<2>) -> Estimate {
         let rule = self.rule();
@@ -162,6 +152,20 @@ impl Density<2> for GridDensity {
             let (at, over) = (field.point(state, x), field.weights(1 - state, 0, EVERYWHERE, |_| 1.0));
             if state == 0 { field.integrate([&at, &over]) } else { field.integrate([&over, &at]) }
         }))
+    }
+
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        self.provenance.domain
+    }
+
+    /// E[g(X)] over the elements' Gauss nodes; exact for polynomials of moderate degree.
+    fn expectation(&self, g: &(dyn Fn(&[f64; 2]) -> f64 + Sync)) -> Estimate {
+        let rule = self.rule();
+        self.estimate(|field| {
+            let mut sum = 0.0;
+            field.for_each_node(&rule, |x, weight, p| sum += weight * p * g(&x));
+            sum
+        })
     }
 
     /// The raw moment; its error is the difference of the two degrees and what lies beyond the domain.

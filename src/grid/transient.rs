@@ -59,7 +59,7 @@ impl GridDensity {
         // What the noise brings into a state per unit time over what is in it: a rate of the right size.
         let rate = |state: usize| -> Result<f64> {
             let injected = self.operator.diffusion()[state][state].clone();
-            Ok(self.expectation(|x| injected.evaluate(x)).value / 2.0 / self.variance(state)?.value)
+            Ok(self.expectation(&|x| injected.evaluate(x)).value / 2.0 / self.variance(state)?.value)
         };
         let shift = rate(0)?.max(rate(1)?).max(f64::MIN_POSITIVE);
         slowest(&operator, shift / 4.0, count)

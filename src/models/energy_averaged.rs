@@ -156,14 +156,13 @@ impl Density<2> for EnergyAveraged {
         })
     }
 
-    fn moment(&self, [i, j]: [u32; 2]) -> Estimate {
-        self.estimate(|nodes| self.integral(nodes, |y, v| y.powi(i as i32) * v.powi(j as i32)))
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        let fastest = (2.0 * (self.highest() - self.lowest)).sqrt();
+        [[self.model.barrier().offset(), self.turning_point(self.highest())], [-fastest, fastest]]
     }
 
-    fn variance(&self, state: usize) -> Result<Estimate> {
-        let state = state_index::<2>("the state of a variance", state)?;
-        let mean = self.moment(std::array::from_fn(|i| u32::from(i == state))).value;
-        Ok(self.estimate(|nodes| self.integral(nodes, |y, v| ([y, v][state] - mean).powi(2))))
+    fn expectation(&self, g: &(dyn Fn(&[f64; 2]) -> f64 + Sync)) -> Estimate {
+        self.estimate(|nodes| self.integral(nodes, |y, v| g(&[y, v])))
     }
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {

@@ -10,25 +10,27 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayon::prelude::*;
 
 /// Random shifts of the lattice: the spread between them is the standard error.
-const SHIFTS: usize = 16;
+pub(super) const SHIFTS: usize = 16;
+/// A section gets this part of the draws that a mean gets: a marginal is asked for at many places.
+const OF_A_SECTION: usize = 8;
 /// Draws that a thread takes at a time.
 const BLOCK: usize = 2048;
 
 /// Integrates exp(Q) times any function, with standard errors; the same, bit for bit, on any number of threads.
 #[derive(Clone, Debug)]
-pub(crate) struct ImportanceRule<const N: usize> {
-    products: Products<N>,
-    coefficients: Vec<f64>,
-    proposal: Proposal<N>,
+pub(in crate::closure) struct ImportanceRule<const N: usize> {
+    pub(super) products: Products<N>,
+    pub(super) coefficients: Vec<f64>,
+    pub(super) proposal: Proposal<N>,
     /// The random shifts, and what the lattice advances by from point to point, for each state.
-    shifts: [[f64; N]; SHIFTS],
-    advance: [f64; N],
+    pub(super) shifts: [[f64; N]; SHIFTS],
+    pub(super) advance: [f64; N],
     /// Blocks for each shift.
-    blocks: usize,
+    pub(super) blocks: usize,
     /// Taken off all logarithms, so that no weight overflows.
-    shift: f64,
-    mass: Estimate,
-    effective: f64,
+    pub(super) shift: f64,
+    pub(super) mass: Estimate,
+    pub(super) effective: f64,
 }
 
 /// Σ w, Σ w², and Σ w f for each function f.
@@ -51,7 +53,7 @@ impl<const J: usize> Sums<J> {
 
 impl<const N: usize> ImportanceRule<N> {
     /// A rule of about `draws` draws. `None` where the pilot's states lie on a surface, or no weight is finite.
-    pub(crate) fn new(
+    pub(in crate::closure) fn new(
         closure: &SampleClosure<N>,
         pilot: &Pilot<N>,
         symmetry: &Symmetry<N>,
@@ -71,75 +73,83 @@ impl<const N: usize> ImportanceRule<N> {
             mass: Estimate::exact(1.0),
             effective: 0.0,
         };
-        let sampler = rule.proposal.sampler(None)?;
+        let sampler = rule.proposal.sampler(&[])?;
         let mut top = f64::NEG_INFINITY;
         rule.block(&sampler, 0, 0, |_, logarithm| top = top.max(logarithm));
         rule.shift = top;
-        let sums = rule.sums(&rule.proposal.sampler(None)?, |_| [0.0; 0]);
+        let sums = rule.sums(&rule.proposal.sampler(&[])?, rule.blocks, |_| [0.0; 0]);
         let mut all = Sums::ZERO;
         sums.iter().for_each(|part| all.add(part));
-        rule.mass = spread(&sums.each_ref().map(|part| part.weight / rule.draws()));
+        rule.mass = spread(&sums.each_ref().map(|part| part.weight / draws_in(rule.blocks)));
         rule.effective = all.weight * all.weight / all.square;
         (rule.mass.value.is_finite() && rule.mass.value > 0.0).then_some(rule)
     }
 
-    /// Draws for each shift.
-    fn draws(&self) -> f64 {
-        (self.blocks * BLOCK) as f64
-    }
-
     /// ln ∫ exp(Q) dx over the trusted part of the state space.
-    pub(crate) fn log_mass(&self) -> Estimate {
+    pub(in crate::closure) fn log_mass(&self) -> Estimate {
         Estimate::new(self.mass.value.ln() + self.shift, self.mass.error / self.mass.value)
     }
 
     /// How many independent draws from the density itself would do as well.
-    pub(crate) fn effective(&self) -> f64 {
+    pub(in crate::closure) fn effective(&self) -> f64 {
         self.effective
     }
 
     /// Whether the density is defined at a state.
-    pub(crate) fn trusts(&self, x: &[f64; N]) -> bool {
+    pub(in crate::closure) fn trusts(&self, x: &[f64; N]) -> bool {
         self.proposal.trusts(x)
     }
 
     /// The means of functions.
-    pub(crate) fn means<const J: usize>(
+    pub(in crate::closure) fn means<const J: usize>(
         &self,
         functions: impl Fn(&[f64; N]) -> [f64; J] + Sync,
     ) -> Option<[Estimate; J]> {
-        let sums = self.sums(&self.proposal.sampler(None)?, functions);
+        let sums = self.sums(&self.proposal.sampler(&[])?, self.blocks, functions);
         Some(std::array::from_fn(|j| spread(&sums.each_ref().map(|part| part.functions[j] / part.weight))))
     }
 
-    /// ∫ f p dx over all other states, at x_i = `x`: the marginal density where f = 1, the flux through a level where f is
-    /// a power of the velocity.
-    pub(crate) fn section<const J: usize>(
+    /// All trusted draws with their weights.
+    pub(in crate::closure) fn drawn(&self) -> Option<Vec<([f64; N], f64)>> {
+        let sampler = self.proposal.sampler(&[])?;
+        let blocks = (0..SHIFTS * self.blocks).into_par_iter().map(|task| {
+            let mut drawn = Vec::with_capacity(BLOCK);
+            let keep = |x: &[f64; N], logarithm: f64| drawn.push((*x, (logarithm - self.shift).exp()));
+            self.block(&sampler, task / self.blocks, task % self.blocks, keep);
+            drawn
+        });
+        Some(blocks.collect::<Vec<_>>().concat())
+    }
+
+    /// ∫ f p dx over all other states, those of `held` at their values: the marginal density where f = 1, the flux through
+    /// a level where f is a power of the velocity.
+    pub(in crate::closure) fn section<const J: usize>(
         &self,
-        state: usize,
-        x: f64,
+        held: &[(usize, f64)],
         functions: impl Fn(&[f64; N]) -> [f64; J] + Sync,
     ) -> Option<[Estimate; J]> {
-        let sums = self.sums(&self.proposal.sampler(Some((state, x)))?, functions);
+        let blocks = self.blocks.div_ceil(OF_A_SECTION);
+        let sums = self.sums(&self.proposal.sampler(held)?, blocks, functions);
         let relative = self.mass.error / self.mass.value;
         Some(std::array::from_fn(|j| {
-            let integral = spread(&sums.each_ref().map(|part| part.functions[j] / self.draws()));
+            let integral = spread(&sums.each_ref().map(|part| part.functions[j] / draws_in(blocks)));
             let value = integral.value / self.mass.value;
             Estimate::new(value, (integral.error / self.mass.value).hypot(value * relative))
         }))
     }
 
-    /// The sums for each shift.
+    /// The sums for each shift, of some of its blocks.
     fn sums<const J: usize>(
         &self,
         sampler: &Sampler<'_, N>,
+        blocks: usize,
         functions: impl Fn(&[f64; N]) -> [f64; J] + Sync,
     ) -> [Sums<J>; SHIFTS] {
-        let parts: Vec<Sums<J>> = (0..SHIFTS * self.blocks)
+        let parts: Vec<Sums<J>> = (0..SHIFTS * blocks)
             .into_par_iter()
             .map(|task| {
                 let mut sums = Sums::ZERO;
-                self.block(sampler, task / self.blocks, task % self.blocks, |x, logarithm| {
+                self.block(sampler, task / blocks, task % blocks, |x, logarithm| {
                     let w = (logarithm - self.shift).exp();
                     sums.weight += w;
                     sums.square += w * w;
@@ -150,7 +160,7 @@ impl<const N: usize> ImportanceRule<N> {
             .collect();
         std::array::from_fn(|shift| {
             let mut total = Sums::ZERO;
-            parts[shift * self.blocks..(shift + 1) * self.blocks].iter().for_each(|part| total.add(part));
+            parts[shift * blocks..(shift + 1) * blocks].iter().for_each(|part| total.add(part));
             total
         })
     }
@@ -183,6 +193,11 @@ impl<const N: usize> ImportanceRule<N> {
     }
 }
 
+/// Draws in a number of blocks.
+fn draws_in(blocks: usize) -> f64 {
+    (blocks * BLOCK) as f64
+}
+
 /// The mean of independent values, and its standard error.
 fn spread(values: &[f64; SHIFTS]) -> Estimate {
     let count = SHIFTS as f64;
@@ -193,7 +208,7 @@ fn spread(values: &[f64; SHIFTS]) -> Estimate {
 
 /// The square roots of the first primes: no combination of them with small whole numbers is a whole number, so that their
 /// multiples fill the unit cube evenly.
-fn square_roots<const N: usize>() -> [f64; N] {
+pub(super) fn square_roots<const N: usize>() -> [f64; N] {
     let mut primes = (2_u32..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0));
     std::array::from_fn(|_| primes.next().map_or(0.5, |p| f64::from(p).sqrt().fract()))
 }

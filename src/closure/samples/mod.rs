@@ -10,11 +10,13 @@ mod importance;
 mod iteration;
 mod products;
 mod proposal;
+mod record;
 mod score_matching;
 mod sites;
 
-pub(crate) use importance::ImportanceRule;
-pub(crate) use iteration::SampleStep;
+pub(in crate::closure) use importance::ImportanceRule;
+pub(in crate::closure) use iteration::SampleStep;
+pub(crate) use record::{CopulaRecord, DrawsRecord};
 
 use super::degrees::Degrees;
 use super::exponent::Exponent;
@@ -39,27 +41,27 @@ const START_ORDER: u32 = 4;
 
 /// ln p up to a constant, as found on samples.
 #[derive(Clone, Debug)]
-pub(crate) struct SampleClosure<const N: usize> {
+pub(in crate::closure) struct SampleClosure<const N: usize> {
     /// Q; its constant is zero.
-    pub(crate) exponent: Exponent<N>,
+    pub(in crate::closure) exponent: Exponent<N>,
     /// The functions of Q.
-    pub(crate) polynomials: Polynomials<N>,
+    pub(in crate::closure) polynomials: Polynomials<N>,
     products: Products<N>,
     /// ‖F‖ in orthonormal functions, in the space in which the equations were solved.
-    pub(crate) residual: f64,
+    pub(in crate::closure) residual: f64,
     /// The root mean square of the residual at the states, in that space.
-    pub(crate) pointwise: f64,
+    pub(in crate::closure) pointwise: f64,
     /// Whether the equations have been solved. Where not, this is where the iteration got stuck.
-    pub(crate) solved: bool,
+    pub(in crate::closure) solved: bool,
     /// How much ln p was changed, in the mean square, by leaving out the terms of higher degree; none without any.
-    pub(crate) indicator: Option<f64>,
+    pub(in crate::closure) indicator: Option<f64>,
     /// Half the mean square by which ∇Q, in units of the standard deviations, differs from its fit to the pilot's states:
     /// large for a spurious root.
-    pub(crate) excess: f64,
+    pub(in crate::closure) excess: f64,
     /// Whether that is more than chance explains.
-    pub(crate) suspect: bool,
+    pub(in crate::closure) suspect: bool,
     /// One entry a step.
-    pub(crate) trace: Vec<SampleStep>,
+    pub(in crate::closure) trace: Vec<SampleStep>,
 }
 
 /// Closes at one order on the pilot's states. `None` where the functions are linearly dependent at them: too few states.
@@ -67,7 +69,7 @@ pub(crate) struct SampleClosure<const N: usize> {
 /// The equations are solved two degrees higher where that is affordable, and the solution is cut back to the order,
 /// orthogonally in L²: Q is then the best of its order in the mean square of ln p. Solved at the order itself, Q would
 /// take up what the missing terms do, and the larger residual would let in more of the states' noise.
-pub(crate) fn close_on_samples<const N: usize>(
+pub(in crate::closure) fn close_on_samples<const N: usize>(
     operator: &FokkerPlanck<N>,
     pilot: &Pilot<N>,
     degrees: &Degrees<N>,
@@ -253,7 +255,7 @@ mod tests {
         // E v² = T = 1; the trusted part leaves out a few millionths.
         assert!(square.deviation(1.0) < 4.0 && square.error < 2e-3, "{square}");
         assert!(fourth.deviation(3.0) < 4.0 && fourth.error < 2e-2, "{fourth}");
-        let [density] = rule().section(1, 0.5, |_| [1.0]).unwrap();
+        let [density] = rule().section(&[(1, 0.5)], |_| [1.0]).unwrap();
         let normal = (-0.125_f64).exp() / std::f64::consts::TAU.sqrt();
         assert!(density.deviation(normal) < 4.0 && density.error < 1e-3, "{density}");
         assert!(rule().effective() > 50_000.0 && rule().trusts(&pilot.states[0]) && !rule().trusts(&[50.0; 4]));

@@ -5,8 +5,8 @@ use crate::closure::symmetry::Symmetry;
 use nalgebra::{Cholesky, DMatrix, SMatrix};
 
 /// Normal scores between which a state is a linear function of its score.
-const KNOTS: usize = 13;
-const SPACING: f64 = 0.5;
+pub(super) const KNOTS: usize = 13;
+pub(super) const SPACING: f64 = 0.5;
 /// The variance of the draws relative to the pilot's.
 const WIDENED: f64 = 1.1;
 /// The farthest a draw is trusted, relative to the farthest of the pilot's states.
@@ -15,19 +15,19 @@ const TRUSTED: f64 = 1.1;
 /// Normal scores with the pilot's correlations, stretched state by state to the pilot's quantiles: a Gaussian copula.
 #[derive(Clone, Debug)]
 pub(super) struct Proposal<const N: usize> {
-    warps: [Warp; N],
+    pub(super) warps: [Warp; N],
     /// The covariance of the scores.
-    covariance: SMatrix<f64, N, N>,
+    pub(super) covariance: SMatrix<f64, N, N>,
     /// L⁻¹ of it, for distances.
-    inverse: SMatrix<f64, N, N>,
+    pub(super) inverse: SMatrix<f64, N, N>,
     /// The square of the farthest trusted distance.
-    farthest: f64,
+    pub(super) farthest: f64,
 }
 
 /// A monotone function of the score, linear between knots and beyond them.
 #[derive(Clone, Debug)]
-struct Warp {
-    values: [f64; KNOTS],
+pub(super) struct Warp {
+    pub(super) values: [f64; KNOTS],
 }
 
 impl Warp {
@@ -50,15 +50,15 @@ impl Warp {
     }
 }
 
-/// Draws with the state `given`, if any, held fast.
+/// Draws with some states held fast.
 #[derive(Clone, Debug)]
 pub(super) struct Sampler<'a, const N: usize> {
     proposal: &'a Proposal<N>,
     /// The states in the order in which they are drawn.
     order: [usize; N],
     lower: SMatrix<f64, N, N>,
-    /// The state held, as the first normal number, and itself.
-    held: Option<(f64, f64)>,
+    /// The states held, as the first normal numbers, and themselves.
+    held: Vec<(f64, f64)>,
 }
 
 impl<const N: usize> Proposal<N> {
@@ -90,16 +90,21 @@ impl<const N: usize> Proposal<N> {
         Some(Proposal { warps, covariance, inverse, farthest: farthest * TRUSTED * TRUSTED })
     }
 
-    /// Draws of all states, or of all others where one is given.
-    pub(super) fn sampler(&self, given: Option<(usize, f64)>) -> Option<Sampler<'_, N>> {
+    /// Draws of all states but those given, which are held at their values.
+    pub(super) fn sampler(&self, given: &[(usize, f64)]) -> Option<Sampler<'_, N>> {
         let mut order: [usize; N] = std::array::from_fn(|i| i);
-        if let Some((state, _)) = given {
-            order.swap(0, state);
+        for (place, (state, _)) in given.iter().enumerate() {
+            let from = order.iter().position(|i| i == state)?;
+            order.swap(place, from);
         }
         let permuted = DMatrix::from_fn(N, N, |i, j| self.covariance[(order[i], order[j])]);
         let dynamic = Cholesky::new(permuted)?.l();
         let lower = SMatrix::from_fn(|i, j| dynamic[(i, j)]);
-        let held = given.map(|(state, x)| (self.warps[state].score_of(x).0 / dynamic[(0, 0)], x));
+        let mut held: Vec<(f64, f64)> = Vec::with_capacity(given.len());
+        for (i, &(state, x)) in given.iter().enumerate() {
+            let known: f64 = held.iter().enumerate().map(|(j, (u, _))| dynamic[(i, j)] * u).sum();
+            held.push(((self.warps[state].score_of(x).0 - known) / dynamic[(i, i)], x));
+        }
         Some(Sampler { proposal: self, order, lower, held })
     }
 
@@ -114,9 +119,7 @@ impl<const N: usize> Sampler<'_, N> {
     /// A state from normal numbers, and the logarithm of the density with which it is drawn. `None` where no state is
     /// trusted: the density there is zero.
     pub(super) fn draw(&self, mut u: [f64; N]) -> Option<([f64; N], f64)> {
-        if let Some((first, _)) = self.held {
-            u[0] = first;
-        }
+        u.iter_mut().zip(&self.held).for_each(|(u, (held, _))| *u = *held);
         // Distances do not depend on the order of the states.
         let distance: f64 = u.iter().map(|u| u * u).sum();
         if distance > self.proposal.farthest {
@@ -128,13 +131,11 @@ impl<const N: usize> Sampler<'_, N> {
             let score: f64 = (0..=i).map(|j| self.lower[(i, j)] * u[j]).sum();
             let (value, slope) = self.proposal.warps[self.order[i]].at(score);
             x[self.order[i]] = value;
-            if i > 0 || self.held.is_none() {
+            if i >= self.held.len() {
                 logarithm -= 0.5 * u[i] * u[i] + (self.lower[(i, i)] * slope).ln() + 0.5 * std::f64::consts::TAU.ln();
             }
         }
-        if let Some((_, held)) = self.held {
-            x[self.order[0]] = held;
-        }
+        self.order.iter().zip(&self.held).for_each(|(&state, (_, held))| x[state] = *held);
         Some((x, logarithm))
     }
 }

@@ -1,0 +1,47 @@
+use crate::quadrature::Rule;
+use crate::{Density, Histogram, Result};
+
+/// How far a marginal is from a histogram of samples; see [`with_histogram`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HistogramDistance {
+    /// Σ |p − h| · width over the bins: the L¹ distance, the histogram's noise included.
+    pub l1: f64,
+    /// The L¹ distance that the histogram's noise alone makes on average, Σ √(2/π) · standard error · width. A distance of
+    /// this size says that the two agree.
+    pub noise: f64,
+    /// The largest |log₁₀(p/h)| over the bins in which the standard error is below a tenth of h.
+    pub tail: f64,
+    /// The smallest h, relative to the largest, of those bins: how far down the tail was looked at.
+    pub tail_level: f64,
+}
+
+/// Compares one state's marginal with a simulated histogram, as means over bins.
+///
+/// # Errors
+/// As [`Density::marginal`]; as [`Histogram::bin`].
+pub fn with_histogram<const N: usize>(
+    density: &impl Density<N>,
+    state: usize,
+    histogram: &Histogram<1>,
+) -> Result<HistogramDistance> {
+    let edges: Vec<f64> = histogram.edges().collect();
+    let peak = (0..histogram.len()).try_fold(0.0_f64, |peak, k| Ok(peak.max(histogram.bin(k)?.value)))?;
+    let mut distance = HistogramDistance { l1: 0.0, noise: 0.0, tail: 0.0, tail_level: 1.0 };
+    // Three nodes leave an error of sixth order in a bin's width.
+    let rule = Rule::legendre(3);
+    for (k, edge) in edges.windows(2).enumerate() {
+        let width = edge[1] - edge[0];
+        let mut mean = 0.0;
+        for (x, weight) in rule.on(edge[0], edge[1]).iter() {
+            mean += weight / width * density.marginal(state, x)?.value;
+        }
+        let bin = histogram.bin(k)?;
+        distance.l1 += (mean - bin.value).abs() * width;
+        distance.noise += (2.0 / std::f64::consts::PI).sqrt() * bin.error * width;
+        if bin.error < 0.1 * bin.value {
+            distance.tail = distance.tail.max((mean / bin.value).log10().abs());
+            distance.tail_level = distance.tail_level.min(bin.value / peak);
+        }
+    }
+    Ok(distance)
+}

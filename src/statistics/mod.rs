@@ -1,0 +1,59 @@
+//! Answers from any [`Density`](crate::Density), whichever method made it.
+//!
+//! | question | answer |
+//! |---|---|
+//! | mean, variance, skewness, kurtosis of a state | [`Cumulants`] |
+//! | probabilities, exceedances, quantiles and modes of a state | [`Marginal`] |
+//! | the most likely states | [`modes`] |
+//! | the differential entropy | [`entropy`] |
+//! | how often a level is crossed; peaks; first passage | [`Crossings`] |
+//! | the largest displacement within a time | [`Maximum`] |
+//! | how often and how hard a wall is hit | [`Impacts`] |
+//! | independent states with this density | [`samples`] |
+//!
+//! Every value carries its error: that of its own quadrature, estimated from the next coarser one, and what the density
+//! states for the values that went in. The latter are added up as if they all had one sign, so that the error is a bound
+//! where the density's own errors are bounds, and for a simulation more than one standard error.
+//!
+//! ```
+//! use expoly::{models::{Duffing, Solved}, statistics::{Crossings, Marginal}};
+//! let density = Duffing::new(0.2, 1.0, 0.3, 0.2)?.exact()?;
+//! let displacement = Marginal::new(&density, 0)?;
+//! let level = displacement.upper_quantile(1e-8)?;
+//! assert!((displacement.exceedance(level.value)?.value / 1e-8 - 1.0).abs() < 1e-9);
+//! // Passed within 1000 units of time with a probability of 4e-5.
+//! let passage = Crossings::new(&density, [0, 1])?.first_passage(level.value, 1000.0)?;
+//! assert!(passage.value > 1e-5 && passage.value < 1e-4);
+//! # Ok::<(), expoly::Error>(())
+//! ```
+
+mod crossings;
+mod cumulants;
+mod curve;
+mod entropy;
+mod impacts;
+mod marginal;
+mod maximum;
+mod modes;
+mod samples;
+
+pub use crossings::Crossings;
+pub use cumulants::Cumulants;
+pub use entropy::entropy;
+pub use impacts::Impacts;
+pub use marginal::Marginal;
+pub use maximum::Maximum;
+pub use modes::{Mode, modes};
+pub use samples::{Samples, samples};
+
+use crate::{Error, Result};
+
+/// Refuses what is no probability strictly between 0 and 1.
+fn probability(value: f64) -> Result<f64> {
+    if value > 0.0 && value < 1.0 {
+        Ok(value)
+    } else {
+        let remedy = "a probability here must lie strictly between 0 and 1";
+        Err(Error::OutOfRange { name: "probability", value, remedy })
+    }
+}
