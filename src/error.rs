@@ -197,6 +197,14 @@ pub enum Error {
         /// The level asked for.
         level: f64,
     },
+    /// A density does not hold the answer to a question.
+    #[error("this density does not know {what}: {remedy}")]
+    NotKnown {
+        /// What was asked.
+        what: &'static str,
+        /// What may help.
+        remedy: &'static str,
+    },
     /// A statistic was not asked for before the run.
     #[error("the {what} was not recorded: ask for it by {option} before the run")]
     NotRecorded {
@@ -226,6 +234,64 @@ pub enum Error {
     SingularSystem {
         /// The number of unknowns.
         unknowns: usize,
+    },
+    /// A text is no closed form that this library wrote, or is damaged.
+    #[error("this is no closed form to load: {problem}; restore it from a copy, or solve anew and save it again")]
+    NotAClosedForm {
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A state's name cannot be an argument of a function.
+    #[error("the name {name:?} of a state will not do: {problem}; x, v, x1, x2 are usual ones")]
+    NotAName {
+        /// The name.
+        name: String,
+        /// Why not.
+        problem: &'static str,
+    },
+    /// A density has no text in a language.
+    #[error("this density cannot be written as {language}: {reason}")]
+    NoText {
+        /// The language.
+        language: &'static str,
+        /// What stands in the way, and what to do.
+        reason: &'static str,
+    },
+    /// The caller asked a study to stop.
+    #[error(
+        "the study was cancelled by its progress callback with {done} of {rows} rows done; with a file it goes on from there"
+    )]
+    StudyCancelled {
+        /// The rows that are there.
+        done: usize,
+        /// The rows of the whole study.
+        rows: usize,
+    },
+    /// A file holds the rows of another study.
+    #[error(
+        "{path} belongs to a study of other settings, or was written by another version: keep the two in different files"
+    )]
+    OtherStudy {
+        /// The file.
+        path: String,
+    },
+    /// A row of a study's file cannot be used.
+    #[error("row {row} of {path} is spoiled: {problem}; remove the row, and the study computes it anew")]
+    SpoiledStudy {
+        /// The file.
+        path: String,
+        /// The row, in the order of the file, from 0.
+        row: usize,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A table has no column of a name.
+    #[error("there is no column {name:?}; there are {columns:?}")]
+    NoColumn {
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        columns: Vec<String>,
     },
 }
 

@@ -3,31 +3,47 @@
 //! # The library in one page
 //!
 //! A system dX = f(X) dt + G(X) dW is [`PolynomialDrift`], or [`Oscillator`] for x″ + h(x, x′) = ξ. Everything reads that
-//! one definition: [`FokkerPlanck`] for the equation 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p), B = G Gᵀ; [`Closure`] for p = C exp(Q);
-//! [`Simulation`] for trajectories; [`Grid`] for the equation itself, in two states, to seven digits. All answers are a
-//! [`Density`], so that any two can be compared ([`compare`]).
+//! one definition:
 //!
-//! [`Closure::new`] gives a density at every order, with an estimate of its error: the exponential polynomial that comes
-//! closest to a solution of many more moment equations than it has coefficients. [`Closure::classical`] is the literature's
-//! method, which asks that the residual r = L exp(Q) / exp(Q) be orthogonal, under a Gaussian f_N, to the polynomials that Q
-//! is made of: ∫ r(x; a) ψ_k f_N dx = 0. f_N is the Gaussian closure of the same system, [`Closure::gaussian`].
+//! | question | where |
+//! |---|---|
+//! | What is its equation 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p), B = G Gᵀ? | [`FokkerPlanck`] |
+//! | What is its density, as a formula p = C exp(Q)? | [`Closure`]; above a wall, with [`Barrier`] |
+//! | Is that right? | [`ClosureDensity::l1_estimate`]; [`Grid`], [`Simulation`], [`compare`] |
+//! | What lies in the far tail? | [`Splitting`] |
+//! | How likely, how often, how soon? | [`statistics`] |
+//! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
+//! | Which order is enough, what depends on a parameter? | [`study`] |
+//! | Which systems are solved? | [`models`] |
+//!
+//! All answers are a [`Density`], whichever method made them. The [`guide`] says how the method works, when to trust it, what
+//! the conventions are, and how to come here from other tools.
 
 mod barrier;
+mod closed_form;
 mod closure;
 pub mod compare;
 mod density;
+mod eigenvalues;
 mod error;
 mod estimate;
+mod file;
 mod fokker_planck;
 mod grid;
+#[doc = include_str!("guide.md")]
+pub mod guide {}
 pub mod models;
 mod polynomial;
 mod quadrature;
+mod record;
 mod scalar;
 mod simulation;
+pub mod statistics;
+pub mod study;
 mod system;
 
 pub use barrier::{Barrier, Zhuravlev};
+pub use closed_form::{ClosedDensity, ClosedForm};
 pub use closure::{
     Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, ClosureProvenance, Degrees, NodeKind, Origin, Route,
     Solution, Termination, Weight,

@@ -1,4 +1,4 @@
-use super::space::{Jet, Local, Space};
+use super::space::{CornerRecord, Jet, Local, Space};
 use super::table::local;
 use crate::{FokkerPlanck, Polynomial};
 use rayon::prelude::*;
@@ -9,6 +9,9 @@ use std::sync::Arc;
 pub(super) trait Known<const N: usize>: Send + Sync {
     /// Its value and derivatives.
     fn jet(&self, x: &[f64; N]) -> Jet<N>;
+
+    /// The walls that make it.
+    fn corners(&self) -> Vec<CornerRecord>;
 }
 
 /// ln p = Q₀ + c + Σ a_k φ_k.

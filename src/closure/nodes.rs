@@ -29,6 +29,8 @@ impl fmt::Display for NodeKind {
 pub(super) struct Nodes<const N: usize> {
     pub(super) points: Vec<[f64; N]>,
     pub(super) weights: Vec<f64>,
+    /// The rules whose product they are taken from.
+    pub(super) rules: [Rule; N],
 }
 
 impl<const N: usize> Nodes<N> {
@@ -44,7 +46,7 @@ impl<const N: usize> Nodes<N> {
     /// The rules know nothing of the domain's edge. The density there is below a millionth of its peak, and so is the
     /// error.
     pub(super) fn tensor(domain: &TrustDomain<N>, rules: &[Rule; N]) -> Self {
-        let mut nodes = Nodes { points: Vec::new(), weights: Vec::new() };
+        let mut nodes = Nodes { points: Vec::new(), weights: Vec::new(), rules: rules.clone() };
         nodes.extend(domain, rules, [0.0; N], 1.0, 0);
         nodes
     }
@@ -68,7 +70,7 @@ impl<const N: usize> Nodes<N> {
     pub(super) fn filtered(&self, keep: impl Fn(&[f64; N]) -> bool) -> Self {
         let pairs = self.points.iter().zip(&self.weights).filter(|(x, _)| keep(x));
         let (points, weights) = pairs.map(|(x, w)| (*x, *w)).unzip();
-        Nodes { points, weights }
+        Nodes { points, weights, rules: self.rules.clone() }
     }
 
     pub(super) fn len(&self) -> usize {

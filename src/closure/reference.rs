@@ -3,7 +3,7 @@
 use super::exponent::{Exponent, Residual};
 use super::family::{Band, Ladder};
 use super::moment_equations::resolve;
-use super::projection::{project, tempered};
+use super::projection::{distance, project, tempered};
 use super::setting::Setting;
 use super::space::Space;
 use super::table::Table;
@@ -14,6 +14,10 @@ use std::sync::Arc;
 const RENEWALS: usize = 8;
 /// The weight follows the density with this power of it: flatter than the density, for the tails' sake.
 const FLATNESS: f64 = 0.6;
+/// A weight settles within so many renewals from a first guess, and from the weight of a similar system once its correction
+/// is as small as that one's, up to this factor.
+const SETTLING: usize = 3;
+const AS_SMALL: f64 = 1.6;
 /// The correction below which the weight is the solution to rounding.
 const EXACT: f64 = 1e-12;
 /// A correction that has come down to this share of the one before is still converging.
@@ -31,13 +35,21 @@ const FINE: f64 = 2e-5;
 /// 1 + δ is cut off here before its logarithm is taken.
 const CUT: [f64; 2] = [0.05, 20.0];
 
+/// Where a reference may start: with the weight of a similar system's, and with what is known of its corrections.
+#[derive(Clone)]
+pub(super) struct Start<const N: usize> {
+    pub(super) weight: Exponent<N>,
+    /// The size of the correction at which that one had settled; 0 where it is unknown.
+    pub(super) settled: f64,
+}
+
 /// p̂ = ω (1 + δ) with ln ω a polynomial and δ a polynomial of higher degree.
 #[derive(Clone)]
 pub(super) struct Reference<const N: usize> {
-    weight: Exponent<N>,
-    space: Arc<dyn Space<N> + Send>,
+    pub(super) weight: Exponent<N>,
+    pub(super) space: Arc<dyn Space<N> + Send>,
     /// The coefficients of δ, the constant's first.
-    correction: Vec<f64>,
+    pub(super) correction: Vec<f64>,
     /// ln p̂ at the nodes, normalised over them.
     pub(super) logarithm: Vec<f64>,
     /// An estimate of ∫ |p̂ − p| dx.
@@ -46,6 +58,8 @@ pub(super) struct Reference<const N: usize> {
     pub(super) doubt: f64,
     /// The number of linear systems solved.
     pub(super) solved: usize,
+    /// The size of δ.
+    pub(super) size: f64,
 }
 
 impl<const N: usize> Reference<N> {
@@ -56,15 +70,18 @@ impl<const N: usize> Reference<N> {
         setting: &Setting<N>,
         ladder: &Ladder<N>,
         table: &Table,
+        start: Option<&Start<N>>,
         fit: impl Fn() -> Option<Exponent<N>>,
     ) -> Option<Self> {
-        let whole = Self::of_band(setting, ladder, table, ladder.whole, &fit);
+        let whole = Self::of_band(setting, ladder, table, ladder.whole, start, &fit);
         let Some(cut) = ladder.cut else { return whole };
-        let minor = |whole: &Self| whole.error <= FINE || whole.error <= MINOR * whole.distance(setting, ladder, table);
+        let minor = |whole: &Self| {
+            whole.error <= FINE || whole.error <= MINOR * whole.distance_to_answer(setting, ladder, table)
+        };
         if whole.as_ref().is_some_and(minor) {
             return whole;
         }
-        let part = Self::of_band(setting, ladder, table, cut, &fit);
+        let part = Self::of_band(setting, ladder, table, cut, start, &fit);
         let doubt = [&whole, &part].into_iter().flatten().map(|found| found.error).fold(0.0, f64::max);
         let better = whole.into_iter().chain(part).min_by(|a, b| a.error.total_cmp(&b.error));
         better.map(|better| Reference { doubt, ..better })
@@ -77,25 +94,29 @@ impl<const N: usize> Reference<N> {
         ladder: &Ladder<N>,
         table: &Table,
         band: Band,
+        start: Option<&Start<N>>,
         fit: impl Fn() -> Option<Exponent<N>>,
     ) -> Option<Self> {
-        let first = Self::renewed(setting, ladder, table, band, setting.guess.clone());
+        let similar = start.and_then(|start| Self::renewed(setting, ladder, table, band, start.clone()));
+        if similar.as_ref().is_some_and(|similar| similar.error <= GOOD) {
+            return similar;
+        }
+        let afresh = |weight| Self::renewed(setting, ladder, table, band, Start { weight, settled: 0.0 });
+        let first = afresh(setting.guess.clone());
         if first.as_ref().is_some_and(|first| first.error <= GOOD) {
             return first;
         }
-        let second = fit().and_then(|fit| Self::renewed(setting, ladder, table, band, fit));
+        let second = fit().and_then(afresh);
         first.into_iter().chain(second).min_by(|a, b| a.error.total_cmp(&b.error))
     }
 
     /// The distance to the closest density of the answer's order; 0 where there is none.
-    fn distance(&self, setting: &Setting<N>, ladder: &Ladder<N>, table: &Table) -> f64 {
+    fn distance_to_answer(&self, setting: &Setting<N>, ladder: &Ladder<N>, table: &Table) -> f64 {
         let weights = &setting.nodes.weights;
         let values = table.values.get(..weights.len(), ..ladder.answer_columns);
         let measure = tempered(&self.logarithm, weights, 1.0);
-        project(values, &setting.fixed, &self.logarithm, &measure).map_or(0.0, |fit| {
-            let fit = tempered(&fit.logarithm, weights, 1.0);
-            fit.iter().zip(&measure).map(|(a, b)| (a - b).abs()).sum()
-        })
+        let fit = project(values, &setting.fixed, &self.logarithm, &measure);
+        fit.map_or(0.0, |fit| distance(&fit.logarithm, &self.logarithm, weights))
     }
 
     /// Renews a weight until that no longer helps, and returns the best density on the way.
@@ -104,11 +125,10 @@ impl<const N: usize> Reference<N> {
         ladder: &Ladder<N>,
         table: &Table,
         band: Band,
-        start: Exponent<N>,
+        Start { mut weight, settled }: Start<N>,
     ) -> Option<Self> {
         let nodes = &setting.nodes;
         let residual = Residual::new(&setting.operator);
-        let mut weight = start;
         let mut log = weight.values(&nodes.points);
         let mut best: Option<Self> = None;
         let mut change = f64::INFINITY;
@@ -142,10 +162,12 @@ impl<const N: usize> Reference<N> {
                     error,
                     doubt: error,
                     solved,
+                    size: found.size,
                 });
             }
             // After the first renewals the correction is what a polynomial of the weight's degree leaves.
-            if change < EXACT || (solved > 3 && change > CONVERGING * before) || solved == RENEWALS {
+            let settled = solved > 1 && change <= AS_SMALL * settled;
+            if change < EXACT || settled || (solved > SETTLING && change > CONVERGING * before) || solved == RENEWALS {
                 break;
             }
             let values = table.values.get(.., ..ladder.weight_columns);

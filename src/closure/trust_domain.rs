@@ -3,7 +3,7 @@ use super::symmetry::Symmetry;
 use rayon::prelude::*;
 
 /// Angular sectors in two states.
-const SECTORS: usize = 48;
+pub(super) const SECTORS: usize = 48;
 
 /// Steps along a ray when its end is looked for.
 const RAY: usize = 128;
@@ -18,13 +18,13 @@ const RISING: f64 = 5.0;
 /// sectors, and in more it is an ellipsoid along the states' axes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrustDomain<const N: usize> {
-    centre: [f64; N],
+    pub(super) centre: [f64; N],
     /// The scales of the states, in which directions and distances are measured.
-    scale: [f64; N],
+    pub(super) scale: [f64; N],
     /// The reach by direction, in units of the scales.
-    reach: Vec<f64>,
+    pub(super) reach: Vec<f64>,
     /// The limits of state 0 where walls stand.
-    walls: [f64; 2],
+    pub(super) walls: [f64; 2],
 }
 
 impl<const N: usize> TrustDomain<N> {

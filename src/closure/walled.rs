@@ -5,7 +5,7 @@ use super::family::{Family, Ladder};
 use super::nodes::Nodes;
 use super::pilot::Pilot;
 use super::setting::{Passage, Setting, likeliest};
-use super::space::{Corner, Jet, Polynomials, Space, WallFunctions, WallLevel};
+use super::space::{Corner, CornerRecord, Jet, Polynomials, Space, WallFunctions, WallLevel};
 use super::symmetry::Symmetry;
 use super::trust_domain::TrustDomain;
 use crate::quadrature::Rule;
@@ -55,8 +55,8 @@ fn level(order: u32) -> WallLevel {
 }
 
 /// The singular parts of ln p at the walls.
-struct Singular {
-    corners: Vec<Corner>,
+pub(super) struct Singular {
+    pub(super) corners: Vec<Corner>,
 }
 
 impl Known<2> for Singular {
@@ -64,6 +64,10 @@ impl Known<2> for Singular {
         let mut sum = Jet::ZERO;
         self.corners.iter().for_each(|corner| sum.add(1.0, &corner.singular_part(*x)));
         sum
+    }
+
+    fn corners(&self) -> Vec<CornerRecord> {
+        self.corners.iter().map(Corner::record).collect()
     }
 }
 

@@ -1,11 +1,15 @@
 //! The functions that ln p and its corrections are combined from.
 
 mod polynomials;
-mod similarity;
+mod record;
+pub(crate) mod similarity;
 mod wall;
 
 pub(super) use polynomials::Polynomials;
+pub(super) use record::same;
+pub(crate) use record::{CornerRecord, SpaceRecord, StepRecord};
 use similarity::Similarity;
+pub(crate) use wall::SMALLEST;
 pub(super) use wall::{Corner, WallFunctions, WallLevel};
 
 /// A value with its derivatives at a point.
@@ -69,4 +73,7 @@ pub(super) trait Space<const N: usize>: Sync {
 
     /// Σ a_k φ_k with its derivatives.
     fn combination(&self, x: &[f64; N], a: &[f64]) -> Jet<N>;
+
+    /// All that the functions depend on.
+    fn record(&self) -> SpaceRecord;
 }

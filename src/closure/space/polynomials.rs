@@ -1,4 +1,4 @@
-use super::{Jet, Local, Space};
+use super::{Jet, Local, Space, SpaceRecord, StepRecord};
 use crate::{Monomial, Polynomial};
 
 /// One more than the highest degree of the one-dimensional polynomials.
@@ -98,7 +98,23 @@ impl<const N: usize> Polynomials<N> {
     }
 }
 
+impl<const N: usize> Polynomials<N> {
+    /// The box and the exponents.
+    pub(super) fn step(&self) -> StepRecord {
+        StepRecord {
+            centre: self.centre.to_vec(),
+            half_width: self.half_width.to_vec(),
+            exponents: self.exponents.iter().map(|alpha| alpha.to_vec()).collect(),
+            kinks: Vec::new(),
+        }
+    }
+}
+
 impl<const N: usize> Space<N> for Polynomials<N> {
+    fn record(&self) -> SpaceRecord {
+        SpaceRecord { corners: Vec::new(), steps: vec![self.step()] }
+    }
+
     fn len(&self) -> usize {
         self.exponents.len()
     }

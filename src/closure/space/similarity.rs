@@ -2,16 +2,16 @@ use super::Jet;
 use std::f64::consts::PI;
 
 /// Points of the table per unit of z, on either side of 0.
-const PER_UNIT: usize = 16;
-const STEPS: usize = 60;
+pub(crate) const PER_UNIT: usize = 16;
+pub(crate) const STEPS: usize = 60;
 /// |z| where the table ends: there the terms of the asymptotic series fall to e^(−z³) = 1e-23 before they grow.
 const EDGE: f64 = STEPS as f64 / PER_UNIT as f64;
 /// Terms of a Taylor series, used up to one step away: the last one is below 1e-18 of the first.
-const TAYLOR: usize = 20;
+pub(crate) const TAYLOR: usize = 20;
 /// Terms of the asymptotic series: the last one is below 1e-17 of the first from the edge on.
 const ASYMPTOTIC: usize = 24;
 /// A smaller velocity counts as 0, so that no power of it underflows.
-const CLOSEST: f64 = 1e-90;
+pub(crate) const CLOSEST: f64 = 1e-90;
 
 /// The exponent g(r) of p ~ u^g at grazing impacts: the root nearest 0 of r^{−(2+3g)} = 2 sin(π(1/6 − g)).
 ///
@@ -44,21 +44,21 @@ fn grazing_exponent(r: f64) -> Option<f64> {
 ///
 /// which is Tricomi's U(−g, 2/3, z³) for z > 0, continued through 0. At u = 0 S is finite except at w = 0.
 #[derive(Clone, Debug)]
-pub(in crate::closure) struct Similarity {
-    exponent: f64,
+pub(crate) struct Similarity {
+    pub(crate) exponent: f64,
     /// 9D.
-    scale: f64,
+    pub(crate) scale: f64,
     /// ln k and k′/k at the table's points, from −EDGE up.
-    table: Vec<[f64; 2]>,
+    pub(crate) table: Vec<[f64; 2]>,
     /// The coefficients (−g)_n (1/3 − g)_n/n! of the asymptotic series in −z⁻³.
-    expansion: [f64; ASYMPTOTIC],
+    pub(crate) expansion: [f64; ASYMPTOTIC],
     /// The limits of ln k − 3g ln|z| for z → −∞ and z → ∞.
-    limits: [f64; 2],
+    pub(crate) limits: [f64; 2],
 }
 
 impl Similarity {
     /// The solution for a restitution `r` and noise of intensity `intensity` on the velocity, if there is one.
-    pub(in crate::closure) fn new(r: f64, intensity: f64) -> Option<Self> {
+    pub(crate) fn new(r: f64, intensity: f64) -> Option<Self> {
         let exponent = grazing_exponent(r)?;
         let mut expansion = [1.0; ASYMPTOTIC];
         for n in 1..ASYMPTOTIC {

@@ -1,7 +1,7 @@
-use super::{Jet, Local, Polynomials, Similarity, Space};
+use super::{CornerRecord, Jet, Local, Polynomials, Similarity, Space, SpaceRecord, StepRecord};
 
 /// What keeps B = w⁶ + (κu)² from 0 where it is divided by.
-const SMALLEST: f64 = 1e-60;
+pub(crate) const SMALLEST: f64 = 1e-60;
 
 /// A rigid wall as the place of the singularity (0, 0) in u ≥ 0, the distance from it, and w = u′.
 #[derive(Clone, Debug)]
@@ -14,18 +14,24 @@ pub(in crate::closure) struct Corner {
     intensity: f64,
     /// The largest u and |w|, in which the functions are scaled.
     reach: [f64; 2],
+    restitution: f64,
     similarity: Option<Similarity>,
 }
 
 impl Corner {
     /// A floor at `offset` in a domain that reaches as far as u and |w| say.
     pub(in crate::closure) fn floor(offset: f64, restitution: f64, intensity: f64, reach: [f64; 2]) -> Self {
-        Corner { offset, side: 1.0, intensity, reach, similarity: Similarity::new(restitution, intensity) }
+        Corner { offset, side: 1.0, intensity, reach, restitution, similarity: Similarity::new(restitution, intensity) }
     }
 
     /// A ceiling.
     pub(in crate::closure) fn ceiling(offset: f64, restitution: f64, intensity: f64, reach: [f64; 2]) -> Self {
         Corner { side: -1.0, ..Corner::floor(offset, restitution, intensity, reach) }
+    }
+
+    pub(in crate::closure) fn record(&self) -> CornerRecord {
+        let Corner { offset, side, intensity, reach, restitution, .. } = *self;
+        CornerRecord { offset, ceiling: side < 0.0, restitution, intensity, reach }
     }
 
     /// (u, w) of a state.
@@ -101,6 +107,15 @@ impl WallLevel {
 }
 
 impl WallFunctions {
+    /// The functions of a record whose numbers have been checked.
+    pub(super) fn of_steps(corners: Vec<Corner>, steps: Vec<(Polynomials<2>, Vec<[i32; 3]>)>) -> Self {
+        let addition = |(polynomials, kinks): (Polynomials<2>, Vec<[i32; 3]>)| {
+            let kinks = kinks.into_iter().map(|[power, i, j]| Kink { power, i, j }).collect();
+            Addition { polynomials, kinks }
+        };
+        WallFunctions { corners, additions: steps.into_iter().map(addition).collect() }
+    }
+
     /// The functions of a ladder of levels; polynomials are scaled to the box `centre` ± `half_width` of the states.
     pub(in crate::closure) fn new(
         corners: Vec<Corner>,
@@ -131,6 +146,17 @@ impl WallFunctions {
 }
 
 impl Space<2> for WallFunctions {
+    fn record(&self) -> SpaceRecord {
+        let step = |addition: &Addition| StepRecord {
+            kinks: addition.kinks.iter().map(|kink| [kink.power, kink.i, kink.j]).collect(),
+            ..addition.polynomials.step()
+        };
+        SpaceRecord {
+            corners: self.corners.iter().map(Corner::record).collect(),
+            steps: self.additions.iter().map(step).collect(),
+        }
+    }
+
     fn len(&self) -> usize {
         self.additions.iter().map(|addition| self.added(addition)).sum()
     }

@@ -1,0 +1,31 @@
+use super::{ClosedDensity, ClosedForm};
+use crate::{Density, Error, Result, Support};
+
+/// The equation on one line, after a comment that says where it comes from.
+pub(super) fn text<const N: usize>(form: &ClosedForm<N>, symbols: [&str; N]) -> Result<String> {
+    let reason = "above a wall ln p has a singular part and kinks beside its polynomial; take Python, Rust or MATLAB, \
+        which have them, or JSON";
+    let polynomial = form.log_polynomial().ok_or(Error::NoText { language: "LaTeX", reason })?;
+    let names = form.names();
+    let side = |i: usize, [low, high]: [f64; 2]| format!(r"{low:.6} \le {} \le {high:.6}", symbols[i]);
+    let sides = |bounds: &[[f64; 2]; N]| (0..N).map(|i| side(i, bounds[i])).collect::<Vec<_>>().join(r",\ ");
+    let (fact, domain) = match form.density() {
+        ClosedDensity::Closure(density) => {
+            let (order, error) = (density.provenance().order, density.l1_estimate());
+            let fact = format!("closure of order {order}, estimated L1 error {error:.1e}; p is taken for zero outside");
+            (format!("{fact} its trust domain, which lies in the box given"), sides(&density.bounds()))
+        }
+        ClosedDensity::ExpPolynomial(density) => {
+            let domain = match density.support() {
+                Support::WholeSpace => String::new(),
+                Support::Above(bound) => format!(r"{} \ge {bound}", symbols[0]),
+                Support::Region(limits) => sides(limits),
+            };
+            (format!("exponential polynomial of order {}", polynomial.degree()), domain)
+        }
+    };
+    let domain = if domain.is_empty() { domain } else { format!(r", \qquad {domain}") };
+    let arguments = symbols.join(", ");
+    let (states, polynomial) = (names.join(", "), polynomial.latex(symbols));
+    Ok(format!("% ln p of the states {states}: {fact}\n\\ln p({arguments}) = {polynomial}{domain}\n"))
+}

@@ -1,0 +1,213 @@
+use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+
+/// A list of numbers, every bit kept.
+fn list(values: &[f64]) -> String {
+    let number = |value: &f64| if value.is_finite() { format!("{value:?}") } else { format!("float(\"{value}\")") };
+    format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", "))
+}
+
+/// A module with `log_p`, `polynomial` and `inside`.
+pub(super) fn text(formula: &Formula) -> String {
+    let arguments = formula.names.join(", ");
+    let mut text: String = formula.facts.iter().map(|fact| format!("# {fact}\n")).collect();
+    let legendre = matches!(formula.coordinates, Coordinates::Legendre { .. });
+    let walled = !formula.corners.is_empty();
+    let star = matches!(formula.domain, Domain::Star { .. });
+    if walled || (star && formula.names.len() == 2) {
+        text += "import math\n";
+    }
+    text += "\n\n";
+    if legendre {
+        text += LEGENDRE;
+    }
+    if walled {
+        text += &WALLS
+            .replace("TERMS", &TAYLOR.to_string())
+            .replace("STEPS", &STEPS.to_string())
+            .replace("PER_UNIT", &PER_UNIT.to_string())
+            .replace("CLOSEST", &format!("{CLOSEST:e}"))
+            .replace("TINY", &format!("{:e}", Formula::tiny()));
+        formula.corners.iter().enumerate().for_each(|(k, corner)| text += &wall(k, corner));
+    }
+    text += &format!("def polynomial({arguments}):\n");
+    text += &coordinates(formula);
+    let first = formula.constant_first();
+    text += &format!("    q = {:?}\n", if first { formula.constant } else { 0.0 });
+    for (powers, coefficient) in &formula.terms {
+        text += &format!("    q += {coefficient:?}{}\n", product(formula, powers));
+    }
+    if !first {
+        text += &format!("    q += {:?}\n", formula.constant);
+    }
+    for k in 0..formula.corners.len() {
+        text += &format!("    q += wall(*WALL_{k}, {arguments})\n");
+    }
+    text += "    return q\n\n\n";
+    text += &inside(formula);
+    text += &format!(
+        "def log_p({arguments}):\n    if not inside({arguments}):\n        return float(\"-inf\")\n    return \
+         polynomial({arguments})\n"
+    );
+    text
+}
+
+fn coordinates(formula: &Formula) -> String {
+    let name = |i: usize| &formula.names[i];
+    match &formula.coordinates {
+        Coordinates::States => String::new(),
+        Coordinates::Affine { origin, matrix } => (0..origin.len())
+            .map(|i| {
+                let parts = (0..=i).map(|j| format!("{:?}*({} - {:?})", matrix[i][j], name(j), origin[j]));
+                format!("    z{} = {}\n", i + 1, parts.collect::<Vec<_>>().join(" + "))
+            })
+            .collect(),
+        Coordinates::Legendre { centre, half_width } => (0..centre.len())
+            .map(|i| {
+                let (c, h) = (centre[i], half_width[i]);
+                format!("    p{} = legendre(({} - {c:?})/{h:?}, {})\n", i + 1, name(i), formula.degree())
+            })
+            .collect(),
+    }
+}
+
+fn product(formula: &Formula, powers: &[u32]) -> String {
+    let factor = |(i, power): (usize, &u32)| match (&formula.coordinates, power) {
+        (_, 0) => String::new(),
+        (Coordinates::Legendre { .. }, n) => format!("p{}[{n}]", i + 1),
+        (Coordinates::States, 1) => formula.names[i].clone(),
+        (Coordinates::States, n) => format!("{}**{n}", formula.names[i]),
+        (Coordinates::Affine { .. }, n) => format!("z{}**{n}", i + 1),
+    };
+    let factors: Vec<String> = powers.iter().enumerate().map(factor).filter(|factor| !factor.is_empty()).collect();
+    match &factors[..] {
+        [] => String::new(),
+        [factor] => format!("*{factor}"),
+        factors => format!("*({})", factors.join("*")),
+    }
+}
+
+fn wall(k: usize, corner: &CornerFormula) -> String {
+    let kinks: Vec<String> = corner.kinks.iter().map(|([p, i, j], c)| format!("({p}, {i}, {j}, {c:?})")).collect();
+    let grazing = corner.grazing.as_ref().map_or_else(
+        || String::from("None"),
+        |grazing| {
+            let table: Vec<String> = grazing.table.iter().map(|pair| list(pair)).collect();
+            format!(
+                "({:?}, {:?}, {}, {}, [{}])",
+                grazing.exponent,
+                grazing.scale,
+                list(&grazing.limits),
+                list(&grazing.expansion),
+                table.join(", ")
+            )
+        },
+    );
+    format!(
+        "WALL_{k} = ({:?}, {:?}, {}, {:?}, [{}], {grazing})\n\n\n",
+        corner.offset,
+        corner.side,
+        list(&corner.reach),
+        corner.kappa,
+        kinks.join(", ")
+    )
+}
+
+fn inside(formula: &Formula) -> String {
+    let (names, count) = (&formula.names, formula.names.len());
+    let head = format!("def inside({}):\n", names.join(", "));
+    let body = match &formula.domain {
+        Domain::Everywhere => String::from("    return True\n"),
+        Domain::Box(limits) => {
+            let side = |(name, [low, high]): (&String, &[f64; 2])| {
+                let number = |value: f64| list(&[value]).trim_matches(['[', ']']).to_owned();
+                format!("{} <= {name} <= {}", number(*low), number(*high))
+            };
+            let sides: Vec<String> = names.iter().zip(limits).map(side).collect();
+            format!("    return {}\n", sides.join(" and "))
+        }
+        Domain::Star { centre, scale, reach, walls } => {
+            let mut body = format!("    reach = {}\n", list(reach));
+            let [low, high] = walls.map(|wall| list(&[wall]).trim_matches(['[', ']']).to_owned());
+            body += &format!("    if not {low} <= {} <= {high}:\n        return False\n", names[0]);
+            for i in 0..count {
+                body += &format!("    z{} = ({} - {:?})/{:?}\n", i + 1, names[i], centre[i], scale[i]);
+            }
+            body + if count == 1 { "    return abs(z1) <= reach[z1 > 0]\n" } else { STAR }
+        }
+        Domain::Copula(copula) => {
+            let knots: Vec<String> = copula.knots.iter().map(|knots| list(knots)).collect();
+            let rows: Vec<String> = copula.inverse.iter().map(|row| list(row)).collect();
+            let (knots, rows, spacing) = (knots.join(", "), rows.join(", "), copula.spacing);
+            let farthest = copula.farthest;
+            format!(
+                "    knots = [{knots}]\n    inverse = [{rows}]\n    scores = [score(k, x, {spacing:?}) for k, x in \
+                 zip(knots, [{}])]\n    distances = [sum(a*z for a, z in zip(row, scores)) for row in inverse]\n    \
+                 return sum(d*d for d in distances) <= {farthest:?}\n",
+                names.join(", ")
+            )
+        }
+    };
+    let before = if matches!(formula.domain, Domain::Copula(_)) { SCORE } else { "" };
+    format!("{before}{head}{body}\n\n")
+}
+
+const LEGENDRE: &str = r"def legendre(t, degree):
+    p = [1.0, t]
+    for k in range(1, degree):
+        p.append(((2*k + 1)*t*p[k] - k*p[k - 1])/(k + 1))
+    return p
+
+
+";
+
+const STAR: &str = r"    turn = math.atan2(z2, z1)/(2*math.pi) % 1.0*48
+    k = min(int(turn), 47)
+    past = turn - k - 0.5
+    other = (k + (1 if past > 0 else -1)) % 48
+    return math.sqrt(z1*z1 + z2*z2) <= reach[k]*(1 - abs(past)) + reach[other]*abs(past)
+";
+
+const SCORE: &str = r"def score(knots, x, spacing):
+    piece = sum(1 for knot in knots[1:-1] if knot <= x)
+    slope = (knots[piece + 1] - knots[piece])/spacing
+    return (piece - (len(knots) - 1)/2)*spacing + (x - knots[piece])/slope
+
+
+";
+
+const WALLS: &str = r"# u^g k(z), z = -w/(scale u)^(1/3): the similarity solution of grazing impacts, k'' = 3 z^2 k' - 9 g z k.
+def grazing(u, w, g, scale, limits, expansion, table):
+    u = max(u, 2.2250738585072014e-308 if abs(w) < CLOSEST else 0.0)
+    length = (scale*u)**(1/3)
+    if abs(w) > STEPS/PER_UNIT*length:
+        unit = scale/abs(w)**3
+        t = math.copysign(unit*u, w)
+        total = 0.0
+        for c in reversed(expansion):
+            total = total*t + c
+        return -g*math.log(unit) + limits[w < 0] + math.log(total)
+    z = -w/length
+    near = min(max(int((z + STEPS/PER_UNIT)*PER_UNIT + 0.5), 0), 2*STEPS)
+    log, slope = table[near]
+    at = (near - STEPS)/PER_UNIT
+    c = [1.0, slope]
+    for n in range(TERMS - 2):
+        before = (3*(n - 1) - 9*g)*c[n - 1] if n > 0 else 0.0
+        c.append((3*at*at*(n + 1)*c[n + 1] + (6*n - 9*g)*at*c[n] + before)/((n + 1)*(n + 2)))
+    total = 0.0
+    for term in reversed(c):
+        total = total*(z - at) + term
+    return g*math.log(u) + log + math.log(total)
+
+
+# What a wall adds: kinks A^p u^i w^j, A = (w^6 + (kappa u)^2)^(1/6), and the grazing impacts.
+def wall(offset, side, reach, kappa, kinks, impacts, y, v):
+    u, w = side*(y - offset), side*v
+    s, t = max(u, 0.0)/reach[0], w/reach[1]
+    a = (t**6 + (kappa*s)**2 + TINY)**(1/6)
+    total = sum(c*a**p*s**i*t**j for p, i, j, c in kinks)
+    return total if impacts is None else total + grazing(u, w, *impacts)
+
+
+";

@@ -1,0 +1,237 @@
+use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+
+/// A number as a literal, every bit kept.
+fn number(value: f64) -> String {
+    if value == f64::INFINITY {
+        String::from("f64::INFINITY")
+    } else if value == f64::NEG_INFINITY {
+        String::from("f64::NEG_INFINITY")
+    } else {
+        format!("{value:?}")
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    format!("[{}]", values.iter().copied().map(number).collect::<Vec<_>>().join(", "))
+}
+
+/// A module with `log_p`, `polynomial` and `inside`.
+pub(super) fn text(formula: &Formula) -> String {
+    let parameters: Vec<String> = formula.names.iter().map(|name| format!("{name}: f64")).collect();
+    let (arguments, parameters) = (formula.names.join(", "), parameters.join(", "));
+    let mut text: String = formula.facts.iter().map(|fact| format!("// {fact}\n")).collect();
+    text += "\n";
+    if matches!(formula.coordinates, Coordinates::Legendre { .. }) {
+        text += LEGENDRE;
+    }
+    if !formula.corners.is_empty() {
+        text += &WALLS
+            .replace("TERMS", &TAYLOR.to_string())
+            .replace("STEPS", &STEPS.to_string())
+            .replace("PER_UNIT", &PER_UNIT.to_string())
+            .replace("CLOSEST", &format!("{CLOSEST:e}"))
+            .replace("TINY", &format!("{:e}", Formula::tiny()));
+        formula.corners.iter().enumerate().for_each(|(k, corner)| text += &wall(k, corner));
+    }
+    text += &format!("pub fn polynomial({parameters}) -> f64 {{\n");
+    text += &coordinates(formula);
+    let first = formula.constant_first();
+    text += &format!("    let mut q = {:?};\n", if first { formula.constant } else { 0.0 });
+    for (powers, coefficient) in &formula.terms {
+        text += &format!("    q += {coefficient:?}{};\n", product(formula, powers));
+    }
+    if !first {
+        text += &format!("    q += {:?};\n", formula.constant);
+    }
+    for k in 0..formula.corners.len() {
+        text += &format!("    q += wall(&WALL_{k}, {arguments});\n");
+    }
+    text += "    q\n}\n\n";
+    text += &inside(formula, &parameters);
+    text += &format!(
+        "pub fn log_p({parameters}) -> f64 {{\n    if inside({arguments}) {{ polynomial({arguments}) }} else {{ \
+         f64::NEG_INFINITY }}\n}}\n"
+    );
+    text
+}
+
+fn coordinates(formula: &Formula) -> String {
+    let name = |i: usize| &formula.names[i];
+    match &formula.coordinates {
+        Coordinates::States => String::new(),
+        Coordinates::Affine { origin, matrix } => (0..origin.len())
+            .map(|i| {
+                let parts = (0..=i).map(|j| format!("{:?} * ({} - {:?})", matrix[i][j], name(j), origin[j]));
+                format!("    let z{} = {};\n", i + 1, parts.collect::<Vec<_>>().join(" + "))
+            })
+            .collect(),
+        Coordinates::Legendre { centre, half_width } => (0..centre.len())
+            .map(|i| {
+                let (c, h, degree) = (centre[i], half_width[i], formula.degree());
+                format!("    let p{} = legendre::<{}>(({} - {c:?}) / {h:?});\n", i + 1, degree + 1, name(i))
+            })
+            .collect(),
+    }
+}
+
+fn product(formula: &Formula, powers: &[u32]) -> String {
+    let factor = |(i, power): (usize, &u32)| match (&formula.coordinates, power) {
+        (_, 0) => String::new(),
+        (Coordinates::Legendre { .. }, n) => format!("p{}[{n}]", i + 1),
+        (Coordinates::States, 1) => formula.names[i].clone(),
+        (Coordinates::States, n) => format!("{}.powi({n})", formula.names[i]),
+        (Coordinates::Affine { .. }, n) => format!("z{}.powi({n})", i + 1),
+    };
+    let factors: Vec<String> = powers.iter().enumerate().map(factor).filter(|factor| !factor.is_empty()).collect();
+    match &factors[..] {
+        [] => String::new(),
+        [factor] => format!(" * {factor}"),
+        factors => format!(" * ({})", factors.join(" * ")),
+    }
+}
+
+fn wall(k: usize, corner: &CornerFormula) -> String {
+    let kinks: Vec<String> = corner.kinks.iter().map(|([p, i, j], c)| format!("({p}, {i}, {j}, {c:?})")).collect();
+    let grazing = corner.grazing.as_ref().map_or_else(
+        || String::from("None"),
+        |grazing| {
+            let table: Vec<String> = grazing.table.iter().map(|pair| list(pair)).collect();
+            format!(
+                "Some(Grazing {{ exponent: {:?}, scale: {:?}, limits: {}, expansion: &{}, table: &[{}] }})",
+                grazing.exponent,
+                grazing.scale,
+                list(&grazing.limits),
+                list(&grazing.expansion),
+                table.join(", ")
+            )
+        },
+    );
+    format!(
+        "static WALL_{k}: Wall = Wall {{ offset: {:?}, side: {:?}, reach: {}, kappa: {:?}, kinks: &[{}], grazing: \
+         {grazing} }};\n\n",
+        corner.offset,
+        corner.side,
+        list(&corner.reach),
+        corner.kappa,
+        kinks.join(", ")
+    )
+}
+
+fn inside(formula: &Formula, parameters: &str) -> String {
+    let (names, count) = (&formula.names, formula.names.len());
+    let head = format!("pub fn inside({parameters}) -> bool {{\n");
+    let within = |name: &str, [low, high]: [f64; 2]| format!("({}..={}).contains(&{name})", number(low), number(high));
+    let body = match &formula.domain {
+        Domain::Everywhere => format!("    let _ = ({},);\n    true\n", names.join(", ")),
+        Domain::Box(limits) => {
+            let sides: Vec<String> = names.iter().zip(limits).map(|(name, side)| within(name, *side)).collect();
+            format!("    {}\n", sides.join(" && "))
+        }
+        Domain::Star { centre, scale, reach, walls } => {
+            let mut body = format!("    const REACH: [f64; {}] = {};\n", reach.len(), list(reach));
+            body += &format!("    if !{} {{\n        return false;\n    }}\n", within(&names[0], *walls));
+            for i in 0..count {
+                body += &format!("    let z{} = ({} - {:?}) / {:?};\n", i + 1, names[i], centre[i], scale[i]);
+            }
+            body + if count == 1 { "    z1.abs() <= REACH[usize::from(z1 > 0.0)]\n" } else { STAR }
+        }
+        Domain::Copula(copula) => {
+            let rows = |rows: &[Vec<f64>]| rows.iter().map(|row| list(row)).collect::<Vec<_>>().join(", ");
+            format!(
+                "    let knots = [{}];\n    let inverse = [{}];\n    let states = [{}];\n    let scores: Vec<f64> = \
+                 knots.iter().zip(states).map(|(knots, x)| score(knots, x, {:?})).collect();\n    let distance = |row: \
+                 &[f64; {count}]| row.iter().zip(&scores).map(|(a, z)| a * z).sum::<f64>().powi(2);\n    \
+                 inverse.iter().map(distance).sum::<f64>() <= {:?}\n",
+                rows(&copula.knots),
+                rows(&copula.inverse),
+                names.join(", "),
+                copula.spacing,
+                copula.farthest
+            )
+        }
+    };
+    let before = if matches!(formula.domain, Domain::Copula(_)) { SCORE } else { "" };
+    format!("{before}{head}{body}}}\n\n")
+}
+
+const LEGENDRE: &str = r"fn legendre<const K: usize>(t: f64) -> [f64; K] {
+    let mut p = [1.0; K];
+    p[1] = t;
+    for k in 1..K - 1 {
+        let n = k as f64;
+        p[k + 1] = ((2.0 * n + 1.0) * t * p[k] - n * p[k - 1]) / (n + 1.0);
+    }
+    p
+}
+
+";
+
+const STAR: &str = r"    let turn = (z2.atan2(z1) / std::f64::consts::TAU).rem_euclid(1.0) * 48.0;
+    let k = (turn as usize).min(47);
+    let past = turn - k as f64 - 0.5;
+    let other = if past > 0.0 { k + 1 } else { k + 47 } % 48;
+    (z1 * z1 + z2 * z2).sqrt() <= REACH[k] * (1.0 - past.abs()) + REACH[other] * past.abs()
+";
+
+const SCORE: &str = r"fn score(knots: &[f64], x: f64, spacing: f64) -> f64 {
+    let piece = knots[1..knots.len() - 1].iter().filter(|knot| **knot <= x).count();
+    let slope = (knots[piece + 1] - knots[piece]) / spacing;
+    (piece as f64 - (knots.len() - 1) as f64 / 2.0) * spacing + (x - knots[piece]) / slope
+}
+
+";
+
+const WALLS: &str = r"struct Wall {
+    offset: f64,
+    side: f64,
+    reach: [f64; 2],
+    kappa: f64,
+    kinks: &'static [(i32, i32, i32, f64)],
+    grazing: Option<Grazing>,
+}
+
+struct Grazing {
+    exponent: f64,
+    scale: f64,
+    limits: [f64; 2],
+    expansion: &'static [f64],
+    table: &'static [[f64; 2]],
+}
+
+// u^g k(z), z = -w/(scale u)^(1/3): the similarity solution of grazing impacts, k'' = 3 z^2 k' - 9 g z k.
+fn grazing(u: f64, w: f64, of: &Grazing) -> f64 {
+    let g = of.exponent;
+    let series = |c: &[f64], t: f64| c.iter().rev().fold(0.0, |sum, c| sum * t + c).ln();
+    let u = u.max(if w.abs() < CLOSEST { f64::MIN_POSITIVE } else { 0.0 });
+    let length = (of.scale * u).cbrt();
+    let edge = STEPS as f64 / PER_UNIT as f64;
+    if w.abs() > edge * length {
+        let unit = of.scale / w.abs().powi(3);
+        return -g * unit.ln() + of.limits[usize::from(w < 0.0)] + series(of.expansion, (unit * u).copysign(w));
+    }
+    let z = -w / length;
+    let near = ((z + edge) * PER_UNIT as f64).round().clamp(0.0, 2.0 * STEPS as f64) as usize;
+    let [log, slope] = of.table[near];
+    let at = (near as f64 - STEPS as f64) / PER_UNIT as f64;
+    let mut c = [1.0; TERMS];
+    c[1] = slope;
+    for k in 0..TERMS - 2 {
+        let n = k as f64;
+        let before = if k > 0 { (3.0 * (n - 1.0) - 9.0 * g) * c[k - 1] } else { 0.0 };
+        let sum = 3.0 * at * at * (n + 1.0) * c[k + 1] + (6.0 * n - 9.0 * g) * at * c[k] + before;
+        c[k + 2] = sum / ((n + 1.0) * (n + 2.0));
+    }
+    g * u.ln() + log + series(&c, z - at)
+}
+
+// What a wall adds: kinks A^p u^i w^j, A = (w^6 + (kappa u)^2)^(1/6), and the grazing impacts.
+fn wall(of: &Wall, y: f64, v: f64) -> f64 {
+    let (u, w) = (of.side * (y - of.offset), of.side * v);
+    let (s, t) = (u.max(0.0) / of.reach[0], w / of.reach[1]);
+    let a = (t.powi(6) + (of.kappa * s).powi(2) + TINY).powf(1.0 / 6.0);
+    let kinks: f64 = of.kinks.iter().map(|(p, i, j, c)| c * a.powi(*p) * s.powi(*i) * t.powi(*j)).sum();
+    kinks + of.grazing.as_ref().map_or(0.0, |of| grazing(u, w, of))
+}
+
+";

@@ -1,0 +1,40 @@
+//! Files that are read, or written whole or not at all.
+
+use crate::{Error, Result};
+use std::{ffi::OsString, fs, io, io::Write, path::Path};
+
+/// The content of a file, or none if there is no such file.
+pub(crate) fn read(path: &Path) -> Result<Option<Vec<u8>>> {
+    match fs::read(path) {
+        Ok(content) => Ok(Some(content)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(file_error("read", path, &error)),
+    }
+}
+
+/// Writes a file whole or not at all, by way of a hidden one beside it.
+pub(crate) fn write(path: &Path, content: &[u8]) -> Result<()> {
+    let name = path.file_name().ok_or(io::ErrorKind::InvalidInput.into());
+    let written = name.and_then(|name| {
+        let mut hidden = OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}.tmp", std::process::id()));
+        let temporary = path.with_file_name(hidden);
+        let save = |content: &[u8]| {
+            let mut file = fs::File::create(&temporary)?;
+            file.write_all(content)?;
+            // On the disk before it gets its name, so that a crash leaves the old file or the new one.
+            file.sync_all()?;
+            fs::rename(&temporary, path)
+        };
+        save(content).inspect_err(|_| {
+            // That the half-written file cannot be removed either is less than the error itself.
+            let _ = fs::remove_file(&temporary);
+        })
+    });
+    written.map_err(|error| file_error("write", path, &error))
+}
+
+pub(crate) fn file_error(action: &'static str, path: &Path, error: &io::Error) -> Error {
+    Error::File { action, path: path.display().to_string(), reason: error.to_string() }
+}

@@ -1,0 +1,190 @@
+//! Rows that are computed in parallel, and a file that keeps each as it finishes.
+
+use crate::record::checksum;
+use crate::{Error, Result, file};
+use rayon::prelude::*;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// How far a study has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StudyProgress<'a> {
+    /// Rows that are there, those of an earlier run included.
+    pub done: usize,
+    /// Rows of the whole study.
+    pub total: usize,
+    /// The row that has just finished, as it stands in the file, without its number.
+    pub row: &'a str,
+}
+
+/// What a study calls after each row; `Break` ends the study.
+pub(super) type Callback<'a> = Box<dyn FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a>;
+
+/// A table that is filled row by row.
+///
+/// Its file begins with a line that carries a fingerprint of the study's settings, and the names of the columns. Rows
+/// follow in the order in which they finish, each with its number; once all are there, they are put in order.
+pub(super) struct Journal<'a> {
+    pub(super) columns: Vec<String>,
+    pub(super) rows: usize,
+    /// All settings in words.
+    pub(super) settings: String,
+    pub(super) path: Option<PathBuf>,
+    pub(super) progress: Option<Callback<'a>>,
+}
+
+/// What the file holds from an earlier run.
+struct Kept {
+    rows: Vec<Option<Vec<String>>>,
+    /// The length of the file up to the end of its last whole line.
+    sound: u64,
+}
+
+/// What rows share while they are computed.
+struct Shared<'a> {
+    file: Option<File>,
+    done: usize,
+    progress: Option<Callback<'a>>,
+    cancelled: bool,
+}
+
+impl<'a> Journal<'a> {
+    fn heading(&self) -> Result<String> {
+        let fingerprint = checksum(self.settings.as_bytes());
+        let version = env!("CARGO_PKG_VERSION");
+        let columns = line(std::iter::once("row").chain(self.columns.iter().map(String::as_str)))?;
+        Ok(format!("# expoly {version} study {fingerprint:016x}\n{columns}"))
+    }
+
+    /// The rows that an earlier run left, none of them where there is no file.
+    fn kept(&self) -> Result<Kept> {
+        let nothing = Kept { rows: vec![None; self.rows], sound: 0 };
+        let Some(path) = &self.path else { return Ok(nothing) };
+        let Some(content) = file::read(path)? else { return Ok(nothing) };
+        let heading = self.heading()?;
+        // A run that ended while it wrote the first lines has left a part of them.
+        if heading.as_bytes().starts_with(&content) && content.len() < heading.len() {
+            return Ok(nothing);
+        }
+        let Some(body) = content.strip_prefix(heading.as_bytes()) else {
+            return Err(Error::OtherStudy { path: path.display().to_string() });
+        };
+        let end = body.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        let mut kept = Kept { rows: nothing.rows, sound: (heading.len() + end) as u64 };
+        let spoiled = |row: usize, problem| Error::SpoiledStudy { path: path.display().to_string(), row, problem };
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&body[..end]);
+        for (at, record) in reader.records().enumerate() {
+            let record = record.map_err(|_| spoiled(at, "it is no text"))?;
+            let number: Option<usize> = record.get(0).and_then(|number| number.parse().ok());
+            let slot = number.and_then(|number| kept.rows.get_mut(number)).ok_or(spoiled(at, "it has no number"))?;
+            if record.len() != self.columns.len() + 1 {
+                return Err(spoiled(at, "it has not as many fields as there are columns"));
+            }
+            if slot.replace(record.iter().skip(1).map(str::to_owned).collect()).is_some() {
+                return Err(spoiled(at, "it is there twice"));
+            }
+        }
+        Ok(kept)
+    }
+
+    /// The rows that are missing so far.
+    pub(super) fn missing(&self) -> Result<Vec<usize>> {
+        let kept = self.kept()?;
+        Ok((0..self.rows).filter(|&row| kept.rows[row].is_none()).collect())
+    }
+
+    /// All rows in order: those of an earlier run, and the missing ones, computed in parallel.
+    pub(super) fn run(self, compute: impl Fn(usize) -> Result<Vec<String>> + Sync) -> Result<Vec<Vec<String>>> {
+        let mut kept = self.kept()?;
+        let missing: Vec<usize> = (0..self.rows).filter(|&row| kept.rows[row].is_none()).collect();
+        let (heading, path) = (self.heading()?, self.path);
+        let open = |path: &Path| -> std::io::Result<File> {
+            let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+            file.set_len(kept.sound)?;
+            if kept.sound == 0 {
+                file.write_all(heading.as_bytes())?;
+            }
+            Ok(file)
+        };
+        let opened = |path: &PathBuf| open(path).map_err(|error| file::file_error("write", path, &error));
+        let done = self.rows - missing.len();
+        let file = path.as_ref().map(opened).transpose()?;
+        let shared = Mutex::new(Shared { file, done, progress: self.progress, cancelled: false });
+        let cancelled = || Error::StudyCancelled { done: lock(&shared).done, rows: self.rows };
+        let computed: Vec<Result<Vec<String>>> = missing
+            .par_iter()
+            .with_max_len(1)
+            .map(|&row| {
+                if lock(&shared).cancelled {
+                    return Err(cancelled());
+                }
+                let fields = compute(row);
+                let mut shared = lock(&shared);
+                let kept =
+                    fields.and_then(|fields| shared.keep(row, &fields, self.rows, path.as_deref()).map(|()| fields));
+                // No row that begins later would be of use.
+                shared.cancelled |= kept.is_err();
+                kept
+            })
+            .collect();
+        // A row's own error says more than that others were not begun for it.
+        let own = |row: &Result<_>| row.as_ref().err().filter(|e| !matches!(e, Error::StudyCancelled { .. })).cloned();
+        if let Some(error) = computed.iter().find_map(own) {
+            return Err(error);
+        }
+        for (row, fields) in missing.into_iter().zip(computed) {
+            kept.rows[row] = Some(fields?);
+        }
+        let rows: Vec<Vec<String>> = kept.rows.into_iter().flatten().collect();
+        if let Some(path) = path {
+            let lines = rows.iter().enumerate().map(|(row, fields)| numbered(row, fields));
+            file::write(&path, (heading + &lines.collect::<Result<String>>()?).as_bytes())?;
+        }
+        Ok(rows)
+    }
+}
+
+fn lock<'m, 'a>(shared: &'m Mutex<Shared<'a>>) -> std::sync::MutexGuard<'m, Shared<'a>> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared<'_> {
+    /// Appends a row to the file and reports it.
+    fn keep(&mut self, row: usize, fields: &[String], total: usize, path: Option<&Path>) -> Result<()> {
+        if let (Some(file), Some(path)) = (&mut self.file, path) {
+            // A single write: a run that is ended in the middle leaves at most one broken line, the last.
+            let written = file.write_all(numbered(row, fields)?.as_bytes()).and_then(|()| file.flush());
+            written.map_err(|error| file::file_error("write", path, &error))?;
+        }
+        self.done += 1;
+        if let Some(progress) = &mut self.progress
+            && !self.cancelled
+        {
+            let row = line(fields.iter().map(String::as_str))?;
+            let verdict = progress(StudyProgress { done: self.done, total, row: row.trim_end() });
+            self.cancelled = verdict == ControlFlow::Break(());
+        }
+        Ok(())
+    }
+}
+
+fn numbered(row: usize, fields: &[String]) -> Result<String> {
+    line(std::iter::once(&*row.to_string()).chain(fields.iter().map(String::as_str)))
+}
+
+/// One line of CSV, its end included.
+fn line<'f>(fields: impl Iterator<Item = &'f str>) -> Result<String> {
+    let refused = |reason: String| Error::File { action: "write", path: String::from("a row of a study"), reason };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(fields).map_err(|error| refused(error.to_string()))?;
+    let bytes = writer.into_inner().map_err(|error| refused(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| refused(error.to_string()))
+}
+
+/// A number with all its bits; an empty field where there is none.
+pub(super) fn number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| format!("{value:?}"))
+}

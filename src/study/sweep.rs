@@ -1,0 +1,168 @@
+use super::journal::{Callback, Journal, StudyProgress, number};
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// Values that start from the same one, unless the sweep says otherwise.
+const SEGMENT: usize = 8;
+
+/// A study of what depends on one parameter: a row of numbers for each value, each started from a value close by.
+///
+/// The values are taken in segments of eight neighbours. The middle value of a segment is solved from nothing, and all others
+/// of the segment start from it, so that rows do not wait for one another, and a study that goes on from a file has to
+/// repeat no more than the middle ones.
+///
+/// ```
+/// use expoly::{Closure, Density, models::DuffingVanDerPol, study::Sweep};
+/// // E x² of x″ + (α + x²) x′ + x = ξ, where a limit cycle is born at α = 0.
+/// let sweep = Sweep::new("alpha", &[0.2, 0.0, -0.2], &["E x^2"]).run(|alpha, near: Option<&_>| {
+///     let system = DuffingVanDerPol::new([alpha, 1.0], 1.0, 0.0, 0.2)?;
+///     let closure = Closure::new(4);
+///     let density = near.map_or_else(|| closure.solve(&system), |near| closure.solve_from(&system, near))?;
+///     Ok((vec![density.moment([2, 0]).value], density))
+/// })?;
+/// assert!(sweep.column("E x^2")?.is_sorted_by(|a, b| a < b));
+/// # Ok::<(), expoly::Error>(())
+/// ```
+pub struct Sweep<'a> {
+    parameter: String,
+    values: Vec<f64>,
+    columns: Vec<String>,
+    segment: usize,
+    settings: String,
+    file: Option<PathBuf>,
+    progress: Option<Callback<'a>>,
+}
+
+/// The rows of a sweep, in the order of its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepTable {
+    /// The parameter's name, then those of the other columns.
+    columns: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl fmt::Debug for Sweep<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Sweep")
+            .field("parameter", &self.parameter)
+            .field("values", &self.values)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Sweep<'a> {
+    /// A sweep of a parameter over values, neighbours side by side, that yields the numbers of some columns.
+    pub fn new(parameter: &str, values: &[f64], columns: &[&str]) -> Self {
+        Sweep {
+            parameter: parameter.to_owned(),
+            values: values.to_vec(),
+            columns: columns.iter().map(|column| (*column).to_owned()).collect(),
+            segment: SEGMENT,
+            settings: String::new(),
+            file: None,
+            progress: None,
+        }
+    }
+
+    /// The number of values that start from one among them; 1 starts each from nothing.
+    pub fn segment(self, segment: usize) -> Self {
+        Sweep { segment, ..self }
+    }
+
+    /// Whatever else decides the rows, in words: a file with other settings belongs to another study.
+    pub fn settings(self, settings: &str) -> Self {
+        Sweep { settings: settings.to_owned(), ..self }
+    }
+
+    /// Keeps the rows in a CSV file, and goes on from it if it is there, as [`OrderStudy::file`](super::OrderStudy::file).
+    pub fn file(self, path: impl AsRef<Path>) -> Self {
+        Sweep { file: Some(path.as_ref().to_owned()), ..self }
+    }
+
+    /// Calls back after each row; `Break` ends the study, and rows that have begun are still finished.
+    pub fn progress(self, callback: impl FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
+        Sweep { progress: Some(Box::new(callback)), ..self }
+    }
+
+    /// Computes the rows that are missing: `solve` gets a value and, but for a segment's middle one, what it has made of the
+    /// segment's middle value; it returns the numbers of the columns, and that.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a sweep without values, for one that is not finite, and for an empty segment;
+    /// [`Error::Dimension`] where `solve` returns not one number for each column; as
+    /// [`OrderStudy::run`](super::OrderStudy::run); and what `solve` returns.
+    pub fn run<W: Send + Sync>(
+        self,
+        solve: impl Fn(f64, Option<&W>) -> Result<(Vec<f64>, W)> + Sync,
+    ) -> Result<SweepTable> {
+        let Sweep { parameter, values, columns, segment, settings, file, progress } = self;
+        if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
+            return Err(Error::OutOfRange { name: "value of the sweep", value, remedy: "it must be a finite number" });
+        }
+        for (name, count) in [("number of values of the sweep", values.len()), ("length of a segment", segment)] {
+            if count == 0 {
+                return Err(Error::OutOfRange { name, value: 0.0, remedy: "it must be one at least" });
+            }
+        }
+        let settings = format!("{parameter:?} {values:?} {columns:?} {segment} {settings:?}");
+        let all: Vec<String> = std::iter::once(parameter).chain(columns).collect();
+        let journal = Journal { columns: all.clone(), rows: values.len(), settings, path: file, progress };
+        let count = all.len() - 1;
+        let checked = |(numbers, state): (Vec<f64>, W)| {
+            let found = numbers.len();
+            let complete = found == count;
+            let error = Error::Dimension { what: "the numbers of a row of the sweep", expected: count, found };
+            if complete { Ok((numbers, state)) } else { Err(error) }
+        };
+        // The middle of a row's segment.
+        let middle = |row: usize| {
+            let first = row / segment * segment;
+            (first + (first + segment).min(values.len()) - 1) / 2
+        };
+        let mut middles: Vec<usize> = journal.missing()?.into_iter().map(middle).collect();
+        middles.dedup();
+        let solved = middles.par_iter().map(|&row| Ok((row, checked(solve(values[row], None)?)?)));
+        let solved: BTreeMap<usize, (Vec<f64>, W)> = solved.collect::<Result<_>>()?;
+        let rows = journal.run(|row| {
+            let numbers = match solved.get(&middle(row)) {
+                Some((numbers, _)) if middle(row) == row => numbers.clone(),
+                near => checked(solve(values[row], near.map(|(_, state)| state))?)?.0,
+            };
+            Ok(std::iter::once(values[row]).chain(numbers).map(|value| number(Some(value))).collect())
+        })?;
+        let spoiled = |row| {
+            let path = String::from("the file of the sweep");
+            Error::SpoiledStudy { path, row, problem: "a field is no number" }
+        };
+        let parsed = rows.iter().enumerate().map(|(row, fields)| {
+            fields.iter().map(|field| field.parse().map_err(|_| spoiled(row))).collect::<Result<Vec<f64>>>()
+        });
+        Ok(SweepTable { columns: all, rows: parsed.collect::<Result<_>>()? })
+    }
+}
+
+impl SweepTable {
+    /// The names of the columns, the parameter's first.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// The rows: the parameter, then the numbers of the columns.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
+    /// The numbers of one column.
+    ///
+    /// # Errors
+    /// [`Error::NoColumn`] if there is none of that name.
+    pub fn column(&self, name: &str) -> Result<Vec<f64>> {
+        let at = self.columns.iter().position(|column| column == name);
+        let at = at.ok_or_else(|| Error::NoColumn { name: name.to_owned(), columns: self.columns.clone() })?;
+        Ok(self.rows.iter().map(|row| row[at]).collect())
+    }
+}

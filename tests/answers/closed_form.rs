@@ -1,0 +1,332 @@
+//! Densities outside the program: texts that other languages run, and JSON that loads to the same bits.
+
+use crate::common::*;
+use expoly::models::{DuffingChain, Solved};
+use expoly::{
+    Barrier, ClosedDensity, ClosedForm, Closure, Crossing, Density, Error, Estimate, PolynomialDrift, Scalar,
+};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+/// x″ + 0.2 x′ + 0.1 x′³ + x + 0.3 x³ − 3 = ξ: far from the origin, so that powers of the states cancel.
+struct Loaded;
+
+impl PolynomialDrift<2, 1> for Loaded {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -(x.powi(3) * 0.3 + x - 3.0) - v * 0.2 - v.powi(3) * 0.1]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 1]; 2] {
+        [[S::from(0.0)], [S::from(0.6)]]
+    }
+}
+
+/// What is written out: polynomials of a low and of a high order, an exact density, one above a wall, and four states.
+fn forms() -> &'static (Vec<ClosedForm<2>>, ClosedForm<4>) {
+    static FORMS: OnceLock<(Vec<ClosedForm<2>>, ClosedForm<4>)> = OnceLock::new();
+    FORMS.get_or_init(solved)
+}
+
+fn solved() -> (Vec<ClosedForm<2>>, ClosedForm<4>) {
+    let names = ["x", "v"];
+    let wall = Barrier::new(-0.5, 0.7).unwrap();
+    let plane = [
+        ClosedForm::new(Closure::new(8).solve(&van_der_pol()).unwrap(), names),
+        ClosedForm::new(Closure::new(14).solve(&Loaded).unwrap(), names),
+        ClosedForm::new(three_wells().exact_above(-1.2).unwrap(), names),
+        ClosedForm::new(Closure::new(4).solve_with_wall(&duffing(), wall).unwrap(), ["y", "w"]),
+    ];
+    let chain = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap();
+    let four = ClosedForm::new(Closure::new(4).solve(&chain).unwrap(), ["x1", "x2", "v1", "v2"]);
+    (plane.into_iter().map(Result::unwrap).collect(), four.unwrap())
+}
+
+fn bounds<const N: usize>(form: &ClosedForm<N>) -> [[f64; 2]; N] {
+    match form.density() {
+        ClosedDensity::Closure(density) => density.bounds(),
+        _ => [[-2.0, 2.0]; N],
+    }
+}
+
+/// A thousand states in the box around the domain.
+fn points<const N: usize>(form: &ClosedForm<N>) -> Vec<[f64; N]> {
+    let bounds = bounds(form);
+    let mut source = Points::new(7);
+    let mut place = |[low, high]: [f64; 2]| low + (high - low) * (source.next() + 1.0) / 2.0;
+    (0..1000).map(|_| bounds.map(&mut place)).collect()
+}
+
+/// One state a line, in digits that keep every bit.
+fn lines<const N: usize>(points: &[[f64; N]]) -> String {
+    points.iter().map(|x| x.map(|x| format!("{x:?}")).join(" ") + "\n").collect()
+}
+
+/// Compares the numbers printed with ln p. The sums are of up to 150 terms, of a size that the form has been chosen by to
+/// lose 1e-13 at most, relative to ln p or 1; logarithms and powers of another library's making lose some 1e-15 each.
+fn agree<const N: usize>(form: &ClosedForm<N>, printed: &str, what: &str) {
+    let points = points(form);
+    let values: Vec<f64> = printed.lines().map(|line| line.trim().parse().unwrap()).collect();
+    assert_eq!(values.len(), points.len(), "{what}: {printed}");
+    let mut worst = 0.0_f64;
+    let mut inside = 0;
+    for (x, value) in points.iter().zip(values) {
+        let truth = form.log_pdf(x);
+        if truth == f64::NEG_INFINITY {
+            assert_eq!(value, truth, "{what} at {x:?}");
+            continue;
+        }
+        inside += 1;
+        worst = worst.max((value - truth).abs() / truth.abs().max(1.0));
+    }
+    println!("{what}: {inside} states inside, largest difference {worst:.1e}");
+    assert!(worst < 1e-12 && inside > 200 && (inside < 1000 || N > 2), "{what}: {worst:e}, {inside}");
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("closed_form").join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn succeeded(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Runs a module's `log_p` at the points, if there is a Python.
+fn in_python<const N: usize>(folder: &Path, form: &ClosedForm<N>, module: &str, text: &str) -> Option<String> {
+    const DRIVER: &str = "import sys\nimport importlib\nlog_p = importlib.import_module(sys.argv[1]).log_p\n\
+        for line in open(sys.argv[2]):\n    print(repr(log_p(*map(float, line.split()))))\n";
+    std::fs::write(folder.join("driver.py"), DRIVER).unwrap();
+    std::fs::write(folder.join(format!("{module}.py")), text).unwrap();
+    let list = format!("{module}.txt");
+    std::fs::write(folder.join(&list), lines(&points(form))).unwrap();
+    match Command::new("python3").args(["driver.py", module, &list]).current_dir(folder).output() {
+        Ok(output) => Some(succeeded(&output)),
+        Err(error) => {
+            println!("python3 does not run ({error}): only Rust's text is checked");
+            None
+        }
+    }
+}
+
+/// There is no MATLAB here. The arithmetic of a polynomial's text becomes Python's by changing the operators.
+fn matlab_as_python(text: &str, arguments: &str) -> String {
+    let (_, body) = text.split_once("function q = polynomial").unwrap();
+    let (_, body) = body.split_once('\n').unwrap();
+    let (body, _) = body.split_once("end\n").unwrap();
+    let body = body.replace(".*", "*").replace(".^", "**").replace(';', "");
+    format!(
+        "def zeros(n):\n    return 0.0\n\ndef size(x):\n    return 1\n\ndef log_p({arguments}):\n{body}    return q\n"
+    )
+}
+
+fn check_python<const N: usize>(folder: &Path, form: &ClosedForm<N>, module: &str) {
+    let text = form.python().unwrap();
+    if let Some(printed) = in_python(folder, form, module, &text) {
+        agree(form, &printed, &format!("{module}, Python"));
+    }
+}
+
+/// Python and Rust compute ln p as this library does, in two states and in four, above a wall and without.
+#[test]
+fn other_languages_have_the_same_logarithm() {
+    let folder = scratch("languages");
+    let (plane, four) = forms();
+    let names = ["low", "high", "exact", "wall"];
+    let mut program = String::from("use std::io::BufRead;\n");
+    let mut calls = String::new();
+    for (form, name) in plane.iter().zip(names) {
+        check_python(&folder, form, name);
+        writeln!(program, "mod {name} {{\n{}}}", form.rust().unwrap()).unwrap();
+        writeln!(calls, "\"{name}\" => {name}::log_p(x[0], x[1]),").unwrap();
+        std::fs::write(folder.join(format!("{name}.txt")), lines(&points(form))).unwrap();
+    }
+    check_python(&folder, four, "four");
+    std::fs::write(folder.join("four.txt"), lines(&points(four))).unwrap();
+    writeln!(program, "mod four {{\n{}}}", four.rust().unwrap()).unwrap();
+    write!(
+        program,
+        "fn main() {{\nlet which = std::env::args().nth(1).unwrap();\nfor line in \
+         std::io::stdin().lock().lines() {{\nlet x: Vec<f64> = \
+         line.unwrap().split(' ').map(|x| x.parse().unwrap()).collect();\nlet log = match &which[..] {{\n{calls}_ => \
+         four::log_p(x[0], x[1], x[2], x[3]),\n}};\nprintln!(\"{{log:?}}\");\n}}\n}}\n"
+    )
+    .unwrap();
+    let (source, binary) = (folder.join("program.rs"), folder.join("program"));
+    std::fs::write(&source, program).unwrap();
+    let rustc = Path::new(env!("CARGO")).with_file_name("rustc");
+    let arguments = ["--edition", "2021", "-Dwarnings", "-Adead_code", "-Aunused_parens", "-o"];
+    succeeded(&Command::new(rustc).args(arguments).arg(&binary).arg(&source).output().unwrap());
+    let ask = |name: &str| {
+        let list = std::fs::File::open(folder.join(format!("{name}.txt"))).unwrap();
+        succeeded(&Command::new(&binary).arg(name).stdin(list).output().unwrap())
+    };
+    plane.iter().zip(names).for_each(|(form, name)| agree(form, &ask(name), &format!("{name}, Rust")));
+    agree(four, &ask("four"), "four, Rust");
+
+    // The order 8 is in powers of the states, which MATLAB's text is read by; its domain is not.
+    let text = matlab_as_python(&plane[0].matlab().unwrap(), "x, v");
+    if let Some(printed) = in_python(&folder, &plane[0], "matlab", &text) {
+        let values = printed.lines().map(|line| line.parse::<f64>().unwrap());
+        let pairs = points(&plane[0]).into_iter().zip(values);
+        let inside: Vec<_> =
+            pairs.map(|(x, value)| (plane[0].log_pdf(&x), value)).filter(|p| p.0.is_finite()).collect();
+        assert!(inside.len() > 200 && inside.iter().all(|(p, q)| (p - q).abs() < 1e-12 * p.abs().max(1.0)));
+    }
+    // The high order far from the origin is not: there powers would lose nine digits.
+    assert!(plane[0].python().unwrap().contains("*(x**2*v**2)") && plane[1].python().unwrap().contains("legendre("));
+    for (form, word) in plane.iter().zip(["Trust domain", "order 14", "Trust domain: x >= -1.2", "Trust domain"]) {
+        for text in [form.python(), form.rust(), form.matlab()] {
+            let text = text.unwrap();
+            assert!(text.contains(word) && text.is_ascii() && !text.contains("NaN"), "{word}");
+        }
+    }
+    let latex = plane[0].latex(["x", r"\dot x"]).unwrap();
+    assert!(latex.contains(r"\ln p(x, \dot x) = - ") && latex.contains(r"\le \dot x \le"), "{latex}");
+    assert!(matches!(plane[3].latex(["y", r"\dot y"]), Err(Error::NoText { language: "LaTeX", .. })));
+}
+
+fn bits(estimate: Estimate) -> [u64; 2] {
+    [estimate.value, estimate.error].map(f64::to_bits)
+}
+
+/// What a loaded density answers, bit for bit.
+fn same_bits<const N: usize>(form: &ClosedForm<N>) {
+    let text = form.to_json().unwrap();
+    let again = ClosedForm::<N>::from_json(&text).unwrap();
+    assert_eq!(again.names(), form.names());
+    let both = [form, &again];
+    for x in points(form).iter().take(100) {
+        let [p, q] = both.map(|form| (bits(form.pdf(x)), form.log_pdf(x).to_bits()));
+        assert_eq!(p, q, "{x:?}");
+    }
+    let unit = |i: usize, power: u32| std::array::from_fn(|j| if i == j { power } else { 0 });
+    for powers in [unit(0, 1), unit(N - 1, 4), [1; N]] {
+        let [p, q] = both.map(|form| bits(form.moment(powers)));
+        assert_eq!(p, q, "{powers:?}");
+    }
+    let [p, q] = both.map(|form| bits(form.variance(0).unwrap()));
+    assert_eq!(p, q);
+    let [p, q] = both.map(|form| bits(form.marginal(0, 0.7).unwrap()));
+    assert_eq!(p, q);
+    let crossing = Crossing { velocity: N / 2, ..Crossing::upward(0.3) };
+    let [p, q] = both.map(|form| bits(form.flux(crossing, 1).unwrap()));
+    assert_eq!(p, q);
+    match (form.density(), again.density()) {
+        (ClosedDensity::Closure(p), ClosedDensity::Closure(q)) => {
+            let [a, b] = [p, q].map(|d| d.coefficients().iter().map(|c| c.to_bits()).collect::<Vec<_>>());
+            assert_eq!(a, b);
+            assert_eq!((p.provenance(), p.bounds()), (q.provenance(), q.bounds()));
+            assert_eq!((p.l1_estimate(), p.warning()), (q.l1_estimate(), q.warning()));
+            assert_eq!(format!("{:?}", p.candidates()), format!("{:?}", q.candidates()));
+            assert_eq!(
+                (p.log_polynomial(), p.unseen_mass().to_bits()),
+                (q.log_polynomial(), q.unseen_mass().to_bits())
+            );
+        }
+        (ClosedDensity::ExpPolynomial(p), ClosedDensity::ExpPolynomial(q)) => {
+            assert_eq!((p.log_polynomial(), bits(p.log_mass())), (q.log_polynomial(), bits(q.log_mass())));
+        }
+        kinds => panic!("{kinds:?}"),
+    }
+    assert_eq!(again.to_json().unwrap(), text);
+}
+
+#[test]
+fn json_comes_back_to_the_same_bits() {
+    let (plane, four) = forms();
+    plane.iter().for_each(same_bits);
+    same_bits(four);
+    let guarded = Closure::new(4).guard(true).solve(&OrnsteinUhlenbeck).unwrap();
+    let form = ClosedForm::new(guarded, ["x"]).unwrap();
+    let again = ClosedForm::<1>::from_json(&form.to_json().unwrap()).unwrap();
+    for x in [0.3, -20.0] {
+        assert_eq!(again.log_pdf(&[x]).to_bits(), form.log_pdf(&[x]).to_bits());
+        assert!(form.log_pdf(&[x]).is_finite());
+    }
+    let path = scratch("files").join("density.json");
+    form.save(&path).unwrap();
+    assert_eq!(ClosedForm::<1>::load(&path).unwrap().to_json().unwrap(), form.to_json().unwrap());
+    let missing = ClosedForm::<1>::load(path.with_file_name("none.json")).unwrap_err();
+    assert!(matches!(missing, Error::File { action: "read", .. }), "{missing}");
+}
+
+/// The text with a checksum that fits it, as one who means harm would write it.
+fn signed(text: &str) -> String {
+    let (head, rest) = text.split_once("\"states\":").unwrap();
+    let (states, rest) = rest.split_once(",\"density\":").unwrap();
+    let (density, _) = rest.split_once(",\"checksum\"").unwrap();
+    let sum = format!("[{states},{density}]")
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    format!("{head}\"states\":{states},\"density\":{density},\"checksum\":\"{sum:016x}\"}}")
+}
+
+#[test]
+fn a_corrupt_document_is_refused_by_name() {
+    let problem = |text: &str| match ClosedForm::<2>::from_json(text) {
+        Err(Error::NotAClosedForm { problem }) => problem,
+        other => panic!("{other:?} from {}", &text[..text.len().min(300)]),
+    };
+    let wall = Barrier::new(0.0, 0.9).unwrap();
+    let closure = ClosedForm::new(Closure::new(2).solve_with_wall(&duffing(), wall).unwrap(), ["x", "v"]).unwrap();
+    let exact = ClosedForm::new(linear().exact().unwrap(), ["x", "v"]).unwrap();
+    let (text, exact) = (closure.to_json().unwrap(), exact.to_json().unwrap());
+    assert_eq!(signed(&text), text);
+
+    for end in (0..text.len()).step_by(text.len() / 60) {
+        problem(&text[..end]);
+    }
+    // A digit that changes is found by the checksum, whatever it belongs to.
+    let digits: Vec<usize> = text.match_indices("0.1").map(|(at, _)| at + 2).filter(|at| *at > 100).collect();
+    assert!(digits.len() > 40);
+    for at in digits.iter().step_by(digits.len() / 40) {
+        let altered = format!("{}7{}", &text[..*at], &text[at + 1..]);
+        assert!(problem(&altered).contains("altered"), "{}", problem(&altered));
+    }
+    for (from, to, said) in [
+        ("expoly closed form", "something else", "format"),
+        ("\"version\":1", "\"version\":2", "version 2"),
+        ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\"]", "1 states"),
+        ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\",\"x\"]", "another state"),
+        ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\",\"1\"]", "letter"),
+        ("\"guarded\":false", "\"guarded\":false,\"extra\":1", "extra"),
+        ("\"guarded\":false", "\"guarded\":7", "boolean"),
+        ("\"walls\":[[0.0,0.9],null]", "\"walls\":[[0.0,9.0],null]", "restitution"),
+        ("\"restitution\":0.9", "\"restitution\":-0.9", "restitution"),
+        ("\"reach\":[", "\"reach\":[1.0,", "column"),
+        ("\"coefficients\":[", "\"coefficients\":[1.0,", "coefficients for"),
+        ("\"exponents\":[[1,0]", "\"exponents\":[[1,99]", "99"),
+        ("\"exponents\":[[1,0]", "\"exponents\":[[1]", "exponents [1]"),
+        ("\"kinks\":[[1,", "\"kinks\":[[-2147483648,", "none of a kink"),
+        ("\"constant\":", "\"constant\":1e999,\"was\":", "number out of range"),
+        ("\"half_width\":[", "\"half_width\":[-1.0,", "half width"),
+        ("\"nodes\":[", "\"nodes\":[0.5,", "no rule"),
+        ("\"candidates\":[{", "\"candidates\":[],\"unknown\":[{", "unknown"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let found = problem(&signed(&text.replacen(from, to, 1)));
+        assert!(found.contains(said), "{to}: {found}");
+    }
+    for (from, to, said) in [
+        ("\"origin\":[", "\"origin\":[0.0,", "for 2 states"),
+        ("\"scale\":[[", "\"scale\":[[-", "triangle"),
+        ("\"terms\":[[[", "\"terms\":[[[3,0],1.0],[[", "normalised"),
+        ("\"support\":\"whole_space\"", "\"support\":{\"region\":[[1.0,0.0],[0.0,1.0]]}", "box"),
+        ("\"support\":\"whole_space\"", "\"support\":\"elsewhere\"", "elsewhere"),
+    ] {
+        assert!(exact.contains(from), "{from}: {exact}");
+        let found = problem(&signed(&exact.replacen(from, to, 1)));
+        assert!(found.contains(said), "{to}: {found}");
+    }
+    assert!(problem("[1, 2, 3]").contains("invalid type"));
+    problem(&"[".repeat(100_000));
+    let four = ClosedForm::<4>::from_json(&text).unwrap_err().to_string();
+    assert!(four.contains("2 states") && four.contains("restore"), "{four}");
+    for name in ["", "2x", "x y", "lambda", "z1", "ẋ"] {
+        let refused = ClosedForm::new(linear().exact().unwrap(), [name, "v"]);
+        assert!(matches!(refused, Err(Error::NotAName { .. })), "{name}");
+    }
+}

@@ -1,0 +1,188 @@
+//! Studies: interrupted and gone on with, they end in the same table; and warm starts come to the same densities.
+
+use crate::common::*;
+use expoly::models::Solved;
+use expoly::study::{Case, OrderRow, OrderStudy, OrderTable, Sweep, Truth};
+use expoly::{Barrier, Closure, ClosureDensity, Density, Error, Gaussian, Polynomial, Support};
+use nalgebra::{SMatrix, SVector};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("study");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
+    let _ = std::fs::remove_file(&path);
+    path
+}
+
+/// Systems of one state and of two, two methods for the latter, and a count of what was solved.
+fn study<'a>(solved: &'a AtomicUsize, orders: &[u32]) -> OrderStudy<'a> {
+    let count = move || {
+        solved.fetch_add(1, Ordering::Relaxed);
+    };
+    let plane = Case::new("Duffing", duffing(), |s| Ok(Truth::exact(s.exact()?)))
+        .method("robust", move |s, n| {
+            count();
+            Ok(Closure::new(n).solve(s)?.into())
+        })
+        .method("classical", move |s, n| {
+            count();
+            Ok(Closure::classical(n).solve(s)?.into())
+        });
+    let line = Case::new("Ornstein-Uhlenbeck", OrnsteinUhlenbeck, |_| {
+        let q = Polynomial::from_terms([(&[2][..], -0.5)])?;
+        let scale = Gaussian { mean: SVector::zeros(), covariance: SMatrix::identity() };
+        Ok(expoly::ExpPolynomial::from_states(&q, &scale, Support::WholeSpace)?.into())
+    })
+    .method("robust", move |s, n| {
+        count();
+        Ok(Closure::new(n).solve(s)?.into())
+    });
+    OrderStudy::new(orders).case(plane).case(line)
+}
+
+/// The rows without the time that they took.
+fn timeless(table: &OrderTable) -> Vec<OrderRow> {
+    table.rows().iter().map(|row| OrderRow { seconds: 0.0, ..row.clone() }).collect()
+}
+
+fn cancelled(study: OrderStudy<'_>, after: usize) {
+    let error = study
+        .progress(
+            move |progress| if progress.done >= after { ControlFlow::Break(()) } else { ControlFlow::Continue(()) },
+        )
+        .run()
+        .unwrap_err();
+    assert!(matches!(error, Error::StudyCancelled { rows: 9, .. }), "{error}");
+}
+
+fn lines(path: &Path) -> usize {
+    std::fs::read_to_string(path).unwrap().lines().count()
+}
+
+#[test]
+fn an_interrupted_study_goes_on_to_the_same_table() {
+    let (orders, solved) = ([2, 4, 6], AtomicUsize::new(0));
+    let whole = study(&solved, &orders).run().unwrap();
+    assert_eq!((whole.rows().len(), solved.swap(0, Ordering::Relaxed)), (9, 9));
+    // The study's own order: systems, then methods, then orders.
+    let keys: Vec<_> = whole.rows().iter().map(|row| (&row.system[..1], &row.method[..1], row.order)).collect();
+    assert_eq!(keys[..4], [("D", "r", 2), ("D", "r", 4), ("D", "r", 6), ("D", "c", 2)]);
+    assert_eq!(keys[8], ("O", "r", 6));
+    // Duffing's density is a quartic: from n = 4 on all errors are rounding, those of quadratures included.
+    for row in whole.rows() {
+        let exact = row.order >= 4 || row.system.starts_with('O');
+        assert_eq!(row.l1.unwrap() < 1e-6, exact, "{row:?}");
+        assert_eq!(row.mean_square_x.unwrap().abs() < 1e-6, exact, "{row:?}");
+        assert!(row.tail.is_some());
+        assert_eq!(row.rate.is_some(), row.system == "Duffing");
+        assert_eq!(row.indicator.is_some(), row.method == "robust");
+    }
+    let enough: Vec<_> = whole.convergence().iter().map(|found| found.enough).collect();
+    assert_eq!(enough, [Some(4), None, Some(2)]);
+    assert!(whole.to_string().contains("stops paying at n = 4"), "{whole}");
+
+    let path = scratch("orders.csv");
+    cancelled(study(&solved, &orders).file(&path), 2);
+    let kept = lines(&path) - 2;
+    // Each thread may finish what it has begun.
+    assert!((2..9).contains(&kept) && solved.swap(0, Ordering::Relaxed) == kept, "{kept}");
+    cancelled(study(&solved, &orders).file(&path), kept + 1);
+    // A run that was killed in the middle of a line: the row is computed again.
+    let content = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, &content[..content.len() - 9]).unwrap();
+    let kept = lines(&path) - 3;
+    solved.store(0, Ordering::Relaxed);
+    let resumed = study(&solved, &orders).file(&path).run().unwrap();
+    assert_eq!(solved.swap(0, Ordering::Relaxed), 9 - kept);
+    assert_eq!(timeless(&resumed), timeless(&whole));
+    // A finished study is read, and nothing is solved.
+    assert_eq!(study(&solved, &orders).file(&path).run().unwrap(), resumed);
+    assert_eq!(solved.load(Ordering::Relaxed), 0);
+    let numbers: Vec<String> =
+        std::fs::read_to_string(&path).unwrap().lines().skip(2).map(|l| l[..1].to_owned()).collect();
+    assert_eq!(numbers.concat(), "012345678");
+
+    // Killed while it wrote the heading: nothing is kept, and nothing is lost.
+    let content = std::fs::read_to_string(&path).unwrap();
+    for end in [0, 7, 60] {
+        std::fs::write(&path, &content[..end]).unwrap();
+        assert_eq!(timeless(&study(&solved, &orders).file(&path).run().unwrap()), timeless(&whole));
+    }
+
+    let other = study(&solved, &[2, 4]).file(&path).run().unwrap_err();
+    assert!(matches!(&other, Error::OtherStudy { path } if path.ends_with("orders.csv")), "{other}");
+    for (from, to, said) in [
+        ("\n3,", "\n2,", "twice"),
+        ("\n3,", "\n33,", "number"),
+        ("\n3,", "\n3,,", "fields"),
+        (",2,", ",two,", "no number"),
+    ] {
+        std::fs::write(&path, content.replacen(from, to, 1)).unwrap();
+        let error = study(&solved, &orders).file(&path).run().unwrap_err();
+        assert!(matches!(error, Error::SpoiledStudy { .. }) && error.to_string().contains(said), "{error}");
+    }
+    assert!(matches!(study(&solved, &[]).run(), Err(Error::OutOfRange { .. })));
+    // An error that is no answer ends the study, and names itself rather than the rows that were not begun.
+    let bad = study(&solved, &[2, 17, 4]).run().unwrap_err();
+    assert!(matches!(bad, Error::OutOfRange { name: "order of the closure", .. }), "{bad}");
+    let nowhere = study(&solved, &orders).file(path.join("below/a/file")).run().unwrap_err();
+    assert!(matches!(nowhere, Error::File { .. }), "{nowhere}");
+}
+
+#[test]
+fn a_sweep_starts_near_and_goes_on_to_the_same_table() {
+    let values = [1.0, 0.9, 0.8, 0.7, 0.6];
+    let (cold, warm) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    // What is handed over is the value itself: which one it was shows in the table.
+    let solve = |r: f64, near: Option<&f64>| {
+        if near.is_some() { &warm } else { &cold }.fetch_add(1, Ordering::Relaxed);
+        Ok((vec![r * r, near.copied().unwrap_or(r)], r))
+    };
+    let sweep = || Sweep::new("r", &values, &["square", "from"]).segment(3);
+    let whole = sweep().run(solve).unwrap();
+    assert_eq!(whole.column("from").unwrap(), [0.9, 0.9, 0.9, 0.7, 0.7]);
+    assert_eq!(whole.column("square").unwrap(), values.map(|r| r * r));
+    assert_eq!((cold.swap(0, Ordering::Relaxed), warm.swap(0, Ordering::Relaxed)), (2, 3));
+    let path = scratch("sweep.csv");
+    let stop = sweep().file(&path).progress(|_| ControlFlow::Break(())).run(solve).unwrap_err();
+    assert!(matches!(stop, Error::StudyCancelled { rows: 5, .. }), "{stop}");
+    assert_eq!(sweep().file(&path).run(solve).unwrap(), whole);
+    assert_eq!(sweep().file(&path).run(solve).unwrap(), whole);
+    let other = sweep().settings("another wall").file(&path).run(solve).unwrap_err();
+    assert!(matches!(other, Error::OtherStudy { .. }), "{other}");
+    assert!(matches!(whole.column("none"), Err(Error::NoColumn { .. })));
+    for sweep in [Sweep::new("r", &[], &["a"]), Sweep::new("r", &[f64::NAN], &["a"]), sweep().segment(0)] {
+        assert!(matches!(sweep.run(solve), Err(Error::OutOfRange { .. })));
+    }
+    let short = Sweep::new("r", &[1.0], &["one"]).run(solve).unwrap_err();
+    assert!(matches!(short, Error::Dimension { expected: 1, found: 2, .. }), "{short}");
+}
+
+/// A start from a similar system takes fewer linear systems, and comes to the same density within the estimated errors.
+#[test]
+fn a_warm_start_comes_to_the_same_density() {
+    let agree = |what: &str, cold: &ClosureDensity<2>, warm: &ClosureDensity<2>| {
+        let (l1, estimates) = (
+            cold.expectation(&|x: &[f64; 2]| (1.0 - (warm.log_pdf(x) - cold.log_pdf(x)).exp()).abs()).value,
+            [cold.l1_estimate(), warm.l1_estimate()],
+        );
+        let iterations = [cold, warm].map(|density| density.provenance().iterations);
+        println!("{what}: L1 between {l1:.1e}, estimates {estimates:?}, iterations {iterations:?}");
+        assert!(l1 < estimates[0] + estimates[1] && iterations[1] < iterations[0], "{what}");
+        // The warm start is no worse: its own estimate says so, within a tenth.
+        assert!(estimates[1] < 1.1 * estimates[0], "{what}");
+    };
+    let wall = |r: f64| Barrier::new(-0.5, r).unwrap();
+    let closure = Closure::new(4);
+    let near = closure.solve_with_wall(&duffing(), wall(0.85)).unwrap();
+    let cold = closure.solve_with_wall(&duffing(), wall(0.8)).unwrap();
+    let warm = closure.solve_with_wall_from(&duffing(), wall(0.8), &near).unwrap();
+    agree("wall", &cold, &warm);
+    let vdp = |strength| expoly::models::DuffingVanDerPol::van_der_pol(strength, 0.3).unwrap();
+    let closure = Closure::new(8);
+    let near = closure.solve(&vdp(0.45)).unwrap();
+    agree("van der Pol", &closure.solve(&vdp(0.5)).unwrap(), &closure.solve_from(&vdp(0.5), &near).unwrap());
+}
