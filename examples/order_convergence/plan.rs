@@ -1,12 +1,12 @@
 //! What the orders are compared with: the exact density, the grid or a simulation.
 
 use crate::rows::{Row, Study};
-use crate::support::closure::{Closed, EitherDensity};
+use crate::support::closure::Closed;
 use crate::support::json::Number;
 use crate::support::progress::{simulation_bar, spinner};
 use crate::{Options, Reference};
 use expoly::models::{PowerLaw, Solved};
-use expoly::{Closure, Density, Grid, Histogram, PolynomialDrift, Simulation, compare};
+use expoly::{ClosedDensity, Closure, Density, Grid, Histogram, PolynomialDrift, Simulation, compare};
 
 /// The study that the options ask for.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,7 @@ impl Plan<'_> {
         &self,
         equation: &str,
         system: &T,
-        exact: Option<&(impl Density<2> + Sync)>,
+        exact: Option<&impl Density<2>>,
     ) -> Outcome {
         let best = if exact.is_some() { Reference::Exact } else { Reference::Grid };
         match (self.0.reference.unwrap_or(best), exact) {
@@ -45,7 +45,7 @@ impl Plan<'_> {
         &self,
         equation: &str,
         system: &T,
-        exact: &(impl Density<N> + Sync),
+        exact: &impl Density<N>,
     ) -> Outcome {
         match self.0.reference.unwrap_or(Reference::Exact) {
             Reference::Exact => self.against_exact(equation, system, exact),
@@ -58,9 +58,9 @@ impl Plan<'_> {
         &self,
         equation: &str,
         system: &T,
-        exact: &(impl Density<N> + Sync),
+        exact: &impl Density<N>,
     ) -> Outcome {
-        let distance = |density: &EitherDensity<N>| Ok(density.l1(exact));
+        let distance = |density: &ClosedDensity<N>| Ok(compare::l1(density, exact).value);
         let reference = String::from("against the exact density");
         self.study(equation, system, ("joint L1", reference, None), &distance)
     }
@@ -69,7 +69,7 @@ impl Plan<'_> {
         let sign = spinner("grid");
         let grid = Grid::new().solve(system)?;
         sign.finish_and_clear();
-        let distance = |density: &EitherDensity<2>| Ok(grid.l1_distance(density).value);
+        let distance = |density: &ClosedDensity<2>| Ok(grid.l1_distance(density).value);
         let provenance = grid.provenance();
         let (x, v) = (grid.moment([2, 0]), grid.moment([0, 2]));
         let reference = format!(
@@ -88,7 +88,7 @@ impl Plan<'_> {
         let simulated = Simulation::new(system).samples(self.0.samples).seed(self.0.seed).progress(callback).run()?;
         bar.finish_and_clear();
         let histogram: &Histogram<1> = simulated.histogram(0)?;
-        let distance = |density: &EitherDensity<N>| Ok(compare::with_histogram(density, 0, histogram)?.l1);
+        let distance = |density: &ClosedDensity<N>| Ok(compare::with_histogram(density, 0, histogram)?.l1);
         // The noise is the histogram's own and the same for every density; one is needed to ask for it.
         let gaussian = Closure::classical(2).solve(system)?.density()?;
         let noise = compare::with_histogram(&gaussian, 0, histogram)?.noise;
@@ -106,7 +106,7 @@ impl Plan<'_> {
         equation: &str,
         system: &T,
         (measure, reference, noise): (&'static str, String, Option<f64>),
-        distance: &impl Fn(&EitherDensity<N>) -> expoly::Result<f64>,
+        distance: &impl Fn(&ClosedDensity<N>) -> expoly::Result<f64>,
     ) -> Outcome {
         let options = self.0;
         let mut rows = Vec::new();

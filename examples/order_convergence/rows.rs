@@ -1,9 +1,9 @@
 //! The study: a row for each order and method.
 
 use crate::plan::square;
-use crate::support::closure::{Closed, EitherDensity, Facts};
+use crate::support::closure::{Closed, Facts};
 use crate::support::json::Number;
-use expoly::{Density, FokkerPlanck, PolynomialDrift, energy_balance};
+use expoly::{ClosedDensity, Density, FokkerPlanck, PolynomialDrift, energy_balance};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -37,7 +37,7 @@ impl Row {
     pub(crate) fn new<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
         closed: Closed<N>,
         system: &T,
-        distance: &impl Fn(&EitherDensity<N>) -> expoly::Result<f64>,
+        distance: &impl Fn(&ClosedDensity<N>) -> expoly::Result<f64>,
     ) -> expoly::Result<Self> {
         let Closed { facts, density: Some(density), .. } = closed else {
             return Ok(Row { facts: closed.facts, mean_squares: None, balance: None, l1: None });

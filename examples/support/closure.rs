@@ -1,7 +1,7 @@
 //! A closure of either method at one order, and what is known of it, for tables, figures and JSON.
 
 use super::json::Number;
-use expoly::{ClosureDensity, Crossing, Density, Error, Estimate, ExpPolynomial, Result, Solution, Weight, compare};
+use expoly::{ClosedDensity, ClosureDensity, Error, Result, Solution, Weight};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use std::time::Instant;
 #[derive(Clone, Debug)]
 pub struct Closed<const N: usize> {
     pub facts: Facts,
-    pub density: Option<EitherDensity<N>>,
+    pub density: Option<ClosedDensity<N>>,
     /// The literature's last iterate, whatever became of it.
     pub solution: Option<Solution<N>>,
 }
@@ -107,7 +107,7 @@ impl<const N: usize> Closed<N> {
             seed: Some(provenance.seed),
             ..Facts::new(METHOD, order, termination.to_owned(), start)
         };
-        Ok(Closed { facts, density: Some(EitherDensity::Robust(Box::new(density))), solution: None })
+        Ok(Closed { facts, density: Some(density.into()), solution: None })
     }
 
     /// The literature's method.
@@ -115,7 +115,7 @@ impl<const N: usize> Closed<N> {
         let start = Instant::now();
         let solution = solve()?;
         let (density, refusal) = match solution.density() {
-            Ok(density) => (Some(EitherDensity::Classical(Box::new(density))), None),
+            Ok(density) => (Some(density.into()), None),
             Err(error) => (None, Some(error.to_string())),
         };
         let condition = Some(solution.condition()).filter(|condition| condition.is_finite());
@@ -130,61 +130,6 @@ impl<const N: usize> Closed<N> {
             ..Facts::new("classical", solution.order(), solution.termination().to_string(), start)
         };
         Ok(Closed { facts, density, solution: Some(solution) })
-    }
-}
-
-/// The density of either method.
-#[derive(Clone, Debug)]
-pub enum EitherDensity<const N: usize> {
-    Robust(Box<ClosureDensity<N>>),
-    Classical(Box<ExpPolynomial<N>>),
-}
-
-impl<const N: usize> EitherDensity<N> {
-    /// The joint distance ∫ |p − q| dx to an exact density.
-    pub fn l1(&self, exact: &(impl Density<N> + Sync)) -> f64 {
-        match self {
-            EitherDensity::Classical(density) => compare::l1(density, exact).value,
-            EitherDensity::Robust(density) => {
-                let ratio = |x: &[f64; N]| (exact.log_pdf(x) - density.log_pdf(x)).exp();
-                let inside = density.expectation(|x| (1.0 - ratio(x)).abs()).value;
-                // What the exact density has outside the trust domain; the sampled means may be off by less than it.
-                inside + (1.0 - density.expectation(ratio).value).max(0.0)
-            }
-        }
-    }
-
-    fn inner(&self) -> &dyn Density<N> {
-        match self {
-            EitherDensity::Robust(density) => &**density,
-            EitherDensity::Classical(density) => &**density,
-        }
-    }
-}
-
-impl<const N: usize> Density<N> for EitherDensity<N> {
-    fn pdf(&self, x: &[f64; N]) -> Estimate {
-        self.inner().pdf(x)
-    }
-
-    fn log_pdf(&self, x: &[f64; N]) -> f64 {
-        self.inner().log_pdf(x)
-    }
-
-    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        self.inner().marginal(state, x)
-    }
-
-    fn moment(&self, powers: [u32; N]) -> Estimate {
-        self.inner().moment(powers)
-    }
-
-    fn variance(&self, state: usize) -> Result<Estimate> {
-        self.inner().variance(state)
-    }
-
-    fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        self.inner().flux(crossing, power)
     }
 }
 

@@ -1,33 +1,54 @@
 //! Files that are written whole or not at all.
 
-use std::{ffi::OsString, fs, io, path::Path};
+use std::path::{Path, PathBuf};
+use std::{ffi::OsString, fs, io};
 
 /// Writes a file by way of a hidden one beside it, so that a reader never sees half of it; its folders are made.
 pub fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
-    let place = |error: io::Error| io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()));
-    let name = path.file_name().ok_or_else(|| place(io::Error::from(io::ErrorKind::InvalidInput)))?;
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(place)?;
-    }
-    let mut hidden = OsString::from(".");
-    hidden.push(name);
-    hidden.push(format!(".{}.tmp", std::process::id()));
-    let temporary = path.with_file_name(hidden);
-    let outcome = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
+    write_together(&[(path.to_owned(), content)])
+}
+
+/// Writes several files that belong together: all are complete beside their places before the first is put there.
+pub fn write_together(files: &[(PathBuf, &[u8])]) -> io::Result<()> {
+    let mut complete = Vec::new();
+    let outcome = files.iter().try_for_each(|(path, content)| {
+        let place =
+            |error: io::Error| io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()));
+        let name = path.file_name().ok_or_else(|| place(io::Error::from(io::ErrorKind::InvalidInput)))?;
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(place)?;
+        }
+        let mut hidden = OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}.tmp", std::process::id()));
+        complete.push(path.with_file_name(hidden));
+        complete.last().map_or(Ok(()), |temporary| fs::write(temporary, content)).map_err(place)
+    });
+    let outcome = outcome.and_then(|()| {
+        complete.iter().zip(files).try_for_each(|(temporary, (path, _))| {
+            let place = |error: io::Error| format!("cannot write {}: {error}", path.display());
+            fs::rename(temporary, path).map_err(|error| io::Error::new(error.kind(), place(error)))
+        })
+    });
     if outcome.is_err() {
-        // The half-written file is of no use; that it cannot be removed either is less than the error itself.
-        let _ = fs::remove_file(&temporary);
+        // Half-written files are of no use; that one cannot be removed either is less than the error itself.
+        complete.iter().for_each(|temporary| drop(fs::remove_file(temporary)));
     }
-    outcome.map_err(place)
+    outcome
 }
 
 /// Writes a table as CSV; numbers keep all their digits.
 pub fn write_csv(path: &Path, header: &[String], rows: &[Vec<f64>]) -> io::Result<()> {
+    let rows = rows.iter().map(|row| row.iter().map(f64::to_string).collect());
+    write_whole(path, &csv_of(header, rows)?)
+}
+
+/// A table as CSV.
+pub fn csv_of(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(header)?;
     for row in rows {
-        writer.write_record(row.iter().map(f64::to_string))?;
+        writer.write_record(row)?;
     }
-    let content = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-    write_whole(path, &content)
+    writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
 }

@@ -1,10 +1,9 @@
 //! Figures, and the numbers drawn in them as CSV.
 
 use crate::study::Study;
-use crate::support::closure::EitherDensity;
 use crate::support::figure::{Band, ContourPanel, Curve, Panel, Scale, Style, View, write_figure};
 use crate::support::file::write_csv;
-use expoly::Density;
+use expoly::{ClosedDensity, Density};
 use std::path::Path;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -19,7 +18,7 @@ struct Drawn {
     label: String,
     cut_off: bool,
     colour: usize,
-    density: EitherDensity<2>,
+    density: ClosedDensity<2>,
 }
 
 /// Writes `<stem>.svg` and the CSV files behind it.

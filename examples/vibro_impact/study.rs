@@ -1,11 +1,11 @@
 //! One case: the closures, the simulation and the grid, and their statistics.
 
 use crate::options::{Method, Options, Parameters, Task};
-use crate::support::closure::{Closed, EitherDensity};
+use crate::support::closure::Closed;
 use crate::support::progress::{simulation_bar, spinner};
 use expoly::{
-    Barrier, Closure, Crossing, Density, Estimate, FokkerPlanck, Grid, GridDensity, Histogram, SimulatedDensity,
-    Simulation, Termination, compare, energy_balance,
+    Barrier, ClosedDensity, Closure, Crossing, Density, Estimate, FokkerPlanck, Grid, GridDensity, Histogram,
+    SimulatedDensity, Simulation, Termination, compare, energy_balance,
 };
 use indicatif::ProgressBar;
 
@@ -41,7 +41,7 @@ pub(crate) struct Judged {
 impl Judged {
     /// The density to draw: the real one or, where the classical Q turns upwards, exp(Q) cut off at the range of the
     /// samples. The flag tells the two apart.
-    pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity<2>>) -> Option<(EitherDensity<2>, bool)> {
+    pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity<2>>) -> Option<(ClosedDensity<2>, bool)> {
         if let Some(density) = &self.closed.density {
             return Some((density.clone(), false));
         }
@@ -53,7 +53,7 @@ impl Judged {
         let drawable = solution.termination() == Termination::NotNormalisable;
         let region = [range(0)?, range(1)?];
         let density = drawable.then(|| solution.density_within(region).ok()).flatten()?;
-        Some((EitherDensity::Classical(Box::new(density)), true))
+        Some((density.into(), true))
     }
 }
 

@@ -1,7 +1,7 @@
 //! One panel: its axes and what is drawn between them.
 
 use super::page::{BAND_OPACITY, FONT, LINE, MARKER, TEXT, path};
-use super::{ContourPanel, Panel, Scale, Style};
+use super::{ContourPanel, Panel, Style};
 use kuva::prelude::*;
 use kuva::render::layout::ComputedLayout;
 use kuva::render::render::Scene;
@@ -13,20 +13,26 @@ use std::sync::Arc;
 const PALETTE: [&str; 7] = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
 /// Mean advance of a character in running text, in units of the font size, rounded up.
 const ADVANCE: f64 = 0.57;
+/// A panel of less width than this has fewer ticks.
+const NARROW: f64 = 350.0;
 const TITLE: u32 = 18;
 const LABEL: u32 = 17;
 
 /// The axes of a panel with its curves and bands, and the entries of its legend.
 pub(super) fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry>) {
-    let logarithmic = panel.scale == Scale::Logarithmic;
+    let (logarithmic, log_abscissa) = (panel.scale.of_ordinate(), panel.scale.of_abscissa());
     // The library's logarithmic axis ends at 1e-10, so logarithms are drawn on a linear one.
     let axis = |y: f64| if logarithmic { y.log10() } else { y };
+    let along = |x: f64| if log_abscissa { x.log10() } else { x };
     let curve_points = panel.curves.iter().flat_map(|c| c.points.iter().copied());
     let band_points = panel.bands.iter().flat_map(|b| &b.points);
     let outline = band_points.flat_map(|&[x, low, high]| [[x, low], [x, high]]);
-    let drawn: Vec<[f64; 2]> =
-        curve_points.chain(outline).map(|[x, y]| [x, axis(y)]).filter(|p| p.iter().all(|v| v.is_finite())).collect();
-    let x = valid(panel.x_range).unwrap_or_else(|| fit(drawn.iter().map(|p| p[0])));
+    let drawn: Vec<[f64; 2]> = curve_points
+        .chain(outline)
+        .map(|[x, y]| [along(x), axis(y)])
+        .filter(|p| p.iter().all(|v| v.is_finite()))
+        .collect();
+    let x = valid(panel.x_range.map(|range| range.map(along))).unwrap_or_else(|| fit(drawn.iter().map(|p| p[0])));
     let inside = drawn.iter().filter(|p| x[0] <= p[0] && p[0] <= x[1]);
     let y = valid(panel.y_range.map(|range| range.map(axis))).unwrap_or_else(|| {
         let [low, high] = fit(inside.map(|p| p[1]));
@@ -39,15 +45,17 @@ pub(super) fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry
         }
     });
     // A logarithmic axis needs two powers of ten to be read.
-    let short = logarithmic && y[1].floor() - y[0].ceil() < 1.0;
-    let y = if short { [y[0].floor(), y[1].ceil()] } else { y };
+    let readable = |[low, high]: [f64; 2], logarithmic: bool| {
+        if logarithmic && high.floor() - low.ceil() < 1.0 { [low.floor(), high.ceil()] } else { [low, high] }
+    };
+    let (x, y) = (readable(x, log_abscissa), readable(y, logarithmic));
 
     let mut plots = vec![no_data()];
     let mut entries = Vec::new();
     for band in &panel.bands {
         let colour = PALETTE[band.colour % PALETTE.len()];
         let floor = |low: f64| if logarithmic && low < f64::INFINITY { axis(low).max(y[0]) } else { low };
-        let points = band.points.iter().map(|&[x, low, high]| [x, floor(low), axis(high)]);
+        let points = band.points.iter().map(|&[x, low, high]| [along(x), floor(low), axis(high)]);
         plots.extend(runs(points).into_iter().map(|run| {
             let [x, low, high] = [0, 1, 2].map(|i| run.iter().map(move |p| p[i]));
             let plot = BandPlot::new(x, low, high).with_color(colour);
@@ -63,7 +71,7 @@ pub(super) fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry
             Style::Dotted => LineStyle::Dotted,
         };
         let markers = curve.style == Style::Points;
-        for run in runs(curve.points.iter().map(|&[x, y]| [x, axis(y)])) {
+        for run in runs(curve.points.iter().map(|&[x, y]| [along(x), axis(y)])) {
             let points = run.into_iter().map(|[x, y]| (x, y));
             plots.push(if markers {
                 let plot = ScatterPlot::new().with_data(points).with_color(colour);
@@ -79,19 +87,23 @@ pub(super) fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry
     entries.retain(|entry| !entry.label.is_empty());
 
     let mut layout = layout([&panel.title, &panel.x_label, &panel.y_label], x, y, size);
-    let mut minor = String::new();
+    // Names of powers of ten, and the places between them.
+    let format = |v: f64| format!("10{}", superscript(v.round() as i32));
+    let step = |[low, high]: [f64; 2]| ((high - low) / 8.0).ceil();
+    if log_abscissa {
+        layout = layout.with_x_tick_step(step(x)).with_x_tick_format(TickFormat::Custom(Arc::new(format)));
+    }
     if logarithmic {
-        let step = ((y[1] - y[0]) / 8.0).ceil();
-        let format = |v: f64| format!("10{}", superscript(v.round() as i32));
-        layout = layout.with_y_tick_step(step).with_y_tick_format(TickFormat::Custom(Arc::new(format)));
-        let place = ComputedLayout::from_layout(&layout);
-        for decade in y[0].floor() as i32..y[1].ceil() as i32 {
-            let ticks = (2..10).map(|m| f64::from(decade) + f64::from(m).log10());
-            for tick in ticks.filter(|t| step < 2.0 && y[0] < *t && *t < y[1]) {
-                let left = place.margin_left - 3.0;
-                minor += &format!("M{left:.2} {:.2}h3", place.map_y(tick));
-            }
-        }
+        layout = layout.with_y_tick_step(step(y)).with_y_tick_format(TickFormat::Custom(Arc::new(format)));
+    }
+    let mut minor = String::new();
+    let place = ComputedLayout::from_layout(&layout);
+    let (left, bottom) = (place.margin_left - 3.0, place.height - place.margin_bottom);
+    for tick in minor_ticks(y).into_iter().filter(|_| logarithmic && step(y) < 2.0) {
+        minor += &format!("M{left:.2} {:.2}h3", place.map_y(tick));
+    }
+    for tick in minor_ticks(x).into_iter().filter(|_| log_abscissa && step(x) < 2.0) {
+        minor += &format!("M{:.2} {bottom:.2}v3", place.map_x(tick));
     }
     let mut scene = render_multiple(plots, layout);
     if !minor.is_empty() {
@@ -127,12 +139,19 @@ pub(super) fn contour(panel: &ContourPanel, size: (f64, f64)) -> io::Result<(Sce
             .with_levels(&[level.log10()])
             .with_line_color(colour.as_str());
         plots.push(Plot::Contour(plot.with_line_width(LINE)));
-        entries.push(entry(&power(*level), &colour, LegendShape::Line, None));
+        entries.push(entry(&iso_value(*level), &colour, LegendShape::Line, None));
     }
     let range = |grid: &[f64]| fit(grid.iter().copied());
     let labels = [&panel.title, &panel.x_label, &panel.y_label];
     let layout = layout(labels, range(&panel.x), range(&panel.y), size);
     Ok((render_multiple(plots, layout), entries))
+}
+
+/// The logarithms of 2, 3, … 9 times the powers of ten within a range of logarithms.
+fn minor_ticks([low, high]: [f64; 2]) -> Vec<f64> {
+    let decades = low.floor() as i32..high.ceil() as i32;
+    let ticks = decades.flat_map(|decade| (2..10).map(move |m| f64::from(decade) + f64::from(m).log10()));
+    ticks.filter(|tick| low < *tick && *tick < high).collect()
 }
 
 fn layout(labels: [&String; 3], x: [f64; 2], y: [f64; 2], (width, height): (f64, f64)) -> Layout {
@@ -155,6 +174,10 @@ fn layout(labels: [&String; 3], x: [f64; 2], y: [f64; 2], (width, height): (f64,
         .with_tick_format(TickFormat::Custom(Arc::new(plain)))
         .with_x_label(labels[1].as_str())
         .with_y_label(labels[2].as_str());
+    // Numbers such as −7.5 need room.
+    if width < NARROW {
+        layout = layout.with_ticks(4);
+    }
     if !labels[0].is_empty() {
         layout = layout.with_title(labels[0].as_str());
     }
@@ -198,6 +221,11 @@ fn plain(value: f64) -> String {
     }
     let digits = format!("{value:.6}").replace('-', "\u{2212}");
     digits.trim_end_matches('0').trim_end_matches('.').into()
+}
+
+/// As [`plain`], with a power of ten below a tenth.
+fn iso_value(value: f64) -> String {
+    if (0.1..1e3).contains(&value) { plain(value) } else { power(value) }
 }
 
 /// A number with a power of ten, to three digits.

@@ -1,21 +1,38 @@
-//! Figures of the examples: panels of densities and contours, written as one SVG file.
+//! Figures of the examples: panels of densities and contours, as one SVG file with its numbers beside it.
 //!
 //! Every figure is 960 px wide and meant for 16 cm in print, so that one pixel is 0.47 pt and
 //! the sizes are the same on paper in every figure, whatever its number of columns.
 
 mod axes;
+mod numbers;
 mod page;
 
-use super::file::write_whole;
-use std::{io, path::Path};
+use super::file::write_together;
+use expoly::{Estimate, Histogram, Result};
+use std::path::{Path, PathBuf};
+use std::{ffi::OsString, io};
 
-/// Scale of the y axis of a [`Panel`].
+/// Scale of the axes of a [`Panel`]. Of a logarithmic axis values that are not positive are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Values as they are.
     Linear,
-    /// Decimal logarithm; values that are not positive are left out.
+    /// Decimal logarithm of the ordinate.
     Logarithmic,
+    /// Decimal logarithm of the abscissa.
+    LogAbscissa,
+    /// Decimal logarithms of both.
+    LogLog,
+}
+
+impl Scale {
+    fn of_abscissa(self) -> bool {
+        matches!(self, Scale::LogAbscissa | Scale::LogLog)
+    }
+
+    fn of_ordinate(self) -> bool {
+        matches!(self, Scale::Logarithmic | Scale::LogLog)
+    }
 }
 
 /// How a [`Curve`] is drawn.
@@ -64,7 +81,7 @@ pub struct Panel {
     pub x_label: String,
     /// Name and unit of the ordinate.
     pub y_label: String,
-    /// Scale of the ordinate.
+    /// Scale of the axes.
     pub scale: Scale,
     /// Regions behind the curves.
     pub bands: Vec<Band>,
@@ -105,8 +122,99 @@ pub enum View {
 }
 
 /// Writes the views, row by row in the given number of columns, with the caption beneath them
-/// (broken at `\n` and where a line is full) as an SVG file, whole or not at all.
+/// (broken at `\n` and where a line is full) as an SVG file, and the numbers in them beside it,
+/// under the same name with `.csv` after it. Both files, whole, or none.
 pub fn write_figure(path: &Path, caption: &str, columns: usize, views: &[View]) -> io::Result<()> {
-    let svg = page::render(caption, columns.clamp(1, views.len().max(1)), views)?;
-    write_whole(path, svg.as_bytes())
+    let svg = svg(caption, columns, views)?;
+    write_together(&[(numbers_of(path), &numbers::csv(views)?), (path.to_owned(), svg.as_bytes())])
+}
+
+/// The drawing of [`write_figure`] itself.
+pub fn svg(caption: &str, columns: usize, views: &[View]) -> io::Result<String> {
+    page::render(caption, columns.clamp(1, views.len().max(1)), views)
+}
+
+/// Where the numbers of a figure are.
+fn numbers_of(path: &Path) -> PathBuf {
+    let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(".csv");
+    path.with_file_name(name)
+}
+
+/// `count` numbers from `low` to `high`.
+pub fn between([low, high]: [f64; 2], count: usize) -> Vec<f64> {
+    (0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect()
+}
+
+/// Abscissa, value and error of a quantity.
+pub fn values(x: &[f64], mut quantity: impl FnMut(f64) -> Result<Estimate>) -> Result<Vec<[f64; 3]>> {
+    x.iter().map(|&x| quantity(x).map(|y| [x, y.value, y.error])).collect()
+}
+
+/// A curve from points, of which the first two numbers count.
+pub fn curve<const K: usize>(label: &str, style: Style, colour: usize, points: &[[f64; K]]) -> Curve {
+    Curve { label: label.to_owned(), style, colour, points: points.iter().map(|point| [point[0], point[1]]).collect() }
+}
+
+/// The band of one error around abscissae, values and errors.
+pub fn band(colour: usize, points: &[[f64; 3]]) -> Band {
+    let points = points.iter().map(|&[x, y, error]| [x, y - error, y + error]).collect();
+    Band { label: String::new(), colour, points }
+}
+
+/// What a histogram knows at the places x: points where the standard error is below a third of the value.
+pub fn clear(histogram: &Histogram<1>, x: &[f64]) -> Vec<[f64; 2]> {
+    let known = x.iter().map(|&x| (x, histogram.density_at([x]))).filter(|(_, p)| p.value > 3.0 * p.error);
+    known.map(|(x, p)| [x, p.value]).collect()
+}
+
+impl ContourPanel {
+    /// The density `name` over two axes in units of its highest value there, with iso-lines at 0.9, 0.7, 0.5, 0.3, 0.1,
+    /// 10⁻² … 10⁻⁴.
+    ///
+    /// # Errors
+    /// Those of the density.
+    pub fn of_density(
+        name: &str,
+        [x_label, y_label]: [&str; 2],
+        [x, y]: [Vec<f64>; 2],
+        density: impl Fn([f64; 2]) -> Result<Estimate>,
+    ) -> Result<Self> {
+        let row = |y: &f64| x.iter().map(|x| Ok(density([*x, *y])?.value)).collect();
+        let mut z = y.iter().map(row).collect::<Result<Vec<Vec<f64>>>>()?;
+        let peak = z.iter().flatten().copied().fold(0.0, f64::max);
+        z.iter_mut().flatten().for_each(|z| *z /= peak);
+        Ok(ContourPanel {
+            title: format!("{name} / {peak:.4}"),
+            x_label: x_label.to_owned(),
+            y_label: y_label.to_owned(),
+            x,
+            y,
+            z,
+            levels: vec![0.9, 0.7, 0.5, 0.3, 0.1, 1e-2, 1e-3, 1e-4],
+        })
+    }
+}
+
+impl Panel {
+    /// A panel of curves without a heading whose limits fit the data: the names and units of abscissa and ordinate.
+    pub fn new([x_label, y_label]: [&str; 2], scale: Scale, curves: Vec<Curve>) -> Self {
+        let (x_label, y_label) = (x_label.to_owned(), y_label.to_owned());
+        Panel { title: String::new(), x_label, y_label, scale, bands: Vec::new(), curves, y_range: None, x_range: None }
+    }
+
+    /// The same with bands behind the curves.
+    pub fn with_bands(self, bands: impl IntoIterator<Item = Band>) -> Self {
+        Panel { bands: bands.into_iter().collect(), ..self }
+    }
+
+    /// The same with limits of the abscissa.
+    pub fn with_x_range(self, range: [f64; 2]) -> Self {
+        Panel { x_range: Some(range), ..self }
+    }
+
+    /// The same with limits of the ordinate.
+    pub fn with_y_range(self, range: [f64; 2]) -> Self {
+        Panel { y_range: Some(range), ..self }
+    }
 }

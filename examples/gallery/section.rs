@@ -1,0 +1,123 @@
+//! A model's section: closed, compared with what is known of it, drawn.
+
+use crate::models::Model;
+use crate::page::{Section, Table};
+use crate::plan::Plan;
+use crate::plots::{Drawn, VISIBLE, above, views};
+use crate::support::figure::{View, between, svg, write_figure};
+use expoly::statistics::{Cumulants, Marginal};
+use expoly::{Closure, ClosureDensity, Density, Estimate, Simulation, compare};
+
+pub(crate) type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// The exceedance probability of the level in the tables.
+const RARE: f64 = 1e-4;
+
+/// Two digits and a power of ten.
+pub(crate) fn number(value: f64) -> String {
+    if value == 0.0 { String::from("0") } else { format!("{value:.1e}").replace('-', "−") }
+}
+
+/// Closes, solves or simulates what is needed, and draws.
+pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<String>)> {
+    let (system, order) = (&model.system, plan.order(model.order));
+    let closure = Closure::new(order).seed(plan.seed);
+    let closed = match model.barrier {
+        None => closure.solve(system)?,
+        Some(barrier) => closure.solve_with_wall(system, barrier)?,
+    };
+    let text = [model.name, model.equation, model.parameters];
+    if let Some(exact) = &model.exact {
+        let drawn = Drawn {
+            closure: &closed,
+            truth: &**exact,
+            known: "exact",
+            simulated: Default::default(),
+            points: plan.points,
+        };
+        return described(plan, text, &drawn, String::from("Markers: the exact density."));
+    }
+    let grid = match model.barrier {
+        None => plan.grid().solve(system)?,
+        Some(barrier) => plan.grid().solve_with_wall(system, barrier)?,
+    };
+    let range = above(&grid, 0, VISIBLE)?;
+    let levels = between(range, 13);
+    let simulation = Simulation::new(system).samples(plan.samples).seed(plan.seed).levels(levels.iter().copied());
+    let simulated = match model.barrier {
+        None => simulation.run()?,
+        Some(barrier) => simulation.barrier(barrier).run()?,
+    };
+    let histogram = simulated.histogram(0)?;
+    let sampled = between(range, 30).into_iter().map(|x| (x, histogram.density_at([x]))).collect();
+    // At a wall nothing is crossed.
+    let counted = levels.iter().skip(1).map(|&level| Ok((level, simulated.upcrossing_rate(level)?)));
+    let counted = counted.collect::<expoly::Result<Vec<_>>>()?;
+    let known = format!(
+        "Markers: the grid, estimated L¹ error {}. Simulation: {} samples, seed {}.",
+        number(grid.provenance().l1_error),
+        simulated.provenance().samples,
+        plan.seed
+    );
+    let simulated = [sampled, counted];
+    let drawn = Drawn { closure: &closed, truth: &grid, known: "grid", simulated, points: plan.points };
+    described(plan, text, &drawn, known)
+}
+
+/// The section, and its row in the summary.
+fn described(
+    plan: &Plan,
+    [name, equation, parameters]: [&str; 3],
+    drawn: &Drawn<'_>,
+    known: String,
+) -> Outcome<(Section, Vec<String>)> {
+    let closure: &ClosureDensity<2> = drawn.closure;
+    let provenance = closure.provenance();
+    let distance = compare::l1(closure, drawn.truth);
+    let mut table = Table::new(["", "closure", drawn.known]);
+    let mut row = |name: &str, of: &dyn Fn(&dyn Density<2>) -> expoly::Result<Estimate>| -> Outcome<()> {
+        let text = |density| of(density).map(|estimate| format!("{:.6} ± {}", estimate.value, number(estimate.error)));
+        table.add([name.to_owned(), text(closure)?, text(drawn.truth)?].map(|cell| cell.replace("-", "−")));
+        Ok(())
+    };
+    row("E x²", &|density| Ok(density.moment([2, 0])))?;
+    row("E x′²", &|density| Ok(density.moment([0, 2])))?;
+    row("kurtosis of x", &|density| Ok(Cumulants::new(density, 0)?.kurtosis()))?;
+    row(&format!("x exceeded with probability {RARE}"), &|density| Marginal::new(density, 0)?.upper_quantile(RARE))?;
+    row("ν⁺(1)", &|density| density.upcrossing_rate(1.0))?;
+    let warning = closure.warning().map_or_else(String::new, |warning| format!(" Warning: {warning}."));
+    let caption = format!(
+        "{parameters}; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Closure of order {}, {} coefficients, pilot of seed {}: estimated joint L¹ \
+         error {}, indicator {}.{warning} {known} Iso-lines in units of the peak.",
+        provenance.order,
+        provenance.unknowns,
+        provenance.seed,
+        number(closure.l1_estimate()),
+        number(closure.indicator()),
+    );
+    let summary = vec![
+        name.to_owned(),
+        String::from("2"),
+        provenance.order.to_string(),
+        provenance.unknowns.to_string(),
+        number(closure.l1_estimate()),
+        format!("{} ± {}", number(distance.value), number(distance.error)),
+        drawn.known.to_owned(),
+    ];
+    let slug = name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "_");
+    let section =
+        illustrated(plan, &slug, [name.to_owned(), equation.to_owned(), caption], (2, &views(drawn)?), table)?;
+    Ok((section, summary))
+}
+
+/// Writes the figure and its numbers, and returns the section that shows it: title, lead, caption.
+pub(crate) fn illustrated(
+    plan: &Plan,
+    slug: &str,
+    [title, lead, caption]: [String; 3],
+    (columns, views): (usize, &[View]),
+    table: Table,
+) -> Outcome<Section> {
+    write_figure(&plan.out.join(format!("{slug}.svg")), &format!("{title}: {lead}\n{caption}"), columns, views)?;
+    Ok(Section { slug: slug.to_owned(), title, lead, svg: svg("", columns, views)?, caption, table })
+}

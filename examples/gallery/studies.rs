@@ -1,0 +1,93 @@
+//! What no single model shows: convergence with the order, and a density that changes its shape with a parameter.
+
+use crate::page::{Section, Table};
+use crate::plan::Plan;
+use crate::section::{Outcome, illustrated, number};
+use crate::support::closure::Closed;
+use crate::support::figure::{Panel, Scale, Style, View, band, between, curve};
+use crate::written::Written;
+use expoly::models::{CubicDamping, DuffingVanDerPol};
+use expoly::statistics::Marginal;
+use expoly::{ClosedDensity, Closure, Density};
+
+/// The L¹ error of both closures, and what the robust one says of itself, over the order.
+pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
+    let system = Written::of(&CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?);
+    let grid = plan.grid().solve(&system)?;
+    let mut lines: [Vec<[f64; 2]>; 4] = Default::default();
+    let mut table =
+        Table::new(["order n", "unknowns", "L¹ error", "its estimate", "indicator η", "classical closure: L¹"]);
+    for order in (2..=plan.highest).step_by(2) {
+        let robust = Closure::new(order).seed(plan.seed).solve(&system)?;
+        let classical = Closed::classical(|| Closure::classical(order).solve(&system))?;
+        let [l1, estimate, indicator] = [grid.l1_distance(&robust).value, robust.l1_estimate(), robust.indicator()];
+        let distance = |density: &ClosedDensity<2>| grid.l1_distance(density).value;
+        let other = classical.density.as_ref().map(distance);
+        for (line, value) in lines.iter_mut().zip([Some(l1), Some(estimate), Some(indicator), other]) {
+            line.extend(value.map(|value| [f64::from(order), value]));
+        }
+        let other = other.map_or(classical.facts.termination, number);
+        let unknowns = robust.provenance().unknowns.to_string();
+        table.add([order.to_string(), unknowns, number(l1), number(estimate), number(indicator), other]);
+    }
+    let [l1, estimate, indicator, classical] = lines;
+    let line = |label, style, colour, points: &[[f64; 2]]| {
+        [curve(label, style, colour, points), curve("", Style::Points, colour, points)]
+    };
+    let curves = [
+        &line("classical closure, where it has a density", Style::Solid, 2, &classical)[..],
+        &line("closure", Style::Solid, 1, &l1),
+        &[curve("its own estimate", Style::Dashed, 5, &estimate)],
+        &line("its indicator η", Style::Dotted, 4, &indicator),
+    ];
+    let panel = Panel::new(["order n", "joint L¹ error"], Scale::Logarithmic, curves.concat())
+        .with_x_range([1.5, f64::from(plan.highest) + 0.5]);
+    let caption = format!(
+        "CubicDamping, α = 0.1, γ = 0.3, k = μ = 1, D = 0.5; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Joint L¹ distance to the grid, whose \
+         own estimated error is {}; pilot of seed {}.",
+        number(grid.provenance().l1_error),
+        plan.seed
+    );
+    let lead = "The closure's L¹ error falls with its order, and its own estimate follows it.";
+    let texts = [String::from("Which order is enough?"), lead.to_owned(), caption];
+    illustrated(plan, "convergence", texts, (1, &[View::Curves(panel)]), table)
+}
+
+/// The mean square and the modes of a van der Pol oscillator over its linear damping.
+pub(crate) fn sweep(plan: &Plan) -> Outcome<Section> {
+    let mut table = Table::new(["α", "E x²", "modes of p(x)", "estimated L¹ error"]);
+    let (mut squares, mut grids, mut modes) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, alpha) in between([-1.0, 1.0], plan.values).into_iter().enumerate() {
+        let system = Written::of(&DuffingVanDerPol::new([alpha, 1.0], 1.0, 0.0, 0.2)?);
+        let density = Closure::new(plan.order(8)).seed(plan.seed).solve(&system)?;
+        let square = density.moment([2, 0]);
+        squares.push([alpha, square.value, square.error]);
+        let at = Marginal::new(&density, 0)?.modes();
+        modes.extend(at.iter().map(|(x, _)| [alpha, *x]));
+        if k % 4 == 0 {
+            grids.push([alpha, plan.grid().solve(&system)?.moment([2, 0]).value]);
+        }
+        let places: Vec<String> = at.iter().map(|(x, _)| format!("{x:.3}").replace('-', "−")).collect();
+        let alpha = format!("{alpha:.2}").replace('-', "−");
+        table.add([alpha, format!("{square:.5}"), places.join(", "), number(density.l1_estimate())]);
+    }
+    let panel = |ordinate, curves| {
+        Panel::new(["linear damping α [1/T]", ordinate], Scale::Linear, curves).with_x_range([-1.05, 1.05])
+    };
+    let mean_squares =
+        vec![curve("closure, with its error", Style::Solid, 1, &squares), curve("grid", Style::Points, 0, &grids)];
+    let views = [
+        panel("mean square E x² [L²]", mean_squares).with_bands([band(1, &squares)]),
+        panel("modes of p(x) [L]", vec![curve("closure", Style::Points, 1, &modes)]).with_y_range([-2.0, 2.0]),
+    ]
+    .map(View::Curves);
+    let caption = format!(
+        "DuffingVanDerPol, x″ + (α + x²) x′ + x = ξ, D = 0.2; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Closure of order {}, pilot of seed {}.",
+        plan.order(8),
+        plan.seed
+    );
+    let lead = "Where the linear damping α falls below a negative value, the displacement's density has two modes: the noisy \
+        oscillator spends its time on a limit cycle.";
+    let texts = [String::from("When does a density split?"), lead.to_owned(), caption];
+    illustrated(plan, "sweep", texts, (2, &views), table)
+}
