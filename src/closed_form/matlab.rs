@@ -1,5 +1,8 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use super::formula::{Coordinates, CornerFormula, Domain, Formula, Notation};
 use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+
+const NOTATION: Notation =
+    Notation { times: ".*", power: |z, n| format!("{z}.^{n}"), element: |p, n| format!("{p}{{{}}}", n + 1) };
 
 fn list(values: &[f64]) -> String {
     let number =
@@ -23,7 +26,7 @@ pub(super) fn text(formula: &Formula) -> String {
     let first = formula.constant_first();
     text += &format!("    q = {:?} + zeros(size({}));\n", if first { formula.constant } else { 0.0 }, formula.names[0]);
     for (powers, coefficient) in &formula.terms {
-        text += &format!("    q = q + {coefficient:?}{};\n", product(formula, powers));
+        text += &format!("    q = q + {coefficient:?}{};\n", formula.product(powers, &NOTATION));
     }
     if !first {
         text += &format!("    q = q + {:?};\n", formula.constant);
@@ -64,22 +67,6 @@ fn coordinates(formula: &Formula) -> String {
                 format!("    p{} = legendre_values(({} - {c:?})/{h:?}, {degree});\n", i + 1, name(i))
             })
             .collect(),
-    }
-}
-
-fn product(formula: &Formula, powers: &[u32]) -> String {
-    let factor = |(i, power): (usize, &u32)| match (&formula.coordinates, power) {
-        (_, 0) => String::new(),
-        (Coordinates::Legendre { .. }, n) => format!("p{}{{{}}}", i + 1, n + 1),
-        (Coordinates::States, 1) => formula.names[i].clone(),
-        (Coordinates::States, n) => format!("{}.^{n}", formula.names[i]),
-        (Coordinates::Affine { .. }, n) => format!("z{}.^{n}", i + 1),
-    };
-    let factors: Vec<String> = powers.iter().enumerate().map(factor).filter(|factor| !factor.is_empty()).collect();
-    match &factors[..] {
-        [] => String::new(),
-        [factor] => format!(".*{factor}"),
-        factors => format!(".*({})", factors.join(".*")),
     }
 }
 

@@ -1,5 +1,8 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use super::formula::{Coordinates, CornerFormula, Domain, Formula, Notation};
 use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+
+const NOTATION: Notation =
+    Notation { times: "*", power: |z, n| format!("{z}**{n}"), element: |p, n| format!("{p}[{n}]") };
 
 /// A list of numbers, every bit kept.
 fn list(values: &[f64]) -> String {
@@ -35,7 +38,7 @@ pub(super) fn text(formula: &Formula) -> String {
     let first = formula.constant_first();
     text += &format!("    q = {:?}\n", if first { formula.constant } else { 0.0 });
     for (powers, coefficient) in &formula.terms {
-        text += &format!("    q += {coefficient:?}{}\n", product(formula, powers));
+        text += &format!("    q += {coefficient:?}{}\n", formula.product(powers, &NOTATION));
     }
     if !first {
         text += &format!("    q += {:?}\n", formula.constant);
@@ -68,22 +71,6 @@ fn coordinates(formula: &Formula) -> String {
                 format!("    p{} = legendre(({} - {c:?})/{h:?}, {})\n", i + 1, name(i), formula.degree())
             })
             .collect(),
-    }
-}
-
-fn product(formula: &Formula, powers: &[u32]) -> String {
-    let factor = |(i, power): (usize, &u32)| match (&formula.coordinates, power) {
-        (_, 0) => String::new(),
-        (Coordinates::Legendre { .. }, n) => format!("p{}[{n}]", i + 1),
-        (Coordinates::States, 1) => formula.names[i].clone(),
-        (Coordinates::States, n) => format!("{}**{n}", formula.names[i]),
-        (Coordinates::Affine { .. }, n) => format!("z{}**{n}", i + 1),
-    };
-    let factors: Vec<String> = powers.iter().enumerate().map(factor).filter(|factor| !factor.is_empty()).collect();
-    match &factors[..] {
-        [] => String::new(),
-        [factor] => format!("*{factor}"),
-        factors => format!("*({})", factors.join("*")),
     }
 }
 

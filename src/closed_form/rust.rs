@@ -1,5 +1,8 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use super::formula::{Coordinates, CornerFormula, Domain, Formula, Notation};
 use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+
+const NOTATION: Notation =
+    Notation { times: " * ", power: |z, n| format!("{z}.powi({n})"), element: |p, n| format!("{p}[{n}]") };
 
 /// A number as a literal, every bit kept.
 fn number(value: f64) -> String {
@@ -39,7 +42,7 @@ pub(super) fn text(formula: &Formula) -> String {
     let first = formula.constant_first();
     text += &format!("    let mut q = {:?};\n", if first { formula.constant } else { 0.0 });
     for (powers, coefficient) in &formula.terms {
-        text += &format!("    q += {coefficient:?}{};\n", product(formula, powers));
+        text += &format!("    q += {coefficient:?}{};\n", formula.product(powers, &NOTATION));
     }
     if !first {
         text += &format!("    q += {:?};\n", formula.constant);
@@ -72,22 +75,6 @@ fn coordinates(formula: &Formula) -> String {
                 format!("    let p{} = legendre::<{}>(({} - {c:?}) / {h:?});\n", i + 1, degree + 1, name(i))
             })
             .collect(),
-    }
-}
-
-fn product(formula: &Formula, powers: &[u32]) -> String {
-    let factor = |(i, power): (usize, &u32)| match (&formula.coordinates, power) {
-        (_, 0) => String::new(),
-        (Coordinates::Legendre { .. }, n) => format!("p{}[{n}]", i + 1),
-        (Coordinates::States, 1) => formula.names[i].clone(),
-        (Coordinates::States, n) => format!("{}.powi({n})", formula.names[i]),
-        (Coordinates::Affine { .. }, n) => format!("z{}.powi({n})", i + 1),
-    };
-    let factors: Vec<String> = powers.iter().enumerate().map(factor).filter(|factor| !factor.is_empty()).collect();
-    match &factors[..] {
-        [] => String::new(),
-        [factor] => format!(" * {factor}"),
-        factors => format!(" * ({})", factors.join(" * ")),
     }
 }
 
