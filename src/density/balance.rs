@@ -6,7 +6,8 @@ use crate::{Barrier, Error, Estimate, FokkerPlanck, Polynomial, Result};
 ///
 /// The noise injects E[½ B_vv] (D for additive noise) and the drift f_v of the velocity dissipates −E[v f_v]; a wall at b
 /// takes ½ (1 − r²) ∫ |v|³ p(b, v) dv over v < 0. The error is the sum of the errors that the density states for its
-/// moments.
+/// moments. A simulation's vary together: [`SimulatedDensity::energy_balance`](crate::SimulatedDensity::energy_balance)
+/// has the standard error.
 ///
 /// # Errors
 /// [`Error::NotADisplacement`] unless some state is the velocity of state 0; with a wall as [`Density::flux`].

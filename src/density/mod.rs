@@ -18,7 +18,7 @@ pub(crate) use record::{ExpRecord, SupportRecord};
 pub use support::Support;
 
 use crate::error::state_index;
-use crate::{Error, Estimate, Monomial, Result};
+use crate::{Error, Estimate, Monomial, Result, SimulatedDensity};
 
 /// A stationary probability density on R^N, or on a part of it.
 ///
@@ -66,6 +66,13 @@ pub trait Density<const N: usize>: Sync {
     /// States with weights whose weighted means are the density's means, if it was made of such. The effective number of
     /// independent ones among them is (Σw)²/Σw².
     fn weighted_states(&self) -> Option<Vec<([f64; N], f64)>> {
+        None
+    }
+
+    /// The simulation itself, if it is one. Values that were sampled together vary together:
+    /// [`statistics`](crate::statistics) take the standard error of what combines several of them from the simulation's
+    /// batches, and not from the error of each.
+    fn simulation(&self) -> Option<&SimulatedDensity<N>> {
         None
     }
 

@@ -62,6 +62,10 @@ impl<const N: usize> Density<N> for SimulatedDensity<N> {
         Ok(self.with_both_errors(|d| d.joint().map_or(UNKNOWN, |joint| joint.density_at(x))))
     }
 
+    fn simulation(&self) -> Option<&SimulatedDensity<N>> {
+        Some(self)
+    }
+
     /// The raw moment. Tracked are all total degrees up to 4 for N ≤ 3; for more states all up to 2, and the powers of a
     /// single state up to 4. Of any other the value is not a number and the error infinite.
     fn moment(&self, powers: [u32; N]) -> Estimate {

@@ -57,11 +57,29 @@ impl Axis {
 
     /// The first of three neighbouring bins and the weights of their mean densities in the quadratic that has these
     /// means, at x. The three bins are centred on x where the ends of the axis permit.
-    fn stencil(&self, x: f64) -> Option<(usize, [f64; 3])> {
-        let centre = self.bin(x)?.clamp(1, self.bins - 2);
-        let s = (x - self.edge(centre)) / self.width - 0.5;
+    pub(super) fn stencil(&self, x: f64) -> Option<(usize, [f64; 3])> {
+        let (_, centre, s) = self.place(x)?;
         let curvature = s * s - 1.0 / 12.0;
         Some((centre - 1, [(curvature - s) / 2.0, 1.0 - curvature, (curvature + s) / 2.0]))
+    }
+
+    /// The bin that holds x, and of the same three bins the first and the integrals of the weights from the lower edge of
+    /// that bin to x, in widths.
+    pub(super) fn stencil_up_to(&self, x: f64) -> Option<(usize, usize, [f64; 3])> {
+        let (bin, centre, s) = self.place(x)?;
+        let integrals = |s: f64| {
+            let curvature = s * (s * s / 3.0 - 1.0 / 12.0);
+            [(curvature - s * s / 2.0) / 2.0, s - curvature, (curvature + s * s / 2.0) / 2.0]
+        };
+        let [here, edge] = [s, bin as f64 - centre as f64 - 0.5].map(integrals);
+        Some((bin, centre - 1, std::array::from_fn(|k| here[k] - edge[k])))
+    }
+
+    /// The bin that holds x, the middle one of the three bins around x, and the place of x from its centre in widths.
+    fn place(&self, x: f64) -> Option<(usize, usize, f64)> {
+        let bin = self.bin(x)?;
+        let centre = bin.clamp(1, self.bins - 2);
+        Some((bin, centre, (x - self.edge(centre)) / self.width - 0.5))
     }
 }
 
@@ -222,6 +240,17 @@ impl Histogram<1> {
     /// All edges, one more than bins.
     pub fn edges(&self) -> impl Iterator<Item = f64> + '_ {
         self.axes[0].edges()
+    }
+
+    /// The number of samples of each batch, and how many of those in the range lie below each edge.
+    pub(super) fn cumulated(&self) -> impl Iterator<Item = (f64, Vec<f64>)> + '_ {
+        self.batches.iter().map(|b| {
+            let sums = b.cells.iter().scan(0, |sum, count| {
+                *sum += count;
+                Some(*sum as f64)
+            });
+            (b.samples() as f64, std::iter::once(0.0).chain(sums).collect())
+        })
     }
 
     /// The mean density in bin `k`.

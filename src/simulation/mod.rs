@@ -11,18 +11,18 @@
 //! - `pilot`: a few trajectories ahead of all others, which tell where the states are;
 //! - `ensemble`: batches of trajectories on all threads;
 //! - `tally`, `histogram`, `trend`: what a batch keeps of its samples;
-//! - `jackknife`: estimates and standard errors from the batches;
+//! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: what decides which numbers are found, and when;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
 //!   `checkpoint` and `store` (the state in a file), `peers` and `ranks` (several processes);
-//! - `setup`, `run`, `result`, `merge`, `density`: what the user asks, what is done, and what the user gets.
 //! - `splitting`: rare states;
 //! - `statistics`: what is kept beside the standard statistics, on request;
-//! - `setup`, `run`, `result`, `density`: what the user asks, what is done, and what the user gets.
+//! - `setup`, `run`, `result`, `merge`, `density`: what the user asks, what is done, and what the user gets.
 
 mod checkpoint;
 mod control;
 mod density;
+mod distribution;
 mod ensemble;
 mod grazing;
 mod histogram;
@@ -51,7 +51,9 @@ mod time_step;
 mod timetable;
 mod trend;
 
+pub(crate) use distribution::Distribution;
 pub use histogram::{Axis, Histogram};
+pub(crate) use result::central;
 pub use result::{Provenance, SimulatedDensity, Stopped};
 pub use setup::{Progress, Simulation};
 pub use splitting::{Splitting, SplittingProvenance, Tails};

@@ -61,8 +61,9 @@ pub struct Provenance {
 
 /// The stationary density as a simulation found it: every value with its standard error.
 ///
-/// Errors come from the spread between independent batches of trajectories. They cover chance, and with
-/// [`Simulation::two_steps`](crate::Simulation::two_steps) the time step as well, except in histograms.
+/// Errors come from the spread between independent batches of trajectories, those of [`statistics`](crate::statistics) as
+/// well. They cover chance, and with [`Simulation::two_steps`](crate::Simulation::two_steps) the time step too, except in
+/// histograms.
 #[derive(Clone, Debug)]
 pub struct SimulatedDensity<const N: usize> {
     pub(super) batches: Vec<Tally<N>>,
@@ -146,8 +147,12 @@ impl<const N: usize> SimulatedDensity<N> {
     pub(super) fn with_both_errors(&self, of: impl Fn(&Self) -> Estimate) -> Estimate {
         let fine = of(self);
         let Some(coarse) = &self.coarse else { return fine };
-        let share = if self.barrier.is_some_and(|wall| wall.restitution() < 1.0) { 1.0 } else { 3.0_f64.recip() };
-        Estimate::new(fine.value, fine.error.hypot(share * (of(coarse).value - fine.value)))
+        Estimate::new(fine.value, fine.error.hypot(self.bias_share() * (of(coarse).value - fine.value)))
+    }
+
+    /// The share of the change from h to 2h that is counted as an error.
+    pub(super) fn bias_share(&self) -> f64 {
+        if self.barrier.is_some_and(|wall| wall.restitution() < 1.0) { 1.0 } else { 3.0_f64.recip() }
     }
 
     /// Seed, counts, times.
@@ -221,8 +226,13 @@ impl<const N: usize> SimulatedDensity<N> {
 
     /// The mean speed of approach at an impact; none without a wall.
     pub fn mean_impact_speed(&self) -> Option<Estimate> {
-        let sums = |b: &Tally<N>| [b.passages.impacts[0], b.passages.impacts[1]];
-        self.barrier.map(|_| self.estimate(sums, |[count, speed]| speed / count))
+        self.barrier.map(|_| self.mean_of_impact_speeds(1))
+    }
+
+    /// The mean of a power of the speed of approach, 1 or 2.
+    pub(crate) fn mean_of_impact_speeds(&self, power: usize) -> Estimate {
+        let sums = |b: &Tally<N>| [b.passages.impacts[0], b.passages.impacts[power]];
+        self.estimate(sums, |[count, speeds]| speeds / count)
     }
 
     /// What is missing in the power balance of the velocity v of state 0, relative to the power put in by noise:
@@ -270,7 +280,7 @@ impl<const N: usize> SimulatedDensity<N> {
     }
 
     /// A function of the raw moments 1 to 4 of one state.
-    pub(super) fn of_state(&self, state: usize, value: impl Fn([f64; 4]) -> f64) -> Result<Estimate> {
+    pub(crate) fn of_state(&self, state: usize, value: impl Fn([f64; 4]) -> f64) -> Result<Estimate> {
         let state = state_index::<N>("a state's index", state)?;
         let power = |p: u32| self.tracked(std::array::from_fn(|i| if i == state { p } else { 0 }));
         let places: [Option<usize>; 4] = std::array::from_fn(|k| power(k as u32 + 1));
@@ -323,7 +333,7 @@ fn missing_power([count, injected, drift, impacts, time]: [f64; 5]) -> f64 {
 }
 
 /// The central moments 2, 3, 4 from the raw moments 1 to 4.
-pub(super) fn central([m, m2, m3, m4]: [f64; 4]) -> [f64; 3] {
+pub(crate) fn central([m, m2, m3, m4]: [f64; 4]) -> [f64; 3] {
     let variance = m2 - m * m;
     let third = m3 - 3.0 * m * m2 + 2.0 * m.powi(3);
     let fourth = m4 - 4.0 * m * m3 + 6.0 * m * m * m2 - 3.0 * m.powi(4);

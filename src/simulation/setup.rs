@@ -166,7 +166,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// ```
     /// use expoly::{Density, Simulation, models::Duffing};
     /// let oscillator = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
-    /// let result = Simulation::new(&oscillator).time_step(0.2).two_steps().samples(200_000).run()?;
+    /// let result = Simulation::new(&oscillator).time_step(0.2).two_steps().samples(50_000).run()?;
     /// let square = result.moment([0, 2]);
     /// assert_eq!(result.coarse().map(|c| c.provenance().time_step), Some(0.4));
     /// // E v² = D/c = 1.

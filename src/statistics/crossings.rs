@@ -103,7 +103,7 @@ impl Crossings {
 
     /// 1 − P₀ exp(−ν⁺ T), without cancellation where it is small.
     fn passage(&self, level: f64, duration: f64) -> Estimate {
-        let beyond = self.displacement.tail(level);
+        let beyond = self.displacement.above(level);
         let rate = self.rate.value(level);
         let log = (-beyond.value.clamp(0.0, 1.0)).ln_1p() - rate.value.max(0.0) * duration;
         let stays = log.exp();

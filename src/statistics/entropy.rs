@@ -2,8 +2,9 @@ use crate::{Density, Estimate};
 
 /// The differential entropy −∫ p ln p dx, in nats; it depends on the states' units.
 ///
-/// Its error has a part of first order, that of the mean of −ln p, and one of second order, ½ E[(δp/p)²] for the stated
-/// errors δp, each at most p. A simulation of more than two states does not know it: not a number, with an infinite error.
+/// Its error has a part of first order, that of the mean of −ln p, whose own change adds nothing since ∫ δp dx = 0; and
+/// one of second order, ½ E[(δp/p)²] for the stated errors δp, each at most p. For a simulation the first is a standard
+/// error and the second a bias. A simulation of more than two states does not know it: not a number, with an infinite error.
 ///
 /// ```
 /// use expoly::{models::{Linear, Solved}, statistics::entropy};

@@ -1,6 +1,7 @@
 use super::curve::{Curve, Effort};
 use super::probability;
 use crate::error::{finite, state_index};
+use crate::simulation::Distribution;
 use crate::{Density, Estimate, Result};
 
 /// Points on each panel in the search for extrema.
@@ -10,9 +11,15 @@ const SCAN: usize = 16;
 ///
 /// A table takes one to ten milliseconds for an exact density of two states, a tenth of a second for a closure, and
 /// seconds in more states; every question to it takes microseconds.
+///
+/// Of a simulation, probabilities and quantiles are those of its histogram, with standard errors by its batches; a quantile
+/// takes half a millisecond. Samples outside the histogram's range are an error of every probability, since they may lie
+/// on either side.
 #[derive(Clone, Debug)]
 pub struct Marginal {
     curve: Curve,
+    /// What a simulation counted.
+    counted: Option<Distribution>,
 }
 
 impl Marginal {
@@ -22,8 +29,9 @@ impl Marginal {
     /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state.
     pub fn new<const N: usize>(density: &dyn Density<N>, state: usize) -> Result<Self> {
         let state = state_index::<N>("the state of a marginal", state)?;
-        let effort = Effort::of_states(N);
-        Ok(Marginal { curve: Curve::new(|x| density.marginal(state, x), density.bounds()[state], effort)? })
+        let curve = Curve::new(|x| density.marginal(state, x), density.bounds()[state], Effort::of_states(N))?;
+        let counted = density.simulation().map(|simulation| simulation.distribution(state)).transpose()?;
+        Ok(Marginal { curve, counted })
     }
 
     /// The interval outside of which there is no mass worth speaking of, or none known.
@@ -31,12 +39,13 @@ impl Marginal {
         self.curve.range()
     }
 
-    /// The density at x, from the table.
+    /// The density at x.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite; so for every question about a level.
     pub fn pdf(&self, x: f64) -> Result<Estimate> {
-        Ok(self.curve.value(finite("level", x)?))
+        let x = finite("level", x)?;
+        Ok(self.counted.as_ref().map_or_else(|| self.curve.value(x), |counted| counted.density(x)))
     }
 
     /// F(x) = P(X ≤ x), integrated from below: right relatively in the lower tail.
@@ -44,7 +53,7 @@ impl Marginal {
     /// # Errors
     /// As [`Marginal::pdf`].
     pub fn distribution(&self, x: f64) -> Result<Estimate> {
-        Ok(self.curve.below(finite("level", x)?))
+        Ok(self.below(finite("level", x)?))
     }
 
     /// P(X > x), integrated from above and not 1 − F: right relatively in the upper tail.
@@ -60,7 +69,7 @@ impl Marginal {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn exceedance(&self, x: f64) -> Result<Estimate> {
-        Ok(self.curve.above(finite("level", x)?))
+        Ok(self.above(finite("level", x)?))
     }
 
     /// The x with P(X ≤ x) = `p`. Its error is how far it moves if the distribution moves by its error, infinite where
@@ -69,7 +78,7 @@ impl Marginal {
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless 0 < p < 1.
     pub fn quantile(&self, p: f64) -> Result<Estimate> {
-        Ok(self.level(probability(p)?, |x| self.curve.below(x), true))
+        Ok(self.level(probability(p)?, |x| self.below(x), true))
     }
 
     /// The x with P(X > x) = `q`: the quantile 1 − q, for a q so small that 1 − q has lost its digits.
@@ -84,7 +93,7 @@ impl Marginal {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn upper_quantile(&self, q: f64) -> Result<Estimate> {
-        Ok(self.level(probability(q)?, |x| self.curve.above(x), false))
+        Ok(self.level(probability(q)?, |x| self.above(x), false))
     }
 
     /// All local maxima of the marginal that stand out by more than its error, each with the density there, from low to
@@ -128,9 +137,13 @@ impl Marginal {
         (0..found.len()).filter(is_mode).map(|k| found[k]).collect()
     }
 
+    fn below(&self, x: f64) -> Estimate {
+        self.counted.as_ref().map_or_else(|| self.curve.below(x), |counted| counted.below(x))
+    }
+
     /// P(X > x) for any x.
-    pub(super) fn tail(&self, x: f64) -> Estimate {
-        self.curve.above(x)
+    pub(super) fn above(&self, x: f64) -> Estimate {
+        self.counted.as_ref().map_or_else(|| self.curve.above(x), |counted| counted.above(x))
     }
 
     /// The ends of the table's panels.

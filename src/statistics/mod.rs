@@ -12,8 +12,9 @@
 //! | independent states with this density | [`samples`] |
 //!
 //! Every value carries its error: that of its own quadrature, estimated from the next coarser one, and what the density
-//! states for the values that went in. The latter are added up as if they all had one sign, so that the error is a bound
-//! where the density's own errors are bounds, and for a simulation more than one standard error.
+//! states for the values that went in. Those of several values are added up as if they all had one sign, so that the error
+//! is a bound where the density's own errors are bounds. A simulation's values vary together: what combines several of them
+//! has one standard error, by the jackknife over the simulation's batches.
 //!
 //! ```
 //! use expoly::{models::{Duffing, Solved}, statistics::{Crossings, Marginal}};

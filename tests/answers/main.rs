@@ -9,4 +9,5 @@ mod closed_form;
 #[path = "../common/mod.rs"]
 mod common;
 mod densities;
+mod sampling_errors;
 mod study;

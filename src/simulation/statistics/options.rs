@@ -20,7 +20,8 @@ impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation
     /// ```
     /// use expoly::{Simulation, models::Linear};
     /// let oscillator = Linear::new(0.5, 2.0, 0.3)?;
-    /// let result = Simulation::new(&oscillator).sampling_interval(0.1).spectrum(0, 256).run()?;
+    /// let simulation = Simulation::new(&oscillator).sampling_interval(0.1).spectrum(0, 256);
+    /// let result = simulation.trajectories(64).samples(64 * 2048).run()?;
     /// let spectrum = result.spectrum(0)?;
     /// // x″ + c x′ + k x = ξ has R(τ) = D/ck exp(−cτ/2) (cos ω_d τ + c/2ω_d sin ω_d τ), ω_d² = k − c²/4: here at 0 and at 1.
     /// assert!(spectrum.autocovariance(0)?.deviation(0.3) < 4.0);

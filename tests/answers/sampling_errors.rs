@@ -1,0 +1,114 @@
+//! Standard errors of what combines several means of one simulation: the spread over independent runs decides.
+
+use crate::common::*;
+use expoly::models::DuffingChain;
+use expoly::statistics::{Cumulants, Impacts, Marginal};
+use expoly::{Barrier, Density, Estimate, SimulatedDensity, Simulation};
+
+/// Independent runs, which differ by their seeds.
+const RUNS: u64 = 60;
+
+/// One list of answers from each run.
+type Answers = Vec<(&'static str, Estimate)>;
+
+/// 256 trajectories with 16 samples each.
+fn run(seed: u64, wall: Option<Barrier>) -> SimulatedDensity<2> {
+    let oscillator = duffing();
+    let simulation = Simulation::new(&oscillator).trajectories(256).samples(4096).burn_in(30.0).seed(seed);
+    let simulation = match wall {
+        Some(wall) => simulation.barrier(wall),
+        None => simulation,
+    };
+    simulation.time_step(0.05).run().unwrap()
+}
+
+fn free(seed: u64) -> Answers {
+    let density = run(seed, None);
+    let (cumulants, marginal) = (Cumulants::new(&density, 0).unwrap(), Marginal::new(&density, 0).unwrap());
+    vec![
+        ("variance", cumulants.variance),
+        ("fourth cumulant", cumulants.fourth),
+        ("skewness", cumulants.skewness()),
+        ("kurtosis", cumulants.kurtosis()),
+        ("P(X > 1)", marginal.exceedance(1.0).unwrap()),
+        ("P(X <= 0.5)", marginal.distribution(0.5).unwrap()),
+        ("quantile 0.8", marginal.quantile(0.8).unwrap()),
+        ("upper quantile 0.05", marginal.upper_quantile(0.05).unwrap()),
+    ]
+}
+
+fn walled(seed: u64) -> Answers {
+    let wall = Barrier::new(-0.3, 0.8).unwrap();
+    let impacts = Impacts::new(&run(seed, Some(wall)), wall, 1).unwrap();
+    vec![
+        ("impact rate", impacts.rate()),
+        ("mean impact speed", impacts.mean_speed()),
+        ("mean impact energy loss", impacts.energy_loss()),
+        ("density of impact speeds at 1", impacts.speed_pdf(1.0).unwrap()),
+        ("share of impacts faster than 1", impacts.speed_exceedance(1.0).unwrap()),
+    ]
+}
+
+/// The spread of each answer over the runs is its stated error. A spread from R normal values has the relative standard
+/// error 1/√(2(R − 1)), 9 % here; four of these are allowed. The mean stated error adds little: one alone, from 64 batches,
+/// is known to 9 %, and there are R of them.
+#[test]
+fn stated_errors_are_the_spread() {
+    for answers in [free as fn(u64) -> Answers, walled] {
+        let runs: Vec<Answers> = (0..RUNS).map(answers).collect();
+        for (k, (what, _)) in runs[0].iter().enumerate() {
+            let count = RUNS as f64;
+            let mean = runs.iter().map(|run| run[k].1.value).sum::<f64>() / count;
+            let squares: f64 = runs.iter().map(|run| (run[k].1.value - mean).powi(2)).sum();
+            let spread = (squares / (count - 1.0)).sqrt();
+            let stated = runs.iter().map(|run| run[k].1.error).sum::<f64>() / count;
+            println!("{what}: {mean:.4}, spread {spread:.4}, stated {stated:.4}, ratio {:.2}", stated / spread);
+            let allowed = 4.0 / (2.0 * (count - 1.0)).sqrt();
+            assert!((spread / stated - 1.0).abs() < allowed, "{what}: spread {spread:.4}, stated {stated:.4}");
+        }
+    }
+}
+
+/// What a simulation answers itself it answers through `statistics`, value and error; the time step's share is in both.
+#[test]
+fn a_simulation_agrees_with_itself() {
+    let wall = Barrier::new(-0.3, 0.8).unwrap();
+    let oscillator = duffing();
+    let simulation = || Simulation::new(&oscillator).barrier(wall).samples(20_000).time_step(0.1);
+    let (alone, both) = (simulation().run().unwrap(), simulation().two_steps().run().unwrap());
+    for density in [&alone, &both] {
+        for state in [0, 1] {
+            let found = Cumulants::new(density, state).unwrap();
+            assert_eq!(Ok(found.mean), density.mean(state));
+            assert_eq!(Ok(found.variance), density.variance(state));
+            assert_eq!(Ok(found.skewness()), density.skewness(state));
+            assert_eq!(Ok(found.kurtosis()), density.kurtosis(state));
+        }
+        let impacts = Impacts::new(density, wall, 1).unwrap();
+        assert_eq!(
+            (Some(impacts.rate()), Some(impacts.mean_speed())),
+            (density.impact_rate(), density.mean_impact_speed())
+        );
+        let (speeds, marginal) = (density.impact_speeds().unwrap(), Marginal::new(density, 0).unwrap());
+        let same = |a: Estimate, b: Estimate| (a.value - b.value).abs() < 1e-12 && (a.error - b.error).abs() < 1e-12;
+        for x in [0.0, 0.7, 1.4] {
+            assert!(same(marginal.pdf(x).unwrap(), density.marginal(0, x).unwrap()));
+            let [found, counted] = [impacts.speed_pdf(x).unwrap(), speeds.density_at([x])];
+            assert!((found.value - counted.value).abs() < 1e-12 && found.error > 0.999 * counted.error);
+        }
+        let whole = marginal.distribution(-0.3).unwrap().value + marginal.exceedance(-0.3).unwrap().value;
+        assert!((whole - 1.0).abs() < 1e-3);
+    }
+    // Beside a wall with losses the whole change from h to 2h is an error.
+    let [one, two, twice] = [&alone, &both, both.coarse().unwrap()]
+        .map(|density| Marginal::new(density, 0).unwrap().exceedance(1.0).unwrap());
+    assert_eq!(one.value, two.value);
+    let counted = both.histogram(0).unwrap();
+    let outside = counted.outliers() as f64 / counted.samples() as f64;
+    let expected = (one.error - outside).hypot(twice.value - one.value) + outside;
+    assert!((two.error - expected).abs() < 1e-12, "{two} is not ± {expected}");
+    // Raw moments are all that a simulation of four states knows.
+    let chain = DuffingChain::<2>::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap();
+    let four = Simulation::new(&chain).samples(20_000).run().unwrap();
+    assert_eq!(Ok(Cumulants::new(&four, 3).unwrap().kurtosis()), four.kurtosis(3));
+}
