@@ -2,7 +2,7 @@
 
 use super::similarity::Grazing;
 use super::{ClosedDensity, ClosedForm};
-use crate::closure::{ClosureRecord, CopulaRecord, DomainRecord, IntegralsRecord, SMALLEST};
+use crate::closure::{ClosureRecord, CopulaRecord, DomainRecord, IntegralsRecord};
 use crate::density::{ExpRecord, SupportRecord};
 use crate::{ClosureDensity, Density, Error, ExpPolynomial, Polynomial, Result, Support};
 
@@ -225,46 +225,9 @@ pub(super) fn version() -> &'static str {
     env!("CARGO_PKG_VERSION")
 }
 
-/// How a language writes products.
-pub(super) struct Notation {
-    pub(super) times: &'static str,
-    pub(super) power: fn(&str, u32) -> String,
-    /// The n-th of a list of Legendre polynomials' values.
-    pub(super) element: fn(&str, u32) -> String,
-}
-
 impl Formula {
-    /// The functions of a term, to be written after its coefficient: nothing, one factor, or several in brackets.
-    pub(super) fn product(&self, powers: &[u32], notation: &Notation) -> String {
-        let factor = |(i, &n): (usize, &u32)| {
-            let symbol = match &self.coordinates {
-                Coordinates::Legendre { .. } => return (notation.element)(&format!("p{}", i + 1), n),
-                Coordinates::States => self.names[i].clone(),
-                Coordinates::Affine { .. } => format!("z{}", i + 1),
-            };
-            if n == 1 { symbol } else { (notation.power)(&symbol, n) }
-        };
-        let factors: Vec<String> = powers.iter().enumerate().filter(|(_, n)| **n > 0).map(factor).collect();
-        let times = notation.times;
-        match &factors[..] {
-            [] => String::new(),
-            [factor] => format!("{times}{factor}"),
-            factors => format!("{times}({})", factors.join(times)),
-        }
-    }
-
     /// The highest degree in any one coordinate.
     pub(super) fn degree(&self) -> u32 {
         self.terms.iter().flat_map(|(powers, _)| powers).copied().max().unwrap_or(0).max(1)
-    }
-
-    /// Whether the constant comes first.
-    pub(super) fn constant_first(&self) -> bool {
-        matches!(self.coordinates, Coordinates::States)
-    }
-
-    /// What keeps the sixth power of A above zero.
-    pub(super) fn tiny() -> f64 {
-        SMALLEST
     }
 }

@@ -1,18 +1,21 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula, Notation};
-use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use super::notation::{Notation, with_numbers};
 
-const NOTATION: Notation =
-    Notation { times: ".*", power: |z, n| format!("{z}.^{n}"), element: |p, n| format!("{p}{{{}}}", n + 1) };
+const NOTATION: Notation = Notation {
+    times: ".*",
+    over: "/",
+    number: |value| if value.is_finite() { format!("{value:?}") } else { value.to_string().replace("inf", "Inf") },
+    power: |z, n| format!("{z}.^{n}"),
+    element: |p, n| format!("{p}{{{}}}", n + 1),
+    legendre: |t, degree| format!("legendre_values({t}, {degree})"),
+    name: |name, value| format!("    {name} = {value};\n"),
+    begin: |value, state| format!("    q = {value:?} + zeros(size({state}));\n"),
+    add: |value| format!("    q = q + {value};\n"),
+};
 
-fn list(values: &[f64]) -> String {
-    let number =
-        |value: &f64| if value.is_finite() { format!("{value:?}") } else { value.to_string().replace("inf", "Inf") };
-    format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", "))
-}
-
-fn rows(rows: &[Vec<f64>]) -> String {
-    let rows: Vec<String> = rows.iter().map(|row| list(row).trim_matches(['[', ']']).to_owned()).collect();
-    format!("[{}]", rows.join("; "))
+/// A matrix.
+fn rows<R: AsRef<[f64]>>(rows: &[R]) -> String {
+    format!("[{}]", NOTATION.lists(rows).replace("], [", "; ").trim_matches(['[', ']']))
 }
 
 /// A function file with `log_p` and its local functions, element by element.
@@ -22,15 +25,7 @@ pub(super) fn text(formula: &Formula) -> String {
     formula.facts.iter().for_each(|fact| text += &format!("% {fact}\n"));
     text += &format!("    q = polynomial({arguments});\n    q(~inside({arguments})) = -Inf;\nend\n\n");
     text += &format!("function q = polynomial({arguments})\n");
-    text += &coordinates(formula);
-    let first = formula.constant_first();
-    text += &format!("    q = {:?} + zeros(size({}));\n", if first { formula.constant } else { 0.0 }, formula.names[0]);
-    for (powers, coefficient) in &formula.terms {
-        text += &format!("    q = q + {coefficient:?}{};\n", formula.product(powers, &NOTATION));
-    }
-    if !first {
-        text += &format!("    q = q + {:?};\n", formula.constant);
-    }
+    text += &NOTATION.polynomial(formula);
     formula.corners.iter().for_each(|corner| text += &wall(corner, &arguments));
     text += "end\n\n";
     text += &inside(formula);
@@ -41,60 +36,34 @@ pub(super) fn text(formula: &Formula) -> String {
         text += SCORE;
     }
     if !formula.corners.is_empty() {
-        text += &WALLS
-            .replace("TERMS", &TAYLOR.to_string())
-            .replace("STEPS", &STEPS.to_string())
-            .replace("PER_UNIT", &PER_UNIT.to_string())
-            .replace("CLOSEST", &format!("{CLOSEST:e}"))
-            .replace("TINY", &format!("{:e}", Formula::tiny()));
+        text += &with_numbers(WALLS);
     }
     text
 }
 
-fn coordinates(formula: &Formula) -> String {
-    let name = |i: usize| &formula.names[i];
-    match &formula.coordinates {
-        Coordinates::States => String::new(),
-        Coordinates::Affine { origin, matrix } => (0..origin.len())
-            .map(|i| {
-                let parts = (0..=i).map(|j| format!("{:?}*({} - {:?})", matrix[i][j], name(j), origin[j]));
-                format!("    z{} = {};\n", i + 1, parts.collect::<Vec<_>>().join(" + "))
-            })
-            .collect(),
-        Coordinates::Legendre { centre, half_width } => (0..centre.len())
-            .map(|i| {
-                let (c, h, degree) = (centre[i], half_width[i], formula.degree());
-                format!("    p{} = legendre_values(({} - {c:?})/{h:?}, {degree});\n", i + 1, name(i))
-            })
-            .collect(),
-    }
-}
-
 fn wall(corner: &CornerFormula, arguments: &str) -> String {
-    let kinks: Vec<Vec<f64>> =
-        corner.kinks.iter().map(|(powers, c)| powers.iter().map(|p| f64::from(*p)).chain([*c]).collect()).collect();
-    let mut text = format!(
-        "    q = q + kinks({:?}, {:?}, {}, {:?}, {}, {arguments});\n",
+    let kinks: Vec<[f64; 4]> =
+        corner.kinks.iter().map(|([p, i, j], c)| [f64::from(*p), f64::from(*i), f64::from(*j), *c]).collect();
+    let mut text = (NOTATION.add)(&format!(
+        "kinks({:?}, {:?}, {}, {:?}, {}, {arguments})",
         corner.offset,
         corner.side,
-        list(&corner.reach),
+        NOTATION.list(&corner.reach),
         corner.kappa,
         rows(&kinks)
-    );
+    ));
     if let Some(grazing) = &corner.grazing {
-        let table: Vec<Vec<f64>> = grazing.table.iter().map(|pair| pair.to_vec()).collect();
-        text += &format!(
-            "    table = {};\n    expansion = {};\n    q = q + arrayfun(@(y, v) grazing({:?}*(y - {:?}), {:?}*v, {:?}, \
-             {:?}, {}, expansion, table), {arguments});\n",
-            rows(&table),
-            list(&grazing.expansion),
+        text += &(NOTATION.name)("table", &rows(&grazing.table));
+        text += &(NOTATION.name)("expansion", &NOTATION.list(&grazing.expansion));
+        text += &(NOTATION.add)(&format!(
+            "arrayfun(@(y, v) grazing({:?}*(y - {:?}), {:?}*v, {:?}, {:?}, {}, expansion, table), {arguments})",
             corner.side,
             corner.offset,
             corner.side,
             grazing.exponent,
             grazing.scale,
-            list(&grazing.limits)
-        );
+            NOTATION.list(&grazing.limits)
+        ));
     }
     text
 }
@@ -102,8 +71,10 @@ fn wall(corner: &CornerFormula, arguments: &str) -> String {
 fn inside(formula: &Formula) -> String {
     let (names, count) = (&formula.names, formula.names.len());
     let head = format!("function yes = inside({})\n", names.join(", "));
-    let number = |value: f64| list(&[value]).trim_matches(['[', ']']).to_owned();
-    let within = |name: &str, [low, high]: [f64; 2]| format!("{name} >= {} & {name} <= {}", number(low), number(high));
+    let within = |name: &str, limits: [f64; 2]| {
+        let [low, high] = limits.map(NOTATION.number);
+        format!("{name} >= {low} & {name} <= {high}")
+    };
     let body = match &formula.domain {
         Domain::Everywhere => format!("    yes = true(size({}));\n", names[0]),
         Domain::Box(limits) => {
@@ -111,16 +82,15 @@ fn inside(formula: &Formula) -> String {
             format!("    yes = {};\n", sides.join(" & "))
         }
         Domain::Star { centre, scale, reach, walls } => {
-            let mut body = format!("    reach = {};\n", list(reach));
-            for i in 0..count {
-                body += &format!("    z{} = ({} - {:?})/{:?};\n", i + 1, names[i], centre[i], scale[i]);
-            }
-            if count == 1 {
-                body += "    yes = abs(z1) <= reshape(reach(1 + (z1 > 0)), size(z1));\n";
+            // The states come first, so that they may have the names of what is found later.
+            let mut body = (NOTATION.name)("yes", &within(&names[0], *walls));
+            body += &NOTATION.scaled(names, centre, scale);
+            body += &(NOTATION.name)("reach", &NOTATION.list(reach));
+            body + if count == 1 {
+                "    yes = yes & abs(z1) <= reshape(reach(1 + (z1 > 0)), size(z1));\n"
             } else {
-                body += STAR;
+                STAR
             }
-            body + &format!("    yes = yes & {};\n", within(&names[0], *walls))
         }
         Domain::Copula(copula) => {
             let mut body = format!("    knots = {};\n    inverse = {};\n", rows(&copula.knots), rows(&copula.inverse));
@@ -152,7 +122,7 @@ const STAR: &str = r"    turn = mod(atan2(z2, z1)/(2*pi), 1)*48;
     past = turn - k - 0.5;
     other = mod(k + 2*(past > 0) - 1, 48);
     reached = reshape(reach(k + 1), size(k)).*(1 - abs(past)) + reshape(reach(other + 1), size(k)).*abs(past);
-    yes = sqrt(z1.^2 + z2.^2) <= reached;
+    yes = yes & sqrt(z1.^2 + z2.^2) <= reached;
 ";
 
 const SCORE: &str = r"function z = score(knots, x, spacing)

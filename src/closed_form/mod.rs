@@ -5,6 +5,7 @@ mod formula;
 mod latex;
 mod matlab;
 mod names;
+mod notation;
 mod python;
 mod rust;
 mod similarity;

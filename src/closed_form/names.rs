@@ -1,53 +1,18 @@
 use crate::{Error, Result};
 
-/// Words that are taken: by one of the languages, or by the texts themselves.
-const TAKEN: [&str; 46] = [
-    "and",
-    "as",
-    "break",
-    "case",
-    "class",
-    "const",
-    "continue",
-    "def",
-    "del",
-    "elif",
-    "else",
-    "end",
-    "enum",
-    "false",
-    "fn",
-    "for",
-    "from",
-    "function",
-    "global",
-    "if",
-    "impl",
-    "import",
-    "in",
-    "inside",
-    "is",
-    "lambda",
-    "let",
-    "log_p",
-    "loop",
-    "match",
-    "math",
-    "mod",
-    "move",
-    "mut",
-    "not",
-    "or",
-    "pass",
-    "polynomial",
-    "q",
-    "ref",
-    "return",
-    "struct",
-    "true",
-    "type",
-    "use",
-    "while",
+/// Words that mean something else in one of the texts: the languages' own, and what the texts call by name where states
+/// are arguments.
+const TAKEN: [&str; 4] = [
+    // Python.
+    "False None True and as assert async await break class continue def del elif else except finally for from global \
+     if import in is lambda nonlocal not or pass raise return try while with yield",
+    // Rust.
+    "Self abstract become box const crate do dyn enum extern false final fn impl let loop macro match mod move mut \
+     override priv pub ref self static struct super trait true type typeof unsafe unsized use virtual where",
+    // MATLAB.
+    "case catch classdef elseif end function otherwise parfor persistent spmd switch",
+    "Inf abs arrayfun atan2 expansion float floor grazing inside int inverse kinks knots legendre legendre_values \
+     log_p math min pi polynomial q reshape score size sqrt sum table wall yes zeros zip",
 ];
 
 /// Refuses names that cannot be arguments of a function in every language.
@@ -58,7 +23,7 @@ pub(super) fn check(names: &[&str]) -> Result<()> {
             && letters.all(|c| c.is_ascii_alphanumeric() || c == '_');
         let problem = if !word {
             "it is no word of letters, digits and underscores that begins with a letter"
-        } else if TAKEN.contains(name) || reserved(name) {
+        } else if TAKEN.iter().any(|words| words.split(' ').any(|taken| taken == *name)) || numbered(name) {
             "it has another meaning in one of the texts"
         } else if names[..k].contains(name) {
             "it is the name of another state"
@@ -70,8 +35,8 @@ pub(super) fn check(names: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// Coordinates are called z1, z2, …, their Legendre polynomials p1, p2, …
-fn reserved(name: &str) -> bool {
-    let number = name.strip_prefix(['z', 'p']);
+/// Coordinates are called z1, z2, …, their Legendre polynomials p1, p2, …, and walls WALL_0, WALL_1.
+fn numbered(name: &str) -> bool {
+    let number = name.strip_prefix(['z', 'p']).or_else(|| name.strip_prefix("WALL_"));
     number.is_some_and(|number| !number.is_empty() && number.chars().all(|c| c.is_ascii_digit()))
 }

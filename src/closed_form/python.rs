@@ -1,14 +1,17 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula, Notation};
-use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use super::notation::{Notation, tuples, with_numbers};
 
-const NOTATION: Notation =
-    Notation { times: "*", power: |z, n| format!("{z}**{n}"), element: |p, n| format!("{p}[{n}]") };
-
-/// A list of numbers, every bit kept.
-fn list(values: &[f64]) -> String {
-    let number = |value: &f64| if value.is_finite() { format!("{value:?}") } else { format!("float(\"{value}\")") };
-    format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", "))
-}
+const NOTATION: Notation = Notation {
+    times: "*",
+    over: "/",
+    number: |value| if value.is_finite() { format!("{value:?}") } else { format!("float(\"{value}\")") },
+    power: |z, n| format!("{z}**{n}"),
+    element: |p, n| format!("{p}[{n}]"),
+    legendre: |t, degree| format!("legendre({t}, {degree})"),
+    name: |name, value| format!("    {name} = {value}\n"),
+    begin: |value, _| format!("    q = {value:?}\n"),
+    add: |value| format!("    q += {value}\n"),
+};
 
 /// A module with `log_p`, `polynomial` and `inside`.
 pub(super) fn text(formula: &Formula) -> String {
@@ -25,26 +28,13 @@ pub(super) fn text(formula: &Formula) -> String {
         text += LEGENDRE;
     }
     if walled {
-        text += &WALLS
-            .replace("TERMS", &TAYLOR.to_string())
-            .replace("STEPS", &STEPS.to_string())
-            .replace("PER_UNIT", &PER_UNIT.to_string())
-            .replace("CLOSEST", &format!("{CLOSEST:e}"))
-            .replace("TINY", &format!("{:e}", Formula::tiny()));
+        text += &with_numbers(WALLS);
         formula.corners.iter().enumerate().for_each(|(k, corner)| text += &wall(k, corner));
     }
     text += &format!("def polynomial({arguments}):\n");
-    text += &coordinates(formula);
-    let first = formula.constant_first();
-    text += &format!("    q = {:?}\n", if first { formula.constant } else { 0.0 });
-    for (powers, coefficient) in &formula.terms {
-        text += &format!("    q += {coefficient:?}{}\n", formula.product(powers, &NOTATION));
-    }
-    if !first {
-        text += &format!("    q += {:?}\n", formula.constant);
-    }
+    text += &NOTATION.polynomial(formula);
     for k in 0..formula.corners.len() {
-        text += &format!("    q += wall(*WALL_{k}, {arguments})\n");
+        text += &(NOTATION.add)(&format!("wall(*WALL_{k}, {arguments})"));
     }
     text += "    return q\n\n\n";
     text += &inside(formula);
@@ -55,38 +45,17 @@ pub(super) fn text(formula: &Formula) -> String {
     text
 }
 
-fn coordinates(formula: &Formula) -> String {
-    let name = |i: usize| &formula.names[i];
-    match &formula.coordinates {
-        Coordinates::States => String::new(),
-        Coordinates::Affine { origin, matrix } => (0..origin.len())
-            .map(|i| {
-                let parts = (0..=i).map(|j| format!("{:?}*({} - {:?})", matrix[i][j], name(j), origin[j]));
-                format!("    z{} = {}\n", i + 1, parts.collect::<Vec<_>>().join(" + "))
-            })
-            .collect(),
-        Coordinates::Legendre { centre, half_width } => (0..centre.len())
-            .map(|i| {
-                let (c, h) = (centre[i], half_width[i]);
-                format!("    p{} = legendre(({} - {c:?})/{h:?}, {})\n", i + 1, name(i), formula.degree())
-            })
-            .collect(),
-    }
-}
-
 fn wall(k: usize, corner: &CornerFormula) -> String {
-    let kinks: Vec<String> = corner.kinks.iter().map(|([p, i, j], c)| format!("({p}, {i}, {j}, {c:?})")).collect();
     let grazing = corner.grazing.as_ref().map_or_else(
         || String::from("None"),
         |grazing| {
-            let table: Vec<String> = grazing.table.iter().map(|pair| list(pair)).collect();
             format!(
                 "({:?}, {:?}, {}, {}, [{}])",
                 grazing.exponent,
                 grazing.scale,
-                list(&grazing.limits),
-                list(&grazing.expansion),
-                table.join(", ")
+                NOTATION.list(&grazing.limits),
+                NOTATION.list(&grazing.expansion),
+                NOTATION.lists(&grazing.table)
             )
         },
     );
@@ -94,46 +63,42 @@ fn wall(k: usize, corner: &CornerFormula) -> String {
         "WALL_{k} = ({:?}, {:?}, {}, {:?}, [{}], {grazing})\n\n\n",
         corner.offset,
         corner.side,
-        list(&corner.reach),
+        NOTATION.list(&corner.reach),
         corner.kappa,
-        kinks.join(", ")
+        tuples(corner)
     )
 }
 
 fn inside(formula: &Formula) -> String {
-    let (names, count) = (&formula.names, formula.names.len());
+    let names = &formula.names;
     let head = format!("def inside({}):\n", names.join(", "));
+    let within = |name: &str, limits: [f64; 2]| {
+        let [low, high] = limits.map(NOTATION.number);
+        format!("{low} <= {name} <= {high}")
+    };
     let body = match &formula.domain {
         Domain::Everywhere => String::from("    return True\n"),
         Domain::Box(limits) => {
-            let side = |(name, [low, high]): (&String, &[f64; 2])| {
-                let number = |value: f64| list(&[value]).trim_matches(['[', ']']).to_owned();
-                format!("{} <= {name} <= {}", number(*low), number(*high))
-            };
-            let sides: Vec<String> = names.iter().zip(limits).map(side).collect();
+            let sides: Vec<String> = names.iter().zip(limits).map(|(name, side)| within(name, *side)).collect();
             format!("    return {}\n", sides.join(" and "))
         }
         Domain::Star { centre, scale, reach, walls } => {
-            let mut body = format!("    reach = {}\n", list(reach));
-            let [low, high] = walls.map(|wall| list(&[wall]).trim_matches(['[', ']']).to_owned());
-            body += &format!("    if not {low} <= {} <= {high}:\n        return False\n", names[0]);
-            for i in 0..count {
-                body += &format!("    z{} = ({} - {:?})/{:?}\n", i + 1, names[i], centre[i], scale[i]);
-            }
-            body + if count == 1 { "    return abs(z1) <= reach[z1 > 0]\n" } else { STAR }
+            // The states come first, so that they may have the names of what is found later.
+            let mut body = format!("    if not {}:\n        return False\n", within(&names[0], *walls));
+            body += &NOTATION.scaled(names, centre, scale);
+            body += &format!("    reach = {}\n", NOTATION.list(reach));
+            body + if names.len() == 1 { "    return abs(z1) <= reach[z1 > 0]\n" } else { STAR }
         }
-        Domain::Copula(copula) => {
-            let knots: Vec<String> = copula.knots.iter().map(|knots| list(knots)).collect();
-            let rows: Vec<String> = copula.inverse.iter().map(|row| list(row)).collect();
-            let (knots, rows, spacing) = (knots.join(", "), rows.join(", "), copula.spacing);
-            let farthest = copula.farthest;
-            format!(
-                "    knots = [{knots}]\n    inverse = [{rows}]\n    scores = [score(k, x, {spacing:?}) for k, x in \
-                 zip(knots, [{}])]\n    distances = [sum(a*z for a, z in zip(row, scores)) for row in inverse]\n    \
-                 return sum(d*d for d in distances) <= {farthest:?}\n",
-                names.join(", ")
-            )
-        }
+        Domain::Copula(copula) => format!(
+            "    knots = [{}]\n    inverse = [{}]\n    scores = [score(k, x, {:?}) for k, x in zip(knots, [{}])]\n    \
+             distances = [sum(a*z for a, z in zip(row, scores)) for row in inverse]\n    return sum(d*d for d in \
+             distances) <= {:?}\n",
+            NOTATION.lists(&copula.knots),
+            NOTATION.lists(&copula.inverse),
+            copula.spacing,
+            names.join(", "),
+            copula.farthest
+        ),
     };
     let before = if matches!(formula.domain, Domain::Copula(_)) { SCORE } else { "" };
     format!("{before}{head}{body}\n\n")

@@ -1,23 +1,21 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula, Notation};
-use crate::closure::similarity::{CLOSEST, PER_UNIT, STEPS, TAYLOR};
+use super::formula::{Coordinates, CornerFormula, Domain, Formula};
+use super::notation::{Notation, tuples, with_numbers};
 
-const NOTATION: Notation =
-    Notation { times: " * ", power: |z, n| format!("{z}.powi({n})"), element: |p, n| format!("{p}[{n}]") };
-
-/// A number as a literal, every bit kept.
-fn number(value: f64) -> String {
-    if value == f64::INFINITY {
-        String::from("f64::INFINITY")
-    } else if value == f64::NEG_INFINITY {
-        String::from("f64::NEG_INFINITY")
-    } else {
-        format!("{value:?}")
-    }
-}
-
-fn list(values: &[f64]) -> String {
-    format!("[{}]", values.iter().copied().map(number).collect::<Vec<_>>().join(", "))
-}
+const NOTATION: Notation = Notation {
+    times: " * ",
+    over: " / ",
+    number: |value| match value {
+        f64::INFINITY => String::from("f64::INFINITY"),
+        f64::NEG_INFINITY => String::from("f64::NEG_INFINITY"),
+        _ => format!("{value:?}"),
+    },
+    power: |z, n| format!("{z}.powi({n})"),
+    element: |p, n| format!("{p}[{n}]"),
+    legendre: |t, degree| format!("legendre::<{}>({t})", degree + 1),
+    name: |name, value| format!("    let {name} = {value};\n"),
+    begin: |value, _| format!("    let mut q = {value:?};\n"),
+    add: |value| format!("    q += {value};\n"),
+};
 
 /// A module with `log_p`, `polynomial` and `inside`.
 pub(super) fn text(formula: &Formula) -> String {
@@ -29,26 +27,13 @@ pub(super) fn text(formula: &Formula) -> String {
         text += LEGENDRE;
     }
     if !formula.corners.is_empty() {
-        text += &WALLS
-            .replace("TERMS", &TAYLOR.to_string())
-            .replace("STEPS", &STEPS.to_string())
-            .replace("PER_UNIT", &PER_UNIT.to_string())
-            .replace("CLOSEST", &format!("{CLOSEST:e}"))
-            .replace("TINY", &format!("{:e}", Formula::tiny()));
+        text += &with_numbers(WALLS);
         formula.corners.iter().enumerate().for_each(|(k, corner)| text += &wall(k, corner));
     }
     text += &format!("pub fn polynomial({parameters}) -> f64 {{\n");
-    text += &coordinates(formula);
-    let first = formula.constant_first();
-    text += &format!("    let mut q = {:?};\n", if first { formula.constant } else { 0.0 });
-    for (powers, coefficient) in &formula.terms {
-        text += &format!("    q += {coefficient:?}{};\n", formula.product(powers, &NOTATION));
-    }
-    if !first {
-        text += &format!("    q += {:?};\n", formula.constant);
-    }
+    text += &NOTATION.polynomial(formula);
     for k in 0..formula.corners.len() {
-        text += &format!("    q += wall(&WALL_{k}, {arguments});\n");
+        text += &(NOTATION.add)(&format!("wall(&WALL_{k}, {arguments})"));
     }
     text += "    q\n}\n\n";
     text += &inside(formula, &parameters);
@@ -59,38 +44,17 @@ pub(super) fn text(formula: &Formula) -> String {
     text
 }
 
-fn coordinates(formula: &Formula) -> String {
-    let name = |i: usize| &formula.names[i];
-    match &formula.coordinates {
-        Coordinates::States => String::new(),
-        Coordinates::Affine { origin, matrix } => (0..origin.len())
-            .map(|i| {
-                let parts = (0..=i).map(|j| format!("{:?} * ({} - {:?})", matrix[i][j], name(j), origin[j]));
-                format!("    let z{} = {};\n", i + 1, parts.collect::<Vec<_>>().join(" + "))
-            })
-            .collect(),
-        Coordinates::Legendre { centre, half_width } => (0..centre.len())
-            .map(|i| {
-                let (c, h, degree) = (centre[i], half_width[i], formula.degree());
-                format!("    let p{} = legendre::<{}>(({} - {c:?}) / {h:?});\n", i + 1, degree + 1, name(i))
-            })
-            .collect(),
-    }
-}
-
 fn wall(k: usize, corner: &CornerFormula) -> String {
-    let kinks: Vec<String> = corner.kinks.iter().map(|([p, i, j], c)| format!("({p}, {i}, {j}, {c:?})")).collect();
     let grazing = corner.grazing.as_ref().map_or_else(
         || String::from("None"),
         |grazing| {
-            let table: Vec<String> = grazing.table.iter().map(|pair| list(pair)).collect();
             format!(
                 "Some(Grazing {{ exponent: {:?}, scale: {:?}, limits: {}, expansion: &{}, table: &[{}] }})",
                 grazing.exponent,
                 grazing.scale,
-                list(&grazing.limits),
-                list(&grazing.expansion),
-                table.join(", ")
+                NOTATION.list(&grazing.limits),
+                NOTATION.list(&grazing.expansion),
+                NOTATION.lists(&grazing.table)
             )
         },
     );
@@ -99,16 +63,19 @@ fn wall(k: usize, corner: &CornerFormula) -> String {
          {grazing} }};\n\n",
         corner.offset,
         corner.side,
-        list(&corner.reach),
+        NOTATION.list(&corner.reach),
         corner.kappa,
-        kinks.join(", ")
+        tuples(corner)
     )
 }
 
 fn inside(formula: &Formula, parameters: &str) -> String {
     let (names, count) = (&formula.names, formula.names.len());
     let head = format!("pub fn inside({parameters}) -> bool {{\n");
-    let within = |name: &str, [low, high]: [f64; 2]| format!("({}..={}).contains(&{name})", number(low), number(high));
+    let within = |name: &str, limits: [f64; 2]| {
+        let [low, high] = limits.map(NOTATION.number);
+        format!("({low}..={high}).contains(&{name})")
+    };
     let body = match &formula.domain {
         Domain::Everywhere => format!("    let _ = ({},);\n    true\n", names.join(", ")),
         Domain::Box(limits) => {
@@ -116,27 +83,22 @@ fn inside(formula: &Formula, parameters: &str) -> String {
             format!("    {}\n", sides.join(" && "))
         }
         Domain::Star { centre, scale, reach, walls } => {
-            let mut body = format!("    const REACH: [f64; {}] = {};\n", reach.len(), list(reach));
+            let mut body = format!("    const REACH: [f64; {}] = {};\n", reach.len(), NOTATION.list(reach));
             body += &format!("    if !{} {{\n        return false;\n    }}\n", within(&names[0], *walls));
-            for i in 0..count {
-                body += &format!("    let z{} = ({} - {:?}) / {:?};\n", i + 1, names[i], centre[i], scale[i]);
-            }
+            body += &NOTATION.scaled(names, centre, scale);
             body + if count == 1 { "    z1.abs() <= REACH[usize::from(z1 > 0.0)]\n" } else { STAR }
         }
-        Domain::Copula(copula) => {
-            let rows = |rows: &[Vec<f64>]| rows.iter().map(|row| list(row)).collect::<Vec<_>>().join(", ");
-            format!(
-                "    let knots = [{}];\n    let inverse = [{}];\n    let states = [{}];\n    let scores: Vec<f64> = \
-                 knots.iter().zip(states).map(|(knots, x)| score(knots, x, {:?})).collect();\n    let distance = |row: \
-                 &[f64; {count}]| row.iter().zip(&scores).map(|(a, z)| a * z).sum::<f64>().powi(2);\n    \
-                 inverse.iter().map(distance).sum::<f64>() <= {:?}\n",
-                rows(&copula.knots),
-                rows(&copula.inverse),
-                names.join(", "),
-                copula.spacing,
-                copula.farthest
-            )
-        }
+        Domain::Copula(copula) => format!(
+            "    let knots = [{}];\n    let inverse = [{}];\n    let states = [{}];\n    let scores: Vec<f64> = \
+             knots.iter().zip(states).map(|(knots, x)| score(knots, x, {:?})).collect();\n    let distance = |row: \
+             &[f64; {count}]| row.iter().zip(&scores).map(|(a, z)| a * z).sum::<f64>().powi(2);\n    \
+             inverse.iter().map(distance).sum::<f64>() <= {:?}\n",
+            NOTATION.lists(&copula.knots),
+            NOTATION.lists(&copula.inverse),
+            names.join(", "),
+            copula.spacing,
+            copula.farthest
+        ),
     };
     let before = if matches!(formula.domain, Domain::Copula(_)) { SCORE } else { "" };
     format!("{before}{head}{body}}}\n\n")

@@ -22,7 +22,8 @@ impl PolynomialDrift<2, 1> for Loaded {
     }
 }
 
-/// What is written out: polynomials of a low and of a high order, an exact density, one above a wall, and four states.
+/// What is written out: polynomials of a low and of a high order, an exact density, one above a wall, and four states. The
+/// texts use `k` and `reach` themselves, for other things.
 fn forms() -> &'static (Vec<ClosedForm<2>>, ClosedForm<4>) {
     static FORMS: OnceLock<(Vec<ClosedForm<2>>, ClosedForm<4>)> = OnceLock::new();
     FORMS.get_or_init(solved)
@@ -35,7 +36,7 @@ fn solved() -> (Vec<ClosedForm<2>>, ClosedForm<4>) {
         ClosedForm::new(Closure::new(8).solve(&van_der_pol()).unwrap(), names),
         ClosedForm::new(Closure::new(14).solve(&Loaded).unwrap(), names),
         ClosedForm::new(three_wells().exact_above(-1.2).unwrap(), names),
-        ClosedForm::new(Closure::new(4).solve_with_wall(&duffing(), wall).unwrap(), ["y", "w"]),
+        ClosedForm::new(Closure::new(4).solve_with_wall(&duffing(), wall).unwrap(), ["k", "reach"]),
     ];
     let chain = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap();
     let four = ClosedForm::new(Closure::new(4).solve(&chain).unwrap(), ["x1", "x2", "v1", "v2"]);
@@ -62,25 +63,26 @@ fn lines<const N: usize>(points: &[[f64; N]]) -> String {
     points.iter().map(|x| x.map(|x| format!("{x:?}")).join(" ") + "\n").collect()
 }
 
-/// Compares the numbers printed with ln p. The sums are of up to 150 terms, of a size that the form has been chosen by to
-/// lose 1e-13 at most, relative to ln p or 1; logarithms and powers of another library's making lose some 1e-15 each.
-fn agree<const N: usize>(form: &ClosedForm<N>, printed: &str, what: &str) {
-    let points = points(form);
-    let values: Vec<f64> = printed.lines().map(|line| line.trim().parse().unwrap()).collect();
-    assert_eq!(values.len(), points.len(), "{what}: {printed}");
+/// Compares the numbers printed with ln p at the points, or at the first hundred. The sums are of up to 150 terms, of a
+/// size that the form has been chosen by to lose 1e-13 at most, relative to ln p or 1; logarithms and powers of another
+/// library's making lose some 1e-15 each.
+fn agree<const N: usize>(form: &ClosedForm<N>, printed: &[&str], what: &str) {
+    let values: Vec<f64> = printed.iter().map(|line| line.trim().parse().unwrap()).collect();
+    assert!([100, 1000].contains(&values.len()), "{what}: {printed:?}");
     let mut worst = 0.0_f64;
     let mut inside = 0;
-    for (x, value) in points.iter().zip(values) {
+    for (x, value) in points(form).iter().zip(&values) {
         let truth = form.log_pdf(x);
         if truth == f64::NEG_INFINITY {
-            assert_eq!(value, truth, "{what} at {x:?}");
+            assert_eq!(*value, truth, "{what} at {x:?}");
             continue;
         }
         inside += 1;
         worst = worst.max((value - truth).abs() / truth.abs().max(1.0));
     }
     println!("{what}: {inside} states inside, largest difference {worst:.1e}");
-    assert!(worst < 1e-12 && inside > 200 && (inside < 1000 || N > 2), "{what}: {worst:e}, {inside}");
+    let some = inside > values.len() / 6 && (inside < values.len() || N > 2);
+    assert!(worst < 1e-12 && some, "{what}: {worst:e}, {inside} of {}", values.len());
 }
 
 fn scratch(name: &str) -> PathBuf {
@@ -94,42 +96,55 @@ fn succeeded(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// Runs a module's `log_p` at the points, if there is a Python.
-fn in_python<const N: usize>(folder: &Path, form: &ClosedForm<N>, module: &str, text: &str) -> Option<String> {
-    const DRIVER: &str = "import sys\nimport importlib\nlog_p = importlib.import_module(sys.argv[1]).log_p\n\
-        for line in open(sys.argv[2]):\n    print(repr(log_p(*map(float, line.split()))))\n";
-    std::fs::write(folder.join("driver.py"), DRIVER).unwrap();
-    std::fs::write(folder.join(format!("{module}.py")), text).unwrap();
-    let list = format!("{module}.txt");
-    std::fs::write(folder.join(&list), lines(&points(form))).unwrap();
-    match Command::new("python3").args(["driver.py", module, &list]).current_dir(folder).output() {
+/// Runs a program in a folder, if there is such a program.
+fn run(program: &str, arguments: &[&str], folder: &Path) -> Option<String> {
+    match Command::new(program).args(arguments).current_dir(folder).output() {
         Ok(output) => Some(succeeded(&output)),
         Err(error) => {
-            println!("python3 does not run ({error}): only Rust's text is checked");
+            println!("{program} does not run here: {error}");
             None
         }
     }
 }
 
-/// There is no MATLAB here. The arithmetic of a polynomial's text becomes Python's by changing the operators.
-fn matlab_as_python(text: &str, arguments: &str) -> String {
-    let (_, body) = text.split_once("function q = polynomial").unwrap();
-    let (_, body) = body.split_once('\n').unwrap();
-    let (body, _) = body.split_once("end\n").unwrap();
-    let body = body.replace(".*", "*").replace(".^", "**").replace(';', "");
-    format!(
-        "def zeros(n):\n    return 0.0\n\ndef size(x):\n    return 1\n\ndef log_p({arguments}):\n{body}    return q\n"
-    )
-}
-
-fn check_python<const N: usize>(folder: &Path, form: &ClosedForm<N>, module: &str) {
-    let text = form.python().unwrap();
-    if let Some(printed) = in_python(folder, form, module, &text) {
-        agree(form, &printed, &format!("{module}, Python"));
+fn check_python<const N: usize>(folder: &Path, name: &str, form: &ClosedForm<N>) {
+    const DRIVER: &str = "import sys\nimport importlib\nlog_p = importlib.import_module(sys.argv[1]).log_p\n\
+        for line in open(sys.argv[2]):\n    print(repr(log_p(*map(float, line.split()))))\n";
+    std::fs::write(folder.join("driver.py"), DRIVER).unwrap();
+    std::fs::write(folder.join(format!("{name}.py")), form.python().unwrap()).unwrap();
+    if let Some(printed) = run("python3", &["driver.py", name, &format!("{name}.txt")], folder) {
+        agree(form, &printed.lines().collect::<Vec<_>>(), &format!("{name}, Python"));
     }
 }
 
-/// Python and Rust compute ln p as this library does, in two states and in four, above a wall and without.
+/// MATLAB's text in Octave, which reads the same language: all points in one column, in a matrix, and some one by one.
+fn check_octave<const N: usize>(folder: &Path, name: &str, form: &ClosedForm<N>) {
+    const DRIVER: &str = "x = num2cell(load('points.txt'), 1);\n\
+        column = log_p(x{:});\n\
+        square = cellfun(@(x) reshape(x, 20, 50), x, 'UniformOutput', false);\n\
+        matrix = log_p(square{:});\n\
+        assert(size(column), [1000, 1]);\n\
+        assert(size(matrix), [20, 50]);\n\
+        few = cellfun(@(x) x(1:100), x, 'UniformOutput', false);\n\
+        single = arrayfun(@(varargin) log_p(varargin{:}), few{:});\n\
+        printf('%.17g\\n', column, matrix, single);\n";
+    // A function is found by the name of its file.
+    let folder = folder.join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    for (file, text) in [("log_p.m", form.matlab().unwrap()), ("points.txt", lines(&points(form)))] {
+        std::fs::write(folder.join(file), text).unwrap();
+    }
+    let arguments = ["--norc", "--quiet", "--eval", DRIVER];
+    if let Some(printed) = run("octave-cli", &arguments, &folder).or_else(|| run("octave", &arguments, &folder)) {
+        let values: Vec<&str> = printed.lines().collect();
+        assert_eq!(values.len(), 2100, "{printed}");
+        for (values, shape) in values.chunks(1000).zip(["a column", "a matrix", "one by one"]) {
+            agree(form, values, &format!("{name}, Octave, {shape}"));
+        }
+    }
+}
+
+/// Every language computes ln p as this library does, in two states and in four, above a wall and without.
 #[test]
 fn other_languages_have_the_same_logarithm() {
     let folder = scratch("languages");
@@ -138,13 +153,15 @@ fn other_languages_have_the_same_logarithm() {
     let mut program = String::from("use std::io::BufRead;\n");
     let mut calls = String::new();
     for (form, name) in plane.iter().zip(names) {
-        check_python(&folder, form, name);
+        std::fs::write(folder.join(format!("{name}.txt")), lines(&points(form))).unwrap();
+        check_python(&folder, name, form);
+        check_octave(&folder, name, form);
         writeln!(program, "mod {name} {{\n{}}}", form.rust().unwrap()).unwrap();
         writeln!(calls, "\"{name}\" => {name}::log_p(x[0], x[1]),").unwrap();
-        std::fs::write(folder.join(format!("{name}.txt")), lines(&points(form))).unwrap();
     }
-    check_python(&folder, four, "four");
     std::fs::write(folder.join("four.txt"), lines(&points(four))).unwrap();
+    check_python(&folder, "four", four);
+    check_octave(&folder, "four", four);
     writeln!(program, "mod four {{\n{}}}", four.rust().unwrap()).unwrap();
     write!(
         program,
@@ -163,19 +180,12 @@ fn other_languages_have_the_same_logarithm() {
         let list = std::fs::File::open(folder.join(format!("{name}.txt"))).unwrap();
         succeeded(&Command::new(&binary).arg(name).stdin(list).output().unwrap())
     };
-    plane.iter().zip(names).for_each(|(form, name)| agree(form, &ask(name), &format!("{name}, Rust")));
-    agree(four, &ask("four"), "four, Rust");
-
-    // The order 8 is in powers of the states, which MATLAB's text is read by; its domain is not.
-    let text = matlab_as_python(&plane[0].matlab().unwrap(), "x, v");
-    if let Some(printed) = in_python(&folder, &plane[0], "matlab", &text) {
-        let values = printed.lines().map(|line| line.parse::<f64>().unwrap());
-        let pairs = points(&plane[0]).into_iter().zip(values);
-        let inside: Vec<_> =
-            pairs.map(|(x, value)| (plane[0].log_pdf(&x), value)).filter(|p| p.0.is_finite()).collect();
-        assert!(inside.len() > 200 && inside.iter().all(|(p, q)| (p - q).abs() < 1e-12 * p.abs().max(1.0)));
+    for (form, name) in plane.iter().zip(names) {
+        agree(form, &ask(name).lines().collect::<Vec<_>>(), &format!("{name}, Rust"));
     }
-    // The high order far from the origin is not: there powers would lose nine digits.
+    agree(four, &ask("four").lines().collect::<Vec<_>>(), "four, Rust");
+
+    // The high order far from the origin is not in powers of the states, which would lose nine digits there.
     assert!(plane[0].python().unwrap().contains("*(x**2*v**2)") && plane[1].python().unwrap().contains("legendre("));
     for (form, word) in plane.iter().zip(["Trust domain", "order 14", "Trust domain: x >= -1.2", "Trust domain"]) {
         for text in [form.python(), form.rust(), form.matlab()] {
@@ -325,7 +335,7 @@ fn a_corrupt_document_is_refused_by_name() {
     problem(&"[".repeat(100_000));
     let four = ClosedForm::<4>::from_json(&text).unwrap_err().to_string();
     assert!(four.contains("2 states") && four.contains("restore"), "{four}");
-    for name in ["", "2x", "x y", "lambda", "z1", "ẋ"] {
+    for name in ["", "2x", "x y", "lambda", "None", "self", "otherwise", "size", "z1", "WALL_0", "ẋ"] {
         let refused = ClosedForm::new(linear().exact().unwrap(), [name, "v"]);
         assert!(matches!(refused, Err(Error::NotAName { .. })), "{name}");
     }
