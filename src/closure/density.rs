@@ -40,7 +40,7 @@ pub struct ClosureProvenance {
     pub inflation: f64,
     /// Whether the pilot's earlier and later samples agree.
     pub stationary: bool,
-    /// The linear systems solved for the reference.
+    /// The linear systems solved for the reference or, with samples as nodes, the steps of the iteration.
     pub iterations: usize,
     /// The time from the system to the density.
     pub elapsed: Duration,

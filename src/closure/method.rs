@@ -146,8 +146,9 @@ impl Closure {
 
     /// Closes a system as [`Closure::solve`], from the density of a similar one.
     ///
-    /// What the closure is measured against starts there, and settles after about half as many linear systems. Where it does
-    /// not settle, and where the pilot's states are the nodes, this is [`Closure::solve`].
+    /// What the closure is measured against starts there, and settles after about half as many linear systems; where the
+    /// pilot's states are the nodes, the iteration starts there, and no lower order is solved before. Where that does not
+    /// settle, this is [`Closure::solve`].
     ///
     /// # Errors
     /// As [`Closure::solve`].
@@ -206,11 +207,25 @@ impl Closure {
     where
         T: PolynomialDrift<2, M> + Sync,
     {
-        if ceiling.offset() <= floor.offset() {
-            let remedy = "the ceiling must stand above the floor";
-            return Err(Error::OutOfRange { name: "offset of the ceiling", value: ceiling.offset(), remedy });
-        }
-        routes::above_walls(self, system, [Some(floor), Some(ceiling)], None)
+        routes::above_walls(self, system, strip(floor, ceiling)?, None)
+    }
+
+    /// Closes an oscillator between two walls as [`Closure::solve_between_walls`], from the density between similar ones,
+    /// as [`Closure::solve_from`].
+    ///
+    /// # Errors
+    /// As [`Closure::solve_between_walls`].
+    pub fn solve_between_walls_from<T, const M: usize>(
+        &self,
+        system: &T,
+        floor: Barrier,
+        ceiling: Barrier,
+        similar: &ClosureDensity<2>,
+    ) -> Result<ClosureDensity<2>>
+    where
+        T: PolynomialDrift<2, M> + Sync,
+    {
+        routes::above_walls(self, system, strip(floor, ceiling)?, Some(&similar.start()))
     }
 
     pub(super) fn highest(&self) -> u32 {
@@ -259,4 +274,12 @@ impl Closure {
         }
         self.weight.checked().map(|_| ())
     }
+}
+
+fn strip(floor: Barrier, ceiling: Barrier) -> Result<[Option<Barrier>; 2]> {
+    if ceiling.offset() <= floor.offset() {
+        let remedy = "the ceiling must stand above the floor";
+        return Err(Error::OutOfRange { name: "offset of the ceiling", value: ceiling.offset(), remedy });
+    }
+    Ok([Some(floor), Some(ceiling)])
 }

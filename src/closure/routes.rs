@@ -49,8 +49,9 @@ where
         let functions = degrees.exponents(method.lowest(), |alpha| symmetry.keeps(alpha)).len();
         let states = method.states.unwrap_or((STATES_EACH * functions).clamp(FEWEST_NODES, MOST_NODES));
         let pilot = scout.pilot(states, 1.0)?;
-        let (guarded, seed) = (method.guard, method.seed);
-        return on_samples(method, &Sampled { operator, symmetry, degrees: *degrees, pilot, guarded, seed, begin });
+        let near = start.map(|start| start.weight.clone());
+        let (degrees, guarded, seed) = (*degrees, method.guard, method.seed);
+        return on_samples(method, &Sampled { operator, symmetry, degrees, pilot, near, guarded, seed, begin });
     }
     // A constant, so that nothing of it is compiled for more states.
     if const { N > 2 } {

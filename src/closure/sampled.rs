@@ -3,6 +3,7 @@
 use super::choice::{Candidate, Origin};
 use super::degrees::Degrees;
 use super::density::{ClosureDensity, ClosureProvenance, Integrals};
+use super::exponent::Exponent;
 use super::indicator::Indication;
 use super::pilot::Pilot;
 use super::samples::{ImportanceRule, close_on_samples};
@@ -22,6 +23,8 @@ pub(super) struct Sampled<const N: usize> {
     pub(super) symmetry: Symmetry<N>,
     pub(super) degrees: Degrees<N>,
     pub(super) pilot: Pilot<N>,
+    /// A similar system's Q.
+    pub(super) near: Option<Exponent<N>>,
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
@@ -34,8 +37,9 @@ impl<const N: usize> Sampled<N> {
     /// [`Error::NotClosed`] if there are too few states, or they lie on a surface.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity<N>> {
         let failed = |reason| Error::NotClosed { order, reason };
-        let found =
-            close_on_samples(&self.operator, &self.pilot, &self.degrees, order, &self.symmetry).ok_or_else(|| {
+        let near = self.near.as_ref();
+        let found = close_on_samples(&self.operator, &self.pilot, &self.degrees, order, &self.symmetry, near)
+            .ok_or_else(|| {
                 failed("the pilot's states are too few to tell its functions apart: ask for more of them")
             })?;
         let rule = ImportanceRule::new(&found, &self.pilot, &self.symmetry, DRAWS, self.seed)
@@ -45,7 +49,10 @@ impl<const N: usize> Sampled<N> {
         let states = &self.pilot.states;
         let candidate = Candidate {
             origin: Origin::Galerkin,
-            l1_estimate: found.indicator.unwrap_or_else(|| self.relaxed(found.pointwise, order)).min(2.0),
+            // The domain's edge cuts off what no state has seen.
+            l1_estimate: (found.indicator.unwrap_or_else(|| self.relaxed(found.pointwise, order))
+                + (states.len() as f64).recip())
+            .min(2.0),
             tail_estimate: f64::INFINITY,
             likelihood_loss: found.excess,
             accepted: found.solved && !found.suspect,

@@ -1,9 +1,9 @@
 //! Studies: interrupted and gone on with, they end in the same table; and warm starts come to the same densities.
 
 use crate::common::*;
-use expoly::models::Solved;
+use expoly::models::{CubicDamping, Solved};
 use expoly::study::{Case, OrderRow, OrderStudy, OrderTable, Sweep, Truth};
-use expoly::{Barrier, Closure, ClosureDensity, Density, Error, Gaussian, Polynomial, Support};
+use expoly::{Barrier, Closure, ClosureDensity, Density, Error, Gaussian, NodeKind, Polynomial, Support};
 use nalgebra::{SMatrix, SVector};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ fn an_interrupted_study_goes_on_to_the_same_table() {
         assert_eq!(row.mean_square_x.unwrap().abs() < 1e-6, exact, "{row:?}");
         assert!(row.tail.is_some());
         assert_eq!(row.rate.is_some(), row.system == "Duffing");
-        assert_eq!(row.indicator.is_some(), row.method == "robust");
+        assert_eq!(row.facts.indicator.is_some(), row.method == "robust");
     }
     let enough: Vec<_> = whole.convergence().iter().map(|found| found.enough).collect();
     assert_eq!(enough, [Some(4), None, Some(2)]);
@@ -181,8 +181,34 @@ fn a_warm_start_comes_to_the_same_density() {
     let cold = closure.solve_with_wall(&duffing(), wall(0.8)).unwrap();
     let warm = closure.solve_with_wall_from(&duffing(), wall(0.8), &near).unwrap();
     agree("wall", &cold, &warm);
+    let walls = |r: f64| (wall(r), Barrier::new(1.0, 0.8).unwrap());
+    let between = |r: f64| closure.solve_between_walls(&duffing(), walls(r).0, walls(r).1).unwrap();
+    let (near, cold) = (between(0.85), between(0.8));
+    let warm = closure.solve_between_walls_from(&duffing(), walls(0.8).0, walls(0.8).1, &near).unwrap();
+    agree("two walls", &cold, &warm);
     let vdp = |strength| expoly::models::DuffingVanDerPol::van_der_pol(strength, 0.3).unwrap();
     let closure = Closure::new(8);
     let near = closure.solve(&vdp(0.45)).unwrap();
     agree("van der Pol", &closure.solve(&vdp(0.5)).unwrap(), &closure.solve_from(&vdp(0.5), &near).unwrap());
+}
+
+/// With the pilot's states as nodes both starts come to the same root of the same equations, the near one sooner.
+#[test]
+fn a_warm_start_on_samples_comes_to_the_same_root() {
+    let damped = |cubic| CubicDamping::new([0.1, cubic], 1.0, 1.0, 0.5).unwrap();
+    let closure = Closure::new(4).nodes(NodeKind::Samples).pilot_states(20_000);
+    let near = closure.solve(&damped(0.25)).unwrap();
+    let cold = closure.solve(&damped(0.3)).unwrap();
+    let warm = closure.solve_from(&damped(0.3), &near).unwrap();
+    let iterations = [&cold, &warm].map(|density| density.provenance().iterations);
+    println!("iterations {iterations:?}, {:?} and {:?}", cold.provenance().elapsed, warm.provenance().elapsed);
+    assert!(warm.warning().is_none() && iterations[1] < iterations[0], "{iterations:?}");
+    // Steps end where ln p changes by 1e-10 in the mean square.
+    for (p, q) in cold.coefficients().iter().zip(warm.coefficients()) {
+        assert!((p - q).abs() < 1e-7 * (1.0 + p.abs()), "{p} {q}");
+    }
+    // From a density that is nothing like it, too.
+    let far = closure
+        .solve_from(&damped(0.3), &closure.solve(&CubicDamping::new([2.0, 0.0], 9.0, 0.1, 0.1).unwrap()).unwrap());
+    assert!((far.unwrap().moment([2, 0]).value / cold.moment([2, 0]).value - 1.0).abs() < 1e-6);
 }

@@ -64,52 +64,63 @@ impl<const N: usize> Assembly<'_, N> {
     /// E[A φ_k] over the first `count` states.
     pub(super) fn mean_images(&self, count: usize, operator: impl Fn(&Site<N>) -> Symbols<N> + Sync) -> Vec<f64> {
         let sites = &self.sites.groups[..count.min(self.sites.len()) / LANES];
-        let parts: Vec<Vec<f64>> = sites
-            .par_chunks(BLOCK / LANES)
-            .map_init(
-                || self.products.scratch(),
-                |scratch, block| {
-                    let mut sums = vec![0.0; self.products.len()];
-                    for site in block {
-                        self.products.place(&site.x, scratch);
-                        self.products.apply(&operator(site), &self.sites.coupled, scratch);
-                        for (k, sum) in sums.iter_mut().enumerate() {
-                            *sum += self.products.image(scratch, k).iter().sum::<f64>();
-                        }
-                    }
-                    sums
-                },
-            )
-            .collect();
-        total(&parts, sites.len() * LANES)
+        self.means_over(sites, self.products.len(), |site, scratch, sums| {
+            self.products.place(&site.x, scratch);
+            self.products.apply(&operator(site), &self.sites.coupled, scratch);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum += self.products.image(scratch, k).iter().sum::<f64>();
+            }
+        })
+    }
+
+    /// E[g φ_k] for a function of the state.
+    pub(super) fn means(&self, g: impl Fn(&[f64; N]) -> f64 + Sync) -> Vec<f64> {
+        self.means_over(&self.sites.groups, self.products.len(), |site, scratch, sums| {
+            self.products.place(&site.x, scratch);
+            let g = std::array::from_fn(|l| g(&site.x.each_ref().map(|x| x[l])));
+            self.add_products(&g, scratch, sums);
+        })
     }
 
     /// E[r φ_k] and E[r²] for the residual r of Q = Σ a_k φ_k.
     pub(super) fn residual(&self, a: &[f64]) -> (Vec<f64>, f64) {
         let size = self.products.len();
-        let parts: Vec<Vec<f64>> = self
-            .sites
-            .groups
+        let mut means = self.means_over(&self.sites.groups, size + 1, |site, scratch, sums| {
+            let r = self.residual_at(a, site, scratch);
+            self.add_products(&r, scratch, &mut sums[..size]);
+            sums[size] += r.iter().map(|r| r * r).sum::<f64>();
+        });
+        let square = means.pop().unwrap_or_default();
+        (means, square)
+    }
+
+    /// Adds g φ_k at the states of a site where the products are placed.
+    fn add_products(&self, g: &Lane, scratch: &Scratch, sums: &mut [f64]) {
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let value = self.products.value(scratch, k);
+            *sum += (0..LANES).map(|l| g[l] * value[l]).sum::<f64>();
+        }
+    }
+
+    /// The means over sites of what `add` adds to `size` sums at each; block by block, so that no thread makes a difference.
+    fn means_over(
+        &self,
+        sites: &[Site<N>],
+        size: usize,
+        add: impl Fn(&Site<N>, &mut Scratch, &mut [f64]) + Sync,
+    ) -> Vec<f64> {
+        let parts: Vec<Vec<f64>> = sites
             .par_chunks(BLOCK / LANES)
             .map_init(
                 || self.products.scratch(),
                 |scratch, block| {
-                    let mut sums = vec![0.0; size + 1];
-                    for site in block {
-                        let r = self.residual_at(a, site, scratch);
-                        for (k, sum) in sums[..size].iter_mut().enumerate() {
-                            let value = self.products.value(scratch, k);
-                            *sum += (0..LANES).map(|l| r[l] * value[l]).sum::<f64>();
-                        }
-                        sums[size] += r.iter().map(|r| r * r).sum::<f64>();
-                    }
+                    let mut sums = vec![0.0; size];
+                    block.iter().for_each(|site| add(site, scratch, &mut sums));
                     sums
                 },
             )
             .collect();
-        let mut means = total(&parts, self.sites.len());
-        let square = means.pop().unwrap_or_default();
-        (means, square)
+        total(&parts, sites.len() * LANES)
     }
 
     /// The residual at the states of a site; leaves them placed.

@@ -60,7 +60,7 @@ pub(in crate::closure) struct SampleClosure<const N: usize> {
     pub(in crate::closure) excess: f64,
     /// Whether that is more than chance explains.
     pub(in crate::closure) suspect: bool,
-    /// One entry a step.
+    /// One entry a step, those of a lower order and of a start that led nowhere included.
     pub(in crate::closure) trace: Vec<SampleStep>,
 }
 
@@ -69,22 +69,25 @@ pub(in crate::closure) struct SampleClosure<const N: usize> {
 /// The equations are solved two degrees higher where that is affordable, and the solution is cut back to the order,
 /// orthogonally in L²: Q is then the best of its order in the mean square of ln p. Solved at the order itself, Q would
 /// take up what the missing terms do, and the larger residual would let in more of the states' noise.
+///
+/// `near` is a similar system's Q, from which the iteration may start.
 pub(in crate::closure) fn close_on_samples<const N: usize>(
     operator: &FokkerPlanck<N>,
     pilot: &Pilot<N>,
     degrees: &Degrees<N>,
     order: u32,
     symmetry: &Symmetry<N>,
+    near: Option<&Exponent<N>>,
 ) -> Option<SampleClosure<N>> {
     let kept = degrees.exponents(order, |alpha| symmetry.keeps(alpha));
     let sites = Sites::new(operator, &pilot.states);
     let higher = degrees.exponents(order + 2, |alpha| symmetry.keeps(alpha));
     let affordable = higher.len() <= MOST_FUNCTIONS.min(sites.len() / STATES_EACH);
-    let larger = affordable.then(|| close_within(&sites, pilot, symmetry, &kept, &higher)).flatten();
+    let larger = affordable.then(|| close_within(&sites, pilot, symmetry, [&kept, &higher], near)).flatten();
     match larger {
         Some(closure) if closure.solved && !closure.suspect => Some(closure),
         larger => {
-            let plain = close_within(&sites, pilot, symmetry, &kept, &kept);
+            let plain = close_within(&sites, pilot, symmetry, [&kept, &kept], near);
             let found = larger.into_iter().chain(plain);
             found.min_by(|a, b| b.solved.cmp(&a.solved).then(a.excess.total_cmp(&b.excess)))
         }
@@ -96,8 +99,8 @@ fn close_within<const N: usize>(
     sites: &Sites<N>,
     pilot: &Pilot<N>,
     symmetry: &Symmetry<N>,
-    kept: &[[u32; N]],
-    used: &[[u32; N]],
+    [kept, used]: [&[[u32; N]]; 2],
+    near: Option<&Exponent<N>>,
 ) -> Option<SampleClosure<N>> {
     let (centre, deviation) = pilot.spread(symmetry);
     let half_width = reach(pilot, &centre);
@@ -105,16 +108,36 @@ fn close_within<const N: usize>(
     let assembly = Assembly { products: &products, sites };
     let basis = Basis::new(&assembly.gram())?;
     let score = Score::new(&assembly, &basis, &deviation, kept.len(), pilot.inflation)?;
-    let low = used.iter().filter(|alpha| alpha.iter().sum::<u32>() <= START_ORDER).count();
-    let fitted = || Some(basis.coefficients(&score.start(low.min(kept.len()))?));
-    // The solution of a low order is nearer than any fit to the states.
-    let start = if low < used.len() {
-        lower(sites, pilot, symmetry, &used[..low], used.len()).or_else(fitted)?
-    } else {
-        fitted()?
-    };
     let matrix = dissipative(&assembly);
-    let ended = Iteration { assembly, basis: &basis }.run(start, &matrix);
+    let solved = |start| Iteration { assembly, basis: &basis }.run(start, &matrix);
+    // What is nearest to a similar system's Q in the mean square over the states.
+    let projected = |near: &Exponent<N>| {
+        let tested = basis.tested(&assembly.means(|x| near.value(x)));
+        basis.coefficients(&(0..tested.nrows()).map(|k| tested[(k, 0)]).collect::<Vec<_>>())
+    };
+    let mut trace = Vec::new();
+    let warm = near.map(|near| solved(projected(near))).filter(|ended| {
+        trace.extend_from_slice(&ended.trace);
+        ended.solved && !score.suspects(score.excess(&basis.orthogonal(&ended.a)[..kept.len()]))
+    });
+    let ended = match warm {
+        Some(ended) => ended,
+        None => {
+            let low = used.iter().filter(|alpha| alpha.iter().sum::<u32>() <= START_ORDER).count();
+            // The solution of a low order is nearer than any fit to the states.
+            let lower = (low < used.len()).then(|| lower(sites, pilot, symmetry, &used[..low])).flatten();
+            let start = match lower {
+                Some((coefficients, steps)) => {
+                    trace.extend(steps);
+                    coefficients.into_iter().chain(std::iter::repeat(0.0)).take(used.len() + 1).collect()
+                }
+                None => basis.coefficients(&score.start(low.min(kept.len()))?),
+            };
+            let ended = solved(start);
+            trace.extend_from_slice(&ended.trace);
+            ended
+        }
+    };
     let d = basis.orthogonal(&ended.a);
     let (inside, beyond) = d.split_at(kept.len());
     let excess = score.excess(inside);
@@ -130,23 +153,19 @@ fn close_within<const N: usize>(
         pointwise: ended.pointwise,
         solved: ended.solved,
         indicator: (!beyond.is_empty()).then(|| beyond.iter().map(|d| d * d).sum::<f64>().sqrt()),
-        trace: ended.trace,
+        trace,
     })
 }
 
-/// The solution in fewer functions, the coefficients of the others zero.
+/// The coefficients of the solution in fewer functions, constant first, and the steps that led there.
 fn lower<const N: usize>(
     sites: &Sites<N>,
     pilot: &Pilot<N>,
     symmetry: &Symmetry<N>,
     used: &[[u32; N]],
-    size: usize,
-) -> Option<Vec<f64>> {
-    let closure = close_within(sites, pilot, symmetry, used, used).filter(|closure| closure.solved)?;
-    let mut coefficients = vec![0.0];
-    coefficients.extend(&closure.exponent.coefficients);
-    coefficients.resize(size + 1, 0.0);
-    Some(coefficients)
+) -> Option<(Vec<f64>, Vec<SampleStep>)> {
+    let closure = close_within(sites, pilot, symmetry, [used, used], None).filter(|closure| closure.solved)?;
+    Some((std::iter::once(0.0).chain(closure.exponent.coefficients).collect(), closure.trace))
 }
 
 /// The farthest that a state has been from the centre.
@@ -175,7 +194,7 @@ mod tests {
     /// The largest error of ln p over the pilot's states, constants apart.
     fn farthest<T: Solved<N, M> + Sync, const N: usize, const M: usize>(system: &T, count: usize) -> f64 {
         let (operator, symmetry, pilot) = pilot(system, count);
-        let closure = close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry).unwrap();
+        let closure = close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry, None).unwrap();
         assert!(closure.solved && closure.pointwise < 1e-7, "{closure:?}");
         let error = |x: &[f64; N]| closure.exponent.value(x) - system.log_density(*x);
         let middle = error(&[0.0; N]);
@@ -249,7 +268,7 @@ mod tests {
     fn integrals_have_honest_errors_and_do_not_depend_on_threads() {
         let chain = DuffingChain::<2>::new([0.2, 0.4], 1.0, 0.5, 0.5, 1.0).unwrap();
         let (operator, symmetry, pilot) = pilot(&chain, 20_000);
-        let closure = close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry).unwrap();
+        let closure = close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry, None).unwrap();
         let rule = || ImportanceRule::new(&closure, &pilot, &symmetry, 100_000, 3).unwrap();
         let [square, fourth] = rule().means(|x| [x[1].powi(2), x[1].powi(4)]).unwrap();
         // E v² = T = 1; the trusted part leaves out a few millionths.
@@ -260,8 +279,9 @@ mod tests {
         assert!(density.deviation(normal) < 4.0 && density.error < 1e-3, "{density}");
         assert!(rule().effective() > 50_000.0 && rule().trusts(&pilot.states[0]) && !rule().trusts(&[50.0; 4]));
         let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let on_one =
-            || (close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry).unwrap(), rule().log_mass());
+        let on_one = || {
+            (close_on_samples(&operator, &pilot, &Degrees::complete(), 4, &symmetry, None).unwrap(), rule().log_mass())
+        };
         let (alone, mass) = single.install(on_one);
         assert_eq!(alone.exponent.coefficients, closure.exponent.coefficients);
         assert_eq!(mass, rule().log_mass());

@@ -1,16 +1,19 @@
 //! The functions that ln p and its corrections are combined from.
 
+mod corner;
+mod kink;
 mod polynomials;
 mod record;
 pub(crate) mod similarity;
 mod wall;
 
+pub(super) use corner::Corner;
+pub(crate) use kink::SMALLEST;
 pub(super) use polynomials::Polynomials;
 pub(super) use record::same;
 pub(crate) use record::{CornerRecord, SpaceRecord, StepRecord};
 use similarity::Similarity;
-pub(crate) use wall::SMALLEST;
-pub(super) use wall::{Corner, WallFunctions, WallLevel};
+pub(super) use wall::{WallFunctions, WallLevel};
 
 /// A value with its derivatives at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

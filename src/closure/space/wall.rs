@@ -1,56 +1,5 @@
-use super::{CornerRecord, Jet, Local, Polynomials, Similarity, Space, SpaceRecord, StepRecord};
-
-/// What keeps B = w⁶ + (κu)² from 0 where it is divided by.
-pub(crate) const SMALLEST: f64 = 1e-60;
-
-/// A rigid wall as the place of the singularity (0, 0) in u ≥ 0, the distance from it, and w = u′.
-#[derive(Clone, Debug)]
-pub(in crate::closure) struct Corner {
-    /// The wall's coordinate.
-    offset: f64,
-    /// 1 for a floor, u = y − b; −1 for a ceiling, u = b − y.
-    side: f64,
-    /// κ/27: the noise intensity, which says at what u ~ w³/D a grazing impact ends.
-    intensity: f64,
-    /// The largest u and |w|, in which the functions are scaled.
-    reach: [f64; 2],
-    restitution: f64,
-    similarity: Option<Similarity>,
-}
-
-impl Corner {
-    /// A floor at `offset` in a domain that reaches as far as u and |w| say.
-    pub(in crate::closure) fn floor(offset: f64, restitution: f64, intensity: f64, reach: [f64; 2]) -> Self {
-        Corner { offset, side: 1.0, intensity, reach, restitution, similarity: Similarity::new(restitution, intensity) }
-    }
-
-    /// A ceiling.
-    pub(in crate::closure) fn ceiling(offset: f64, restitution: f64, intensity: f64, reach: [f64; 2]) -> Self {
-        Corner { side: -1.0, ..Corner::floor(offset, restitution, intensity, reach) }
-    }
-
-    pub(in crate::closure) fn record(&self) -> CornerRecord {
-        let Corner { offset, side, intensity, reach, restitution, .. } = *self;
-        CornerRecord { offset, ceiling: side < 0.0, restitution, intensity, reach }
-    }
-
-    /// (u, w) of a state.
-    pub(in crate::closure) fn coordinates(&self, [y, v]: [f64; 2]) -> [f64; 2] {
-        [self.side * (y - self.offset), self.side * v]
-    }
-
-    /// The part S of ln p that grazing impacts make singular; 0 where the restitution is too small for such a part.
-    pub(in crate::closure) fn singular_part(&self, x: [f64; 2]) -> Jet<2> {
-        let [u, w] = self.coordinates(x);
-        self.similarity.as_ref().map_or(Jet::ZERO, |similarity| self.turned(similarity.at(u, w)))
-    }
-
-    /// Derivatives in (u, w) as derivatives in the state.
-    fn turned(&self, mut jet: Jet<2>) -> Jet<2> {
-        jet.gradient = jet.gradient.map(|slope| self.side * slope);
-        jet
-    }
-}
+use super::kink::{Kink, Radius};
+use super::{Corner, Jet, Local, Polynomials, Space, SpaceRecord, StepRecord};
 
 /// How many functions of each kind, with A = (w⁶ + (κu)²)^{1/6}, which grows like |w| and u^{1/3}.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,14 +30,6 @@ struct Addition {
     polynomials: Polynomials<2>,
     /// The same at each corner.
     kinks: Vec<Kink>,
-}
-
-/// A^power u^i w^j in scaled coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Kink {
-    power: i32,
-    i: i32,
-    j: i32,
 }
 
 impl WallLevel {
@@ -210,69 +151,6 @@ impl Space<2> for WallFunctions {
     }
 }
 
-/// A at a point, in scaled coordinates, with what its derivatives are made of.
-#[derive(Clone, Copy, Debug)]
-struct Radius {
-    u: f64,
-    w: f64,
-    /// ∂u and ∂w of the scaled coordinates.
-    unit: [f64; 2],
-    /// A.
-    a: f64,
-    /// The derivatives of A⁶ over A⁶: in u and w, and the second ones.
-    slope: [f64; 2],
-    bend: [f64; 2],
-}
-
-impl Radius {
-    fn new(corner: &Corner, x: &[f64; 2]) -> Self {
-        let unit = corner.reach.map(f64::recip);
-        let [u, w] = corner.coordinates(*x);
-        let (u, w) = (u.max(0.0) * unit[0], w * unit[1]);
-        let kappa = 27.0 * corner.intensity * corner.reach[0] * unit[1].powi(3);
-        let w4 = w.powi(4);
-        let b = w4 * w * w + (kappa * u).powi(2) + SMALLEST;
-        Radius {
-            u,
-            w,
-            unit,
-            a: b.powf(1.0 / 6.0),
-            slope: [2.0 * kappa * kappa * u / b, 6.0 * w4 * w / b],
-            bend: [2.0 * kappa * kappa / b, 30.0 * w4 / b],
-        }
-    }
-
-    fn value(&self, kink: &Kink) -> f64 {
-        self.a.powi(kink.power) * self.u.powi(kink.i) * self.w.powi(kink.j)
-    }
-
-    /// The function with its derivatives in (u, w), by the product rule.
-    fn jet(&self, &Kink { power, i, j }: &Kink) -> Jet<2> {
-        let s = f64::from(power) / 6.0;
-        let radial = self.a.powi(power);
-        let [du, dw] = self.slope.map(|slope| s * radial * slope);
-        let second = |p: usize, q: usize| s * (s - 1.0) * radial * self.slope[p] * self.slope[q];
-        let (duu, dww) = (second(0, 0) + s * radial * self.bend[0], second(1, 1) + s * radial * self.bend[1]);
-        let ([f, f1, f2], [h, h1, h2]) = (power_jet(self.u, i), power_jet(self.w, j));
-        let [p, q] = self.unit;
-        let mixed = (second(0, 1) * f * h + du * f * h1 + dw * f1 * h + radial * f1 * h1) * p * q;
-        Jet {
-            value: radial * f * h,
-            gradient: [(du * f + radial * f1) * h * p, (dw * h + radial * h1) * f * q],
-            hessian: [
-                [(duu * f + 2.0 * du * f1 + radial * f2) * h * p * p, mixed],
-                [mixed, (dww * h + 2.0 * dw * h1 + radial * h2) * f * q * q],
-            ],
-        }
-    }
-}
-
-/// tⁿ with two derivatives.
-fn power_jet(t: f64, n: i32) -> [f64; 3] {
-    let derivative = |order: i32, factor: i32| if n < order { 0.0 } else { f64::from(factor) * t.powi(n - order) };
-    [t.powi(n), derivative(1, n), derivative(2, n * (n - 1))]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -346,19 +224,6 @@ mod tests {
                 assert!(close(jet.hessian[0][1], mixed) && jet.hessian[0][1] == jet.hessian[1][0], "{x:?} {k}");
             }
         }
-    }
-
-    /// A ceiling is a floor in a mirror, and its singular part holds the wall's condition from the other side.
-    #[test]
-    fn a_ceiling_mirrors_a_floor() {
-        let (floor, ceiling) = (Corner::floor(0.3, 0.8, 0.2, [2.0, 3.0]), Corner::ceiling(-0.3, 0.8, 0.2, [2.0, 3.0]));
-        let (below, above) = (floor.singular_part([0.7, -0.4]), ceiling.singular_part([-0.7, 0.4]));
-        assert_eq!(below.value, above.value);
-        assert_eq!(below.gradient, above.gradient.map(|slope| -slope));
-        assert_eq!(below.hessian, above.hessian);
-        let jump = ceiling.singular_part([-0.3, 1.0]).value - ceiling.singular_part([-0.3, -0.8]).value;
-        assert!((jump - 2.0 * 0.8_f64.ln()).abs() < 1e-13);
-        assert_eq!(ceiling.coordinates([-0.5, -0.1]).map(|c| (c * 1e12).round()), [0.2e12, 0.1e12]);
     }
 
     #[test]
