@@ -68,7 +68,7 @@ pub enum Error {
     },
     /// The closure ended without a root, so that there is no density to ask.
     #[error(
-        "the closure of order {order} found no root ({termination}): its last iterate is no solution; try another order, basis or method"
+        "the closure of order {order} has no solution ({termination}): the last iterate solves nothing; try another order, basis or method"
     )]
     NoRoot {
         /// The order of the closure.

@@ -1,7 +1,7 @@
 use super::answer::Answer;
 use super::table::OrderRow;
 use super::truth::{Errors, Truth};
-use crate::{ClosedDensity, FokkerPlanck, PolynomialDrift, Result};
+use crate::{Barrier, FokkerPlanck, PolynomialDrift, Result, energy_balance};
 use std::time::Instant;
 
 /// A system that can take part in a study of orders.
@@ -27,6 +27,24 @@ pub trait StudyCase: Sync {
     fn prepare(&self) -> Result<Rows<'_>>;
 }
 
+impl<T: StudyCase + ?Sized> StudyCase for Box<T> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn methods(&self) -> Vec<&str> {
+        (**self).methods()
+    }
+
+    fn settings(&self) -> Result<String> {
+        (**self).settings()
+    }
+
+    fn prepare(&self) -> Result<Rows<'_>> {
+        (**self).prepare()
+    }
+}
+
 /// Computes the row of the method of an index, and of an order.
 pub type Rows<'a> = Box<dyn Fn(usize, u32) -> Result<OrderRow> + Sync + 'a>;
 
@@ -39,6 +57,7 @@ pub struct Case<'a, T, const N: usize, const M: usize> {
     system: T,
     truth: Known<'a, T, N>,
     methods: Vec<(String, Solve<'a, T, N>)>,
+    barrier: Option<Barrier>,
 }
 
 impl<T: std::fmt::Debug, const N: usize, const M: usize> std::fmt::Debug for Case<'_, T, N, M> {
@@ -50,7 +69,7 @@ impl<T: std::fmt::Debug, const N: usize, const M: usize> std::fmt::Debug for Cas
 impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Case<'a, T, N, M> {
     /// A system under a name, and what makes its truth: it is called once in a run, if any row is missing.
     pub fn new(name: &str, system: T, truth: impl Fn(&T) -> Result<Truth<N>> + Sync + 'a) -> Self {
-        Case { name: name.to_owned(), system, truth: Box::new(truth), methods: Vec::new() }
+        Case { name: name.to_owned(), system, truth: Box::new(truth), methods: Vec::new(), barrier: None }
     }
 
     /// Adds a method. A study that goes on from a file knows the system's equation, but the method only by its name:
@@ -60,31 +79,32 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Case<'
         self
     }
 
-    fn row(&self, truth: &Truth<N>, method: usize, order: u32) -> Result<OrderRow> {
+    /// Says that the methods solve above this wall: the power balance counts its impacts, and a file knows of it.
+    pub fn above(self, barrier: Barrier) -> Self {
+        Case { barrier: Some(barrier), ..self }
+    }
+
+    fn row(&self, operator: &FokkerPlanck<N>, truth: &Truth<N>, method: usize, order: u32) -> Result<OrderRow> {
         let (name, solve) = &self.methods[method];
         let begin = Instant::now();
-        let answer = Answer::or_none(solve(&self.system, order))?;
+        let Answer { facts, density, .. } = Answer::of(solve(&self.system, order))?;
         let seconds = begin.elapsed().as_secs_f64();
-        let own = match &answer.density {
-            Some(ClosedDensity::Closure(density)) => [density.indicator(), density.l1_estimate()].map(Some),
-            _ => [None, None],
-        };
-        let errors = answer.density.as_ref().map_or(Ok(Errors::default()), |density| truth.errors(density))?;
+        let errors = density.as_ref().map_or(Ok(Errors::default()), |density| truth.errors(density))?;
+        // A system of which state 0 is no displacement has no power.
+        let balance = |density| energy_balance(operator, density, self.barrier).ok();
         Ok(OrderRow {
             system: self.name.clone(),
             method: name.clone(),
             order,
-            unknowns: answer.unknowns,
-            termination: answer.termination,
-            iterations: answer.iterations,
-            indicator: own[0],
-            l1_estimate: own[1],
+            facts,
+            truth: truth.text().to_owned(),
             l1: errors.l1.map(|l1| l1.value),
             l1_error: errors.l1.map(|l1| l1.error),
             tail: errors.tail,
             mean_square_x: errors.mean_squares[0],
             mean_square_v: errors.mean_squares[1],
             rate: errors.rate,
+            balance: density.as_ref().and_then(balance).map(|b| b.value).filter(|value| value.is_finite()),
             seconds,
         })
     }
@@ -101,12 +121,12 @@ impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> StudyCase 
 
     fn settings(&self) -> Result<String> {
         let operator = FokkerPlanck::new(&self.system)?;
-        let (name, methods) = (&self.name, self.methods());
-        Ok(format!("{name:?} {methods:?} {:?} {:?}", operator.drift(), operator.diffusion()))
+        let (name, methods, wall) = (&self.name, self.methods(), self.barrier);
+        Ok(format!("{name:?} {methods:?} {wall:?} {:?} {:?}", operator.drift(), operator.diffusion()))
     }
 
     fn prepare(&self) -> Result<Rows<'_>> {
-        let truth = (self.truth)(&self.system)?;
-        Ok(Box::new(move |method, order| self.row(&truth, method, order)))
+        let (operator, truth) = (FokkerPlanck::new(&self.system)?, (self.truth)(&self.system)?);
+        Ok(Box::new(move |method, order| self.row(&operator, &truth, method, order)))
     }
 }

@@ -3,6 +3,7 @@
 use crate::record::checksum;
 use crate::{Error, Result, file};
 use rayon::prelude::*;
+use serde::{Serialize, de::DeserializeOwned};
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -37,8 +38,8 @@ pub(super) struct Journal<'a> {
 }
 
 /// What the file holds from an earlier run.
-struct Kept {
-    rows: Vec<Option<Vec<String>>>,
+struct Kept<R> {
+    rows: Vec<Option<R>>,
     /// The length of the file up to the end of its last whole line.
     sound: u64,
 }
@@ -55,13 +56,13 @@ impl<'a> Journal<'a> {
     fn heading(&self) -> Result<String> {
         let fingerprint = checksum(self.settings.as_bytes());
         let version = env!("CARGO_PKG_VERSION");
-        let columns = line(std::iter::once("row").chain(self.columns.iter().map(String::as_str)))?;
+        let columns = line(&("row", &self.columns))?;
         Ok(format!("# expoly {version} study {fingerprint:016x}\n{columns}"))
     }
 
     /// The rows that an earlier run left, none of them where there is no file.
-    fn kept(&self) -> Result<Kept> {
-        let nothing = Kept { rows: vec![None; self.rows], sound: 0 };
+    fn kept<R: DeserializeOwned>(&self) -> Result<Kept<R>> {
+        let nothing = Kept { rows: (0..self.rows).map(|_| None).collect(), sound: 0 };
         let Some(path) = &self.path else { return Ok(nothing) };
         let Some(content) = file::read(path)? else { return Ok(nothing) };
         let heading = self.heading()?;
@@ -83,7 +84,9 @@ impl<'a> Journal<'a> {
             if record.len() != self.columns.len() + 1 {
                 return Err(spoiled(at, "it has not as many fields as there are columns"));
             }
-            if slot.replace(record.iter().skip(1).map(str::to_owned).collect()).is_some() {
+            let (_, row): (usize, R) =
+                record.deserialize(None).map_err(|_| spoiled(at, "a field is no number or no word of its column"))?;
+            if slot.replace(row).is_some() {
                 return Err(spoiled(at, "it is there twice"));
             }
         }
@@ -91,14 +94,17 @@ impl<'a> Journal<'a> {
     }
 
     /// The rows that are missing so far.
-    pub(super) fn missing(&self) -> Result<Vec<usize>> {
-        let kept = self.kept()?;
+    pub(super) fn missing<R: DeserializeOwned>(&self) -> Result<Vec<usize>> {
+        let kept = self.kept::<R>()?;
         Ok((0..self.rows).filter(|&row| kept.rows[row].is_none()).collect())
     }
 
     /// All rows in order: those of an earlier run, and the missing ones, computed in parallel.
-    pub(super) fn run(self, compute: impl Fn(usize) -> Result<Vec<String>> + Sync) -> Result<Vec<Vec<String>>> {
-        let mut kept = self.kept()?;
+    pub(super) fn run<R: Serialize + DeserializeOwned + Send>(
+        self,
+        compute: impl Fn(usize) -> Result<R> + Sync,
+    ) -> Result<Vec<R>> {
+        let mut kept = self.kept::<R>()?;
         let missing: Vec<usize> = (0..self.rows).filter(|&row| kept.rows[row].is_none()).collect();
         let (heading, path) = (self.heading()?, self.path);
         let open = |path: &Path| -> std::io::Result<File> {
@@ -114,17 +120,17 @@ impl<'a> Journal<'a> {
         let file = path.as_ref().map(opened).transpose()?;
         let shared = Mutex::new(Shared { file, done, progress: self.progress, cancelled: false });
         let cancelled = || Error::StudyCancelled { done: lock(&shared).done, rows: self.rows };
-        let computed: Vec<Result<Vec<String>>> = missing
+        let computed: Vec<Result<R>> = missing
             .par_iter()
             .with_max_len(1)
             .map(|&row| {
                 if lock(&shared).cancelled {
                     return Err(cancelled());
                 }
-                let fields = compute(row);
+                let computed = compute(row);
                 let mut shared = lock(&shared);
-                let kept =
-                    fields.and_then(|fields| shared.keep(row, &fields, self.rows, path.as_deref()).map(|()| fields));
+                let kept = computed
+                    .and_then(|computed| shared.keep(row, &computed, self.rows, path.as_deref()).map(|()| computed));
                 // No row that begins later would be of use.
                 shared.cancelled |= kept.is_err();
                 kept
@@ -135,12 +141,12 @@ impl<'a> Journal<'a> {
         if let Some(error) = computed.iter().find_map(own) {
             return Err(error);
         }
-        for (row, fields) in missing.into_iter().zip(computed) {
-            kept.rows[row] = Some(fields?);
+        for (row, computed) in missing.into_iter().zip(computed) {
+            kept.rows[row] = Some(computed?);
         }
-        let rows: Vec<Vec<String>> = kept.rows.into_iter().flatten().collect();
+        let rows: Vec<R> = kept.rows.into_iter().flatten().collect();
         if let Some(path) = path {
-            let lines = rows.iter().enumerate().map(|(row, fields)| numbered(row, fields));
+            let lines = rows.iter().enumerate().map(|numbered| line(&numbered));
             file::write(&path, (heading + &lines.collect::<Result<String>>()?).as_bytes())?;
         }
         Ok(rows)
@@ -153,17 +159,17 @@ fn lock<'m, 'a>(shared: &'m Mutex<Shared<'a>>) -> std::sync::MutexGuard<'m, Shar
 
 impl Shared<'_> {
     /// Appends a row to the file and reports it.
-    fn keep(&mut self, row: usize, fields: &[String], total: usize, path: Option<&Path>) -> Result<()> {
+    fn keep<R: Serialize>(&mut self, row: usize, computed: &R, total: usize, path: Option<&Path>) -> Result<()> {
         if let (Some(file), Some(path)) = (&mut self.file, path) {
             // A single write: a run that is ended in the middle leaves at most one broken line, the last.
-            let written = file.write_all(numbered(row, fields)?.as_bytes()).and_then(|()| file.flush());
+            let written = file.write_all(line(&(row, computed))?.as_bytes()).and_then(|()| file.flush());
             written.map_err(|error| file::file_error("write", path, &error))?;
         }
         self.done += 1;
         if let Some(progress) = &mut self.progress
             && !self.cancelled
         {
-            let row = line(fields.iter().map(String::as_str))?;
+            let row = line(computed)?;
             let verdict = progress(StudyProgress { done: self.done, total, row: row.trim_end() });
             self.cancelled = verdict == ControlFlow::Break(());
         }
@@ -171,20 +177,11 @@ impl Shared<'_> {
     }
 }
 
-fn numbered(row: usize, fields: &[String]) -> Result<String> {
-    line(std::iter::once(&*row.to_string()).chain(fields.iter().map(String::as_str)))
-}
-
-/// One line of CSV, its end included.
-fn line<'f>(fields: impl Iterator<Item = &'f str>) -> Result<String> {
+/// One line of CSV, its end included. Numbers keep all their bits, and what is missing is an empty field.
+fn line(row: &impl Serialize) -> Result<String> {
     let refused = |reason: String| Error::File { action: "write", path: String::from("a row of a study"), reason };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(fields).map_err(|error| refused(error.to_string()))?;
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.serialize(row).map_err(|error| refused(error.to_string()))?;
     let bytes = writer.into_inner().map_err(|error| refused(error.to_string()))?;
     String::from_utf8(bytes).map_err(|error| refused(error.to_string()))
-}
-
-/// A number with all its bits; an empty field where there is none.
-pub(super) fn number(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| format!("{value:?}"))
 }

@@ -14,7 +14,7 @@ mod sweep;
 mod table;
 mod truth;
 
-pub use answer::Answer;
+pub use answer::{Answer, Facts};
 pub use case::{Case, Rows, StudyCase};
 pub use convergence::{Convergence, Slope};
 pub use journal::StudyProgress;

@@ -32,7 +32,7 @@ pub struct OrderStudy<'a> {
 
 impl fmt::Debug for OrderStudy<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<&str> = self.cases.iter().map(|case| case.name()).collect();
+        let names: Vec<&str> = self.cases.iter().map(StudyCase::name).collect();
         f.debug_struct("OrderStudy").field("cases", &names).field("orders", &self.orders).finish_non_exhaustive()
     }
 }
@@ -83,7 +83,7 @@ impl<'a> OrderStudy<'a> {
         let journal = Journal { columns, rows: keys.len(), settings, path: file, progress };
         // Truths first, each on all threads: a row that waited for one could be run by the thread that makes it.
         let mut prepared: BTreeMap<usize, Rows<'_>> = BTreeMap::new();
-        for row in journal.missing()? {
+        for row in journal.missing::<OrderRow>()? {
             let case = keys[row].0;
             if let std::collections::btree_map::Entry::Vacant(entry) = prepared.entry(case) {
                 entry.insert(cases[case].prepare()?);
@@ -92,18 +92,11 @@ impl<'a> OrderStudy<'a> {
         let rows = journal.run(|row| {
             let (case, method, order) = keys[row];
             // Only rows that were missing a moment ago are asked for.
-            prepared
-                .get(&case)
-                .map_or_else(|| cases[case].prepare()?(method, order), |rows| rows(method, order))
-                .map(|row| row.fields())
+            match prepared.get(&case) {
+                Some(rows) => rows(method, order),
+                None => cases[case].prepare()?(method, order),
+            }
         })?;
-        let parsed = rows.iter().enumerate().map(|(row, fields)| {
-            OrderRow::from_fields(fields).ok_or(Error::SpoiledStudy {
-                path: String::from("the file of the study"),
-                row,
-                problem: "a field is no number",
-            })
-        });
-        Ok(OrderTable { rows: parsed.collect::<Result<_>>()? })
+        Ok(OrderTable { rows })
     }
 }

@@ -1,4 +1,4 @@
-use super::journal::{Callback, Journal, StudyProgress, number};
+use super::journal::{Callback, Journal, StudyProgress};
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -56,11 +56,11 @@ impl fmt::Debug for Sweep<'_> {
 
 impl<'a> Sweep<'a> {
     /// A sweep of a parameter over values, neighbours side by side, that yields the numbers of some columns.
-    pub fn new(parameter: &str, values: &[f64], columns: &[&str]) -> Self {
+    pub fn new(parameter: &str, values: &[f64], columns: &[impl AsRef<str>]) -> Self {
         Sweep {
             parameter: parameter.to_owned(),
             values: values.to_vec(),
-            columns: columns.iter().map(|column| (*column).to_owned()).collect(),
+            columns: columns.iter().map(|column| column.as_ref().to_owned()).collect(),
             segment: SEGMENT,
             settings: String::new(),
             file: None,
@@ -123,7 +123,7 @@ impl<'a> Sweep<'a> {
             let first = row / segment * segment;
             (first + (first + segment).min(values.len()) - 1) / 2
         };
-        let mut middles: Vec<usize> = journal.missing()?.into_iter().map(middle).collect();
+        let mut middles: Vec<usize> = journal.missing::<Vec<f64>>()?.into_iter().map(middle).collect();
         middles.dedup();
         let solved = middles.par_iter().map(|&row| Ok((row, checked(solve(values[row], None)?)?)));
         let solved: BTreeMap<usize, (Vec<f64>, W)> = solved.collect::<Result<_>>()?;
@@ -132,16 +132,9 @@ impl<'a> Sweep<'a> {
                 Some((numbers, _)) if middle(row) == row => numbers.clone(),
                 near => checked(solve(values[row], near.map(|(_, state)| state))?)?.0,
             };
-            Ok(std::iter::once(values[row]).chain(numbers).map(|value| number(Some(value))).collect())
+            Ok(std::iter::once(values[row]).chain(numbers).collect())
         })?;
-        let spoiled = |row| {
-            let path = String::from("the file of the sweep");
-            Error::SpoiledStudy { path, row, problem: "a field is no number" }
-        };
-        let parsed = rows.iter().enumerate().map(|(row, fields)| {
-            fields.iter().map(|field| field.parse().map_err(|_| spoiled(row))).collect::<Result<Vec<f64>>>()
-        });
-        Ok(SweepTable { columns: all, rows: parsed.collect::<Result<_>>()? })
+        Ok(SweepTable { columns: all, rows })
     }
 }
 

@@ -1,9 +1,10 @@
+use super::answer::Facts;
 use super::convergence::Convergence;
-use super::journal::number;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// One row of the table. What is not known is missing.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OrderRow {
     /// The system.
     pub system: String,
@@ -11,16 +12,10 @@ pub struct OrderRow {
     pub method: String,
     /// The order n.
     pub order: u32,
-    /// The number of coefficients.
-    pub unknowns: Option<usize>,
-    /// How the method ended.
-    pub termination: String,
-    /// Its iterations.
-    pub iterations: Option<usize>,
-    /// The indicator η.
-    pub indicator: Option<f64>,
-    /// The method's own estimate of the L¹ error.
-    pub l1_estimate: Option<f64>,
+    /// How the answer came about, and what the method itself says of it.
+    pub facts: Facts,
+    /// What the answer was compared with.
+    pub truth: String,
     /// ∫ |p̃ − p| dx; against a simulation, of the first state's marginal.
     pub l1: Option<f64>,
     /// What the truth's own error makes of that distance.
@@ -33,30 +28,43 @@ pub struct OrderRow {
     pub mean_square_v: Option<f64>,
     /// The relative error of the rate of up-crossings of the mean; against a simulation, of 0.
     pub rate: Option<f64>,
+    /// The power balance of the first oscillator, 0 for the truth.
+    pub balance: Option<f64>,
     /// The time that the method took, beside other rows.
     pub seconds: f64,
 }
 
-pub(super) const COLUMNS: [&str; 15] = [
+/// The names of all fields of a row, those of its facts where they stand in it.
+pub(super) const COLUMNS: [&str; 25] = [
     "system",
     "method",
     "order",
+    "basis",
     "unknowns",
     "termination",
-    "iterations",
-    "indicator",
+    "origin",
+    "refusal",
+    "warning",
     "l1_estimate",
+    "indicator",
+    "least_residual",
+    "residual",
+    "condition",
+    "iterations",
+    "seed",
+    "truth",
     "l1",
     "l1_error",
     "tail",
     "mean_square_x",
     "mean_square_v",
     "rate",
+    "balance",
     "seconds",
 ];
 
 /// The rows of a study, in its own order: by system, then method, then order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrderTable {
     pub(super) rows: Vec<OrderRow>,
 }
@@ -82,66 +90,18 @@ impl OrderTable {
     }
 }
 
-impl OrderRow {
-    pub(super) fn fields(&self) -> Vec<String> {
-        let count = |value: Option<usize>| value.map_or_else(String::new, |value| value.to_string());
-        vec![
-            self.system.clone(),
-            self.method.clone(),
-            self.order.to_string(),
-            count(self.unknowns),
-            self.termination.clone(),
-            count(self.iterations),
-            number(self.indicator),
-            number(self.l1_estimate),
-            number(self.l1),
-            number(self.l1_error),
-            number(self.tail),
-            number(self.mean_square_x),
-            number(self.mean_square_v),
-            number(self.rate),
-            number(Some(self.seconds)),
-        ]
-    }
-
-    pub(super) fn from_fields(fields: &[String]) -> Option<Self> {
-        /// Nothing for an empty field, `None` for one that cannot be read.
-        fn optional<F: std::str::FromStr>(field: &str) -> Option<Option<F>> {
-            if field.is_empty() { Some(None) } else { field.parse().ok().map(Some) }
-        }
-        let fields: &[String; COLUMNS.len()] = fields.try_into().ok()?;
-        let [system, method, order, unknowns, termination, iterations, numbers @ ..] = fields;
-        let [indicator, l1_estimate, l1, l1_error, tail, x, v, rate, seconds] = numbers;
-        Some(OrderRow {
-            system: system.clone(),
-            method: method.clone(),
-            order: order.parse().ok()?,
-            unknowns: optional(unknowns)?,
-            termination: termination.clone(),
-            iterations: optional(iterations)?,
-            indicator: optional(indicator)?,
-            l1_estimate: optional(l1_estimate)?,
-            l1: optional(l1)?,
-            l1_error: optional(l1_error)?,
-            tail: optional(tail)?,
-            mean_square_x: optional(x)?,
-            mean_square_v: optional(v)?,
-            rate: optional(rate)?,
-            seconds: seconds.parse().ok()?,
-        })
-    }
-}
-
 impl fmt::Display for OrderTable {
-    /// The table as text, and a line on the convergence of each method.
+    /// The table as text, what methods said where they refused or warned, and a line on the convergence of each method.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let width = self.rows.iter().map(|row| row.system.chars().count()).max().unwrap_or(0).max(6);
+        let longest =
+            |of: fn(&OrderRow) -> &str| self.rows.iter().map(|row| of(row).chars().count()).max().unwrap_or(0);
+        let (width, end) = (longest(|row| &row.system).max(6), longest(|row| &row.facts.termination).max(11));
         writeln!(
             f,
-            "{:width$} {:10} {:>5} {:>8} {:16} {:>5} {:>9} {:>9} {:>9} {:>7} {:>9} {:>9} {:>9} {:>7}",
+            "{:width$} {:9} {:>2} {:>8} {:end$} {:>5} {:>9} {:>9} {:>9} {:>6} {:>9} {:>9} {:>9} {:>9} {:>6}",
             "system",
             "method",
-            "order",
+            "n",
             "unknowns",
             "termination",
             "iter",
@@ -152,29 +112,37 @@ impl fmt::Display for OrderTable {
             "E x1^2",
             "E x2^2",
             "rate",
+            "balance",
             "s"
         )?;
         for row in &self.rows {
+            let facts = &row.facts;
             let count = |value: Option<usize>| value.map_or_else(|| String::from("-"), |value| value.to_string());
             let shown = |value: Option<f64>| value.map_or_else(|| String::from("-"), |value| format!("{value:.1e}"));
             let tail = row.tail.map_or_else(|| String::from("-"), |tail| format!("{tail:.3}"));
             writeln!(
                 f,
-                "{:width$} {:10} {:>5} {:>8} {:16} {:>5} {:>9} {:>9} {:>9} {tail:>7} {:>9} {:>9} {:>9} {:>7.2}",
+                "{:width$} {:9} {:>2} {:>8} {:end$} {:>5} {:>9} {:>9} {:>9} {tail:>6} {:>9} {:>9} {:>9} {:>9} {:>6.2}",
                 row.system,
                 row.method,
                 row.order,
-                count(row.unknowns),
-                row.termination,
-                count(row.iterations),
-                shown(row.indicator),
-                shown(row.l1_estimate),
+                count(facts.unknowns),
+                facts.termination,
+                count(facts.iterations),
+                shown(facts.indicator),
+                shown(facts.l1_estimate),
                 shown(row.l1),
                 shown(row.mean_square_x),
                 shown(row.mean_square_v),
                 shown(row.rate),
+                shown(row.balance),
                 row.seconds
             )?;
+        }
+        for row in &self.rows {
+            if let Some(reason) = row.facts.refusal.as_ref().or(row.facts.warning.as_ref()) {
+                writeln!(f, "{}, {}, n = {}: {reason}", row.system, row.method, row.order)?;
+            }
         }
         self.convergence().iter().try_for_each(|convergence| writeln!(f, "{convergence}"))
     }

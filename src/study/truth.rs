@@ -11,6 +11,8 @@ pub struct Truth<const N: usize> {
     l1: Distance<N>,
     /// Whether ln p is known between samples.
     smooth: bool,
+    /// What it is, in a few words.
+    text: String,
 }
 
 /// The distance ∫ |p − q| of an answer, and what the truth's own error makes of it.
@@ -29,7 +31,7 @@ pub(super) struct Errors {
 
 impl<const N: usize> std::fmt::Debug for Truth<N> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Truth").field("smooth", &self.smooth).finish_non_exhaustive()
+        f.debug_struct("Truth").field("text", &self.text).finish_non_exhaustive()
     }
 }
 
@@ -38,7 +40,7 @@ impl<const N: usize> Truth<N> {
     pub fn exact(density: impl Density<N> + Clone + Send + 'static) -> Self {
         let exact = density.clone();
         let l1 = move |answer: &ClosedDensity<N>| Ok(compare::l1(answer, &exact));
-        Truth { density: Box::new(density), l1: Box::new(l1), smooth: true }
+        Truth { density: Box::new(density), l1: Box::new(l1), smooth: true, text: String::from("exact density") }
     }
 
     /// A simulation: the distance is that of the first state's marginal from the histogram, whose noise is in it.
@@ -48,7 +50,16 @@ impl<const N: usize> Truth<N> {
             let distance = compare::with_histogram(answer, 0, simulated.histogram(0)?)?;
             Ok(Estimate::new(distance.l1, distance.noise))
         };
-        Truth { density: Box::new(density), l1: Box::new(l1), smooth: false }
+        let provenance = density.provenance();
+        let text = format!(
+            "simulation of {} samples, seed {}, time step {}",
+            provenance.samples, provenance.seed, provenance.time_step
+        );
+        Truth { density: Box::new(density), l1: Box::new(l1), smooth: false, text }
+    }
+
+    pub(super) fn text(&self) -> &str {
+        &self.text
     }
 
     pub(super) fn errors(&self, answer: &ClosedDensity<N>) -> Result<Errors> {
@@ -76,10 +87,13 @@ impl<const N: usize> Truth<N> {
 impl Truth<2> {
     /// A solution of the Fokker-Planck equation.
     pub fn grid(density: GridDensity) -> Self {
-        let error = density.provenance().l1_error;
+        let provenance = density.provenance();
+        let error = provenance.l1_error;
+        let text =
+            format!("grid of {} unknowns, degree {}, L1 error {error:.1e}", provenance.unknowns, provenance.degree);
         let grid = density.clone();
         let l1 = move |answer: &ClosedDensity<2>| Ok(Estimate::new(grid.l1_distance(answer).value, error));
-        Truth { density: Box::new(density), l1: Box::new(l1), smooth: true }
+        Truth { density: Box::new(density), l1: Box::new(l1), smooth: true, text }
     }
 }
 
