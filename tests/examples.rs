@@ -136,14 +136,15 @@ fn wrong_options_name_the_value_on_standard_error() {
         (&["--weight", "1.5"], "1.5"),
         (&["--weight", "nan"], "NaN"),
         (&["--weight", "heavy"], "heavy"),
-        (&["--samples", "0"], "samples"),
+        (&["--method", "simulation", "--samples", "0"], "samples"),
         (&["--at", "0.1,inf"], "inf"),
-        (&["--degree", "0"], "degree"),
-        (&["--cells", "0", "8"], "cells"),
-        (&["--degree", "4", "--domain", "0", "0.5", "-6", "6"], "0.5"),
+        (&["--method", "grid", "--degree", "0"], "degree"),
+        (&["--method", "grid", "--cells", "0", "8"], "cells"),
+        (&["--method", "grid", "--degree", "4", "--domain", "0", "0.5", "-6", "6"], "0.5"),
     ] {
-        let short = if arguments[0] == "--samples" { &["--degree", "3"][..] } else { &["--samples", "1000"] };
-        let output = run("vibro_impact", &[&["--json"], arguments, short].concat());
+        // Where the option is not about samples there are few of them.
+        let few = if arguments.contains(&"--samples") { &[][..] } else { &["--samples", "1000"] };
+        let output = run("vibro_impact", &[&["--json"], arguments, few].concat());
         let message = String::from_utf8(output.stderr).unwrap();
         assert!(!output.status.success() && output.stdout.is_empty(), "{arguments:?}");
         assert!(message.starts_with("error: ") && message.contains(expected), "{arguments:?}: {message}");
@@ -180,16 +181,20 @@ fn a_run_leaves_its_figure_and_the_numbers_behind_it() {
         std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     assert!(names.iter().all(|name| !name.ends_with(".tmp")), "{names:?}");
-    assert!(names.contains(&String::from("b0.2_r0.98.svg")) && names.iter().any(|n| n.ends_with("displacement.csv")));
-    let svg = std::fs::read_to_string(out.join("b0.2_r0.98.svg")).unwrap();
+    assert_eq!(names, ["b0.2_r0.98.svg", "b0.2_r0.98.svg.csv"]);
+    let svg = std::fs::read_to_string(out.join(&names[0])).unwrap();
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains("seed 1"));
-    let mut table = csv::Reader::from_path(out.join("b0.2_r0.98_displacement.csv")).unwrap();
-    assert_eq!(
-        table.headers().unwrap().iter().take(3).collect::<Vec<_>>(),
-        ["displacement", "simulation", "standard error"]
-    );
+    let mut table = csv::Reader::from_path(out.join(&names[1])).unwrap();
+    let columns: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+    assert_eq!(columns[..5], ["title", "abscissa", "ordinate", "series", "x"]);
+    let mut series = std::collections::BTreeSet::new();
     for record in table.records() {
-        assert!(record.unwrap().iter().all(|field| field.parse::<f64>().is_ok_and(f64::is_finite)));
+        let record = record.unwrap();
+        series.insert(record[3].to_owned());
+        assert!(record.iter().skip(4).all(|field| field.is_empty() || field.parse::<f64>().is_ok_and(f64::is_finite)));
+    }
+    for name in ["grid", "simulation", "robust n = 2"] {
+        assert!(series.iter().any(|one| one.starts_with(name)), "{name}: {series:?}");
     }
 }
 
@@ -223,54 +228,76 @@ fn order_study(arguments: &[&str]) -> Value {
 
 #[test]
 fn an_order_study_has_one_row_an_order() {
-    let answer = order_study(&["--model", "duffing", "--orders", "2,4,6"]);
+    let answer = order_study(&["--model", "duffing", "--orders", "2,4,6", "--method", "robust"]);
     let rows = answer["rows"].as_array().unwrap();
     assert_eq!(rows.iter().map(|row| row["order"].as_u64().unwrap()).collect::<Vec<_>>(), [2, 4, 6]);
     assert!(rows[0]["l1"].as_f64().unwrap() > 0.01 && rows[1]["l1"].as_f64().unwrap() < 1e-10);
-    assert_eq!((&rows[0]["least_residual"], &rows[1]["least_residual"]), (&true.into(), &false.into()));
-    let estimate = rows[0]["l1_estimate"].as_f64().unwrap();
+    let facts: Vec<&Value> = rows.iter().map(|row| &row["facts"]).collect();
+    assert_eq!((&facts[0]["least_residual"], &facts[1]["least_residual"]), (&true.into(), &false.into()));
+    let estimate = facts[0]["l1_estimate"].as_f64().unwrap();
     assert!((0.5..2.0).contains(&(rows[0]["l1"].as_f64().unwrap() / estimate)), "{}", rows[0]);
-    assert_eq!(rows[1]["origin"], "exact");
-    assert!(rows.iter().all(|row| row["method"] == "robust" && row["indicator"].is_number()));
+    assert_eq!((&facts[1]["origin"], &rows[1]["truth"]), (&"exact".into(), &"exact density".into()));
+    assert!(rows.iter().all(|row| row["method"] == "robust" && row["facts"]["indicator"].is_number()));
 }
 
 /// Where the literature's closure has no root, the robust one has a density, and both rows stand beside each other.
 #[test]
 fn an_order_study_sets_the_classical_closure_beside_the_robust_one() {
-    let options = ["--model", "van_der_pol", "--orders", "6", "--method", "both", "--weight", "density", "--seed", "2"];
+    let options = ["--model", "van_der_pol", "--orders", "6", "--weight", "density", "--seed", "2", "--degree", "8"];
     let answer = order_study(&options);
     let [robust, classical] = answer["rows"].as_array().unwrap().as_slice() else { panic!("{answer}") };
-    assert!(robust["l1"].as_f64().unwrap() < 0.1 && robust["seed"] == 2, "{robust}");
-    assert_eq!(robust["origin"], "moment equations, tails 0.000");
-    assert!(classical["l1"].is_null() && classical["termination"] == "no root", "{classical}");
-    assert!(classical["refusal"].as_str().unwrap().contains("no root"));
-    let alone = order_study(&["--orders", "4", "--method", "classical"]);
+    assert!(robust["l1"].as_f64().unwrap() < 0.1 && robust["facts"]["seed"] == 2, "{robust}");
+    assert_eq!(robust["facts"]["origin"], "moment equations, tails 0.000");
+    assert!(classical["l1"].is_null() && classical["facts"]["termination"] == "no root", "{classical}");
+    assert!(classical["facts"]["refusal"].as_str().unwrap().contains("no root"));
+    let alone = order_study(&["--model", "duffing", "--orders", "4", "--method", "classical"]);
     assert_eq!(alone["rows"].as_array().unwrap().len(), 1);
 }
 
 /// Four states: the nodes are the pilot's states, and no number is NaN, which JSON would refuse.
 #[test]
 fn an_order_study_takes_more_than_two_states() {
-    let answer = order_study(&["--model", "two_degrees_of_freedom", "--orders", "2", "--nodes", "samples"]);
-    let row = &answer["rows"][0];
+    let options = ["--model", "two_degrees_of_freedom", "--orders", "2", "--nodes", "samples", "--method", "robust"];
+    let row = &order_study(&options)["rows"][0];
     assert!((0.02..0.15).contains(&row["l1"].as_f64().unwrap()), "{row}");
-    assert!(row["origin"].as_str().unwrap().contains("Galerkin") && row["l1_estimate"].is_number());
+    assert!(row["facts"]["origin"].as_str().unwrap().contains("Galerkin") && row["facts"]["l1_estimate"].is_number());
+}
+
+/// A run leaves its table, its figure and the numbers in it; another begins anew unless it shall go on.
+#[test]
+fn an_order_study_goes_on_where_it_is_told_to() {
+    let out = scratch("orders");
+    let run = |orders: &str, more: &[&str]| {
+        let fixed = ["--model", "linear", "--orders", orders, "--out", out.to_str().unwrap()];
+        let output = run("order_convergence", &[&fixed[..], more].concat());
+        (output.status.success(), String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (succeeded, text, _) = run("2,4", &[]);
+    assert!(succeeded && text.contains("c = 0.2, k = 1, D = 0.2; against the exact density"), "{text}");
+    let table = std::fs::read_to_string(out.join("linear.csv")).unwrap();
+    assert_eq!(table.lines().count(), 2 + 4);
+    assert!(out.join("linear.svg").exists() && out.join("linear.svg.csv").exists());
+    assert!(run("2,4", &["--resume"]).0 && std::fs::read_to_string(out.join("linear.csv")).unwrap() == table);
+    let (succeeded, _, message) = run("2", &["--resume"]);
+    assert!(!succeeded && message.contains("linear.csv"), "{message}");
+    assert!(run("2", &[]).0);
 }
 
 #[test]
 fn wrong_options_of_an_order_study_are_named() {
     for (arguments, expected) in [
         (&["--model", "nonsense"][..], "there are linear"),
-        (&["--orders", "2,0"], "order"),
-        (&["--orders", "17"], "17"),
-        (&["--weight", "-0.5"], "-0.5"),
+        (&["--model", "linear", "--orders", "2,0"], "order"),
+        (&["--model", "linear", "--orders", "17"], "17"),
+        (&["--model", "linear", "--weight", "-0.5"], "-0.5"),
         (&["--weight", "tails"], "tails"),
         (&["--nodes", "some"], "some"),
         (&["--model", "two_degrees_of_freedom", "--nodes", "tensor"], "tensor"),
-        (&["--model", "two_degrees_of_freedom", "--reference", "grid"], "two states"),
+        (&["--model", "two_degrees_of_freedom", "--reference", "grid"], "its exact density"),
         (&["--model", "van_der_pol", "--reference", "exact"], "no exact density"),
     ] {
-        let output = run("order_convergence", arguments);
+        let out = scratch("refused");
+        let output = run("order_convergence", &[arguments, &["--out", out.to_str().unwrap()]].concat());
         let message = String::from_utf8(output.stderr).unwrap();
         assert!(!output.status.success() && output.stdout.is_empty(), "{arguments:?}");
         assert!(message.starts_with("error: ") && message.contains(expected), "{arguments:?}: {message}");

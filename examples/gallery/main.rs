@@ -7,7 +7,6 @@
 #![allow(clippy::print_stdout)]
 
 mod chain;
-mod models;
 mod page;
 mod plan;
 mod plots;
@@ -15,7 +14,6 @@ mod section;
 mod studies;
 #[path = "../support/mod.rs"]
 mod support;
-mod written;
 
 use clap::Parser;
 use plan::Plan;
@@ -45,7 +43,7 @@ fn sent<T>(outcome: section::Outcome<T>) -> Result<T, String> {
 fn run(options: &Options) -> section::Outcome<()> {
     let begin = Instant::now();
     let plan = Plan::new(options.out.clone(), options.seed, options.quick);
-    let models = models::models()?;
+    let models = support::models::models()?;
     let mut summary =
         page::Table::new(["model", "states", "order", "unknowns", "estimated L¹ error", "L¹ error", "against"]);
     // A thread for each section: closures and grids keep one core busy.

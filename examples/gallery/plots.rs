@@ -11,12 +11,12 @@ pub(crate) struct Drawn<'a> {
     pub(crate) known: &'static str,
     /// What a simulation knows of the density and of the up-crossings; may be empty.
     pub(crate) simulated: [Vec<(f64, Estimate)>; 2],
+    /// The lowest value drawn on a logarithmic axis, relative to the peak.
+    pub(crate) depth: f64,
     /// Points of a curve.
     pub(crate) points: usize,
 }
 
-/// The lowest value drawn on a logarithmic axis, relative to the peak.
-const DEPTH: f64 = 1e-8;
 /// Where the linear panel ends, relative to the peak.
 pub(crate) const VISIBLE: f64 = 1e-3;
 /// Markers of the truth.
@@ -53,7 +53,7 @@ fn curves(
     quantity: &dyn Fn(&dyn Density<2>, f64) -> Result<Estimate>,
     simulated: &[(f64, Estimate)],
 ) -> Result<View> {
-    let range = above(drawn.truth, 0, if scale == Scale::Linear { VISIBLE } else { DEPTH })?;
+    let range = above(drawn.truth, 0, if scale == Scale::Linear { VISIBLE } else { drawn.depth })?;
     let x = between(range, drawn.points);
     let closed = values(&x, |x| quantity(drawn.closure, x))?;
     let true_points = values(&between(range, MARKERS), |x| quantity(drawn.truth, x))?;
@@ -71,7 +71,7 @@ fn curves(
     let panel = Panel::new(labels, scale, curves).with_bands([band(1, &closed)]).with_x_range(range);
     // A band may be wider than the panel: where the closure warns, it is.
     let highest = closed.iter().map(|[_, p, _]| *p).fold(peak, f64::max);
-    let limits = if scale == Scale::Logarithmic { [peak * DEPTH, 2.0 * peak] } else { [0.0, 1.15 * highest] };
+    let limits = if scale == Scale::Logarithmic { [peak * drawn.depth, 2.0 * peak] } else { [0.0, 1.15 * highest] };
     Ok(View::Curves(panel.with_y_range(limits)))
 }
 

@@ -1,15 +1,17 @@
 //! A model's section: closed, compared with what is known of it, drawn.
 
-use crate::models::Model;
 use crate::page::{Section, Table};
 use crate::plan::Plan;
 use crate::plots::{Drawn, VISIBLE, above, views};
 use crate::support::figure::{View, between, svg, write_figure};
+use crate::support::models::{About, Model};
 use expoly::statistics::{Cumulants, Marginal};
 use expoly::{Closure, ClosureDensity, Density, Estimate, Simulation, compare};
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
+/// The lowest value drawn on a logarithmic axis, relative to the peak, where the truth reaches so far.
+const DEPTH: f64 = 1e-8;
 /// The exceedance probability of the level in the tables.
 const RARE: f64 = 1e-4;
 
@@ -26,16 +28,16 @@ pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<Stri
         None => closure.solve(system)?,
         Some(barrier) => closure.solve_with_wall(system, barrier)?,
     };
-    let text = [model.name, model.equation, model.parameters];
     if let Some(exact) = &model.exact {
         let drawn = Drawn {
             closure: &closed,
-            truth: &**exact,
+            truth: exact.density(),
             known: "exact",
             simulated: Default::default(),
+            depth: DEPTH,
             points: plan.points,
         };
-        return described(plan, text, &drawn, String::from("Markers: the exact density."));
+        return described(plan, model.about, &drawn, String::from("Markers: the exact density."));
     }
     let grid = match model.barrier {
         None => plan.grid().solve(system)?,
@@ -60,14 +62,16 @@ pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<Stri
         plan.seed
     );
     let simulated = [sampled, counted];
-    let drawn = Drawn { closure: &closed, truth: &grid, known: "grid", simulated, points: plan.points };
-    described(plan, text, &drawn, known)
+    // Below its own error a grid shows that error alone.
+    let depth = (0.1 * grid.provenance().l1_error).clamp(DEPTH, VISIBLE);
+    let drawn = Drawn { closure: &closed, truth: &grid, known: "grid", simulated, depth, points: plan.points };
+    described(plan, model.about, &drawn, known)
 }
 
 /// The section, and its row in the summary.
 fn described(
     plan: &Plan,
-    [name, equation, parameters]: [&str; 3],
+    About { name, title, equation, parameters }: About,
     drawn: &Drawn<'_>,
     known: String,
 ) -> Outcome<(Section, Vec<String>)> {
@@ -96,7 +100,7 @@ fn described(
         number(closure.indicator()),
     );
     let summary = vec![
-        name.to_owned(),
+        title.to_owned(),
         String::from("2"),
         provenance.order.to_string(),
         provenance.unknowns.to_string(),
@@ -104,9 +108,8 @@ fn described(
         format!("{} ± {}", number(distance.value), number(distance.error)),
         drawn.known.to_owned(),
     ];
-    let slug = name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "_");
-    let section =
-        illustrated(plan, &slug, [name.to_owned(), equation.to_owned(), caption], (2, &views(drawn)?), table)?;
+    let texts = [title.to_owned(), equation.to_owned(), caption];
+    let section = illustrated(plan, name, texts, (2, &views(drawn)?), table)?;
     Ok((section, summary))
 }
 

@@ -3,54 +3,45 @@
 use crate::page::{Section, Table};
 use crate::plan::Plan;
 use crate::section::{Outcome, illustrated, number};
-use crate::support::closure::Closed;
-use crate::support::figure::{Panel, Scale, Style, View, band, between, curve};
-use crate::written::Written;
+use crate::support::figure::{Panel, Scale, Style, View, band, between, curve, orders::views};
+use crate::support::written::Written;
 use expoly::models::{CubicDamping, DuffingVanDerPol};
 use expoly::statistics::Marginal;
-use expoly::{ClosedDensity, Closure, Density};
+use expoly::study::{Case, OrderStudy, Truth};
+use expoly::{Closure, Density};
 
 /// The L¹ error of both closures, and what the robust one says of itself, over the order.
 pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
+    const NAMES: [&str; 2] = ["closure", "classical closure"];
     let system = Written::of(&CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?);
-    let grid = plan.grid().solve(&system)?;
-    let mut lines: [Vec<[f64; 2]>; 4] = Default::default();
+    let case = Case::new("CubicDamping", system, |system| Ok(Truth::grid(plan.grid().solve(system)?)))
+        .method(NAMES[0], |system, order| Ok(Closure::new(order).seed(plan.seed).solve(system)?.into()))
+        .method(NAMES[1], |system, order| Ok(Closure::classical(order).solve(system)?.into()));
+    let orders: Vec<u32> = (2..=plan.highest).step_by(2).collect();
+    let study = OrderStudy::new(&orders).case(case).run()?;
     let mut table =
         Table::new(["order n", "unknowns", "L¹ error", "its estimate", "indicator η", "classical closure: L¹"]);
-    for order in (2..=plan.highest).step_by(2) {
-        let robust = Closure::new(order).seed(plan.seed).solve(&system)?;
-        let classical = Closed::classical(|| Closure::classical(order).solve(&system))?;
-        let [l1, estimate, indicator] = [grid.l1_distance(&robust).value, robust.l1_estimate(), robust.indicator()];
-        let distance = |density: &ClosedDensity<2>| grid.l1_distance(density).value;
-        let other = classical.density.as_ref().map(distance);
-        for (line, value) in lines.iter_mut().zip([Some(l1), Some(estimate), Some(indicator), other]) {
-            line.extend(value.map(|value| [f64::from(order), value]));
-        }
-        let other = other.map_or(classical.facts.termination, number);
-        let unknowns = robust.provenance().unknowns.to_string();
-        table.add([order.to_string(), unknowns, number(l1), number(estimate), number(indicator), other]);
+    let (robust, classical) = study.rows().split_at(orders.len());
+    for (robust, classical) in robust.iter().zip(classical) {
+        let shown = |value: Option<f64>| value.map_or_else(String::new, number);
+        table.add([
+            robust.order.to_string(),
+            robust.facts.unknowns.map_or_else(String::new, |unknowns| unknowns.to_string()),
+            shown(robust.l1),
+            shown(robust.facts.l1_estimate),
+            shown(robust.facts.indicator),
+            classical.l1.map_or_else(|| classical.facts.termination.clone(), number),
+        ]);
     }
-    let [l1, estimate, indicator, classical] = lines;
-    let line = |label, style, colour, points: &[[f64; 2]]| {
-        [curve(label, style, colour, points), curve("", Style::Points, colour, points)]
-    };
-    let curves = [
-        &line("classical closure, where it has a density", Style::Solid, 2, &classical)[..],
-        &line("closure", Style::Solid, 1, &l1),
-        &[curve("its own estimate", Style::Dashed, 5, &estimate)],
-        &line("its indicator η", Style::Dotted, 4, &indicator),
-    ];
-    let panel = Panel::new(["order n", "joint L¹ error"], Scale::Logarithmic, curves.concat())
-        .with_x_range([1.5, f64::from(plan.highest) + 0.5]);
+    let truth = study.rows().first().map_or("", |row| &row.truth);
     let caption = format!(
-        "CubicDamping, α = 0.1, γ = 0.3, k = μ = 1, D = 0.5; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Joint L¹ distance to the grid, whose \
-         own estimated error is {}; pilot of seed {}.",
-        number(grid.provenance().l1_error),
+        "CubicDamping, α = 0.1, γ = 0.3, k = μ = 1, D = 0.5; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Joint L¹ distance to the {truth}; pilot \
+         of seed {}.",
         plan.seed
     );
     let lead = "The closure's L¹ error falls with its order, and its own estimate follows it.";
-    let texts = [String::from("Which order is enough?"), lead.to_owned(), caption];
-    illustrated(plan, "convergence", texts, (1, &[View::Curves(panel)]), table)
+    let texts = [String::from("Which order is enough"), lead.to_owned(), caption];
+    illustrated(plan, "convergence", texts, (1, &views(&study)), table)
 }
 
 /// The mean square and the modes of a van der Pol oscillator over its linear damping.
@@ -88,6 +79,6 @@ pub(crate) fn sweep(plan: &Plan) -> Outcome<Section> {
     );
     let lead = "Where the linear damping α falls below a negative value, the displacement's density has two modes: the noisy \
         oscillator spends its time on a limit cycle.";
-    let texts = [String::from("When does a density split?"), lead.to_owned(), caption];
+    let texts = [String::from("When a density splits"), lead.to_owned(), caption];
     illustrated(plan, "sweep", texts, (2, &views), table)
 }

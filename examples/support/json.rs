@@ -14,11 +14,6 @@ impl Number {
     pub fn new(name: &'static str, value: f64) -> Self {
         Number { name, value }
     }
-
-    /// The number itself.
-    pub fn value(self) -> f64 {
-        self.value
-    }
 }
 
 impl Serialize for Number {

@@ -1,14 +1,16 @@
-//! What several examples need: a chain of oscillators, closures of either method, figures, files, numbers in JSON, progress bars.
+//! What several examples need: systems, studies of orders, figures, files, numbers in JSON, progress bars.
 
 // Each example compiles its own copy of this folder and uses only part of it.
 #![allow(dead_code, unreachable_pub)]
 
 pub mod chain;
-pub mod closure;
 pub mod figure;
 pub mod file;
 pub mod json;
+pub mod models;
+pub mod orders;
 pub mod progress;
+pub mod written;
 
 /// Success, or the error on standard error and a failure.
 #[allow(clippy::print_stderr)]

@@ -12,11 +12,7 @@ pub fn spinner(name: &str) -> ProgressBar {
 
 /// A bar for a simulation, and the callback that moves it.
 pub fn simulation_bar(name: &str) -> (ProgressBar, impl FnMut(expoly::Progress) -> ControlFlow<()> + Send + use<>) {
-    let bar = ProgressBar::new(1);
-    let template = "{msg:32} [{bar:40}] {percent:>3} % {eta_precise}";
-    // A template that does not parse would only change the looks.
-    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.set_message(name.to_owned());
+    let bar = bar(name);
     let handle = bar.clone();
     let callback = move |progress: expoly::Progress| {
         handle.set_length(progress.total);
@@ -24,4 +20,26 @@ pub fn simulation_bar(name: &str) -> (ProgressBar, impl FnMut(expoly::Progress) 
         ControlFlow::Continue(())
     };
     (bar, callback)
+}
+
+/// A bar for a study, and the callback that moves it and prints each row above it.
+pub fn study_bar() -> (ProgressBar, impl FnMut(expoly::study::StudyProgress<'_>) -> ControlFlow<()> + Send + use<>) {
+    let bar = bar("rows");
+    let handle = bar.clone();
+    let callback = move |progress: expoly::study::StudyProgress<'_>| {
+        handle.set_length(progress.total as u64);
+        handle.set_position(progress.done as u64);
+        handle.println(progress.row);
+        ControlFlow::Continue(())
+    };
+    (bar, callback)
+}
+
+fn bar(name: &str) -> ProgressBar {
+    let bar = ProgressBar::new(1);
+    let template = "{msg:32} [{bar:40}] {percent:>3} % {eta_precise}";
+    // A template that does not parse would only change the looks.
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(name.to_owned());
+    bar
 }

@@ -1,86 +1,121 @@
-//! Figures, and the numbers drawn in them as CSV.
+//! Figures: p_Y and p_Y′ on two scales, and the phase plane of each method.
 
 use crate::study::Study;
-use crate::support::figure::{Band, ContourPanel, Curve, Panel, Scale, Style, View, write_figure};
-use crate::support::file::write_csv;
-use expoly::{ClosedDensity, Density};
+use crate::support::figure::{
+    Band, ContourPanel, Panel, Scale, Style, View, between, clear, curve, values, write_figure,
+};
+use expoly::{ClosedDensity, Density, Result};
 use std::path::Path;
 
-type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+/// Points of a curve.
+const POINTS: usize = 240;
+/// The lowest value drawn, relative to the peak, where no simulation says what can be told apart.
+const DEPTH: f64 = 1e-6;
+/// Name and unit of each state, and of its density.
+const LABELS: [[&str; 2]; 2] =
+    [["displacement y [L]", "density p_Y(y) [1/L]"], ["velocity y′ [L/T]", "density p_Y′(y′) [T/L]"]];
 
-/// Iso-lines of a density: the eight highest below its peak are drawn.
-const LEVELS: [f64; 14] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-
-/// One drawn closure: its method, its name, its legend entry, whether it is only a cut-off exp(Q), its density.
+/// One drawn closure.
 struct Drawn {
     method: &'static str,
     name: String,
     label: String,
+    /// Whether it is no density, but an exp(Q) that was cut off.
     cut_off: bool,
     colour: usize,
     density: ClosedDensity<2>,
 }
 
-/// Writes `<stem>.svg` and the CSV files behind it.
-pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
+/// Writes the figure of one case, and its numbers beside it.
+pub(crate) fn draw(study: &Study, path: &Path) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let simulated = study.simulated.as_ref().map(|(density, _)| density);
-    let all: Vec<Drawn> = study
-        .closures
-        .iter()
-        .enumerate()
-        .filter_map(|(k, judged)| {
-            let (density, cut_off) = judged.drawn(simulated)?;
-            let facts = &judged.closed.facts;
-            let name = facts.name();
-            let label = match facts.l1_estimate {
-                Some(l1) => format!("{name} (L¹ ≈ {:.0e})", l1.value()),
-                None if cut_off => format!("{name}, no density"),
-                None => name.clone(),
-            };
-            Some(Drawn { method: facts.method, name, label, cut_off, colour: k + 1, density })
-        })
-        .collect();
-    let stem = study.parameters.stem();
+    let drawn = study.closures.iter().enumerate().filter_map(|(k, judged)| {
+        let (density, cut_off) = judged.drawn(simulated)?;
+        let name = judged.name();
+        let label = match judged.answer.facts.l1_estimate {
+            Some(l1) => format!("{name} (L¹ ≈ {l1:.0e})"),
+            None if cut_off => format!("{name}, no density"),
+            None => name.clone(),
+        };
+        Some(Drawn { method: judged.method, name, label, cut_off, colour: k + 1, density })
+    });
+    let drawn: Vec<Drawn> = drawn.collect();
     let mut views = Vec::new();
-    for (state, name, axis) in [(0, "displacement", "displacement y"), (1, "velocity", "velocity y′")] {
-        let grid = grid(study, &all, state)?;
-        let symbol = ["p_Y(y)", "p_Y′(y′)"][state];
-        let table = Table::new(study, &all, state, &grid)?;
-        table.write(&folder.join(format!("{stem}_{name}.csv")), name, &all)?;
+    for state in [0, 1] {
         for scale in [Scale::Linear, Scale::Logarithmic] {
-            views.push(View::Curves(table.panel(&all, axis, symbol, scale)));
+            views.push(View::Curves(marginals(study, &drawn, state, scale)?));
         }
     }
-    // The phase plane of each method's first closure.
-    for (k, drawn) in all.iter().enumerate() {
-        if all[..k].iter().any(|before| before.method == drawn.method) {
-            continue;
+    for (k, one) in drawn.iter().enumerate() {
+        // The first closure of each method.
+        if drawn[..k].iter().all(|before| before.method != one.method) {
+            let axes = [0, 1].map(|state| between(range(study, &drawn, state), POINTS / 3));
+            let labels = [LABELS[0][0], LABELS[1][0]];
+            let panel = ContourPanel::of_density("p(y, y′)", labels, axes, |x| Ok(one.density.pdf(&x)))?;
+            let title = format!("{}, {}{}", panel.title, one.name, if one.cut_off { ", no density" } else { "" });
+            views.push(View::Contour(ContourPanel { title, ..panel }));
         }
-        let (x, y) = (grid(study, std::slice::from_ref(drawn), 0)?, grid(study, std::slice::from_ref(drawn), 1)?);
-        let (x, y) = (thinned(&x), thinned(&y));
-        let z: Vec<Vec<f64>> =
-            y.iter().map(|v| x.iter().map(|y| drawn.density.pdf(&[*y, *v]).value).collect()).collect();
-        let rows: Vec<Vec<f64>> =
-            y.iter().zip(&z).flat_map(|(v, row)| x.iter().zip(row).map(|(y, p)| vec![*y, *v, *p])).collect();
-        let file = format!("{stem}_phase_plane_{}.csv", drawn.name.replace(" n = ", "_"));
-        write_csv(&folder.join(file), &["displacement", "velocity", "density"].map(String::from), &rows)?;
-        let peak = z.iter().flatten().copied().fold(0.0, f64::max);
-        views.push(View::Contour(ContourPanel {
-            title: format!("p(y, y′), {}{}", drawn.name, if drawn.cut_off { ", no density" } else { "" }),
-            x_label: String::from("displacement y"),
-            y_label: String::from("velocity y′"),
-            levels: LEVELS.iter().copied().filter(|level| *level < peak).take(8).collect(),
-            x,
-            y,
-            z,
-        }));
     }
-    let mut caption = format!("{}; E[ξ(t)ξ(t+τ)] = 2D δ(τ).", study.parameters.line());
-    if let Some(density) = simulated {
+    Ok(write_figure(path, &caption(study, &drawn), 2, &views)?)
+}
+
+/// The density of one state by every method.
+fn marginals(study: &Study, drawn: &[Drawn], state: usize, scale: Scale) -> Result<Panel> {
+    let x = between(range(study, drawn, state), POINTS);
+    let (mut curves, mut bands) = (Vec::new(), Vec::new());
+    for one in drawn {
+        let style = if one.cut_off { Style::Dotted } else { Style::Solid };
+        curves.push(curve(&one.label, style, one.colour, &values(&x, |x| one.density.marginal(state, x))?));
+    }
+    if let Some((grid, _)) = &study.gridded {
+        curves.push(curve("grid", Style::Dashed, 5, &values(&x, |x| grid.marginal(state, x))?));
+    }
+    let highest = |curves: &[_]| {
+        let points = curves.iter().flat_map(|curve: &crate::support::figure::Curve| &curve.points);
+        points.map(|point| point[1]).fold(0.0, f64::max)
+    };
+    let mut floor = DEPTH * highest(&curves);
+    if let Some((simulated, _)) = &study.simulated {
+        let histogram = simulated.histogram(state)?;
+        let around = values(&x, |x| Ok(histogram.density_at([x])))?;
+        let points = around.iter().map(|[x, p, error]| [*x, p - 2.0 * error, p + 2.0 * error]).collect();
+        bands.push(Band { label: String::new(), colour: 0, points });
+        // Every fourth value as a marker; those that are mostly noise are left out.
+        let points = clear(histogram, &between(range(study, drawn, state), POINTS / 4));
+        floor = points.iter().map(|point| point[1]).fold(f64::MAX, f64::min) / 3.0;
+        curves.push(curve("simulation", Style::Points, 0, &points));
+    }
+    let limits = (scale == Scale::Logarithmic).then_some([floor, 2.0 * highest(&curves)]);
+    let panel = Panel::new(LABELS[state], scale, curves).with_bands(bands);
+    Ok(limits.map_or(panel.clone(), |limits| panel.with_y_range(limits)))
+}
+
+/// What is drawn of a state: where the simulation has been, or the grid's domain, or six standard deviations to both sides.
+fn range(study: &Study, drawn: &[Drawn], state: usize) -> [f64; 2] {
+    if let Some(histogram) = study.simulated.as_ref().and_then(|(density, _)| density.histogram(state).ok()) {
+        let hit: Vec<f64> = histogram.edges().filter(|x| histogram.density_at([*x]).value > 0.0).collect();
+        return [hit.first().copied().unwrap_or(-1.0), hit.last().copied().unwrap_or(1.0)];
+    }
+    if let Some((grid, _)) = &study.gridded {
+        return grid.provenance().domain[state];
+    }
+    let powers = [[1, 0], [0, 1]][state];
+    let around = drawn.iter().map(|one| {
+        let mean = one.density.moment(powers).value;
+        let deviation = one.density.variance(state).map_or(1.0, |variance| variance.value.sqrt());
+        [mean - 6.0 * deviation, mean + 6.0 * deviation]
+    });
+    let [low, high] = around.fold([f64::MAX, f64::MIN], |[a, b], [low, high]| [a.min(low), b.max(high)]);
+    [if state == 0 { low.max(study.parameters.offset) } else { low }, high]
+}
+
+fn caption(study: &Study, drawn: &[Drawn]) -> String {
+    let mut caption = format!("{}; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Iso-lines in units of the peak.", study.parameters.line());
+    if let Some((density, _)) = &study.simulated {
         let provenance = density.provenance();
         caption += &format!(
-            "\nSimulation: {} samples, {} trajectories, time step {}, seed {seed}; band: ± 2 standard errors.",
-            provenance.samples, provenance.trajectories, provenance.time_step
+            "\nSimulation: {} samples, {} trajectories, time step {}, seed {}; band: ± 2 standard errors.",
+            provenance.samples, provenance.trajectories, provenance.time_step, provenance.seed
         );
     }
     if let Some((density, _)) = &study.gridded {
@@ -90,141 +125,18 @@ pub(crate) fn draw(study: &Study, folder: &Path, seed: u64) -> Outcome<()> {
             provenance.cells[0], provenance.cells[1], provenance.degree, provenance.l1_error
         );
     }
-    for judgement in study.closures.iter().filter_map(|judged| judged.closed.facts.judgement()) {
-        caption += &format!("\n{judgement}.");
+    for judged in &study.closures {
+        let facts = &judged.answer.facts;
+        let (Some(l1), Some(indicator)) = (facts.l1_estimate, facts.indicator) else { continue };
+        let (origin, end) = (facts.origin.as_deref().unwrap_or_default(), &facts.termination);
+        let warning = facts.warning.as_ref().map_or_else(String::new, |warning| format!("; {warning}"));
+        let name = judged.name();
+        caption +=
+            &format!("\n{name}: estimated L¹ error {l1:.1e}, indicator {indicator:.1e}; {end}, by {origin}{warning}.");
     }
-    if all.iter().any(|d| d.cut_off) {
+    if drawn.iter().any(|one| one.cut_off) {
         caption +=
             "\nWithout density: exp(Q) of a root that cannot be normalised, cut off at the range of the samples.";
     }
-    write_figure(&folder.join(format!("{stem}.svg")), &caption, 2, &views)?;
-    Ok(())
-}
-
-/// What is drawn of one state: the abscissae and there the simulation, the grid's solution and the closures.
-struct Table {
-    x: Vec<f64>,
-    simulated: Vec<(f64, f64)>,
-    gridded: Vec<f64>,
-    closures: Vec<Vec<f64>>,
-}
-
-impl Table {
-    fn new(study: &Study, drawn: &[Drawn], state: usize, grid: &[f64]) -> Outcome<Self> {
-        let simulated = match &study.simulated {
-            None => Vec::new(),
-            Some((density, _)) => {
-                let histogram = density.histogram(state)?;
-                grid.iter().map(|x| histogram.density_at([*x])).map(|p| (p.value, p.error)).collect()
-            }
-        };
-        let gridded = study.gridded.as_ref().map(|(density, _)| {
-            grid.iter().map(|x| Ok(density.marginal(state, *x)?.value)).collect::<expoly::Result<Vec<f64>>>()
-        });
-        let marginal = |drawn: &Drawn| {
-            grid.iter().map(|x| Ok(drawn.density.marginal(state, *x)?.value)).collect::<expoly::Result<Vec<f64>>>()
-        };
-        let closures = drawn.iter().map(marginal).collect::<expoly::Result<_>>()?;
-        Ok(Table { x: grid.to_vec(), simulated, gridded: gridded.transpose()?.unwrap_or_default(), closures })
-    }
-
-    fn write(&self, path: &Path, name: &str, drawn: &[Drawn]) -> std::io::Result<()> {
-        let mut header = vec![name.to_owned()];
-        if !self.simulated.is_empty() {
-            header.extend(["simulation", "standard error"].map(String::from));
-        }
-        if !self.gridded.is_empty() {
-            header.push(String::from("grid"));
-        }
-        header.extend(drawn.iter().map(|d| d.name.clone()));
-        let row = |i: usize| {
-            let mut row = vec![self.x[i]];
-            row.extend(self.simulated.get(i).into_iter().flat_map(|(p, error)| [*p, *error]));
-            row.extend(self.gridded.get(i));
-            row.extend(self.closures.iter().map(|closure| closure[i]));
-            row
-        };
-        write_csv(path, &header, &(0..self.x.len()).map(row).collect::<Vec<_>>())
-    }
-
-    fn panel(&self, drawn: &[Drawn], axis: &str, symbol: &str, scale: Scale) -> Panel {
-        let mut curves: Vec<Curve> = drawn
-            .iter()
-            .zip(&self.closures)
-            .map(|(drawn, values)| Curve {
-                label: drawn.label.clone(),
-                style: if drawn.cut_off { Style::Dotted } else { Style::Solid },
-                colour: drawn.colour,
-                points: self.x.iter().zip(values).map(|(x, p)| [*x, *p]).collect(),
-            })
-            .collect();
-        if !self.gridded.is_empty() {
-            curves.push(Curve {
-                label: String::from("grid"),
-                style: Style::Dashed,
-                colour: 5,
-                points: self.x.iter().zip(&self.gridded).map(|(x, p)| [*x, *p]).collect(),
-            });
-        }
-        let mut bands = Vec::new();
-        let mut floor = self.closures.iter().flatten().chain(&self.gridded).copied().fold(0.0, f64::max) * 1e-6;
-        if !self.simulated.is_empty() {
-            let around = |(x, (p, error)): (&f64, &(f64, f64))| [*x, p - 2.0 * error, p + 2.0 * error];
-            bands.push(Band {
-                label: String::new(),
-                colour: 0,
-                points: self.x.iter().zip(&self.simulated).map(around).collect(),
-            });
-            // Every fourth value as a marker; those that are mostly noise are left out.
-            let clear = self.x.iter().zip(&self.simulated).step_by(4).filter(|(_, (p, error))| *p > 3.0 * error);
-            let points: Vec<[f64; 2]> = clear.map(|(x, (p, _))| [*x, *p]).collect();
-            floor = points.iter().map(|[_, p]| *p).fold(f64::MAX, f64::min) / 3.0;
-            curves.push(Curve { label: String::from("simulation"), style: Style::Points, colour: 0, points });
-        }
-        let peak = curves.iter().flat_map(|c| &c.points).map(|[_, p]| *p).fold(0.0, f64::max);
-        Panel {
-            title: String::new(),
-            x_label: axis.to_owned(),
-            y_label: symbol.to_owned(),
-            scale,
-            bands,
-            curves,
-            y_range: (scale == Scale::Logarithmic).then_some([floor, 2.0 * peak]),
-            x_range: None,
-        }
-    }
-}
-
-/// 240 points over the range of the samples or, without any, where the closures' densities are above 1e-6 of their peak.
-fn grid(study: &Study, drawn: &[Drawn], state: usize) -> Outcome<Vec<f64>> {
-    const COUNT: usize = 240;
-    let between = |low: f64, high: f64| {
-        (0..COUNT).map(move |i| low + (high - low) * i as f64 / (COUNT - 1) as f64).collect::<Vec<f64>>()
-    };
-    let coarse = match &study.simulated {
-        Some((density, _)) => density.histogram(state)?.edges().collect(),
-        None if study.gridded.is_some() => {
-            let domain = study.gridded.as_ref().map_or([[-1.0, 1.0]; 2], |(density, _)| density.provenance().domain);
-            between(domain[state][0], domain[state][1])
-        }
-        None => {
-            let powers = [[1, 0], [0, 1]][state];
-            let mean = |d: &Drawn| d.density.moment(powers).value;
-            let spread = |d: &Drawn| d.density.variance(state).map_or(1.0, |v| v.value.sqrt());
-            let low = drawn.iter().map(|d| mean(d) - 6.0 * spread(d)).fold(f64::MAX, f64::min);
-            let high = drawn.iter().map(|d| mean(d) + 6.0 * spread(d)).fold(f64::MIN, f64::max);
-            between(if state == 0 { low.max(study.parameters.offset) } else { low }, high)
-        }
-    };
-    let occupied = |x: &f64| match &study.simulated {
-        Some((density, _)) => density.histogram(state).is_ok_and(|h| h.density_at([*x]).value > 0.0),
-        None => true,
-    };
-    let kept: Vec<f64> = coarse.into_iter().filter(occupied).collect();
-    let (low, high) = (kept.first().copied().unwrap_or(-1.0), kept.last().copied().unwrap_or(1.0));
-    Ok(between(low, high))
-}
-
-fn thinned(grid: &[f64]) -> Vec<f64> {
-    grid.iter().copied().step_by(2).collect()
+    caption
 }

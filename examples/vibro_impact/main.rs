@@ -44,8 +44,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         if !options.at.is_empty() {
             print!("{}", table::pdf_table(&study, &options.at)?);
         }
-        figures::draw(&study, &options.out, options.seed)?;
-        println!("  figure: {}\n", options.out.join(format!("{}.svg", parameters.stem())).display());
+        let figure = options.out.join(format!("{}.svg", parameters.stem()));
+        figures::draw(&study, &figure)?;
+        println!("  figure: {}\n", figure.display());
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::support::closure::weight;
+use crate::support::orders::weight;
 use clap::{Parser, ValueEnum};
 use expoly::models::{Duffing, VibroImpactDuffing};
 use expoly::{Barrier, Basis, Weight};

@@ -1,148 +1,120 @@
 //! The JSON object.
 
 use crate::study::{Judged, Statistics, Study};
-use crate::support::closure::Facts;
 use crate::support::json::{Number, Sampled};
-use expoly::{Density, GridDensity};
+use expoly::{Density, Estimate};
 use serde::Serialize;
+use serde_json::{Map, Value, to_value};
+
+type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+type Object = Map<String, Value>;
 
 #[derive(Serialize)]
 struct Report {
-    parameters: ParametersReport,
+    parameters: Object,
     #[serde(skip_serializing_if = "Option::is_none")]
-    closure: Option<ClosureReport>,
+    closure: Option<Object>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    simulation: Option<SimulationReport>,
+    simulation: Option<Object>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    grid: Option<GridReport>,
-}
-
-#[derive(Serialize)]
-struct ParametersReport {
-    damping: Number,
-    stiffness: Number,
-    cubic: Number,
-    offset: Number,
-    restitution: Number,
-    intensity: Number,
-    intensity_convention: &'static str,
-    at: Vec<Number>,
-}
-
-/// Without a density the statistics are `null` and `refusal` says why; with one, `refusal` is `null`.
-#[derive(Serialize)]
-struct ClosureReport {
-    #[serde(flatten)]
-    facts: Facts,
-    mean_displacement: Option<Number>,
-    variance_displacement: Option<Number>,
-    mean_square_velocity: Option<Number>,
-    impact_rate: Option<Number>,
-    energy_balance: Option<Number>,
-    displacement_pdf: Option<Vec<Number>>,
-}
-
-#[derive(Serialize)]
-struct SimulationReport {
-    mean_displacement: Sampled,
-    variance_displacement: Sampled,
-    mean_square_velocity: Sampled,
-    impact_rate: Sampled,
-    energy_balance: Sampled,
-    displacement_pdf: Vec<Sampled>,
-    seed: u64,
-    path_steps: u64,
-    time_step: Number,
-    seconds: Number,
-}
-
-/// The closure's field names, and how good the solution is: `error_estimate` is the joint L¹ distance to one degree less.
-#[derive(Serialize)]
-struct GridReport {
-    mean_displacement: Number,
-    variance_displacement: Number,
-    mean_square_velocity: Number,
-    impact_rate: Number,
-    energy_balance: Number,
-    displacement_pdf: Vec<Number>,
-    error_estimate: Number,
-    degree: usize,
-    cells: [usize; 2],
-    unknowns: usize,
-    seconds: Number,
+    grid: Option<Object>,
 }
 
 /// The study of one case as one JSON object; an error names a value that is no finite number.
-pub(crate) fn report(study: &Study, at: &[f64]) -> Result<String, Box<dyn std::error::Error>> {
-    let p = &study.parameters;
-    let closure = study.closures.first().map(|judged| closure(judged, at)).transpose()?;
-    let simulation = study.simulated.as_ref().map(|(density, statistics)| -> expoly::Result<SimulationReport> {
-        let provenance = density.provenance();
-        let histogram = density.histogram(0)?;
-        Ok(SimulationReport {
-            mean_displacement: Sampled::new("mean_displacement", statistics.mean_displacement),
-            variance_displacement: Sampled::new("variance_displacement", statistics.variance_displacement),
-            mean_square_velocity: Sampled::new("mean_square_velocity", statistics.mean_square_velocity),
-            impact_rate: Sampled::new("impact_rate", statistics.impact_rate),
-            energy_balance: Sampled::new("energy_balance", statistics.energy_balance),
-            displacement_pdf: at.iter().map(|y| Sampled::new("displacement_pdf", histogram.density_at([*y]))).collect(),
-            seed: provenance.seed,
-            path_steps: provenance.path_steps,
-            time_step: Number::new("time_step", provenance.time_step),
-            seconds: Number::new("seconds", provenance.seconds),
-        })
-    });
+pub(crate) fn report(study: &Study, at: &[f64]) -> Outcome<String> {
     let report = Report {
-        parameters: ParametersReport {
-            damping: Number::new("damping", p.damping),
-            stiffness: Number::new("stiffness", p.stiffness),
-            cubic: Number::new("cubic", p.cubic),
-            offset: Number::new("offset", p.offset),
-            restitution: Number::new("restitution", p.restitution),
-            intensity: Number::new("intensity", p.intensity),
-            intensity_convention: "E[xi(t) xi(t+tau)] = 2 D delta(tau)",
-            at: at.iter().map(|y| Number::new("at", *y)).collect(),
-        },
-        closure,
-        simulation: simulation.transpose()?,
-        grid: study.gridded.as_ref().map(|(density, statistics)| grid(density, statistics, at)).transpose()?,
+        parameters: parameters(study, at)?,
+        closure: study.closures.first().map(|judged| closure(judged, at)).transpose()?,
+        simulation: simulation(study, at)?,
+        grid: grid(study, at)?,
     };
     Ok(serde_json::to_string_pretty(&report)?)
 }
 
-fn closure(judged: &Judged, at: &[f64]) -> expoly::Result<ClosureReport> {
-    let statistic = |name: &'static str, value: fn(&Statistics) -> expoly::Estimate| {
-        judged.statistics.as_ref().map(|statistics| Number::new(name, value(statistics).value))
-    };
-    let pdf = judged.closed.density.as_ref().map(|density| {
-        let value = |y: &f64| Ok(Number::new("displacement_pdf", density.marginal(0, *y)?.value));
-        at.iter().map(value).collect::<expoly::Result<Vec<_>>>()
-    });
-    Ok(ClosureReport {
-        facts: judged.closed.facts.clone(),
-        mean_displacement: statistic("mean_displacement", |s| s.mean_displacement),
-        variance_displacement: statistic("variance_displacement", |s| s.variance_displacement),
-        mean_square_velocity: statistic("mean_square_velocity", |s| s.mean_square_velocity),
-        impact_rate: statistic("impact_rate", |s| s.impact_rate),
-        energy_balance: statistic("energy_balance", |s| s.energy_balance),
-        displacement_pdf: pdf.transpose()?,
-    })
+fn parameters(study: &Study, at: &[f64]) -> Outcome<Object> {
+    let p = &study.parameters;
+    let numbers = [
+        ("damping", p.damping),
+        ("stiffness", p.stiffness),
+        ("cubic", p.cubic),
+        ("offset", p.offset),
+        ("restitution", p.restitution),
+        ("intensity", p.intensity),
+    ];
+    let mut object = Object::new();
+    for (name, number) in numbers {
+        object.insert(name.into(), to_value(Number::new(name, number))?);
+    }
+    object.insert("intensity_convention".into(), "E[xi(t) xi(t+tau)] = 2 D delta(tau)".into());
+    object.insert("at".into(), to_value(at)?);
+    Ok(object)
 }
 
-fn grid(density: &GridDensity, statistics: &Statistics, at: &[f64]) -> expoly::Result<GridReport> {
+/// The statistics, and p_Y at the places that were asked for.
+fn statistics(statistics: &Statistics, pdf: &[Estimate], shown: Shown) -> Outcome<Object> {
+    let mut object = Object::new();
+    for (name, estimate) in statistics.all() {
+        object.insert(name.into(), shown(name, estimate)?);
+    }
+    let pdf = pdf.iter().map(|p| shown("displacement_pdf", *p)).collect::<serde_json::Result<Vec<_>>>()?;
+    object.insert("displacement_pdf".into(), pdf.into());
+    Ok(object)
+}
+
+/// How an estimate is written.
+type Shown = fn(&'static str, Estimate) -> serde_json::Result<Value>;
+
+fn value(name: &'static str, estimate: Estimate) -> serde_json::Result<Value> {
+    to_value(Number::new(name, estimate.value))
+}
+
+fn sampled(name: &'static str, estimate: Estimate) -> serde_json::Result<Value> {
+    to_value(Sampled::new(name, estimate))
+}
+
+/// Without a density the statistics are `null` and `refusal` says why; with one, `refusal` is `null`.
+fn closure(judged: &Judged, at: &[f64]) -> Outcome<Object> {
+    let mut object: Object = serde_json::from_value(to_value(&judged.answer.facts)?)?;
+    object.insert("method".into(), judged.method.into());
+    object.insert("order".into(), judged.order.into());
+    object.insert("seconds".into(), to_value(Number::new("seconds", judged.seconds))?);
+    match (&judged.answer.density, &judged.statistics) {
+        (Some(density), Some(of)) => {
+            let pdf = at.iter().map(|y| density.marginal(0, *y)).collect::<expoly::Result<Vec<_>>>()?;
+            object.append(&mut statistics(of, &pdf, value)?);
+        }
+        _ => {
+            let names = Statistics::NAMES.into_iter().chain(["displacement_pdf"]);
+            object.extend(names.map(|name| (name.into(), Value::Null)));
+        }
+    }
+    Ok(object)
+}
+
+fn simulation(study: &Study, at: &[f64]) -> Outcome<Option<Object>> {
+    let Some((density, of)) = &study.simulated else { return Ok(None) };
+    let (provenance, histogram) = (density.provenance(), density.histogram(0)?);
+    let pdf: Vec<Estimate> = at.iter().map(|y| histogram.density_at([*y])).collect();
+    let mut object = statistics(of, &pdf, sampled)?;
+    object.insert("seed".into(), provenance.seed.into());
+    object.insert("path_steps".into(), provenance.path_steps.into());
+    for (name, number) in [("time_step", provenance.time_step), ("seconds", provenance.seconds)] {
+        object.insert(name.into(), to_value(Number::new(name, number))?);
+    }
+    Ok(Some(object))
+}
+
+/// The closure's field names, and how good the solution is: `error_estimate` is the joint L¹ distance to one degree less.
+fn grid(study: &Study, at: &[f64]) -> Outcome<Option<Object>> {
+    let Some((density, of)) = &study.gridded else { return Ok(None) };
     let provenance = density.provenance();
-    let pdf = |y: &f64| Ok(Number::new("displacement_pdf", density.marginal(0, *y)?.value));
-    Ok(GridReport {
-        mean_displacement: Number::new("mean_displacement", statistics.mean_displacement.value),
-        variance_displacement: Number::new("variance_displacement", statistics.variance_displacement.value),
-        mean_square_velocity: Number::new("mean_square_velocity", statistics.mean_square_velocity.value),
-        impact_rate: Number::new("impact_rate", statistics.impact_rate.value),
-        energy_balance: Number::new("energy_balance", statistics.energy_balance.value),
-        displacement_pdf: at.iter().map(pdf).collect::<expoly::Result<_>>()?,
-        error_estimate: Number::new("error_estimate", provenance.l1_error),
-        degree: provenance.degree,
-        cells: provenance.cells,
-        unknowns: provenance.unknowns,
-        seconds: Number::new("seconds", provenance.seconds),
-    })
+    let pdf = at.iter().map(|y| density.marginal(0, *y)).collect::<expoly::Result<Vec<_>>>()?;
+    let mut object = statistics(of, &pdf, value)?;
+    object.insert("degree".into(), provenance.degree.into());
+    object.insert("cells".into(), to_value(provenance.cells)?);
+    object.insert("unknowns".into(), provenance.unknowns.into());
+    for (name, number) in [("error_estimate", provenance.l1_error), ("seconds", provenance.seconds)] {
+        object.insert(name.into(), to_value(Number::new(name, number))?);
+    }
+    Ok(Some(object))
 }

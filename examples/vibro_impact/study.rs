@@ -1,55 +1,67 @@
 //! One case: the closures, the simulation and the grid, and their statistics.
 
 use crate::options::{Method, Options, Parameters, Task};
-use crate::support::closure::Closed;
 use crate::support::progress::{simulation_bar, spinner};
+use expoly::study::Answer;
 use expoly::{
     Barrier, ClosedDensity, Closure, Crossing, Density, Estimate, FokkerPlanck, Grid, GridDensity, Histogram,
     SimulatedDensity, Simulation, Termination, compare, energy_balance,
 };
 use indicatif::ProgressBar;
+use std::time::Instant;
 
-/// What is compared between methods.
+/// What is compared between methods: E y, Var y, E y′², the impact rate, the power balance.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Statistics {
-    pub(crate) mean_displacement: Estimate,
-    pub(crate) variance_displacement: Estimate,
-    pub(crate) mean_square_velocity: Estimate,
-    pub(crate) impact_rate: Estimate,
-    pub(crate) energy_balance: Estimate,
-}
+pub(crate) struct Statistics([Estimate; 5]);
 
 impl Statistics {
     fn of(density: &impl Density<2>, barrier: Barrier, balance: Estimate) -> expoly::Result<Self> {
-        Ok(Statistics {
-            mean_displacement: density.moment([1, 0]),
-            variance_displacement: density.variance(0)?,
-            mean_square_velocity: density.moment([0, 2]),
-            impact_rate: density.flux(Crossing::downward(barrier.offset()), 1)?,
-            energy_balance: balance,
-        })
+        Ok(Statistics([
+            density.moment([1, 0]),
+            density.variance(0)?,
+            density.moment([0, 2]),
+            density.flux(Crossing::downward(barrier.offset()), 1)?,
+            balance,
+        ]))
+    }
+
+    pub(crate) const NAMES: [&'static str; 5] =
+        ["mean_displacement", "variance_displacement", "mean_square_velocity", "impact_rate", "energy_balance"];
+
+    /// Each under its name.
+    pub(crate) fn all(&self) -> [(&'static str, Estimate); 5] {
+        std::array::from_fn(|k| (Self::NAMES[k], self.0[k]))
     }
 }
 
-/// A closure with its statistics, if it has a density.
+/// A closure's answer with its statistics, if it has a density.
 #[derive(Clone, Debug)]
 pub(crate) struct Judged {
-    pub(crate) closed: Closed<2>,
+    pub(crate) method: &'static str,
+    pub(crate) order: u32,
+    pub(crate) answer: Answer<2>,
     pub(crate) statistics: Option<Statistics>,
+    /// From the system to the normalised density.
+    pub(crate) seconds: f64,
 }
 
 impl Judged {
+    /// The closure's name in tables and figures.
+    pub(crate) fn name(&self) -> String {
+        format!("{} n = {}", self.answer.facts.basis.as_deref().unwrap_or(self.method), self.order)
+    }
+
     /// The density to draw: the real one or, where the classical Q turns upwards, exp(Q) cut off at the range of the
     /// samples. The flag tells the two apart.
     pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity<2>>) -> Option<(ClosedDensity<2>, bool)> {
-        if let Some(density) = &self.closed.density {
+        if let Some(density) = &self.answer.density {
             return Some((density.clone(), false));
         }
         let range = |state: usize| {
             let edges: Vec<f64> = simulated?.histogram(state).ok()?.edges().collect();
             Some([*edges.first()?, *edges.last()?])
         };
-        let solution = self.closed.solution.as_ref()?;
+        let solution = self.answer.solution.as_ref()?;
         let drawable = solution.termination() == Termination::NotNormalisable;
         let region = [range(0)?, range(1)?];
         let density = drawable.then(|| solution.density_within(region).ok()).flatten()?;
@@ -71,23 +83,23 @@ impl Study {
         let model = parameters.model()?;
         let operator = FokkerPlanck::new(model.oscillator())?;
         let close = |task: Task| -> expoly::Result<Judged> {
-            let (oscillator, barrier) = (model.oscillator(), model.barrier());
-            let closed = match task {
+            let (oscillator, barrier, begin) = (model.oscillator(), model.barrier(), Instant::now());
+            let (method, order, answer) = match task {
                 Task::Robust(order) => {
                     let closure = Closure::new(order).weight(options.weight).seed(options.seed);
-                    Closed::robust(order, || closure.solve_with_wall(oscillator, barrier))?
+                    ("robust", order, Answer::of(closure.solve_with_wall(oscillator, barrier))?)
                 }
                 Task::Classical(order, basis) => {
                     let closure = Closure::classical(order).with_basis(basis);
-                    Closed::classical(|| closure.solve_with_wall(oscillator, barrier))?
+                    ("classical", order, Answer::of(closure.solve_with_wall(oscillator, barrier))?)
                 }
             };
-            let statistics = closed.density.as_ref().map(|density| {
+            let seconds = begin.elapsed().as_secs_f64();
+            let statistics = answer.density.as_ref().map(|density| {
                 let balance = energy_balance(&operator, density, Some(barrier))?;
                 Statistics::of(density, barrier, balance)
             });
-            let statistics = statistics.transpose()?;
-            Ok(Judged { closed, statistics })
+            Ok(Judged { method, order, statistics: statistics.transpose()?, answer, seconds })
         };
         let closures = options.closures().into_iter().map(close).collect::<expoly::Result<Vec<_>>>()?;
         let (gridded, simulated) =

@@ -27,8 +27,8 @@ pub(crate) fn table(study: &Study) -> String {
     let mut noise = None;
     let mut remarks = String::new();
     for judged in &study.closures {
-        let facts = &judged.closed.facts;
-        let mut cells = vec![facts.name(), facts.termination.clone()];
+        let facts = &judged.answer.facts;
+        let mut cells = vec![judged.name(), facts.termination.clone()];
         cells.extend(values(judged.statistics.as_ref()));
         let (mut l1, mut tail) = (String::from("-"), String::from("-"));
         if let Some((distance, cut_off)) = study.distance(judged) {
@@ -44,12 +44,12 @@ pub(crate) fn table(study: &Study) -> String {
         cells.extend([l1, tail, to_grid]);
         cells.extend(
             [facts.l1_estimate, facts.indicator]
-                .map(|number| number.map_or_else(|| String::from("-"), |number| format!("{:.1e}", number.value()))),
+                .map(|number| number.map_or_else(|| String::from("-"), |number| format!("{number:.1e}"))),
         );
-        cells.push(format!("{:.3}", facts.seconds.value()));
+        cells.push(format!("{:.3}", judged.seconds));
         line(&mut text, &cells);
-        if let Some(reason) = facts.warning.or(facts.refusal.as_deref()) {
-            remarks += &format!("  {}: {reason}\n", facts.name());
+        if let Some(reason) = facts.warning.as_ref().or(facts.refusal.as_ref()) {
+            remarks += &format!("  {}: {reason}\n", judged.name());
         }
     }
     if let Some((grid, statistics)) = &study.gridded {
@@ -81,7 +81,7 @@ pub(crate) fn table(study: &Study) -> String {
         cells.push(format!("{:.1}", result.provenance().seconds));
         line(&mut text, &cells);
         let mut cells = vec![String::from("  standard error"), String::new()];
-        let errors = all(statistics).map(|estimate| format!("{:.5}", estimate.error));
+        let errors = statistics.all().map(|(_, estimate)| format!("{:.5}", estimate.error));
         cells.extend(errors);
         line(&mut text, &cells);
     }
@@ -91,20 +91,10 @@ pub(crate) fn table(study: &Study) -> String {
     text + &remarks
 }
 
-fn all(statistics: &Statistics) -> [expoly::Estimate; 5] {
-    [
-        statistics.mean_displacement,
-        statistics.variance_displacement,
-        statistics.mean_square_velocity,
-        statistics.impact_rate,
-        statistics.energy_balance,
-    ]
-}
-
 fn values(statistics: Option<&Statistics>) -> [String; 5] {
     statistics.map_or_else(
         || std::array::from_fn(|_| String::from("-")),
-        |statistics| all(statistics).map(|estimate| format!("{:.5}", estimate.value)),
+        |statistics| statistics.all().map(|(_, estimate)| format!("{:.5}", estimate.value)),
     )
 }
 
@@ -123,9 +113,9 @@ pub(crate) fn pdf_table(study: &Study, at: &[f64]) -> expoly::Result<String> {
     let mut text = String::from("  p_Y(y)\n");
     for y in at {
         let mut cells = vec![format!("y = {y}")];
-        for closed in study.closures.iter().map(|judged| &judged.closed) {
-            let name = closed.facts.name();
-            let value = closed.density.as_ref().map(|density| density.marginal(0, *y)).transpose()?;
+        for judged in &study.closures {
+            let name = judged.name();
+            let value = judged.answer.density.as_ref().map(|density| density.marginal(0, *y)).transpose()?;
             cells.push(value.map_or_else(|| format!("{name}: -"), |p| format!("{name}: {:.6}", p.value)));
         }
         if let Some((density, _)) = &study.gridded {

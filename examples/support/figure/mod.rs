@@ -5,6 +5,7 @@
 
 mod axes;
 mod numbers;
+pub mod orders;
 mod page;
 
 use super::file::write_together;

@@ -7,7 +7,7 @@ const NOISES: usize = 3;
 
 /// The polynomials of a system, written down: itself a system, slower to simulate than the one it came from.
 #[derive(Clone, Debug)]
-pub(crate) struct Written {
+pub struct Written {
     drift: [Terms; 2],
     noise: [[Terms; NOISES]; 2],
     interpretation: Interpretation,
@@ -28,7 +28,7 @@ impl Terms {
 }
 
 impl Written {
-    pub(crate) fn of<T: PolynomialDrift<2, M>, const M: usize>(system: &T) -> Self {
+    pub fn of<T: PolynomialDrift<2, M>, const M: usize>(system: &T) -> Self {
         let arena = Arena::new();
         let noise = system.noise(arena.variables());
         let entry = |row: &[Symbol<'_, 2>], k: usize| row.get(k).map_or_else(Terms::default, |g| Terms::of(*g));
