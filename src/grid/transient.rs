@@ -48,7 +48,7 @@ impl GridDensity {
     ///
     /// ```
     /// use expoly::{Grid, models::Linear};
-    /// let modes = Grid::new().solve(&Linear::new(0.5, 1.0, 0.5)?)?.relaxation(3)?;
+    /// let modes = Grid::new().degree(7).solve(&Linear::new(0.5, 1.0, 0.5)?)?.relaxation(3)?;
     /// // The eigenvalues of a linear oscillator: c/2 ± √(c²/4 − k).
     /// assert!(modes[0].rate.abs() < 1e-8);
     /// assert!((modes[1].rate - 0.25).abs() < 1e-6 && (modes[1].frequency - 0.9375_f64.sqrt()).abs() < 1e-6);

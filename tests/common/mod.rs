@@ -7,7 +7,24 @@ use expoly::models::{
     QuinticDuffing, VanDerPolRayleigh, VelocityNoise,
 };
 use expoly::{PolynomialDrift, Scalar};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex, OnceLock};
+
+/// What several tests of a program ask for, by its key: made for the first that asks.
+#[derive(Debug)]
+pub struct Shared<K, V>(Mutex<BTreeMap<K, Arc<OnceLock<Arc<V>>>>>);
+
+impl<K: Ord, V> Shared<K, V> {
+    pub const fn new() -> Self {
+        Shared(Mutex::new(BTreeMap::new()))
+    }
+
+    pub fn get(&self, key: K, make: impl FnOnce() -> V) -> Arc<V> {
+        let place = self.0.lock().unwrap().entry(key).or_default().clone();
+        place.get_or_init(|| Arc::new(make())).clone()
+    }
+}
 
 /// dx = −x dt + √2 dW.
 #[derive(Debug)]

@@ -6,6 +6,7 @@ use expoly::{
     Barrier, Crossing, Density, Error, FokkerPlanck, Grid, GridDensity, Intensity, Monomial, Oscillator, Polynomial,
     PolynomialDrift, Scalar, Simulation, Support, energy_balance, monomials,
 };
+use std::sync::Arc;
 
 fn wall(offset: f64, restitution: f64) -> Barrier {
     Barrier::new(offset, restitution).unwrap()
@@ -15,10 +16,15 @@ fn above(offset: f64, restitution: f64) -> GridDensity {
     Grid::new().solve_with_wall(&duffing(), wall(offset, restitution)).unwrap()
 }
 
+/// The density of a named system by the defaults.
+fn solved<T: PolynomialDrift<2, M> + Sync, const M: usize>(name: &'static str, system: &T) -> Arc<GridDensity> {
+    static SOLVED: Shared<&str, GridDensity> = Shared::new();
+    SOLVED.get(name, || Grid::new().solve(system).unwrap())
+}
+
 /// The defaults promise about 1e-7 for a smooth density. The difference between two degrees is the error of the lower one,
 /// so that it must not be below the true error.
-fn check_smooth<T: Solved<2, M> + Sync, const M: usize>(name: &str, grid: Grid, system: &T, tolerance: f64) {
-    let density = grid.solve(system).unwrap();
+fn check_smooth<T: Solved<2, M>, const M: usize>(name: &str, density: &GridDensity, system: &T, tolerance: f64) {
     let made = density.provenance();
     let distance = density.l1_distance(&system.exact().unwrap()).value;
     assert!(distance < tolerance, "{name}: {distance:e}");
@@ -33,21 +39,26 @@ fn check_smooth<T: Solved<2, M> + Sync, const M: usize>(name: &str, grid: Grid, 
 
 #[test]
 fn smooth_densities_are_exact_to_the_tolerance_of_the_defaults() {
-    check_smooth("Duffing", Grid::new(), &duffing(), 1e-7);
-    check_smooth("displacement noise", Grid::new(), &displacement_noise(), 1e-7);
-    check_smooth("velocity noise", Grid::new(), &velocity_noise(), 1e-7);
-    check_smooth("linear", Grid::new(), &linear(), 1e-7);
+    fn check<T: Solved<2, M> + Sync, const M: usize>(name: &'static str, system: &T) {
+        check_smooth(name, &solved(name, system), system, 1e-7);
+    }
+    check("Duffing", &duffing());
+    check("displacement noise", &displacement_noise());
+    check("velocity noise", &velocity_noise());
+    check("linear", &linear());
     // Ridges and wells that are narrower than the domain by more than a Gaussian is ask for more cells.
     let finer = Grid::new().cells([11, 12]);
-    check_smooth("two wells", finer, &bistable(), 1e-7);
-    check_smooth("van der Pol-Rayleigh", finer, &van_der_pol_rayleigh(), 1e-7);
-    check_smooth("energy damping", finer, &energy_damping(), 1e-7);
+    check_smooth("two wells", &finer.solve(&bistable()).unwrap(), &bistable(), 1e-7);
+    let system = van_der_pol_rayleigh();
+    check_smooth("van der Pol-Rayleigh", &finer.solve(&system).unwrap(), &system, 1e-7);
+    check_smooth("energy damping", &finer.solve(&energy_damping()).unwrap(), &energy_damping(), 1e-7);
 }
 
 /// Three wells far apart need more: 1e-5 here is the error of the defaults with one degree to spare.
 #[test]
 fn three_wells_are_found() {
-    check_smooth("three wells", Grid::new().cells([13, 13]), &three_wells(), 1e-5);
+    let density = Grid::new().cells([13, 13]).solve(&three_wells()).unwrap();
+    check_smooth("three wells", &density, &three_wells(), 1e-5);
 }
 
 /// For an analytic density the error falls by a factor with each degree. On this mesh it is 6 to 8; 4 on average is asked.
@@ -69,7 +80,7 @@ fn the_error_falls_exponentially_with_the_degree() {
 /// through zero; 1e-9 of the value's size is allowed for that.
 #[test]
 fn every_statistic_is_right_within_its_own_error() {
-    let (density, exact) = (Grid::new().solve(&duffing()).unwrap(), duffing().exact().unwrap());
+    let (density, exact) = (solved("Duffing", &duffing()), duffing().exact().unwrap());
     let check = |name: &str, found: expoly::Estimate, truth: f64| {
         assert!(
             (found.value - truth).abs() <= found.error + 1e-9 * truth.abs().max(1.0),
@@ -104,8 +115,8 @@ fn every_statistic_is_right_within_its_own_error() {
 /// Every moment equation E[f·∇φ + ½B:∇∇φ] = 0 up to degree 4, and the power balance, to the errors that the moments state.
 #[test]
 fn moment_equations_and_the_power_balance_hold_to_the_reported_error() {
-    fn check<T: PolynomialDrift<2, M> + Sync, const M: usize>(system: &T) {
-        let (density, operator) = (Grid::new().solve(system).unwrap(), FokkerPlanck::new(system).unwrap());
+    fn check<T: PolynomialDrift<2, M>, const M: usize>(system: &T, density: &GridDensity) {
+        let operator = FokkerPlanck::new(system).unwrap();
         for m in monomials::<2>(4) {
             let mut statistic = Polynomial::zero();
             statistic.add_term(m, 1.0);
@@ -119,12 +130,12 @@ fn moment_equations_and_the_power_balance_hold_to_the_reported_error() {
             println!("{m:?}: {sum:.1e} off, {error:.1e} reported");
             assert!(sum.abs() <= error + 1e-9 * size, "{m:?}: {sum:e}, {error:e}, {size:e}");
         }
-        let balance = energy_balance(&operator, &density, None).unwrap();
+        let balance = energy_balance(&operator, density, None).unwrap();
         assert!(balance.value.abs() <= balance.error + 1e-8, "{balance:.12}");
     }
-    check(&duffing());
-    check(&van_der_pol());
-    check(&velocity_noise());
+    check(&duffing(), &solved("Duffing", &duffing()));
+    check(&van_der_pol(), &solved("van der Pol", &van_der_pol()));
+    check(&velocity_noise(), &solved("velocity noise", &velocity_noise()));
 }
 
 /// tests/reference/smooth.csv to 1e-6: two meshes of the reference agree to 1e-8, and its domain ends at 1e-6 of the
@@ -132,7 +143,7 @@ fn moment_equations_and_the_power_balance_hold_to_the_reported_error() {
 #[test]
 fn the_smooth_reference_table_is_reproduced() {
     let rows = reference("smooth.csv");
-    let check = |row: &[f64], density: GridDensity| {
+    let check = |row: &[f64], density: &GridDensity| {
         let moments = [[1, 0], [2, 0], [4, 0], [0, 2], [0, 4]].map(|powers| density.moment(powers).value);
         let found =
             moments.into_iter().chain([density.pdf(&[0.0; 2]).value, density.upcrossing_rate(0.0).unwrap().value]);
@@ -142,12 +153,12 @@ fn the_smooth_reference_table_is_reproduced() {
         }
     };
     let solve = |system: CubicDamping| Grid::new().solve(&system).unwrap();
-    check(&rows[0], solve(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5).unwrap()));
-    check(&rows[3], solve(rayleigh()));
+    check(&rows[0], &solve(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5).unwrap()));
+    check(&rows[3], &solve(rayleigh()));
     let solve = |system: DuffingVanDerPol| Grid::new().solve(&system).unwrap();
-    check(&rows[1], solve(van_der_pol()));
-    check(&rows[2], solve(DuffingVanDerPol::new([0.3, 0.3], -1.0, 1.0, 0.3).unwrap()));
-    check(&rows[4], solve(DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5).unwrap()));
+    check(&rows[1], &solved("van der Pol", &van_der_pol()));
+    check(&rows[2], &solve(DuffingVanDerPol::new([0.3, 0.3], -1.0, 1.0, 0.3).unwrap()));
+    check(&rows[4], &solve(DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5).unwrap()));
 }
 
 /// r = 1 only cuts the density off; 1e-7 as without a wall.
@@ -191,10 +202,11 @@ fn check_row(row: &[f64]) {
     assert!(balance.value.abs() <= balance.error + 1e-7, "{balance:.12}");
 }
 
+/// Small losses at the rest position, and great ones on both sides of it; the example `grid_walls` takes all twenty rows.
 #[test]
 fn the_vibro_impact_reference_table_is_reproduced() {
     let rows = reference("vibro_impact.csv");
-    let chosen = [(0.0, 0.95), (-0.5, 0.9), (0.5, 0.7), (-0.5, 0.5)];
+    let chosen = [(0.0, 0.95), (0.5, 0.7), (-0.5, 0.5)];
     for (offset, restitution) in chosen {
         check_row(rows.iter().find(|row| row[3] == offset && row[4] == restitution).unwrap());
     }
@@ -404,7 +416,7 @@ fn a_system_without_noise_or_velocity_is_refused() {
 /// The grid and the library's own simulation, which shares nothing with it, on a system without a closed form.
 #[test]
 fn the_grid_agrees_with_the_simulation() {
-    let density = Grid::new().solve(&van_der_pol()).unwrap();
+    let density = solved("van der Pol", &van_der_pol());
     let simulated = Simulation::new(&van_der_pol()).samples(500_000).seed(3).run().unwrap();
     for Monomial(powers) in monomials::<2>(4).into_iter().skip(1) {
         let z = simulated.moment(powers).deviation(density.moment(powers).value);

@@ -169,11 +169,25 @@ fn noise_that_depends_on_the_displacement_leaves_the_duffing_density() -> Result
 /// Impact rates for strong losses, as (b, r, rate). Those of the table are 0.06 to 0.6 % low: near the grazing point
 /// p ~ |v|^(3g), and impacts slower than the table's smallest element, 0.04, are missed. These are the grid's, whose cells
 /// are layered towards that point; they move by less than 5e-5 when its smallest cell shrinks tenfold.
-const REFINED_RATES: [[f64; 3]; 4] =
-    [[0.5, 0.7, 0.766552], [0.2, 0.7, 0.492937], [-0.5, 0.7, 0.202531], [-0.5, 0.5, 0.205206]];
+const REFINED_RATES: [[f64; 3]; 3] = [[0.5, 0.7, 0.766552], [0.2, 0.7, 0.492937], [-0.5, 0.5, 0.205206]];
+
+/// Half of the table's walls: for each offset the least and the largest loss, and some between. The example `wall_table`
+/// takes all twenty, and each to a thousandth.
+const WALLS: [[f64; 2]; 10] = [
+    [0.0, 1.0],
+    [0.0, 0.95],
+    [0.0, 0.7],
+    [-0.5, 1.0],
+    [-0.5, 0.9],
+    [-0.5, 0.5],
+    [0.2, 0.98],
+    [0.2, 0.7],
+    [0.5, 1.0],
+    [0.5, 0.7],
+];
 
 #[test]
-fn twenty_walls_match_the_reference() -> Result<()> {
+fn walls_match_the_reference() -> Result<()> {
     let table = include_str!("../reference/vibro_impact.csv");
     let mut squares = Vec::new();
     for (row, line) in table.lines().skip(1).enumerate() {
@@ -181,6 +195,9 @@ fn twenty_walls_match_the_reference() -> Result<()> {
         let [c, k, mu, b, r, d, mean, variance, square, skewness, kurtosis, rate] = numbers[..12] else {
             unreachable!("a row of the table has 16 numbers")
         };
+        if !WALLS.contains(&[b, r]) {
+            continue;
+        }
         let oscillator = Duffing::new(c, k, mu, d)?;
         let wall = Barrier::new(b, r)?;
         let result = Simulation::new(&oscillator).barrier(wall).samples(4_000_000).seed(row as u64).run()?;
@@ -210,8 +227,9 @@ fn twenty_walls_match_the_reference() -> Result<()> {
         assert_eq!(result.pdf(&[b - 0.1, 0.3]).value, 0.0);
         assert_eq!(result.histogram(0)?.axes()[0].edge(0), b);
     }
-    // A bias of one standard error in all would make the root mean square 1.4; chance gives 1 ± 0.07 for 120 statistics,
+    // A bias of one standard error in all would make the root mean square 1.4; chance gives 1 ± 0.09 for 60 statistics,
     // somewhat more because those of a row are correlated.
+    assert_eq!(squares.len(), 6 * WALLS.len());
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     assert!((0.75..1.3).contains(&rms), "the deviations have the root mean square {rms}");
     Ok(())
@@ -239,7 +257,7 @@ fn standard_errors_cover() -> Result<()> {
     let oscillator = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
     let mut squares = Vec::new();
     for seed in 0..20 {
-        let result = Simulation::new(&oscillator).trajectories(256).samples(100_000).seed(seed).run()?;
+        let result = Simulation::new(&oscillator).samples(100_000).seed(seed).run()?;
         squares.extend([
             result.moment([2, 0]).deviation(0.661714969204),
             result.moment([0, 2]).deviation(1.0),

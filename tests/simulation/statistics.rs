@@ -29,7 +29,7 @@ fn assert_close(what: &str, estimate: Estimate, truth: f64, most: f64) {
 fn a_linear_oscillator_has_its_spectrum_and_first_passages() -> Result<()> {
     let (c, k, d, interval, length) = (0.5, 2.0_f64, 0.3, 0.1, 1024);
     let oscillator = Linear::new(c, k, d)?;
-    let simulation = Simulation::new(&oscillator).trajectories(256).samples(256 * 2048).time_step(0.02).seed(1);
+    let simulation = Simulation::new(&oscillator).samples(1024 * length).time_step(0.02).seed(1);
     let result = simulation.sampling_interval(interval).spectrum(0, length).first_passage(0.5, 1.0, 5).run()?;
     let spectrum = result.spectrum(0)?;
     for (j, omega) in spectrum.frequencies().enumerate().filter(|(j, _)| [8, 16, 22, 24, 32, 64].contains(j)) {
@@ -60,10 +60,10 @@ fn a_linear_oscillator_has_its_spectrum_and_first_passages() -> Result<()> {
 /// much lower. What remains is of order h.
 #[test]
 fn first_passages_of_zero_have_their_distribution() -> Result<()> {
-    let (interval, length, windows) = (0.0025_f64, 2.0, 12);
+    let (interval, length, windows) = (0.0025_f64, 2.0, 3);
     let samples = windows * (length / interval) as usize + windows;
     let level = -0.5826 * (2.0 * interval).sqrt();
-    let simulation = Simulation::new(&OrnsteinUhlenbeck).trajectories(256).samples(256 * samples).seed(2);
+    let simulation = Simulation::new(&OrnsteinUhlenbeck).samples(1024 * samples).seed(2);
     let simulation = simulation.time_step(interval).sampling_interval(interval).burn_in(5.0);
     let passage = simulation.first_passage(level, length, 4).run()?.first_passage(level)?;
     let survival = |t: f64| (-t).exp().asin() / PI;
