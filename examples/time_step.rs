@@ -15,8 +15,9 @@ mod support;
 
 use clap::Parser;
 use expoly::models::{DisplacementNoise, Duffing, ParametricLinear, VelocityNoise};
-use expoly::{Barrier, Density, Estimate, Interpretation, PolynomialDrift, Scalar, SimulatedDensity, Simulation};
+use expoly::{Barrier, Density, Estimate, Interpretation, PolynomialDrift, SimulatedDensity, Simulation};
 use std::process::ExitCode;
+use support::shaken::Shaken;
 
 /// Orders of the simulation's time step.
 #[derive(Clone, Debug, Parser)]
@@ -45,22 +46,6 @@ const WALLS: [([f64; 2], [f64; 2]); 4] = [
     ([0.0, 0.9], [0.73228805, 0.35958333]),
     ([0.5, 0.9], [0.62034498, 0.60572048]),
 ];
-
-/// x″ + x′ + x = 0.4 x′ ξ₁ + 0.4 x ξ₂ + ξ₃, all noises of intensity ½.
-struct Shaken(Interpretation);
-
-impl PolynomialDrift<2, 3> for Shaken {
-    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
-        [v, -v - x]
-    }
-    fn noise<S: Scalar>(&self, [x, v]: [S; 2]) -> [[S; 3]; 2] {
-        let zero = S::from(0.0);
-        [[zero, zero, zero], [v * 0.4, x * 0.4, S::from(1.0)]]
-    }
-    fn interpretation(&self) -> Interpretation {
-        self.0
-    }
-}
 
 fn main() -> ExitCode {
     support::exit_code(run(&Options::parse()))

@@ -10,6 +10,7 @@ pub mod json;
 pub mod models;
 pub mod orders;
 pub mod progress;
+pub mod shaken;
 pub mod written;
 
 /// Success, or the error on standard error and a failure.

@@ -28,7 +28,8 @@ pub(super) struct Effort {
 
 impl Effort {
     /// What the integrals over all other states are worth: in one state and in two they take microseconds, in more
-    /// milliseconds and tens of them.
+    /// milliseconds and tens of them. There each is a mean over draws, known to some thousandths at best, and a table
+    /// that is smoother than that by a factor would only follow their noise.
     pub(super) const fn of_states(states: usize) -> Self {
         if states > 2 {
             Effort { start: 6, order: 8, tolerance: 1e-3, of_the_error: 1.0, most: 12 }

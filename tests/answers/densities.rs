@@ -470,7 +470,8 @@ fn impacts_take_what_the_damper_leaves() {
         let left = 0.2 - 0.2 * square.value - impacts.power().value;
         let error = 0.2 * square.error + impacts.power().error;
         println!("{name}: power {:.7}, D - c E v^2 - power = {left:.1e} ± {error:.1e}", impacts.power());
-        assert!(left.abs() <= error && error < 1e-3, "{name}: {left:e} ± {error:e}");
+        // The closure's moments are known to 1e-5 here, the grid's to 1e-8.
+        assert!(left.abs() <= error && error < 1e-4, "{name}: {left:e} ± {error:e}");
         let product = impacts.rate().value * impacts.energy_loss().value;
         assert!((product / impacts.power().value - 1.0).abs() < 1e-12);
         // The distribution begins at 1, as far as it is from the flux itself.
@@ -544,7 +545,9 @@ fn distances_between_closed_forms() {
     assert!((found.kullback_leibler.value - (1.0 / 1.2 - 1.0 + 1.2_f64.ln())).abs() < 1e-10);
     let decades = compare::log_ratio(&one, &two, 1e-6).unwrap();
     let truth = 6.0 * 0.2 - 1.2_f64.log10();
-    assert!((decades.value - truth).abs() <= decades.error.max(1e-6) && decades.error < 1e-3, "{decades} and {truth}");
+    println!("decades {decades:?}, {truth}");
+    // What is between the last point that is high enough and the level is in the error.
+    assert!((decades.value - truth).abs() <= decades.error && decades.error < 1e-3, "{decades} and {truth}");
     let decades = compare::marginal_log_ratio(&one, &two, 0, 1e-6).unwrap();
     let truth = 6.0 * 0.2 - 0.5 * 1.2_f64.log10();
     assert!((decades.value - truth).abs() < 1e-6, "{decades} and {truth}");

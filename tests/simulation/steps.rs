@@ -1,23 +1,12 @@
 //! The simulation's time step: its order, its choice, and the error that is told from two steps.
 
+#[path = "../../examples/support/shaken.rs"]
+#[allow(unreachable_pub, reason = "the examples' own module")]
+mod shaken;
+
 use expoly::models::{DisplacementNoise, Duffing, Linear, ParametricLinear, VelocityNoise};
-use expoly::{Barrier, Density, Grid, Interpretation, PolynomialDrift, Result, Scalar, SimulatedDensity, Simulation};
-
-/// x″ + x′ + x = 0.4 x′ ξ₁ + 0.4 x ξ₂ + ξ₃, all noises of intensity ½.
-struct Shaken(Interpretation);
-
-impl PolynomialDrift<2, 3> for Shaken {
-    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
-        [v, -v - x]
-    }
-    fn noise<S: Scalar>(&self, [x, v]: [S; 2]) -> [[S; 3]; 2] {
-        let zero = S::from(0.0);
-        [[zero, zero, zero], [v * 0.4, x * 0.4, S::from(1.0)]]
-    }
-    fn interpretation(&self) -> Interpretation {
-        self.0
-    }
-}
+use expoly::{Barrier, Density, Grid, Interpretation, PolynomialDrift, Result, SimulatedDensity, Simulation};
+use shaken::Shaken;
 
 /// E v² with steps h and 2h along the same paths.
 fn squares<T: PolynomialDrift<2, M> + Sync, const M: usize>(system: &T, h: f64) -> Result<[f64; 2]> {
