@@ -1,66 +1,55 @@
-//! Both closures from the system to its density, per order; order 2 of the classical one is the baseline of each group.
+//! The closures from the problem to its density, pilot included, per order; of each group the first task is the baseline.
+#![allow(missing_docs)]
 
-use criterion::{Criterion, criterion_group, criterion_main};
-use expoly::models::{CubicDamping, Duffing, DuffingChain};
-use expoly::{Barrier, Basis, Closure};
-use std::hint::black_box;
+use expoly::models::{CubicDamping, Duffing, DuffingChain, Solved};
+use expoly::{Basis, Closure, Problem, Result, Wall};
+use std::process::ExitCode;
+use support::bench::Group;
 
-fn whole_space(criterion: &mut Criterion) {
-    let (Ok(exact), Ok(inexact)) = (Duffing::new(0.2, 1.0, 0.3, 0.2), CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5))
-    else {
-        return;
-    };
-    let mut group = criterion.benchmark_group("two states");
-    for order in [2, 4, 6, 8] {
-        let closure = Closure::classical(order);
-        group.bench_function(format!("Duffing, n = {order}"), |b| b.iter(|| closure.solve(black_box(&exact))));
-        group.bench_function(format!("cubic damping, n = {order}"), |b| b.iter(|| closure.solve(black_box(&inexact))));
+fn run() -> Result<()> {
+    let exact = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
+    let inexact = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
+    let walled = exact.clone().with_wall(Wall::above(-0.5, 0.95)?)?;
+    let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?.problem()?;
+    let long = DuffingChain::new(&[0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8)?.problem()?;
+
+    let mut robust = Group::new("closure", 11).task("cubic damping, n = 4", || Closure::new(4).solve(&inexact));
+    for order in [8, 12] {
+        let inexact = &inexact;
+        robust = robust.task(&format!("cubic damping, n = {order}"), move || Closure::new(order).solve(inexact));
     }
-    group.finish();
-}
+    let robust = robust.task("a wall, n = 8", || Closure::new(8).solve(&walled));
+    robust.task("4 states, n = 4, on samples", || Closure::new(4).solve(&chain)).run()?;
 
-fn wall(criterion: &mut Criterion) {
-    let (Ok(duffing), Ok(wall)) = (Duffing::new(0.2, 1.0, 0.3, 0.2), Barrier::new(-0.5, 0.95)) else { return };
-    let mut group = criterion.benchmark_group("two states and a wall");
+    let mut classical = Group::new("classical, two states", 31);
+    for order in [2, 4, 6, 8] {
+        let (exact, inexact) = (&exact, &inexact);
+        classical = classical
+            .task(&format!("Duffing, n = {order}"), move || Closure::classical(order).solve(exact))
+            .task(&format!("cubic damping, n = {order}"), move || Closure::classical(order).solve(inexact));
+    }
+    classical.run()?;
+
+    let mut wall = Group::new("classical, a wall", 21);
     for basis in [Basis::Classical, Basis::Folded] {
         for order in [2, 4, 6] {
-            let closure = Closure::classical(order).with_basis(basis);
-            group.bench_function(format!("{basis}, n = {order}"), |b| {
-                b.iter(|| closure.solve_with_wall(black_box(&duffing), wall));
-            });
+            let walled = &walled;
+            let solve = move || Closure::classical(order).basis(basis).solve(walled);
+            wall = wall.task(&format!("{basis}, n = {order}"), solve);
         }
     }
-    group.finish();
-}
+    wall.run()?;
 
-fn robust(criterion: &mut Criterion) {
-    let Ok(inexact) = CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5) else { return };
-    let (Ok(duffing), Ok(wall)) = (Duffing::new(0.2, 1.0, 0.3, 0.2), Barrier::new(-0.5, 0.95)) else { return };
-    let Ok(chain) = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8) else { return };
-    let mut group = criterion.benchmark_group("robust, pilot included");
-    group.sample_size(10);
-    group.bench_function("classical, n = 2", |b| b.iter(|| Closure::classical(2).solve(black_box(&inexact))));
-    for order in [4, 8, 12] {
-        let closure = Closure::new(order);
-        group.bench_function(format!("two states, n = {order}"), |b| b.iter(|| closure.solve(black_box(&inexact))));
-    }
-    group.bench_function("a wall, n = 8", |b| b.iter(|| Closure::new(8).solve_with_wall(black_box(&duffing), wall)));
-    group.bench_function("4 states, n = 4", |b| b.iter(|| Closure::new(4).solve(black_box(&chain))));
-    group.finish();
-}
-
-fn more_states(criterion: &mut Criterion) {
-    let Ok(chain) = DuffingChain::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8) else { return };
-    let Ok(long) = DuffingChain::new([0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8) else { return };
-    let mut group = criterion.benchmark_group("more states");
-    group.sample_size(20);
+    let mut more = Group::new("classical, more states", 11);
     for order in [2, 4] {
-        let closure = Closure::classical(order);
-        group.bench_function(format!("4 states, n = {order}"), |b| b.iter(|| closure.solve(black_box(&chain))));
-        group.bench_function(format!("6 states, n = {order}"), |b| b.iter(|| closure.solve(black_box(&long))));
+        let (chain, long) = (&chain, &long);
+        more = more
+            .task(&format!("4 states, n = {order}"), move || Closure::classical(order).solve(chain))
+            .task(&format!("6 states, n = {order}"), move || Closure::classical(order).solve(long));
     }
-    group.finish();
+    more.run()
 }
 
-criterion_group!(benches, whole_space, wall, robust, more_states);
-criterion_main!(benches);
+fn main() -> ExitCode {
+    support::exit_code(run().map_err(Into::into))
+}

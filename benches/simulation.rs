@@ -1,19 +1,13 @@
-//! Path-steps per second on one thread, beside a plain loop over the same scheme, one trajectory at a time, and beside the
-//! cost of the random numbers alone, one normal number for each path-step.
-#![allow(missing_docs, clippy::unwrap_used)]
+//! Path-steps per second on one thread, beside a plain loop over the same scheme, one trajectory at a time.
+#![allow(missing_docs)]
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use expoly::{Barrier, Simulation, models::Duffing};
+use expoly::models::{Duffing, ParametricLinear, Solved};
+use expoly::{Problem, Simulation, Wall};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use std::hint::black_box;
-
-#[allow(dead_code, unused_imports)]
-#[path = "../src/simulation/normal.rs"]
-mod normal;
-#[allow(dead_code, unused_imports)]
-#[path = "../src/simulation/random.rs"]
-mod random;
+use std::process::ExitCode;
+use support::bench::Group;
 
 const STEP: f64 = 0.02;
 /// Time steps between samples, samples in all, trajectories: a few million path-steps, of which the burn-in is a tenth.
@@ -60,64 +54,30 @@ fn plain_loop(parameters: [f64; 4], wall: Option<(f64, f64)>) -> [f64; 3] {
     sums
 }
 
-/// The normal numbers that a simulation without a wall takes, in groups of lanes as it takes them.
-struct Numbers {
-    random: random::Random,
-    pairs: u64,
-}
-
-const LANES: usize = 16;
-
-impl pulp::NullaryFnOnce for Numbers {
-    type Output = f64;
-
-    #[inline(always)]
-    fn call(self) -> f64 {
-        let mut sums = [0.0; LANES];
-        for place in 0..self.pairs {
-            let mut numbers = [[0.0; LANES]; 2];
-            for l in 0..LANES {
-                [numbers[0][l], numbers[1][l]] = self.random.normals(l as u64, 0, place);
-            }
-            for l in 0..LANES {
-                sums[l] += numbers[0][l] + numbers[1][l];
-            }
-        }
-        sums.iter().sum()
-    }
-}
-
-fn random_numbers(seed: u64) -> f64 {
-    let pairs = (TRAJECTORIES * BURN_IN + SAMPLES * INTERVAL) / (2 * LANES);
-    pulp::Arch::new().dispatch(Numbers { random: random::Random::new(seed), pairs: pairs as u64 })
-}
-
-fn simulation(c: &mut Criterion) {
-    let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let mut group = c.benchmark_group("path-steps");
-    group.throughput(Throughput::Elements((TRAJECTORIES * BURN_IN + SAMPLES * INTERVAL) as u64));
+fn run() -> Result<(), Box<dyn std::error::Error>> {
+    let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
+    let noisy = Problem::of(ParametricLinear::new(0.1, 1.0, 0.5, 0.2)?)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let simulation = || {
+        let simulation = Simulation::new().trajectories(TRAJECTORIES).samples(SAMPLES).time_step(STEP);
+        simulation.burn_in(BURN_IN as f64 * STEP).sampling_interval(INTERVAL as f64 * STEP)
+    };
+    let run = |problem: &Problem| pool.install(|| simulation().run(problem));
+    let steps = (TRAJECTORIES * BURN_IN + SAMPLES * INTERVAL) as u64;
     for (name, wall) in [("no wall", None), ("elastic wall", Some((0.0, 1.0))), ("wall r = 0.9", Some((0.0, 0.9)))] {
-        group.bench_function(BenchmarkId::new("plain loop", name), |b| {
-            b.iter(|| plain_loop(black_box([0.2, 1.0, 0.3, 0.2]), wall));
-        });
-        let run = || {
-            let simulation = Simulation::new(&oscillator)
-                .trajectories(TRAJECTORIES)
-                .samples(SAMPLES)
-                .time_step(STEP)
-                .burn_in(BURN_IN as f64 * STEP)
-                .sampling_interval(INTERVAL as f64 * STEP);
-            match wall {
-                Some((offset, r)) => simulation.barrier(Barrier::new(offset, r).unwrap()).run().unwrap(),
-                None => simulation.run().unwrap(),
-            }
+        let problem = match wall {
+            Some((b, r)) => duffing.clone().with_wall(Wall::above(b, r)?)?,
+            None => duffing.clone(),
         };
-        group.bench_function(BenchmarkId::new("simulation", name), |b| b.iter(|| pool.install(run)));
+        let plain = || Ok(plain_loop(black_box([0.2, 1.0, 0.3, 0.2]), wall));
+        let group = Group::new(&format!("path-steps, {name}"), 15).elements(steps);
+        group.task("plain loop", plain).task("simulation", || run(&problem)).run()?;
     }
-    group.bench_function("random numbers alone", |b| b.iter(|| random_numbers(black_box(1))));
-    group.finish();
+    let group = Group::new("path-steps, models", 15).elements(steps);
+    group.task("Duffing", || run(&duffing)).task("multiplicative noise", || run(&noisy)).run()?;
+    Ok(())
 }
 
-criterion_group! { name = benches; config = Criterion::default().sample_size(20); targets = simulation }
-criterion_main!(benches);
+fn main() -> ExitCode {
+    support::exit_code(run())
+}

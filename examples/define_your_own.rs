@@ -6,9 +6,9 @@
 //! The oscillator here is x″ + (c + β x²) x′ + k x + a x² + μ x³ = ξ, a shallow arch: asymmetric, with damping that grows
 //! away from the middle. No closed form is known.
 
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, reason = "an example speaks")]
 
-use expoly::{Closure, Density, FokkerPlanck, Intensity, Oscillator, Scalar, Simulation, compare};
+use expoly::{Closure, Density, Intensity, Oscillator, Problem, Scalar, Simulation, compare};
 
 // 1. The parameters, and the force once, generically: sums, products and whole powers of the states.
 struct Arch {
@@ -32,18 +32,18 @@ fn main() -> expoly::Result<()> {
     // 2. D is the intensity of E[ξ(t)ξ(t+τ)] = 2D δ(τ); `Intensity` converts σ and spectral densities.
     let arch = Arch { damping: 0.3, growth: 0.2, quadratic: 0.8, cubic: 0.5, intensity: Intensity::new(0.25)? };
 
-    // 3. The library derives the Fokker-Planck equation from the force.
-    let equation = FokkerPlanck::new(&arch)?;
-    println!("{}\n", equation.text(["x", "v"]));
+    // 3. The problem that all methods take. The library derives the Fokker-Planck equation from the force.
+    let problem = Problem::of(arch)?;
+    println!("{}\n", problem.operator().text(problem.states()));
 
     // 4. A simulation to judge by: every value comes with its standard error.
-    let simulated = Simulation::new(&arch).samples(2_000_000).seed(1).run()?;
-    println!("simulation  E x = {:.4}   E x^2 = {:.4}", simulated.moment([1, 0]), simulated.moment([2, 0]));
+    let simulated = Simulation::new().samples(2_000_000).seed(1).run(&problem)?;
+    println!("simulation  E x = {:.4}   E x^2 = {:.4}", simulated.moment(&[1, 0])?, simulated.moment(&[2, 0])?);
 
     // 5. The closure, order by order. It estimates its own error, which the simulation confirms.
     for order in [2, 4, 6, 8] {
-        let density = Closure::new(order).solve(&arch)?;
-        let (mean, square) = (density.moment([1, 0]).value, density.moment([2, 0]).value);
+        let density = Closure::new(order).solve(&problem)?;
+        let (mean, square) = (density.moment(&[1, 0])?.value, density.moment(&[2, 0])?.value);
         let distance = compare::with_histogram(&density, 0, simulated.histogram(0)?)?;
         println!(
             "n = {order}       E x = {mean:.4}            E x^2 = {square:.4}            L1 of p(x) = {:.4} (noise {:.4}), \
@@ -58,12 +58,12 @@ fn main() -> expoly::Result<()> {
     }
 
     // 6. The closed density is a formula, valid where the oscillator goes; or name the error that you want.
-    let density = Closure::new(4).solve(&arch)?;
+    let density = Closure::new(4).solve(&problem)?;
     if let Some(formula) = density.log_polynomial() {
-        println!("\nln p = {:.4}", formula.text(["x", "v"]));
+        println!("\nln p = {:.4}", formula.text(problem.states()));
     }
-    let density = Closure::adaptive(5e-3).solve(&arch)?;
-    println!("estimated L1 error {:.4} at n = {}", density.l1_estimate(), density.provenance().order);
+    let density = Closure::adaptive(5e-3).solve(&problem)?;
+    println!("estimated L1 error {:.4} at n = {}", density.l1_estimate(), density.provenance().order.unwrap_or(0));
     println!("up-crossings of x = 1 per unit time: {:.5}", density.upcrossing_rate(1.0)?.value);
     Ok(())
 }

@@ -6,10 +6,7 @@
 //! oscillators that no closed form is known of, at n = 4 to 12, in half a minute: a row for each order and method, the rates
 //! of convergence, a figure. `--model` takes others, `--resume` goes on where a run was interrupted.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "support/mod.rs"]
-mod support;
+#![allow(clippy::print_stdout, reason = "an example speaks")]
 
 use clap::Parser;
 use expoly::study::OrderStudy;

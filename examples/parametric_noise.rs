@@ -5,14 +5,11 @@
 //! a power tail, which no polynomial follows: the closure is off by 5 % in L¹ and says that it should not be relied on. Where
 //! noise and damping grow together the density is an exponential again, and the closure exact. A figure of both tails goes to `out/`.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "support/mod.rs"]
-mod support;
+#![allow(clippy::print_stdout, reason = "an example speaks")]
 
 use clap::Parser;
 use expoly::models::{DisplacementNoise, ParametricLinear, Solved};
-use expoly::{Closure, Density, Intensity, Interpretation, PolynomialDrift, Scalar, compare};
+use expoly::{Closure, Density, Intensity, Interpretation, PolynomialDrift, Problem, Scalar, compare};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
 
@@ -53,7 +50,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
             let system = NoisyDamping { parametric: Intensity::new(d_eta)?, interpretation };
             // A linear system's moment equations are closed: D = 2α (1 − 2α D_η) E v², and 4α D_η with Stratonovich.
             let exact = EXTERNAL / (2.0 * DAMPING * (1.0 - share * 2.0 * DAMPING * d_eta));
-            let answer = match Closure::gaussian(&system) {
+            let answer = match Problem::of(system)?.gaussian() {
                 Ok(gaussian) => format!("{:.5} {exact:.5}", gaussian.covariance[(1, 1)]),
                 Err(error) => error.to_string(),
             };
@@ -65,12 +62,13 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let labels = ["displacement x [L]", "density p(x) [1/L]"];
     let system = ParametricLinear::new(DAMPING, 1.0, 0.5, EXTERNAL)?;
     let (exact, x) = (system.exact(), between([0.2, 20.0], 120));
+    let problem = Problem::of(system)?;
     let mut curves = vec![curve("exact", Style::Dashed, 0, &values(&x, |x| exact.marginal(0, x))?)];
     for (colour, order) in [(1, 4), (2, 8)] {
-        let density = Closure::new(order).solve(&system)?;
+        let density = Closure::new(order).solve(&problem)?;
         let off = |x| Ok((density.marginal(0, x)?.value / exact.marginal(0, x)?.value).log10());
         let off = [2.0, 4.0, 6.0].map(off).into_iter().collect::<expoly::Result<Vec<f64>>>()?;
-        let (l1, estimate) = (compare::l1(&density, &exact).value, density.l1_estimate());
+        let (l1, estimate) = (compare::l1(&density, &exact)?.value, density.l1_estimate());
         println!("   n = {order}: {off:.2?} at x = 2, 4, 6; L1 {l1:.1e}, estimated {estimate:.1e}");
         println!("          {}", density.warning().unwrap_or("no warning"));
         let closed = values(&x, |x| density.marginal(0, x))?;
@@ -80,8 +78,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
 
     println!("\n3. x'' + c (1 + g x^2) x' + x + 0.4 x^3 = xi1 + sqrt(g) x xi2: noise and damping in balance");
     let system = DisplacementNoise::new(0.5, 1.0, 0.4, 0.7, 0.5)?;
-    let (density, exact) = (Closure::new(4).solve(&system)?, system.exact()?);
-    println!("   n = 4: L1 {:.1e}, estimated {:.1e}", compare::l1(&density, &exact).value, density.l1_estimate());
+    let (density, exact) = (Closure::new(4).solve(&system.problem()?)?, system.exact()?);
+    println!("   n = 4: L1 {:.1e}, estimated {:.1e}", compare::l1(&density, &exact)?.value, density.l1_estimate());
     let closed = values(&between([0.0, 4.0], 120), |x| density.marginal(0, x))?;
     let known = values(&between([0.0, 4.0], 21), |x| exact.marginal(0, x))?;
     let curves = vec![curve("closure, n = 4", Style::Solid, 1, &closed), curve("exact", Style::Points, 0, &known)];

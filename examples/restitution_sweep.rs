@@ -6,13 +6,11 @@
 //! close by and writes a table and a figure to `out/restitution_sweep/`; an interrupted run goes on from the table. With
 //! `--restitution 0.8` it is the wall that moves, from b = −1 to 1.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "support/mod.rs"]
-mod support;
+#![allow(clippy::print_stdout, reason = "an example speaks")]
 
 use clap::Parser;
-use expoly::{Barrier, Closure, ClosureDensity, Density, models::Duffing, statistics::Impacts, study::Sweep};
+use expoly::models::{Duffing, Solved};
+use expoly::{Closure, ClosureDensity, Density, Wall, statistics::Impacts, study::Sweep};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
 use support::progress::study_bar;
@@ -38,12 +36,13 @@ const COLUMNS: [&str; 6] = ["impact rate", "its error", "energy per impact", "po
 
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let (count, order) = if options.short { (3, 4) } else { (21, 8) };
-    let (oscillator, closure) = (Duffing::new(0.2, 1.0, 0.3, 0.2)?, Closure::new(order));
+    let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+    let (free, closure) = (oscillator.problem()?, Closure::new(order));
     let (name, abscissa, range, fixed) = match options.restitution {
         None => ("r", "restitution r", [1.0, 0.5], format!("b = {}", options.offset)),
         Some(r) => ("b", "offset b of the wall [L]", [-1.0, 1.0], format!("r = {r}")),
     };
-    let wall = |value| options.restitution.map_or(Barrier::new(options.offset, value), |r| Barrier::new(value, r));
+    let wall = |value| options.restitution.map_or(Wall::above(options.offset, value), |r| Wall::above(value, r));
     let heights = between([0.06, 3.0], 50);
     let at_heights = heights.iter().map(|u| format!("p at {u:.2}"));
     let columns: Vec<String> = COLUMNS.map(str::to_owned).into_iter().chain(at_heights).collect();
@@ -54,13 +53,11 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         .settings(&format!("{oscillator:?} {fixed} {closure:?}"))
         .file(file("csv"))
         .progress(progress)
-        .run(|value, near: Option<&ClosureDensity<2>>| {
+        .run(|value, near: Option<&ClosureDensity>| {
             let wall = wall(value)?;
-            let density = match near {
-                None => closure.solve_with_wall(&oscillator, wall)?,
-                Some(near) => closure.solve_with_wall_from(&oscillator, wall, near)?,
-            };
-            let impacts = Impacts::new(&density, wall, 1)?;
+            let problem = free.clone().with_wall(wall)?;
+            let density = closure.clone().starting_from(near).solve(&problem)?;
+            let impacts = Impacts::new(&density, &problem)?;
             let (rate, each, power) = (impacts.rate(), impacts.energy_loss(), impacts.power());
             let mut row = vec![rate.value, rate.error, each.value, power.value, power.error, density.l1_estimate()];
             row.extend(values(&heights, |u| density.marginal(0, wall.offset() + u))?.iter().map(|[_, p, _]| *p));

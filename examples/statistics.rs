@@ -5,12 +5,11 @@
 
 #![allow(clippy::print_stdout, reason = "an example speaks")]
 
-#[path = "support/mod.rs"]
-mod support;
-
 use clap::Parser;
-use expoly::{Barrier, Density, Error, Estimate, SimulatedDensity, Simulation, models::Duffing};
+use expoly::models::{Duffing, VibroImpactDuffing};
+use expoly::{Density, Error, Estimate, SimulatedDensity, Simulation};
 use std::process::ExitCode;
+use support::shown;
 
 /// An oscillator above a wall, and how long to look at it.
 #[derive(Clone, Debug, Parser)]
@@ -41,19 +40,19 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), Error> {
     let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-    let simulation = Simulation::new(&oscillator).barrier(Barrier::new(options.wall, options.restitution)?);
-    let simulation = simulation.sampling_interval(0.2).samples(options.samples).seed(options.seed);
+    let problem = VibroImpactDuffing::new(oscillator, options.wall, options.restitution)?.problem()?;
+    let simulation = Simulation::new().sampling_interval(0.2).samples(options.samples).seed(options.seed);
     let simulation = simulation.moments([[6, 0], [0, 6], [0, 8]]).levels([options.level]).spectrum(0, SEGMENT);
     let simulation = simulation.first_passage(options.level, 40.0, 8);
     let corners = [0.2, 0.6].map(|y| [0.0, 1.0].map(|v| [options.wall + y, v])).concat();
-    let found = simulation.points(corners, [0.1, 0.3]).run()?;
+    let found = simulation.points(corners, [0.1, 0.3]).run(&problem)?;
     let made = found.provenance();
-    println!("{} samples, time step {}, {:.1} s", made.samples, made.time_step, made.seconds);
+    println!("{} samples, time step {}, {:.1} s", shown(made.samples), shown(made.time_step), made.seconds);
     for exponents in [[1, 0], [2, 0], [0, 2], [0, 4], [6, 0], [0, 6], [0, 8]] {
-        print(&format!("E y^{} v^{}", exponents[0], exponents[1]), found.moment(exponents));
+        print(&format!("E y^{} v^{}", exponents[0], exponents[1]), found.moment(&exponents)?);
     }
-    for ([y, v], density) in found.at_points() {
-        print(&format!("p({y:.1}, {v:.1})"), density);
+    for (place, density) in found.at_points() {
+        print(&format!("p({:.1}, {:.1})", place[0], place[1]), density);
     }
     print(&format!("up-crossings of {}, counted", options.level), found.upcrossing_rate(options.level)?);
     print(&format!("up-crossings of {}, by Rice", options.level), found.upcrossing_rate_by_rice(options.level)?);
@@ -61,14 +60,14 @@ fn run(options: &Options) -> Result<(), Error> {
     if let (Some(rate), Some(speeds)) = (found.impact_rate(), found.impact_speeds()) {
         print("impacts per unit time", rate);
         for w in [0.25, 0.5, 1.0, 2.0] {
-            print(&format!("density of impact speed {w}"), speeds.density_at([w]));
+            print(&format!("density of impact speed {w}"), speeds.density_at(&[w])?);
         }
     }
     spectra(&found)
 }
 
 /// When the level is passed first.
-fn passages(found: &SimulatedDensity<2>, level: f64) -> Result<(), Error> {
+fn passages(found: &SimulatedDensity, level: f64) -> Result<(), Error> {
     let passage = found.first_passage(level)?;
     for (t, probability) in passage.distribution() {
         print(&format!("P(level passed by {t})"), probability);
@@ -79,10 +78,11 @@ fn passages(found: &SimulatedDensity<2>, level: f64) -> Result<(), Error> {
 }
 
 /// Autocovariance and spectral density of the displacement.
-fn spectra(found: &SimulatedDensity<2>) -> Result<(), Error> {
+fn spectra(found: &SimulatedDensity) -> Result<(), Error> {
     let spectrum = found.spectrum(0)?;
+    let interval = found.provenance().sampling_interval.unwrap_or(f64::NAN);
     for lag in [0, 5, 10, 20] {
-        let time = lag as f64 * found.provenance().sampling_interval;
+        let time = lag as f64 * interval;
         print(&format!("autocovariance of y at {time}"), spectrum.autocovariance(lag)?);
     }
     for (j, omega) in spectrum.frequencies().enumerate().filter(|(j, _)| [33, 65, 74, 98, 163].contains(j)) {

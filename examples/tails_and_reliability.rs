@@ -6,12 +6,10 @@
 
 #![allow(clippy::print_stdout, reason = "an example speaks")]
 
-#[path = "support/mod.rs"]
-mod support;
-
 use clap::Parser;
+use expoly::models::{Duffing, Solved};
 use expoly::statistics::{Crossings, Impacts};
-use expoly::{Barrier, Closure, ClosureDensity, Error, Estimate, Splitting, Tails, models::Duffing};
+use expoly::{Closure, ClosureDensity, Error, Estimate, Problem, Splitting, Tails, Wall};
 use std::process::ExitCode;
 
 /// Exceedances, up-crossings and failures of two oscillators, c = D = 0.2, k = 1, μ = 0.3.
@@ -44,25 +42,24 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), Error> {
-    let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-    let wall = Barrier::new(options.wall, options.restitution)?;
+    let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
+    let walled = duffing.clone().with_wall(Wall::above(options.wall, options.restitution)?)?;
     let closure = Closure::new(options.order).seed(options.seed);
-    let splitting = || Splitting::new(&duffing).levels(LEVELS).particles(options.samples).seed(options.seed);
-    let simulated =
-        |splitting: Splitting<'_, Duffing, 2, 1>| (options.samples > 0).then(|| splitting.run()).transpose();
+    let splitting = || Splitting::new().levels(LEVELS).particles(options.samples).seed(options.seed);
+    let simulated = |problem: &Problem| (options.samples > 0).then(|| splitting().run(problem)).transpose();
 
     println!("Without a wall");
-    report(&closure.solve(&duffing)?, simulated(splitting())?, options.duration)?;
+    report(&closure.solve(&duffing)?, simulated(&duffing)?, options.duration)?;
     println!("Above a wall at {}, r = {}", options.wall, options.restitution);
-    let walled = closure.solve_with_wall(&duffing, wall)?;
-    report(&walled, simulated(splitting().barrier(wall))?, options.duration)?;
-    let impacts = Impacts::new(&walled, wall, 1)?;
+    let density = closure.solve(&walled)?;
+    report(&density, simulated(&walled)?, options.duration)?;
+    let impacts = Impacts::new(&density, &walled)?;
     println!("impacts per unit time {:.5}, mean speed {:.4}", impacts.rate(), impacts.mean_speed());
     println!("energy lost in an impact {:.5}, per unit time {:.5} of 0.2", impacts.energy_loss(), impacts.power());
     Ok(())
 }
 
-fn report(density: &ClosureDensity<2>, simulated: Option<Tails>, duration: f64) -> Result<(), Error> {
+fn report(density: &ClosureDensity, simulated: Option<Tails>, duration: f64) -> Result<(), Error> {
     let crossings = Crossings::new(density, [0, 1])?;
     println!(
         "  level  P(Y > y)             split                up-crossings         split                fails by {duration}"

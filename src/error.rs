@@ -3,7 +3,7 @@
 /// Why a question has no answer.
 ///
 /// An `Err` stands for misuse, or for a density that does not exist. A run that did not converge is no error: it is a
-/// result whose [`Termination`](crate::Termination) says so.
+/// result whose provenance says so.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -66,16 +66,6 @@ pub enum Error {
         /// A direction of the state space, of length one in scaled coordinates, in which Q does not fall.
         direction: Vec<f64>,
     },
-    /// The closure ended without a root, so that there is no density to ask.
-    #[error(
-        "the closure of order {order} has no solution ({termination}): the last iterate solves nothing; try another order, basis or method"
-    )]
-    NoRoot {
-        /// The order of the closure.
-        order: u32,
-        /// How it ended.
-        termination: crate::Termination,
-    },
     /// The closure of an order came to nothing.
     #[error("the closure of order {order} has no density: {reason}")]
     NotClosed {
@@ -84,13 +74,13 @@ pub enum Error {
         /// What stands in the way, and what may help.
         reason: &'static str,
     },
-    /// A wall needs a displacement whose rate of change is its own velocity.
+    /// A wall, a level or a power balance needs a displacement: a state whose rate of change is another state.
     #[error(
-        "a wall stops a displacement: the drift of state 0 must be state {velocity} alone, without noise, but it is not"
+        "state {state} is no displacement: its drift must be one other state alone, its velocity, without noise; walls, levels and power balances need one"
     )]
     NotADisplacement {
-        /// The state expected as the velocity.
-        velocity: usize,
+        /// The state that was taken for a displacement.
+        state: usize,
     },
     /// A trajectory left every bound.
     #[error(
@@ -191,27 +181,33 @@ pub enum Error {
         /// What it says.
         reason: String,
     },
-    /// A level whose crossings the simulation did not count.
-    #[error("the crossings of the level {level} were not counted: name it in `Simulation::levels` before running")]
-    LevelNotCounted {
-        /// The level asked for.
-        level: f64,
-    },
     /// A density does not hold the answer to a question.
-    #[error("this density does not know {what}: {remedy}")]
+    #[error("this density has no answer about {what}: {remedy}")]
     NotKnown {
         /// What was asked.
-        what: &'static str,
+        what: String,
         /// What may help.
         remedy: &'static str,
     },
-    /// A statistic was not asked for before the run.
-    #[error("the {what} was not recorded: ask for it by {option} before the run")]
-    NotRecorded {
-        /// What is missing.
+    /// A method cannot serve a problem.
+    #[error("the {method} does not serve {what}: {remedy}")]
+    NotServed {
+        /// The method.
+        method: &'static str,
+        /// The trait of the problem that stands in the way.
         what: &'static str,
-        /// The option that asks for it.
-        option: &'static str,
+        /// What serves it, or what to change.
+        remedy: &'static str,
+    },
+    /// A text is no system.
+    #[error("line {line}: {name}: {problem}")]
+    NotAProblem {
+        /// The line of the text, from 1.
+        line: usize,
+        /// The key, state, parameter or wall that is wrong.
+        name: String,
+        /// What is wrong with it, and what to write instead.
+        problem: String,
     },
     /// The density does not end within the domain of a grid.
     #[error(
@@ -242,7 +238,7 @@ pub enum Error {
         problem: String,
     },
     /// A state's name cannot be an argument of a function.
-    #[error("the name {name:?} of a state will not do: {problem}; x, v, x1, x2 are usual ones")]
+    #[error("the name {name:?} will not do: {problem}; x, v, x1, x2 are usual names of states")]
     NotAName {
         /// The name.
         name: String,
@@ -313,6 +309,11 @@ pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64> {
 }
 
 /// Refuses the index of a state that does not exist.
-pub(crate) fn state_index<const N: usize>(what: &'static str, index: usize) -> Result<usize> {
-    if index < N { Ok(index) } else { Err(Error::Dimension { what, expected: N, found: index }) }
+pub(crate) fn state_index(what: &'static str, index: usize, states: usize) -> Result<usize> {
+    if index < states { Ok(index) } else { Err(Error::Dimension { what, expected: states, found: index }) }
+}
+
+/// Refuses a list that has not one number for each state.
+pub(crate) fn dimension(what: &'static str, found: usize, states: usize) -> Result<()> {
+    if found == states { Ok(()) } else { Err(Error::Dimension { what, expected: states, found }) }
 }

@@ -1,6 +1,6 @@
 //! Files that are read, or written whole or not at all.
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 use std::{ffi::OsString, fs, io, io::Write, path::Path};
 
 /// The content of a file, or none if there is no such file.

@@ -2,13 +2,13 @@
 //!
 //! # The library in one page
 //!
-//! A system dX = f(X) dt + G(X) dW is [`PolynomialDrift`], or [`Oscillator`] for x″ + h(x, x′) = ξ. Everything reads that
-//! one definition:
+//! A system dX = f(X) dt + G(X) dW is a [`PolynomialDrift`], an [`Oscillator`] for x″ + h(x, x′) = ξ, or a [`PolynomialSystem`]
+//! of any size. A [`Problem`] is that system as data, with its walls; every method takes one:
 //!
 //! | question | where |
 //! |---|---|
-//! | What is its equation 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p), B = G Gᵀ? | [`FokkerPlanck`] |
-//! | What is its density, as a formula p = C exp(Q)? | [`Closure`]; above a wall, with [`Barrier`] |
+//! | What is its equation 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p), B = G Gᵀ? | [`Problem::operator`], [`FokkerPlanck`] |
+//! | What is its density, as a formula p = C exp(Q)? | [`Closure`]; above a wall as well, with [`Wall`] |
 //! | Is that right? | [`ClosureDensity::l1_estimate`]; [`Grid`], [`Simulation`], [`compare`] |
 //! | What lies in the far tail? | [`Splitting`] |
 //! | How likely, how often, how soon? | [`statistics`] |
@@ -19,12 +19,10 @@
 //! All answers are a [`Density`], whichever method made them. The [`guide`] says how the method works, when to trust it, what
 //! the conventions are, and how to come here from other tools.
 
-mod barrier;
 mod closed_form;
 mod closure;
 pub mod compare;
 mod density;
-mod eigenvalues;
 mod error;
 mod estimate;
 mod file;
@@ -34,31 +32,35 @@ mod grid;
 pub mod guide {}
 pub mod models;
 mod polynomial;
+mod problem;
+mod provenance;
 mod quadrature;
 mod record;
 mod scalar;
 mod simulation;
+mod states;
 pub mod statistics;
 pub mod study;
 mod system;
 
-pub use barrier::{Barrier, Zhuravlev};
-pub use closed_form::{ClosedDensity, ClosedForm};
+pub use closed_form::ClosedForm;
 pub use closure::{
-    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, ClosureProvenance, Degrees, NodeKind, Origin, Route,
-    Solution, Termination, Weight,
+    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, NodeKind, Origin, Solution, Termination,
+    Weight,
 };
-pub use density::{Crossing, Density, ExpPolynomial, Frame, Support, energy_balance};
+pub use density::{Counted, Crossing, Density, ExpPolynomial, Frame, Sampled, Support};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
-pub use fokker_planck::{FokkerPlanck, LocalOperator, OperatorText};
-pub use grid::{Grid, GridDensity, GridProvenance, Relaxation, Start, Transient};
-pub use polynomial::{Arena, Gaussian, Monomial, Polynomial, Symbol, Text, monomials};
+pub use fokker_planck::FokkerPlanck;
+pub use grid::{Grid, GridDensity, Relaxation, Start, Transient};
+pub use polynomial::{Gaussian, Polynomial};
+pub use problem::{Problem, Wall, Zhuravlev};
+pub use provenance::{Provenance, Stopped};
 pub use scalar::Scalar;
 #[doc(hidden)]
 pub use scalar::Transcendental;
 pub use simulation::{
-    Axis, FirstPassage, Histogram, Progress, Provenance, SimulatedDensity, Simulation, Spectrum, Splitting,
-    SplittingProvenance, Stopped, Tails, Tolerance,
+    Axis, FirstPassage, Histogram, Progress, SimulatedDensity, Simulation, Spectrum, Splitting, Tails, Tolerance,
 };
-pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift};
+pub use states::States;
+pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift, PolynomialSystem};

@@ -4,9 +4,11 @@
 //! positive terms, accurate *relatively* even where a Gauss-Hermite weight is 1e-80.
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use serde::{Deserialize, Serialize};
 
 /// Nodes and weights of a rule Σ w_i g(x_i).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Rule {
     pub(crate) nodes: Vec<f64>,
     pub(crate) weights: Vec<f64>,

@@ -1,6 +1,7 @@
 //! The numbers that a drift is written in.
 
 use num_dual::DualNum;
+use num_traits::{One, Zero};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -10,7 +11,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 ///
 /// - `f64`, for the simulation;
 /// - every fixed-size number of [`num_dual`], nested ones too, for derivatives at a point;
-/// - [`Symbol`](crate::Symbol), for the polynomial itself.
+/// - symbols, for the polynomial itself.
+///
+/// It is a commutative ring with the real numbers in it, in the terms of [`num_traits`]: [`Zero`] and [`One`] bring addition
+/// and multiplication.
 ///
 /// A state can be added, subtracted and multiplied, and raised to a whole power. Numbers may stand to the *right* of an
 /// operator (`x * 2.0`, `x / 3.0`): Rust has no room for `2.0 * x` on a generic type.
@@ -36,16 +40,16 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// ```
 #[diagnostic::on_unimplemented(
     message = "a drift cannot be evaluated on `{Self}`",
-    note = "a drift runs on `f64`, on the fixed-size numbers of num-dual over `f64`, and on `expoly::Symbol`"
+    note = "a drift runs on `f64`, on the fixed-size numbers of num-dual over `f64`, and on the library's symbols"
 )]
 pub trait Scalar:
     Copy
     + Debug
     + From<f64>
+    + Zero
+    + One
     + Neg<Output = Self>
-    + Add<Output = Self>
     + Sub<Output = Self>
-    + Mul<Output = Self>
     + Add<f64, Output = Self>
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
@@ -54,18 +58,7 @@ pub trait Scalar:
     /// The whole power xⁿ, by repeated squaring; x⁰ = 1.
     #[inline]
     fn powi(self, exponent: u32) -> Self {
-        if exponent == 0 {
-            return Self::from(1.0);
-        }
-        // A loop over the bits below the leading one, which the compiler unrolls where the exponent is a constant.
-        let mut power = self;
-        for bit in (0..exponent.ilog2()).rev() {
-            power = power * power;
-            if exponent >> bit & 1 == 1 {
-                power = power * self;
-            }
-        }
-        power
+        num_traits::pow(self, exponent as usize)
     }
 
     /// Refused: a sine is not a polynomial.
@@ -104,7 +97,7 @@ pub trait Scalar:
         self
     }
 
-    /// Refused: a modulus is not a polynomial. A one-sided wall is a [`Barrier`](crate::Barrier).
+    /// Refused: a modulus is not a polynomial. A one-sided wall is a [`Wall`](crate::Wall).
     #[doc(hidden)]
     fn abs(self) -> Self
     where

@@ -1,21 +1,15 @@
-//! The examples as a user runs them: one JSON object, errors that name the value, files whole or not at all.
+//! The examples as a user runs them: JSON objects, errors that name the value, files whole or not at all.
 //!
 //! `cargo test` builds the examples beside this test; `cargo test --test examples` alone does not, and takes those that
 //! `cargo build --examples` left.
 
 #![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
 
-#[path = "../examples/support/file.rs"]
-#[allow(dead_code, unreachable_pub, reason = "the examples' own module, of which this test uses a part")]
-mod file;
-#[path = "../examples/support/json.rs"]
-#[allow(dead_code, unreachable_pub, reason = "the examples' own module, of which this test uses a part")]
-mod json;
-
 use expoly::Estimate;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
+use support::{file, json};
 
 fn run(example: &str, arguments: &[&str]) -> Output {
     let folder = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("examples");
@@ -59,6 +53,10 @@ fn json_is_one_object_with_the_promised_fields() {
     for field in ["error_estimate", "unknowns", "seconds", "energy_balance"] {
         assert!(grid[field].is_number(), "{field}: {grid}");
     }
+    for field in ["iterations", "seconds", "residual", "condition", "energy_balance"] {
+        assert!(closure[field].is_number(), "{field}: {closure}");
+    }
+    assert!(simulation["path_steps"].is_u64() && simulation["time_step"].is_number(), "{simulation}");
     for (k, field) in [(0, "displacement_pdf"), (1, "displacement_pdf")] {
         let estimate = &simulation[field][k];
         let distance = (closure[field][k].as_f64().unwrap() - estimate["value"].as_f64().unwrap()).abs();
@@ -232,12 +230,11 @@ fn an_order_study_has_one_row_an_order() {
     let rows = answer["rows"].as_array().unwrap();
     assert_eq!(rows.iter().map(|row| row["order"].as_u64().unwrap()).collect::<Vec<_>>(), [2, 4, 6]);
     assert!(rows[0]["l1"].as_f64().unwrap() > 0.01 && rows[1]["l1"].as_f64().unwrap() < 1e-10);
-    let facts: Vec<&Value> = rows.iter().map(|row| &row["facts"]).collect();
-    assert_eq!((&facts[0]["least_residual"], &facts[1]["least_residual"]), (&true.into(), &false.into()));
-    let estimate = facts[0]["l1_estimate"].as_f64().unwrap();
+    assert_eq!((&rows[0]["termination"], &rows[1]["termination"]), (&"least residual".into(), &"root".into()));
+    let estimate = rows[0]["l1_estimate"].as_f64().unwrap();
     assert!((0.5..2.0).contains(&(rows[0]["l1"].as_f64().unwrap() / estimate)), "{}", rows[0]);
-    assert_eq!((&facts[1]["origin"], &rows[1]["truth"]), (&"exact".into(), &"exact density".into()));
-    assert!(rows.iter().all(|row| row["method"] == "robust" && row["facts"]["indicator"].is_number()));
+    assert_eq!((&rows[1]["origin"], &rows[1]["truth"]), (&"exact".into(), &"exact density".into()));
+    assert!(rows.iter().all(|row| row["method"] == "robust" && row["indicator"].is_number()));
 }
 
 /// Where the literature's closure has no root, the robust one has a density, and both rows stand beside each other.
@@ -246,10 +243,10 @@ fn an_order_study_sets_the_classical_closure_beside_the_robust_one() {
     let options = ["--model", "van_der_pol", "--orders", "6", "--weight", "density", "--seed", "2", "--degree", "8"];
     let answer = order_study(&options);
     let [robust, classical] = answer["rows"].as_array().unwrap().as_slice() else { panic!("{answer}") };
-    assert!(robust["l1"].as_f64().unwrap() < 0.1 && robust["facts"]["seed"] == 2, "{robust}");
-    assert_eq!(robust["facts"]["origin"], "moment equations, tails 0.000");
-    assert!(classical["l1"].is_null() && classical["facts"]["termination"] == "no root", "{classical}");
-    assert!(classical["facts"]["refusal"].as_str().unwrap().contains("no root"));
+    assert!(robust["l1"].as_f64().unwrap() < 0.1 && robust["seed"] == 2, "{robust}");
+    assert_eq!(robust["origin"], "moment equations, tails 0.000");
+    assert!(classical["l1"].is_null() && classical["termination"] == "no root", "{classical}");
+    assert!(classical["refusal"].as_str().unwrap().contains("no root"));
     let alone = order_study(&["--model", "duffing", "--orders", "4", "--method", "classical"]);
     assert_eq!(alone["rows"].as_array().unwrap().len(), 1);
 }
@@ -260,7 +257,7 @@ fn an_order_study_takes_more_than_two_states() {
     let options = ["--model", "two_degrees_of_freedom", "--orders", "2", "--nodes", "samples", "--method", "robust"];
     let row = &order_study(&options)["rows"][0];
     assert!((0.02..0.15).contains(&row["l1"].as_f64().unwrap()), "{row}");
-    assert!(row["facts"]["origin"].as_str().unwrap().contains("Galerkin") && row["facts"]["l1_estimate"].is_number());
+    assert!(row["origin"].as_str().unwrap().contains("Galerkin") && row["l1_estimate"].is_number());
 }
 
 /// A run leaves its table, its figure and the numbers in it; another begins anew unless it shall go on.
@@ -323,7 +320,138 @@ fn coloured_noise_prints_moments_beside_a_simulation() {
 }
 
 #[test]
-fn many_states_names_the_chains_that_there_are() {
-    let output = run("many_states", &["--oscillators", "4"]);
-    assert!(!output.status.success() && String::from_utf8(output.stderr).unwrap().contains("2, 3 and 5"));
+fn many_states_takes_a_chain_of_any_length() {
+    let output = run("many_states", &["--oscillators", "7", "--order", "2", "--samples", "20000"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = run("many_states", &["--oscillators", "1"]);
+    assert!(!output.status.success() && String::from_utf8(output.stderr).unwrap().contains("two at least"));
+}
+
+fn system(name: &str) -> String {
+    format!("{}/examples/solve/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// `examples/solve` with a file of its own and these options, as JSON.
+fn solve(file: &str, options: &[&str]) -> Value {
+    let output = run("solve", &[&[&system(file), "--json"][..], options].concat());
+    assert!(output.status.success(), "{options:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The fields of the promise, whichever method answers; what a method does not have is null.
+#[test]
+fn a_file_is_solved_by_every_method_with_the_promised_fields() {
+    let asked = ["--moments", "x^2,v^2,x^2*v^2", "--at", "-0.3,0.2;0.3,0.4", "--marginal", "x=0.5,1.0"];
+    // E x², E v² and the impact rate by the grid.
+    let known = |answer: &Value, tolerance: f64| {
+        for (name, truth) in [("x^2", 0.415_668), ("v^2", 0.824_55)] {
+            let moment = &answer["moments"][name];
+            let (value, error) = (moment["value"].as_f64().unwrap(), moment["error"].as_f64().unwrap());
+            assert!((value - truth).abs() < tolerance * truth + 4.0 * error, "{name}: {answer}");
+        }
+        let rate = answer["impact_rate"]["value"].as_f64().unwrap();
+        assert!((rate - 0.212_25).abs() < 0.02 * 0.212_25, "{answer}");
+    };
+    for (method, options, name, tolerance) in [
+        ("closure", &["--order", "6"][..], "closure", 1e-3),
+        ("grid", &[], "grid", 1e-4),
+        ("simulation", &["--samples", "200000", "--seed", "3"], "simulation", 1e-3),
+    ] {
+        let answer = solve("duffing", &[&asked[..], &["--method", method], options].concat());
+        let object = answer.as_object().unwrap();
+        for field in [
+            "method",
+            "states",
+            "order",
+            "unknowns",
+            "moments",
+            "pdf",
+            "marginal",
+            "impact_rate",
+            "l1_estimate",
+            "warning",
+            "termination",
+            "seconds",
+        ] {
+            assert!(object.contains_key(field), "{method} has no {field}: {answer}");
+        }
+        assert_eq!((&answer["method"], &answer["states"]), (&name.into(), &serde_json::json!(["x", "v"])));
+        assert_eq!(answer["moments"].as_object().unwrap().len(), 3);
+        known(&answer, tolerance);
+        let pdf = answer["pdf"].as_array().unwrap();
+        assert_eq!((pdf.len(), &pdf[1]["x"]), (2, &serde_json::json!([0.3, 0.4])));
+        assert!(pdf.iter().all(|p| p["value"].as_f64().unwrap() > 0.05 && p["error"].is_number()), "{answer}");
+        let marginal = answer["marginal"].as_array().unwrap();
+        assert_eq!((marginal.len(), &marginal[1]["state"], &marginal[1]["at"]), (2, &"x".into(), &1.0.into()));
+        assert!(marginal.iter().all(|p| p["value"].as_f64().unwrap() > 0.1 && p["error"].is_number()), "{answer}");
+        assert!(answer["seconds"].as_f64().unwrap() > 0.0 && answer["warning"].is_null());
+        assert_eq!(answer["order"].is_u64(), method == "closure");
+        assert_eq!(answer["l1_estimate"].is_number(), method != "simulation", "{answer}");
+        assert_eq!(answer["unknowns"].is_u64(), method != "simulation", "{answer}");
+        assert_eq!(answer["termination"].is_string(), method == "closure", "{answer}");
+    }
+    // The classical closure of this wall at order 6 has no root: the object says so, and has no values.
+    let classical = solve("duffing", &["--method", "classical", "--order", "6"]);
+    assert_eq!((&classical["termination"], &classical["impact_rate"]), (&"no root".into(), &Value::Null));
+    assert!(classical["moments"].as_object().unwrap().is_empty());
+    // Splitting knows densities and exceedances at levels, and no moments.
+    let options = ["--method", "splitting", "--marginal", "x=1.0", "--exceedance", "x=2.5"];
+    let tails = solve("duffing", &options);
+    let exceedance = &tails["exceedance"][0];
+    assert!(exceedance["value"].as_f64().unwrap() < 1e-2 && exceedance["error"].as_f64().unwrap() > 0.0, "{tails}");
+    assert!(tails["moments"].as_object().unwrap().is_empty() && tails["marginal"][0]["value"].is_number(), "{tails}");
+}
+
+/// Several orders are an array, one object for each; as text a table with a column for each.
+#[test]
+fn several_orders_of_a_file_are_an_array_or_a_table() {
+    let answers = solve("filtered", &["--orders", "2,4", "--moments", "x^2,z^2"]);
+    let answers = answers.as_array().unwrap();
+    assert_eq!(answers.iter().map(|a| a["order"].as_u64().unwrap()).collect::<Vec<_>>(), [2, 4]);
+    assert!(answers[0]["unknowns"].as_u64().unwrap() < answers[1]["unknowns"].as_u64().unwrap());
+    for answer in answers {
+        // The filter's own variance is a D.
+        assert!((answer["moments"]["z^2"]["value"].as_f64().unwrap() / 0.8 - 1.0).abs() < 0.02, "{answer}");
+        assert!(answer["impact_rate"].is_null() && answer["states"].as_array().unwrap().len() == 3);
+    }
+    let output = run("solve", &[&system("duffing"), "--orders", "2,4", "--moments", "x^2"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.starts_with("0 = - d/dx[(v) p]"), "{text}");
+    for word in ["order", "E x^2", "impacts per unit time", "estimated L1 error", "seconds"] {
+        assert!(text.lines().any(|line| line.starts_with(word)), "{word}: {text}");
+    }
+}
+
+#[test]
+fn wrong_files_and_questions_name_the_value() {
+    let folder = scratch("systems");
+    std::fs::create_dir_all(&folder).unwrap();
+    let text = std::fs::read_to_string(system("duffing")).unwrap();
+    let written = |name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.into_os_string().into_string().unwrap()
+    };
+    let misspelt = written("misspelt.toml", &text.replace("- k*x", "- q*x"));
+    let nowhere = folder.join("none.toml").into_os_string().into_string().unwrap();
+    let duffing = system("duffing");
+    for (arguments, expected) in [
+        (&[&nowhere[..]][..], &["cannot read", "none.toml"][..]),
+        (&[&misspelt], &["misspelt.toml", "line 13", "\"q\" is neither a state nor a parameter"]),
+        (&[&duffing, "--moments", "y^2"], &["--moments", "\"y\""]),
+        (&[&duffing, "--moments", "x^a"], &["\"a\" is no whole power"]),
+        (&[&duffing, "--at", "0.1"], &["--at", "1 numbers for 2 states"]),
+        (&[&duffing, "--at", "0.1,inf"], &["\"inf\" is no finite number"]),
+        (&[&duffing, "--marginal", "0.5"], &["write STATE=VALUE"]),
+        (&[&duffing, "--order", "0"], &["order of the closure = 0"]),
+        (&[&duffing, "--orders", "4,99"], &["order of the closure = 99"]),
+        (&[&duffing, "--method", "oracle"], &["oracle"]),
+        (&[&system("filtered"), "--method", "grid"], &["the grid does not serve"]),
+    ] {
+        let output = run("solve", &[arguments, &["--json"]].concat());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && output.stdout.is_empty(), "{arguments:?}");
+        assert!(message.starts_with("error: ") && !message.contains("panicked"), "{arguments:?}: {message}");
+        assert!(expected.iter().all(|word| message.contains(word)), "{arguments:?}: {message}");
+    }
 }

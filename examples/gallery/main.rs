@@ -4,7 +4,7 @@
 //! density, or the grid and a simulation. Answer: `out/gallery/index.html`, one page with a figure and a table for each model,
 //! how the error falls with the order, and how a density splits; every figure's numbers are beside it. `--quick` is coarser.
 
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, reason = "an example speaks")]
 
 mod chain;
 mod page;
@@ -12,8 +12,6 @@ mod plan;
 mod plots;
 mod section;
 mod studies;
-#[path = "../support/mod.rs"]
-mod support;
 
 use clap::Parser;
 use plan::Plan;

@@ -3,10 +3,11 @@
 use crate::page::{Section, Table};
 use crate::plan::Plan;
 use crate::plots::{Drawn, VISIBLE, above, views};
-use crate::support::figure::{View, between, svg, write_figure};
-use crate::support::models::{About, Model};
 use expoly::statistics::{Cumulants, Marginal};
 use expoly::{Closure, ClosureDensity, Density, Estimate, Simulation, compare};
+use support::figure::{View, between, svg, values, write_figure};
+use support::models::{About, Model};
+use support::shown;
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -22,12 +23,8 @@ pub(crate) fn number(value: f64) -> String {
 
 /// Closes, solves or simulates what is needed, and draws.
 pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<String>)> {
-    let (system, order) = (&model.system, plan.order(model.order));
-    let closure = Closure::new(order).seed(plan.seed);
-    let closed = match model.barrier {
-        None => closure.solve(system)?,
-        Some(barrier) => closure.solve_with_wall(system, barrier)?,
-    };
+    let (problem, order) = (&model.problem, plan.order(model.order));
+    let closed = Closure::new(order).seed(plan.seed).solve(problem)?;
     if let Some(exact) = &model.exact {
         let drawn = Drawn {
             closure: &closed,
@@ -39,31 +36,24 @@ pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<Stri
         };
         return described(plan, model.about, &drawn, String::from("Markers: the exact density."));
     }
-    let grid = match model.barrier {
-        None => plan.grid().solve(system)?,
-        Some(barrier) => plan.grid().solve_with_wall(system, barrier)?,
-    };
+    let grid = plan.grid().solve(problem)?;
     let range = above(&grid, 0, VISIBLE)?;
     let levels = between(range, 13);
-    let simulation = Simulation::new(system).samples(plan.samples).seed(plan.seed).levels(levels.iter().copied());
-    let simulated = match model.barrier {
-        None => simulation.run()?,
-        Some(barrier) => simulation.barrier(barrier).run()?,
-    };
+    let simulation = Simulation::new().samples(plan.samples).seed(plan.seed).levels(levels.iter().copied());
+    let simulated = simulation.run(problem)?;
     let histogram = simulated.histogram(0)?;
-    let sampled = between(range, 30).into_iter().map(|x| (x, histogram.density_at([x]))).collect();
+    let sampled = values(&between(range, 30), |x| histogram.density_at(&[x]))?;
     // At a wall nothing is crossed.
-    let counted = levels.iter().skip(1).map(|&level| Ok((level, simulated.upcrossing_rate(level)?)));
-    let counted = counted.collect::<expoly::Result<Vec<_>>>()?;
+    let counted = values(&levels[1..], |level| simulated.upcrossing_rate(level))?;
     let known = format!(
         "Markers: the grid, estimated L¹ error {}. Simulation: {} samples, seed {}.",
-        number(grid.provenance().l1_error),
-        simulated.provenance().samples,
+        number(grid.l1_estimate()),
+        shown(simulated.provenance().samples),
         plan.seed
     );
     let simulated = [sampled, counted];
     // Below its own error a grid shows that error alone.
-    let depth = (0.1 * grid.provenance().l1_error).clamp(DEPTH, VISIBLE);
+    let depth = (0.1 * grid.l1_estimate()).clamp(DEPTH, VISIBLE);
     let drawn = Drawn { closure: &closed, truth: &grid, known: "grid", simulated, depth, points: plan.points };
     described(plan, model.about, &drawn, known)
 }
@@ -75,17 +65,17 @@ fn described(
     drawn: &Drawn<'_>,
     known: String,
 ) -> Outcome<(Section, Vec<String>)> {
-    let closure: &ClosureDensity<2> = drawn.closure;
+    let closure: &ClosureDensity = drawn.closure;
     let provenance = closure.provenance();
-    let distance = compare::l1(closure, drawn.truth);
+    let distance = compare::l1(closure, drawn.truth)?;
     let mut table = Table::new(["", "closure", drawn.known]);
-    let mut row = |name: &str, of: &dyn Fn(&dyn Density<2>) -> expoly::Result<Estimate>| -> Outcome<()> {
+    let mut row = |name: &str, of: &dyn Fn(&dyn Density) -> expoly::Result<Estimate>| -> Outcome<()> {
         let text = |density| of(density).map(|estimate| format!("{:.6} ± {}", estimate.value, number(estimate.error)));
         table.add([name.to_owned(), text(closure)?, text(drawn.truth)?].map(|cell| cell.replace("-", "−")));
         Ok(())
     };
-    row("E x²", &|density| Ok(density.moment([2, 0])))?;
-    row("E x′²", &|density| Ok(density.moment([0, 2])))?;
+    row("E x²", &|density| density.moment(&[2, 0]))?;
+    row("E x′²", &|density| density.moment(&[0, 2]))?;
     row("kurtosis of x", &|density| Ok(Cumulants::new(density, 0)?.kurtosis()))?;
     row(&format!("x exceeded with probability {RARE}"), &|density| Marginal::new(density, 0)?.upper_quantile(RARE))?;
     row("ν⁺(1)", &|density| density.upcrossing_rate(1.0))?;
@@ -93,17 +83,17 @@ fn described(
     let caption = format!(
         "{parameters}; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Closure of order {}, {} coefficients, pilot of seed {}: estimated joint L¹ \
          error {}, indicator {}.{warning} {known} Iso-lines in units of the peak.",
-        provenance.order,
-        provenance.unknowns,
-        provenance.seed,
+        shown(provenance.order),
+        shown(provenance.unknowns),
+        shown(provenance.seed),
         number(closure.l1_estimate()),
         number(closure.indicator()),
     );
     let summary = vec![
         title.to_owned(),
         String::from("2"),
-        provenance.order.to_string(),
-        provenance.unknowns.to_string(),
+        shown(provenance.order),
+        shown(provenance.unknowns),
         number(closure.l1_estimate()),
         format!("{} ± {}", number(distance.value), number(distance.error)),
         drawn.known.to_owned(),

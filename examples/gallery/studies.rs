@@ -3,34 +3,34 @@
 use crate::page::{Section, Table};
 use crate::plan::Plan;
 use crate::section::{Outcome, illustrated, number};
-use crate::support::figure::{Panel, Scale, Style, View, band, between, curve, orders::views};
-use crate::support::written::Written;
 use expoly::models::{CubicDamping, DuffingVanDerPol};
 use expoly::statistics::Marginal;
-use expoly::study::{Case, OrderStudy, Truth};
-use expoly::{Closure, Density};
+use expoly::study::{Case, OrderStudy};
+use expoly::{Closure, Density, Problem};
+use support::figure::{Panel, Scale, Style, View, band, between, curve, orders::views};
+use support::shown;
 
 /// The L¹ error of both closures, and what the robust one says of itself, over the order.
 pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
     const NAMES: [&str; 2] = ["closure", "classical closure"];
-    let system = Written::of(&CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?);
-    let case = Case::new("CubicDamping", system, |system| Ok(Truth::grid(plan.grid().solve(system)?)))
-        .method(NAMES[0], |system, order| Ok(Closure::new(order).seed(plan.seed).solve(system)?.into()))
-        .method(NAMES[1], |system, order| Ok(Closure::classical(order).solve(system)?.into()));
+    let problem = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
+    let case = Case::new("CubicDamping", problem, |problem| plan.grid().solve(problem))
+        .method(NAMES[0], |problem, order| Closure::new(order).seed(plan.seed).solve(problem))
+        .method(NAMES[1], |problem, order| Closure::classical(order).solve(problem));
     let orders: Vec<u32> = (2..=plan.highest).step_by(2).collect();
     let study = OrderStudy::new(&orders).case(case).run()?;
     let mut table =
         Table::new(["order n", "unknowns", "L¹ error", "its estimate", "indicator η", "classical closure: L¹"]);
     let (robust, classical) = study.rows().split_at(orders.len());
     for (robust, classical) in robust.iter().zip(classical) {
-        let shown = |value: Option<f64>| value.map_or_else(String::new, number);
+        let numbered = |value: Option<f64>| value.map_or_else(String::new, number);
         table.add([
             robust.order.to_string(),
-            robust.facts.unknowns.map_or_else(String::new, |unknowns| unknowns.to_string()),
-            shown(robust.l1),
-            shown(robust.facts.l1_estimate),
-            shown(robust.facts.indicator),
-            classical.l1.map_or_else(|| classical.facts.termination.clone(), number),
+            shown(robust.unknowns),
+            numbered(robust.l1),
+            numbered(robust.l1_estimate),
+            numbered(robust.indicator),
+            classical.l1.map_or_else(|| shown(classical.termination.as_ref()), number),
         ]);
     }
     let truth = study.rows().first().map_or("", |row| &row.truth);
@@ -49,14 +49,14 @@ pub(crate) fn sweep(plan: &Plan) -> Outcome<Section> {
     let mut table = Table::new(["α", "E x²", "modes of p(x)", "estimated L¹ error"]);
     let (mut squares, mut grids, mut modes) = (Vec::new(), Vec::new(), Vec::new());
     for (k, alpha) in between([-1.0, 1.0], plan.values).into_iter().enumerate() {
-        let system = Written::of(&DuffingVanDerPol::new([alpha, 1.0], 1.0, 0.0, 0.2)?);
-        let density = Closure::new(plan.order(8)).seed(plan.seed).solve(&system)?;
-        let square = density.moment([2, 0]);
+        let problem = Problem::of(DuffingVanDerPol::new([alpha, 1.0], 1.0, 0.0, 0.2)?)?;
+        let density = Closure::new(plan.order(8)).seed(plan.seed).solve(&problem)?;
+        let square = density.moment(&[2, 0])?;
         squares.push([alpha, square.value, square.error]);
         let at = Marginal::new(&density, 0)?.modes();
         modes.extend(at.iter().map(|(x, _)| [alpha, *x]));
         if k % 4 == 0 {
-            grids.push([alpha, plan.grid().solve(&system)?.moment([2, 0]).value]);
+            grids.push([alpha, plan.grid().solve(&problem)?.moment(&[2, 0])?.value]);
         }
         let places: Vec<String> = at.iter().map(|(x, _)| format!("{x:.3}").replace('-', "−")).collect();
         let alpha = format!("{alpha:.2}").replace('-', "−");

@@ -1,11 +1,13 @@
 //! Figures: p_Y and p_Y′ on two scales, and the phase plane of each method.
 
 use crate::study::Study;
-use crate::support::figure::{
-    Band, ContourPanel, Panel, Scale, Style, View, between, clear, curve, values, write_figure,
-};
-use expoly::{ClosedDensity, Density, Result};
+use expoly::{Density, Result};
 use std::path::Path;
+use std::sync::Arc;
+use support::figure::{
+    Band, ContourPanel, Curve, Panel, Scale, Style, View, between, clear, curve, values, write_figure,
+};
+use support::shown;
 
 /// Points of a curve.
 const POINTS: usize = 240;
@@ -23,7 +25,7 @@ struct Drawn {
     /// Whether it is no density, but an exp(Q) that was cut off.
     cut_off: bool,
     colour: usize,
-    density: ClosedDensity<2>,
+    density: Arc<dyn Density>,
 }
 
 /// Writes the figure of one case, and its numbers beside it.
@@ -32,7 +34,7 @@ pub(crate) fn draw(study: &Study, path: &Path) -> std::result::Result<(), Box<dy
     let drawn = study.closures.iter().enumerate().filter_map(|(k, judged)| {
         let (density, cut_off) = judged.drawn(simulated)?;
         let name = judged.name();
-        let label = match judged.answer.facts.l1_estimate {
+        let label = match judged.answer.provenance.l1_estimate {
             Some(l1) => format!("{name} (L¹ ≈ {l1:.0e})"),
             None if cut_off => format!("{name}, no density"),
             None => name.clone(),
@@ -51,7 +53,7 @@ pub(crate) fn draw(study: &Study, path: &Path) -> std::result::Result<(), Box<dy
         if drawn[..k].iter().all(|before| before.method != one.method) {
             let axes = [0, 1].map(|state| between(range(study, &drawn, state), POINTS / 3));
             let labels = [LABELS[0][0], LABELS[1][0]];
-            let panel = ContourPanel::of_density("p(y, y′)", labels, axes, |x| Ok(one.density.pdf(&x)))?;
+            let panel = ContourPanel::of_density("p(y, y′)", labels, axes, |x| one.density.pdf(&x))?;
             let title = format!("{}, {}{}", panel.title, one.name, if one.cut_off { ", no density" } else { "" });
             views.push(View::Contour(ContourPanel { title, ..panel }));
         }
@@ -71,17 +73,17 @@ fn marginals(study: &Study, drawn: &[Drawn], state: usize, scale: Scale) -> Resu
         curves.push(curve("grid", Style::Dashed, 5, &values(&x, |x| grid.marginal(state, x))?));
     }
     let highest = |curves: &[_]| {
-        let points = curves.iter().flat_map(|curve: &crate::support::figure::Curve| &curve.points);
+        let points = curves.iter().flat_map(|curve: &Curve| &curve.points);
         points.map(|point| point[1]).fold(0.0, f64::max)
     };
     let mut floor = DEPTH * highest(&curves);
     if let Some((simulated, _)) = &study.simulated {
         let histogram = simulated.histogram(state)?;
-        let around = values(&x, |x| Ok(histogram.density_at([x])))?;
+        let around = values(&x, |x| histogram.density_at(&[x]))?;
         let points = around.iter().map(|[x, p, error]| [*x, p - 2.0 * error, p + 2.0 * error]).collect();
         bands.push(Band { label: String::new(), colour: 0, points });
         // Every fourth value as a marker; those that are mostly noise are left out.
-        let points = clear(histogram, &between(range(study, drawn, state), POINTS / 4));
+        let points = clear(histogram, &between(range(study, drawn, state), POINTS / 4))?;
         floor = points.iter().map(|point| point[1]).fold(f64::MAX, f64::min) / 3.0;
         curves.push(curve("simulation", Style::Points, 0, &points));
     }
@@ -93,15 +95,16 @@ fn marginals(study: &Study, drawn: &[Drawn], state: usize, scale: Scale) -> Resu
 /// What is drawn of a state: where the simulation has been, or the grid's domain, or six standard deviations to both sides.
 fn range(study: &Study, drawn: &[Drawn], state: usize) -> [f64; 2] {
     if let Some(histogram) = study.simulated.as_ref().and_then(|(density, _)| density.histogram(state).ok()) {
-        let hit: Vec<f64> = histogram.edges().filter(|x| histogram.density_at([*x]).value > 0.0).collect();
+        let seen = |x: &f64| histogram.density_at(&[*x]).is_ok_and(|p| p.value > 0.0);
+        let hit: Vec<f64> = histogram.edges().filter(seen).collect();
         return [hit.first().copied().unwrap_or(-1.0), hit.last().copied().unwrap_or(1.0)];
     }
     if let Some((grid, _)) = &study.gridded {
-        return grid.provenance().domain[state];
+        return grid.bounds()[state];
     }
     let powers = [[1, 0], [0, 1]][state];
     let around = drawn.iter().map(|one| {
-        let mean = one.density.moment(powers).value;
+        let mean = one.density.moment(&powers).map_or(0.0, |mean| mean.value);
         let deviation = one.density.variance(state).map_or(1.0, |variance| variance.value.sqrt());
         [mean - 6.0 * deviation, mean + 6.0 * deviation]
     });
@@ -115,21 +118,27 @@ fn caption(study: &Study, drawn: &[Drawn]) -> String {
         let provenance = density.provenance();
         caption += &format!(
             "\nSimulation: {} samples, {} trajectories, time step {}, seed {}; band: ± 2 standard errors.",
-            provenance.samples, provenance.trajectories, provenance.time_step, provenance.seed
+            shown(provenance.samples),
+            shown(provenance.trajectories),
+            shown(provenance.time_step),
+            shown(provenance.seed)
         );
     }
     if let Some((density, _)) = &study.gridded {
-        let provenance = density.provenance();
+        let (cells, degree) = (density.provenance().cells.unwrap_or_default(), density.provenance().degree);
         caption += &format!(
             "\nGrid: {} × {} cells of degree {}, estimated joint L¹ error {:.0e}.",
-            provenance.cells[0], provenance.cells[1], provenance.degree, provenance.l1_error
+            cells[0],
+            cells[1],
+            shown(degree),
+            density.l1_estimate()
         );
     }
     for judged in &study.closures {
-        let facts = &judged.answer.facts;
-        let (Some(l1), Some(indicator)) = (facts.l1_estimate, facts.indicator) else { continue };
-        let (origin, end) = (facts.origin.as_deref().unwrap_or_default(), &facts.termination);
-        let warning = facts.warning.as_ref().map_or_else(String::new, |warning| format!("; {warning}"));
+        let made = &judged.answer.provenance;
+        let (Some(l1), Some(indicator)) = (made.l1_estimate, made.indicator) else { continue };
+        let (origin, end) = (shown(made.origin.as_ref()), shown(made.termination.as_ref()));
+        let warning = made.warning.as_ref().map_or_else(String::new, |warning| format!("; {warning}"));
         let name = judged.name();
         caption +=
             &format!("\n{name}: estimated L¹ error {l1:.1e}, indicator {indicator:.1e}; {end}, by {origin}{warning}.");

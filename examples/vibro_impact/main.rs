@@ -5,18 +5,16 @@
 //! Judges are a simulation with exact impacts and a high-order solution of the Fokker-Planck equation on a grid.
 //! A table goes to the terminal, figures and the numbers behind them to `out/vibro_impact/`. `--help` lists the options.
 
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, reason = "an example speaks")]
 
 mod figures;
 mod options;
 mod report;
 mod study;
-#[path = "../support/mod.rs"]
-mod support;
 mod table;
 
 use clap::Parser;
-use expoly::FokkerPlanck;
+use expoly::Zhuravlev;
 use options::Options;
 use std::process::ExitCode;
 use study::Study;
@@ -37,8 +35,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
             return Ok(());
         }
         let model = parameters.model()?;
-        let operator = FokkerPlanck::new(model.oscillator())?;
-        println!("{}", model.transformation().text(&operator));
+        println!("{}", Zhuravlev::new(model.wall()).text(&model.problem()?)?);
         let study = Study::run(parameters, options)?;
         print!("{}", table::table(&study));
         if !options.at.is_empty() {

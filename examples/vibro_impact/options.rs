@@ -1,10 +1,10 @@
 //! The command line.
 
-use crate::support::orders::weight;
 use clap::{Parser, ValueEnum};
 use expoly::models::{Duffing, VibroImpactDuffing};
-use expoly::{Barrier, Basis, Weight};
+use expoly::{Basis, Weight};
 use std::path::PathBuf;
+use support::orders::weight;
 
 /// Stationary density of the Duffing oscillator above a one-sided wall, y″ + c y′ + k y + μ y³ = ξ for y > b and
 /// y′₊ = −r y′₋ at y = b, by the exponential-polynomial closure, by simulation and on a grid.
@@ -114,7 +114,7 @@ pub(crate) struct Parameters {
 impl Parameters {
     pub(crate) fn model(&self) -> expoly::Result<VibroImpactDuffing> {
         let oscillator = Duffing::new(self.damping, self.stiffness, self.cubic, self.intensity)?;
-        Ok(VibroImpactDuffing::new(oscillator, Barrier::new(self.offset, self.restitution)?))
+        VibroImpactDuffing::new(oscillator, self.offset, self.restitution)
     }
 
     /// The parameters in one line, for captions and tables.

@@ -1,10 +1,10 @@
 //! The JSON object.
 
 use crate::study::{Judged, Statistics, Study};
-use crate::support::json::{Number, Sampled};
 use expoly::{Density, Estimate};
 use serde::Serialize;
 use serde_json::{Map, Value, to_value};
+use support::json::{Number, Sampled};
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 type Object = Map<String, Value>;
@@ -74,10 +74,33 @@ fn sampled(name: &'static str, estimate: Estimate) -> serde_json::Result<Value> 
 
 /// Without a density the statistics are `null` and `refusal` says why; with one, `refusal` is `null`.
 fn closure(judged: &Judged, at: &[f64]) -> Outcome<Object> {
-    let mut object: Object = serde_json::from_value(to_value(&judged.answer.facts)?)?;
+    let made = &judged.answer.provenance;
+    let mut object = Object::new();
     object.insert("method".into(), judged.method.into());
     object.insert("order".into(), judged.order.into());
-    object.insert("seconds".into(), to_value(Number::new("seconds", judged.seconds))?);
+    let texts = [
+        ("basis", &made.basis),
+        ("termination", &made.termination),
+        ("origin", &made.origin),
+        ("refusal", &made.refusal),
+        ("warning", &made.warning),
+    ];
+    object.extend(texts.map(|(name, text)| (name.into(), text.clone().into())));
+    let numbers = [
+        ("l1_estimate", made.l1_estimate),
+        ("indicator", made.indicator),
+        ("residual", made.residual),
+        ("condition", made.condition),
+        ("seconds", Some(judged.seconds)),
+    ];
+    for (name, number) in numbers {
+        object.insert(name.into(), to_value(number.map(|number| Number::new(name, number)))?);
+    }
+    object.insert("unknowns".into(), made.unknowns.into());
+    object.insert("iterations".into(), made.iterations.into());
+    object.insert("seed".into(), made.seed.into());
+    // Only the robust closure may end with the best of its order that is no root.
+    object.insert("least_residual".into(), judged.least_residual().into());
     match (&judged.answer.density, &judged.statistics) {
         (Some(density), Some(of)) => {
             let pdf = at.iter().map(|y| density.marginal(0, *y)).collect::<expoly::Result<Vec<_>>>()?;
@@ -94,12 +117,12 @@ fn closure(judged: &Judged, at: &[f64]) -> Outcome<Object> {
 fn simulation(study: &Study, at: &[f64]) -> Outcome<Option<Object>> {
     let Some((density, of)) = &study.simulated else { return Ok(None) };
     let (provenance, histogram) = (density.provenance(), density.histogram(0)?);
-    let pdf: Vec<Estimate> = at.iter().map(|y| histogram.density_at([*y])).collect();
+    let pdf = at.iter().map(|y| histogram.density_at(&[*y])).collect::<expoly::Result<Vec<_>>>()?;
     let mut object = statistics(of, &pdf, sampled)?;
     object.insert("seed".into(), provenance.seed.into());
     object.insert("path_steps".into(), provenance.path_steps.into());
-    for (name, number) in [("time_step", provenance.time_step), ("seconds", provenance.seconds)] {
-        object.insert(name.into(), to_value(Number::new(name, number))?);
+    for (name, number) in [("time_step", provenance.time_step), ("seconds", Some(provenance.seconds))] {
+        object.insert(name.into(), to_value(number.map(|number| Number::new(name, number)))?);
     }
     Ok(Some(object))
 }
@@ -113,7 +136,7 @@ fn grid(study: &Study, at: &[f64]) -> Outcome<Option<Object>> {
     object.insert("degree".into(), provenance.degree.into());
     object.insert("cells".into(), to_value(provenance.cells)?);
     object.insert("unknowns".into(), provenance.unknowns.into());
-    for (name, number) in [("error_estimate", provenance.l1_error), ("seconds", provenance.seconds)] {
+    for (name, number) in [("error_estimate", density.l1_estimate()), ("seconds", provenance.seconds)] {
         object.insert(name.into(), to_value(Number::new(name, number))?);
     }
     Ok(Some(object))

@@ -1,26 +1,32 @@
 //! One case: the closures, the simulation and the grid, and their statistics.
 
 use crate::options::{Method, Options, Parameters, Task};
-use crate::support::progress::{simulation_bar, spinner};
+use expoly::statistics::energy_balance;
 use expoly::study::Answer;
 use expoly::{
-    Barrier, ClosedDensity, Closure, Crossing, Density, Estimate, FokkerPlanck, Grid, GridDensity, Histogram,
-    SimulatedDensity, Simulation, Termination, compare, energy_balance,
+    Closure, Crossing, Density, Estimate, ExpPolynomial, Grid, GridDensity, Problem, SimulatedDensity, Simulation,
+    Termination, Wall, compare,
 };
 use indicatif::ProgressBar;
+use std::sync::Arc;
 use std::time::Instant;
+use support::progress::{simulation_bar, spinner};
+
+/// What tables call the closure that gives a density at every order.
+const ROBUST: &str = "robust";
 
 /// What is compared between methods: E y, Var y, E y′², the impact rate, the power balance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Statistics([Estimate; 5]);
 
 impl Statistics {
-    fn of(density: &impl Density<2>, barrier: Barrier, balance: Estimate) -> expoly::Result<Self> {
+    fn of(density: &dyn Density, problem: &Problem, balance: Estimate) -> expoly::Result<Self> {
+        let offset = problem.walls().first().map_or(f64::NEG_INFINITY, Wall::offset);
         Ok(Statistics([
-            density.moment([1, 0]),
+            density.moment(&[1, 0])?,
             density.variance(0)?,
-            density.moment([0, 2]),
-            density.flux(Crossing::downward(barrier.offset()), 1)?,
+            density.moment(&[0, 2])?,
+            density.flux(Crossing::downward(offset), 1)?,
             balance,
         ]))
     }
@@ -39,7 +45,7 @@ impl Statistics {
 pub(crate) struct Judged {
     pub(crate) method: &'static str,
     pub(crate) order: u32,
-    pub(crate) answer: Answer<2>,
+    pub(crate) answer: Answer,
     pub(crate) statistics: Option<Statistics>,
     /// From the system to the normalised density.
     pub(crate) seconds: f64,
@@ -48,12 +54,18 @@ pub(crate) struct Judged {
 impl Judged {
     /// The closure's name in tables and figures.
     pub(crate) fn name(&self) -> String {
-        format!("{} n = {}", self.answer.facts.basis.as_deref().unwrap_or(self.method), self.order)
+        format!("{} n = {}", self.answer.provenance.basis.as_deref().unwrap_or(self.method), self.order)
+    }
+
+    /// Whether the robust closure's density is the best of its order and no root; the classical one has only roots.
+    pub(crate) fn least_residual(&self) -> Option<bool> {
+        let robust = self.method == ROBUST && self.answer.density.is_some();
+        robust.then(|| self.answer.provenance.termination.as_deref() == Some("least residual"))
     }
 
     /// The density to draw: the real one or, where the classical Q turns upwards, exp(Q) cut off at the range of the
     /// samples. The flag tells the two apart.
-    pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity<2>>) -> Option<(ClosedDensity<2>, bool)> {
+    pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity>) -> Option<(Arc<dyn Density>, bool)> {
         if let Some(density) = &self.answer.density {
             return Some((density.clone(), false));
         }
@@ -64,8 +76,8 @@ impl Judged {
         let solution = self.answer.solution.as_ref()?;
         let drawable = solution.termination() == Termination::NotNormalisable;
         let region = [range(0)?, range(1)?];
-        let density = drawable.then(|| solution.density_within(region).ok()).flatten()?;
-        Some((density.into(), true))
+        let density = drawable.then(|| ExpPolynomial::cut_off(&solution.log_polynomial(), &region).ok()).flatten()?;
+        Some((Arc::new(density), true))
     }
 }
 
@@ -74,36 +86,35 @@ impl Judged {
 pub(crate) struct Study {
     pub(crate) parameters: Parameters,
     pub(crate) closures: Vec<Judged>,
-    pub(crate) simulated: Option<(SimulatedDensity<2>, Statistics)>,
+    pub(crate) simulated: Option<(SimulatedDensity, Statistics)>,
     pub(crate) gridded: Option<(GridDensity, Statistics)>,
 }
 
 impl Study {
     pub(crate) fn run(parameters: Parameters, options: &Options) -> expoly::Result<Self> {
-        let model = parameters.model()?;
-        let operator = FokkerPlanck::new(model.oscillator())?;
+        let problem = parameters.model()?.problem()?;
         let close = |task: Task| -> expoly::Result<Judged> {
-            let (oscillator, barrier, begin) = (model.oscillator(), model.barrier(), Instant::now());
+            let begin = Instant::now();
             let (method, order, answer) = match task {
                 Task::Robust(order) => {
                     let closure = Closure::new(order).weight(options.weight).seed(options.seed);
-                    ("robust", order, Answer::of(closure.solve_with_wall(oscillator, barrier))?)
+                    (ROBUST, order, Answer::of(closure.solve(&problem))?)
                 }
                 Task::Classical(order, basis) => {
-                    let closure = Closure::classical(order).with_basis(basis);
-                    ("classical", order, Answer::of(closure.solve_with_wall(oscillator, barrier))?)
+                    let closure = Closure::classical(order).basis(basis);
+                    ("classical", order, Answer::of(closure.solve(&problem))?)
                 }
             };
             let seconds = begin.elapsed().as_secs_f64();
             let statistics = answer.density.as_ref().map(|density| {
-                let balance = energy_balance(&operator, density, Some(barrier))?;
-                Statistics::of(density, barrier, balance)
+                let balance = energy_balance(&problem, &**density)?;
+                Statistics::of(&**density, &problem, balance)
             });
             Ok(Judged { method, order, statistics: statistics.transpose()?, answer, seconds })
         };
         let closures = options.closures().into_iter().map(close).collect::<expoly::Result<Vec<_>>>()?;
         let (gridded, simulated) =
-            rayon::join(|| gridded(&parameters, options, &operator), || simulated(&parameters, options));
+            rayon::join(|| gridded(&parameters, options, &problem), || simulated(&parameters, options, &problem));
         Ok(Study { parameters, closures, simulated: simulated?, gridded: gridded? })
     }
 
@@ -111,27 +122,26 @@ impl Study {
     pub(crate) fn distance_to_grid(&self, judged: &Judged) -> Option<(f64, bool)> {
         let (grid, _) = self.gridded.as_ref()?;
         let (density, cut_off) = judged.drawn(self.simulated.as_ref().map(|(density, _)| density))?;
-        Some((grid.l1_distance(&density).value, cut_off))
+        Some((compare::l1(&*density, grid).ok()?.value, cut_off))
     }
 
     /// The distance of a closure's p_Y to the simulation's, with the flag of [`Judged::drawn`].
     pub(crate) fn distance(&self, judged: &Judged) -> Option<(compare::HistogramDistance, bool)> {
         let simulated = &self.simulated.as_ref()?.0;
         let (density, cut_off) = judged.drawn(Some(simulated))?;
-        let histogram: &Histogram<1> = simulated.histogram(0).ok()?;
-        compare::with_histogram(&density, 0, histogram).ok().map(|distance| (distance, cut_off))
+        let histogram = simulated.histogram(0).ok()?;
+        compare::with_histogram(&*density, 0, histogram).ok().map(|distance| (distance, cut_off))
     }
 }
 
 fn gridded(
     parameters: &Parameters,
     options: &Options,
-    operator: &FokkerPlanck<2>,
+    problem: &Problem,
 ) -> expoly::Result<Option<(GridDensity, Statistics)>> {
     if !options.method.includes(Method::Grid) {
         return Ok(None);
     }
-    let model = parameters.model()?;
     let mut grid = options.degree.map_or(Grid::new(), |degree| Grid::new().degree(degree));
     if let Some(&[along, across]) = options.cells.as_deref() {
         grid = grid.cells([along, across]);
@@ -142,27 +152,24 @@ fn gridded(
     // A simulation at the same time has a bar, and two signs would overwrite each other.
     let alone = !options.method.includes(Method::Simulation);
     let sign = alone.then(|| spinner(&format!("grid at {}", parameters.stem())));
-    let density = grid.solve_with_wall(model.oscillator(), model.barrier())?;
+    let density = grid.solve(problem)?;
     sign.inspect(ProgressBar::finish_and_clear);
-    let balance = energy_balance(operator, &density, Some(model.barrier()))?;
-    let statistics = Statistics::of(&density, model.barrier(), balance)?;
+    let statistics = Statistics::of(&density, problem, energy_balance(problem, &density)?)?;
     Ok(Some((density, statistics)))
 }
 
-fn simulated(parameters: &Parameters, options: &Options) -> expoly::Result<Option<(SimulatedDensity<2>, Statistics)>> {
+fn simulated(
+    parameters: &Parameters,
+    options: &Options,
+    problem: &Problem,
+) -> expoly::Result<Option<(SimulatedDensity, Statistics)>> {
     if !options.method.includes(Method::Simulation) {
         return Ok(None);
     }
-    let model = parameters.model()?;
     let (bar, callback) = simulation_bar(&format!("simulation at {}", parameters.stem()));
-    let result = Simulation::new(model.oscillator())
-        .barrier(model.barrier())
-        .samples(options.samples)
-        .seed(options.seed)
-        .progress(callback)
-        .run()?;
+    let result = Simulation::new().samples(options.samples).seed(options.seed).progress(callback).run(problem)?;
     bar.finish_and_clear();
     let balance = result.energy_balance().unwrap_or(Estimate::new(f64::NAN, f64::INFINITY));
-    let statistics = Statistics::of(&result, model.barrier(), balance)?;
+    let statistics = Statistics::of(&result, problem, balance)?;
     Ok(Some((result, statistics)))
 }

@@ -3,6 +3,7 @@
 use crate::study::{Statistics, Study};
 use expoly::{Density, compare};
 use std::fmt::Write;
+use support::shown;
 
 /// One case as text: a row for each method.
 pub(crate) fn table(study: &Study) -> String {
@@ -27,8 +28,8 @@ pub(crate) fn table(study: &Study) -> String {
     let mut noise = None;
     let mut remarks = String::new();
     for judged in &study.closures {
-        let facts = &judged.answer.facts;
-        let mut cells = vec![judged.name(), facts.termination.clone()];
+        let made = &judged.answer.provenance;
+        let mut cells = vec![judged.name(), shown(made.termination.as_ref())];
         cells.extend(values(judged.statistics.as_ref()));
         let (mut l1, mut tail) = (String::from("-"), String::from("-"));
         if let Some((distance, cut_off)) = study.distance(judged) {
@@ -43,18 +44,18 @@ pub(crate) fn table(study: &Study) -> String {
         );
         cells.extend([l1, tail, to_grid]);
         cells.extend(
-            [facts.l1_estimate, facts.indicator]
+            [made.l1_estimate, made.indicator]
                 .map(|number| number.map_or_else(|| String::from("-"), |number| format!("{number:.1e}"))),
         );
         cells.push(format!("{:.3}", judged.seconds));
         line(&mut text, &cells);
-        if let Some(reason) = facts.warning.as_ref().or(facts.refusal.as_ref()) {
+        if let Some(reason) = made.warning.as_ref().or(made.refusal.as_ref()) {
             remarks += &format!("  {}: {reason}\n", judged.name());
         }
     }
     if let Some((grid, statistics)) = &study.gridded {
         let provenance = grid.provenance();
-        let mut cells = vec![String::from("grid"), format!("{} unknowns", provenance.unknowns)];
+        let mut cells = vec![String::from("grid"), format!("{} unknowns", shown(provenance.unknowns))];
         cells.extend(values(Some(statistics)));
         let distance = study
             .simulated
@@ -64,14 +65,14 @@ pub(crate) fn table(study: &Study) -> String {
             || [String::from("-"), String::from("-")],
             |distance| [format!("{:.1e}", distance.l1), format!("{:.2}", distance.tail)],
         ));
-        cells.extend([String::new(), format!("{:.1e}", provenance.l1_error), String::new()]);
+        cells.extend([String::new(), format!("{:.1e}", grid.l1_estimate()), String::new()]);
         cells.push(format!("{:.1}", provenance.seconds));
         line(&mut text, &cells);
         noise = noise.or(distance);
     }
     if let Some((result, statistics)) = &study.simulated {
-        let mut cells =
-            vec![String::from("simulation"), format!("{:.1e} steps", result.provenance().path_steps as f64)];
+        let steps = result.provenance().path_steps.unwrap_or_default() as f64;
+        let mut cells = vec![String::from("simulation"), format!("{steps:.1e} steps")];
         cells.extend(values(Some(statistics)));
         let (l1, tail) = noise.map_or_else(
             || (String::from("-"), String::from("-")),
@@ -122,7 +123,7 @@ pub(crate) fn pdf_table(study: &Study, at: &[f64]) -> expoly::Result<String> {
             cells.push(format!("grid: {:.6}", density.marginal(0, *y)?.value));
         }
         if let Some((density, _)) = &study.simulated {
-            cells.push(format!("simulation: {:.6}", density.histogram(0)?.density_at([*y])));
+            cells.push(format!("simulation: {:.6}", density.histogram(0)?.density_at(&[*y])?));
         }
         text += &format!("  {}\n", cells.join("   "));
     }

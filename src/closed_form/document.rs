@@ -1,15 +1,15 @@
 //! The JSON document: what it is, who wrote it, the density, and a checksum.
 
 use super::{ClosedDensity, ClosedForm, names};
-use crate::closure::ClosureRecord;
-use crate::density::ExpRecord;
+use crate::density::Density;
+use crate::error::{Error, Result};
 use crate::record::{Read, checksum};
-use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 const FORMAT: &str = "expoly closed form";
 /// Raised whenever a document would be read otherwise than before.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -19,7 +19,7 @@ struct Document {
     /// The version of the library that wrote it.
     library: String,
     states: Vec<String>,
-    density: DensityRecord,
+    density: Value,
     /// Of the states and the density, in hexadecimal.
     checksum: String,
 }
@@ -29,42 +29,28 @@ struct Document {
 struct Heading {
     format: String,
     version: u32,
-    states: Vec<String>,
 }
 
-#[derive(Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-enum DensityRecord {
-    Closure(Box<ClosureRecord>),
-    ExpPolynomial(ExpRecord),
+pub(super) fn write(form: &ClosedForm) -> Result<String> {
+    written(form).map_err(|problem| Error::NotAClosedForm { problem })
 }
 
-impl<const N: usize> From<&ClosedDensity<N>> for DensityRecord {
-    fn from(density: &ClosedDensity<N>) -> Self {
-        match density {
-            ClosedDensity::Closure(density) => DensityRecord::Closure(Box::new((&**density).into())),
-            ClosedDensity::ExpPolynomial(density) => DensityRecord::ExpPolynomial((&**density).into()),
-        }
-    }
-}
-
-pub(super) fn write<const N: usize>(form: &ClosedForm<N>) -> Result<String> {
-    let refused = |problem| Error::NotAClosedForm { problem };
-    let (states, density) = (form.names.to_vec(), DensityRecord::from(&form.density));
-    let checksum = digest(&states, &density).map_err(refused)?;
+fn written(form: &ClosedForm) -> Read<String> {
+    let density = serde_json::to_value(&form.density).map_err(|error| error.to_string())?;
+    // A number that JSON has no sign for has become a gap, which no reader takes for a number.
+    ClosedDensity::deserialize(&density).map_err(|error| format!("a number is not finite: {error}"))?;
+    let states = form.names.clone();
+    let checksum = digest(&states, &density)?;
     let (format, library) = (FORMAT.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
     let document = Document { format, version: VERSION, library, states, density, checksum };
-    let text = serde_json::to_string(&document).map_err(|error| refused(error.to_string()))?;
-    // A number that JSON has no sign for has become a gap, which no reader takes for a number.
-    serde_json::from_str::<Document>(&text).map_err(|error| refused(format!("a number is not finite: {error}")))?;
-    Ok(text)
+    serde_json::to_string(&document).map_err(|error| error.to_string())
 }
 
-pub(super) fn read<const N: usize>(text: &str) -> Result<ClosedForm<N>> {
-    parse(text).map_err(|problem| Error::NotAClosedForm { problem })
+pub(super) fn read(text: &str) -> Result<ClosedForm> {
+    parsed(text).map_err(|problem| Error::NotAClosedForm { problem })
 }
 
-fn parse<const N: usize>(text: &str) -> Read<ClosedForm<N>> {
+fn parsed(text: &str) -> Read<ClosedForm> {
     let heading: Heading = serde_json::from_str(text).map_err(|error| error.to_string())?;
     if heading.format != FORMAT {
         return Err(format!("its format is {:?}, not {FORMAT:?}", heading.format));
@@ -72,24 +58,22 @@ fn parse<const N: usize>(text: &str) -> Read<ClosedForm<N>> {
     if heading.version != VERSION {
         return Err(format!("it is of version {}, and this library reads version {VERSION}", heading.version));
     }
-    let states: &[String; N] =
-        heading.states.as_slice().try_into().map_err(|_| {
-            format!("it has {} states, {:?}, and {N} were asked for", heading.states.len(), heading.states)
-        })?;
-    let Document { density, checksum, .. } = serde_json::from_str(text).map_err(|error| error.to_string())?;
-    let found = digest(&heading.states, &density)?;
+    let document: Document = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    let Document { states: names, density, checksum, .. } = document;
+    let found = digest(&names, &density)?;
     if found != checksum {
         return Err(format!("its content has the checksum {found}, not {checksum}: it was altered"));
     }
-    names::check(&states.each_ref().map(String::as_str)).map_err(|error| error.to_string())?;
-    let density = match &density {
-        DensityRecord::Closure(record) => record.density()?.into(),
-        DensityRecord::ExpPolynomial(record) => record.density()?.into(),
-    };
-    Ok(ClosedForm { names: states.clone(), density })
+    names::check(&names).map_err(|error| error.to_string())?;
+    let density = ClosedDensity::deserialize(density).map_err(|error| error.to_string())?;
+    let form = ClosedForm { names, density };
+    if form.names.len() != form.dimension() {
+        return Err(format!("it names {} states, {:?}, of {}", form.names.len(), form.names, form.dimension()));
+    }
+    Ok(form)
 }
 
-fn digest(states: &[String], density: &DensityRecord) -> Read<String> {
+fn digest(states: &[String], density: &Value) -> Read<String> {
     let bytes = serde_json::to_vec(&(states, density)).map_err(|error| error.to_string())?;
     Ok(format!("{:016x}", checksum(&bytes)))
 }

@@ -1,17 +1,18 @@
 use super::{ClosedDensity, ClosedForm};
-use crate::{Density, Error, Result, Support};
+use crate::density::{Density, Support};
+use crate::error::{Error, Result};
 
 /// The equation on one line, after a comment that says where it comes from.
-pub(super) fn text<const N: usize>(form: &ClosedForm<N>, symbols: [&str; N]) -> Result<String> {
+pub(super) fn text(form: &ClosedForm, symbols: &[&str]) -> Result<String> {
     let reason = "above a wall ln p has a singular part and kinks beside its polynomial; take Python, Rust or MATLAB, \
         which have them, or JSON";
     let polynomial = form.log_polynomial().ok_or(Error::NoText { language: "LaTeX", reason })?;
     let names = form.names();
-    let side = |i: usize, [low, high]: [f64; 2]| format!(r"{low:.6} \le {} \le {high:.6}", symbols[i]);
-    let sides = |bounds: &[[f64; 2]; N]| (0..N).map(|i| side(i, bounds[i])).collect::<Vec<_>>().join(r",\ ");
-    let (fact, domain) = match form.density() {
+    let side = |(symbol, [low, high]): (&&str, &[f64; 2])| format!(r"{low:.6} \le {symbol} \le {high:.6}");
+    let sides = |bounds: &[[f64; 2]]| symbols.iter().zip(bounds).map(side).collect::<Vec<_>>().join(r",\ ");
+    let (fact, domain) = match &form.density {
         ClosedDensity::Closure(density) => {
-            let (order, error) = (density.provenance().order, density.l1_estimate());
+            let (order, error) = (density.provenance().order.unwrap_or_default(), density.l1_estimate());
             let fact = format!("closure of order {order}, estimated L1 error {error:.1e}; p is taken for zero outside");
             (format!("{fact} its trust domain, which lies in the box given"), sides(&density.bounds()))
         }

@@ -1,111 +1,76 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula};
-use super::notation::{Notation, with_numbers};
+use super::formula::{CornerFormula, Formula};
+use super::language::Language;
 
-const NOTATION: Notation = Notation {
+/// MATLAB, arrays element by element.
+const MATLAB: Language = Language {
+    comment: "%",
     times: ".*",
     over: "/",
+    and: " & ",
+    end: "",
+    legendre: LEGENDRE,
+    score: SCORE,
+    walls: WALLS,
+    line: "    yes = yes & abs(z1) <= reshape(reach(1 + (z1 > 0)), size(z1));\n",
+    star: STAR,
+    rows: ["[", "; ", "]"],
     number: |value| if value.is_finite() { format!("{value:?}") } else { value.to_string().replace("inf", "Inf") },
     power: |z, n| format!("{z}.^{n}"),
     element: |p, n| format!("{p}{{{}}}", n + 1),
-    legendre: |t, degree| format!("legendre_values({t}, {degree})"),
+    polynomials: |t, degree| format!("legendre_values({t}, {degree})"),
     name: |name, value| format!("    {name} = {value};\n"),
     begin: |value, state| format!("    q = {value:?} + zeros(size({state}));\n"),
     add: |value| format!("    q = q + {value};\n"),
+    function: |name, names, holds, body| {
+        let value = if holds { "yes" } else { "q" };
+        format!("function {value} = {name}({})\n{body}end\n\n", names.join(", "))
+    },
+    within: |name, [low, high]| format!("{name} >= {low} & {name} <= {high}"),
+    holds: |condition| format!("    yes = {condition};\n"),
+    necessary: |condition| format!("    yes = {condition};\n"),
+    everywhere: |names| format!("    yes = true(size({}));\n", names[0]),
+    ellipsoid,
+    wall: |_, _| String::new(),
+    of_wall,
 };
 
-/// A matrix.
-fn rows<R: AsRef<[f64]>>(rows: &[R]) -> String {
-    format!("[{}]", NOTATION.lists(rows).replace("], [", "; ").trim_matches(['[', ']']))
-}
-
-/// A function file with `log_p` and its local functions, element by element.
-pub(super) fn text(formula: &Formula) -> String {
+/// A function file with `log_p`, which comes first, and its local functions.
+pub(super) fn text(formula: &Formula<'_>) -> String {
     let arguments = formula.names.join(", ");
-    let mut text = format!("function q = log_p({arguments})\n");
-    formula.facts.iter().for_each(|fact| text += &format!("% {fact}\n"));
-    text += &format!("    q = polynomial({arguments});\n    q(~inside({arguments})) = -Inf;\nend\n\n");
-    text += &format!("function q = polynomial({arguments})\n");
-    text += &NOTATION.polynomial(formula);
-    formula.corners.iter().for_each(|corner| text += &wall(corner, &arguments));
-    text += "end\n\n";
-    text += &inside(formula);
-    if matches!(formula.coordinates, Coordinates::Legendre { .. }) {
-        text += LEGENDRE;
-    }
-    if matches!(formula.domain, Domain::Copula(_)) {
-        text += SCORE;
-    }
-    if !formula.corners.is_empty() {
-        text += &with_numbers(WALLS);
-    }
-    text
+    let log_p = format!("    q = polynomial({arguments});\n    q(~inside({arguments})) = -Inf;\n");
+    let mut text = (MATLAB.function)("log_p", formula.names, false, &(MATLAB.facts(formula) + &log_p));
+    text += &MATLAB.polynomial(formula);
+    text += &MATLAB.inside(formula);
+    text + &MATLAB.helpers(formula)
 }
 
-fn wall(corner: &CornerFormula, arguments: &str) -> String {
-    let kinks: Vec<[f64; 4]> =
-        corner.kinks.iter().map(|([p, i, j], c)| [f64::from(*p), f64::from(*i), f64::from(*j), *c]).collect();
-    let mut text = (NOTATION.add)(&format!(
-        "kinks({:?}, {:?}, {}, {:?}, {}, {arguments})",
-        corner.offset,
-        corner.side,
-        NOTATION.list(&corner.reach),
-        corner.kappa,
-        rows(&kinks)
-    ));
-    if let Some(grazing) = &corner.grazing {
-        text += &(NOTATION.name)("table", &rows(&grazing.table));
-        text += &(NOTATION.name)("expansion", &NOTATION.list(&grazing.expansion));
-        text += &(NOTATION.add)(&format!(
-            "arrayfun(@(y, v) grazing({:?}*(y - {:?}), {:?}*v, {:?}, {:?}, {}, expansion, table), {arguments})",
-            corner.side,
-            corner.offset,
-            corner.side,
-            grazing.exponent,
-            grazing.scale,
-            NOTATION.list(&grazing.limits)
+fn ellipsoid(names: &[String], spacing: f64, farthest: f64) -> String {
+    let score = |(i, name): (usize, &String)| format!("    z{i} = score(knots({i}, :), {name}, {spacing:?});\n");
+    let scores: String = (1..).zip(names).map(score).collect();
+    let distance = |i: usize| {
+        let parts: Vec<String> = (1..=i).map(|j| format!("inverse({i}, {j})*z{j}")).collect();
+        format!("({}).^2", parts.join(" + "))
+    };
+    let distances: Vec<String> = (1..=names.len()).map(distance).collect();
+    format!("{scores}    yes = {} <= {farthest:?};\n", distances.join(" + "))
+}
+
+fn of_wall(_: usize, corner: &CornerFormula<'_>, arguments: &str) -> String {
+    let numbers = |([p, i, j], c): &([i32; 3], f64)| [f64::from(*p), f64::from(*i), f64::from(*j), *c];
+    let kinks = MATLAB.matrix(&corner.kinks.iter().map(numbers).collect::<Vec<_>>());
+    let &CornerFormula { offset, side, reach, kappa, .. } = corner;
+    let reach = MATLAB.list(&reach);
+    let mut text = (MATLAB.add)(&format!("kinks({offset:?}, {side:?}, {reach}, {kappa:?}, {kinks}, {arguments})"));
+    if let Some(grazing) = corner.grazing {
+        let (exponent, scale, limits) = (grazing.exponent, grazing.scale, MATLAB.list(&grazing.limits));
+        text += &(MATLAB.name)("table", &MATLAB.matrix(&grazing.table));
+        text += &(MATLAB.name)("expansion", &MATLAB.list(&grazing.expansion));
+        text += &(MATLAB.add)(&format!(
+            "arrayfun(@(y, v) grazing({side:?}*(y - {offset:?}), {side:?}*v, {exponent:?}, {scale:?}, {limits}, expansion, \
+             table), {arguments})"
         ));
     }
     text
-}
-
-fn inside(formula: &Formula) -> String {
-    let (names, count) = (&formula.names, formula.names.len());
-    let head = format!("function yes = inside({})\n", names.join(", "));
-    let within = |name: &str, limits: [f64; 2]| {
-        let [low, high] = limits.map(NOTATION.number);
-        format!("{name} >= {low} & {name} <= {high}")
-    };
-    let body = match &formula.domain {
-        Domain::Everywhere => format!("    yes = true(size({}));\n", names[0]),
-        Domain::Box(limits) => {
-            let sides: Vec<String> = names.iter().zip(limits).map(|(name, side)| within(name, *side)).collect();
-            format!("    yes = {};\n", sides.join(" & "))
-        }
-        Domain::Star { centre, scale, reach, walls } => {
-            // The states come first, so that they may have the names of what is found later.
-            let mut body = (NOTATION.name)("yes", &within(&names[0], *walls));
-            body += &NOTATION.scaled(names, centre, scale);
-            body += &(NOTATION.name)("reach", &NOTATION.list(reach));
-            body + if count == 1 {
-                "    yes = yes & abs(z1) <= reshape(reach(1 + (z1 > 0)), size(z1));\n"
-            } else {
-                STAR
-            }
-        }
-        Domain::Copula(copula) => {
-            let mut body = format!("    knots = {};\n    inverse = {};\n", rows(&copula.knots), rows(&copula.inverse));
-            for (i, name) in names.iter().enumerate() {
-                body += &format!("    z{0} = score(knots({0}, :), {name}, {1:?});\n", i + 1, copula.spacing);
-            }
-            let distance = |i: usize| {
-                let parts: Vec<String> = (0..=i).map(|j| format!("inverse({}, {})*z{}", i + 1, j + 1, j + 1)).collect();
-                format!("({}).^2", parts.join(" + "))
-            };
-            let distances: Vec<String> = (0..count).map(distance).collect();
-            body + &format!("    yes = {} <= {:?};\n", distances.join(" + "), copula.farthest)
-        }
-    };
-    format!("{head}{body}end\n\n")
 }
 
 const LEGENDRE: &str = r"function p = legendre_values(t, degree)

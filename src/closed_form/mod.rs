@@ -2,35 +2,41 @@
 
 mod document;
 mod formula;
+mod language;
 mod latex;
 mod matlab;
 mod names;
-mod notation;
 mod python;
 mod rust;
-mod similarity;
 
-use crate::{ClosureDensity, Crossing, Density, Error, Estimate, ExpPolynomial, Polynomial, Result, file};
+use crate::closure::ClosureDensity;
+use crate::density::{Crossing, Density, ExpPolynomial, Sampled};
+use crate::error::{Error, Result, dimension};
+use crate::estimate::Estimate;
+use crate::file;
+use crate::polynomial::Polynomial;
+use crate::states::States;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A density with a closed form.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub enum ClosedDensity<const N: usize> {
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClosedDensity {
     /// The closure's, on its trust domain.
-    Closure(Box<ClosureDensity<N>>),
+    Closure(Box<ClosureDensity>),
     /// An exponential polynomial: exact, or of the classical closure.
-    ExpPolynomial(Box<ExpPolynomial<N>>),
+    ExpPolynomial(Box<ExpPolynomial>),
 }
 
-impl<const N: usize> From<ClosureDensity<N>> for ClosedDensity<N> {
-    fn from(density: ClosureDensity<N>) -> Self {
+impl From<ClosureDensity> for ClosedDensity {
+    fn from(density: ClosureDensity) -> Self {
         ClosedDensity::Closure(Box::new(density))
     }
 }
 
-impl<const N: usize> From<ExpPolynomial<N>> for ClosedDensity<N> {
-    fn from(density: ExpPolynomial<N>) -> Self {
+impl From<ExpPolynomial> for ClosedDensity {
+    fn from(density: ExpPolynomial) -> Self {
         ClosedDensity::ExpPolynomial(Box::new(density))
     }
 }
@@ -41,43 +47,57 @@ impl<const N: usize> From<ExpPolynomial<N>> for ClosedDensity<N> {
 /// moments and provenance included, without being solved anew. It is a [`Density`] itself.
 ///
 /// ```
-/// use expoly::{ClosedForm, Closure, Density, models::Duffing};
-/// let density = Closure::classical(4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.density()?;
-/// let form = ClosedForm::new(density, ["x", "v"])?;
+/// use expoly::{ClosedForm, Closure, Density, models::{Duffing, Solved}};
+/// let density = Closure::classical(4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?.density()?;
+/// let form = ClosedForm::new(density, &["x", "v"])?;
 /// assert!(form.python()?.contains("def log_p(x, v):"));
-/// let again = ClosedForm::<2>::from_json(&form.to_json()?)?;
-/// assert_eq!(again.log_pdf(&[0.3, -0.4]), form.log_pdf(&[0.3, -0.4]));
+/// let again = ClosedForm::from_json(&form.to_json()?)?;
+/// assert_eq!(again.log_pdf(&[0.3, -0.4])?, form.log_pdf(&[0.3, -0.4])?);
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct ClosedForm<const N: usize> {
-    names: [String; N],
-    density: ClosedDensity<N>,
+pub struct ClosedForm {
+    names: Vec<String>,
+    density: ClosedDensity,
 }
 
-impl<const N: usize> ClosedForm<N> {
-    /// A density and the names of its states, which are arguments of functions in the languages: letters, digits and
-    /// underscores, a letter first.
+impl ClosedForm {
+    /// A [`ClosureDensity`] or an [`ExpPolynomial`], and the names of its states, which are arguments of functions in the
+    /// languages: letters, digits and underscores, a letter first.
     ///
     /// # Errors
-    /// [`Error::NotAName`] if a name cannot be an argument's.
-    pub fn new(density: impl Into<ClosedDensity<N>>, names: [&str; N]) -> Result<Self> {
-        names::check(&names)?;
-        Ok(ClosedForm { names: names.map(str::to_owned), density: density.into() })
+    /// [`Error::NotAName`] if a name cannot be an argument's; [`Error::Dimension`] if there is not one for each state.
+    pub fn new(density: impl Into<ClosedDensity>, names: &[impl AsRef<str>]) -> Result<Self> {
+        let names = names.iter().map(|name| name.as_ref().to_owned()).collect();
+        let form = ClosedForm { names, density: density.into() };
+        names::check(&form.names)?;
+        dimension("the names of the states", form.names.len(), form.dimension())?;
+        Ok(form)
     }
 
     /// The names of the states.
-    pub fn names(&self) -> &[String; N] {
+    pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The density.
-    pub fn density(&self) -> &ClosedDensity<N> {
-        &self.density
+    /// The closure's density, if it is one.
+    pub fn closure(&self) -> Option<&ClosureDensity> {
+        match &self.density {
+            ClosedDensity::Closure(density) => Some(density),
+            ClosedDensity::ExpPolynomial(_) => None,
+        }
+    }
+
+    /// The exponential polynomial, if it is one.
+    pub fn exp_polynomial(&self) -> Option<&ExpPolynomial> {
+        match &self.density {
+            ClosedDensity::Closure(_) => None,
+            ClosedDensity::ExpPolynomial(density) => Some(density),
+        }
     }
 
     /// ln p as a polynomial of the states, valid where the density lives; `None` where walls ask for more than polynomials.
-    pub fn log_polynomial(&self) -> Option<Polynomial<N>> {
+    pub fn log_polynomial(&self) -> Option<Polynomial> {
         match &self.density {
             ClosedDensity::Closure(density) => density.log_polynomial(),
             ClosedDensity::ExpPolynomial(density) => Some(density.log_polynomial()),
@@ -88,15 +108,17 @@ impl<const N: usize> ClosedForm<N> {
     /// for the states, such as `["x", r"\dot x"]`.
     ///
     /// # Errors
-    /// [`Error::NoText`] above a wall, where ln p is more than a polynomial.
+    /// [`Error::NoText`] above a wall, where ln p is more than a polynomial; [`Error::Dimension`] if there is not one
+    /// symbol for each state.
     ///
     /// ```
     /// use expoly::{ClosedForm, Closure, models::{Linear, Solved}};
-    /// let form = ClosedForm::new(Linear::new(0.5, 1.0, 0.5)?.exact()?, ["x", "v"])?;
-    /// assert!(form.latex(["x", r"\dot x"])?.contains(r"- 0.5\,{\dot x}^{2}"));
+    /// let form = ClosedForm::new(Linear::new(0.5, 1.0, 0.5)?.exact()?, &["x", "v"])?;
+    /// assert!(form.latex(&["x", r"\dot x"])?.contains(r"- 0.5\,{\dot x}^{2}"));
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn latex(&self, symbols: [&str; N]) -> Result<String> {
+    pub fn latex(&self, symbols: &[&str]) -> Result<String> {
+        dimension("the symbols of the states", symbols.len(), self.dimension())?;
         latex::text(self, symbols)
     }
 
@@ -137,8 +159,7 @@ impl<const N: usize> ClosedForm<N> {
     /// had.
     ///
     /// # Errors
-    /// [`Error::NotAClosedForm`] names what is wrong with a text that is cut off, altered, of another version, or of
-    /// another number of states.
+    /// [`Error::NotAClosedForm`] names what is wrong with a text that is cut off, altered, or of another version.
     pub fn from_json(text: &str) -> Result<Self> {
         document::read(text)
     }
@@ -162,23 +183,25 @@ impl<const N: usize> ClosedForm<N> {
         let problem = || Error::NotAClosedForm { problem: format!("{} is not UTF-8", path.display()) };
         Self::from_json(&String::from_utf8(content).map_err(|_| problem())?)
     }
-}
 
-impl<const N: usize> ClosedDensity<N> {
-    fn inner(&self) -> &dyn Density<N> {
-        match self {
+    fn inner(&self) -> &dyn Density {
+        match &self.density {
             ClosedDensity::Closure(density) => &**density,
             ClosedDensity::ExpPolynomial(density) => &**density,
         }
     }
 }
 
-impl<const N: usize> Density<N> for ClosedDensity<N> {
-    fn pdf(&self, x: &[f64; N]) -> Estimate {
+impl Density for ClosedForm {
+    fn dimension(&self) -> usize {
+        self.inner().dimension()
+    }
+
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         self.inner().pdf(x)
     }
 
-    fn log_pdf(&self, x: &[f64; N]) -> f64 {
+    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
         self.inner().log_pdf(x)
     }
 
@@ -186,11 +209,11 @@ impl<const N: usize> Density<N> for ClosedDensity<N> {
         self.inner().marginal(state, x)
     }
 
-    fn bounds(&self) -> [[f64; 2]; N] {
+    fn bounds(&self) -> Vec<[f64; 2]> {
         self.inner().bounds()
     }
 
-    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
         self.inner().expectation(g)
     }
 
@@ -198,11 +221,11 @@ impl<const N: usize> Density<N> for ClosedDensity<N> {
         self.inner().joint_marginal(states, x)
     }
 
-    fn weighted_states(&self) -> Option<Vec<([f64; N], f64)>> {
+    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
         self.inner().weighted_states()
     }
 
-    fn moment(&self, powers: [u32; N]) -> Estimate {
+    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         self.inner().moment(powers)
     }
 
@@ -213,46 +236,8 @@ impl<const N: usize> Density<N> for ClosedDensity<N> {
     fn variance(&self, state: usize) -> Result<Estimate> {
         self.inner().variance(state)
     }
-}
 
-impl<const N: usize> Density<N> for ClosedForm<N> {
-    fn pdf(&self, x: &[f64; N]) -> Estimate {
-        self.density.pdf(x)
-    }
-
-    fn log_pdf(&self, x: &[f64; N]) -> f64 {
-        self.density.log_pdf(x)
-    }
-
-    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        self.density.marginal(state, x)
-    }
-
-    fn bounds(&self) -> [[f64; 2]; N] {
-        self.density.bounds()
-    }
-
-    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
-        self.density.expectation(g)
-    }
-
-    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        self.density.joint_marginal(states, x)
-    }
-
-    fn weighted_states(&self) -> Option<Vec<([f64; N], f64)>> {
-        self.density.weighted_states()
-    }
-
-    fn moment(&self, powers: [u32; N]) -> Estimate {
-        self.density.moment(powers)
-    }
-
-    fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        self.density.flux(crossing, power)
-    }
-
-    fn variance(&self, state: usize) -> Result<Estimate> {
-        self.density.variance(state)
+    fn sampled(&self) -> Option<&dyn Sampled> {
+        self.inner().sampled()
     }
 }

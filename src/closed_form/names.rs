@@ -1,4 +1,4 @@
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Words that mean something else in one of the texts: the languages' own, and what the texts call by name where states
 /// are arguments.
@@ -16,21 +16,21 @@ const TAKEN: [&str; 4] = [
 ];
 
 /// Refuses names that cannot be arguments of a function in every language.
-pub(super) fn check(names: &[&str]) -> Result<()> {
+pub(super) fn check(names: &[String]) -> Result<()> {
     for (k, name) in names.iter().enumerate() {
         let mut letters = name.chars();
         let word = letters.next().is_some_and(|c| c.is_ascii_alphabetic())
             && letters.all(|c| c.is_ascii_alphanumeric() || c == '_');
         let problem = if !word {
             "it is no word of letters, digits and underscores that begins with a letter"
-        } else if TAKEN.iter().any(|words| words.split(' ').any(|taken| taken == *name)) || numbered(name) {
+        } else if TAKEN.iter().any(|words| words.split(' ').any(|taken| taken == name)) || numbered(name) {
             "it has another meaning in one of the texts"
         } else if names[..k].contains(name) {
             "it is the name of another state"
         } else {
             continue;
         };
-        return Err(Error::NotAName { name: (*name).to_owned(), problem });
+        return Err(Error::NotAName { name: name.clone(), problem });
     }
     Ok(())
 }

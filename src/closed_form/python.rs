@@ -1,107 +1,65 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula};
-use super::notation::{Notation, tuples, with_numbers};
+use super::formula::{CornerFormula, Domain, Formula};
+use super::language::{Language, tuples};
 
-const NOTATION: Notation = Notation {
+/// Python 3, a float at a time.
+const PYTHON: Language = Language {
+    comment: "#",
     times: "*",
     over: "/",
+    and: " and ",
+    end: "    return q\n",
+    legendre: LEGENDRE,
+    score: SCORE,
+    walls: WALLS,
+    line: "    return abs(z1) <= reach[z1 > 0]\n",
+    star: STAR,
+    rows: ["[[", "], [", "]]"],
     number: |value| if value.is_finite() { format!("{value:?}") } else { format!("float(\"{value}\")") },
     power: |z, n| format!("{z}**{n}"),
     element: |p, n| format!("{p}[{n}]"),
-    legendre: |t, degree| format!("legendre({t}, {degree})"),
+    polynomials: |t, degree| format!("legendre({t}, {degree})"),
     name: |name, value| format!("    {name} = {value}\n"),
     begin: |value, _| format!("    q = {value:?}\n"),
     add: |value| format!("    q += {value}\n"),
+    function: |name, names, _, body| format!("def {name}({}):\n{body}\n\n", names.join(", ")),
+    within: |name, [low, high]| format!("{low} <= {name} <= {high}"),
+    holds: |condition| format!("    return {condition}\n"),
+    necessary: |condition| format!("    if not {condition}:\n        return False\n"),
+    everywhere: |_| String::from("    return True\n"),
+    ellipsoid: |names, spacing, farthest| {
+        format!(
+            "    scores = [score(k, x, {spacing:?}) for k, x in zip(knots, [{}])]\n    distances = [sum(a*z for a, z in \
+             zip(row, scores)) for row in inverse]\n    return sum(d*d for d in distances) <= {farthest:?}\n",
+            names.join(", ")
+        )
+    },
+    wall,
+    of_wall: |k, _, arguments| format!("    q += wall(*WALL_{k}, {arguments})\n"),
 };
 
 /// A module with `log_p`, `polynomial` and `inside`.
-pub(super) fn text(formula: &Formula) -> String {
+pub(super) fn text(formula: &Formula<'_>) -> String {
     let arguments = formula.names.join(", ");
-    let mut text: String = formula.facts.iter().map(|fact| format!("# {fact}\n")).collect();
-    let legendre = matches!(formula.coordinates, Coordinates::Legendre { .. });
-    let walled = !formula.corners.is_empty();
-    let star = matches!(formula.domain, Domain::Star { .. });
-    if walled || (star && formula.names.len() == 2) {
-        text += "import math\n";
-    }
-    text += "\n\n";
-    if legendre {
-        text += LEGENDRE;
-    }
-    if walled {
-        text += &with_numbers(WALLS);
-        formula.corners.iter().enumerate().for_each(|(k, corner)| text += &wall(k, corner));
-    }
-    text += &format!("def polynomial({arguments}):\n");
-    text += &NOTATION.polynomial(formula);
-    for k in 0..formula.corners.len() {
-        text += &(NOTATION.add)(&format!("wall(*WALL_{k}, {arguments})"));
-    }
-    text += "    return q\n\n\n";
-    text += &inside(formula);
-    text += &format!(
-        "def log_p({arguments}):\n    if not inside({arguments}):\n        return float(\"-inf\")\n    return \
-         polynomial({arguments})\n"
+    let turned = matches!(formula.domain, Domain::Star(_)) && formula.names.len() == 2;
+    let import = if turned || !formula.corners.is_empty() { "import math\n" } else { "" };
+    let log_p = format!(
+        "    if not inside({arguments}):\n        return float(\"-inf\")\n    return polynomial({arguments})\n"
     );
-    text
+    PYTHON.facts(formula) + import + "\n\n" + &PYTHON.module(formula, &log_p)
 }
 
-fn wall(k: usize, corner: &CornerFormula) -> String {
-    let grazing = corner.grazing.as_ref().map_or_else(
+fn wall(k: usize, corner: &CornerFormula<'_>) -> String {
+    let grazing = corner.grazing.map_or_else(
         || String::from("None"),
         |grazing| {
-            format!(
-                "({:?}, {:?}, {}, {}, [{}])",
-                grazing.exponent,
-                grazing.scale,
-                NOTATION.list(&grazing.limits),
-                NOTATION.list(&grazing.expansion),
-                NOTATION.lists(&grazing.table)
-            )
+            let (exponent, scale) = (grazing.exponent, grazing.scale);
+            let [limits, expansion] = [&grazing.limits[..], &grazing.expansion[..]].map(|list| PYTHON.list(list));
+            format!("({exponent:?}, {scale:?}, {limits}, {expansion}, {})", PYTHON.matrix(&grazing.table))
         },
     );
-    format!(
-        "WALL_{k} = ({:?}, {:?}, {}, {:?}, [{}], {grazing})\n\n\n",
-        corner.offset,
-        corner.side,
-        NOTATION.list(&corner.reach),
-        corner.kappa,
-        tuples(corner)
-    )
-}
-
-fn inside(formula: &Formula) -> String {
-    let names = &formula.names;
-    let head = format!("def inside({}):\n", names.join(", "));
-    let within = |name: &str, limits: [f64; 2]| {
-        let [low, high] = limits.map(NOTATION.number);
-        format!("{low} <= {name} <= {high}")
-    };
-    let body = match &formula.domain {
-        Domain::Everywhere => String::from("    return True\n"),
-        Domain::Box(limits) => {
-            let sides: Vec<String> = names.iter().zip(limits).map(|(name, side)| within(name, *side)).collect();
-            format!("    return {}\n", sides.join(" and "))
-        }
-        Domain::Star { centre, scale, reach, walls } => {
-            // The states come first, so that they may have the names of what is found later.
-            let mut body = format!("    if not {}:\n        return False\n", within(&names[0], *walls));
-            body += &NOTATION.scaled(names, centre, scale);
-            body += &format!("    reach = {}\n", NOTATION.list(reach));
-            body + if names.len() == 1 { "    return abs(z1) <= reach[z1 > 0]\n" } else { STAR }
-        }
-        Domain::Copula(copula) => format!(
-            "    knots = [{}]\n    inverse = [{}]\n    scores = [score(k, x, {:?}) for k, x in zip(knots, [{}])]\n    \
-             distances = [sum(a*z for a, z in zip(row, scores)) for row in inverse]\n    return sum(d*d for d in \
-             distances) <= {:?}\n",
-            NOTATION.lists(&copula.knots),
-            NOTATION.lists(&copula.inverse),
-            copula.spacing,
-            names.join(", "),
-            copula.farthest
-        ),
-    };
-    let before = if matches!(formula.domain, Domain::Copula(_)) { SCORE } else { "" };
-    format!("{before}{head}{body}\n\n")
+    let &CornerFormula { offset, side, reach, kappa, .. } = corner;
+    let (reach, kinks) = (PYTHON.list(&reach), tuples(corner));
+    format!("WALL_{k} = ({offset:?}, {side:?}, {reach}, {kappa:?}, [{kinks}], {grazing})\n\n\n")
 }
 
 const LEGENDRE: &str = r"def legendre(t, degree):

@@ -1,9 +1,19 @@
-use super::formula::{Coordinates, CornerFormula, Domain, Formula};
-use super::notation::{Notation, tuples, with_numbers};
+use super::formula::{CornerFormula, Formula};
+use super::language::{Language, tuples};
 
-const NOTATION: Notation = Notation {
+/// Rust without dependencies, an f64 at a time.
+const RUST: Language = Language {
+    comment: "//",
     times: " * ",
     over: " / ",
+    and: " && ",
+    end: "    q\n",
+    legendre: LEGENDRE,
+    score: SCORE,
+    walls: WALLS,
+    line: "    z1.abs() <= reach[usize::from(z1 > 0.0)]\n",
+    star: STAR,
+    rows: ["[[", "], [", "]]"],
     number: |value| match value {
         f64::INFINITY => String::from("f64::INFINITY"),
         f64::NEG_INFINITY => String::from("f64::NEG_INFINITY"),
@@ -11,97 +21,58 @@ const NOTATION: Notation = Notation {
     },
     power: |z, n| format!("{z}.powi({n})"),
     element: |p, n| format!("{p}[{n}]"),
-    legendre: |t, degree| format!("legendre::<{}>({t})", degree + 1),
+    polynomials: |t, degree| format!("legendre::<{}>({t})", degree + 1),
     name: |name, value| format!("    let {name} = {value};\n"),
     begin: |value, _| format!("    let mut q = {value:?};\n"),
     add: |value| format!("    q += {value};\n"),
+    function: |name, names, holds, body| {
+        let parameters: Vec<String> = names.iter().map(|name| format!("{name}: f64")).collect();
+        let kind = if holds { "bool" } else { "f64" };
+        format!("pub fn {name}({}) -> {kind} {{\n{body}}}\n\n", parameters.join(", "))
+    },
+    within: |name, [low, high]| format!("({low}..={high}).contains(&{name})"),
+    holds: |condition| format!("    {condition}\n"),
+    necessary: |condition| format!("    if !{condition} {{\n        return false;\n    }}\n"),
+    everywhere: |names| format!("    let _ = ({},);\n    true\n", names.join(", ")),
+    ellipsoid: |names, spacing, farthest| {
+        format!(
+            "    let states = [{}];\n    let scores: Vec<f64> = knots.iter().zip(states).map(|(knots, x)| score(knots, x, \
+             {spacing:?})).collect();\n    let distance = |row: &[f64; {}]| row.iter().zip(&scores).map(|(a, z)| a * \
+             z).sum::<f64>().powi(2);\n    inverse.iter().map(distance).sum::<f64>() <= {farthest:?}\n",
+            names.join(", "),
+            names.len()
+        )
+    },
+    wall,
+    of_wall: |k, _, arguments| format!("    q += wall(&WALL_{k}, {arguments});\n"),
 };
 
 /// A module with `log_p`, `polynomial` and `inside`.
-pub(super) fn text(formula: &Formula) -> String {
-    let parameters: Vec<String> = formula.names.iter().map(|name| format!("{name}: f64")).collect();
-    let (arguments, parameters) = (formula.names.join(", "), parameters.join(", "));
-    let mut text: String = formula.facts.iter().map(|fact| format!("// {fact}\n")).collect();
-    text += "\n";
-    if matches!(formula.coordinates, Coordinates::Legendre { .. }) {
-        text += LEGENDRE;
-    }
-    if !formula.corners.is_empty() {
-        text += &with_numbers(WALLS);
-        formula.corners.iter().enumerate().for_each(|(k, corner)| text += &wall(k, corner));
-    }
-    text += &format!("pub fn polynomial({parameters}) -> f64 {{\n");
-    text += &NOTATION.polynomial(formula);
-    for k in 0..formula.corners.len() {
-        text += &(NOTATION.add)(&format!("wall(&WALL_{k}, {arguments})"));
-    }
-    text += "    q\n}\n\n";
-    text += &inside(formula, &parameters);
-    text += &format!(
-        "pub fn log_p({parameters}) -> f64 {{\n    if inside({arguments}) {{ polynomial({arguments}) }} else {{ \
-         f64::NEG_INFINITY }}\n}}\n"
-    );
-    text
+pub(super) fn text(formula: &Formula<'_>) -> String {
+    let arguments = formula.names.join(", ");
+    let log_p = format!("    if inside({arguments}) {{ polynomial({arguments}) }} else {{ f64::NEG_INFINITY }}\n");
+    RUST.facts(formula) + "\n" + &RUST.module(formula, &log_p)
 }
 
-fn wall(k: usize, corner: &CornerFormula) -> String {
-    let grazing = corner.grazing.as_ref().map_or_else(
+fn wall(k: usize, corner: &CornerFormula<'_>) -> String {
+    let grazing = corner.grazing.map_or_else(
         || String::from("None"),
         |grazing| {
+            let (exponent, scale) = (grazing.exponent, grazing.scale);
+            let [limits, expansion] = [&grazing.limits[..], &grazing.expansion[..]].map(|list| RUST.list(list));
+            let table = RUST.matrix(&grazing.table);
             format!(
-                "Some(Grazing {{ exponent: {:?}, scale: {:?}, limits: {}, expansion: &{}, table: &[{}] }})",
-                grazing.exponent,
-                grazing.scale,
-                NOTATION.list(&grazing.limits),
-                NOTATION.list(&grazing.expansion),
-                NOTATION.lists(&grazing.table)
+                "Some(Grazing {{ exponent: {exponent:?}, scale: {scale:?}, limits: {limits}, expansion: &{expansion}, \
+                 table: &{table} }})"
             )
         },
     );
+    let &CornerFormula { offset, side, reach, kappa, .. } = corner;
+    let (reach, kinks) = (RUST.list(&reach), tuples(corner));
     format!(
-        "static WALL_{k}: Wall = Wall {{ offset: {:?}, side: {:?}, reach: {}, kappa: {:?}, kinks: &[{}], grazing: \
-         {grazing} }};\n\n",
-        corner.offset,
-        corner.side,
-        NOTATION.list(&corner.reach),
-        corner.kappa,
-        tuples(corner)
+        "static WALL_{k}: Wall = Wall {{ offset: {offset:?}, side: {side:?}, reach: {reach}, kappa: {kappa:?}, kinks: \
+         &[{kinks}], grazing: {grazing} }};\n\n"
     )
-}
-
-fn inside(formula: &Formula, parameters: &str) -> String {
-    let (names, count) = (&formula.names, formula.names.len());
-    let head = format!("pub fn inside({parameters}) -> bool {{\n");
-    let within = |name: &str, limits: [f64; 2]| {
-        let [low, high] = limits.map(NOTATION.number);
-        format!("({low}..={high}).contains(&{name})")
-    };
-    let body = match &formula.domain {
-        Domain::Everywhere => format!("    let _ = ({},);\n    true\n", names.join(", ")),
-        Domain::Box(limits) => {
-            let sides: Vec<String> = names.iter().zip(limits).map(|(name, side)| within(name, *side)).collect();
-            format!("    {}\n", sides.join(" && "))
-        }
-        Domain::Star { centre, scale, reach, walls } => {
-            let mut body = format!("    const REACH: [f64; {}] = {};\n", reach.len(), NOTATION.list(reach));
-            body += &format!("    if !{} {{\n        return false;\n    }}\n", within(&names[0], *walls));
-            body += &NOTATION.scaled(names, centre, scale);
-            body + if count == 1 { "    z1.abs() <= REACH[usize::from(z1 > 0.0)]\n" } else { STAR }
-        }
-        Domain::Copula(copula) => format!(
-            "    let knots = [{}];\n    let inverse = [{}];\n    let states = [{}];\n    let scores: Vec<f64> = \
-             knots.iter().zip(states).map(|(knots, x)| score(knots, x, {:?})).collect();\n    let distance = |row: \
-             &[f64; {count}]| row.iter().zip(&scores).map(|(a, z)| a * z).sum::<f64>().powi(2);\n    \
-             inverse.iter().map(distance).sum::<f64>() <= {:?}\n",
-            NOTATION.lists(&copula.knots),
-            NOTATION.lists(&copula.inverse),
-            names.join(", "),
-            copula.spacing,
-            copula.farthest
-        ),
-    };
-    let before = if matches!(formula.domain, Domain::Copula(_)) { SCORE } else { "" };
-    format!("{before}{head}{body}}}\n\n")
 }
 
 const LEGENDRE: &str = r"fn legendre<const K: usize>(t: f64) -> [f64; K] {
@@ -120,7 +91,7 @@ const STAR: &str = r"    let turn = (z2.atan2(z1) / std::f64::consts::TAU).rem_e
     let k = (turn as usize).min(47);
     let past = turn - k as f64 - 0.5;
     let other = if past > 0.0 { k + 1 } else { k + 47 } % 48;
-    (z1 * z1 + z2 * z2).sqrt() <= REACH[k] * (1.0 - past.abs()) + REACH[other] * past.abs()
+    (z1 * z1 + z2 * z2).sqrt() <= reach[k] * (1.0 - past.abs()) + reach[other] * past.abs()
 ";
 
 const SCORE: &str = r"fn score(knots: &[f64], x: f64, spacing: f64) -> f64 {

@@ -4,14 +4,16 @@ use super::exponent::Exponent;
 use super::projection::{distance, project};
 use super::reference::{Reference, normalised};
 use super::setting::Setting;
-use super::space::Space;
+use super::space::Functions;
 use super::weight::{Weight, mixed};
+use crate::record::number;
+use crate::states::States;
 use faer::MatRef;
+use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::sync::Arc;
 
-/// The tails are compared down to this share of the peak, and are right within so many decades as far as the reference
-/// knows: well, as long as that raises the estimated L¹ error by no more than a third, or just enough.
+/// The tails are compared with the reference's down to this share of the peak. They are right within `WELL` decades of it,
+/// and within `ENOUGH` where the estimated L¹ error is a third above the least already.
 const TAIL: f64 = 1e-5;
 const WELL: f64 = 0.17;
 pub(super) const ENOUGH: f64 = 0.25;
@@ -25,7 +27,8 @@ const MIDDLE: f64 = 0.0115;
 const BISECTIONS: usize = 5;
 
 /// Where a candidate comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Origin {
     /// The solution of the moment equations, fitted with this share λ of the weight for the tails.
     MomentEquations {
@@ -52,15 +55,19 @@ impl fmt::Display for Origin {
 }
 
 /// One density that was tried, and what is known of its error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Candidate {
     /// Where it comes from.
     pub origin: Origin,
     /// The estimate of ∫ |p̃ − p| dx.
+    #[serde(with = "number")]
     pub l1_estimate: f64,
     /// The largest |log₁₀| distance from the solution of the moment equations down to 1e-5 of the peak.
+    #[serde(with = "number")]
     pub tail_estimate: f64,
     /// How much less likely than under the most likely density of degree 8 a state of the pilot is on average, in ln p.
+    #[serde(with = "number")]
     pub likelihood_loss: f64,
     /// Whether the likelihood guard let it pass.
     pub accepted: bool,
@@ -68,16 +75,16 @@ pub struct Candidate {
 
 /// A candidate with its density.
 #[derive(Clone)]
-pub(super) struct Fitted<const N: usize> {
+pub(super) struct Fitted {
     pub(super) candidate: Candidate,
-    pub(super) exponent: Exponent<N>,
+    pub(super) exponent: Exponent,
 }
 
-/// The nodes that the answer is defined on, and what the reference says there.
-pub(super) struct Judge<'a, const N: usize> {
-    pub(super) setting: &'a Setting<N>,
-    pub(super) reference: &'a Reference<N>,
-    pub(super) space: Arc<dyn Space<N> + Send>,
+/// The nodes that the answer is defined on, with the reference there.
+pub(super) struct Judge<'a> {
+    pub(super) setting: &'a Setting,
+    pub(super) reference: &'a Reference,
+    pub(super) space: Functions,
     /// The functions' values at the kept nodes, the constant's first.
     pub(super) values: MatRef<'a, f64>,
     pub(super) fixed: Vec<f64>,
@@ -88,14 +95,14 @@ pub(super) struct Judge<'a, const N: usize> {
     /// degree.
     pub(super) smooth: Vec<f64>,
     /// States under the system's own intensity, and the mean of ln p over them under the most likely density.
-    pub(super) pilot: &'a [[f64; N]],
+    pub(super) pilot: &'a States,
     pub(super) likelihood: f64,
 }
 
-impl<const N: usize> Judge<'_, N> {
+impl Judge<'_> {
     /// The candidates in the order in which they were tried; the first of the result is chosen.
-    pub(super) fn candidates(&self, weight: Weight) -> Vec<Fitted<N>> {
-        let mut tried: Vec<Fitted<N>> = Vec::new();
+    pub(super) fn candidates(&self, weight: Weight) -> Vec<Fitted> {
+        let mut tried: Vec<Fitted> = Vec::new();
         let mut fit = |share: f64| -> Option<Candidate> {
             let fitted = self.fitted(share)?;
             let candidate = fitted.candidate;
@@ -142,11 +149,11 @@ impl<const N: usize> Judge<'_, N> {
     }
 
     /// The density fitted to the reference with a share of the weight for the tails.
-    fn fitted(&self, share: f64) -> Option<Fitted<N>> {
+    fn fitted(&self, share: f64) -> Option<Fitted> {
         let measure = mixed(&self.target, &self.weights, share);
         let projection = project(self.values, &self.fixed, &self.target, &measure)?;
         let exponent = Exponent {
-            known: self.setting.known.clone(),
+            known: self.setting.known().to_vec(),
             space: self.space.clone(),
             constant: projection.constant,
             coefficients: projection.coefficients,
@@ -155,7 +162,7 @@ impl<const N: usize> Judge<'_, N> {
     }
 
     /// A density with the estimates of its error. `logarithm` holds its values at the kept nodes.
-    pub(super) fn judged(&self, origin: Origin, mut exponent: Exponent<N>, logarithm: &[f64]) -> Fitted<N> {
+    pub(super) fn judged(&self, origin: Origin, mut exponent: Exponent, logarithm: &[f64]) -> Fitted {
         let normal = normalised(logarithm, &self.weights);
         exponent.constant += normal[0] - logarithm[0];
         let distance = distance(&normal, &self.target, &self.weights);
@@ -188,6 +195,6 @@ impl<const N: usize> Judge<'_, N> {
 const LEAST_LOSS: f64 = 0.05;
 
 /// The mean of ln p over states.
-pub(super) fn mean_logarithm<const N: usize>(exponent: &Exponent<N>, states: &[[f64; N]]) -> f64 {
+pub(super) fn mean_logarithm(exponent: &Exponent, states: &States) -> f64 {
     exponent.values(states).iter().sum::<f64>() / states.len() as f64
 }

@@ -1,5 +1,4 @@
-use crate::error::{finite, state_index};
-use crate::{Error, Result};
+use crate::error::{Error, Result, finite, state_index};
 
 /// Which monomials Q is made of: those whose weighted degree Σ_i w_i α_i is at most the order, with α_i ≤ m_i.
 ///
@@ -9,79 +8,107 @@ use crate::{Error, Result};
 /// ```
 /// use expoly::Degrees;
 /// // Quartic in the oscillator (states 0 and 1), at most quadratic in the filter (state 2).
-/// let degrees = Degrees::<3>::complete().at_most(2, 2)?;
-/// assert_eq!(degrees.count(4), 30); // of 34
+/// let degrees = Degrees::complete().at_most(2, 2);
+/// assert_eq!(degrees.count(3, 4)?, 30); // of 34
 /// # Ok::<(), expoly::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Degrees<const N: usize> {
-    weights: [f64; N],
-    most: [u32; N],
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Degrees {
+    /// States and the highest power of each.
+    most: Vec<(usize, u32)>,
+    /// States and what a power of each counts.
+    weights: Vec<(usize, f64)>,
 }
 
 /// No rule here is made for polynomials of a higher degree.
 pub(super) const HIGHEST: u32 = 30;
 
-impl<const N: usize> Degrees<N> {
+impl Degrees {
     /// All monomials up to the order.
     pub fn complete() -> Self {
-        Degrees { weights: [1.0; N], most: [HIGHEST; N] }
+        Degrees::default()
     }
 
     /// Limits the power of one state.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`] if there is no such state.
-    pub fn at_most(mut self, state: usize, power: u32) -> Result<Self> {
-        self.most[state_index::<N>("the state of a degree", state)?] = power.min(HIGHEST);
-        Ok(self)
+    pub fn at_most(mut self, state: usize, power: u32) -> Self {
+        self.most.push((state, power.min(HIGHEST)));
+        self
     }
 
-    /// Lets each power of one state count as `weight` degrees.
+    /// Lets each power of one state count as `weight` degrees, at least half a one.
+    pub fn weighted(mut self, state: usize, weight: f64) -> Self {
+        self.weights.push((state, weight));
+        self
+    }
+
+    /// The number of monomials of an order in so many states, the constant left out.
     ///
     /// # Errors
-    /// [`Error::Dimension`] if there is no such state, [`Error::OutOfRange`] unless the weight is at least 0.5.
-    pub fn weighted(mut self, state: usize, weight: f64) -> Result<Self> {
-        if finite("weight of a degree", weight)? < 0.5 {
-            let remedy = "a power must count at least half a degree, or too many are left";
-            return Err(Error::OutOfRange { name: "weight of a degree", value: weight, remedy });
+    /// [`Error::Dimension`] if a state that is limited or weighted is none of them, [`Error::OutOfRange`] unless every
+    /// weight is at least 0.5.
+    pub fn count(&self, states: usize, order: u32) -> Result<usize> {
+        self.check(states)?;
+        Ok(self.exponents(states, order, |_| true).len())
+    }
+
+    /// Refuses states that are none of so many, and weights that leave too many monomials.
+    pub(super) fn check(&self, states: usize) -> Result<()> {
+        let limited = self.most.iter().map(|(state, _)| *state);
+        for state in limited.chain(self.weights.iter().map(|(state, _)| *state)) {
+            state_index("the state of a degree", state, states)?;
         }
-        self.weights[state_index::<N>("the state of a degree", state)?] = weight;
-        Ok(self)
-    }
-
-    /// The number of monomials of an order, the constant left out.
-    pub fn count(&self, order: u32) -> usize {
-        self.exponents(order, |_| true).len()
-    }
-
-    /// The weighted degree of a monomial.
-    pub(super) fn degree(&self, exponents: &[u32; N]) -> f64 {
-        (0..N).map(|i| self.weights[i] * f64::from(exponents[i])).sum()
+        for &(_, weight) in &self.weights {
+            if finite("weight of a degree", weight)? < 0.5 {
+                let remedy = "a power must count at least half a degree, or too many are left";
+                return Err(Error::OutOfRange { name: "weight of a degree", value: weight, remedy });
+            }
+        }
+        Ok(())
     }
 
     /// The exponents up to an order, without the constant, in order of rising weighted degree.
-    pub(super) fn exponents(&self, order: u32, keep: impl Fn(&[u32; N]) -> bool) -> Vec<[u32; N]> {
+    pub(super) fn exponents(&self, states: usize, order: u32, keep: impl Fn(&[u32]) -> bool) -> Vec<Vec<u32>> {
+        let (mut most, mut weights) = (vec![HIGHEST; states], vec![1.0; states]);
+        self.most.iter().for_each(|&(state, power)| most[state] = power);
+        self.weights.iter().for_each(|&(state, weight)| weights[state] = weight);
+        let degree = |alpha: &[u32]| alpha.iter().zip(&weights).map(|(&power, w)| w * f64::from(power)).sum::<f64>();
         let mut found = Vec::new();
-        self.extend(&mut found, [0; N], 0, f64::from(order) + 1e-9);
+        extend(&mut found, &mut vec![0; states], (&most, &weights), 0, f64::from(order) + 1e-9);
         found.retain(|alpha| alpha.iter().any(|&power| power > 0) && keep(alpha));
-        found.sort_by(|a, b| self.degree(a).total_cmp(&self.degree(b)).then_with(|| b.cmp(a)));
+        found.sort_by(|a, b| degree(a).total_cmp(&degree(b)).then_with(|| b.cmp(a)));
         found
     }
+}
 
-    fn extend(&self, found: &mut Vec<[u32; N]>, start: [u32; N], state: usize, left: f64) {
-        if state == N {
-            found.push(start);
-            return;
+/// Appends all ways to go on from the powers of the states before `state`, of a weighted degree up to `left`.
+fn extend(found: &mut Vec<Vec<u32>>, alpha: &mut Vec<u32>, limits: (&[u32], &[f64]), state: usize, left: f64) {
+    if state == alpha.len() {
+        found.push(alpha.clone());
+        return;
+    }
+    for power in 0..=limits.0[state] {
+        let used = limits.1[state] * f64::from(power);
+        if used > left {
+            break;
         }
-        let mut alpha = start;
-        for power in 0..=self.most[state] {
-            let used = self.weights[state] * f64::from(power);
-            if used > left {
-                break;
-            }
-            alpha[state] = power;
-            self.extend(found, alpha, state + 1, left - used);
-        }
+        alpha[state] = power;
+        extend(found, alpha, limits, state + 1, left - used);
+    }
+    alpha[state] = 0;
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop")]
+    use super::*;
+
+    #[test]
+    fn limits_and_weights_leave_fewer_monomials() {
+        let exponents = |degrees: &Degrees| degrees.exponents(2, 2, |_| true);
+        assert_eq!(exponents(&Degrees::complete()), [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]]);
+        assert_eq!(exponents(&Degrees::complete().at_most(0, 1)), [vec![1, 0], vec![0, 1], vec![1, 1], vec![0, 2]]);
+        assert_eq!(exponents(&Degrees::complete().weighted(1, 2.0)), [vec![1, 0], vec![2, 0], vec![0, 1]]);
+        assert!(matches!(Degrees::complete().at_most(2, 1).count(2, 2), Err(Error::Dimension { .. })));
+        assert!(matches!(Degrees::complete().weighted(0, 0.1).count(2, 2), Err(Error::OutOfRange { .. })));
     }
 }

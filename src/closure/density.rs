@@ -1,20 +1,20 @@
-use super::choice::{Candidate, ENOUGH, Origin};
+use super::choice::{Candidate, ENOUGH};
+use super::content::{Content, Integrals};
 use super::exponent::Exponent;
-use super::indicator::Indication;
 use super::nodes::Nodes;
-use super::reference::{Reference, Start};
-use super::samples::ImportanceRule;
-use super::space::Polynomials;
+use super::reference::Start;
+use super::samples::Copula;
 use super::trust_domain::TrustDomain;
-use crate::density::{UNKNOWN, escape_direction, pair, placed};
-use crate::error::state_index;
-use crate::quadrature::Rule;
-use crate::{Barrier, Crossing, Density, Error, Estimate, Polynomial, Result};
+use crate::density::{Crossing, Density, escape_direction, pair, placed};
+use crate::error::{Result, dimension, state_index};
+use crate::estimate::Estimate;
+use crate::polynomial::Polynomial;
+use crate::provenance::Provenance;
+use crate::states::States;
 use rayon::prelude::*;
-use std::time::Duration;
+use serde::{Deserialize, Serialize, Serializer};
+use std::fmt;
 
-/// A density above this estimated error is flagged as unreliable.
-const UNRELIABLE: f64 = 0.2;
 /// The relative error of integrals over an exact density.
 const ROUNDING: f64 = 1e-12;
 /// The relative size below which a leading coefficient is taken for rounding.
@@ -22,154 +22,115 @@ const ROUNDING_OF_FORM: f64 = 1e-9;
 /// ‖F‖ below which all Galerkin equations hold to rounding.
 const ROOT: f64 = 1e-8;
 
-/// How a closure came about.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct ClosureProvenance {
-    /// The order n: the degree of Q.
-    pub order: u32,
-    /// The number of coefficients.
-    pub unknowns: usize,
-    /// The number of nodes that integrals were taken on.
-    pub nodes: usize,
-    /// The seed of the pilot's random numbers.
-    pub seed: u64,
-    /// The states of the pilot, without mirror images.
-    pub pilot_states: usize,
-    /// The factor that the pilot's noise intensities were multiplied by.
-    pub inflation: f64,
-    /// Whether the pilot's earlier and later samples agree.
-    pub stationary: bool,
-    /// The linear systems solved for the reference or, with samples as nodes, the steps of the iteration.
-    pub iterations: usize,
-    /// The time from the system to the density.
-    pub elapsed: Duration,
-}
-
-/// How integrals over the trust domain are taken.
-#[derive(Clone, Debug)]
-pub(super) enum Integrals<const N: usize> {
-    /// On Gauss nodes, in one state and in two.
-    Panels {
-        /// The rules whose product the nodes are.
-        rules: [Rule; N],
-        points: Vec<[f64; N]>,
-        /// p̃ and p̂ times the quadrature weights.
-        masses: Vec<[f64; 2]>,
-        /// Rules along the states.
-        lines: [Rule; N],
-    },
-    /// By importance sampling, in any number of states.
-    Draws(ImportanceRule<N>),
-}
-
-impl<const N: usize> Integrals<N> {
-    /// On the nodes of a product of rules that lie in the domain.
-    pub(super) fn panels(
-        rules: [Rule; N],
-        lines: [Rule; N],
-        domain: &TrustDomain<N>,
-        exponent: &Exponent<N>,
-        reference: Option<&Reference<N>>,
-    ) -> Self {
-        let Nodes { points, weights, rules } = Nodes::tensor(domain, &rules);
-        let mass = |(x, w): (&[f64; N], &f64)| {
-            let log = exponent.value(x);
-            [log, reference.map_or(log, |reference| reference.value(x))].map(|log| w * log.exp())
-        };
-        let masses = points.par_iter().zip(&weights).map(mass).collect();
-        Integrals::Panels { rules, points, masses, lines }
-    }
-}
-
 /// The closure's answer: p = C exp(Q) on its trust domain, with estimates of its own error.
 ///
 /// Moments, marginals and fluxes are integrals over the trust domain. In one state and in two their errors are the
 /// distances from the same integrals of the reference, the solution of the moment equations of a higher degree; in more,
 /// they are the standard errors of the integration, and the closure's own error is in [`ClosureDensity::l1_estimate`].
-#[derive(Clone)]
-pub struct ClosureDensity<const N: usize> {
-    pub(super) exponent: Exponent<N>,
-    pub(super) polynomials: Option<Polynomials<N>>,
-    /// Normalised over the nodes; none where the density is exact.
-    pub(super) reference: Option<Reference<N>>,
-    pub(super) domain: TrustDomain<N>,
-    pub(super) integrals: Integrals<N>,
-    pub(super) walls: [Option<Barrier>; 2],
-    pub(super) guarded: bool,
-    pub(super) candidates: Vec<Candidate>,
-    pub(super) indication: Indication,
-    pub(super) provenance: ClosureProvenance,
+#[derive(Clone, Deserialize)]
+#[serde(try_from = "Content")]
+pub struct ClosureDensity {
+    content: Content,
+    /// Gauss nodes, and p̃ and p̂ there times the quadrature weights; none where integrals are taken on draws.
+    nodes: States,
+    masses: Vec<[f64; 2]>,
 }
 
-impl<const N: usize> ClosureDensity<N> {
+impl Serialize for ClosureDensity {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        self.content.serialize(serializer)
+    }
+}
+
+impl TryFrom<Content> for ClosureDensity {
+    type Error = String;
+
+    /// The density of a document: the same numbers give the same bits.
+    fn try_from(content: Content) -> std::result::Result<Self, String> {
+        Ok(ClosureDensity::new(content.checked()?))
+    }
+}
+
+impl ClosureDensity {
+    pub(super) fn new(mut content: Content) -> Self {
+        let chosen = content.candidates[0];
+        content.provenance = Provenance {
+            method: String::from("closure"),
+            termination: Some(String::from(if content.indication.residual > ROOT { "least residual" } else { "root" })),
+            origin: Some(chosen.origin.to_string()),
+            warning: content.warning().map(str::to_owned),
+            l1_estimate: Some(chosen.l1_estimate),
+            indicator: Some(content.indication.indicator),
+            residual: Some(content.indication.residual),
+            ..content.provenance
+        };
+        let Integrals::Panels { rules, .. } = &content.integrals else {
+            let nodes = States::new(content.dimension());
+            return ClosureDensity { content, nodes, masses: Vec::new() };
+        };
+        let Nodes { points, weights, .. } = Nodes::tensor(&content.domain, rules.clone());
+        let mass = |(x, w): (&[f64], &f64)| {
+            let log = content.exponent.value(x);
+            [log, content.reference.as_ref().map_or(log, |reference| reference.value(x))].map(|log| w * log.exp())
+        };
+        let masses = points.par_iter().zip(&weights).map(mass).collect();
+        ClosureDensity { content, nodes: points, masses }
+    }
+
     /// How this density came about.
-    pub fn provenance(&self) -> &ClosureProvenance {
-        &self.provenance
+    pub fn provenance(&self) -> &Provenance {
+        &self.content.provenance
     }
 
     /// All densities that were tried, the chosen one first.
     pub fn candidates(&self) -> &[Candidate] {
-        &self.candidates
+        &self.content.candidates
     }
 
     /// The estimate of ∫ |p̃ − p| dx, between 0 and 2: the distance from the reference and the reference's own error,
     /// as far as it shows in its highest degrees.
     pub fn l1_estimate(&self) -> f64 {
-        self.candidates[0].l1_estimate
+        self.content.candidates[0].l1_estimate
     }
 
     /// The indicator η: the residual tested against polynomials of a higher degree than Q's, in a norm of p̃.
     pub fn indicator(&self) -> f64 {
-        self.indication.indicator
+        self.content.indication.indicator
     }
 
     /// ‖F‖, the Galerkin equations of Q's own functions under p̃.
     pub fn residual(&self) -> f64 {
-        self.indication.residual
+        self.content.indication.residual
     }
 
     /// Whether some Galerkin equation fails: the density is then the best of its order and no root. Most are; an exact
     /// density is a root.
     pub fn least_residual(&self) -> bool {
-        self.indication.residual > ROOT
+        self.residual() > ROOT
     }
 
     /// Why this density should not be relied on, if there is a reason.
-    pub fn warning(&self) -> Option<&'static str> {
-        let chosen = &self.candidates[0];
-        if !self.provenance.stationary {
-            Some("the pilot was not stationary: the system relaxes more slowly than it ran, or not at all")
-        } else if !chosen.accepted && chosen.origin == Origin::Galerkin {
-            Some(
-                "the Galerkin equations were not solved, or by a spurious root: take more pilot states or another order",
-            )
-        } else if !chosen.accepted {
-            Some("the pilot's states are unlikely under this density")
-        } else if chosen.l1_estimate > UNRELIABLE {
-            Some("the estimated error is large: ask for a higher order")
-        } else {
-            None
-        }
+    pub fn warning(&self) -> Option<&str> {
+        self.content.provenance.warning.as_deref()
     }
 
-    /// Whether the tails are estimated to be right to 0.22 decades down to 1e-5 of the peak.
+    /// Whether the tails are estimated to be right to 0.25 decades down to 1e-5 of the peak.
     pub fn tails_are_right(&self) -> bool {
-        self.candidates[0].tail_estimate <= ENOUGH
+        self.content.candidates[0].tail_estimate <= ENOUGH
     }
 
     /// ln p as a polynomial of the states, valid on the trust domain; `None` where walls ask for more than polynomials.
-    pub fn log_polynomial(&self) -> Option<Polynomial<N>> {
-        let polynomials = self.polynomials.as_ref()?;
-        let scaled = polynomials.in_powers(&self.exponent.coefficients);
-        Some(scaled.compose(&polynomials.coordinates()) + self.exponent.constant)
+    pub fn log_polynomial(&self) -> Option<Polynomial> {
+        let Exponent { space, constant, coefficients, .. } = &self.content.exponent;
+        let polynomials = space.polynomials()?;
+        Some(polynomials.in_powers(coefficients).compose(&polynomials.coordinates()) + *constant)
     }
 
     /// Whether Q falls in every direction, so that exp(Q) could be normalised on the whole space. The best polynomial of
     /// an order often turns up far outside; it is not to be used there.
     pub fn falls_everywhere(&self) -> bool {
-        self.polynomials.as_ref().is_some_and(|polynomials| {
-            let q = polynomials.in_powers(&self.exponent.coefficients);
+        self.content.exponent.space.polynomials().is_some_and(|polynomials| {
+            let q = polynomials.in_powers(&self.content.exponent.coefficients);
             let least = ROUNDING_OF_FORM * q.max_coefficient();
             escape_direction(&q.filtered(|_, c| c.abs() > least), false, ROUNDING_OF_FORM).is_none()
         })
@@ -178,7 +139,7 @@ impl<const N: usize> ClosureDensity<N> {
     /// How many independent draws from the density would integrate as well as those that were made; none where Gauss nodes
     /// were used.
     pub fn effective_draws(&self) -> Option<f64> {
-        match &self.integrals {
+        match &self.content.integrals {
             Integrals::Panels { .. } => None,
             Integrals::Draws(rule) => Some(rule.effective()),
         }
@@ -186,72 +147,105 @@ impl<const N: usize> ClosureDensity<N> {
 
     /// The coefficients of Q in the functions that it was sought in.
     pub fn coefficients(&self) -> &[f64] {
-        &self.exponent.coefficients
+        &self.content.exponent.coefficients
     }
 
     /// Whether a state lies in the trust domain. Outside, the density is 0, or the guard's.
-    pub fn contains(&self, x: &[f64; N]) -> bool {
-        match &self.integrals {
-            Integrals::Panels { .. } => self.domain.contains(x),
-            Integrals::Draws(rule) => rule.trusts(x),
-        }
+    ///
+    /// # Errors
+    /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
+    pub fn contains(&self, x: &[f64]) -> Result<bool> {
+        dimension("a state", x.len(), self.dimension())?;
+        Ok(self.trusts(x))
     }
 
     /// The mass that integrals over the trust domain do not see, if ln p falls on outwards at the rate that it has at the
     /// edge. In three states and more it is less than one over the number of the pilot's states, which is returned.
     pub fn unseen_mass(&self) -> f64 {
-        match &self.integrals {
-            Integrals::Panels { .. } => self.domain.mass_beyond(|x| self.exponent.value(x)),
-            Integrals::Draws(_) => (self.provenance.pilot_states as f64).recip(),
+        match &self.content.integrals {
+            Integrals::Panels { .. } => self.content.domain.mass_beyond(|x| self.content.exponent.value(x)),
+            Integrals::Draws(_) => (self.content.provenance.pilot_states.unwrap_or(1) as f64).recip(),
         }
     }
 
-    /// The mean number of impacts per unit time at the lower wall, or at the upper if that is the only one.
-    ///
-    /// # Errors
-    /// [`Error::LevelNotCounted`] where there is no wall.
-    pub fn impact_rate(&self) -> Result<Estimate> {
-        match self.walls {
-            [Some(floor), _] => self.flux(Crossing::downward(floor.offset()), 1),
-            [None, Some(ceiling)] => self.flux(Crossing::upward(ceiling.offset()), 1),
-            _ => Err(Error::LevelNotCounted { level: f64::NAN }),
-        }
+    /// The mean number of impacts per unit time at all walls together; none without a wall.
+    pub fn impact_rate(&self) -> Option<Estimate> {
+        let walls = self.content.exponent.space.corners().iter().map(|corner| corner.wall());
+        let rates = walls.map(|wall| {
+            let crossing = if wall.is_above() { Crossing::downward } else { Crossing::upward };
+            self.flux(crossing(wall.offset()), 1)
+        });
+        let sum = |a: Estimate, b: Estimate| Estimate::new(a.value + b.value, a.error + b.error);
+        rates.filter_map(Result::ok).reduce(sum)
     }
 
     /// Where a similar system's reference may start.
-    pub(super) fn start(&self) -> Start<N> {
-        match &self.reference {
+    pub(super) fn start(&self) -> Start {
+        match &self.content.reference {
             Some(reference) => Start { weight: reference.weight.clone(), settled: reference.size },
-            None => Start { weight: self.exponent.clone(), settled: 0.0 },
+            None => Start { weight: self.content.exponent.clone(), settled: 0.0 },
         }
     }
 
-    /// ln p̂, what is known best.
-    fn better(&self, x: &[f64; N]) -> f64 {
-        self.reference.as_ref().map_or_else(|| self.exponent.value(x), |reference| reference.value(x))
+    /// ln p and what it is made of.
+    pub(crate) fn exponent(&self) -> &Exponent {
+        &self.content.exponent
+    }
+
+    /// Where it is trusted: within an ellipsoid in normal scores, or in a star-shaped domain.
+    pub(crate) fn domain(&self) -> std::result::Result<&TrustDomain, &Copula> {
+        match &self.content.integrals {
+            Integrals::Panels { .. } => Ok(&self.content.domain),
+            Integrals::Draws(rule) => Err(&rule.copula),
+        }
+    }
+
+    /// Whether the density goes on beyond its trust domain.
+    pub(crate) fn is_guarded(&self) -> bool {
+        self.content.guarded
+    }
+
+    fn trusts(&self, x: &[f64]) -> bool {
+        match &self.content.integrals {
+            Integrals::Panels { .. } => self.content.domain.contains(x),
+            Integrals::Draws(rule) => rule.trusts(x),
+        }
+    }
+
+    fn log_density(&self, x: &[f64]) -> f64 {
+        let Content { exponent, domain, guarded, .. } = &self.content;
+        if self.trusts(x) {
+            exponent.value(x)
+        } else if *guarded {
+            domain.continued(x, |x| exponent.value(x))
+        } else {
+            f64::NEG_INFINITY
+        }
     }
 
     fn reference_error(&self) -> f64 {
-        self.reference.as_ref().map_or(ROUNDING, |reference| reference.error)
+        self.content.reference.as_ref().map_or(ROUNDING, |reference| reference.error)
     }
 
     /// ∫ g p dx over all states but one, which is `x`.
-    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64; N]) -> f64 + Sync) -> Estimate {
-        let lines = match &self.integrals {
+    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Result<Estimate> {
+        let Content { exponent, reference, domain, integrals, .. } = &self.content;
+        let lines = match integrals {
             Integrals::Panels { lines, .. } => lines,
-            Integrals::Draws(rule) => return rule.section(&[(state, x)], |x| [g(x)]).map_or(UNKNOWN, |[part]| part),
+            Integrals::Draws(rule) => return rule.section(&[(state, x)], &g),
         };
-        let mut point = [0.0; N];
+        let mut point = vec![0.0; lines.len()];
         point[state] = x;
         let mut sums = [0.0; 2];
-        let mut add = |point: &[f64; N], w: f64| {
+        let mut add = |point: &[f64], w: f64| {
             let value = g(point);
-            if value != 0.0 && self.domain.contains(point) {
-                sums[0] += w * value * self.exponent.value(point).exp();
-                sums[1] += w * value * self.better(point).exp();
+            if value != 0.0 && domain.contains(point) {
+                let log = exponent.value(point);
+                sums[0] += w * value * log.exp();
+                sums[1] += w * value * reference.as_ref().map_or(log, |reference| reference.value(point)).exp();
             }
         };
-        if N == 1 {
+        if lines.len() == 1 {
             add(&point, 1.0);
         } else {
             let other = usize::from(state == 0);
@@ -260,90 +254,83 @@ impl<const N: usize> ClosureDensity<N> {
                 add(&point, w);
             }
         }
-        Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * sums[1].abs())
+        Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * sums[1].abs()))
     }
 }
 
-impl<const N: usize> std::fmt::Debug for ClosureDensity<N> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Debug for ClosureDensity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("ClosureDensity")
-            .field("provenance", &self.provenance)
-            .field("l1_estimate", &self.l1_estimate())
-            .field("coefficients", &self.exponent.coefficients)
+            .field("provenance", self.provenance())
+            .field("coefficients", &self.coefficients())
             .finish_non_exhaustive()
     }
 }
 
-impl<const N: usize> Density<N> for ClosureDensity<N> {
-    fn pdf(&self, x: &[f64; N]) -> Estimate {
-        let p = self.log_pdf(x).exp();
-        match &self.reference {
-            Some(reference) if self.contains(x) => Estimate::new(p, (p - reference.value(x).exp()).abs()),
+impl Density for ClosureDensity {
+    fn dimension(&self) -> usize {
+        self.content.dimension()
+    }
+
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+        let p = self.log_pdf(x)?.exp();
+        Ok(match &self.content.reference {
+            Some(reference) if self.trusts(x) => Estimate::new(p, (p - reference.value(x).exp()).abs()),
             // Where nothing better is known: the error in the mean.
             _ => Estimate::new(p, p * self.l1_estimate()),
-        }
-    }
-
-    fn log_pdf(&self, x: &[f64; N]) -> f64 {
-        if self.contains(x) {
-            self.exponent.value(x)
-        } else if self.guarded {
-            self.domain.continued(x, |x| self.exponent.value(x))
-        } else {
-            f64::NEG_INFINITY
-        }
-    }
-
-    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        state_index::<N>("the state of a marginal", state)?;
-        Ok(self.section(state, x, |_| 1.0))
-    }
-
-    /// The box around the trust domain.
-    fn bounds(&self) -> [[f64; 2]; N] {
-        self.domain.bounds()
-    }
-
-    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
-        match &self.integrals {
-            Integrals::Panels { points, masses, .. } => {
-                let (mut sums, mut square) = ([0.0; 2], 0.0);
-                for (x, masses) in points.iter().zip(masses) {
-                    let value = g(x);
-                    sums[0] += value * masses[0];
-                    sums[1] += value * masses[1];
-                    square += value * value * masses[1];
-                }
-                Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt())
-            }
-            Integrals::Draws(rule) => rule.means(|x| [g(x)]).map_or(UNKNOWN, |[mean]| mean),
-        }
-    }
-
-    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let states = pair::<N>(states)?;
-        Ok(match &self.integrals {
-            Integrals::Panels { .. } => self.pdf(&placed(states, x)),
-            Integrals::Draws(rule) => {
-                let held = [0, 1].map(|k| (states[k], x[k]));
-                rule.section(&held, |_| [1.0]).map_or(UNKNOWN, |[part]| part)
-            }
         })
     }
 
+    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
+        dimension("a state", x.len(), self.dimension())?;
+        Ok(self.log_density(x))
+    }
+
+    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
+        state_index("the state of a marginal", state, self.dimension())?;
+        self.section(state, x, |_| 1.0)
+    }
+
+    /// The box around the trust domain.
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.content.domain.bounds()
+    }
+
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
+        if let Integrals::Draws(rule) = &self.content.integrals {
+            return rule.mean(g);
+        }
+        let (mut sums, mut square) = ([0.0; 2], 0.0);
+        for (x, masses) in self.nodes.iter().zip(&self.masses) {
+            let value = g(x);
+            sums[0] += value * masses[0];
+            sums[1] += value * masses[1];
+            square += value * value * masses[1];
+        }
+        Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt()))
+    }
+
+    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
+        let states = pair(states, self.dimension())?;
+        match &self.content.integrals {
+            Integrals::Panels { .. } => self.pdf(&placed(states, x, self.dimension())),
+            Integrals::Draws(rule) => rule.section(&[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),
+        }
+    }
+
     /// The draws that integrals are taken on, in more than two states.
-    fn weighted_states(&self) -> Option<Vec<([f64; N], f64)>> {
-        match &self.integrals {
+    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
+        match &self.content.integrals {
             Integrals::Panels { .. } => None,
-            Integrals::Draws(rule) => rule.drawn(),
+            Integrals::Draws(rule) => rule.drawn().ok(),
         }
     }
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        let [displacement, velocity] = crossing.states::<N>()?;
-        Ok(self.section(displacement, crossing.level, |x| {
+        let [displacement, velocity] = crossing.states(self.dimension())?;
+        self.section(displacement, crossing.level, |x| {
             let speed = if crossing.upward { x[velocity] } else { -x[velocity] };
             if speed > 0.0 { speed.powi(power as i32) } else { 0.0 }
-        }))
+        })
     }
 }

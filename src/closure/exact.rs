@@ -1,16 +1,18 @@
 //! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
 
 use super::choice::{Candidate, Fitted, Judge, Origin, mean_logarithm};
-use super::density::{ClosureDensity, Integrals};
+use super::content::{Content, Integrals};
+use super::density::ClosureDensity;
 use super::exponent::Exponent;
 use super::indicator::Indication;
+use super::kept::Kept;
 use super::nodes::Nodes;
 use super::polish::polished;
 use super::projection::{distance, project, tempered};
 use super::reference::{Reference, normalised};
-use super::robust::{Kept, Workshop};
+use super::robust::Workshop;
 use super::setting::{FINE, lines};
-use super::table::Table;
+use super::table;
 
 /// The orders at which known densities are exact.
 const LOWER_ORDERS: [u32; 4] = [2, 4, 6, 8];
@@ -21,44 +23,38 @@ const ROUNDING: f64 = 1e-6;
 const EXACT_DROP: f64 = 30.0;
 const EXACT_WIDENING: f64 = 3.0;
 
-impl<const N: usize> Workshop<N> {
+impl Workshop {
     /// The exact density that the chosen one is close to, or that a lower order is: where a lower order is exact already,
     /// the higher one is all but singular at its density.
-    pub(super) fn exact_at(
-        &self,
-        order: u32,
-        judge: &Judge<'_, N>,
-        kept: &Kept<N>,
-        chosen: &Fitted<N>,
-    ) -> Option<Exponent<N>> {
+    pub(super) fn exact_at(&self, order: u32, judge: &Judge<'_>, kept: &Kept, chosen: &Fitted) -> Option<Exponent> {
         let setting = &self.setting;
-        let solution = |exponent: &Exponent<N>| polished(setting, exponent, &kept.points, &kept.weights);
+        let solution = |exponent: &Exponent| polished(setting, exponent, kept);
         // An exact density is as near to the reference as that one's own error.
         let polishable = POLISHABLE * judge.reference.doubt + ROUNDING;
         let measure = tempered(&judge.target, &kept.weights, 1.0);
         let lower = LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
             let space = setting.family.ladder(lower).answer;
-            let values = Table::new(&*space, &setting.operator, &kept.points).values;
+            let values = table::values(&space, &kept.points);
             let fit = project(values.as_ref(), &judge.fixed, &judge.target, &measure)?;
             if distance(&fit.logarithm, &judge.target, &kept.weights) > polishable {
                 return None;
             }
             let (constant, coefficients) = (fit.constant, fit.coefficients);
-            solution(&Exponent { known: setting.known.clone(), space, constant, coefficients })
+            solution(&Exponent { known: setting.known().to_vec(), space, constant, coefficients })
         });
         lower.or_else(|| (chosen.candidate.l1_estimate <= polishable).then(|| solution(&chosen.exponent))?)
     }
 
     /// An exact density: it is its own reference, and trusted as far as it falls.
-    pub(super) fn exact(&self, order: u32, mut exponent: Exponent<N>, reference: &Reference<N>) -> ClosureDensity<N> {
+    pub(super) fn exact(&self, order: u32, mut exponent: Exponent, reference: &Reference) -> ClosureDensity {
         let setting = &self.setting;
-        let (domain, nodes, lines) = match &setting.smooth {
-            Some(_) => {
-                let domain = setting.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
-                let lines = lines(&domain);
-                (domain.clone(), Nodes::gauss(&domain, FINE[N.min(2) - 1]), lines)
-            }
-            None => (setting.domain.clone(), setting.nodes.clone(), setting.lines.clone()),
+        let (domain, nodes, lines) = if setting.family.is_smooth() {
+            let domain = setting.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
+            let nodes = Nodes::gauss(&domain, FINE[domain.centre.len().min(2) - 1]);
+            let lines = lines(&domain);
+            (domain, nodes, lines)
+        } else {
+            (setting.domain.clone(), setting.nodes.clone(), setting.lines.clone())
         };
         let log: Vec<f64> = nodes.points.iter().map(|x| exponent.value(x)).collect();
         let normal = normalised(&log, &nodes.weights);
@@ -71,17 +67,16 @@ impl<const N: usize> Workshop<N> {
             likelihood_loss: self.likelihood(reference, &witnesses) - mean_logarithm(&exponent, &witnesses),
             accepted: true,
         };
-        ClosureDensity {
-            polynomials: setting.smooth.as_ref().map(|smooth| smooth.polynomials(order)),
-            provenance: self.provenance(order, exponent.coefficients.len(), reference.solved),
-            integrals: Integrals::panels(nodes.rules, lines, &domain, &exponent, None),
+        let unknowns = exponent.coefficients.len();
+        ClosureDensity::new(Content {
             exponent,
             reference: None,
             domain,
-            walls: self.walls,
+            integrals: Integrals::Panels { rules: nodes.rules, lines },
             guarded: self.guarded,
             candidates: vec![candidate],
             indication: Indication { indicator: 0.0, residual: 0.0 },
-        }
+            provenance: self.provenance(order, unknowns, reference.solved),
+        })
     }
 }

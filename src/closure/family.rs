@@ -1,24 +1,30 @@
 use super::degrees::Degrees;
-use super::space::{Polynomials, Space};
-use super::symmetry::Symmetry;
-use std::sync::Arc;
+use super::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
+use crate::problem::Symmetry;
 
 /// The degree of a reference above that of the closure, where nothing singular is in the way.
 const EXCESS: u32 = 8;
+/// The highest degrees, where the edge of the domain shows as ripples; a correction may be cut off below them.
+const BUFFER: u32 = 4;
+
+/// Next to walls, the level that the weight is sought in, and that of the reference with the next lower one.
+const WEIGHT: WallLevel = WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7 };
+const LOWER: WallLevel = WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9 };
+const ALL: WallLevel = WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 };
 
 /// The nested spaces that an order needs. Each but the last holds the first functions of the next.
-pub(super) struct Ladder<const N: usize> {
+pub(super) struct Ladder {
     /// What the closure's Q is made of.
-    pub(super) answer: Arc<dyn Space<N> + Send>,
+    pub(super) answer: Functions,
     /// What the reference's weight is made of; it contains the answer's functions, though not as its first.
-    pub(super) weight: Arc<dyn Space<N> + Send>,
+    pub(super) weight: Functions,
     /// What the correction of the weight is made of, and what the moment equations are tested with.
-    pub(super) all: Arc<dyn Space<N> + Send>,
+    pub(super) all: Functions,
     /// The columns, the constant's included, of `all` that hold the answer, the weight, and all but the last degrees.
     pub(super) answer_columns: usize,
     pub(super) weight_columns: usize,
     pub(super) lower_columns: usize,
-    /// The columns whose share in the correction tells its error, and the end of what is kept of it: all, or less than that.
+    /// The columns whose share in the correction is its error, and the end of what is kept of it: all, or less than that.
     pub(super) whole: Band,
     pub(super) cut: Option<Band>,
 }
@@ -30,15 +36,15 @@ pub(super) struct Band {
     pub(super) end: usize,
 }
 
-impl<const N: usize> Ladder<N> {
+impl Ladder {
     /// The ladder of the answer's space, the weight's, all functions but those of the last degrees, and all.
-    pub(super) fn new([answer, weight, lower, all]: [Arc<impl Space<N> + Send + 'static>; 4]) -> Self {
+    fn new([answer, weight, lower, all]: [Functions; 4], cut: Option<Band>) -> Self {
         Ladder {
             answer_columns: answer.len() + 1,
             weight_columns: weight.len() + 1,
             lower_columns: lower.len() + 1,
             whole: Band { judged: lower.len() + 1, end: all.len() + 1 },
-            cut: None,
+            cut,
             answer,
             weight,
             all,
@@ -46,37 +52,80 @@ impl<const N: usize> Ladder<N> {
     }
 }
 
-/// The highest degrees, where the edge of the domain shows as ripples; a correction may be cut off below them.
-const BUFFER: u32 = 4;
-
 /// The spaces of all orders for one system.
-pub(super) trait Family<const N: usize>: Send + Sync {
-    fn ladder(&self, order: u32) -> Ladder<N>;
+#[derive(Clone, Debug)]
+pub(super) enum Family {
+    Smooth(Smooth),
+    Walled(Walled),
+}
+
+impl Family {
+    pub(super) fn ladder(&self, order: u32) -> Ladder {
+        match self {
+            Family::Smooth(smooth) => {
+                let degree = order + EXCESS;
+                // A weight of low degree serves a low order, and is faster.
+                let weight = order.max(if order < 6 { 8 } else { 12 });
+                let spaces = [order, weight, degree - 2, degree].map(|d| smooth.functions(d));
+                let [judged, end] = [BUFFER + 2, BUFFER].map(|less| smooth.functions(degree - less).len() + 1);
+                Ladder::new(spaces, Some(Band { judged, end }))
+            }
+            Family::Walled(walled) => Ladder::new(walled.spaces(order), None),
+        }
+    }
+
+    /// Whether there is nothing but polynomials.
+    pub(super) fn is_smooth(&self) -> bool {
+        matches!(self, Family::Smooth(_))
+    }
 }
 
 /// Complete polynomials with the system's symmetry.
 #[derive(Clone, Debug)]
-pub(super) struct Smooth<const N: usize> {
-    pub(super) degrees: Degrees<N>,
-    pub(super) symmetry: Symmetry<N>,
-    pub(super) centre: [f64; N],
-    pub(super) half_width: [f64; N],
+pub(super) struct Smooth {
+    pub(super) degrees: Degrees,
+    pub(super) symmetry: Symmetry,
+    pub(super) centre: Vec<f64>,
+    pub(super) half_width: Vec<f64>,
 }
 
-impl<const N: usize> Smooth<N> {
-    pub(super) fn polynomials(&self, degree: u32) -> Polynomials<N> {
-        let exponents = self.degrees.exponents(degree, |alpha| self.symmetry.keeps(alpha));
-        Polynomials::new(self.centre, self.half_width, exponents)
+impl Smooth {
+    pub(super) fn functions(&self, degree: u32) -> Functions {
+        let exponents = self.degrees.exponents(self.centre.len(), degree, |alpha| self.symmetry.keeps(alpha));
+        Functions::Polynomials(Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents))
     }
 }
 
-impl<const N: usize> Family<N> for Smooth<N> {
-    fn ladder(&self, order: u32) -> Ladder<N> {
-        let degree = order + EXCESS;
-        // A weight of low degree serves a low order, and is faster.
-        let weight = order.max(if order < 6 { 8 } else { 12 });
-        let [answer, weight, lower, all] = [order, weight, degree - 2, degree].map(|d| Arc::new(self.polynomials(d)));
-        let [judged, end] = [BUFFER + 2, BUFFER].map(|less| self.polynomials(degree - less).len() + 1);
-        Ladder { cut: Some(Band { judged, end }), ..Ladder::new([answer, weight, lower, all]) }
+/// Polynomials with kinks and angular functions.
+#[derive(Clone, Debug)]
+pub(super) struct Walled {
+    pub(super) corners: Vec<Corner>,
+    pub(super) centre: Vec<f64>,
+    pub(super) half_width: Vec<f64>,
+}
+
+impl Walled {
+    /// The spaces of a ladder.
+    fn spaces(&self, order: u32) -> [Functions; 4] {
+        // From order 9 on the weight is of the answer's own level.
+        let weight = if order <= WEIGHT.degree { WEIGHT } else { level(order) };
+        let levels = [level(order), weight, LOWER, ALL];
+        [1, 2, 3, 4].map(|steps| {
+            let corners = self.corners.clone();
+            Functions::Walls(WallFunctions::new(corners, &self.centre, &self.half_width, &levels[..steps]))
+        })
     }
+}
+
+/// The functions of an order: polynomials to that degree, and more kinks and angular functions the higher it is.
+fn level(order: u32) -> WallLevel {
+    let (kinks, angular) = match order {
+        0..=1 => (0, 1),
+        2..=3 => (2, 3),
+        4..=5 => (3, 5),
+        6..=7 => (3, 7),
+        8..=9 => (5, 7),
+        _ => (5, 9),
+    };
+    WallLevel { degree: order, kinks, depth: if order < 9 { 3 } else { 4 }, angular }
 }

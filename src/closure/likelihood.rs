@@ -5,7 +5,7 @@ use faer::prelude::*;
 use faer::{Mat, MatRef, Side};
 
 const MAX_STEPS: usize = 80;
-/// The decrement at which the likelihood is known better than the states tell it.
+/// The decrement at which the likelihood is far closer to its maximum than the states' noise allows.
 const CONVERGED: f64 = 1e-4;
 const LONGEST: f64 = 1.5;
 

@@ -1,28 +1,32 @@
-//! The closure's options and what can be asked of it.
+//! The closure's options.
 
-use super::gaussian_closure::gaussian_closure;
-use super::{ClassicalClosure, ClosureDensity, Degrees, NodeKind, Weight, routes};
-use crate::{Barrier, Error, FokkerPlanck, Gaussian, PolynomialDrift, Result};
+use super::classical::ClassicalClosure;
+use super::degrees::Degrees;
+use super::density::ClosureDensity;
+use super::nodes::NodeKind;
+use super::reference::Start;
+use super::weight::Weight;
+use crate::error::{Error, Result};
 
 /// The factor on the pilot's noise intensities that shows the tails.
 const INFLATION: f64 = 3.0;
 /// The highest order.
 pub(super) const HIGHEST_ORDER: u32 = 16;
 
-/// The exponential-polynomial closure as a method: a value that can be applied to any system.
+/// The exponential-polynomial closure as a method: a value that can be applied to any problem.
 ///
 /// ```
-/// use expoly::{Closure, Density, models::CubicDamping};
+/// use expoly::{Closure, Density, Problem, models::CubicDamping};
 /// // x″ + 0.1 x′ + 0.3 x′³ + x + x³ = ξ, D = 0.5: no polynomial is exact.
-/// let oscillator = CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?;
-/// let density = Closure::new(6).solve(&oscillator)?;
+/// let problem = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
+/// let density = Closure::new(6).solve(&problem)?;
 /// assert!(density.l1_estimate() < 3e-3);
 /// // E x² = 0.40898891, E x′² = 0.77561507 by a grid; the moments are the reference's, better than the density.
-/// assert!((density.moment([2, 0]).value / 0.40898891 - 1.0).abs() < 1e-5);
-/// assert!((density.moment([0, 2]).value / 0.77561507 - 1.0).abs() < 1e-5);
+/// assert!((density.moment(&[2, 0])?.value / 0.40898891 - 1.0).abs() < 1e-5);
+/// assert!((density.moment(&[0, 2])?.value / 0.77561507 - 1.0).abs() < 1e-5);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Closure {
     pub(super) order: Order,
     pub(super) weight: Weight,
@@ -32,6 +36,8 @@ pub struct Closure {
     /// The defaults depend on the nodes.
     pub(super) states: Option<usize>,
     pub(super) inflation: f64,
+    pub(super) degrees: Degrees,
+    pub(super) start: Option<Start>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +47,7 @@ pub(super) enum Order {
 }
 
 impl Closure {
-    /// The closure of order `order`, the degree of Q, from 1 to 16 (10 above walls).
+    /// The closure of order `order`, the degree of Q, from 1 to 16 (10 next to walls).
     ///
     /// By default a pilot of 20 000 states at three times the intensity, the automatic [`Weight`], no guard, seed 0.
     pub fn new(order: u32) -> Self {
@@ -53,6 +59,8 @@ impl Closure {
             nodes: NodeKind::Automatic,
             states: None,
             inflation: INFLATION,
+            degrees: Degrees::complete(),
+            start: None,
         }
     }
 
@@ -100,132 +108,18 @@ impl Closure {
         Closure { inflation, ..self }
     }
 
-    /// The Gaussian closure of a system: the normal distribution under which its moment equations of first and second
-    /// order hold exactly. It is the weight f_N of the higher orders and equal to the closure of order 2.
-    ///
-    /// # Errors
-    /// As [`Closure::solve`].
-    ///
-    /// ```
-    /// use expoly::{Closure, models::Duffing};
-    /// let gaussian = Closure::gaussian(&Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
-    /// assert!((gaussian.covariance[(1, 1)] - 1.0).abs() < 1e-12); // D/c
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn gaussian<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(system: &T) -> Result<Gaussian<N>> {
-        gaussian_closure(&FokkerPlanck::new(system)?)
+    /// Which monomials Q is made of, all up to the order by default. Next to walls it is all of them.
+    pub fn degrees(self, degrees: Degrees) -> Self {
+        Closure { degrees, ..self }
     }
 
-    /// Closes a system on the whole space.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for an option without a meaning; [`Error::NotFinite`], [`Error::NoNoise`] from the system's
-    /// parameters; [`Error::Exploded`] where no trajectory stays; [`Error::NotClosed`] where the pilot's states allow no
-    /// density.
-    pub fn solve<T, const N: usize, const M: usize>(&self, system: &T) -> Result<ClosureDensity<N>>
-    where
-        T: PolynomialDrift<N, M> + Sync,
-    {
-        self.solve_in(system, &Degrees::complete())
-    }
-
-    /// Closes a system with Q of other than the complete polynomials.
-    ///
-    /// # Errors
-    /// As [`Closure::solve`].
-    pub fn solve_in<T, const N: usize, const M: usize>(
-        &self,
-        system: &T,
-        degrees: &Degrees<N>,
-    ) -> Result<ClosureDensity<N>>
-    where
-        T: PolynomialDrift<N, M> + Sync,
-    {
-        routes::in_open_space(self, system, degrees, None)
-    }
-
-    /// Closes a system as [`Closure::solve`], from the density of a similar one.
+    /// Starts from the density of a similar problem, or from none.
     ///
     /// What the closure is measured against starts there, and settles after about half as many linear systems; where the
     /// pilot's states are the nodes, the iteration starts there, and no lower order is solved before. Where that does not
-    /// settle, this is [`Closure::solve`].
-    ///
-    /// # Errors
-    /// As [`Closure::solve`].
-    pub fn solve_from<T, const N: usize, const M: usize>(
-        &self,
-        system: &T,
-        similar: &ClosureDensity<N>,
-    ) -> Result<ClosureDensity<N>>
-    where
-        T: PolynomialDrift<N, M> + Sync,
-    {
-        routes::in_open_space(self, system, &Degrees::complete(), Some(&similar.start()))
-    }
-
-    /// Closes an oscillator above a wall: y ≥ b, y′₊ = −r y′₋. The solution is the density of (y, y′) on the half plane.
-    ///
-    /// ln p is a polynomial plus kinks and angular functions about the grazing point (b, 0), plus the similarity solution
-    /// of grazing impacts, which carries the wall's condition.
-    ///
-    /// # Errors
-    /// As [`Closure::solve`], and [`Error::NotADisplacement`] if state 0 is not a displacement with state 1 as velocity.
-    pub fn solve_with_wall<T, const M: usize>(&self, system: &T, barrier: Barrier) -> Result<ClosureDensity<2>>
-    where
-        T: PolynomialDrift<2, M> + Sync,
-    {
-        routes::above_walls(self, system, [Some(barrier), None], None)
-    }
-
-    /// Closes an oscillator above a wall as [`Closure::solve_with_wall`], from the density above a similar one, as
-    /// [`Closure::solve_from`].
-    ///
-    /// # Errors
-    /// As [`Closure::solve_with_wall`].
-    pub fn solve_with_wall_from<T, const M: usize>(
-        &self,
-        system: &T,
-        barrier: Barrier,
-        similar: &ClosureDensity<2>,
-    ) -> Result<ClosureDensity<2>>
-    where
-        T: PolynomialDrift<2, M> + Sync,
-    {
-        routes::above_walls(self, system, [Some(barrier), None], Some(&similar.start()))
-    }
-
-    /// Closes an oscillator between two walls: `floor` below, `ceiling` above.
-    ///
-    /// # Errors
-    /// As [`Closure::solve_with_wall`], and [`Error::OutOfRange`] if the ceiling is not above the floor.
-    pub fn solve_between_walls<T, const M: usize>(
-        &self,
-        system: &T,
-        floor: Barrier,
-        ceiling: Barrier,
-    ) -> Result<ClosureDensity<2>>
-    where
-        T: PolynomialDrift<2, M> + Sync,
-    {
-        routes::above_walls(self, system, strip(floor, ceiling)?, None)
-    }
-
-    /// Closes an oscillator between two walls as [`Closure::solve_between_walls`], from the density between similar ones,
-    /// as [`Closure::solve_from`].
-    ///
-    /// # Errors
-    /// As [`Closure::solve_between_walls`].
-    pub fn solve_between_walls_from<T, const M: usize>(
-        &self,
-        system: &T,
-        floor: Barrier,
-        ceiling: Barrier,
-        similar: &ClosureDensity<2>,
-    ) -> Result<ClosureDensity<2>>
-    where
-        T: PolynomialDrift<2, M> + Sync,
-    {
-        routes::above_walls(self, system, strip(floor, ceiling)?, Some(&similar.start()))
+    /// settle, nothing is changed by it.
+    pub fn starting_from<'a>(self, similar: impl Into<Option<&'a ClosureDensity>>) -> Self {
+        Closure { start: similar.into().map(ClosureDensity::start), ..self }
     }
 
     pub(super) fn highest(&self) -> u32 {
@@ -242,8 +136,8 @@ impl Closure {
         }
     }
 
-    /// Refuses options without a meaning.
-    pub(super) fn check(&self, highest: u32) -> Result<()> {
+    /// Refuses options without a meaning for a problem of so many states.
+    pub(super) fn check(&self, states: usize, highest: u32) -> Result<()> {
         let refuse = |name, value, remedy| Err(Error::OutOfRange { name, value, remedy });
         match self.order {
             Order::Fixed(0) => {
@@ -254,7 +148,7 @@ impl Closure {
                 )?;
             }
             Order::Fixed(order) if order > highest => {
-                let remedy = "orders up to 16 are supported, and up to 10 above walls";
+                let remedy = "orders up to 16 are supported, and up to 10 next to walls";
                 refuse("order of the closure", f64::from(order), remedy)?;
             }
             Order::Adaptive(target) if !(target > 0.0 && target.is_finite()) => {
@@ -272,14 +166,10 @@ impl Closure {
         if !(1.0..=100.0).contains(&self.inflation) {
             refuse("inflation of the pilot's intensity", self.inflation, "it must lie between 1 and 100")?;
         }
-        self.weight.checked().map(|_| ())
+        if let Some(start) = &self.start {
+            start.check(states)?;
+        }
+        self.degrees.check(states)?;
+        self.weight.check()
     }
-}
-
-fn strip(floor: Barrier, ceiling: Barrier) -> Result<[Option<Barrier>; 2]> {
-    if ceiling.offset() <= floor.offset() {
-        let remedy = "the ceiling must stand above the floor";
-        return Err(Error::OutOfRange { name: "offset of the ceiling", value: ceiling.offset(), remedy });
-    }
-    Ok([Some(floor), Some(ceiling)])
 }

@@ -2,9 +2,9 @@
 //!
 //! [`Closure::new`] is a method that gives a density at every order. The literature's closure asks that the residual of
 //! exp(Q) be orthogonal to the polynomials that Q itself is made of, and at most orders no Q obeys. Here the residual is
-//! tested with the functions whose mean rate of change those polynomials are, so that the equations say what one wants to
-//! know: the moments of p̃ up to the order are those of the stationary density. They always have a solution, the best
-//! density of its order in the sense of Kullback and Leibler. The steps, each in its file:
+//! tested with the functions whose mean rate of change those polynomials are, so that the moments of p̃ up to the order are
+//! those of the stationary density. These equations always have a solution, the best density of its order in the sense of
+//! Kullback and Leibler. The steps, each in its file:
 //!
 //! 1. `pilot`: a short simulation at inflated intensity; `trust_domain`: where it has been; `setting`, `walled`: the nodes
 //!    there and the first guess of ln p, by `likelihood`;
@@ -12,24 +12,25 @@
 //! 3. `moment_equations`, `reference`: a density of many more moment equations, E[Gψ] = 0, which are linear in its ratio to
 //!    a weight, the weight renewed until it follows the density;
 //! 4. `projection`, `weight`: the exponential polynomial closest to it, by a convex minimisation;
-//! 5. `choice`, `indicator`: the candidates, their errors, and the guard by the pilot's likelihood;
+//! 5. `kept`, `choice`, `indicator`: the candidates, their errors, and the guard by the pilot's likelihood;
 //! 6. `exact`: where a candidate is a solution itself, that;
-//! 7. `density`: the answer, which knows its trust domain and its errors.
+//! 7. `content`, `density`: the answer with its trust domain and its errors.
 //!
-//! `method` holds the options, and `routes` the way from the options to the steps: Gauss nodes in one and two states, also
-//! above walls, or the pilot's states as nodes in any number of them.
+//! `method` holds the options, and `solve` the way from a problem to the steps: Gauss nodes in one and two states, also next
+//! to walls, or the pilot's states as nodes in any number of them.
 //!
 //! `classical` is the literature's method.
 
 mod choice;
 mod classical;
+mod content;
 mod degrees;
 mod density;
 mod exact;
 mod exponent;
 mod family;
-mod gaussian_closure;
 mod indicator;
+mod kept;
 mod likelihood;
 mod method;
 mod moment_equations;
@@ -38,29 +39,25 @@ mod orthonormal;
 mod pilot;
 mod polish;
 mod projection;
-mod record;
 mod reference;
 mod robust;
-mod routes;
 mod sampled;
 mod samples;
 mod setting;
+mod solve;
 mod space;
-mod symmetry;
 mod table;
 mod trust_domain;
-mod units;
 mod walled;
 mod weight;
 
 pub use choice::{Candidate, Origin};
-pub use classical::{Basis, ClassicalClosure, Route, Solution, Termination};
+pub use classical::{Basis, ClassicalClosure, Solution, Termination};
 pub use degrees::Degrees;
-pub use density::{ClosureDensity, ClosureProvenance};
-pub(crate) use gaussian_closure::gaussian_after;
+pub use density::ClosureDensity;
 pub use method::Closure;
 pub use nodes::NodeKind;
-pub(crate) use record::{ClosureRecord, DomainRecord, IntegralsRecord};
-pub(crate) use samples::CopulaRecord;
-pub(crate) use space::{CornerRecord, SMALLEST, similarity};
+pub(crate) use samples::Copula;
+pub(crate) use space::{Corner, Similarity};
+pub(crate) use trust_domain::TrustDomain;
 pub use weight::Weight;

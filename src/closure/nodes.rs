@@ -1,5 +1,6 @@
 use super::trust_domain::TrustDomain;
 use crate::quadrature::Rule;
+use crate::states::States;
 use std::fmt;
 
 /// The points that stand for integrals while the equations are solved.
@@ -26,54 +27,57 @@ impl fmt::Display for NodeKind {
 
 /// Points of the state space with weights: sums over them stand for integrals over the trust domain.
 #[derive(Clone, Debug)]
-pub(super) struct Nodes<const N: usize> {
-    pub(super) points: Vec<[f64; N]>,
+pub(super) struct Nodes {
+    pub(super) points: States,
     pub(super) weights: Vec<f64>,
     /// The rules whose product they are taken from.
-    pub(super) rules: [Rule; N],
+    pub(super) rules: Vec<Rule>,
 }
 
-impl<const N: usize> Nodes<N> {
+impl Nodes {
     /// The nodes of `count` Gauss points along each side of the box around the domain.
-    pub(super) fn gauss(domain: &TrustDomain<N>, count: usize) -> Self {
-        let bounds = domain.bounds();
+    pub(super) fn gauss(domain: &TrustDomain, count: usize) -> Self {
         let rule = Rule::legendre(count);
-        Nodes::tensor(domain, &std::array::from_fn(|i| rule.on(bounds[i][0], bounds[i][1])))
+        Nodes::tensor(domain, domain.bounds().iter().map(|[low, high]| rule.on(*low, *high)).collect())
     }
 
     /// The nodes of a product of one-dimensional rules that lie inside the domain.
     ///
-    /// The rules know nothing of the domain's edge. The density there is below a millionth of its peak, and so is the
+    /// The rules take no account of the domain's edge. The density there is below a millionth of its peak, and so is the
     /// error.
-    pub(super) fn tensor(domain: &TrustDomain<N>, rules: &[Rule; N]) -> Self {
-        let mut nodes = Nodes { points: Vec::new(), weights: Vec::new(), rules: rules.clone() };
-        nodes.extend(domain, rules, [0.0; N], 1.0, 0);
-        nodes
+    pub(super) fn tensor(domain: &TrustDomain, rules: Vec<Rule>) -> Self {
+        let mut nodes = Nodes { points: States::new(rules.len()), weights: Vec::new(), rules: Vec::new() };
+        nodes.extend(domain, &rules, &mut Vec::with_capacity(rules.len()), 1.0);
+        Nodes { rules, ..nodes }
     }
 
-    fn extend(&mut self, domain: &TrustDomain<N>, rules: &[Rule; N], start: [f64; N], weight: f64, state: usize) {
-        if state == N {
-            if domain.contains(&start) {
+    /// Adds all nodes that begin with the coordinates `start`.
+    fn extend(&mut self, domain: &TrustDomain, rules: &[Rule], start: &mut Vec<f64>, weight: f64) {
+        let Some(rule) = rules.get(start.len()) else {
+            if domain.contains(start) {
                 self.points.push(start);
                 self.weights.push(weight);
             }
             return;
-        }
-        for (x, w) in rules[state].iter() {
-            let mut point = start;
-            point[state] = x;
-            self.extend(domain, rules, point, weight * w, state + 1);
+        };
+        for (x, w) in rule.iter() {
+            start.push(x);
+            self.extend(domain, rules, start, weight * w);
+            start.pop();
         }
     }
 
-    /// The nodes that `keep` keeps.
-    pub(super) fn filtered(&self, keep: impl Fn(&[f64; N]) -> bool) -> Self {
-        let pairs = self.points.iter().zip(&self.weights).filter(|(x, _)| keep(x));
-        let (points, weights) = pairs.map(|(x, w)| (*x, *w)).unzip();
-        Nodes { points, weights, rules: self.rules.clone() }
+    /// The nodes that lie in a smaller domain.
+    pub(super) fn within(&self, domain: &TrustDomain) -> Self {
+        let mut kept = Nodes { points: States::new(self.points.dimension()), weights: Vec::new(), rules: Vec::new() };
+        for (x, &weight) in self.points.iter().zip(&self.weights).filter(|(x, _)| domain.contains(x)) {
+            kept.points.push(x);
+            kept.weights.push(weight);
+        }
+        Nodes { rules: self.rules.clone(), ..kept }
     }
 
     pub(super) fn len(&self) -> usize {
-        self.points.len()
+        self.weights.len()
     }
 }

@@ -1,15 +1,16 @@
 //! The pilot: a short simulation that finds where the density is, before anything is computed.
 
-use super::gaussian_closure::gaussian_closure;
-use super::symmetry::Symmetry;
-use super::units::natural_units;
-use crate::eigenvalues::eigenvalues;
-use crate::{Barrier, Error, FokkerPlanck, Gaussian, PolynomialDrift, Result, Simulation};
-use nalgebra::{SMatrix, SVector};
+use crate::error::{Error, Result};
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::Gaussian;
+use crate::problem::{Problem, Symmetry, natural_units};
+use crate::simulation::Simulation;
+use crate::states::States;
+use nalgebra::{DMatrix, DVector};
 
 /// Path-steps are cheapest in multiples of this many trajectories.
 const TRAJECTORIES: usize = 512;
-/// Groups of trajectories, whose spread tells the error.
+/// Groups of trajectories, whose spread is the error.
 const GROUPS: usize = 32;
 /// The time step times the fastest rate. A pilot need not be exact: its moments are off by some tenths of a percent.
 const STEP: f64 = 0.4;
@@ -21,52 +22,45 @@ const DRIFTING: f64 = 6.0;
 
 /// The states that a pilot has visited once stationary.
 #[derive(Clone, Debug)]
-pub(super) struct Pilot<const N: usize> {
+pub(super) struct Pilot {
     /// The states of all trajectories, without their mirror images.
-    pub(super) states: Vec<[f64; N]>,
+    pub(super) states: States,
     /// The factor that the noise intensities were multiplied by.
     pub(super) inflation: f64,
     /// Whether the first and the second half of the samples agree.
     pub(super) stationary: bool,
 }
 
-/// How to run pilots of one system.
-pub(super) struct Scout<'a, T, const N: usize, const M: usize> {
-    system: &'a T,
-    barrier: Option<Barrier>,
+/// How to run pilots of one problem.
+pub(super) struct Scout<'a> {
+    problem: &'a Problem,
     seed: u64,
     step: f64,
     burn_in: f64,
     interval: f64,
 }
 
-impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Scout<'a, T, N, M> {
+impl<'a> Scout<'a> {
     /// Time step and burn-in from the rates of the linearised system.
-    pub(super) fn new(system: &'a T, operator: &FokkerPlanck<N>, barrier: Option<Barrier>, seed: u64) -> Result<Self> {
-        let gaussian = match gaussian_closure(operator) {
+    pub(super) fn new(problem: &'a Problem, seed: u64) -> Result<Self> {
+        let gaussian = match problem.gaussian() {
             Ok(gaussian) => gaussian,
-            // Where the Gaussian closure does not settle the system may still be stable: the simulation will tell.
+            // Where the Gaussian closure does not settle the system may still be stable: the simulation decides.
             Err(Error::NoStationaryDensity { .. }) => {
-                let (frame, _) = natural_units(operator)?;
+                let (frame, _) = natural_units(problem.operator())?;
                 let scale = frame.scale();
-                Gaussian { mean: SVector::zeros(), covariance: scale * scale.transpose() }
+                Gaussian { mean: DVector::zeros(problem.dimension()), covariance: scale * scale.transpose() }
             }
             Err(error) => return Err(error),
         };
-        let (fastest, slowest) = rates(operator, &gaussian);
+        let (fastest, slowest) = rates(problem.operator(), &gaussian);
         let unit = fastest.recip();
-        Ok(Scout {
-            system,
-            barrier,
-            seed,
-            step: STEP * unit,
-            burn_in: (5.0 / slowest).clamp(60.0 * unit, 2000.0 * unit),
-            interval: 4.0 * unit,
-        })
+        let burn_in = (5.0 / slowest).clamp(60.0 * unit, 2000.0 * unit);
+        Ok(Scout { problem, seed, step: STEP * unit, burn_in, interval: 4.0 * unit })
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.
-    pub(super) fn pilot(&self, count: usize, inflation: f64) -> Result<Pilot<N>> {
+    pub(super) fn pilot(&self, count: usize, inflation: f64) -> Result<Pilot> {
         let mut inflation = inflation;
         loop {
             match self.at(count, inflation) {
@@ -76,11 +70,11 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Scout<
         }
     }
 
-    fn at(&self, count: usize, inflation: f64) -> Result<Pilot<N>> {
+    fn at(&self, count: usize, inflation: f64) -> Result<Pilot> {
         let (mut step, mut burn_in) = (self.step, self.burn_in);
         let (mut halved, mut doubled) = (0, 0);
         loop {
-            let mut simulation = Simulation::new(self.system)
+            let simulation = Simulation::new()
                 .amplified(inflation.sqrt())
                 .trajectories(TRAJECTORIES)
                 .samples(count)
@@ -88,10 +82,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Scout<
                 .burn_in(burn_in)
                 .sampling_interval(self.interval)
                 .seed(self.seed);
-            if let Some(barrier) = self.barrier {
-                simulation = simulation.barrier(barrier);
-            }
-            match simulation.states() {
+            match simulation.states(self.problem) {
                 Ok(states) => {
                     let stationary = stationary(&states);
                     if stationary || doubled == DOUBLINGS {
@@ -106,62 +97,83 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Scout<
     }
 }
 
-impl<const N: usize> Pilot<N> {
+impl Pilot {
+    /// The pilot of the problem in a mirror, x → −x.
+    pub(super) fn mirrored(&self) -> Self {
+        let values = self.states.values().iter().map(|x| -x).collect();
+        Pilot { states: States::from_values(self.states.dimension(), values), ..*self }
+    }
+
+    /// The same without the states beyond walls.
+    pub(super) fn between(&self, offsets: [Option<f64>; 2]) -> Self {
+        let mut states = self.states.clone();
+        let [low, high] = [offsets[0].unwrap_or(f64::NEG_INFINITY), offsets[1].unwrap_or(f64::INFINITY)];
+        states.retain(|x| (low..=high).contains(&x[0]));
+        Pilot { states, ..*self }
+    }
+
     /// The largest kurtosis E z⁴/(E z²)² of the states about 0.
     pub(super) fn kurtosis(&self) -> f64 {
         let mean =
             |i: usize, power: i32| self.states.iter().map(|x| x[i].powi(power)).sum::<f64>() / self.states.len() as f64;
-        (0..N).map(|i| mean(i, 4) / mean(i, 2).powi(2)).fold(0.0, f64::max)
+        (0..self.states.dimension()).map(|i| mean(i, 4) / mean(i, 2).powi(2)).fold(0.0, f64::max)
     }
 
     /// Centre and standard deviations of the states and their mirror images.
-    pub(super) fn spread(&self, symmetry: &Symmetry<N>) -> ([f64; N], [f64; N]) {
+    pub(super) fn spread(&self, symmetry: &Symmetry) -> (Vec<f64>, Vec<f64>) {
         let count = self.states.len() as f64;
-        let mean: [f64; N] = std::array::from_fn(|i| {
-            if symmetry.flips(i) { 0.0 } else { self.states.iter().map(|x| x[i]).sum::<f64>() / count }
-        });
-        let deviation =
-            std::array::from_fn(|i| (self.states.iter().map(|x| (x[i] - mean[i]).powi(2)).sum::<f64>() / count).sqrt());
-        (mean, deviation)
+        let mean = |of: &dyn Fn(&[f64]) -> f64| self.states.iter().map(of).sum::<f64>() / count;
+        let along = |i: usize| {
+            let centre = if symmetry.flips(i) { 0.0 } else { mean(&|x| x[i]) };
+            (centre, mean(&|x| (x[i] - centre).powi(2)).sqrt())
+        };
+        (0..self.states.dimension()).map(along).unzip()
     }
 }
 
 /// The fastest and the slowest rate of the system near the Gaussian: bounds on its Jacobian's eigenvalues, in units of
 /// the standard deviations, at points one and two deviations away; and the slowest decay of the linearised system.
-fn rates<const N: usize>(operator: &FokkerPlanck<N>, gaussian: &Gaussian<N>) -> (f64, f64) {
-    let deviation: [f64; N] = std::array::from_fn(|i| gaussian.covariance[(i, i)].sqrt());
-    let mean: [f64; N] = gaussian.mean.into();
+fn rates(operator: &FokkerPlanck, gaussian: &Gaussian) -> (f64, f64) {
+    let n = operator.dimension();
+    let deviation: Vec<f64> = (0..n).map(|i| gaussian.covariance[(i, i)].sqrt()).collect();
     let mut fastest = 0.0_f64;
     for reach in [0.0, 1.0, 2.0] {
-        for i in 0..N {
+        for i in 0..n {
             for sign in [-1.0, 1.0] {
-                let mut x = mean;
+                let mut x = gaussian.mean.clone();
                 x[i] += sign * reach * deviation[i];
-                for a in 0..N {
-                    let slopes = operator.drift()[a].gradient(&x);
-                    let row: f64 = (0..N).map(|b| slopes[b].abs() * deviation[b] / deviation[a]).sum();
+                for a in 0..n {
+                    let slopes = operator.drift()[a].gradient(x.as_slice());
+                    let row: f64 = (0..n).map(|b| slopes[b].abs() * deviation[b] / deviation[a]).sum();
                     fastest = fastest.max(row);
                 }
             }
         }
     }
-    let slopes = SMatrix::<f64, N, N>::from_fn(|i, j| gaussian.expectation(&operator.drift()[i].derivative(j)));
-    let slopes = nalgebra::DMatrix::from_fn(N, N, |i, j| slopes[(i, j)]);
-    let slowest = eigenvalues(slopes).iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min);
+    let slopes = DMatrix::from_fn(n, n, |i, j| gaussian.expectation(&operator.drift()[i].derivative(j)));
+    // The search for the eigenvalues of numbers that are not finite would never end.
+    let finite = slopes.iter().all(|slope| slope.is_finite()).then_some(slopes);
+    let slowest = finite.map_or(f64::INFINITY, |slopes| {
+        slopes.complex_eigenvalues().iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min)
+    });
     (fastest.max(f64::MIN_POSITIVE), slowest.max(1e-3 * fastest))
 }
 
 /// Whether means of squares agree between the earlier and the later half of each trajectory's samples.
-fn stationary<const N: usize>(states: &[[f64; N]]) -> bool {
+fn stationary(states: &States) -> bool {
+    let n = states.dimension();
     let samples = states.len() / TRAJECTORIES;
-    let group = TRAJECTORIES / GROUPS * samples;
-    (0..N).all(|i| {
-        let square = |part: &[[f64; N]]| part.iter().map(|x| x[i] * x[i]).sum::<f64>() / part.len() as f64;
-        let differences: Vec<f64> = (0..GROUPS)
-            .map(|g| {
-                let trajectories = states[g * group..(g + 1) * group].chunks_exact(samples);
+    let group = TRAJECTORIES / GROUPS * samples * n;
+    (0..n).all(|i| {
+        let square = |part: &[f64]| part.chunks_exact(n).map(|x| x[i] * x[i]).sum::<f64>() / (part.len() / n) as f64;
+        let differences: Vec<f64> = states
+            .values()
+            .chunks_exact(group)
+            .take(GROUPS)
+            .map(|group| {
+                let trajectories = group.chunks_exact(samples * n);
                 let change = trajectories.map(|trajectory| {
-                    let (early, late) = trajectory.split_at(samples / 2);
+                    let (early, late) = trajectory.split_at(samples / 2 * n);
                     square(late) - square(early)
                 });
                 change.sum::<f64>() * GROUPS as f64 / TRAJECTORIES as f64
@@ -169,7 +181,7 @@ fn stationary<const N: usize>(states: &[[f64; N]]) -> bool {
             .collect();
         let mean = differences.iter().sum::<f64>() / GROUPS as f64;
         let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (GROUPS * GROUPS) as f64;
-        let level = states.iter().map(|x| x[i] * x[i]).sum::<f64>() / states.len() as f64;
+        let level = square(states.values());
         // A change below a hundredth matters to no pilot.
         mean.abs() <= DRIFTING * variance.sqrt() || mean.abs() <= 0.01 * level
     })

@@ -1,11 +1,13 @@
 //! The root of the Galerkin equations where there is one that solves the Fokker-Planck equation itself.
 
-use super::exponent::{Exponent, Residual};
+use super::exponent::Exponent;
+use super::kept::Kept;
 use super::orthonormal::Orthonormal;
 use super::projection::tempered;
 use super::setting::Setting;
-use super::space::Local;
-use super::table::local;
+use super::space::Jet;
+use super::table;
+use crate::states::States;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 
@@ -23,23 +25,16 @@ const NEAR: f64 = 0.3;
 /// the residual vanishes at every node, and this, which most roots do not, is what is asked for; otherwise `None`.
 ///
 /// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way.
-pub(super) fn polished<const N: usize>(
-    setting: &Setting<N>,
-    exponent: &Exponent<N>,
-    points: &[[f64; N]],
-    weights: &[f64],
-) -> Option<Exponent<N>> {
-    let residual = Residual::new(&setting.operator);
-    let count = exponent.coefficients.len();
+pub(super) fn polished(setting: &Setting, exponent: &Exponent, kept: &Kept) -> Option<Exponent> {
+    let Kept { points, weights, .. } = kept;
+    let (states, count) = (points.dimension(), exponent.coefficients.len());
     let mut current = exponent.clone();
-    let ends: Vec<_> = setting.passages.iter().flat_map(|p| [p.before, p.after]).collect();
-    let constant = |x: &[f64; N]| -> Vec<f64> {
-        let mut values = vec![1.0; count + 1];
-        exponent.space.values(x, &mut values[1..]);
-        values
-    };
-    let walls: Vec<Vec<f64>> = ends.iter().map(constant).collect();
+    let mut ends = States::new(states);
+    setting.passages.iter().for_each(|passage| [passage.before, passage.after].iter().for_each(|x| ends.push(x)));
+    let walls = table::values(&exponent.space, &ends);
     let mut last = f64::INFINITY;
+    let (mut row, mut rates) = (vec![1.0; count + 1], vec![0.0; count + 1]);
+    let (mut jet, mut reversed) = (Jet::zero(states), vec![0.0; states]);
     for _ in 0..MAX_STEPS {
         let log: Vec<f64> = points.iter().map(|x| current.value(x)).collect();
         let measure = tempered(&log, weights, 1.0);
@@ -47,14 +42,16 @@ pub(super) fn polished<const N: usize>(
         let mut values = Mat::zeros(points.len(), count + 1);
         // The linearised residual of each function, and the residual in the first column.
         let mut images = Mat::zeros(points.len(), count + 1);
-        let (mut row, mut rates) = (vec![1.0; count + 1], vec![0.0; count + 1]);
-        for (i, x) in points.iter().enumerate() {
-            let jet = current.jet(x);
-            let r = residual.at(x, &jet);
-            let Local { drift, diffusion } = local(&setting.operator, x);
-            // L′δ = (−f + ∂B + B∇Q)·∇δ + ½ B:∇∇δ
-            let reversed = Local { drift: residual.reversed_drift(x, &drift, &diffusion, &jet), diffusion };
-            exponent.space.rates(x, &reversed, &mut row[1..], &mut rates[1..]);
+        for (i, (x, local)) in kept.locals(setting).enumerate() {
+            current.jet(x, &mut jet);
+            let r = local.residual(&jet.gradient, &jet.hessian);
+            // L′δ = (−f + ∂B + B∇Q)·∇δ + ½ B:∇∇δ, with the drift of the process run backwards in time if exp(Q) is its
+            // density.
+            for (a, row) in local.diffusion.chunks_exact(states).enumerate() {
+                let spread: f64 = row.iter().zip(&jet.gradient).map(|(b, q)| b * q).sum();
+                reversed[a] = spread + local.diffusion_divergence[a] - local.drift[a];
+            }
+            exponent.space.rates(x, (&reversed, &local.diffusion), &mut row[1..], &mut rates[1..]);
             let root = measure[i].sqrt();
             for k in 0..=count {
                 values[(i, k)] = row[k];
@@ -62,7 +59,7 @@ pub(super) fn polished<const N: usize>(
             }
             images[(i, 0)] = root * r;
             square += measure[i] * r * r;
-            parts += measure[i] * (0..N).map(|a| (drift[a] * jet.gradient[a]).powi(2)).sum::<f64>();
+            parts += measure[i] * (0..states).map(|a| (local.drift[a] * jet.gradient[a]).powi(2)).sum::<f64>();
         }
         let size = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
         if size < SOLVED {
@@ -82,14 +79,15 @@ pub(super) fn polished<const N: usize>(
             })
             .collect();
         let mut system = basis.weighted.transpose() * &images;
-        if !walls.is_empty() {
+        if !ends.is_empty() {
+            let impacts = setting.passages.len();
             let density: Vec<f64> =
                 ends.iter().map(|x| (current.value(x) - peak(&log)).exp() / mass(&log, weights)).collect();
-            let after = Mat::from_fn(walls.len() / 2, count + 1, |i, k| walls[2 * i + 1][k]);
+            let after = Mat::from_fn(impacts, count + 1, |i, k| walls[(2 * i + 1, k)]);
             let tests = basis.transformed(after.as_ref());
-            let missing = Mat::from_fn(walls.len() / 2, count + 1, |i, k| {
+            let missing = Mat::from_fn(impacts, count + 1, |i, k| {
                 let passage = &setting.passages[i];
-                let [before, after] = [0, 1].map(|end| density[2 * i + end] * walls[2 * i + end][k]);
+                let [before, after] = [0, 1].map(|end| density[2 * i + end] * walls[(2 * i + end, k)]);
                 passage.weight * (passage.contraction * after - before)
             });
             // The first column is that of the constant function: the mismatch itself.

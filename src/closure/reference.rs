@@ -1,14 +1,18 @@
 //! The density that the closures of one system are measured against: a solution of many more moment equations.
 
-use super::exponent::{Exponent, Residual};
+use super::exponent::Exponent;
 use super::family::{Band, Ladder};
 use super::moment_equations::resolve;
 use super::projection::{distance, project, tempered};
 use super::setting::Setting;
-use super::space::Space;
+use super::space::{Functions, Jet};
 use super::table::Table;
+use crate::error::{Result, dimension};
+use crate::fokker_planck::Local;
+use crate::record::{Read, number};
+use crate::states::States;
 use rayon::prelude::*;
-use std::sync::Arc;
+use serde::{Deserialize, Serialize};
 
 /// How often the weight is renewed at most.
 const RENEWALS: usize = 8;
@@ -36,42 +40,55 @@ const FINE: f64 = 2e-5;
 const CUT: [f64; 2] = [0.05, 20.0];
 
 /// Where a reference may start: with the weight of a similar system's, and with what is known of its corrections.
-#[derive(Clone)]
-pub(super) struct Start<const N: usize> {
-    pub(super) weight: Exponent<N>,
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Start {
+    pub(super) weight: Exponent,
     /// The size of the correction at which that one had settled; 0 where it is unknown.
     pub(super) settled: f64,
 }
 
-/// p̂ = ω (1 + δ) with ln ω a polynomial and δ a polynomial of higher degree.
-#[derive(Clone)]
-pub(super) struct Reference<const N: usize> {
-    pub(super) weight: Exponent<N>,
-    pub(super) space: Arc<dyn Space<N> + Send>,
-    /// The coefficients of δ, the constant's first.
-    pub(super) correction: Vec<f64>,
-    /// ln p̂ at the nodes, normalised over them.
-    pub(super) logarithm: Vec<f64>,
-    /// An estimate of ∫ |p̂ − p| dx.
-    pub(super) error: f64,
-    /// The largest of such estimates, if there were several attempts.
-    pub(super) doubt: f64,
-    /// The number of linear systems solved.
-    pub(super) solved: usize,
-    /// The size of δ.
-    pub(super) size: f64,
+impl Start {
+    /// Refuses the start of another number of states.
+    pub(super) fn check(&self, states: usize) -> Result<()> {
+        dimension("the density to start from", self.weight.space.dimension(), states)
+    }
 }
 
-impl<const N: usize> Reference<N> {
+/// p̂ = ω (1 + δ) with ln ω a polynomial and δ a polynomial of higher degree.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Reference {
+    pub(super) weight: Exponent,
+    pub(super) space: Functions,
+    /// The coefficients of δ, the constant's first.
+    pub(super) correction: Vec<f64>,
+    /// An estimate of ∫ |p̂ − p| dx.
+    #[serde(with = "number")]
+    pub(super) error: f64,
+    /// The size of δ.
+    #[serde(with = "number")]
+    pub(super) size: f64,
+    /// ln p̂ at the nodes, normalised over them.
+    #[serde(skip)]
+    pub(super) logarithm: Vec<f64>,
+    /// The largest of such estimates of the error, if there were several attempts.
+    #[serde(skip)]
+    pub(super) doubt: f64,
+    /// The number of linear systems solved.
+    #[serde(skip)]
+    pub(super) solved: usize,
+}
+
+impl Reference {
     /// Solves the moment equations of a ladder, tabulated in `table`. The correction's highest degrees carry the error that
     /// the edge of the domain makes, as ripples; where they are larger than what the answer leaves out anyway, a correction
     /// without them is tried too. `None` if no system had a solution.
     pub(super) fn new(
-        setting: &Setting<N>,
-        ladder: &Ladder<N>,
+        setting: &Setting,
+        ladder: &Ladder,
         table: &Table,
-        start: Option<&Start<N>>,
-        fit: impl Fn() -> Option<Exponent<N>>,
+        start: Option<&Start>,
+        fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
         let whole = Self::of_band(setting, ladder, table, ladder.whole, start, &fit);
         let Some(cut) = ladder.cut else { return whole };
@@ -90,12 +107,12 @@ impl<const N: usize> Reference<N> {
     /// The same with a band, from the setting's first guess. That one is good in the tails, but where ln p does not scale
     /// with the intensity it puts the mass elsewhere: `fit`, right in the middle, is the start then.
     fn of_band(
-        setting: &Setting<N>,
-        ladder: &Ladder<N>,
+        setting: &Setting,
+        ladder: &Ladder,
         table: &Table,
         band: Band,
-        start: Option<&Start<N>>,
-        fit: impl Fn() -> Option<Exponent<N>>,
+        start: Option<&Start>,
+        fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
         let similar = start.and_then(|start| Self::renewed(setting, ladder, table, band, start.clone()));
         if similar.as_ref().is_some_and(|similar| similar.error <= GOOD) {
@@ -111,7 +128,7 @@ impl<const N: usize> Reference<N> {
     }
 
     /// The distance to the closest density of the answer's order; 0 where there is none.
-    fn distance_to_answer(&self, setting: &Setting<N>, ladder: &Ladder<N>, table: &Table) -> f64 {
+    fn distance_to_answer(&self, setting: &Setting, ladder: &Ladder, table: &Table) -> f64 {
         let weights = &setting.nodes.weights;
         let values = table.values.get(..weights.len(), ..ladder.answer_columns);
         let measure = tempered(&self.logarithm, weights, 1.0);
@@ -121,14 +138,13 @@ impl<const N: usize> Reference<N> {
 
     /// Renews a weight until that no longer helps, and returns the best density on the way.
     fn renewed(
-        setting: &Setting<N>,
-        ladder: &Ladder<N>,
+        setting: &Setting,
+        ladder: &Ladder,
         table: &Table,
         band: Band,
-        Start { mut weight, settled }: Start<N>,
+        Start { mut weight, settled }: Start,
     ) -> Option<Self> {
         let nodes = &setting.nodes;
-        let residual = Residual::new(&setting.operator);
         let mut log = weight.values(&nodes.points);
         let mut best: Option<Self> = None;
         let mut change = f64::INFINITY;
@@ -140,9 +156,9 @@ impl<const N: usize> Reference<N> {
             let mass: f64 = log.iter().zip(&nodes.weights).map(|(q, w)| w * (q - top_log).exp()).sum();
             let passages: Vec<f64> =
                 setting.passages.iter().map(|p| p.weight * (weight.value(&p.before) - top_log).exp() / mass).collect();
-            let r: Vec<f64> = nodes.points.par_iter().map(|x| residual.at(x, &weight.jet(x))).collect();
-            let r = setting.passages.is_empty().then_some(&r[..]);
-            let Some(found) = resolve(table, &measure, &passages, r, band) else { break };
+            // Where there are impacts the residual is not all that is left of the equations.
+            let r = setting.passages.is_empty().then(|| residuals(setting, &weight));
+            let Some(found) = resolve(table, &measure, &passages, r.as_deref(), band) else { break };
             let error = found.error;
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
             strikes += u32::from(error > PATIENCE * least);
@@ -177,7 +193,7 @@ impl<const N: usize> Reference<N> {
                 break;
             };
             weight = Exponent {
-                known: setting.known.clone(),
+                known: setting.known().to_vec(),
                 space: ladder.weight.clone(),
                 constant: next.constant,
                 coefficients: next.coefficients,
@@ -194,17 +210,37 @@ impl<const N: usize> Reference<N> {
     }
 
     /// ln p̂ at many states, up to a constant.
-    pub(super) fn values(&self, points: &[[f64; N]]) -> Vec<f64> {
+    pub(super) fn values(&self, points: &States) -> Vec<f64> {
         points.par_iter().map(|x| self.value(x)).collect()
     }
 
     /// ln p̂ at a state, up to a constant.
-    pub(super) fn value(&self, x: &[f64; N]) -> f64 {
-        let mut values = vec![0.0; self.space.len()];
-        self.space.values(x, &mut values);
-        let delta: f64 = values.iter().zip(&self.correction[1..]).map(|(phi, c)| phi * c).sum();
+    pub(super) fn value(&self, x: &[f64]) -> f64 {
+        let delta = self.space.sum(x, &self.correction[1..]);
         self.weight.value(x) + (1.0 + self.correction[0] + delta).clamp(CUT[0], CUT[1]).ln()
     }
+
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(super) fn checked(self, states: usize) -> Read<Self> {
+        let (weight, space) = (self.weight.checked(states)?, self.space.checked(states)?);
+        // A correction may be cut off before the last functions.
+        let fits = (1..=space.len() + 1).contains(&self.correction.len());
+        if !fits || !self.correction.iter().all(|c| c.is_finite()) {
+            return Err(String::from("the reference's coefficients do not fit its functions"));
+        }
+        Ok(Reference { weight, space, doubt: self.error, ..self })
+    }
+}
+
+/// The residual of exp(Q) at the nodes.
+fn residuals(setting: &Setting, q: &Exponent) -> Vec<f64> {
+    let points = setting.nodes.points.par_iter().zip(&setting.locals);
+    let states = setting.nodes.points.dimension();
+    let residual = |jet: &mut Jet, (x, local): (&[f64], &Local)| {
+        q.jet(x, jet);
+        local.residual(&jet.gradient, &jet.hessian)
+    };
+    points.map_init(|| Jet::zero(states), residual).collect()
 }
 
 /// A logarithm with the constant that makes its exponential's sum over the nodes 1.

@@ -1,72 +1,55 @@
 //! The closure of one and two states, from the setting to the density.
 
 use super::choice::{Candidate, Fitted, Judge, Origin, mean_logarithm};
-use super::density::{ClosureDensity, ClosureProvenance, Integrals};
+use super::content::{Content, Integrals};
+use super::density::ClosureDensity;
 use super::exponent::Exponent;
 use super::family::Ladder;
 use super::indicator::{Indication, Probe, indicate};
+use super::kept::Kept;
 use super::nodes::Nodes;
 use super::pilot::Pilot;
 use super::projection::{project, tempered};
 use super::reference::{Reference, Start, normalised};
-use super::setting::{FINE, Setting, likeliest};
-use super::table::Table;
+use super::setting::{FINE, Passage, Setting, likeliest};
+use super::table::{self, Table};
 use super::trust_domain::TrustDomain;
 use super::weight::Weight;
-use crate::{Barrier, Error, Result};
+use crate::error::{Error, Result};
+use crate::provenance::Provenance;
+use crate::states::States;
 use faer::{Mat, MatRef};
 use std::time::Instant;
 
 /// The power of the reference under which it is smoothed, for the tails' sake.
 const SMOOTHED: f64 = 0.5;
 
-/// The pilot's states whose likelihood is looked at.
+/// The pilot's states whose likelihood is taken.
 const WITNESSES: usize = 4000;
-/// An answer with a larger error is looked at once more.
+/// An answer with a larger error is integrated again on finer nodes.
 const ROUGH: f64 = 0.2;
-/// A reference with a larger error says nothing.
+/// A reference with a larger error is none.
 const UNKNOWN: f64 = 1.0;
 /// What the closures of one system share at all orders.
-pub(super) struct Workshop<const N: usize> {
-    pub(super) setting: Setting<N>,
+pub(super) struct Workshop {
+    pub(super) setting: Setting,
     /// What a similar system's reference has come to.
-    pub(super) start: Option<Start<N>>,
+    pub(super) start: Option<Start>,
     /// Under the system's own intensities.
-    pub(super) pilot: Pilot<N>,
+    pub(super) pilot: Pilot,
     pub(super) inflation: f64,
-    pub(super) walls: [Option<Barrier>; 2],
     pub(super) weight: Weight,
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
 }
 
-/// The part of the trust domain on which a reference is large enough to be asked, with its nodes.
-pub(super) struct Kept<const N: usize> {
-    domain: TrustDomain<N>,
-    /// The nodes' places among those of the setting.
-    nodes: Vec<usize>,
-    pub(super) points: Vec<[f64; N]>,
-    pub(super) weights: Vec<f64>,
-}
-
-impl<const N: usize> Kept<N> {
-    fn above(setting: &Setting<N>, reference: &Reference<N>) -> Self {
-        let domain = setting.domain.above(|x| reference.value(x), setting.drop);
-        let all = &setting.nodes;
-        let nodes: Vec<usize> = (0..all.len()).filter(|&i| domain.contains(&all.points[i])).collect();
-        let points = nodes.iter().map(|&i| all.points[i]).collect();
-        let weights = nodes.iter().map(|&i| all.weights[i]).collect();
-        Kept { domain, nodes, points, weights }
-    }
-}
-
-impl<const N: usize> Workshop<N> {
+impl Workshop {
     /// The closure of an order.
     ///
     /// # Errors
     /// [`Error::NotClosed`] if the pilot's states allow no density at all.
-    pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity<N>> {
+    pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
         let failed = |reason| Error::NotClosed { order, reason };
         let setting = &self.setting;
         let ladder = setting.family.ladder(order);
@@ -90,54 +73,48 @@ impl<const N: usize> Workshop<N> {
         if candidates[0].l1_estimate > ROUGH && !self.resolved(&exponent, &kept.domain) {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
-        let probe = Probe {
-            domain: &kept.domain,
-            points: &kept.points,
-            weights: &kept.weights,
-            values: values.as_ref(),
-            at_walls: after.as_ref(),
-            own: ladder.answer_columns,
-            order,
-        };
+        let (values, at_walls) = (values.as_ref(), after.as_ref());
+        let probe = Probe { kept: &kept, values, at_walls, own: ladder.answer_columns, order };
         let unknown = Indication { indicator: f64::INFINITY, residual: f64::INFINITY };
         let indication = indicate(setting, &exponent, &probe).unwrap_or(unknown);
         let reference_shift = reference.value(&kept.points[0]) - judge.target[0];
         let reference = reference.shifted(-reference_shift);
-        let (rules, lines) = (setting.nodes.rules.clone(), setting.lines.clone());
-        Ok(ClosureDensity {
-            polynomials: setting.smooth.as_ref().map(|smooth| smooth.polynomials(order)),
-            provenance: self.provenance(order, exponent.coefficients.len(), reference.solved),
-            integrals: Integrals::panels(rules, lines, &kept.domain, &exponent, Some(&reference)),
+        let unknowns = exponent.coefficients.len();
+        let provenance = self.provenance(order, unknowns, reference.solved);
+        Ok(ClosureDensity::new(Content {
             exponent,
             reference: Some(reference),
             domain: kept.domain,
-            walls: self.walls,
+            integrals: Integrals::Panels { rules: setting.nodes.rules.clone(), lines: setting.lines.clone() },
             guarded: self.guarded,
             candidates,
             indication,
-        })
+            provenance,
+        }))
     }
 
     /// All functions at the nodes and before impacts, less what they are after them; and what they are after them.
-    fn tabulated(&self, ladder: &Ladder<N>) -> (Table, Mat<f64>) {
-        let setting = &self.setting;
-        let ends = setting.passages.iter().map(|p| p.before).chain(setting.passages.iter().map(|p| p.after));
-        let points: Vec<[f64; N]> = setting.nodes.points.iter().copied().chain(ends).collect();
-        let all = Table::new(&*ladder.all, &setting.operator, &points);
-        let (interior, impacts) = (setting.nodes.len(), setting.passages.len());
-        let after = Mat::from_fn(impacts, ladder.lower_columns, |i, k| all.values[(interior + impacts + i, k)]);
-        (all.with_passages(interior, impacts), after)
+    fn tabulated(&self, ladder: &Ladder) -> (Table, Mat<f64>) {
+        let Setting { nodes, locals, passages, .. } = &self.setting;
+        let ends = |end: fn(&Passage) -> &[f64; 2]| {
+            let mut points = States::new(nodes.points.dimension());
+            passages.iter().for_each(|passage| points.push(end(passage)));
+            table::values(&ladder.all, &points)
+        };
+        let (before, after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
+        let table = Table::new(&ladder.all, &nodes.points, locals).with_impacts(&before, &after);
+        (table, after.get(.., ..ladder.lower_columns).to_owned())
     }
 
     /// Who judges the densities of an order: the reference, as it stands and as an exponential polynomial.
     fn judge<'a>(
         &'a self,
-        ladder: &Ladder<N>,
-        reference: &'a Reference<N>,
-        kept: &Kept<N>,
+        ladder: &Ladder,
+        reference: &'a Reference,
+        kept: &Kept,
         values: MatRef<'a, f64>,
-        witnesses: &'a [[f64; N]],
-    ) -> Judge<'a, N> {
+        witnesses: &'a States,
+    ) -> Judge<'a> {
         let setting = &self.setting;
         let weights = kept.weights.clone();
         let target: Vec<f64> = kept.nodes.iter().map(|&i| reference.logarithm[i]).collect();
@@ -152,12 +129,12 @@ impl<const N: usize> Workshop<N> {
     }
 
     /// The densities that were tried, the best one first.
-    fn tried(&self, judge: &Judge<'_, N>, kept: &Kept<N>) -> Vec<Fitted<N>> {
+    fn tried(&self, judge: &Judge<'_>, kept: &Kept) -> Vec<Fitted> {
         let setting = &self.setting;
         let mut tried = judge.candidates(self.weight);
         if judge.reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted) {
             // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
-            let fit = likeliest(judge.space.clone(), setting.known.clone(), &setting.nodes, &self.pilot.states, 1.0);
+            let fit = likeliest(judge.space.clone(), setting.known().to_vec(), &setting.nodes, &self.pilot.states, 1.0);
             if let Some(fit) = fit {
                 let log: Vec<f64> = kept.points.iter().map(|x| fit.value(x)).collect();
                 tried.insert(0, judge.judged(Origin::MaximumLikelihood, fit, &log));
@@ -167,38 +144,41 @@ impl<const N: usize> Workshop<N> {
     }
 
     /// Whether a density that is normalised on the nodes is so on twice as many.
-    fn resolved(&self, exponent: &Exponent<N>, domain: &TrustDomain<N>) -> bool {
-        if self.setting.smooth.is_none() {
+    fn resolved(&self, exponent: &Exponent, domain: &TrustDomain) -> bool {
+        if !self.setting.family.is_smooth() {
             return true;
         }
-        let finer = Nodes::gauss(domain, 2 * FINE[N.min(2) - 1]);
+        let finer = Nodes::gauss(domain, 2 * FINE[self.setting.nodes.points.dimension().min(2) - 1]);
         let mass: f64 = exponent.values(&finer.points).iter().zip(&finer.weights).map(|(log, w)| w * log.exp()).sum();
         (0.9..=1.1).contains(&mass)
     }
 
     /// Some of the pilot's states, evenly chosen: enough for a guard that is to see gross errors.
-    pub(super) fn witnesses(&self) -> Vec<[f64; N]> {
+    pub(super) fn witnesses(&self) -> States {
         let states = &self.pilot.states;
-        states.iter().step_by((states.len() / WITNESSES).max(1)).copied().collect()
+        let mut chosen = States::new(states.dimension());
+        states.iter().step_by((states.len() / WITNESSES).max(1)).for_each(|x| chosen.push(x));
+        chosen
     }
 
-    pub(super) fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> ClosureProvenance {
-        ClosureProvenance {
-            order,
-            unknowns,
-            nodes: self.setting.nodes.len(),
-            seed: self.seed,
-            pilot_states: self.pilot.states.len(),
-            inflation: self.inflation,
-            stationary: self.pilot.stationary,
-            iterations,
-            elapsed: self.begin.elapsed(),
+    pub(super) fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> Provenance {
+        Provenance {
+            order: Some(order),
+            unknowns: Some(unknowns),
+            nodes: Some(self.setting.nodes.len()),
+            iterations: Some(iterations),
+            seed: Some(self.seed),
+            pilot_states: Some(self.pilot.states.len()),
+            inflation: Some(self.inflation),
+            stationary: Some(self.pilot.stationary),
+            seconds: self.begin.elapsed().as_secs_f64(),
+            ..Provenance::default()
         }
     }
 
     /// The mean of ln p over the pilot's states that a good density has: the reference's, or that of the fit which the
     /// first guess is if it is larger.
-    pub(super) fn likelihood(&self, reference: &Reference<N>, states: &[[f64; N]]) -> f64 {
+    pub(super) fn likelihood(&self, reference: &Reference, states: &States) -> f64 {
         let setting = &self.setting;
         let shift = reference.value(&setting.nodes.points[0]) - reference.logarithm[0];
         let of_reference = reference.values(states).iter().sum::<f64>() / states.len() as f64 - shift;
@@ -209,8 +189,8 @@ impl<const N: usize> Workshop<N> {
     }
 
     /// The most likely density of the first guess's form for states under the system's own intensities.
-    fn fit(&self, states: &[[f64; N]]) -> Option<Exponent<N>> {
+    fn fit(&self, states: &States) -> Option<Exponent> {
         let setting = &self.setting;
-        likeliest(setting.guess.space.clone(), setting.known.clone(), &setting.nodes, states, 1.0)
+        likeliest(setting.guess.space.clone(), setting.known().to_vec(), &setting.nodes, states, 1.0)
     }
 }

@@ -1,16 +1,18 @@
 //! All that a closure of one system needs at any order: where the density is, and the points that stand for integrals.
 
-use super::exponent::{Exponent, Known};
+use super::exponent::{Exponent, known_value};
 use super::family::{Family, Smooth};
 use super::likelihood::most_likely;
 use super::nodes::Nodes;
 use super::pilot::Pilot;
-use super::space::Space;
+use super::space::{Corner, Functions};
+use super::table;
 use super::trust_domain::TrustDomain;
-use crate::FokkerPlanck;
+use crate::fokker_planck::Local;
+use crate::problem::Problem;
 use crate::quadrature::Rule;
+use crate::states::States;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// The degree of the polynomial that the pilot's states are fitted by.
 const FIT: u32 = 8;
@@ -30,9 +32,9 @@ const WIDENING: f64 = 1.4;
 
 /// A jump that trajectories make where they meet a wall.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passage<const N: usize> {
-    pub(super) before: [f64; N],
-    pub(super) after: [f64; N],
+pub(super) struct Passage {
+    pub(super) before: [f64; 2],
+    pub(super) after: [f64; 2],
     /// The flux through the wall for p = 1 times the quadrature weight.
     pub(super) weight: f64,
     /// r², by which p falls at the jump.
@@ -40,87 +42,85 @@ pub(super) struct Passage<const N: usize> {
 }
 
 /// A system with its trust domain, the nodes in it, and the functions on it.
-pub(super) struct Setting<const N: usize> {
-    pub(super) operator: FokkerPlanck<N>,
-    pub(super) family: Arc<dyn Family<N>>,
-    /// The same as polynomials, where they are no more than that.
-    pub(super) smooth: Option<Smooth<N>>,
-    pub(super) domain: TrustDomain<N>,
-    pub(super) nodes: Nodes<N>,
+pub(super) struct Setting {
+    pub(super) family: Family,
+    pub(super) domain: TrustDomain,
+    pub(super) nodes: Nodes,
+    /// The Fokker-Planck operator at the nodes.
+    pub(super) locals: Vec<Local>,
     /// Rules along the states, for integrals over a single one; 0 is the edge of a panel.
-    pub(super) lines: [Rule; N],
-    pub(super) passages: Vec<Passage<N>>,
-    /// The part of ln p that no function here can follow, and its values at the nodes.
-    pub(super) known: Option<Arc<dyn Known<N>>>,
+    pub(super) lines: Vec<Rule>,
+    pub(super) passages: Vec<Passage>,
+    /// The values at the nodes of the part of ln p that no function here can follow.
     pub(super) fixed: Vec<f64>,
-    /// The first guess of ln p.
-    pub(super) guess: Exponent<N>,
+    /// The first guess of ln p, with that part.
+    pub(super) guess: Exponent,
     /// How far below its peak, in ln p, the answer is still defined.
     pub(super) drop: f64,
 }
 
-impl<const N: usize> Setting<N> {
+impl Setting {
     /// The setting of a system on the whole space.
     ///
     /// Its pilot ran at an inflated intensity, under which ln p is roughly divided by the inflation (exactly so for a Gibbs
     /// density): the most likely polynomial, multiplied back, is the first guess, and good in the tails as well. The nodes
     /// serve up to `highest_order`. `None` if the states cannot be fitted.
-    pub(super) fn new(
-        operator: FokkerPlanck<N>,
-        pilot: &Pilot<N>,
-        family: Smooth<N>,
-        highest_order: u32,
-    ) -> Option<Self> {
-        let met = TrustDomain::new(pilot, &family.symmetry, family.centre, [None, None], 1.0);
+    pub(super) fn new(problem: &Problem, pilot: &Pilot, family: Smooth, highest_order: u32) -> Option<Self> {
+        let met = TrustDomain::new(pilot, &family.symmetry, family.centre.clone(), [None, None], 1.0);
         let coarse = Nodes::gauss(&met, COARSE);
-        let [centre, half_width] = met.box_around();
-        let space = Smooth { centre, half_width, ..family.clone() }.polynomials(FIT);
-        let guess = likeliest(Arc::new(space), None, &coarse, &pilot.states, pilot.inflation)?;
+        let (centre, half_width) = met.box_around();
+        let space = Smooth { centre, half_width, ..family.clone() }.functions(FIT);
+        let guess = likeliest(space, Vec::new(), &coarse, &pilot.states, pilot.inflation)?;
         let domain = met.following(|x| guess.value(x), DROP, WIDENING);
-        let along = if N == 2 && highest_order <= LOW_ORDER { LOW_ORDER_NODES } else { FINE[N.min(2) - 1] };
+        let states = problem.dimension();
+        let along = if states == 2 && highest_order <= LOW_ORDER { LOW_ORDER_NODES } else { FINE[states.min(2) - 1] };
         let nodes = Nodes::gauss(&domain, along);
-        let [centre, half_width] = domain.box_around();
-        let family = Smooth { centre, half_width, ..family };
-        let fixed = vec![0.0; nodes.len()];
-        let lines = lines(&domain);
-        Some(Setting {
-            operator,
-            family: Arc::new(family.clone()),
-            smooth: Some(family),
-            domain,
-            nodes,
-            lines,
-            passages: Vec::new(),
-            known: None,
-            fixed,
-            guess,
-            drop: KEPT,
-        })
+        let (centre, half_width) = domain.box_around();
+        let family = Family::Smooth(Smooth { centre, half_width, ..family });
+        let (lines, locals, fixed) = (lines(&domain), locals(problem, &nodes), vec![0.0; nodes.len()]);
+        let (passages, drop) = (Vec::new(), KEPT);
+        Some(Setting { family, domain, nodes, locals, lines, passages, fixed, guess, drop })
+    }
+
+    /// The walls whose grazing impacts make the part of ln p that no function here can follow.
+    pub(super) fn known(&self) -> &[Corner] {
+        &self.guess.known
     }
 }
 
+/// The Fokker-Planck operator at nodes.
+pub(super) fn locals(problem: &Problem, nodes: &Nodes) -> Vec<Local> {
+    let local = |x: &[f64]| {
+        let mut local = Local::new(x.len());
+        problem.local(x, &mut local);
+        local
+    };
+    nodes.points.par_iter().map(local).collect()
+}
+
 /// Rules across a domain along each state, in two panels that meet at 0 or in the middle.
-pub(super) fn lines<const N: usize>(domain: &TrustDomain<N>) -> [Rule; N] {
+pub(super) fn lines(domain: &TrustDomain) -> Vec<Rule> {
     let rule = Rule::legendre(LINE);
-    domain.bounds().map(|[low, high]| {
+    let across = |&[low, high]: &[f64; 2]| {
         let middle = if low < 0.0 && high > 0.0 { 0.0 } else { (low + high) / 2.0 };
         let (left, right) = (rule.on(low, middle), rule.on(middle, high));
         Rule { nodes: [left.nodes, right.nodes].concat(), weights: [left.weights, right.weights].concat() }
-    })
+    };
+    domain.bounds().iter().map(across).collect()
 }
 
 /// The most likely Q of a space for a pilot's states, times `inflation`; a known part of ln p is kept as it is.
-pub(super) fn likeliest<const N: usize>(
-    space: Arc<dyn Space<N> + Send>,
-    known: Option<Arc<dyn Known<N>>>,
-    nodes: &Nodes<N>,
-    states: &[[f64; N]],
+pub(super) fn likeliest(
+    space: Functions,
+    known: Vec<Corner>,
+    nodes: &Nodes,
+    states: &States,
     inflation: f64,
-) -> Option<Exponent<N>> {
-    let mean = means(&*space, states);
-    let table = rows(&*space, &nodes.points);
-    let fixed: Vec<f64> = nodes.points.iter().map(|x| known.as_ref().map_or(0.0, |known| known.jet(x).value)).collect();
-    let a = most_likely(table.as_ref(), &fixed, &nodes.weights, &mean)?;
+) -> Option<Exponent> {
+    let mean = means(&space, states);
+    let table = table::values(&space, &nodes.points);
+    let fixed: Vec<f64> = nodes.points.iter().map(|x| known_value(&known, x)).collect();
+    let a = most_likely(table.get(.., 1..), &fixed, &nodes.weights, &mean)?;
     Some(Exponent { known, space, constant: 0.0, coefficients: a.iter().map(|a| inflation * a).collect() })
 }
 
@@ -128,10 +128,10 @@ pub(super) fn likeliest<const N: usize>(
 const CHUNK: usize = 512;
 
 /// The means of a space's functions over some states.
-fn means<const N: usize>(space: &(impl Space<N> + ?Sized), states: &[[f64; N]]) -> Vec<f64> {
-    let sums = |chunk: &[[f64; N]]| {
+fn means(space: &Functions, states: &States) -> Vec<f64> {
+    let sums = |chunk: &[f64]| {
         let (mut sums, mut values) = (vec![0.0; space.len()], vec![0.0; space.len()]);
-        for x in chunk {
+        for x in chunk.chunks_exact(states.dimension()) {
             space.values(x, &mut values);
             sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += value);
         }
@@ -139,15 +139,4 @@ fn means<const N: usize>(space: &(impl Space<N> + ?Sized), states: &[[f64; N]]) 
     };
     let parts: Vec<Vec<f64>> = states.par_chunks(CHUNK).map(sums).collect();
     (0..space.len()).map(|k| parts.iter().map(|part| part[k]).sum::<f64>() / states.len() as f64).collect()
-}
-
-/// The values of a space's functions at some points: one row a point.
-fn rows<const N: usize>(space: &(impl Space<N> + ?Sized), points: &[[f64; N]]) -> faer::Mat<f64> {
-    let values = |x: &[f64; N]| {
-        let mut values = vec![0.0; space.len()];
-        space.values(x, &mut values);
-        values
-    };
-    let rows: Vec<Vec<f64>> = points.par_iter().map(values).collect();
-    faer::Mat::from_fn(points.len(), space.len(), |i, k| rows[i][k])
 }

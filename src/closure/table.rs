@@ -1,5 +1,6 @@
-use super::space::{Local, Space};
-use crate::FokkerPlanck;
+use super::space::Functions;
+use crate::fokker_planck::Local;
+use crate::states::States;
 use faer::Mat;
 use rayon::prelude::*;
 
@@ -13,43 +14,39 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Tabulates a space under the generator of `operator`.
-    pub(super) fn new<const N: usize>(space: &dyn Space<N>, operator: &FokkerPlanck<N>, points: &[[f64; N]]) -> Self {
+    /// Tabulates functions under the generator, whose coefficients at the points are `locals`.
+    pub(super) fn new(space: &Functions, points: &States, locals: &[Local]) -> Self {
         let columns = space.len() + 1;
-        let rows: Vec<(Vec<f64>, Vec<f64>)> = points
-            .par_iter()
-            .map(|x| {
-                let (mut values, mut rates) = (vec![1.0; columns], vec![0.0; columns]);
-                space.rates(x, &local(operator, x), &mut values[1..], &mut rates[1..]);
-                (values, rates)
-            })
-            .collect();
-        Table {
-            values: Mat::from_fn(points.len(), columns, |i, k| rows[i].0[k]),
-            rates: Mat::from_fn(points.len(), columns, |i, k| rows[i].1[k]),
-        }
+        let (mut values, mut rates) = (vec![1.0; points.len() * columns], vec![0.0; points.len() * columns]);
+        let rows = values.par_chunks_mut(columns).zip(rates.par_chunks_mut(columns));
+        rows.zip(points.par_iter()).zip(locals).for_each(|(((values, rates), x), local)| {
+            space.rates(x, (&local.drift, &local.diffusion), &mut values[1..], &mut rates[1..]);
+        });
+        Table { values: by_rows(&values, columns), rates: by_rows(&rates, columns) }
     }
-}
 
-impl Table {
-    /// The table with the rows of impacts made one: after `interior` rows there are `count` of the states before and
-    /// `count` of those after; a function's values are those before, and its rate becomes its jump.
-    pub(super) fn with_passages(&self, interior: usize, count: usize) -> Self {
-        let columns = self.values.ncols();
-        let rates = |i: usize, k: usize| {
-            if i < interior { self.rates[(i, k)] } else { self.values[(i + count, k)] - self.values[(i, k)] }
+    /// The table with one more row for each impact: a function's values are those before, and its rate is its jump.
+    pub(super) fn with_impacts(&self, before: &Mat<f64>, after: &Mat<f64>) -> Self {
+        let (interior, columns) = (self.values.nrows(), self.values.ncols());
+        let joined = |inside: &Mat<f64>, beyond: &dyn Fn(usize, usize) -> f64| {
+            let entry = |i: usize, k: usize| if i < interior { inside[(i, k)] } else { beyond(i - interior, k) };
+            Mat::from_fn(interior + before.nrows(), columns, entry)
         };
         Table {
-            values: self.values.get(..interior + count, ..).to_owned(),
-            rates: Mat::from_fn(interior + count, columns, rates),
+            values: joined(&self.values, &|i, k| before[(i, k)]),
+            rates: joined(&self.rates, &|i, k| after[(i, k)] - before[(i, k)]),
         }
     }
 }
 
-/// Itô drift and diffusion at a point.
-pub(super) fn local<const N: usize>(operator: &FokkerPlanck<N>, x: &[f64; N]) -> Local<N> {
-    Local {
-        drift: operator.drift().each_ref().map(|f| f.evaluate(x)),
-        diffusion: operator.diffusion().each_ref().map(|row| row.each_ref().map(|b| b.evaluate(x))),
-    }
+/// 1, φ₁ … φ_K at some points: one row a point.
+pub(super) fn values(space: &Functions, points: &States) -> Mat<f64> {
+    let columns = space.len() + 1;
+    let mut rows = vec![1.0; points.len() * columns];
+    rows.par_chunks_mut(columns).zip(points.par_iter()).for_each(|(row, x)| space.values(x, &mut row[1..]));
+    by_rows(&rows, columns)
+}
+
+fn by_rows(rows: &[f64], columns: usize) -> Mat<f64> {
+    Mat::from_fn(rows.len() / columns, columns, |i, k| rows[i * columns + k])
 }

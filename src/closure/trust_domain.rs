@@ -1,9 +1,11 @@
 use super::pilot::Pilot;
-use super::symmetry::Symmetry;
+use crate::problem::Symmetry;
+use crate::record::{Read, positive_states, states};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Angular sectors in two states.
-pub(super) const SECTORS: usize = 48;
+const SECTORS: usize = 48;
 
 /// Steps along a ray when its end is looked for.
 const RAY: usize = 128;
@@ -16,57 +18,86 @@ const RISING: f64 = 5.0;
 ///
 /// It is star-shaped about its centre. In one state it is an interval, in two its reach depends on the direction, by 48
 /// sectors, and in more it is an ellipsoid along the states' axes.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct TrustDomain<const N: usize> {
-    pub(super) centre: [f64; N],
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TrustDomain {
+    pub(crate) centre: Vec<f64>,
     /// The scales of the states, in which directions and distances are measured.
-    pub(super) scale: [f64; N],
+    pub(crate) scale: Vec<f64>,
     /// The reach by direction, in units of the scales.
-    pub(super) reach: Vec<f64>,
+    pub(crate) reach: Vec<f64>,
     /// The limits of state 0 where walls stand.
-    pub(super) walls: [f64; 2],
+    pub(crate) walls: [Option<f64>; 2],
 }
 
-impl<const N: usize> TrustDomain<N> {
+impl TrustDomain {
     /// The hull of the pilot's states and their mirror images about `centre`, with all distances multiplied by
     /// `widening`. Walls at state 0, if any, stay where they are.
     pub(super) fn new(
-        pilot: &Pilot<N>,
-        symmetry: &Symmetry<N>,
-        centre: [f64; N],
+        pilot: &Pilot,
+        symmetry: &Symmetry,
+        centre: Vec<f64>,
         walls: [Option<f64>; 2],
         widening: f64,
     ) -> Self {
-        let images = || pilot.states.iter().flat_map(|x| symmetry.images(*x));
-        let scale = std::array::from_fn(|i| images().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max));
-        let walls = [walls[0].unwrap_or(f64::NEG_INFINITY), walls[1].unwrap_or(f64::INFINITY)];
-        let sectors = match N {
-            1 => 2,
-            2 => SECTORS,
-            _ => 1,
+        let for_images = |work: &mut dyn FnMut(&[f64])| {
+            let mut image = vec![0.0; centre.len()];
+            for x in &pilot.states {
+                for change in 0..symmetry.count() {
+                    symmetry.reflect(change, x, &mut image);
+                    work(&image);
+                }
+            }
         };
-        let mut domain = TrustDomain { centre, scale, reach: vec![0.0; sectors], walls };
-        let mut reach = vec![0.0_f64; sectors];
-        for x in images() {
-            let sector = domain.sector(&x).0;
-            reach[sector] = reach[sector].max(domain.distance(&x));
-        }
-        if N == 2 {
+        let mut scale = vec![0.0_f64; centre.len()];
+        for_images(&mut |x| {
+            scale.iter_mut().zip(x.iter().zip(&centre)).for_each(|(s, (x, c))| *s = s.max((x - c).abs()))
+        });
+        let reach = vec![0.0; sectors(centre.len())];
+        let mut domain = TrustDomain { centre: centre.clone(), scale, reach, walls };
+        let mut reach = domain.reach.clone();
+        for_images(&mut |x| {
+            let sector = domain.sector(x).0;
+            reach[sector] = reach[sector].max(domain.distance(x));
+        });
+        domain.reach = match centre.len() {
             // A sector that few states have met reaches at least as far as the mean of its neighbours.
-            domain.reach = (0..SECTORS)
+            2 => (0..SECTORS)
                 .map(|k| reach[k].max((reach[k] + reach[(k + 1) % SECTORS] + reach[(k + SECTORS - 1) % SECTORS]) / 3.0))
-                .collect();
-        } else {
-            domain.reach = reach;
-        }
+                .collect(),
+            _ => reach,
+        };
         domain.reach.iter_mut().for_each(|r| *r *= widening);
         domain
+    }
+
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(super) fn checked(self, count: usize) -> Read<Self> {
+        let sectors = sectors(count);
+        if self.reach.len() != sectors || !self.reach.iter().all(|reach| reach.is_finite() && *reach >= 0.0) {
+            return Err(format!("the trust domain reaches {:?}, and not {sectors} distances", self.reach));
+        }
+        if self.walls.iter().flatten().any(|wall| !wall.is_finite()) {
+            return Err(format!("the walls of the trust domain stand at {:?}", self.walls));
+        }
+        states("the centre of the trust domain", &self.centre, count)?;
+        positive_states("the scale of the trust domain", &self.scale, count)?;
+        Ok(self)
+    }
+
+    fn dimension(&self) -> usize {
+        self.centre.len()
+    }
+
+    /// The limits of state 0.
+    pub(crate) fn limits(&self) -> [f64; 2] {
+        [self.walls[0].unwrap_or(f64::NEG_INFINITY), self.walls[1].unwrap_or(f64::INFINITY)]
     }
 
     /// The domain as far as a logarithmic density `log` falls: in each direction from three quarters of the present reach
     /// outwards, until it is `drop` below its highest value anywhere, begins to rise again, or the reach has grown by
     /// `most`.
-    pub(super) fn following(&self, log: impl Fn(&[f64; N]) -> f64 + Sync, drop: f64, most: f64) -> Self {
+    pub(super) fn following(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64, most: f64) -> Self {
         let rays: Vec<Vec<f64>> = (0..self.reach.len())
             .into_par_iter()
             .map(|k| (0..=RAY).map(|step| log(&self.on_ray(k, step, most))).collect())
@@ -89,50 +120,52 @@ impl<const N: usize> TrustDomain<N> {
 
     /// The point at `step` of `RAY` on the way from the centre through the middle of a sector to `most` times its reach;
     /// beyond a wall, the point of the wall at the same height.
-    fn on_ray(&self, sector: usize, step: usize, most: f64) -> [f64; N] {
+    fn on_ray(&self, sector: usize, step: usize, most: f64) -> Vec<f64> {
         let mut x = self.free_ray(sector, step, most);
-        x[0] = x[0].clamp(self.walls[0], self.walls[1]);
+        let [low, high] = self.limits();
+        x[0] = x[0].clamp(low, high);
         x
     }
 
-    fn free_ray(&self, sector: usize, step: usize, most: f64) -> [f64; N] {
+    fn free_ray(&self, sector: usize, step: usize, most: f64) -> Vec<f64> {
         let r = self.reach[sector] * most * step as f64 / RAY as f64;
         let phi = (sector as f64 + 0.5) / SECTORS as f64 * std::f64::consts::TAU;
-        let direction = |i: usize| match (N, i) {
+        let direction = |i: usize| match (self.dimension(), i) {
             (1, _) => [-1.0, 1.0][sector],
             (2, 0) => phi.cos(),
             (2, 1) => phi.sin(),
             _ => 0.0,
         };
-        std::array::from_fn(|i| self.centre[i] + self.scale[i] * r * direction(i))
+        (0..self.dimension()).map(|i| self.centre[i] + self.scale[i] * r * direction(i)).collect()
     }
 
     /// Whether a state lies inside.
-    pub(super) fn contains(&self, x: &[f64; N]) -> bool {
+    pub(super) fn contains(&self, x: &[f64]) -> bool {
         self.between_walls(x[0]) && self.distance(x) <= self.reach_towards(x)
     }
 
     /// The box around the domain.
-    pub(super) fn bounds(&self) -> [[f64; 2]; N] {
+    pub(super) fn bounds(&self) -> Vec<[f64; 2]> {
         let widest = self.reach.iter().copied().fold(0.0, f64::max);
-        let mut bounds = std::array::from_fn(|i| {
+        let along = |i: usize| {
             let half = self.scale[i] * self.extent(i).min(widest);
             [self.centre[i] - half, self.centre[i] + half]
-        });
-        bounds[0] = [bounds[0][0].max(self.walls[0]), bounds[0][1].min(self.walls[1])];
+        };
+        let mut bounds: Vec<[f64; 2]> = (0..self.dimension()).map(along).collect();
+        let [low, high] = self.limits();
+        bounds[0] = [bounds[0][0].max(low), bounds[0][1].min(high)];
         bounds
     }
 
     /// The middle and the half widths of that box.
-    pub(super) fn box_around(&self) -> [[f64; N]; 2] {
-        let bounds = self.bounds();
-        [bounds.map(|[low, high]| (low + high) / 2.0), bounds.map(|[low, high]| (high - low) / 2.0)]
+    pub(super) fn box_around(&self) -> (Vec<f64>, Vec<f64>) {
+        self.bounds().iter().map(|[low, high]| ((low + high) / 2.0, (high - low) / 2.0)).unzip()
     }
 
     /// The domain cut back, in each direction, to the outermost point where a logarithmic density is not yet `drop` below
     /// its highest value on any ray, the centre itself left out: above a wall the density may be infinite there. Nor do
     /// points of the wall count that a ray behind it leads to beyond the domain.
-    pub(super) fn above(&self, log: impl Fn(&[f64; N]) -> f64 + Sync, drop: f64) -> Self {
+    pub(super) fn above(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64) -> Self {
         let on_ray = |k: usize| {
             let points = (1..=RAY).map(move |step| self.on_ray(k, step, 1.0));
             points.map(|x| if self.contains(&x) { log(&x) } else { f64::NEG_INFINITY }).collect()
@@ -147,11 +180,8 @@ impl<const N: usize> TrustDomain<N> {
         domain
     }
 
-    /// The mass beyond the edge if a logarithmic density falls on at the rate that it has there.
-    pub(super) fn mass_beyond(&self, log: impl Fn(&[f64; N]) -> f64) -> f64 {
-        if N > 2 {
-            return f64::NAN;
-        }
+    /// The mass beyond the edge, in one state or two, if a logarithmic density falls on at the rate that it has there.
+    pub(super) fn mass_beyond(&self, log: impl Fn(&[f64]) -> f64) -> f64 {
         let area: f64 = self.scale.iter().product();
         let angle = std::f64::consts::TAU / SECTORS as f64;
         (0..self.reach.len())
@@ -159,8 +189,12 @@ impl<const N: usize> TrustDomain<N> {
             .map(|k| {
                 let edge = self.on_ray(k, RAY, 1.0);
                 let s = self.fall(&edge, &log);
-                let volume =
-                    area * if N == 1 { self.reach[k] / s } else { self.reach[k].powi(2) * angle * (1.0 + 1.0 / s) / s };
+                let volume = area
+                    * if self.dimension() == 1 {
+                        self.reach[k] / s
+                    } else {
+                        self.reach[k].powi(2) * angle * (1.0 + 1.0 / s) / s
+                    };
                 volume * log(&edge).exp()
             })
             .sum()
@@ -168,29 +202,30 @@ impl<const N: usize> TrustDomain<N> {
 
     /// The guard: outside the domain, the value at the edge less at least `STEEP` for each time that the distance from
     /// the centre exceeds the reach; −∞ behind walls.
-    pub(super) fn continued(&self, x: &[f64; N], log: impl Fn(&[f64; N]) -> f64) -> f64 {
+    pub(super) fn continued(&self, x: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
         if !self.between_walls(x[0]) {
             return f64::NEG_INFINITY;
         }
         let excess = self.distance(x) / self.reach_towards(x).max(f64::MIN_POSITIVE);
-        let edge: [f64; N] = std::array::from_fn(|i| self.centre[i] + (x[i] - self.centre[i]) / excess);
+        let edge: Vec<f64> = self.centre.iter().zip(x).map(|(c, x)| c + (x - c) / excess).collect();
         log(&edge) - self.fall(&edge, &log) * (excess - 1.0)
     }
 
     /// How steeply a logarithmic density falls outwards at a point of the edge, for each reach; at least `STEEP`.
-    fn fall(&self, edge: &[f64; N], log: impl Fn(&[f64; N]) -> f64) -> f64 {
+    fn fall(&self, edge: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
         const NEAR: f64 = 0.99;
-        let inner = std::array::from_fn(|i| self.centre[i] + NEAR * (edge[i] - self.centre[i]));
+        let inner: Vec<f64> = self.centre.iter().zip(edge).map(|(c, edge)| c + NEAR * (edge - c)).collect();
         ((log(&inner) - log(edge)) / (1.0 - NEAR)).max(STEEP)
     }
 
     fn between_walls(&self, x: f64) -> bool {
-        (self.walls[0]..=self.walls[1]).contains(&x)
+        let [low, high] = self.limits();
+        (low..=high).contains(&x)
     }
 
     /// How far the domain extends along one state, in units of its scale.
     fn extent(&self, state: usize) -> f64 {
-        if N != 2 {
+        if self.dimension() != 2 {
             return self.reach.iter().copied().fold(0.0, f64::max);
         }
         // Between the middles of two sectors the reach is interpolated: the farther of both bounds it.
@@ -208,16 +243,17 @@ impl<const N: usize> TrustDomain<N> {
     }
 
     /// The distance from the centre, in units of the scales.
-    fn distance(&self, x: &[f64; N]) -> f64 {
-        (0..N).map(|i| ((x[i] - self.centre[i]) / self.scale[i]).powi(2)).sum::<f64>().sqrt()
+    fn distance(&self, x: &[f64]) -> f64 {
+        let squares = (0..self.dimension()).map(|i| ((x[i] - self.centre[i]) / self.scale[i]).powi(2));
+        squares.sum::<f64>().sqrt()
     }
 
     /// The sector of a state's direction, and how far it lies past the sector's middle, in sectors.
-    fn sector(&self, x: &[f64; N]) -> (usize, f64) {
-        match N {
+    fn sector(&self, x: &[f64]) -> (usize, f64) {
+        match self.dimension() {
             1 => (usize::from(x[0] > self.centre[0]), 0.0),
             2 => {
-                let z: [f64; N] = std::array::from_fn(|i| (x[i] - self.centre[i]) / self.scale[i]);
+                let z = [0, 1].map(|i| (x[i] - self.centre[i]) / self.scale[i]);
                 let turn = (z[1].atan2(z[0]) / std::f64::consts::TAU).rem_euclid(1.0) * SECTORS as f64;
                 let sector = (turn as usize).min(SECTORS - 1);
                 (sector, turn - sector as f64 - 0.5)
@@ -226,12 +262,21 @@ impl<const N: usize> TrustDomain<N> {
         }
     }
 
-    fn reach_towards(&self, x: &[f64; N]) -> f64 {
+    fn reach_towards(&self, x: &[f64]) -> f64 {
         let (sector, past) = self.sector(x);
-        if N != 2 {
+        if self.dimension() != 2 {
             return self.reach[sector];
         }
         let neighbour = if past > 0.0 { (sector + 1) % SECTORS } else { (sector + SECTORS - 1) % SECTORS };
         self.reach[sector] * (1.0 - past.abs()) + self.reach[neighbour] * past.abs()
+    }
+}
+
+/// The directions that are distinguished in so many states.
+fn sectors(states: usize) -> usize {
+    match states {
+        1 => 2,
+        2 => SECTORS,
+        _ => 1,
     }
 }

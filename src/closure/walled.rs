@@ -1,16 +1,15 @@
-//! The setting of an oscillator above a wall, or between two.
+//! The setting of an oscillator next to a wall, or between two.
 
-use super::exponent::Known;
-use super::family::{Family, Ladder};
+use super::exponent::known_value;
+use super::family::{Family, Walled};
 use super::nodes::Nodes;
 use super::pilot::Pilot;
-use super::setting::{Passage, Setting, likeliest};
-use super::space::{Corner, CornerRecord, Jet, Polynomials, Space, WallFunctions, WallLevel};
-use super::symmetry::Symmetry;
+use super::setting::{Passage, Setting, likeliest, locals};
+use super::space::{Corner, Functions, Polynomials};
 use super::trust_domain::TrustDomain;
+use crate::problem::{Problem, Symmetry, Wall};
 use crate::quadrature::Rule;
-use crate::{Barrier, FokkerPlanck};
-use std::sync::Arc;
+use crate::states::States;
 
 /// The hull of the pilot's states is widened by this factor.
 const WIDENING: f64 = 1.1;
@@ -33,149 +32,72 @@ const SPEED_NODES: [usize; 6] = [7, 7, 7, 8, 9, 9];
 /// Nodes in each of these panels on the wall itself.
 const WALL_NODES: usize = 16;
 
-/// The level that the weight is sought in, and that of the reference with the next lower one.
-const WEIGHT: WallLevel = WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7 };
-const LOWER: WallLevel = WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9 };
-const ALL: WallLevel = WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 };
-
 /// The highest order that a wall's reference can judge.
 pub(super) const HIGHEST_ORDER: u32 = 10;
 
-/// The functions of an order: polynomials to that degree, and more kinks and angular functions the higher it is.
-fn level(order: u32) -> WallLevel {
-    let (kinks, angular) = match order {
-        0..=1 => (0, 1),
-        2..=3 => (2, 3),
-        4..=5 => (3, 5),
-        6..=7 => (3, 7),
-        8..=9 => (5, 7),
-        _ => (5, 9),
-    };
-    WallLevel { degree: order, kinks, depth: if order < 9 { 3 } else { 4 }, angular }
-}
-
-/// The singular parts of ln p at the walls.
-pub(super) struct Singular {
-    pub(super) corners: Vec<Corner>,
-}
-
-impl Known<2> for Singular {
-    fn jet(&self, x: &[f64; 2]) -> Jet<2> {
-        let mut sum = Jet::ZERO;
-        self.corners.iter().for_each(|corner| sum.add(1.0, &corner.singular_part(*x)));
-        sum
-    }
-
-    fn corners(&self) -> Vec<CornerRecord> {
-        self.corners.iter().map(Corner::record).collect()
-    }
-}
-
-/// Polynomials with kinks and angular functions.
-struct Walled {
-    corners: Vec<Corner>,
-    centre: [f64; 2],
-    half_width: [f64; 2],
-}
-
-impl Family<2> for Walled {
-    fn ladder(&self, order: u32) -> Ladder<2> {
-        // From order 9 on the weight is of the answer's own level.
-        let weight = if order <= WEIGHT.degree { WEIGHT } else { level(order) };
-        let levels = [level(order), weight, LOWER, ALL];
-        let functions =
-            |steps: usize| WallFunctions::new(self.corners.clone(), self.centre, self.half_width, &levels[..steps]);
-        let [answer, weight, lower, all] = [1, 2, 3, 4].map(|steps| Arc::new(functions(steps)));
-        Ladder::new([answer, weight, lower, all])
-    }
-}
-
-/// The setting of an oscillator whose displacement (state 0, its velocity state 1) meets a floor, a ceiling, or both.
+/// The setting of an oscillator whose displacement (state 0, its velocity state 1) meets a wall below, above, or both.
 /// `None` if the pilot's states cannot be fitted.
-pub(super) fn walled(operator: FokkerPlanck<2>, pilot: &Pilot<2>, walls: [Option<Barrier>; 2]) -> Option<Setting<2>> {
+pub(super) fn walled(problem: &Problem, pilot: &Pilot, walls: [Option<Wall>; 2]) -> Option<Setting> {
     let offsets = walls.map(|wall| wall.map(|wall| wall.offset()));
-    let both = offsets[0].is_some() && offsets[1].is_some();
-    let pilot = Pilot { states: within(pilot.states.clone(), offsets), ..pilot.clone() };
+    let pilot = pilot.between(offsets);
     if pilot.states.is_empty() {
         return None;
     }
-    let domain = hull(&pilot, offsets, both);
+    let domain = hull(&pilot, offsets);
     let bounds = domain.bounds();
     let speed = bounds[1][1].abs().max(bounds[1][0].abs());
     let reach = [bounds[0][1] - bounds[0][0], speed];
     let corners = |inflation: f64| -> Vec<Corner> {
-        let corner = |wall: Barrier, make: fn(f64, f64, f64, [f64; 2]) -> Corner| {
-            let intensity = operator.diffusion()[1][1].evaluate(&[wall.offset(), 0.0]) / 2.0;
-            make(wall.offset(), wall.restitution(), inflation * intensity, reach)
+        let corner = |wall: &Wall| {
+            let (mut drift, mut diffusion) = ([0.0; 2], [0.0; 4]);
+            problem.point(&[wall.offset(), 0.0], &mut drift, &mut diffusion);
+            Corner::new(*wall, inflation * (diffusion[3] / 2.0), reach)
         };
-        let floor = walls[0].map(|wall| corner(wall, Corner::floor));
-        floor.into_iter().chain(walls[1].map(|wall| corner(wall, Corner::ceiling))).collect()
+        walls.iter().flatten().map(corner).collect()
     };
 
-    let rules = [across(bounds[0], offsets), speeds(speed)];
-    let nodes = Nodes::tensor(&domain, &rules);
-    let [centre, half_width] = domain.box_around();
-    let inflated: Arc<dyn Known<2>> = Arc::new(Singular { corners: corners(pilot.inflation) });
-    let exponents = (1..=FIT).flat_map(|n| (0..=n).map(move |j| [n - j, j])).collect();
-    let polynomials: Arc<dyn Space<2> + Send> = Arc::new(Polynomials::new(centre, half_width, exponents));
-    let mut guess = likeliest(polynomials, Some(inflated), &nodes, &pilot.states, pilot.inflation)?;
+    let rules = vec![across(bounds[0], offsets), speeds(speed)];
+    let nodes = Nodes::tensor(&domain, rules.clone());
+    let (centre, half_width) = domain.box_around();
+    let exponents = (1..=FIT).flat_map(|n| (0..=n).map(move |j| vec![n - j, j])).collect();
+    let polynomials = Functions::Polynomials(Polynomials::new(centre.clone(), half_width.clone(), exponents));
+    let mut guess = likeliest(polynomials, corners(pilot.inflation), &nodes, &pilot.states, pilot.inflation)?;
     // The singular part scales with the intensity by its argument, and is not multiplied.
-    let known: Arc<dyn Known<2>> = Arc::new(Singular { corners: corners(1.0) });
-    guess.known = Some(known.clone());
+    guess.known = corners(1.0);
 
     let domain = domain.above(|x| guess.value(x), DROP);
-    let nodes = nodes.filtered(|x| domain.contains(x));
-    let passages = walls
-        .iter()
-        .enumerate()
-        .flat_map(|(side, wall)| wall.map(|wall| passages(wall, side == 1, speed)))
-        .flatten()
-        .filter(|passage| domain.contains(&passage.before) && domain.contains(&passage.after))
-        .collect();
-    let fixed = nodes.points.iter().map(|x| known.jet(x).value).collect();
-    let family = Arc::new(Walled { corners: corners(1.0), centre, half_width });
-    let lines = [across(bounds[0], offsets), speeds(speed)];
-    Some(Setting {
-        operator,
-        family,
-        smooth: None,
-        domain,
-        nodes,
-        lines,
-        passages,
-        known: Some(known),
-        fixed,
-        guess,
-        drop: KEPT,
-    })
-}
-
-/// The states between the walls: a pilot knows the floor alone.
-fn within(mut states: Vec<[f64; 2]>, offsets: [Option<f64>; 2]) -> Vec<[f64; 2]> {
-    let [low, high] = [offsets[0].unwrap_or(f64::NEG_INFINITY), offsets[1].unwrap_or(f64::INFINITY)];
-    states.retain(|x| (low..=high).contains(&x[0]));
-    states
+    let impacts = |wall: &Wall| impacts(wall, speed).collect::<Vec<_>>();
+    let passages = walls.iter().flatten().flat_map(impacts);
+    let passages = passages.filter(|passage| domain.contains(&passage.before) && domain.contains(&passage.after));
+    let passages = passages.collect();
+    let nodes = nodes.within(&domain);
+    let (locals, fixed) =
+        (locals(problem, &nodes), nodes.points.iter().map(|x| known_value(&guess.known, x)).collect());
+    let family = Family::Walled(Walled { corners: corners(1.0), centre, half_width });
+    Some(Setting { family, domain, nodes, locals, lines: rules, passages, fixed, guess, drop: KEPT })
 }
 
 /// The hull of the states. About a single wall it is star-shaped about the wall's grazing point, and what lies behind the
 /// wall is the mirror image, so that directions along the wall have neighbours on both sides.
-fn hull(pilot: &Pilot<2>, offsets: [Option<f64>; 2], both: bool) -> TrustDomain<2> {
-    let symmetry = Symmetry::none();
+fn hull(pilot: &Pilot, offsets: [Option<f64>; 2]) -> TrustDomain {
+    let symmetry = Symmetry::none(2);
     match offsets {
-        [Some(low), Some(high)] if both => {
-            TrustDomain::new(pilot, &symmetry, [(low + high) / 2.0, 0.0], offsets, WIDENING)
-        }
-        _ => {
-            let wall = offsets[0].or(offsets[1]).unwrap_or(0.0);
-            let mirrored = pilot.states.iter().flat_map(|x| [*x, [2.0 * wall - x[0], x[1]]]).collect();
-            let pilot = Pilot { states: mirrored, ..pilot.clone() };
-            TrustDomain::new(&pilot, &symmetry, [wall, 0.0], offsets, WIDENING)
+        [Some(low), Some(high)] => TrustDomain::new(pilot, &symmetry, vec![(low + high) / 2.0, 0.0], offsets, WIDENING),
+        [wall, other] => {
+            let wall = wall.or(other).unwrap_or(0.0);
+            let mut states = States::new(2);
+            for x in &pilot.states {
+                states.push(x);
+                states.push(&[2.0 * wall - x[0], x[1]]);
+            }
+            let pilot = Pilot { states, ..pilot.clone() };
+            TrustDomain::new(&pilot, &symmetry, vec![wall, 0.0], offsets, WIDENING)
         }
     }
 }
 
 /// The rule across the displacement, graded towards each wall.
-pub(super) fn across(bounds: [f64; 2], offsets: [Option<f64>; 2]) -> Rule {
+fn across(bounds: [f64; 2], offsets: [Option<f64>; 2]) -> Rule {
     let width = bounds[1] - bounds[0];
     // From a wall at 0 to 1.
     let graded = || {
@@ -204,7 +126,7 @@ pub(super) fn across(bounds: [f64; 2], offsets: [Option<f64>; 2]) -> Rule {
 }
 
 /// The rule across the velocity, graded towards 0 from both sides.
-pub(super) fn speeds(reach: f64) -> Rule {
+fn speeds(reach: f64) -> Rule {
     let half = speed_panels(reach, |k| SPEED_NODES[k]);
     let pairs = half.iter().flat_map(|&(w, q)| [(w, q), (-w, q)]);
     let (nodes, weights) = pairs.unzip();
@@ -221,9 +143,9 @@ fn speed_panels(reach: f64, count: impl Fn(usize) -> usize) -> Vec<(f64, f64)> {
 }
 
 /// The impacts at a wall, by their speed.
-fn passages(wall: Barrier, above: bool, reach: f64) -> impl Iterator<Item = Passage<2>> {
+fn impacts(wall: &Wall, reach: f64) -> impl Iterator<Item = Passage> {
     let (b, r) = (wall.offset(), wall.restitution());
-    let side = if above { -1.0 } else { 1.0 };
+    let side = if wall.is_above() { 1.0 } else { -1.0 };
     speed_panels(reach, |_| WALL_NODES).into_iter().map(move |(speed, weight)| Passage {
         before: [b, -side * speed],
         after: [b, side * r * speed],

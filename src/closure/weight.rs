@@ -1,6 +1,5 @@
 use super::projection::tempered;
-use crate::error::finite;
-use crate::{Error, Result};
+use crate::error::{Error, Result, finite};
 use std::fmt;
 
 /// The power of the density that stands for its tails.
@@ -14,7 +13,7 @@ const FLAT: f64 = 0.3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Weight {
     /// λ = 0 while the estimated L¹ error exceeds 1.15 %, for the middle comes first. Then the smallest λ ≤ 0.14 that makes
-    /// the tails right to 0.22 decades down to 1e-5 of the peak, or 0.14 if that makes them right to half a decade.
+    /// the tails right to 0.25 decades down to 1e-5 of the peak, or 0.14 if that makes them right to half a decade.
     #[default]
     Automatic,
     /// λ = 0.
@@ -24,15 +23,15 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// The weight refused if its share is no share.
-    pub(super) fn checked(self) -> Result<Self> {
+    /// Refuses a share that is none.
+    pub(super) fn check(self) -> Result<()> {
         if let Weight::Tails(share) = self
             && !(0.0..=1.0).contains(&finite("share of the tails", share)?)
         {
             let remedy = "it is the share of the weight that the tails get, between 0 and 1";
             return Err(Error::OutOfRange { name: "share of the tails", value: share, remedy });
         }
-        Ok(self)
+        Ok(())
     }
 }
 

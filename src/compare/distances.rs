@@ -1,6 +1,7 @@
-use crate::density::{Cell, cell_lines};
+use crate::density::{Cell, Density, cell_lines};
+use crate::error::{Result, dimension};
+use crate::estimate::Estimate;
 use crate::quadrature::Rule;
-use crate::{Density, Estimate};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -28,9 +29,13 @@ pub struct Distances {
 /// The distances of `density` from `reference`.
 ///
 /// In one state and in two they are integrals over both densities' bounds, on cells that are halved where the integrands are
-/// rough; values below zero, as a grid has them, count as 0. In more they are means over the nodes of the first that knows
-/// means, with what the other has beyond these nodes added. Where a reference is not told from 0, the divergence takes the value within
-/// its error that is closest to p. If neither density knows means the answer is not a number.
+/// rough; values below zero, as a grid has them, count as 0. In more they are averages over the nodes of whichever density
+/// has them, the first one if both have; mass of the other outside the nodes is added. Where a reference differs from 0 by
+/// less than its error, the divergence takes the value within that error that is closest to p.
+///
+/// # Errors
+/// [`Error::Dimension`](crate::Error::Dimension) for densities of different numbers of states;
+/// [`Error::NotKnown`](crate::Error::NotKnown) if neither has averages, as simulations of more than two states.
 ///
 /// # Reference
 /// S. Kullback and R. A. Leibler, On information and sufficiency, Annals of Mathematical Statistics 22 (1951) 79-86,
@@ -39,35 +44,49 @@ pub struct Distances {
 /// ```
 /// use expoly::{compare, models::{Linear, Solved}};
 /// let [one, two] = [0.5, 0.6].map(|d| Linear::new(0.5, 1.0, d).and_then(|system| system.exact()));
-/// let found = compare::distances(&one?, &two?);
+/// let found = compare::distances(&one?, &two?)?;
 /// // Two normal densities of two states with variances 1 and 1.2.
 /// assert!((found.hellinger.value.powi(2) - (1.0 - 2.0 * 1.2_f64.sqrt() / 2.2)).abs() < 1e-10);
 /// assert!((found.kullback_leibler.value - (1.0 / 1.2 - 1.0 + 1.2_f64.ln())).abs() < 1e-10);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn distances<const N: usize>(density: &dyn Density<N>, reference: &dyn Density<N>) -> Distances {
-    let [l1, half_square, kullback_leibler] = if N <= 2 {
-        over_cells(density, reference)
+pub fn distances(density: &dyn Density, reference: &dyn Density) -> Result<Distances> {
+    let [l1, half_square, kullback_leibler] = if of_one_dimension(density, reference)? <= 2 {
+        over_cells(density, reference)?
     } else {
-        std::array::from_fn(|which| over_nodes(density, reference, which))
+        [over_nodes(density, reference, 0)?, over_nodes(density, reference, 1)?, over_nodes(density, reference, 2)?]
     };
     let root = half_square.value.max(0.0).sqrt();
     // √(h² + δ) − h, which is √δ where h vanishes.
     let moved = (half_square.value.max(0.0) + half_square.error).sqrt() - root;
-    Distances { l1, hellinger: Estimate::new(root, moved), kullback_leibler }
+    Ok(Distances { l1, hellinger: Estimate::new(root, moved), kullback_leibler })
 }
 
 /// The joint distance ∫ |p − q| dx of `density` from `reference`, as [`distances`] has it.
 ///
+/// # Errors
+/// As [`distances`].
+///
 /// ```
 /// use expoly::{Closure, compare, models::{Duffing, Solved}};
 /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-/// let closed = Closure::classical(4).solve(&duffing)?.density()?;
-/// assert!(compare::l1(&closed, &duffing.exact()?).value < 1e-10);
+/// let closed = Closure::classical(4).solve(&duffing.problem()?)?.density()?;
+/// assert!(compare::l1(&closed, &duffing.exact()?)?.value < 1e-10);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn l1<const N: usize>(density: &dyn Density<N>, reference: &dyn Density<N>) -> Estimate {
-    if N <= 2 { over_cells(density, reference)[0] } else { over_nodes(density, reference, 0) }
+pub fn l1(density: &dyn Density, reference: &dyn Density) -> Result<Estimate> {
+    if of_one_dimension(density, reference)? > 2 {
+        return over_nodes(density, reference, 0);
+    }
+    let [l1, _, _] = over_cells(density, reference)?;
+    Ok(l1)
+}
+
+/// The number of states of two densities, which must be the same.
+pub(super) fn of_one_dimension(density: &dyn Density, reference: &dyn Density) -> Result<usize> {
+    let states = density.dimension();
+    dimension("a reference", reference.dimension(), states)?;
+    Ok(states)
 }
 
 /// |p − q|, ½ (√p − √q)² and, with another value of q, p ln(p/q) − p + q.
@@ -104,37 +123,43 @@ fn with_errors(p: f64, q: Estimate) -> [Estimate; 3] {
 }
 
 /// The integrals over a cell by both rules, and of the errors.
-#[derive(Clone, Copy, Debug)]
-struct Piece<const N: usize> {
-    cell: Cell<N>,
+#[derive(Clone, Debug)]
+struct Piece {
+    cell: Cell,
     value: [f64; 3],
     stated: [f64; 3],
     /// The difference of the two rules.
     change: [f64; 3],
 }
 
-impl<const N: usize> Piece<N> {
-    fn new(cell: Cell<N>, rules: &[Rule; 2], values: &(impl Fn(&[f64; N]) -> [Estimate; 3] + Sync)) -> Self {
-        let sums = rules.each_ref().map(|rule| {
+impl Piece {
+    fn new(cell: Cell, rules: &[Rule; 2], values: &impl Fn(&[f64]) -> Result<[Estimate; 3]>) -> Result<Self> {
+        let states = cell.limits.len();
+        let sums_by = |rule: &Rule| -> Result<[Estimate; 3]> {
             let count = rule.nodes.len();
             let mut sums = [Estimate::new(0.0, 0.0); 3];
-            for k in 0..count.pow(N as u32) {
-                let place: [usize; N] = std::array::from_fn(|i| k / count.pow(i as u32) % count);
-                let x = cell.at(place.map(|j| (rule.nodes[j] + 1.0) / 2.0));
-                let weight = place.iter().map(|&j| rule.weights[j] / 2.0).product::<f64>() * cell.volume();
-                for (sum, value) in sums.iter_mut().zip(values(&x)) {
+            let mut shares = vec![0.0; states];
+            for k in 0..count.pow(states as u32) {
+                let mut weight = 1.0;
+                for (i, share) in shares.iter_mut().enumerate() {
+                    let node = k / count.pow(i as u32) % count;
+                    *share = (rule.nodes[node] + 1.0) / 2.0;
+                    weight *= rule.weights[node] / 2.0;
+                }
+                weight *= cell.volume();
+                for (sum, value) in sums.iter_mut().zip(values(&cell.at(&shares))?) {
                     *sum = Estimate::new(sum.value + weight * value.value, sum.error + weight * value.error);
                 }
             }
-            sums
-        });
-        let [fine, coarse] = sums;
-        Piece {
+            Ok(sums)
+        };
+        let (fine, coarse) = (sums_by(&rules[0])?, sums_by(&rules[1])?);
+        Ok(Piece {
             cell,
             value: fine.map(|sum| sum.value),
             stated: fine.map(|sum| sum.error),
             change: std::array::from_fn(|k| (fine[k].value - coarse[k].value).abs()),
-        }
+        })
     }
 
     /// By how much the cell is worth halving: where the reference's own error is larger than the change, it is not.
@@ -143,52 +168,56 @@ impl<const N: usize> Piece<N> {
     }
 }
 
-fn over_cells<const N: usize>(density: &dyn Density<N>, reference: &dyn Density<N>) -> [Estimate; 3] {
+fn over_cells(density: &dyn Density, reference: &dyn Density) -> Result<[Estimate; 3]> {
     let (ours, theirs) = (density.bounds(), reference.bounds());
-    let bounds = std::array::from_fn(|i| [ours[i][0].min(theirs[i][0]), ours[i][1].max(theirs[i][1])]);
+    let both = |(a, b): (&[f64; 2], &[f64; 2])| [a[0].min(b[0]), a[1].max(b[1])];
+    let bounds: Vec<[f64; 2]> = ours.iter().zip(&theirs).map(both).collect();
     let through = |i: usize| [ours[i], theirs[i]].concat();
     let rules = NODES.map(Rule::legendre);
-    let values = |x: &[f64; N]| with_errors(density.log_pdf(x).exp(), reference.pdf(x));
-    let of = |cells: Vec<Cell<N>>| -> Vec<Piece<N>> {
+    let values = |x: &[f64]| -> Result<[Estimate; 3]> { Ok(with_errors(density.log_pdf(x)?.exp(), reference.pdf(x)?)) };
+    let of = |cells: Vec<Cell>| -> Result<Vec<Piece>> {
         cells.into_par_iter().map(|cell| Piece::new(cell, &rules, &values)).collect()
     };
-    let mut pieces = of(Cell::between(&cell_lines(&bounds, CELLS, through)));
+    let mut pieces = of(Cell::between(&cell_lines(&bounds, CELLS, through)))?;
     loop {
         let total: f64 = pieces.iter().map(Piece::roughness).sum();
         if !(total > TOLERANCE && total.is_finite()) || pieces.len() >= MOST_CELLS {
             break;
         }
         let mean = total / pieces.len() as f64;
-        let (rough, smooth): (Vec<_>, Vec<_>) = pieces.iter().partition(|piece| piece.roughness() >= mean);
+        let (rough, smooth): (Vec<_>, Vec<_>) = pieces.into_iter().partition(|piece| piece.roughness() >= mean);
         pieces = smooth;
-        pieces.extend(of(rough.iter().flat_map(|piece| piece.cell.children()).collect()));
+        pieces.extend(of(rough.iter().flat_map(|piece| piece.cell.children()).collect())?);
     }
-    std::array::from_fn(|k| {
-        let sum = |part: fn(&Piece<N>) -> [f64; 3]| pieces.iter().map(|piece| part(piece)[k]).sum::<f64>();
-        Estimate::new(sum(|piece| piece.value), sum(|piece| piece.stated) + sum(|piece| piece.change))
-    })
+    Ok(std::array::from_fn(|k| {
+        let sum = |part: fn(&Piece) -> &[f64; 3]| pieces.iter().map(|piece| part(piece)[k]).sum::<f64>();
+        Estimate::new(sum(|piece| &piece.value), sum(|piece| &piece.stated) + sum(|piece| &piece.change))
+    }))
 }
 
 /// A reference whose relative error is below this at all nodes needs no mean of its errors.
 const EXACT: f64 = 1e-9;
 
-/// One of the integrals as a mean under the density, or under the reference if only that knows means.
-fn over_nodes<const N: usize>(density: &dyn Density<N>, reference: &dyn Density<N>, which: usize) -> Estimate {
-    let mean_under = |under_density: bool| {
+/// One of the integrals as a mean under the density, or under the reference if only that has means.
+fn over_nodes(density: &dyn Density, reference: &dyn Density, which: usize) -> Result<Estimate> {
+    let mean_under = |under_density: bool| -> Result<Estimate> {
         // The largest relative error of the reference; for numbers that are not negative, bits are in their order.
         let worst = AtomicU64::new(0);
         // p and q relative to the density that the nodes belong to.
-        let relative = |x: &[f64; N]| {
-            let (p, q) = (density.log_pdf(x), reference.pdf(x));
+        let relative = |x: &[f64]| {
+            let nothing = (f64::NAN, Estimate::new(f64::NAN, f64::INFINITY));
+            let (Ok(p), Ok(q), Ok(log)) = (density.log_pdf(x), reference.pdf(x), reference.log_pdf(x)) else {
+                return nothing;
+            };
             let spread = if q.value > 0.0 { q.error / q.value } else { 0.0 };
             worst.fetch_max(spread.to_bits(), Ordering::Relaxed);
-            let q = if q.value > 0.0 { q.value.ln() } else { reference.log_pdf(x) };
+            let q = if q.value > 0.0 { q.value.ln() } else { log };
             let scale = if under_density { p } else { q };
             let q = (q - scale).exp();
             ((p - scale).exp(), Estimate::new(q, q * spread))
         };
         let base = if under_density { density } else { reference };
-        let ratio = |x: &[f64; N]| {
+        let ratio = |x: &[f64]| {
             let (p, q) = relative(x);
             if under_density { q.value } else { p }
         };
@@ -198,33 +227,32 @@ fn over_nodes<const N: usize>(density: &dyn Density<N>, reference: &dyn Density<
                 let ratio = ratio(x);
                 // What is not a number stays so.
                 if ratio > 1.0 { 0.0 } else { 2.0 * (1.0 - ratio) }
-            }),
+            })?,
             _ => base.expectation(&|x| {
                 let (p, q) = relative(x);
                 with_errors(p, q)[which].value
-            }),
+            })?,
         };
         let worst = f64::from_bits(worst.load(Ordering::Relaxed));
         let stated = if worst < EXACT {
             worst
         } else {
-            let error = |x: &[f64; N]| {
+            let error = |x: &[f64]| {
                 let (p, q) = relative(x);
                 with_errors(p, q)[which].error
             };
-            base.expectation(&error).value
+            base.expectation(&error)?.value
         };
         // What the other has where there are no nodes counts in full, or by half; where only the reference has nodes, p ln p
         // beyond them is not known. The sampled mean may be off by less than what is missing.
         let share = match which {
-            0 => return Estimate::new(mean.value, mean.error + stated),
+            0 => return Ok(Estimate::new(mean.value, mean.error + stated)),
             1 => 0.5,
             _ => f64::from(u8::from(under_density)),
         };
-        let covered = base.expectation(&ratio);
+        let covered = base.expectation(&ratio)?;
         let missing = share * (1.0 - covered.value).max(0.0);
-        Estimate::new(mean.value + missing, mean.error + stated + share * covered.error)
+        Ok(Estimate::new(mean.value + missing, mean.error + stated + share * covered.error))
     };
-    let under_density = mean_under(true);
-    if under_density.value.is_nan() { mean_under(false) } else { under_density }
+    mean_under(true).or_else(|_| mean_under(false))
 }

@@ -1,5 +1,7 @@
+use crate::density::Density;
+use crate::error::Result;
 use crate::quadrature::Rule;
-use crate::{Density, Histogram, Result};
+use crate::simulation::Histogram;
 
 /// How far a marginal is from a histogram of samples; see [`with_histogram`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,15 +17,11 @@ pub struct HistogramDistance {
     pub tail_level: f64,
 }
 
-/// Compares one state's marginal with a simulated histogram, as means over bins.
+/// Compares one state's marginal with the histogram of that state, as means over bins.
 ///
 /// # Errors
 /// As [`Density::marginal`]; as [`Histogram::bin`].
-pub fn with_histogram<const N: usize>(
-    density: &impl Density<N>,
-    state: usize,
-    histogram: &Histogram<1>,
-) -> Result<HistogramDistance> {
+pub fn with_histogram(density: &dyn Density, state: usize, histogram: &Histogram) -> Result<HistogramDistance> {
     let edges: Vec<f64> = histogram.edges().collect();
     let peak = (0..histogram.len()).try_fold(0.0_f64, |peak, k| Ok(peak.max(histogram.bin(k)?.value)))?;
     let mut distance = HistogramDistance { l1: 0.0, noise: 0.0, tail: 0.0, tail_level: 1.0 };

@@ -1,8 +1,8 @@
 use super::ratio::{checked, scanned};
-use crate::density::UNKNOWN;
-use crate::error::state_index;
+use crate::density::Density;
+use crate::error::{Result, finite, positive, state_index};
+use crate::estimate::Estimate;
 use crate::quadrature::Rule;
-use crate::{Density, Estimate, Result};
 
 /// The distance ∫ |p − q| dx between the marginals of one state of two densities over `range`, with the reference's error.
 ///
@@ -10,23 +10,25 @@ use crate::{Density, Estimate, Result};
 /// about 1e-6 of the distance.
 ///
 /// # Errors
-/// As [`Density::marginal`].
+/// As [`Density::marginal`]; [`Error::OutOfRange`](crate::Error::OutOfRange) unless the range's ends are finite and rise.
 ///
 /// ```
 /// use expoly::{Closure, compare, models::{Duffing, Solved}};
 /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-/// let gaussian = Closure::classical(2).solve(&duffing)?.density()?;
+/// let gaussian = Closure::classical(2).solve(&duffing.problem()?)?.density()?;
 /// let distance = compare::marginal_l1(&gaussian, &duffing.exact()?, 0, [-6.0, 6.0])?;
 /// assert!(distance.value > 0.05 && distance.error < 1e-10);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn marginal_l1<const N: usize>(
-    density: &dyn Density<N>,
-    reference: &dyn Density<N>,
+pub fn marginal_l1(
+    density: &dyn Density,
+    reference: &dyn Density,
     state: usize,
     [low, high]: [f64; 2],
 ) -> Result<Estimate> {
     const PANELS: usize = 200;
+    finite("lower end of the range", low)?;
+    positive("length of the range", high - low, "its ends must be finite, the lower one first")?;
     let rule = Rule::legendre(3);
     let width = (high - low) / PANELS as f64;
     let mut distance = Estimate::new(0.0, 0.0);
@@ -46,14 +48,13 @@ pub fn marginal_l1<const N: usize>(
 ///
 /// # Errors
 /// As [`Density::marginal`]; [`Error::OutOfRange`](crate::Error::OutOfRange) unless 0 < `level` ≤ 1.
-pub fn marginal_log_ratio<const N: usize>(
-    density: &dyn Density<N>,
-    reference: &dyn Density<N>,
+pub fn marginal_log_ratio(
+    density: &dyn Density,
+    reference: &dyn Density,
     state: usize,
     level: f64,
 ) -> Result<Estimate> {
-    let (state, level) = (state_index::<N>("the state of a marginal", state)?, checked(level)?);
-    let of = |d: &dyn Density<N>, x: f64| d.marginal(state, x).unwrap_or(UNKNOWN);
-    let at = |[x]: &[f64; 1]| (of(density, *x).value, of(reference, *x));
-    Ok(scanned(&at, [reference.bounds()[state]], level))
+    let state = state_index("the state of a marginal", state, reference.dimension())?;
+    let at = |x: &[f64]| Ok((density.marginal(state, x[0])?.value, reference.marginal(state, x[0])?));
+    scanned(&at, &[reference.bounds()[state]], checked(level)?)
 }

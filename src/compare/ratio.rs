@@ -1,5 +1,7 @@
-use crate::density::UNKNOWN;
-use crate::{Density, Error, Estimate, Result, error::positive};
+use super::distances::of_one_dimension;
+use crate::density::Density;
+use crate::error::{Error, Result, positive};
+use crate::estimate::Estimate;
 use rayon::prelude::*;
 
 /// Lines along each state of the first look, and of the second.
@@ -26,24 +28,25 @@ const BISECTIONS: usize = 40;
 /// assert!((decades.value - (5.0 * 0.2 - 1.2_f64.log10())).abs() <= decades.error);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn log_ratio<const N: usize>(density: &dyn Density<N>, reference: &dyn Density<N>, level: f64) -> Result<Estimate> {
+pub fn log_ratio(density: &dyn Density, reference: &dyn Density, level: f64) -> Result<Estimate> {
     let level = checked(level)?;
-    let at = |x: &[f64; N]| (density.log_pdf(x).exp(), reference.pdf(x));
-    if N <= 2 {
-        return Ok(scanned(&at, reference.bounds(), level));
+    if of_one_dimension(density, reference)? <= 2 {
+        let at = |x: &[f64]| -> Result<Pair> { Ok((density.log_pdf(x)?.exp(), reference.pdf(x)?)) };
+        return scanned(&at, &reference.bounds(), level);
     }
-    let nodes = density.weighted_states().or_else(|| reference.weighted_states()).ok_or_else(|| {
+    let unknown = || {
         let remedy = "compare the marginals, or give a closure";
-        Error::NotKnown { what: "the places where it could be compared", remedy }
-    })?;
+        Error::NotKnown { what: "the places where it could be compared".into(), remedy }
+    };
+    let (nodes, _) = density.weighted_states().or_else(|| reference.weighted_states()).ok_or_else(unknown)?;
     // Logarithms, since densities of many states may leave the range of numbers.
-    let values: Vec<[f64; 2]> = nodes.par_iter().map(|(x, _)| [density.log_pdf(x), reference.log_pdf(x)]).collect();
+    let values: Vec<[f64; 2]> =
+        nodes.par_iter().map(|x| Ok([density.log_pdf(x)?, reference.log_pdf(x)?])).collect::<Result<_>>()?;
     let peak = values.iter().map(|v| v[1]).fold(f64::NEG_INFINITY, f64::max);
     let inside = values.iter().enumerate().filter(|(_, v)| v[1] >= peak + level.ln());
     let decades = |v: &[f64; 2]| (v[0] - v[1]).abs() / std::f64::consts::LN_10;
-    let Some((k, largest)) = inside.max_by(|a, b| decades(a.1).total_cmp(&decades(b.1))) else { return Ok(UNKNOWN) };
-    let q = reference.pdf(&nodes[k].0);
-    Ok(Estimate::new(decades(largest), spread(q)))
+    let (k, largest) = inside.max_by(|a, b| decades(a.1).total_cmp(&decades(b.1))).ok_or_else(unknown)?;
+    Ok(Estimate::new(decades(largest), spread(reference.pdf(nodes.state(k))?)))
 }
 
 pub(super) fn checked(level: f64) -> Result<f64> {
@@ -57,31 +60,35 @@ fn spread(q: Estimate) -> f64 {
     if q.error < q.value { -(1.0 - q.error / q.value).log10() } else { f64::INFINITY }
 }
 
+/// p and q at a place.
+type Pair = (f64, Estimate);
+
 /// The largest |log₁₀(p/q)| on a lattice and on the edges of the region.
-pub(super) fn scanned<const N: usize>(
-    at: &(dyn Fn(&[f64; N]) -> (f64, Estimate) + Sync),
-    bounds: [[f64; 2]; N],
+pub(super) fn scanned(
+    at: &(dyn Fn(&[f64]) -> Result<Pair> + Sync),
+    bounds: &[[f64; 2]],
     level: f64,
-) -> Estimate {
+) -> Result<Estimate> {
     // The region is often much smaller than the bounds.
-    let first = lattice(at, &bounds, COARSE);
+    let n = bounds.len();
+    let first = lattice(at, bounds, COARSE)?;
     let peak = first.iter().fold(0.0_f64, |peak, (_, (_, q))| peak.max(q.value));
-    let mut region = [[f64::INFINITY, f64::NEG_INFINITY]; N];
+    let mut region = vec![[f64::INFINITY, f64::NEG_INFINITY]; n];
     for (x, _) in first.iter().filter(|(_, (_, q))| q.value >= level * peak) {
-        for i in 0..N {
-            region[i] = [region[i][0].min(x[i]), region[i][1].max(x[i])];
+        for (limits, x) in region.iter_mut().zip(x) {
+            *limits = [limits[0].min(*x), limits[1].max(*x)];
         }
     }
-    for i in 0..N {
-        let step = (bounds[i][1] - bounds[i][0]) / COARSE as f64;
-        region[i] = [(region[i][0] - step).max(bounds[i][0]), (region[i][1] + step).min(bounds[i][1])];
+    for (limits, [low, high]) in region.iter_mut().zip(bounds) {
+        let step = (high - low) / COARSE as f64;
+        *limits = [(limits[0] - step).max(*low), (limits[1] + step).min(*high)];
     }
-    let values = lattice(at, &region, FINE);
+    let values = lattice(at, &region, FINE)?;
     let peak = values.iter().fold(peak, |peak, (_, (_, q))| peak.max(q.value));
-    let floor = level * peak;
+    let least = level * peak;
     let mut every = (0.0, 0.0);
     let mut second = 0.0_f64;
-    let mut take = |(p, q): (f64, Estimate), on_second: bool| {
+    let mut take = |(p, q): Pair, on_second: bool| {
         let decades = if p > 0.0 { (p / q.value).log10().abs() } else { f64::INFINITY };
         if decades > every.0 {
             every = (decades, spread(q));
@@ -90,42 +97,48 @@ pub(super) fn scanned<const N: usize>(
             second = second.max(decades);
         }
     };
+    let inside = |k: usize| values[k].1.1.value >= least;
     let index = |k: usize, i: usize| k / (FINE + 1).pow(i as u32) % (FINE + 1);
-    for (k, (_, value)) in values.iter().enumerate().filter(|(_, (_, (_, q)))| q.value >= floor) {
-        take(*value, (0..N).all(|i| index(k, i) % 2 == 0));
+    for k in (0..values.len()).filter(|&k| inside(k)) {
+        take(values[k].1, (0..n).all(|i| index(k, i) % 2 == 0));
     }
     // Edges along each state: from a node inside to its neighbour outside.
     let edges: Vec<(usize, usize, usize)> = (0..values.len())
-        .flat_map(|k| (0..N).map(move |i| (k, i)))
+        .flat_map(|k| (0..n).map(move |i| (k, i)))
         .filter(|&(k, i)| index(k, i) < FINE)
         .map(|(k, i)| (k, k + (FINE + 1).pow(i as u32), i))
-        .filter(|&(a, b, _)| (values[a].1.1.value >= floor) != (values[b].1.1.value >= floor))
+        .filter(|&(a, b, _)| inside(a) != inside(b))
         .collect();
-    let found: Vec<((f64, Estimate), bool)> = edges
+    let found: Result<Vec<(Pair, bool)>> = edges
         .into_par_iter()
         .map(|(a, b, along)| {
-            let (inside, outside) = if values[a].1.1.value >= floor { (a, b) } else { (b, a) };
-            let (mut x, mut end) = (values[inside].0, values[outside].0[along]);
+            let (within, beyond) = if inside(a) { (a, b) } else { (b, a) };
+            let mut x = values[within].0.clone();
+            let (mut start, mut end) = (x[along], values[beyond].0[along]);
             for _ in 0..BISECTIONS {
-                let mut middle = x;
-                middle[along] = (x[along] + end) / 2.0;
-                if at(&middle).1.value >= floor { x = middle } else { end = middle[along] }
+                let middle = (start + end) / 2.0;
+                x[along] = middle;
+                if at(&x)?.1.value >= least { start = middle } else { end = middle }
             }
-            (at(&x), (0..N).all(|i| i == along || index(a, i) % 2 == 0))
+            x[along] = start;
+            Ok((at(&x)?, (0..n).all(|i| i == along || index(a, i) % 2 == 0)))
         })
         .collect();
-    found.into_iter().for_each(|(value, on_second)| take(value, on_second));
+    found?.into_iter().for_each(|(value, on_second)| take(value, on_second));
     let (value, stated) = every;
-    Estimate::new(value, if value.is_finite() { value - second + stated } else { f64::INFINITY })
+    Ok(Estimate::new(value, if value.is_finite() { value - second + stated } else { f64::INFINITY }))
 }
 
 /// The values on equal steps over a box.
-fn lattice<const N: usize>(
-    at: &(dyn Fn(&[f64; N]) -> (f64, Estimate) + Sync),
-    bounds: &[[f64; 2]; N],
+fn lattice(
+    at: &(dyn Fn(&[f64]) -> Result<Pair> + Sync),
+    bounds: &[[f64; 2]],
     steps: usize,
-) -> Vec<([f64; N], (f64, Estimate))> {
-    let place = |k: usize, i: usize| (k / (steps + 1).pow(i as u32) % (steps + 1)) as f64 / steps as f64;
-    let point = |k: usize| std::array::from_fn(|i| bounds[i][0] + place(k, i) * (bounds[i][1] - bounds[i][0]));
-    (0..(steps + 1).pow(N as u32)).into_par_iter().map(point).map(|x| (x, at(&x))).collect()
+) -> Result<Vec<(Vec<f64>, Pair)>> {
+    let point = |k: usize| -> Vec<f64> {
+        let place = |i: usize| (k / (steps + 1).pow(i as u32) % (steps + 1)) as f64 / steps as f64;
+        bounds.iter().enumerate().map(|(i, [low, high])| low + place(i) * (high - low)).collect()
+    };
+    let count = (steps + 1).pow(bounds.len() as u32);
+    (0..count).into_par_iter().map(point).map(|x| at(&x).map(|pair| (x, pair))).collect()
 }

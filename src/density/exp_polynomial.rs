@@ -1,42 +1,54 @@
 use super::tensor::{Section, TensorRule};
 use super::{Crossing, Density, Frame, Support, escape_direction, pair};
-use crate::error::{positive, state_index};
-use crate::{Error, Estimate, Gaussian, Polynomial, Result};
-use nalgebra::{SMatrix, SVector};
+use crate::error::{Error, Result, dimension, finite, positive, state_index};
+use crate::estimate::Estimate;
+use crate::polynomial::{Gaussian, Polynomial, total_degree};
+use crate::record::Read;
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
-/// A density p = C exp(Q) with a polynomial Q, on R^N, above a wall, or cut off at a given region.
+/// A density p = C exp(Q) with a polynomial Q, on R^n, above a wall, or cut off at a given region.
 ///
 /// It is normalised by quadrature, whose error estimate goes into every value. Integrals cost milliseconds in two states
 /// and up to seconds in six.
-#[derive(Clone, Debug)]
-pub struct ExpPolynomial<const N: usize> {
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(into = "Document", try_from = "Document")]
+pub struct ExpPolynomial {
     /// In the coordinates of the frame.
-    pub(super) q: Polynomial<N>,
-    pub(super) frame: Frame<N>,
-    pub(super) support: Support<N>,
+    q: Polynomial,
+    frame: Frame,
+    support: Support,
     /// The relative size below which a coefficient was taken for rounding.
-    pub(super) noise: f64,
-    rule: TensorRule<N>,
-    coarse: TensorRule<N>,
+    noise: f64,
+    rule: TensorRule,
+    coarse: TensorRule,
     /// ln ∫ exp(Q) dx.
     log_mass: Estimate,
 }
 
-impl<const N: usize> ExpPolynomial<N> {
+impl ExpPolynomial {
     /// The density exp(Q) for `q` in the coordinates z of `frame`.
     ///
     /// `noise` is the relative size below which a value says nothing about the sign of Q far away.
     ///
     /// # Errors
-    /// [`Error::NotNormalisable`] if Q does not fall in every direction that `support` leaves open.
-    pub fn new(q: Polynomial<N>, frame: Frame<N>, support: Support<N>, noise: f64) -> Result<Self> {
-        let half_space = match support {
+    /// [`Error::NotNormalisable`] if Q does not fall in every direction that `support` leaves open; [`Error::OutOfRange`] for
+    /// a support that is NaN or reversed; [`Error::NotServed`] where the quadrature would need too many nodes.
+    pub fn new(q: Polynomial, frame: Frame, support: Support, noise: f64) -> Result<Self> {
+        dimension("a polynomial", q.dimension(), frame.dimension())?;
+        let half_space = match &support {
             Support::WholeSpace => Some(false),
-            Support::Above(_) => Some(true),
-            Support::Region(_) => None,
+            Support::Above(bound) => finite("lower limit of state 0", *bound).map(|_| Some(true))?,
+            Support::Region(limits) => {
+                dimension("the limits of a region", limits.len(), frame.dimension())?;
+                for [low, high] in limits {
+                    positive("side of a region", high - low, "give finite lower and upper limits in this order")?;
+                }
+                None
+            }
         };
         if let Some(direction) = half_space.and_then(|half_space| escape_direction(&q, half_space, noise)) {
-            return Err(Error::NotNormalisable { order: q.degree(), direction: direction.to_vec() });
+            return Err(Error::NotNormalisable { order: q.degree(), direction });
         }
         let (rule, coarse) = TensorRule::fitted(&q, &frame, &support)?;
         let mut density = ExpPolynomial { q, frame, support, noise, rule, coarse, log_mass: Estimate::exact(0.0) };
@@ -50,7 +62,7 @@ impl<const N: usize> ExpPolynomial<N> {
     ///
     /// # Errors
     /// As [`ExpPolynomial::new`]; [`Error::OutOfRange`] if the covariance of `scale` is not positive definite.
-    pub fn from_states(q: &Polynomial<N>, scale: &Gaussian<N>, support: Support<N>) -> Result<Self> {
+    pub fn from_states(q: &Polynomial, scale: &Gaussian, support: Support) -> Result<Self> {
         let frame = Frame::new(scale)?;
         ExpPolynomial::new(in_frame(q, &frame), frame, support, 1e-13)
     }
@@ -62,16 +74,17 @@ impl<const N: usize> ExpPolynomial<N> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if a side of the box is not finite and positive.
-    pub fn cut_off(q: &Polynomial<N>, region: [[f64; 2]; N]) -> Result<Self> {
+    pub fn cut_off(q: &Polynomial, region: &[[f64; 2]]) -> Result<Self> {
+        let n = region.len();
         for [low, high] in region {
             positive("side of a region", high - low, "give finite lower and upper limits in this order")?;
         }
-        // In this frame the box is the cube [−1, 1]^N.
-        let mean = SVector::from_fn(|i, _| (region[i][0] + region[i][1]) / 2.0);
-        let covariance =
-            SMatrix::from_fn(|i, j| if i == j { ((region[i][1] - region[i][0]) / 2.0).powi(2) } else { 0.0 });
+        // In this frame the box is the cube [−1, 1]^n.
+        let mean = DVector::from_fn(n, |i, _| (region[i][0] + region[i][1]) / 2.0);
+        let half_width = |i: usize| (region[i][1] - region[i][0]) / 2.0;
+        let covariance = DMatrix::from_fn(n, n, |i, j| if i == j { half_width(i).powi(2) } else { 0.0 });
         let frame = Frame::new(&Gaussian { mean, covariance })?;
-        ExpPolynomial::new(in_frame(q, &frame), frame, Support::Region(region), 0.0)
+        ExpPolynomial::new(in_frame(q, &frame), frame, Support::Region(region.to_vec()), 0.0)
     }
 
     /// ln ∫ exp(Q) dx, with the quadrature's error.
@@ -82,79 +95,92 @@ impl<const N: usize> ExpPolynomial<N> {
     /// Q in the states, with the constant that normalises it: ln p itself as a polynomial.
     ///
     /// ```
-    /// use expoly::{Closure, models::Linear};
-    /// let density = Closure::classical(2).solve(&Linear::new(0.5, 1.0, 0.5)?)?.density()?;
-    /// let log_p = density.log_polynomial(); // −ln 2π − (x² + v²)/2
-    /// assert!((log_p.evaluate(&[0.0_f64, 0.0]) + 1.8378770664).abs() < 1e-10);
-    /// assert!((log_p.evaluate(&[1.0_f64, 2.0]) + 1.8378770664 + 2.5).abs() < 1e-10);
+    /// use expoly::models::{Linear, Solved};
+    /// let log_p = Linear::new(0.5, 1.0, 0.5)?.exact()?.log_polynomial(); // −ln 2π − (x² + v²)/2
+    /// assert!((log_p.evaluate(&[0.0, 0.0]) + 1.8378770664).abs() < 1e-10);
+    /// assert!((log_p.evaluate(&[1.0, 2.0]) + 1.8378770664 + 2.5).abs() < 1e-10);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn log_polynomial(&self) -> Polynomial<N> {
+    pub fn log_polynomial(&self) -> Polynomial {
         self.q.compose(&self.frame.coordinate_polynomials()) + -self.log_mass.value
     }
 
     /// Where the density lives.
-    pub fn support(&self) -> &Support<N> {
+    pub fn support(&self) -> &Support {
         &self.support
     }
 
+    /// Q in the coordinates of its frame, and that frame.
+    pub(crate) fn in_coordinates(&self) -> (&Polynomial, &Frame) {
+        (&self.q, &self.frame)
+    }
+
     /// ∫ g exp(Q − top) dz and the change against the coarser rule.
-    fn integral(&self, section: Section, g: impl Fn(&[f64; N]) -> f64) -> Estimate {
+    fn integral(&self, section: Section, g: impl Fn(&[f64]) -> f64) -> Estimate {
         let fine = self.rule.integrate(&self.q, &self.frame, section, &g);
         let coarse = self.coarse.integrate(&self.q, &self.frame, section, &g) * (self.rule.top - self.coarse.top).exp();
         // Rounding of the sum itself is about √nodes ε.
         Estimate::new(fine, (fine - coarse).abs() + 1e-14 * fine.abs())
     }
 
-    fn mean_over(&self, section: Section, g: impl Fn(&[f64; N]) -> f64) -> Estimate {
+    fn mean_over(&self, section: Section, g: impl Fn(&[f64]) -> f64) -> Estimate {
         let scale = (self.rule.top + self.frame.log_volume() - self.log_mass.value).exp();
         let part = self.integral(section, g).scaled(scale);
         Estimate::new(part.value, part.error + part.value.abs() * self.log_mass.error)
     }
-}
 
-/// Q in the coordinates of `frame`, without its constant.
-fn in_frame<const N: usize>(q: &Polynomial<N>, frame: &Frame<N>) -> Polynomial<N> {
-    q.compose(&frame.state_polynomials()).filtered(|m, _| m.degree() > 0)
-}
-
-impl<const N: usize> Density<N> for ExpPolynomial<N> {
-    fn pdf(&self, x: &[f64; N]) -> Estimate {
-        let p = self.log_pdf(x).exp();
-        Estimate::new(p, p * self.log_mass.error)
-    }
-
-    fn log_pdf(&self, x: &[f64; N]) -> f64 {
-        if (0..N).any(|i| !self.support.contains(i, x[i])) {
+    fn log_density(&self, x: &[f64]) -> f64 {
+        if x.iter().enumerate().any(|(i, x)| !self.support.contains(i, *x)) {
             return f64::NEG_INFINITY;
         }
         self.q.evaluate(&self.frame.coordinates(x)) - self.log_mass.value
     }
+}
+
+/// Q in the coordinates of `frame`, without its constant.
+fn in_frame(q: &Polynomial, frame: &Frame) -> Polynomial {
+    q.compose(&frame.state_polynomials()).filtered(|alpha, _| total_degree(alpha) > 0)
+}
+
+impl Density for ExpPolynomial {
+    fn dimension(&self) -> usize {
+        self.frame.dimension()
+    }
+
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+        let p = self.log_pdf(x)?.exp();
+        Ok(Estimate::new(p, p * self.log_mass.error))
+    }
+
+    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
+        dimension("a state", x.len(), self.dimension())?;
+        Ok(self.log_density(x))
+    }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        state_index::<N>("the state of a marginal", state)?;
+        state_index("the state of a marginal", state, self.dimension())?;
         if !self.support.contains(state, x) {
             return Ok(Estimate::exact(0.0));
         }
         Ok(self.mean_over(Section::at(state, x), |_| 1.0))
     }
 
-    fn bounds(&self) -> [[f64; 2]; N] {
+    fn bounds(&self) -> Vec<[f64; 2]> {
         let mut bounds = self.rule.bounds(&self.frame);
-        match self.support {
+        match &self.support {
             Support::WholeSpace => {}
-            Support::Above(bound) => bounds[0][0] = bound,
-            Support::Region(limits) => bounds = limits,
+            Support::Above(bound) => bounds[0][0] = *bound,
+            Support::Region(limits) => bounds.clone_from(limits),
         }
         bounds
     }
 
-    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
-        self.mean_over(Section::default(), g)
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
+        Ok(self.mean_over(Section::default(), g))
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let states = pair::<N>(states)?;
+        let states = pair(states, self.dimension())?;
         if states.iter().zip(x).any(|(&state, x)| !self.support.contains(state, x)) {
             return Ok(Estimate::exact(0.0));
         }
@@ -162,10 +188,59 @@ impl<const N: usize> Density<N> for ExpPolynomial<N> {
     }
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        let [displacement, velocity] = crossing.states::<N>()?;
+        let [displacement, velocity] = crossing.states(self.dimension())?;
+        finite("level of a crossing", crossing.level)?;
         if !self.support.contains(displacement, crossing.level) {
             return Ok(Estimate::exact(0.0));
         }
         Ok(self.mean_over(Section::crossing(crossing), |x| x[velocity].abs().powi(power as i32)))
+    }
+}
+
+/// No density here has a polynomial of a higher degree.
+const HIGHEST: u32 = 60;
+
+/// All that the density is made of: Q in z, x = origin + scale z, the scale by rows. It is normalised anew, and the same
+/// numbers give the same bits.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    origin: Vec<f64>,
+    scale: Vec<Vec<f64>>,
+    /// Exponents and coefficients.
+    terms: Vec<(Vec<u32>, f64)>,
+    support: Support,
+    noise: f64,
+}
+
+impl From<ExpPolynomial> for Document {
+    fn from(density: ExpPolynomial) -> Self {
+        let ExpPolynomial { q, frame, support, noise, .. } = density;
+        Document {
+            origin: frame.origin().to_vec(),
+            scale: frame.scale().row_iter().map(|row| row.iter().copied().collect()).collect(),
+            terms: q.terms().map(|(alpha, c)| (alpha.to_vec(), c)).collect(),
+            support,
+            noise,
+        }
+    }
+}
+
+impl TryFrom<Document> for ExpPolynomial {
+    type Error = String;
+
+    fn try_from(Document { origin, scale, terms, support, noise }: Document) -> Read<Self> {
+        let n = origin.len();
+        if n == 0 || scale.len() != n || scale.iter().any(|row| row.len() != n) {
+            return Err(format!("the scale of the coordinates has not {n} rows of {n} numbers"));
+        }
+        let scale = DMatrix::from_fn(n, n, |i, j| scale[i][j]);
+        let frame = Frame::of(DVector::from_vec(origin), scale);
+        let frame = frame.ok_or("the scale of the coordinates is no lower triangle, or not finite")?;
+        if !noise.is_finite() || terms.iter().any(|(alpha, c)| !c.is_finite() || total_degree(alpha) > HIGHEST) {
+            return Err(format!("a coefficient is not finite, or a degree above {HIGHEST}"));
+        }
+        let q = Polynomial::from_terms(n, terms).map_err(|error| error.to_string())?;
+        ExpPolynomial::new(q, frame, support, noise).map_err(|error| error.to_string())
     }
 }

@@ -1,79 +1,95 @@
-use crate::{Gaussian, Polynomial, Result};
-use nalgebra::{SMatrix, SVector};
+use crate::error::{Error, Result};
+use crate::polynomial::{Gaussian, Polynomial};
+use nalgebra::{DMatrix, DVector};
 
 /// Scaled coordinates z of the state x = m + L z with L lower triangular: those of a Gaussian in which it is standard.
 ///
 /// A polynomial of high order has coefficients of ordinary size only in coordinates like these; and because L is
 /// triangular, a bound on the first state stays a bound on the first coordinate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame<const N: usize> {
-    origin: SVector<f64, N>,
-    scale: SMatrix<f64, N, N>,
-    inverse: SMatrix<f64, N, N>,
+pub struct Frame {
+    origin: DVector<f64>,
+    scale: DMatrix<f64>,
+    inverse: DMatrix<f64>,
 }
 
-impl<const N: usize> Frame<N> {
+impl Frame {
     /// The coordinates in which `gaussian` is standard normal.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if its covariance is not positive definite.
-    pub fn new(gaussian: &Gaussian<N>) -> Result<Self> {
-        let scale = gaussian.scale()?;
-        let inverse = SMatrix::from_fn(|i, j| f64::from(i == j));
-        // A Cholesky factor has a positive diagonal, so that the triangular system has a solution.
-        let inverse = scale.solve_lower_triangular(&inverse).unwrap_or(inverse);
-        Ok(Frame { origin: gaussian.mean, scale, inverse })
+    /// [`Error::OutOfRange`] if its covariance is not positive definite.
+    pub fn new(gaussian: &Gaussian) -> Result<Self> {
+        let unsound = Error::OutOfRange {
+            name: "smallest scale of the covariance",
+            value: 0.0,
+            remedy: "a covariance must be symmetric and positive definite",
+        };
+        Frame::of(gaussian.mean.clone(), gaussian.scale()?).ok_or(unsound)
     }
 
     /// The coordinates x = m + L z, or nothing where L is not lower triangular with a positive diagonal.
-    pub(crate) fn of(origin: SVector<f64, N>, scale: SMatrix<f64, N, N>) -> Option<Self> {
-        let sound = (0..N).all(|i| scale[(i, i)] > 0.0 && (i + 1..N).all(|j| scale[(i, j)] == 0.0));
-        let inverse = scale.solve_lower_triangular(&SMatrix::from_fn(|i, j| f64::from(i == j))).filter(|_| sound)?;
+    pub(crate) fn of(origin: DVector<f64>, scale: DMatrix<f64>) -> Option<Self> {
+        let n = origin.len();
+        let finite = origin.iter().chain(&scale).all(|value| value.is_finite());
+        let triangular = |i: usize| scale[(i, i)] > 0.0 && (i + 1..n).all(|j| scale[(i, j)] == 0.0);
+        if !finite || scale.shape() != (n, n) || !(0..n).all(triangular) {
+            return None;
+        }
+        let inverse = scale.solve_lower_triangular(&DMatrix::identity(n, n))?;
         Some(Frame { origin, scale, inverse })
     }
 
     /// m, the state at z = 0.
-    pub fn origin(&self) -> [f64; N] {
-        self.origin.into()
+    pub fn origin(&self) -> &[f64] {
+        self.origin.as_slice()
     }
 
     /// L.
-    pub fn scale(&self) -> &SMatrix<f64, N, N> {
+    pub fn scale(&self) -> &DMatrix<f64> {
         &self.scale
     }
 
     /// L⁻¹.
-    pub fn inverse(&self) -> &SMatrix<f64, N, N> {
+    pub fn inverse(&self) -> &DMatrix<f64> {
         &self.inverse
     }
 
-    /// The state at z.
-    pub fn state(&self, z: &[f64; N]) -> [f64; N] {
-        (self.origin + self.scale * SVector::from(*z)).into()
+    pub(crate) fn dimension(&self) -> usize {
+        self.origin.len()
     }
 
-    /// The coordinates z of a state.
-    pub fn coordinates(&self, x: &[f64; N]) -> [f64; N] {
-        (self.inverse * (SVector::from(*x) - self.origin)).into()
+    /// The state at z; both have one number for each state.
+    pub fn state(&self, z: &[f64]) -> Vec<f64> {
+        let row = |i: usize| (0..=i).map(|j| self.scale[(i, j)] * z[j]).sum::<f64>() + self.origin[i];
+        (0..self.dimension()).map(row).collect()
+    }
+
+    /// The coordinates z of a state; both have one number for each state.
+    pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
+        let row = |i: usize| (0..=i).map(|j| self.inverse[(i, j)] * (x[j] - self.origin[j])).sum();
+        (0..self.dimension()).map(row).collect()
     }
 
     /// ln |det L|, the logarithm of the volume of a unit cube in z.
     pub fn log_volume(&self) -> f64 {
-        (0..N).map(|i| self.scale[(i, i)].ln()).sum()
+        (0..self.dimension()).map(|i| self.scale[(i, i)].ln()).sum()
     }
 
     /// The states as polynomials in z.
-    pub(crate) fn state_polynomials(&self) -> [Polynomial<N>; N] {
+    pub(crate) fn state_polynomials(&self) -> Vec<Polynomial> {
         affine(&self.scale, &self.origin)
     }
 
     /// The coordinates z as polynomials in the states.
-    pub(crate) fn coordinate_polynomials(&self) -> [Polynomial<N>; N] {
-        affine(&self.inverse, &(-(self.inverse * self.origin)))
+    pub(crate) fn coordinate_polynomials(&self) -> Vec<Polynomial> {
+        affine(&self.inverse, &(-(&self.inverse * &self.origin)))
     }
 }
 
-fn affine<const N: usize>(matrix: &SMatrix<f64, N, N>, shift: &SVector<f64, N>) -> [Polynomial<N>; N] {
-    let variables = Polynomial::variables();
-    std::array::from_fn(|i| (0..N).fold(Polynomial::constant(shift[i]), |sum, j| sum + &variables[j] * matrix[(i, j)]))
+fn affine(matrix: &DMatrix<f64>, shift: &DVector<f64>) -> Vec<Polynomial> {
+    let n = shift.len();
+    let row = |i: usize| {
+        (0..n).fold(Polynomial::constant(n, shift[i]), |sum, j| sum + Polynomial::variable(n, j) * matrix[(i, j)])
+    };
+    (0..n).map(row).collect()
 }

@@ -1,6 +1,6 @@
 //! Whether exp(Q) has a finite integral: the sign of Q far away.
 
-use crate::Polynomial;
+use crate::polynomial::{Polynomial, power};
 
 /// A direction in which Q does not fall to −∞, if there is one.
 ///
@@ -11,66 +11,71 @@ use crate::Polynomial;
 ///
 /// A channel that bends, such as x = v² in −(x − v²)², has no straight ray; the quadrature of the normalisation sees it
 /// as mass that never ends.
-pub(crate) fn escape_direction<const N: usize>(q: &Polynomial<N>, half_space: bool, noise: f64) -> Option<[f64; N]> {
-    let forms: Vec<Polynomial<N>> = (1..=q.degree()).rev().map(|d| q.homogeneous_part(d)).collect();
-    let falls = |e: &[f64; N]| {
+pub(crate) fn escape_direction(q: &Polynomial, half_space: bool, noise: f64) -> Option<Vec<f64>> {
+    let n = q.dimension();
+    let forms: Vec<Polynomial> = (1..=q.degree()).rev().map(|d| q.homogeneous_part(d)).collect();
+    let falls = |e: &[f64]| {
         let first = forms.iter().map(|form| (form.evaluate(e), size(form, e))).find(|(c, size)| c.abs() > noise * size);
         first.is_some_and(|(c, _)| c < 0.0)
     };
-    let Some(leading) = forms.first() else { return Some(std::array::from_fn(|i| f64::from(i == 0))) };
-    let inside = |e: &[f64; N]| !half_space || e[0] >= 0.0;
-    let starts: Vec<[f64; N]> = directions().into_iter().filter(inside).collect();
-    let mut best: Vec<(f64, [f64; N])> = starts.iter().map(|e| (leading.evaluate(e), *e)).collect();
+    let Some(leading) = forms.first() else { return Some((0..n).map(|i| f64::from(i == 0)).collect()) };
+    let inside = |e: &Vec<f64>| !half_space || e[0] >= 0.0;
+    let starts: Vec<Vec<f64>> = directions(n).into_iter().filter(inside).collect();
+    let mut best: Vec<(f64, &Vec<f64>)> = starts.iter().map(|e| (leading.evaluate(e), e)).collect();
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let climbed = best.iter().take(8 + 4 * N).map(|(_, e)| climb(leading, *e)).filter(inside);
-    let mut all = starts.into_iter().chain(climbed);
-    all.find(|e| !falls(e))
+    let slopes: Vec<Polynomial> = (0..n).map(|i| leading.derivative(i)).collect();
+    let climbed = best.iter().take(8 + 4 * n).map(|(_, e)| climb(leading, &slopes, (*e).clone())).filter(inside);
+    starts.iter().cloned().chain(climbed).find(|e| !falls(e))
 }
 
 /// Σ |c_α e^α|, the size that the rounding of a form's value is relative to.
-fn size<const N: usize>(form: &Polynomial<N>, e: &[f64; N]) -> f64 {
-    form.terms().map(|(m, c)| (c * m.evaluate(e)).abs()).sum()
+fn size(form: &Polynomial, e: &[f64]) -> f64 {
+    form.terms().map(|(alpha, c)| (c * power(e, alpha)).abs()).sum()
 }
 
 /// Directions spread over the unit sphere, the axes among them: every half degree in the plane, a fixed low-discrepancy
 /// set in more dimensions.
-fn directions<const N: usize>() -> Vec<[f64; N]> {
-    let axes = (0..2 * N).map(|k| std::array::from_fn(|i| if i == k / 2 { [1.0, -1.0][k % 2] } else { 0.0 }));
-    let mut all: Vec<[f64; N]> = axes.collect();
-    let count = if N == 1 { 0 } else { 720 * (N - 1) };
+fn directions(n: usize) -> Vec<Vec<f64>> {
+    let axis = |k: usize| (0..n).map(|i| if i == k / 2 { [1.0, -1.0][k % 2] } else { 0.0 }).collect();
+    let mut all: Vec<Vec<f64>> = (0..2 * n).map(axis).collect();
+    let count = 720 * n.saturating_sub(1);
     for k in 0..count {
-        let e = if N == 2 {
+        let e = if n == 2 {
             let angle = k as f64 * std::f64::consts::TAU / count as f64;
-            std::array::from_fn(|i| if i == 0 { angle.cos() } else { angle.sin() })
+            vec![angle.cos(), angle.sin()]
         } else {
             // A Kronecker sequence in the cube, by square roots of integers, pushed out to the sphere.
-            std::array::from_fn(|i| 2.0 * ((k + 1) as f64 * (i as f64 + 2.37).sqrt() * 0.754_877_666).fract() - 1.0)
+            let place = |i: usize| 2.0 * ((k + 1) as f64 * (i as f64 + 2.37).sqrt() * 0.754_877_666).fract() - 1.0;
+            (0..n).map(place).collect()
         };
         all.extend(normalised(e));
     }
     all
 }
 
-fn normalised<const N: usize>(e: [f64; N]) -> Option<[f64; N]> {
+fn normalised(mut e: Vec<f64>) -> Option<Vec<f64>> {
     let length = e.iter().map(|c| c * c).sum::<f64>().sqrt();
-    (length > 1e-3).then(|| e.map(|c| c / length))
+    e.iter_mut().for_each(|c| *c /= length);
+    (length > 1e-3).then_some(e)
 }
 
 /// Projected gradient ascent of a form on the sphere, with a step that halves when it does not climb.
-fn climb<const N: usize>(form: &Polynomial<N>, mut e: [f64; N]) -> [f64; N] {
+fn climb(form: &Polynomial, slopes: &[Polynomial], mut e: Vec<f64>) -> Vec<f64> {
     let mut value = form.evaluate(&e);
-    let mut step = 0.1 / form.max_coefficient().max(f64::MIN_POSITIVE);
+    let largest = form.max_coefficient();
+    let mut step = 0.1 / largest.max(f64::MIN_POSITIVE);
     for _ in 0..200 {
-        let g = form.gradient(&e);
-        let radial: f64 = (0..N).map(|i| g[i] * e[i]).sum();
-        let Some(next) = normalised(std::array::from_fn(|i| e[i] + step * (g[i] - radial * e[i]))) else { break };
+        let g: Vec<f64> = slopes.iter().map(|slope| slope.evaluate(&e)).collect();
+        let radial: f64 = g.iter().zip(&e).map(|(g, e)| g * e).sum();
+        let moved = e.iter().zip(&g).map(|(e, g)| e + step * (g - radial * e)).collect();
+        let Some(next) = normalised(moved) else { break };
         let next_value = form.evaluate(&next);
         if next_value > value {
             (e, value) = (next, next_value);
             step *= 1.5;
         } else {
             step *= 0.5;
-            if step * form.max_coefficient() < 1e-14 {
+            if step * largest < 1e-14 {
                 break;
             }
         }
@@ -83,8 +88,7 @@ mod tests {
     use super::*;
 
     fn escapes(terms: &[([u32; 2], f64)], half_space: bool) -> bool {
-        let terms = terms.iter().map(|(e, c)| (&e[..], *c));
-        let q = Polynomial::<2>::from_terms(terms).unwrap();
+        let q = Polynomial::from_terms(2, terms.iter().copied()).unwrap();
         escape_direction(&q, half_space, 1e-12).is_some()
     }
 

@@ -1,15 +1,18 @@
-/// The part of R^N on which a density lives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Support<const N: usize> {
+use serde::{Deserialize, Serialize};
+
+/// The part of R^n on which a density lives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Support {
     /// All of it.
     WholeSpace,
     /// The half space in which state 0 is at least this: above a wall.
     Above(f64),
     /// A box, as pairs of lower and upper limit. Outside, the density is 0 by decree and not by nature.
-    Region([[f64; 2]; N]),
+    Region(Vec<[f64; 2]>),
 }
 
-impl<const N: usize> Support<N> {
+impl Support {
     /// Whether the value `x` of state `state` lies inside, whatever the other states are.
     pub fn contains(&self, state: usize, x: f64) -> bool {
         match self {

@@ -6,10 +6,10 @@
 //! rules, which take few nodes for a direction in which the density is normal. Each axis is refined on its own until the
 //! integral stops changing. Three nodes at least make means of fourth powers right.
 
-use super::frame::Frame;
-use super::support::Support;
+use super::{Crossing, Frame, Support};
+use crate::error::{Error, Result};
+use crate::polynomial::Polynomial;
 use crate::quadrature::Rule;
-use crate::{Crossing, Error, Polynomial, Result};
 use std::sync::OnceLock;
 
 /// exp(Q) is neglected where it is below e^−50 = 2e-22 of its maximum.
@@ -95,43 +95,48 @@ impl Section {
 
 /// A tensor rule in scaled coordinates, fine enough for exp(Q).
 #[derive(Clone, Debug)]
-pub(super) struct TensorRule<const N: usize> {
-    axes: [Axis; N],
+pub(super) struct TensorRule {
+    axes: Vec<Axis>,
     /// Q at the highest point that the rule has seen; exp(Q) is scaled by it.
     pub(super) top: f64,
 }
 
-impl<const N: usize> TensorRule<N> {
+impl TensorRule {
     /// Two rules for exp(Q) on `support`: the second is fine enough, the first is
     /// finer still on every axis that needed refinement, and their difference estimates the error of the second.
     ///
     /// # Errors
-    /// [`Error::NotNormalisable`] if the mass never ends.
-    pub(super) fn fitted(q: &Polynomial<N>, frame: &Frame<N>, support: &Support<N>) -> Result<(Self, Self)> {
-        let hermite = N > 2 && *support == Support::WholeSpace;
+    /// [`Error::NotNormalisable`] if the mass never ends, [`Error::NotServed`] if the grid that looks for it has too many
+    /// points.
+    pub(super) fn fitted(q: &Polynomial, frame: &Frame, support: &Support) -> Result<(Self, Self)> {
+        let n = frame.dimension();
+        let hermite = n > 2 && *support == Support::WholeSpace;
         let (bounds, top) = match support {
             Support::WholeSpace if hermite => {
                 // The widest box that a half line of a Gauss-Hermite axis can need.
                 let reach = (2.0 * DEPTH).sqrt();
-                ([(-reach, reach); N], q.evaluate(&[0.0; N]))
+                (vec![(-reach, reach); n], q.evaluate(&vec![0.0; n]))
             }
             Support::WholeSpace => bounding_box(q, None)?,
             Support::Above(bound) => bounding_box(q, Some((bound - frame.origin()[0]) / frame.scale()[(0, 0)]))?,
             Support::Region(limits) => {
-                let corner = |side: usize| frame.coordinates(&std::array::from_fn(|i| limits[i][side]));
-                let (low, high) = (corner(0), corner(1));
-                let bounds = std::array::from_fn(|i| (low[i], high[i]));
-                (bounds, occupied_cells(q, &bounds).1)
+                let corner = |side: usize| frame.coordinates(&limits.iter().map(|ends| ends[side]).collect::<Vec<_>>());
+                let bounds: Vec<(f64, f64)> = corner(0).into_iter().zip(corner(1)).collect();
+                let top = occupied_cells(q, &bounds)?.1;
+                (bounds, top)
             }
         };
         let count = if hermite { 3 } else { 24 };
-        let mut rule = TensorRule { axes: bounds.map(|(low, high)| Axis::new(low, high, hermite, count)), top };
+        let mut rule = TensorRule {
+            axes: bounds.into_iter().map(|(low, high)| Axis::new(low, high, hermite, count)).collect(),
+            top,
+        };
         let mass = |rule: &Self| rule.integrate(q, frame, Section::default(), |_| 1.0).ln();
         let first = rule.clone();
         let mut last = mass(&rule);
         loop {
             let mut changed = false;
-            for d in 0..N {
+            for d in 0..n {
                 let mut finer = rule.clone();
                 finer.axes[d] = rule.axes[d].refined();
                 if finer.size() > MAX_NODES {
@@ -148,7 +153,7 @@ impl<const N: usize> TensorRule<N> {
             }
         }
         let mut finer = rule.clone();
-        for d in 0..N {
+        for d in 0..n {
             let needed = rule.axes[d].count() > first.axes[d].count();
             // An axis that is fine enough for the mass may not be for what a mean is taken of.
             let most = if needed { MAX_NODES } else { CHEAP };
@@ -160,8 +165,8 @@ impl<const N: usize> TensorRule<N> {
     }
 
     /// The box that the rule covers, in the states: the smallest with sides along the states that holds the box in z.
-    pub(super) fn bounds(&self, frame: &Frame<N>) -> [[f64; 2]; N] {
-        std::array::from_fn(|i| {
+    pub(super) fn bounds(&self, frame: &Frame) -> Vec<[f64; 2]> {
+        let side = |i: usize| {
             let mut bounds = [frame.origin()[i]; 2];
             for (j, axis) in self.axes.iter().enumerate().take(i + 1) {
                 let ends = [axis.low, axis.high].map(|z| frame.scale()[(i, j)] * z);
@@ -169,7 +174,8 @@ impl<const N: usize> TensorRule<N> {
                 bounds[1] += ends[0].max(ends[1]);
             }
             bounds
-        })
+        };
+        (0..frame.dimension()).map(side).collect()
     }
 
     fn size(&self) -> usize {
@@ -179,13 +185,13 @@ impl<const N: usize> TensorRule<N> {
     /// ∫ g(x) exp(Q − top) dz over a section. Where a state is held, the result is a density in that state.
     pub(super) fn integrate(
         &self,
-        q: &Polynomial<N>,
-        frame: &Frame<N>,
+        q: &Polynomial,
+        frame: &Frame,
         section: Section,
-        mut g: impl FnMut(&[f64; N]) -> f64,
+        mut g: impl FnMut(&[f64]) -> f64,
     ) -> f64 {
-        let mut z = [0.0; N];
-        let mut x = [0.0; N];
+        let mut z = vec![0.0; frame.dimension()];
+        let mut x = z.clone();
         self.sum_from(0, &mut z, &mut x, frame, section, &mut |z, x| {
             let p = (q.evaluate(z) - self.top).exp();
             if p == 0.0 { 0.0 } else { p * g(x) }
@@ -197,19 +203,19 @@ impl<const N: usize> TensorRule<N> {
     fn sum_from(
         &self,
         d: usize,
-        z: &mut [f64; N],
-        x: &mut [f64; N],
-        frame: &Frame<N>,
+        z: &mut [f64],
+        x: &mut [f64],
+        frame: &Frame,
         section: Section,
-        g: &mut impl FnMut(&[f64; N], &[f64; N]) -> f64,
+        g: &mut impl FnMut(&[f64], &[f64]) -> f64,
     ) -> f64 {
-        if d == N {
+        if d == x.len() {
             return g(z, x);
         }
         let scale = frame.scale();
         let shift = frame.origin()[d] + (0..d).map(|j| scale[(d, j)] * z[j]).sum::<f64>();
         let width = scale[(d, d)];
-        let mut step = |z: &mut [f64; N], x: &mut [f64; N], value: f64, weight: f64| {
+        let mut step = |z: &mut [f64], x: &mut [f64], value: f64, weight: f64| {
             z[d] = value;
             x[d] = shift + width * value;
             weight * self.sum_from(d + 1, z, x, frame, section, g)
@@ -229,16 +235,17 @@ impl<const N: usize> TensorRule<N> {
 }
 
 /// The box outside of which exp(Q) is negligible, and the largest Q on it.
-fn bounding_box<const N: usize>(q: &Polynomial<N>, wall: Option<f64>) -> Result<([(f64, f64); N], f64)> {
-    let mut bounds = [(-6.0, 6.0); N];
+fn bounding_box(q: &Polynomial, wall: Option<f64>) -> Result<(Vec<(f64, f64)>, f64)> {
+    let n = q.dimension();
+    let mut bounds = vec![(-6.0, 6.0); n];
     if let Some(wall) = wall {
         bounds[0] = (wall, wall + 12.0);
     }
-    let mut top = occupied_cells(q, &bounds).1;
+    let mut top = occupied_cells(q, &bounds)?.1;
     // Outwards on every side that the mass reaches, until it reaches none.
     loop {
         let mut settled = true;
-        for d in 0..N {
+        for d in 0..n {
             let (low, high) = bounds[d];
             let grown = 0.5 * (high - low);
             let held = d == 0 && wall.is_some();
@@ -248,7 +255,7 @@ fn bounding_box<const N: usize>(q: &Polynomial<N>, wall: Option<f64>) -> Result<
             bounds[d] = (if below { low - grown } else { low }, if above { high + grown } else { high });
             settled &= !below && !above;
             if bounds[d].1 - bounds[d].0 >= TOO_WIDE {
-                let direction = (0..N).map(|i| f64::from(i == d)).collect();
+                let direction = (0..n).map(|i| f64::from(i == d)).collect();
                 return Err(Error::NotNormalisable { order: q.degree(), direction });
             }
         }
@@ -258,9 +265,9 @@ fn bounding_box<const N: usize>(q: &Polynomial<N>, wall: Option<f64>) -> Result<
     }
     // Inwards to where it begins, twice, since the second grid is finer.
     for _ in 0..2 {
-        let (cells, highest) = occupied_cells(q, &bounds);
+        let (cells, highest) = occupied_cells(q, &bounds)?;
         top = top.max(highest);
-        let full = bounds;
+        let full = bounds.clone();
         for (d, (first, last)) in cells.into_iter().enumerate() {
             let (low, high) = full[d];
             let width = (high - low) / (GRID - 1) as f64;
@@ -279,11 +286,16 @@ fn bounding_box<const N: usize>(q: &Polynomial<N>, wall: Option<f64>) -> Result<
 
 /// The largest Q on the face z_`d` = `side` of a box. A ridge far out is narrow in exp(Q) but not in Q, a polynomial with
 /// few extrema: the highest points of a coarse walk along the face, each refined, are enough.
-fn face_maximum<const N: usize>(q: &Polynomial<N>, bounds: &[(f64, f64); N], d: usize, side: f64) -> f64 {
+fn face_maximum(q: &Polynomial, bounds: &[(f64, f64)], d: usize, side: f64) -> f64 {
     const STEPS: usize = 100;
-    let Some(other) = (0..N).find(|&i| i != d) else { return q.evaluate(&[side; N]) };
+    let mut point = vec![side; bounds.len()];
+    let Some(other) = (0..bounds.len()).find(|&i| i != d) else { return q.evaluate(&point) };
     let (low, high) = bounds[other];
-    let value = |s: f64| q.evaluate(&std::array::from_fn(|i| if i == d { side } else { low + s * (high - low) }));
+    // Along the diagonal of the face where it has more than one side.
+    let mut value = |s: f64| {
+        (0..point.len()).filter(|&i| i != d).for_each(|i| point[i] = low + s * (high - low));
+        q.evaluate(&point)
+    };
     let walk: Vec<f64> = (0..=STEPS).map(|k| value(k as f64 / STEPS as f64)).collect();
     let mut highest = walk[0].max(walk[STEPS]);
     for k in 1..STEPS {
@@ -300,20 +312,31 @@ fn face_maximum<const N: usize>(q: &Polynomial<N>, bounds: &[(f64, f64); N], d: 
 }
 
 /// The first and last grid line of each axis on which exp(Q) matters, and the largest Q on the grid.
-fn occupied_cells<const N: usize>(q: &Polynomial<N>, bounds: &[(f64, f64); N]) -> ([(usize, usize); N], f64) {
-    let total = GRID.pow(N as u32);
-    let index = |k: usize| -> [usize; N] { std::array::from_fn(|d| k / GRID.pow(d as u32) % GRID) };
-    let point = |k: usize| -> [f64; N] {
-        let index = index(k);
-        std::array::from_fn(|d| bounds[d].0 + index[d] as f64 * (bounds[d].1 - bounds[d].0) / (GRID - 1) as f64)
+///
+/// # Errors
+/// [`Error::NotServed`] where the grid has more points than a rule may have nodes.
+fn occupied_cells(q: &Polynomial, bounds: &[(f64, f64)]) -> Result<(Vec<(usize, usize)>, f64)> {
+    let n = bounds.len();
+    let total = GRID.checked_pow(n as u32).filter(|total| *total <= 4 * MAX_NODES).ok_or(Error::NotServed {
+        method: "quadrature on a half space or a region",
+        what: "a density of more than four states",
+        remedy: "only densities on the whole space are integrated in so many states",
+    })?;
+    let line = |k: usize, d: usize| k / GRID.pow(d as u32) % GRID;
+    let mut point = vec![0.0; n];
+    let mut value = |k: usize| {
+        for (d, (low, high)) in bounds.iter().enumerate() {
+            point[d] = low + line(k, d) as f64 * (high - low) / (GRID - 1) as f64;
+        }
+        q.evaluate(&point)
     };
-    let values: Vec<f64> = (0..total).map(|k| q.evaluate(&point(k))).collect();
+    let values: Vec<f64> = (0..total).map(&mut value).collect();
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut cells = [(GRID - 1, 0); N];
+    let mut cells = vec![(GRID - 1, 0); n];
     for k in (0..total).filter(|&k| values[k] > highest - DEPTH) {
-        for (cell, i) in cells.iter_mut().zip(index(k)) {
-            *cell = (cell.0.min(i), cell.1.max(i));
+        for (d, cell) in cells.iter_mut().enumerate() {
+            *cell = (cell.0.min(line(k, d)), cell.1.max(line(k, d)));
         }
     }
-    (cells, highest)
+    Ok((cells, highest))
 }

@@ -1,4 +1,4 @@
-//! The Fokker-Planck operator of a system, by two independent routes.
+//! The Fokker-Planck operator of a system.
 //!
 //! 0 = L p = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p), B = G Gᵀ, is the equation of the stationary density p. For p = exp(Q) it
 //! divides by p and becomes the *residual*
@@ -6,72 +6,70 @@
 //! r(x; Q) = −∇·f − f·∇Q + ½ [ ∂_i∂_jB_ij + 2 (∂_jB_ij) ∂_iQ + B_ij (∂_i∂_jQ + ∂_iQ ∂_jQ) ],
 //!
 //! which is quadratic in the coefficients of Q. [`FokkerPlanck`] holds the operator as polynomials: exact degrees, exact
-//! Gaussian moments, an equation to print. [`LocalOperator`] is the operator at one point, by dual numbers, from the same
-//! generic definition. The two agree to rounding on every system.
+//! Gaussian moments, an equation to print. [`Local`] is the operator at one point, as dual numbers find it from the user's own
+//! definition: what equations at nodes are assembled from.
 
 mod local;
 mod text;
 
-pub use local::LocalOperator;
-pub(crate) use local::{drift_along_noise, ito_drift};
-pub use text::OperatorText;
+pub(crate) use local::Local;
 
-use crate::{Arena, Error, Frame, Gaussian, Interpretation, Polynomial, PolynomialDrift, Result, Symbol};
-use nalgebra::{SMatrix, SVector};
+use crate::density::Frame;
+use crate::error::{Error, Result};
+use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
+use crate::system::Interpretation;
+use nalgebra::{DMatrix, DVector};
 
 /// The Fokker-Planck operator as polynomials: the Itô drift f and the diffusion matrix B = G Gᵀ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FokkerPlanck<const N: usize> {
-    drift: [Polynomial<N>; N],
-    diffusion: [[Polynomial<N>; N]; N],
+pub struct FokkerPlanck {
+    drift: Vec<Polynomial>,
+    diffusion: Vec<Vec<Polynomial>>,
 }
 
-impl<const N: usize> FokkerPlanck<N> {
-    /// The operator of `system`. A Stratonovich system's drift is converted to Itô's, f_i += ½ Σ_jk G_jk ∂_j G_ik.
+impl FokkerPlanck {
+    /// The operator of a drift and of the noise's columns. A Stratonovich drift is converted to Itô's,
+    /// f_i += ½ Σ_jk G_jk ∂_j G_ik.
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::NoNoise`] if B vanishes identically.
-    ///
-    /// ```
-    /// use expoly::{FokkerPlanck, models::Duffing};
-    /// let operator = FokkerPlanck::new(&Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
-    /// assert_eq!(
-    ///     operator.text(["x", "v"]).to_string(),
-    ///     "0 = - d/dx[(v) p] - d/dv[(- x - 0.2 v - 0.3 x^3) p] + d2/dv2[(0.2) p]"
-    /// );
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn new<T: PolynomialDrift<N, M>, const M: usize>(system: &T) -> Result<Self> {
-        let arena = Arena::new();
-        let mut drift = system.drift(arena.variables()).map(Symbol::polynomial);
-        let noise = system.noise(arena.variables()).map(|row| row.map(Symbol::polynomial));
-        for i in 0..N {
+    pub(crate) fn new(
+        drift: &[Polynomial],
+        columns: &[Vec<Polynomial>],
+        interpretation: Interpretation,
+    ) -> Result<Self> {
+        let n = drift.len();
+        for i in 0..n {
             all_finite("drift", i, &drift[i])?;
-            for entry in &noise[i] {
-                all_finite("noise", i, entry)?;
-            }
+            columns.iter().try_for_each(|column| all_finite("noise", i, &column[i]))?;
         }
-        if system.interpretation() == Interpretation::Stratonovich {
-            for (i, correction) in noise_induced_drift(&noise).into_iter().enumerate() {
+        let mut drift = drift.to_vec();
+        if interpretation == Interpretation::Stratonovich {
+            for (i, correction) in noise_induced_drift(columns, n).into_iter().enumerate() {
                 drift[i] = &drift[i] + &correction;
             }
         }
-        let diffusion: [[Polynomial<N>; N]; N] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| (0..M).fold(Polynomial::zero(), |sum, k| sum + &noise[i][k] * &noise[j][k]))
-        });
+        let product =
+            |i: usize, j: usize| columns.iter().fold(Polynomial::zero(n), |sum, column| sum + &column[i] * &column[j]);
+        let diffusion: Vec<Vec<Polynomial>> = (0..n).map(|i| (0..n).map(|j| product(i, j)).collect()).collect();
         if diffusion.iter().flatten().all(Polynomial::is_zero) {
             return Err(Error::NoNoise);
         }
         Ok(FokkerPlanck { drift, diffusion })
     }
 
+    /// The number of states.
+    pub fn dimension(&self) -> usize {
+        self.drift.len()
+    }
+
     /// The Itô drift f.
-    pub fn drift(&self) -> &[Polynomial<N>; N] {
+    pub fn drift(&self) -> &[Polynomial] {
         &self.drift
     }
 
     /// The diffusion matrix B = G Gᵀ.
-    pub fn diffusion(&self) -> &[[Polynomial<N>; N]; N] {
+    pub fn diffusion(&self) -> &[Vec<Polynomial>] {
         &self.diffusion
     }
 
@@ -81,32 +79,36 @@ impl<const N: usize> FokkerPlanck<N> {
     }
 
     /// The divergence ∇·f of the drift.
-    pub fn divergence(&self) -> Polynomial<N> {
-        (0..N).fold(Polynomial::zero(), |sum, i| sum + self.drift[i].derivative(i))
+    pub fn divergence(&self) -> Polynomial {
+        let n = self.dimension();
+        (0..n).fold(Polynomial::zero(n), |sum, i| sum + self.drift[i].derivative(i))
     }
 
     /// The vector Σ_j ∂_jB_ij.
-    pub fn diffusion_divergence(&self) -> [Polynomial<N>; N] {
-        std::array::from_fn(|i| (0..N).fold(Polynomial::zero(), |sum, j| sum + self.diffusion[i][j].derivative(j)))
+    pub fn diffusion_divergence(&self) -> Vec<Polynomial> {
+        let n = self.dimension();
+        let row = |row: &Vec<Polynomial>| (0..n).fold(Polynomial::zero(n), |sum, j| sum + row[j].derivative(j));
+        self.diffusion.iter().map(row).collect()
     }
 
     /// The residual r(x; Q) = L exp(Q) / exp(Q) as a polynomial. It vanishes identically if exp(Q) is stationary.
     ///
     /// ```
-    /// use expoly::{FokkerPlanck, Polynomial, models::Linear};
-    /// let operator = FokkerPlanck::new(&Linear::new(0.5, 1.0, 0.5)?)?;
-    /// let [x, v] = Polynomial::<2>::variables();
+    /// use expoly::{Polynomial, Problem, models::Linear};
+    /// let problem = Problem::of(Linear::new(0.5, 1.0, 0.5)?)?;
+    /// let [x, v] = [0, 1].map(|i| Polynomial::variable(2, i));
     /// let q = &x * &x * -0.5 + &v * &v * -0.5; // −(c/D)(v² + k x²)/2
-    /// assert!(operator.residual(&q).is_zero());
+    /// assert!(problem.operator().residual(&q).is_zero());
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn residual(&self, q: &Polynomial<N>) -> Polynomial<N> {
-        let gradient: [Polynomial<N>; N] = std::array::from_fn(|i| q.derivative(i));
+    pub fn residual(&self, q: &Polynomial) -> Polynomial {
+        let n = self.dimension();
+        let gradient: Vec<Polynomial> = (0..n).map(|i| q.derivative(i)).collect();
         let spread = self.diffusion_divergence();
         let mut r = &self.divergence() * -1.0;
-        for i in 0..N {
+        for i in 0..n {
             r = r + &(&spread[i] - &self.drift[i]) * &gradient[i] + spread[i].derivative(i) * 0.5;
-            for j in 0..N {
+            for j in 0..n {
                 let curvature = gradient[i].derivative(j) + &gradient[i] * &gradient[j];
                 r = r + &self.diffusion[i][j] * &curvature * 0.5;
             }
@@ -116,70 +118,68 @@ impl<const N: usize> FokkerPlanck<N> {
 
     /// The state that is the velocity of state `i`: j where the drift of x_i is x_j alone and no noise drives x_i.
     pub fn velocity_of(&self, i: usize) -> Option<usize> {
-        let quiet = self.diffusion[i].iter().all(Polynomial::is_zero);
-        let variables = Polynomial::variables();
-        quiet.then(|| (0..N).find(|&j| j != i && self.drift[i] == variables[j])).flatten()
+        let quiet = self.diffusion.get(i)?.iter().all(Polynomial::is_zero);
+        let n = self.dimension();
+        quiet.then(|| (0..n).find(|&j| j != i && self.drift[i] == Polynomial::variable(n, j))).flatten()
     }
 
     /// The same operator for the scaled coordinates z of x = m + L z: drift L⁻¹f and diffusion L⁻¹B L⁻ᵀ.
-    pub(crate) fn in_frame(&self, frame: &Frame<N>) -> Self {
-        let arena = Arena::new();
-        let state = frame.state_polynomials().map(|p| arena.symbol(p));
+    pub(crate) fn in_frame(&self, frame: &Frame) -> Self {
+        let n = self.dimension();
+        let arena = Arena::new(n);
+        let state: Vec<Symbol<'_>> = frame.state_polynomials().into_iter().map(|p| arena.symbol(p)).collect();
         let inverse = frame.inverse();
-        let in_z = |p: &Polynomial<N>| p.evaluate(&state).polynomial();
-        let drift = self.drift.each_ref().map(in_z);
-        let diffusion = self.diffusion.each_ref().map(|row| row.each_ref().map(in_z));
+        let in_z = |p: &Polynomial| p.evaluate(&state).polynomial(n);
+        let drift: Vec<Polynomial> = self.drift.iter().map(in_z).collect();
+        let diffusion: Vec<Vec<Polynomial>> = self.diffusion.iter().map(|row| row.iter().map(in_z).collect()).collect();
         // Σ_j L⁻¹_ij p_j, leaving out what is zero anyway.
-        let combined = |factors: [f64; N], parts: [&Polynomial<N>; N]| {
-            let used = (0..N).filter(|&j| factors[j] != 0.0 && !parts[j].is_zero());
-            used.fold(Polynomial::zero(), |sum, j| sum + parts[j] * factors[j])
+        let combined = |i: usize, part: &dyn Fn(usize) -> Polynomial| {
+            let used = (0..n).filter(|&j| inverse[(i, j)] != 0.0).map(|j| (inverse[(i, j)], part(j)));
+            used.filter(|(_, p)| !p.is_zero()).fold(Polynomial::zero(n), |sum, (factor, p)| sum + p * factor)
         };
-        let row = |i: usize| std::array::from_fn(|j| inverse[(i, j)]);
-        let half: [[Polynomial<N>; N]; N] =
-            std::array::from_fn(|i| std::array::from_fn(|q| combined(row(i), diffusion.each_ref().map(|r| &r[q]))));
+        let each = |p: &dyn Fn(usize) -> Polynomial| (0..n).map(p).collect::<Vec<_>>();
+        let half: Vec<Vec<Polynomial>> = (0..n).map(|i| each(&|q| combined(i, &|j| diffusion[j][q].clone()))).collect();
         FokkerPlanck {
-            drift: std::array::from_fn(|i| combined(row(i), drift.each_ref())),
-            diffusion: std::array::from_fn(|i| std::array::from_fn(|j| combined(row(j), half[i].each_ref()))),
+            drift: each(&|i| combined(i, &|j| drift[j].clone())),
+            diffusion: (0..n).map(|i| each(&|j| combined(j, &|q| half[i][q].clone()))).collect(),
         }
     }
 
     /// The same operator for the time t/`unit`.
     pub(crate) fn in_time(&self, unit: f64) -> Self {
-        FokkerPlanck {
-            drift: self.drift.each_ref().map(|p| p * unit),
-            diffusion: self.diffusion.each_ref().map(|row| row.each_ref().map(|p| p * unit)),
-        }
+        let scaled = |row: &Vec<Polynomial>| row.iter().map(|p| p * unit).collect();
+        FokkerPlanck { drift: scaled(&self.drift), diffusion: self.diffusion.iter().map(scaled).collect() }
     }
 
     /// The linear system with the drift `slopes`·(x − `centre`) and the constant diffusion `diffusion`.
-    pub(crate) fn linear(
-        slopes: &SMatrix<f64, N, N>,
-        centre: &SVector<f64, N>,
-        diffusion: &SMatrix<f64, N, N>,
-    ) -> Self {
-        let variables: [Polynomial<N>; N] = Polynomial::variables();
-        let drift = std::array::from_fn(|i| {
-            (0..N).fold(Polynomial::zero(), |sum, j| sum + (&variables[j] + -centre[j]) * slopes[(i, j)])
-        });
-        let diffusion = std::array::from_fn(|i| std::array::from_fn(|j| Polynomial::constant(diffusion[(i, j)])));
-        FokkerPlanck { drift, diffusion }
+    pub(crate) fn linear(slopes: &DMatrix<f64>, centre: &DVector<f64>, diffusion: &DMatrix<f64>) -> Self {
+        let n = centre.len();
+        let from = |j: usize| Polynomial::variable(n, j) + -centre[j];
+        let drift = |i: usize| (0..n).fold(Polynomial::zero(n), |sum, j| sum + from(j) * slopes[(i, j)]);
+        let constant = |i: usize, j: usize| Polynomial::constant(n, diffusion[(i, j)]);
+        FokkerPlanck {
+            drift: (0..n).map(drift).collect(),
+            diffusion: (0..n).map(|i| (0..n).map(|j| constant(i, j)).collect()).collect(),
+        }
     }
 
     /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation.
-    pub(crate) fn linearised(&self, gaussian: &Gaussian<N>) -> Self {
-        let slopes = SMatrix::from_fn(|i, j| gaussian.expectation(&self.drift[i].derivative(j)));
-        let diffusion = SMatrix::from_fn(|i, j| gaussian.expectation(&self.diffusion[i][j]));
+    pub(crate) fn linearised(&self, gaussian: &Gaussian) -> Self {
+        let n = self.dimension();
+        let slopes = DMatrix::from_fn(n, n, |i, j| gaussian.expectation(&self.drift[i].derivative(j)));
+        let diffusion = DMatrix::from_fn(n, n, |i, j| gaussian.expectation(&self.diffusion[i][j]));
         Self::linear(&slopes, &gaussian.mean, &diffusion)
     }
 
     /// The rate of change of the mean of `statistic` as a polynomial: f·∇φ + ½ B:∇∇φ. Its stationary mean is zero,
     /// which makes every polynomial a check of a density: a *moment equation*.
-    pub fn generator(&self, statistic: &Polynomial<N>) -> Polynomial<N> {
-        let mut rate = Polynomial::zero();
-        for i in 0..N {
+    pub fn generator(&self, statistic: &Polynomial) -> Polynomial {
+        let n = self.dimension();
+        let mut rate = Polynomial::zero(n);
+        for i in 0..n {
             let slope = statistic.derivative(i);
             rate = rate + &self.drift[i] * &slope;
-            for j in 0..N {
+            for j in 0..n {
                 rate = rate + &self.diffusion[i][j] * &slope.derivative(j) * 0.5;
             }
         }
@@ -188,23 +188,22 @@ impl<const N: usize> FokkerPlanck<N> {
 }
 
 /// ½ Σ_jk G_jk ∂_j G_ik, what Stratonovich's mean rate of change has beyond the drift.
-pub(crate) fn noise_induced_drift<const N: usize, const M: usize>(
-    noise: &[[Polynomial<N>; M]; N],
-) -> [Polynomial<N>; N] {
-    std::array::from_fn(|i| {
-        let mut sum = Polynomial::zero();
-        for k in 0..M {
-            for j in 0..N {
-                sum = sum + &noise[j][k] * &noise[i][k].derivative(j) * 0.5;
+pub(crate) fn noise_induced_drift(columns: &[Vec<Polynomial>], n: usize) -> Vec<Polynomial> {
+    let induced = |i: usize| {
+        let mut sum = Polynomial::zero(n);
+        for column in columns {
+            for j in 0..n {
+                sum = sum + &column[j] * &column[i].derivative(j) * 0.5;
             }
         }
         sum
-    })
+    };
+    (0..n).map(induced).collect()
 }
 
-fn all_finite<const N: usize>(part: &'static str, state: usize, polynomial: &Polynomial<N>) -> Result<()> {
+fn all_finite(part: &'static str, state: usize, polynomial: &Polynomial) -> Result<()> {
     match polynomial.terms().find(|(_, c)| !c.is_finite()) {
         None => Ok(()),
-        Some((m, value)) => Err(Error::NotFinite { part, state, exponents: m.0.to_vec(), value }),
+        Some((alpha, value)) => Err(Error::NotFinite { part, state, exponents: alpha.to_vec(), value }),
     }
 }

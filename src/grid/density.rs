@@ -1,106 +1,63 @@
 use super::field::Field;
-use crate::error::state_index;
-use crate::quadrature::Rule;
-use crate::{Barrier, Crossing, Density, Error, Estimate, FokkerPlanck, Result, Support};
-use rayon::prelude::*;
+use super::space::Side;
+use crate::density::{Crossing, Density};
+use crate::error::{Error, Result, dimension, state_index};
+use crate::estimate::Estimate;
+use crate::problem::Problem;
+use crate::provenance::Provenance;
 use std::fmt;
 
-/// A grid solution's origin: how it was made and how good it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GridProvenance {
-    /// Cells along each state, layers towards a grazing point included.
-    pub cells: [usize; 2],
-    /// The polynomials' degree in each state.
-    pub degree: usize,
-    /// The number of coefficients.
-    pub unknowns: usize,
-    /// Entries of the matrix that are not zero.
-    pub nonzeros: usize,
-    /// Lower and upper limit of each state.
-    pub domain: [[f64; 2]; 2],
-    /// The largest |p| at the domain's open edges, relative to the peak.
-    pub edge_level: f64,
-    /// The probability that leaves the domain per unit time; the multiplier of the condition that the mass is 1.
-    pub leak: f64,
-    /// The largest residual of the linear equations relative to its terms: rounding.
-    pub residual: f64,
-    /// The joint L¹ distance to the solution of one degree less on the same mesh: the error estimate. It is that of the
-    /// lower degree, and with it an upper bound in practice.
-    pub l1_error: f64,
-    /// The most negative value relative to the peak, 0 or below.
-    pub most_negative: f64,
-    /// ∫ |p| dx where p < 0.
-    pub negative_mass: f64,
-    /// The wall-clock time in seconds, pilot included.
-    pub seconds: f64,
-}
+/// The highest power of a state that is integrated: a rule for it has a hundred nodes on every cell.
+const HIGHEST_POWER: u32 = 200;
 
 /// The stationary density as the grid found it: a piecewise polynomial.
 ///
 /// Every value carries the difference to the solution of one degree less on the same mesh as its error. Values may be
-/// negative within their error; nothing is clipped, and [`GridProvenance`] says how much there is of it.
+/// negative within their error; nothing is clipped, and the provenance says how much there is of it.
 #[derive(Clone)]
 pub struct GridDensity {
     pub(super) fine: Field,
     /// The solution of one degree less.
     pub(super) coarse: Field,
-    pub(super) walls: [Option<Barrier>; 2],
-    pub(super) operator: FokkerPlanck<2>,
-    pub(super) provenance: GridProvenance,
+    pub(super) problem: Problem,
+    pub(super) domain: [[f64; 2]; 2],
+    /// The largest |p| at the domain's open edges, relative to the peak.
+    pub(super) edge_level: f64,
+    pub(super) provenance: Provenance,
 }
 
 impl fmt::Debug for GridDensity {
     /// How it was made, without the thousands of coefficients.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("GridDensity")
-            .field("walls", &self.walls)
-            .field("provenance", &self.provenance)
-            .finish_non_exhaustive()
+        f.debug_struct("GridDensity").field("provenance", &self.provenance).finish_non_exhaustive()
     }
 }
 
 impl GridDensity {
     /// Mesh, domain, error estimates, time.
-    pub fn provenance(&self) -> &GridProvenance {
+    pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
 
-    /// Where the density lives. Between two walls that is a region without limits to the velocity.
-    pub fn support(&self) -> Support<2> {
-        match self.walls.map(|wall| wall.map(|w| w.offset())) {
-            [None, None] => Support::WholeSpace,
-            [Some(lower), None] => Support::Above(lower),
-            [lower, upper] => Support::Region([
-                [lower.unwrap_or(f64::NEG_INFINITY), upper.unwrap_or(f64::INFINITY)],
-                [f64::NEG_INFINITY, f64::INFINITY],
-            ]),
-        }
+    /// The joint L¹ distance to the solution of one degree less on the same mesh. It is the error of the lower degree, and
+    /// with it an upper bound in practice.
+    pub fn l1_estimate(&self) -> f64 {
+        self.provenance.l1_estimate.unwrap_or(f64::INFINITY)
     }
 
-    /// The joint distance ∫ |p − q| dx to another density over the domain, by the elements' Gauss nodes.
-    pub fn l1_distance(&self, other: &impl Density<2>) -> Estimate {
-        let rule = self.rule();
-        let mut nodes = Vec::new();
-        self.fine.for_each_node(&rule, |x, _, _| nodes.push(x));
-        // The other density may be dear, and both degrees have the same nodes.
-        let values: Vec<f64> = nodes.par_iter().map(|x| other.pdf(x).value).collect();
-        self.estimate(|field| {
-            let (mut sum, mut values) = (0.0, values.iter());
-            field.for_each_node(&rule, |_, weight, p| sum += values.next().map_or(0.0, |q| weight * (p - q).abs()));
-            sum
-        })
-    }
-
-    /// Impacts per unit time, at both walls together if there are two; none without a wall.
+    /// Impacts per unit time, at all walls together; none without a wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
-        if self.walls == [None, None] {
-            return None;
-        }
-        let crossing = |side: usize, offset: f64| Crossing { upward: side == 1, ..Crossing::upward(offset) };
-        let rates = self.walls.iter().enumerate().filter_map(|(side, wall)| {
-            wall.map(|wall| self.estimate(|field| flux(field, crossing(side, wall.offset()), 1)))
+        let walls = self.walls().into_iter().enumerate();
+        let rates = walls.filter_map(|(side, offset)| {
+            let crossing = Crossing { upward: side == 1, ..Crossing::upward(offset?) };
+            Some(self.estimate(|field| flux(field, crossing, 1)))
         });
-        Some(rates.fold(Estimate::new(0.0, 0.0), |a, b| Estimate::new(a.value + b.value, a.error + b.error)))
+        rates.reduce(|a, b| Estimate::new(a.value + b.value, a.error + b.error))
+    }
+
+    /// Where the walls are, below the motion and above it.
+    fn walls(&self) -> [Option<f64>; 2] {
+        [0, 1].map(|side| (self.fine.space.sides[side] != Side::Open).then_some(self.domain[0][side]))
     }
 
     /// What |x₁^p₁ x₂^p₂| has beyond the open edges, roughly: the edges' level times the peak of the marginal, falling as a
@@ -108,29 +65,26 @@ impl GridDensity {
     fn beyond(&self, powers: [u32; 2]) -> f64 {
         const SAFETY: f64 = 3.0;
         let field = &self.fine;
-        let level = self.provenance.edge_level.clamp(f64::MIN_POSITIVE, 0.1);
+        let level = self.edge_level.clamp(f64::MIN_POSITIVE, 0.1);
+        let walls = self.walls();
         let moment = |state: usize, power: u32| {
             let size = |x: f64| x.abs().powi(power as i32);
             let all = field.weights(1 - state, 0, EVERYWHERE, |_| 1.0);
             let own = field.weights(state, power as usize, EVERYWHERE, size);
-            if state == 0 { field.integrate([&own, &all]) } else { field.integrate([&all, &own]) }
+            integral(field, state, &own, &all)
         };
         let mut beyond = 0.0;
-        for (state, limits) in self.provenance.domain.iter().enumerate() {
+        for (state, limits) in self.domain.iter().enumerate() {
             let peak = 1.0 / (std::f64::consts::TAU * (moment(state, 2) - moment(state, 1).powi(2)).abs()).sqrt();
             let decay = (limits[1] - limits[0]) / (4.0 * -level.ln());
             for (side, edge) in limits.iter().enumerate() {
-                if state == 1 || self.walls[side].is_none() {
+                if state == 1 || walls[side].is_none() {
                     let edge = edge.abs().powi(powers[state] as i32);
                     beyond += level * peak * decay * edge * moment(1 - state, powers[1 - state]);
                 }
             }
         }
         SAFETY * beyond
-    }
-
-    fn rule(&self) -> Rule {
-        self.fine.space.rule(4)
     }
 
     /// A statistic with its difference between the two degrees.
@@ -140,81 +94,92 @@ impl GridDensity {
     }
 }
 
-impl Density<2> for GridDensity {
-    fn pdf(&self, x: &[f64; 2]) -> Estimate {
-        self.estimate(|field| field.value(x))
+impl Density for GridDensity {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+        let x = plane(x)?;
+        Ok(self.estimate(|field| field.value(&x)))
     }
 
     /// ln p; −∞ outside the domain and where p is not positive.
-    fn log_pdf(&self, x: &[f64; 2]) -> f64 {
-        let p = self.fine.value(x);
-        if p > 0.0 { p.ln() } else { f64::NEG_INFINITY }
+    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
+        let p = self.fine.value(&plane(x)?);
+        Ok(if p > 0.0 { p.ln() } else { f64::NEG_INFINITY })
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        let state = state_index::<2>("the state of a marginal", state)?;
+        let state = state_index("the state of a marginal", state, 2)?;
         Ok(self.estimate(|field| {
             let (at, over) = (field.point(state, x), field.weights(1 - state, 0, EVERYWHERE, |_| 1.0));
-            if state == 0 { field.integrate([&at, &over]) } else { field.integrate([&over, &at]) }
+            integral(field, state, &at, &over)
         }))
     }
 
-    fn bounds(&self) -> [[f64; 2]; 2] {
-        self.provenance.domain
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.domain.to_vec()
     }
 
     /// E[g(X)] over the elements' Gauss nodes; exact for polynomials of moderate degree.
-    fn expectation(&self, g: &(dyn Fn(&[f64; 2]) -> f64 + Sync)) -> Estimate {
-        let rule = self.rule();
-        self.estimate(|field| {
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
+        let rule = self.fine.space.rule(4);
+        Ok(self.estimate(|field| {
             let mut sum = 0.0;
-            field.for_each_node(&rule, |x, weight, p| sum += weight * p * g(&x));
+            field.for_each_node(rule.clone(), |x, weight, p| sum += weight * p * g(&x));
             sum
-        })
+        }))
     }
 
     /// The raw moment; its error is the difference of the two degrees and what lies beyond the domain.
-    fn moment(&self, powers: [u32; 2]) -> Estimate {
+    ///
+    /// # Errors
+    /// [`Error::Dimension`] unless there are two powers, [`Error::OutOfRange`] for powers above 200.
+    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+        dimension("the powers of a moment", powers.len(), 2)?;
+        let powers = [moderate(powers[0])?, moderate(powers[1])?];
         let moment = self.estimate(|field| {
             let [a, b] = [0, 1].map(|s| field.weights(s, powers[s] as usize, EVERYWHERE, |x| x.powi(powers[s] as i32)));
             field.integrate([&a, &b])
         });
-        Estimate::new(moment.value, moment.error + self.beyond(powers))
+        Ok(Estimate::new(moment.value, moment.error + self.beyond(powers)))
     }
 
     /// The flux moment of one state's passages with the other as velocity.
     ///
     /// # Errors
-    /// [`Error::Dimension`] for states that do not exist or are the same.
+    /// [`Error::Dimension`] for states that do not exist or are the same, [`Error::OutOfRange`] for powers above 200.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        let displacement = state_index::<2>("the displacement of a crossing", crossing.displacement)?;
-        let velocity = state_index::<2>("the velocity of a crossing", crossing.velocity)?;
-        if displacement == velocity {
-            return Err(Error::Dimension { what: "a crossing of a state by itself", expected: 2, found: velocity });
-        }
+        crossing.states(2)?;
+        moderate(power)?;
         Ok(self.estimate(|field| flux(field, crossing, power)))
-    }
-
-    fn variance(&self, state: usize) -> Result<Estimate> {
-        let state = state_index::<2>("the state of a variance", state)?;
-        Ok(self.estimate(|field| {
-            let raw = |power: i32| {
-                let weights: [_; 2] = [0, 1].map(|s| {
-                    let power = if s == state { power } else { 0 };
-                    field.weights(s, power as usize, EVERYWHERE, |x| x.powi(power))
-                });
-                field.integrate([&weights[0], &weights[1]])
-            };
-            raw(2) - raw(1).powi(2)
-        }))
     }
 }
 
 const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
+fn plane(x: &[f64]) -> Result<[f64; 2]> {
+    dimension("a state", x.len(), 2)?;
+    Ok([x[0], x[1]])
+}
+
+fn moderate(power: u32) -> Result<u32> {
+    if power <= HIGHEST_POWER {
+        return Ok(power);
+    }
+    let remedy = "a grid integrates powers up to 200";
+    Err(Error::OutOfRange { name: "power of a moment", value: f64::from(power), remedy })
+}
+
+/// ∫ g(x_state) h(x_other) p dx from the integrals of g and h with the basis.
+fn integral(field: &Field, state: usize, own: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+    if state == 0 { field.integrate([own, other]) } else { field.integrate([other, own]) }
+}
+
 fn flux(field: &Field, crossing: Crossing, power: u32) -> f64 {
     let (at, sign) = (field.point(crossing.displacement, crossing.level), if crossing.upward { 1.0 } else { -1.0 });
     let range = if crossing.upward { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
     let over = field.weights(crossing.velocity, power as usize, range, |v| (sign * v).powi(power as i32));
-    if crossing.displacement == 0 { field.integrate([&at, &over]) } else { field.integrate([&over, &at]) }
+    integral(field, crossing.displacement, &at, &over)
 }

@@ -1,21 +1,19 @@
 //! Where the density is: the domain, measured by a pilot simulation and then by the solution itself.
 
 use super::field::Field;
-use crate::{Barrier, PolynomialDrift, Result, Simulation};
+use crate::error::Result;
+use crate::problem::{Problem, Wall};
+use crate::quadrature::Rule;
+use crate::simulation::Simulation;
 
 /// A pilot sees densities down to about 1e-5 of the peak. A Gaussian falls to 1e-10 at 1.6 times the distance.
 const WIDENING: f64 = 1.6;
 
-/// The box that a short simulation says the density lives in, and its mean.
-pub(super) fn pilot<T: PolynomialDrift<2, M> + Sync, const M: usize>(
-    system: &T,
-    barrier: Option<Barrier>,
-) -> Result<[[f64; 2]; 2]> {
-    let mut simulation = Simulation::new(system).trajectories(512).samples(51_200).burn_in(40.0);
-    if let Some(barrier) = barrier {
-        simulation = simulation.barrier(barrier);
-    }
-    let result = simulation.run()?;
+/// The box that a short simulation says the density lives in. Of the walls it knows the one below the motion.
+pub(super) fn pilot(problem: &Problem, walls: [Option<Wall>; 2]) -> Result<[[f64; 2]; 2]> {
+    let free = problem.without_walls();
+    let served = walls[0].map_or(Ok(free.clone()), |lower| free.with_wall(lower))?;
+    let result = Simulation::new().trajectories(512).samples(51_200).burn_in(40.0).run(&served)?;
     let mut limits = [[0.0; 2]; 2];
     for (state, limit) in limits.iter_mut().enumerate() {
         let histogram = result.histogram(state)?;
@@ -29,6 +27,11 @@ pub(super) fn pilot<T: PolynomialDrift<2, M> + Sync, const M: usize>(
         let middle = result.mean(state)?.value;
         *limit = range.map(|edge| middle + WIDENING * (edge - middle));
     }
+    // Below a wall that the pilot did not know there may be more than it saw.
+    if let [None, Some(upper)] = walls {
+        let [low, high] = limits[0];
+        limits[0][0] = low.min(upper.offset() - (high - low) / 2.0);
+    }
     Ok(limits)
 }
 
@@ -40,15 +43,14 @@ pub(super) struct Profile {
 
 impl Profile {
     pub(super) fn new(field: &Field, state: usize) -> Self {
-        let rule = crate::quadrature::Rule::legendre(field.space.degree.max(2));
+        let rule = Rule::legendre(field.space.degree.max(2));
         let mut points: Vec<(f64, f64)> = Vec::new();
-        let mut highest = std::collections::BTreeMap::new();
-        field.for_each_node(&rule, |x, _, p| {
-            let key = ordered(x[state]);
-            let entry = highest.entry(key).or_insert((x[state], 0.0_f64));
-            entry.1 = entry.1.max(p.abs());
+        field.for_each_node(rule, |x, _, p| points.push((x[state], p.abs())));
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points.dedup_by(|next, kept| {
+            kept.1 = if next.0 == kept.0 { kept.1.max(next.1) } else { kept.1 };
+            next.0 == kept.0
         });
-        points.extend(highest.into_values());
         let peak = points.iter().fold(0.0, |a: f64, (_, p)| a.max(*p));
         Profile { points, peak }
     }
@@ -92,9 +94,3 @@ const FAR: f64 = 1e-4;
 
 /// A few percent more than the continued fall asks for.
 const SAFETY: f64 = 1.04;
-
-/// A key that orders finite numbers.
-fn ordered(x: f64) -> i64 {
-    let bits = x.to_bits() as i64;
-    if bits < 0 { i64::MIN - bits } else { bits }
-}

@@ -1,9 +1,9 @@
 //! Fluxes through the faces between elements.
 
-use super::assembly::{Blocks, LocalFlux, without_rounding};
+use super::blocks::{Blocks, without_rounding};
+use super::flux::{Flux, Value};
+use super::legendre::Table;
 use super::space::Space;
-use crate::Polynomial;
-use crate::quadrature::Rule;
 use nalgebra::{DMatrix, DVector};
 
 /// An element at a face: its number, the sign of its outward normal, and its basis at the face.
@@ -20,17 +20,18 @@ pub(super) struct Face<'a> {
     direction: usize,
     neighbours: Vec<Neighbour>,
     degree: usize,
-    flux: &'a LocalFlux,
-    /// Points of the face with their weights, and the basis along the face there.
-    points: Vec<([f64; 2], f64)>,
-    along: Vec<(Vec<f64>, Vec<f64>)>,
+    /// The basis along the face at its nodes.
+    table: &'a Table,
+    length: f64,
+    /// The flux at the nodes.
+    flux: Vec<Value>,
 }
 
 impl<'a> Face<'a> {
     pub(super) fn new(
         space: &Space,
-        flux: &'a LocalFlux,
-        rule: &Rule,
+        flux: &mut Flux<'_>,
+        table: &'a Table,
         direction: usize,
         line: usize,
         along: usize,
@@ -44,24 +45,22 @@ impl<'a> Face<'a> {
         };
         let before = line.checked_sub(1).map(|cell| neighbour(cell, 1.0));
         let behind = (line < axis.cells()).then(|| neighbour(line, -1.0));
-        let nodes = rule.on(other.lines[along], other.lines[along + 1]);
         let point = |s: f64| if direction == 0 { [place, s] } else { [s, place] };
         Face {
             direction,
             neighbours: before.into_iter().chain(behind).collect(),
             degree: space.degree,
-            flux,
-            points: nodes.iter().map(|(s, weight)| (point(s), weight)).collect(),
-            along: nodes.iter().map(|(s, _)| other.basis(along, space.degree, s)).collect(),
+            table,
+            length: other.width(along),
+            flux: table.nodes.iter().map(|xi| flux.at(point(other.place(along, *xi)))).collect(),
         }
     }
 
     /// Advection: p comes from the side that the flux comes from, from nowhere at the domain's edge.
     pub(super) fn advect(&self, blocks: &mut Blocks) {
-        let f = &self.flux.advection[self.direction];
         for from in &self.neighbours {
-            // What leaves `from` through the face: f·n where that is positive.
-            let leaving = self.matrix(|x| (from.sign * f.evaluate(x)).max(0.0), false);
+            // What leaves `from` through the face: F·n where that is positive.
+            let leaving = self.matrix(|value| (from.sign * value.advection[self.direction]).max(0.0), false);
             for to in &self.neighbours {
                 let sign = from.sign * to.sign;
                 self.add(blocks, to.element, from.element, sign, &(&to.values * from.values.transpose()), &leaving);
@@ -71,12 +70,12 @@ impl<'a> Face<'a> {
 
     /// Diffusion by the symmetric interior penalty. The domain's edge lets no diffusive flux through.
     pub(super) fn diffuse(&self, blocks: &mut Blocks) {
-        let row = &self.flux.diffusion[self.direction];
-        if self.neighbours.len() < 2 || row.iter().all(Polynomial::is_zero) {
+        let row = |value: &Value| value.diffusion[self.direction];
+        if self.neighbours.len() < 2 || self.flux.iter().all(|value| row(value) == [0.0; 2]) {
             return;
         }
-        let normal = self.matrix(|x| row[self.direction].evaluate(x), false);
-        let tangential = self.matrix(|x| row[1 - self.direction].evaluate(x), true);
+        let normal = self.matrix(|value| row(value)[self.direction], false);
+        let tangential = self.matrix(|value| row(value)[1 - self.direction], true);
         let narrowest = self.neighbours.iter().fold(f64::INFINITY, |w, n| w.min(n.width));
         // Twice what the inverse inequality of polynomials asks for.
         let penalty = 2.0 * (self.degree as f64 + 1.0).powi(2) / narrowest;
@@ -95,14 +94,17 @@ impl<'a> Face<'a> {
     }
 
     /// ∫ g φ_k φ_l^(′) ds along the face.
-    fn matrix(&self, g: impl Fn(&[f64; 2]) -> f64, slope: bool) -> DMatrix<f64> {
+    fn matrix(&self, g: impl Fn(&Value) -> f64, slope: bool) -> DMatrix<f64> {
+        let (trials, scale) = match slope {
+            true => (&self.table.slopes, 2.0 / self.length),
+            false => (&self.table.values, 1.0),
+        };
         let mut sum = DMatrix::zeros(self.degree + 1, self.degree + 1);
-        for ((x, weight), (values, slopes)) in self.points.iter().zip(&self.along) {
-            let factor = weight * g(x);
+        for (node, value) in self.flux.iter().enumerate() {
+            let factor = scale * self.table.weights[node] * g(value);
             if factor != 0.0 {
-                let trial = if slope { slopes } else { values };
-                for (l, trial) in trial.iter().enumerate() {
-                    for (k, test) in values.iter().enumerate() {
+                for (l, trial) in trials[node].iter().enumerate() {
+                    for (k, test) in self.table.values[node].iter().enumerate() {
                         sum[(k, l)] += factor * test * trial;
                     }
                 }
@@ -120,10 +122,7 @@ impl<'a> Face<'a> {
         across: &DMatrix<f64>,
         along: &DMatrix<f64>,
     ) {
-        match self.direction {
-            _ if along.amax() == 0.0 => (),
-            0 => blocks.add(row, column, factor, across, along),
-            _ => blocks.add(row, column, factor, along, across),
-        }
+        let [a, b] = if self.direction == 0 { [across, along] } else { [along, across] };
+        blocks.add(row, column, factor, a, b);
     }
 }

@@ -1,5 +1,6 @@
 //! A piecewise polynomial: its values and integrals.
 
+use super::legendre::Table;
 use super::space::Space;
 use crate::quadrature::Rule;
 
@@ -13,24 +14,13 @@ pub(super) struct Field {
 impl Field {
     /// The L² projection of a function.
     pub(super) fn projected(space: &Space, g: impl Fn([f64; 2]) -> f64) -> Self {
-        let rule = space.rule(8);
+        let table = Table::new(space.degree, space.rule(8));
         let mut field = Field { space: space.clone(), coefficients: vec![0.0; space.unknowns()] };
-        for element in 0..space.elements() {
-            let place = space.place(element);
-            let [first, second] = [0, 1].map(|s| {
-                let axis = &space.axes[s];
-                let cell = rule.on(axis.lines[place[s]], axis.lines[place[s] + 1]);
-                cell.iter()
-                    .map(|(u, w)| (axis.origin + u, w, axis.basis(place[s], space.degree, u).0))
-                    .collect::<Vec<_>>()
-            });
-            let block = &mut field.coefficients[element * space.block()..(element + 1) * space.block()];
-            for (x, wx, a) in &first {
-                for (y, wy, b) in &second {
-                    let value = wx * wy * g([*x, *y]);
-                    for (row, a) in block.chunks_exact_mut(b.len()).zip(a) {
-                        row.iter_mut().zip(b).for_each(|(c, b)| *c += value * a * b);
-                    }
+        for (element, block) in field.coefficients.chunks_exact_mut(space.block()).enumerate() {
+            for (x, weight, [a, b]) in space.nodes(element, &table) {
+                let value = weight * g(x) / space.root_area(element);
+                for (row, a) in block.chunks_exact_mut(b.len()).zip(a) {
+                    row.iter_mut().zip(b).for_each(|(c, b)| *c += value * a * b);
                 }
             }
         }
@@ -89,25 +79,11 @@ impl Field {
     }
 
     /// Calls `visit` with every quadrature node: the state, the weight and the value there.
-    pub(super) fn for_each_node(&self, rule: &Rule, mut visit: impl FnMut([f64; 2], f64, f64)) {
-        let space = &self.space;
-        let tables = [0, 1].map(|s| {
-            let axis = &space.axes[s];
-            let nodes = |cell: usize| {
-                let nodes = rule.on(axis.lines[cell], axis.lines[cell + 1]);
-                nodes.iter().map(|(u, w)| (u, w, axis.basis(cell, space.degree, u).0)).collect::<Vec<_>>()
-            };
-            (0..axis.cells()).map(nodes).collect::<Vec<_>>()
-        });
-        for (i, columns) in tables[0].iter().enumerate() {
-            for (j, rows) in tables[1].iter().enumerate() {
-                let element = space.element(i, j);
-                for (u, wu, a) in columns {
-                    for (w, ww, b) in rows {
-                        let x = [space.axes[0].origin + u, space.axes[1].origin + w];
-                        visit(x, wu * ww, self.contract(element, a, b));
-                    }
-                }
+    pub(super) fn for_each_node(&self, rule: Rule, mut visit: impl FnMut([f64; 2], f64, f64)) {
+        let table = Table::new(self.space.degree, rule);
+        for element in 0..self.space.elements() {
+            for (x, weight, [a, b]) in self.space.nodes(element, &table) {
+                visit(x, weight, self.contract(element, a, b) / self.space.root_area(element));
             }
         }
     }

@@ -20,6 +20,34 @@ pub(super) fn reference(degree: usize, xi: f64) -> (Vec<f64>, Vec<f64>) {
     (p, slope)
 }
 
+/// The reference basis at the nodes of a rule.
+#[derive(Debug)]
+pub(super) struct Table {
+    /// Places on −1 ≤ ξ ≤ 1.
+    pub(super) nodes: Vec<f64>,
+    /// Weights of the measure dξ/2. On any interval an integral of two basis functions has the same ones.
+    pub(super) weights: Vec<f64>,
+    /// The basis by node, and its derivatives with respect to ξ.
+    pub(super) values: Vec<Vec<f64>>,
+    pub(super) slopes: Vec<Vec<f64>>,
+}
+
+impl Table {
+    pub(super) fn new(degree: usize, rule: Rule) -> Self {
+        let (values, slopes) = rule.nodes.iter().map(|xi| reference(degree, *xi)).unzip();
+        Table { weights: rule.weights.iter().map(|w| w / 2.0).collect(), nodes: rule.nodes, values, slopes }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Weight times the basis function `k` at a node.
+    pub(super) fn weighted(&self, node: usize, k: usize) -> f64 {
+        self.weights[node] * self.values[node][k]
+    }
+}
+
 /// The mesh lines of one state, as distances from an origin.
 ///
 /// Next to a wall elements are so small that their widths would be lost in the coordinate itself; distances from the wall
@@ -37,6 +65,11 @@ impl Axis {
 
     pub(super) fn width(&self, cell: usize) -> f64 {
         self.lines[cell + 1] - self.lines[cell]
+    }
+
+    /// The place ξ of the reference interval in `cell`.
+    pub(super) fn place(&self, cell: usize, xi: f64) -> f64 {
+        self.lines[cell] + self.width(cell) / 2.0 * (xi + 1.0)
     }
 
     pub(super) fn low(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::discretisation::Discretisation;
 use super::sparse::Factors;
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// The L-stable singly diagonally implicit Runge-Kutta method of order 4 with five stages (E. Hairer and G. Wanner, Solving
 /// Ordinary Differential Equations II, 1996, table IV.6.5): every stage needs the same factors.

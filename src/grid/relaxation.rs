@@ -1,9 +1,8 @@
 //! The slowest relaxation rates: the spectrum next to zero.
 
 use super::discretisation::Discretisation;
-use crate::Result;
-use crate::eigenvalues::eigenvalues;
-use nalgebra::{DMatrix, DVector};
+use crate::error::Result;
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
 /// known to rounding.
@@ -58,9 +57,14 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
 /// The eigenvalues μ of the leading block, by rising modulus.
 fn rates(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
     let block = hessenberg.view((0, 0), (size, size)).into_owned();
-    let mut all: Vec<[f64; 2]> = eigenvalues(block)
+    // The search for the eigenvalues of numbers that are not finite would never end.
+    if !block.iter().all(|entry| entry.is_finite()) {
+        return Vec::new();
+    }
+    let eigenvalues = block.complex_eigenvalues();
+    let mut all: Vec<[f64; 2]> = eigenvalues
         .iter()
-        .map(nalgebra::Complex::inv)
+        .map(Complex::inv)
         .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)
         .map(|inverse| [inverse.re - shift, inverse.im.abs()])
         .collect();

@@ -1,12 +1,14 @@
 //! From a domain to a density: the domain adjusted by cheap solutions, then two degrees on one mesh.
 
-use super::density::{GridDensity, GridProvenance};
+use super::density::GridDensity;
 use super::domain::Profile;
 use super::field::Field;
 use super::legendre::Axis;
 use super::space::{Side, Space};
 use super::{Grid, mesh, stationary};
-use crate::{Barrier, Error, FokkerPlanck, Result};
+use crate::error::{Error, Result, positive};
+use crate::problem::{Problem, Wall};
+use crate::provenance::Provenance;
 
 /// The elements of the solutions that measure the domain, whatever the final ones are: cheap, and fine enough for a narrow
 /// ridge in a domain that is still too wide.
@@ -16,8 +18,9 @@ const SCOUT_CELLS: [usize; 2] = [14, 14];
 /// How often a domain is adjusted before the search is given up.
 const ATTEMPTS: usize = 6;
 
-/// The most unknowns that a solution may have: their factors take some ten gigabytes.
-const MOST_UNKNOWNS: usize = 400_000;
+/// The most unknowns that a solution may have. Factors of 30 000 unknowns take 1.9 GB, and their memory grows faster than
+/// the number of unknowns.
+const MOST_UNKNOWNS: usize = 100_000;
 
 /// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.
 const CUT: f64 = 1e-3;
@@ -28,21 +31,23 @@ pub(super) struct Solver<'a> {
     pub(super) grid: &'a Grid,
     pub(super) degree: usize,
     pub(super) cells: [usize; 2],
-    pub(super) operator: &'a FokkerPlanck<2>,
-    pub(super) walls: [Option<Barrier>; 2],
-    /// Whether state 1 is the velocity of state 0.
-    pub(super) displacement: bool,
+    pub(super) problem: &'a Problem,
+    /// Below the motion and above it.
+    pub(super) walls: [Option<Wall>; 2],
 }
 
 impl Solver<'_> {
     pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<GridDensity> {
         let mut domain = self.between_walls(start);
+        for [low, high] in domain {
+            positive("side of the domain", high - low, "give lower and upper limits in this order, around the walls")?;
+        }
         let mut scout: Option<Field> = None;
         for attempt in 1..=ATTEMPTS {
             let space = self.space(domain, SCOUT_DEGREE, SCOUT_CELLS, false)?;
             let centre = space.elements() / 2 + space.axes[1].cells() / 2;
             let pin = scout.as_ref().map_or(centre, |field| self.same_place(field, &space));
-            let field = stationary::solve(self.operator, &space, pin)?.field;
+            let field = stationary::solve(self.problem, &space, pin)?.field;
             let next = self.between_walls(self.measured(&field));
             let settled = self.settled(domain, next);
             if !adjust || attempt == ATTEMPTS {
@@ -60,8 +65,8 @@ impl Solver<'_> {
         let degree = self.degree;
         let space = self.space(domain, degree, self.cells, true)?;
         let pin = scout.as_ref().map_or(0, |field| self.same_place(field, &space));
-        let coarse = stationary::solve(self.operator, &Space { degree: degree - 1, ..space.clone() }, pin)?.field;
-        let fine = stationary::solve(self.operator, &space, coarse.peak_element())?;
+        let coarse = stationary::solve(self.problem, &Space { degree: degree - 1, ..space.clone() }, pin)?.field;
+        let fine = stationary::solve(self.problem, &space, coarse.peak_element())?;
         self.density(fine, coarse, domain)
     }
 
@@ -109,23 +114,30 @@ impl Solver<'_> {
     /// The elements on `domain`; `layers` asks for those at grazing points.
     fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Result<Space> {
         let [position, velocity] = domain;
-        let origin = if self.walls[0].is_some() { position[0] } else { 0.0 };
+        // Distances from a wall keep the widths of the smallest elements.
+        let origin = match self.walls {
+            [Some(_), _] => position[0],
+            [None, Some(_)] => position[1],
+            [None, None] => 0.0,
+        };
         let (from, to) = (position[0] - origin, position[1] - origin);
-        let through = self.displacement.then_some(0.0);
+        let through = (self.problem.velocity_of(0) == Some(1)).then_some(0.0);
         let mut lines =
             [mesh::equal(from, to, cells[0], None), mesh::equal(velocity[0], velocity[1], cells[1], through)];
         let inelastic = self.walls.map(|wall| wall.is_some_and(|w| w.restitution() < 1.0));
         if layers && inelastic != [false, false] {
-            let widest = [(to - from) / cells[0] as f64, (velocity[1] - velocity[0]) / cells[1] as f64];
-            let at = |wall: Option<Barrier>| wall.map(|w| self.operator.diffusion()[1][1].evaluate(&[w.offset(), 0.0]));
-            let diffusion = self.walls.iter().filter_map(|w| at(*w)).fold(f64::INFINITY, f64::min) / 2.0;
+            let length = to - from;
+            let widest = [length / cells[0] as f64, (velocity[1] - velocity[0]) / cells[1] as f64];
+            let strength = &self.problem.operator().diffusion()[1][1];
+            let at_walls = self.walls.iter().flatten().map(|wall| strength.evaluate(&[wall.offset(), 0.0]));
+            let diffusion = at_walls.fold(f64::INFINITY, f64::min) / 2.0;
             let spread = (velocity[1] - velocity[0]) / 14.0;
             let grazing = mesh::Grazing { speed: self.grid.grazing * spread, diffusion: diffusion.max(1e-300) };
             lines[0] = match inelastic {
-                [true, false] => grazing.position(to, widest[0]),
-                [false, _] => grazing.position(to, widest[0]).iter().rev().map(|u| to - u).collect(),
+                [true, false] => grazing.position(length, widest[0]),
+                [false, _] => grazing.position(length, widest[0]).iter().rev().map(|u| to - u).collect(),
                 _ => {
-                    let half = grazing.position(to / 2.0, widest[0]);
+                    let half = grazing.position(length / 2.0, widest[0]);
                     half.iter().copied().chain(half.iter().rev().skip(1).map(|u| to - u)).collect()
                 }
             };
@@ -168,25 +180,26 @@ impl Solver<'_> {
         let error = difference(&field, &coarse);
         let edge_level = self.edge_level(&field, domain, self.grid.edge_level.max(error.min(CUT)))?;
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
-        field.for_each_node(&field.space.rule(0), |_, weight, p| {
+        field.for_each_node(field.space.rule(0), |_, weight, p| {
             (peak, least) = (peak.max(p), least.min(p));
             negative_mass += weight * (-p).max(0.0);
         });
-        let provenance = GridProvenance {
-            cells: field.space.axes.each_ref().map(Axis::cells),
-            degree: field.space.degree,
-            unknowns: field.space.unknowns(),
-            nonzeros,
-            domain,
-            edge_level,
-            leak,
-            residual,
-            l1_error: error,
-            most_negative: least / peak,
-            negative_mass,
-            seconds: 0.0,
+        let provenance = Provenance {
+            method: "grid".into(),
+            cells: Some(field.space.axes.each_ref().map(Axis::cells)),
+            degree: Some(field.space.degree),
+            unknowns: Some(field.space.unknowns()),
+            nonzeros: Some(nonzeros),
+            domain: Some(domain.to_vec()),
+            edge_level: Some(edge_level),
+            leak: Some(leak),
+            residual: Some(residual),
+            l1_estimate: Some(error),
+            most_negative: Some(least / peak),
+            negative_mass: Some(negative_mass),
+            ..Provenance::default()
         };
-        Ok(GridDensity { fine: field, coarse, walls: self.walls, operator: self.operator.clone(), provenance })
+        Ok(GridDensity { fine: field, coarse, problem: self.problem.clone(), domain, edge_level, provenance })
     }
 }
 
@@ -200,6 +213,6 @@ pub(super) fn difference(fine: &Field, coarse: &Field) -> f64 {
         }
     }
     let mut sum = 0.0;
-    gap.for_each_node(&gap.space.rule(0), |_, weight, p| sum += weight * p.abs());
+    gap.for_each_node(gap.space.rule(0), |_, weight, p| sum += weight * p.abs());
     sum
 }

@@ -1,6 +1,6 @@
 //! The elements and what stands at the domain's four sides.
 
-use super::legendre::Axis;
+use super::legendre::{Axis, Table};
 use crate::quadrature::Rule;
 
 /// What happens at one side of the domain.
@@ -55,6 +55,22 @@ impl Space {
     pub(super) fn root_area(&self, element: usize) -> f64 {
         let [i, j] = self.place(element);
         (self.axes[0].width(i) * self.axes[1].width(j)).sqrt()
+    }
+
+    /// The nodes of an element as states, each with its weight and the basis along both states, times √area.
+    pub(super) fn nodes<'a>(
+        &'a self,
+        element: usize,
+        table: &'a Table,
+    ) -> impl Iterator<Item = ([f64; 2], f64, [&'a [f64]; 2])> {
+        let place = self.place(element);
+        let area = self.axes[0].width(place[0]) * self.axes[1].width(place[1]);
+        (0..table.len() * table.len()).map(move |k| {
+            let nodes = [k / table.len(), k % table.len()];
+            let at = |s: usize| self.axes[s].origin + self.axes[s].place(place[s], table.nodes[nodes[s]]);
+            let weight = area * table.weights[nodes[0]] * table.weights[nodes[1]];
+            ([at(0), at(1)], weight, nodes.map(|node| table.values[node].as_slice()))
+        })
     }
 
     /// A rule that integrates a product of two basis functions and a polynomial of degree `extra` exactly.

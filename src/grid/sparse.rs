@@ -1,6 +1,6 @@
-//! Sparse matrices and their LU factors: the only file that knows the linear algebra's library.
+//! Sparse matrices and their LU factors.
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::perm::PermRef;
 use faer::sparse::linalg::lu::supernodal;

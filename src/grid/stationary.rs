@@ -1,11 +1,11 @@
 //! The null vector of the matrix: the stationary density.
 
-use super::assembly::assemble;
-use super::dissection::elimination_order;
+use super::discretisation::Discretisation;
 use super::field::Field;
 use super::space::Space;
-use super::sparse::Ordering;
-use crate::{Error, FokkerPlanck, Result};
+use super::sparse::SparseMatrix;
+use crate::error::{Error, Result};
+use crate::problem::Problem;
 
 /// A stationary density and how well it is one.
 #[derive(Clone, Debug)]
@@ -25,13 +25,13 @@ pub(super) struct Stationary {
 /// element k, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and nothing to
 /// the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
 /// Its strength is the multiplier that a border would have had. `pin` is k, an element in which there is mass.
-pub(super) fn solve(operator: &FokkerPlanck<2>, space: &Space, pin: usize) -> Result<Stationary> {
-    let matrix = assemble(operator, space);
+pub(super) fn solve(problem: &Problem, space: &Space, pin: usize) -> Result<Stationary> {
+    let Discretisation { matrix, ordering } = Discretisation::new(problem, space)?;
     let k = pin * space.block();
     let alpha = matrix.magnitude().min(diagonal_scale(&matrix, k));
     let mut pinned = matrix.clone();
     pinned.add_to_diagonal(k, alpha);
-    let factors = Ordering::new(&pinned, elimination_order(space).as_deref())?.factorise(&pinned)?;
+    let factors = ordering.factorise(&pinned)?;
     let mut right = vec![0.0; matrix.size];
     right[k] = alpha;
     let mut p = factors.solve(&right)?;
@@ -54,7 +54,7 @@ pub(super) fn solve(operator: &FokkerPlanck<2>, space: &Space, pin: usize) -> Re
     Ok(Stationary { field, leak: lost, residual, nonzeros: matrix.values.len() })
 }
 
-fn diagonal_scale(matrix: &super::sparse::SparseMatrix, k: usize) -> f64 {
+fn diagonal_scale(matrix: &SparseMatrix, k: usize) -> f64 {
     let column = matrix.columns[k]..matrix.columns[k + 1];
     column.map(|n| matrix.values[n].abs()).fold(f64::MIN_POSITIVE, f64::max)
 }

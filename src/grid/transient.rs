@@ -7,10 +7,12 @@ use super::march::March;
 use super::relaxation::{Relaxation, slowest};
 use super::solver::difference;
 use super::space::Space;
-use crate::closure::gaussian_after;
-use crate::error::{finite, positive};
-use crate::{Density, Error, Estimate, Frame, Gaussian, Result};
-use nalgebra::{SMatrix, SVector};
+use crate::density::{Density, Frame};
+use crate::error::{Error, Result, finite, positive};
+use crate::estimate::Estimate;
+use crate::polynomial::Gaussian;
+use crate::problem::gaussian_after;
+use nalgebra::{DMatrix, DVector};
 
 /// Where a transient starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,7 +21,7 @@ pub enum Start {
     /// closure, until it is as wide as the mesh resolves, and on the mesh from then on.
     Point([f64; 2]),
     /// A normal distribution. It should be wider than the mesh resolves, which the error estimates tell.
-    Gaussian(Gaussian<2>),
+    Gaussian(Gaussian),
 }
 
 /// A transient density at one time.
@@ -47,27 +49,28 @@ impl GridDensity {
     /// [`Error::SingularSystem`] if the shifted matrix is singular.
     ///
     /// ```
-    /// use expoly::{Grid, models::Linear};
-    /// let modes = Grid::new().degree(7).solve(&Linear::new(0.5, 1.0, 0.5)?)?.relaxation(3)?;
+    /// use expoly::{Grid, Problem, models::Linear};
+    /// let problem = Problem::of(Linear::new(0.5, 1.0, 0.5)?)?;
+    /// let modes = Grid::new().degree(7).solve(&problem)?.relaxation(3)?;
     /// // The eigenvalues of a linear oscillator: c/2 ± √(c²/4 − k).
     /// assert!(modes[0].rate.abs() < 1e-8);
     /// assert!((modes[1].rate - 0.25).abs() < 1e-6 && (modes[1].frequency - 0.9375_f64.sqrt()).abs() < 1e-6);
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
-        let operator = Discretisation::new(&self.operator, &self.fine.space)?;
+        let operator = Discretisation::new(&self.problem, &self.fine.space)?;
         // What the noise brings into a state per unit time over what is in it: a rate of the right size.
         let rate = |state: usize| -> Result<f64> {
-            let injected = self.operator.diffusion()[state][state].clone();
-            Ok(self.expectation(&|x| injected.evaluate(x)).value / 2.0 / self.variance(state)?.value)
+            let injected = &self.problem.operator().diffusion()[state][state];
+            Ok(self.expectation(&|x| injected.evaluate(x))?.value / 2.0 / self.variance(state)?.value)
         };
         let shift = rate(0)?.max(rate(1)?).max(f64::MIN_POSITIVE);
         slowest(&operator, shift / 4.0, count)
     }
 
     /// The densities at rising `times` after `start`, by a Runge-Kutta method of order 4 that is stable for every step. Each
-    /// step may err by `tolerance`, relative to the root mean square of p; moments err much less, and 1e-4 is a good value. The mesh is that of the
-    /// stationary density.
+    /// step may err by `tolerance`, relative to the root mean square of p; moments err much less, and 1e-4 is a good value.
+    /// The mesh is that of the stationary density.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if times do not rise, a time lies before the first one that the mesh resolves, the tolerance is
@@ -90,7 +93,7 @@ impl GridDensity {
         Ok(all
             .map(|((time, (fine, step_error)), (coarse, _))| {
                 let mut density = self.clone();
-                density.provenance.l1_error = difference(&fine, &coarse);
+                density.provenance.l1_estimate = Some(difference(&fine, &coarse));
                 (density.fine, density.coarse) = (fine, coarse);
                 Transient { time: *time, density, step_error }
             })
@@ -98,7 +101,7 @@ impl GridDensity {
     }
 
     /// The time at which the start is wide enough for the mesh, and the Gaussian then.
-    fn resolved(&self, start: &Start) -> Result<(f64, Gaussian<2>)> {
+    fn resolved(&self, start: &Start) -> Result<(f64, Gaussian)> {
         let x = match start {
             Start::Gaussian(gaussian) => {
                 Frame::new(gaussian)?;
@@ -109,18 +112,19 @@ impl GridDensity {
         for value in x {
             finite("start of a transient", value)?;
         }
-        let point = Gaussian { mean: SVector::from(x), covariance: SMatrix::zeros() };
+        let point = Gaussian { mean: DVector::from_column_slice(&x), covariance: DMatrix::zeros(2, 2) };
         let least: [f64; 2] = std::array::from_fn(|i| {
             let axis = &self.fine.space.axes[i];
             let cell = axis.locate(x[i] - axis.origin).unwrap_or(0);
             RESOLVED * axis.width(cell) / self.fine.space.degree as f64
         });
-        let wide = |g: &Gaussian<2>| (0..2).all(|i| g.covariance[(i, i)].sqrt() >= least[i]);
+        let wide = |g: &Gaussian| (0..2).all(|i| g.covariance[(i, i)].sqrt() >= least[i]);
         // From far below the time in which noise crosses a cell, by steps of a tenth.
-        let strength = (0..2).map(|i| self.operator.diffusion()[i][i].evaluate(&x)).fold(f64::MIN_POSITIVE, f64::max);
+        let strength =
+            (0..2).map(|i| self.problem.operator().diffusion()[i][i].evaluate(&x)).fold(f64::MIN_POSITIVE, f64::max);
         let mut time = 1e-3 * least[1].powi(2) / strength;
         for _ in 0..400 {
-            let gaussian = gaussian_after(&self.operator, &point, time);
+            let gaussian = gaussian_after(self.problem.operator(), &point, time);
             if wide(&gaussian) {
                 return Ok((time, gaussian));
             }
@@ -135,15 +139,17 @@ impl GridDensity {
         &self,
         space: &Space,
         begin: f64,
-        gaussian: &Gaussian<2>,
+        gaussian: &Gaussian,
         times: &[f64],
         tolerance: f64,
     ) -> Result<Vec<(Field, f64)>> {
-        let operator = Discretisation::new(&self.operator, space)?;
+        let operator = Discretisation::new(&self.problem, space)?;
         let frame = Frame::new(gaussian)?;
         let volume = (std::f64::consts::TAU.ln() + frame.log_volume()).exp();
+        let (origin, inverse) = (frame.origin(), frame.inverse());
         let density = |x: [f64; 2]| {
-            let [a, b] = frame.coordinates(&x);
+            let [dx, dy] = [x[0] - origin[0], x[1] - origin[1]];
+            let [a, b] = [inverse[(0, 0)] * dx, inverse[(1, 0)] * dx + inverse[(1, 1)] * dy];
             (-(a * a + b * b) / 2.0).exp() / volume
         };
         let start = Field::projected(space, density);
@@ -165,8 +171,11 @@ impl GridDensity {
 
 impl Transient {
     /// A raw moment E[x₁^p₁ x₂^p₂] at this time, its error that of space and steps together.
-    pub fn moment(&self, powers: [u32; 2]) -> Estimate {
-        let moment = self.density.moment(powers);
-        Estimate::new(moment.value, moment.error + self.step_error * moment.value.abs())
+    ///
+    /// # Errors
+    /// As [`GridDensity`]'s own moments.
+    pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+        let moment = self.density.moment(powers)?;
+        Ok(Estimate::new(moment.value, moment.error + self.step_error * moment.value.abs()))
     }
 }

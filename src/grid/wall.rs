@@ -4,7 +4,7 @@
 //! mirrored interval −w/r meets. It is integrated over each overlap separately, where both are polynomials: exact for every
 //! r and every mesh, so that the mesh needs no matching lines, two walls can have different r, and no probability is lost.
 
-use super::assembly::{Blocks, without_rounding};
+use super::blocks::{Blocks, without_rounding};
 use super::space::Space;
 use nalgebra::DMatrix;
 

@@ -1,4 +1,7 @@
-use crate::{Intensity, Oscillator, Result, Scalar};
+use super::listed;
+use crate::error::Result;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, Oscillator};
 
 /// A Duffing oscillator with cubic damping, x″ + α x′ + γ x′³ + k x + μ x³ = ξ; Rayleigh's oscillator for α < 0 < γ.
 ///
@@ -43,5 +46,12 @@ impl Oscillator for CubicDamping {
 
     fn intensity(&self) -> Intensity {
         self.intensity
+    }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed(
+            "alpha gamma k mu D",
+            [self.linear_damping, self.cubic_damping, self.stiffness, self.cubic, self.intensity.d()],
+        )
     }
 }

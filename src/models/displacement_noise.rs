@@ -1,5 +1,8 @@
-use super::Solved;
-use crate::{Intensity, PolynomialDrift, Result, Scalar};
+use super::{Solved, listed};
+use crate::error::Result;
+use crate::problem::Problem;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, PolynomialDrift};
 
 /// A Duffing oscillator whose noise and damping grow together with the displacement:
 /// x″ + c (1 + g x²) x′ + k x + μ x³ = ξ₁ + √g x ξ₂, both noises of intensity D.
@@ -43,10 +46,19 @@ impl PolynomialDrift<2, 2> for DisplacementNoise {
         let sigma = self.intensity.amplitude();
         [[zero, zero], [S::from(sigma), x * (self.growth.sqrt() * sigma)]]
     }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed("c k mu g D", [self.damping, self.stiffness, self.cubic, self.growth, self.intensity.d()])
+    }
 }
 
-impl Solved<2, 2> for DisplacementNoise {
-    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+impl Solved for DisplacementNoise {
+    fn problem(&self) -> Result<Problem> {
+        Problem::of(*self)
+    }
+
+    fn log_density<S: Scalar>(&self, state: &[S]) -> S {
+        let (x, v) = (state[0], state[1]);
         let energy = v * v * 0.5 + x * x * (self.stiffness / 2.0) + x.powi(4) * (self.cubic / 4.0);
         energy * (-self.damping / self.intensity.d())
     }

@@ -1,7 +1,8 @@
-use super::Solved;
-use crate::{Intensity, Oscillator, Result, Scalar};
-#[cfg(not(test))]
-use crate::{SimulatedDensity, Simulation};
+use super::{Solved, listed};
+use crate::error::Result;
+use crate::problem::Problem;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, Oscillator};
 
 /// Duffing's oscillator x″ + c x′ + k x + μ x³ = ξ, with two wells for k < 0 < μ.
 ///
@@ -27,7 +28,7 @@ impl Duffing {
     /// ```
     /// use expoly::{Density, models::{Duffing, Solved}};
     /// let exact = Duffing::new(0.2, 1.0, 0.3, 0.2)?.exact()?;
-    /// assert!((exact.moment([4, 0]).value - 1.12761676932).abs() < 1e-10);
+    /// assert!((exact.moment(&[4, 0])?.value - 1.12761676932).abs() < 1e-10);
     /// assert!((exact.marginal(0, 0.0)?.value - 0.453248327025).abs() < 1e-11);
     /// # Ok::<(), expoly::Error>(())
     /// ```
@@ -50,19 +51,20 @@ impl Oscillator for Duffing {
     fn intensity(&self) -> Intensity {
         self.intensity
     }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed("c k mu D", [self.damping, self.stiffness, self.cubic, self.intensity.d()])
+    }
 }
 
-impl Solved<2, 1> for Duffing {
-    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+impl Solved for Duffing {
+    fn problem(&self) -> Result<Problem> {
+        Problem::of(*self)
+    }
+
+    fn log_density<S: Scalar>(&self, state: &[S]) -> S {
+        let (x, v) = (state[0], state[1]);
         let energy = v * v * 0.5 + x * x * (self.stiffness / 2.0) + x.powi(4) * (self.cubic / 4.0);
         energy * (-self.damping / self.intensity.d())
     }
 }
-
-/// Most programs begin with this oscillator: its simulation is compiled here, and not once more in each of them.
-#[cfg(not(test))]
-#[allow(dead_code, reason = "it is there to be compiled")]
-static COMPILED: (Answer<SimulatedDensity<2>>, Answer<Vec<[f64; 2]>>) = (Simulation::run, Simulation::states);
-
-#[cfg(not(test))]
-type Answer<A> = fn(Simulation<'static, Duffing, 2, 1>) -> Result<A>;

@@ -1,4 +1,7 @@
-use crate::{Intensity, Oscillator, Result, Scalar};
+use super::listed;
+use crate::error::Result;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, Oscillator};
 
 /// The Duffing-van der Pol oscillator x″ + (α + β x²) x′ + k x + μ x³ = ξ: damping that depends on the displacement.
 ///
@@ -45,5 +48,12 @@ impl Oscillator for DuffingVanDerPol {
 
     fn intensity(&self) -> Intensity {
         self.intensity
+    }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed(
+            "alpha beta k mu D",
+            [self.linear_damping, self.displacement_damping, self.stiffness, self.cubic, self.intensity.d()],
+        )
     }
 }

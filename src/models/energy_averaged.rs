@@ -1,7 +1,9 @@
 use super::VibroImpactDuffing;
-use crate::error::{positive, state_index};
+use crate::density::{Crossing, Density};
+use crate::error::{Error, Result, dimension, positive, state_index};
+use crate::estimate::Estimate;
 use crate::quadrature::Rule;
-use crate::{Crossing, Density, Error, Estimate, Result};
+use crate::system::Oscillator;
 
 /// Intervals of the table of the exponent over the energy.
 const TABLE: usize = 400;
@@ -25,6 +27,8 @@ const NODES: usize = 72;
 #[derive(Clone, Debug)]
 pub struct EnergyAveraged {
     model: VibroImpactDuffing,
+    /// b.
+    offset: f64,
     lowest: f64,
     step: f64,
     /// The exponent and its derivative at the energies lowest + k·step.
@@ -50,10 +54,11 @@ impl EnergyAveraged {
             }
         }
         positive("k + μ", stiffness + cubic, "without a spring nothing is stationary")?;
-        let model = *model;
-        let d = model.intensity();
-        let lowest = model.potential(model.barrier().offset().max(0.0));
-        let mut averaged = EnergyAveraged { model, lowest, step: 0.0, table: Vec::new(), mass: 1.0 };
+        let (offset, d) = (model.wall().offset(), model.oscillator().intensity().d());
+        let mut averaged =
+            EnergyAveraged { model: *model, offset, lowest: 0.0, step: 0.0, table: Vec::new(), mass: 1.0 };
+        let lowest = averaged.potential(offset.max(0.0));
+        averaged.lowest = lowest;
         // Damping alone takes the exponent to the depth within this range.
         averaged.step = DEPTH * d / damping / TABLE as f64;
         let rule = Rule::legendre(6);
@@ -67,23 +72,29 @@ impl EnergyAveraged {
         Ok(averaged)
     }
 
+    /// The potential U(y) of the spring.
+    fn potential(&self, y: f64) -> f64 {
+        let [_, k, mu] = self.model.oscillator().coefficients();
+        y * y * (k / 2.0 + mu / 4.0 * y * y)
+    }
+
     /// c + (1 − r²) (s − U(b))₊ / Φ(s): the loss per energy.
     fn loss(&self, s: f64) -> f64 {
-        let barrier = self.model.barrier();
         let [damping, ..] = self.model.oscillator().coefficients();
-        let reach = s - self.model.potential(barrier.offset());
+        let reach = s - self.potential(self.offset);
+        let restitution = self.model.wall().restitution();
         // Where the wall stands above the rest position, Φ vanishes with s − U(b) like its power 3/2.
-        if reach <= 0.0 || barrier.restitution() == 1.0 {
+        if reach <= 0.0 || restitution == 1.0 {
             return damping;
         }
-        damping + (1.0 - barrier.restitution().powi(2)) * reach / self.action(s)
+        damping + (1.0 - restitution.powi(2)) * reach / self.action(s)
     }
 
     /// Φ(s). With y = y₁ + (y₂ − y₁) sin²θ the roots at the turning points become smooth.
     fn action(&self, s: f64) -> f64 {
         let right = self.turning_point(s);
-        let left = self.model.barrier().offset().max(-right);
-        let speed = |y: f64| (2.0 * (s - self.model.potential(y))).max(0.0).sqrt();
+        let left = self.offset.max(-right);
+        let speed = |y: f64| (2.0 * (s - self.potential(y))).max(0.0).sqrt();
         let rule = Rule::legendre(24).on(0.0, std::f64::consts::FRAC_PI_2);
         let integral: f64 =
             rule.iter().map(|(t, w)| w * speed(left + (right - left) * t.sin().powi(2)) * (2.0 * t).sin()).sum();
@@ -109,7 +120,7 @@ impl EnergyAveraged {
     }
 
     fn unscaled(&self, y: f64, v: f64) -> f64 {
-        (-self.exponent(v * v / 2.0 + self.model.potential(y))).exp()
+        (-self.exponent(v * v / 2.0 + self.potential(y))).exp()
     }
 
     fn highest(&self) -> f64 {
@@ -118,7 +129,7 @@ impl EnergyAveraged {
 
     /// ∫ g(v) p(y, v) dv over both signs, or one, unscaled.
     fn over_velocity(&self, nodes: usize, y: f64, sides: [bool; 2], g: impl Fn(f64) -> f64) -> f64 {
-        let limit = (2.0 * (self.highest() - self.model.potential(y))).max(0.0).sqrt();
+        let limit = (2.0 * (self.highest() - self.potential(y))).max(0.0).sqrt();
         let rule = Rule::legendre(nodes).on(0.0, limit);
         let both = |v: f64| {
             [(sides[0], -v), (sides[1], v)].into_iter().filter(|(used, _)| *used).map(|(_, v)| g(v)).sum::<f64>()
@@ -127,7 +138,7 @@ impl EnergyAveraged {
     }
 
     fn integral(&self, nodes: usize, g: impl Fn(f64, f64) -> f64) -> f64 {
-        let rule = Rule::legendre(nodes).on(self.model.barrier().offset(), self.turning_point(self.highest()));
+        let rule = Rule::legendre(nodes).on(self.offset, self.turning_point(self.highest()));
         rule.iter().map(|(y, w)| w * self.over_velocity(nodes, y, [true, true], |v| g(y, v))).sum()
     }
 
@@ -138,37 +149,62 @@ impl EnergyAveraged {
     }
 }
 
-impl Density<2> for EnergyAveraged {
-    fn pdf(&self, [y, v]: &[f64; 2]) -> Estimate {
-        let inside = *y >= self.model.barrier().offset();
-        Estimate::exact(if inside { self.unscaled(*y, *v) / self.mass } else { 0.0 })
+impl Density for EnergyAveraged {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+        dimension("a state", x.len(), 2)?;
+        Ok(Estimate::exact(if x[0] >= self.offset { self.unscaled(x[0], x[1]) / self.mass } else { 0.0 }))
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        let wall = self.model.barrier().offset();
-        Ok(match state_index::<2>("the state of a marginal", state)? {
-            0 if x < wall => Estimate::exact(0.0),
+        Ok(match state_index("the state of a marginal", state, 2)? {
+            0 if x < self.offset => Estimate::exact(0.0),
             0 => self.estimate(|nodes| self.over_velocity(nodes, x, [true, true], |_| 1.0)),
             _ => self.estimate(|nodes| {
-                let rule = Rule::legendre(nodes).on(wall, self.turning_point(self.highest()));
+                let rule = Rule::legendre(nodes).on(self.offset, self.turning_point(self.highest()));
                 rule.iter().map(|(y, w)| w * self.unscaled(y, x)).sum()
             }),
         })
     }
 
-    fn bounds(&self) -> [[f64; 2]; 2] {
+    fn bounds(&self) -> Vec<[f64; 2]> {
         let fastest = (2.0 * (self.highest() - self.lowest)).sqrt();
-        [[self.model.barrier().offset(), self.turning_point(self.highest())], [-fastest, fastest]]
+        vec![[self.offset, self.turning_point(self.highest())], [-fastest, fastest]]
     }
 
-    fn expectation(&self, g: &(dyn Fn(&[f64; 2]) -> f64 + Sync)) -> Estimate {
-        self.estimate(|nodes| self.integral(nodes, |y, v| g(&[y, v])))
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
+        Ok(self.estimate(|nodes| self.integral(nodes, |y, v| g(&[y, v]))))
     }
 
+    /// Of the displacement, state 0: the velocity is none.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        state_index::<1>("the displacement of a crossing", crossing.displacement)?;
-        let sides = [!crossing.upward, crossing.upward];
-        let speed = |v: f64| v.abs().powi(power as i32);
-        Ok(self.estimate(|nodes| self.over_velocity(nodes, crossing.level, sides, speed)))
+        match crossing.states(2)? {
+            [0, _] if crossing.level < self.offset => Ok(Estimate::exact(0.0)),
+            [0, _] => {
+                let sides = [!crossing.upward, crossing.upward];
+                let speed = |v: f64| v.abs().powi(power as i32);
+                Ok(self.estimate(|nodes| self.over_velocity(nodes, crossing.level, sides, speed)))
+            }
+            [state, _] => Err(Error::NotADisplacement { state }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Below the wall nothing crosses, and the velocity has no velocity of its own.
+    #[test]
+    fn only_the_displacement_above_its_wall_has_a_flux() -> Result<()> {
+        let averaged = EnergyAveraged::new(&VibroImpactDuffing::standard([-0.5, 0.9])?)?;
+        assert_eq!(averaged.flux(Crossing::downward(-0.6), 1)?.value, 0.0);
+        assert!(averaged.flux(Crossing::downward(-0.5), 1)?.value > 0.1);
+        let of_velocity = Crossing { displacement: 1, velocity: 0, ..Crossing::upward(0.0) };
+        assert_eq!(averaged.flux(of_velocity, 1), Err(Error::NotADisplacement { state: 1 }));
+        Ok(())
     }
 }

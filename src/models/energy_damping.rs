@@ -1,5 +1,8 @@
-use super::Solved;
-use crate::{Intensity, Oscillator, Result, Scalar};
+use super::{Solved, listed};
+use crate::error::Result;
+use crate::problem::Problem;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, Oscillator};
 
 /// An oscillator whose damping depends on its energy: x″ + (β H − α) x′ + x + μ x³ = ξ, H = x′²/2 + x²/2 + μ x⁴/4.
 ///
@@ -41,10 +44,19 @@ impl Oscillator for EnergyDamping {
     fn intensity(&self) -> Intensity {
         self.intensity
     }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed("alpha beta mu D", [self.drive, self.damping, self.cubic, self.intensity.d()])
+    }
 }
 
-impl Solved<2, 1> for EnergyDamping {
-    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+impl Solved for EnergyDamping {
+    fn problem(&self) -> Result<Problem> {
+        Problem::of(*self)
+    }
+
+    fn log_density<S: Scalar>(&self, state: &[S]) -> S {
+        let (x, v) = (state[0], state[1]);
         let energy = self.energy(x, v);
         (energy * energy * (self.damping / 2.0) - energy * self.drive) * -self.intensity.d().recip()
     }

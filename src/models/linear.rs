@@ -1,5 +1,8 @@
-use super::Solved;
-use crate::{Intensity, Oscillator, Result, Scalar};
+use super::{Solved, listed};
+use crate::error::Result;
+use crate::problem::Problem;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, Oscillator};
 
 /// The linear oscillator x″ + c x′ + k x = ξ: normal, with E x′² = D/c and E x² = D/(c k).
 ///
@@ -33,10 +36,19 @@ impl Oscillator for Linear {
     fn intensity(&self) -> Intensity {
         self.intensity
     }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed("c k D", [self.damping, self.stiffness, self.intensity.d()])
+    }
 }
 
-impl Solved<2, 1> for Linear {
-    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+impl Solved for Linear {
+    fn problem(&self) -> Result<Problem> {
+        Problem::of(*self)
+    }
+
+    fn log_density<S: Scalar>(&self, state: &[S]) -> S {
+        let (x, v) = (state[0], state[1]);
         (v * v + x * x * self.stiffness) * (-0.5 * self.damping / self.intensity.d())
     }
 }

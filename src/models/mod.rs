@@ -45,39 +45,54 @@ pub use van_der_pol_rayleigh::VanDerPolRayleigh;
 pub use velocity_noise::VelocityNoise;
 pub use vibro_impact::VibroImpactDuffing;
 
-use crate::{Arena, Closure, ExpPolynomial, Polynomial, PolynomialDrift, Result, Scalar, Support};
+use crate::density::{ExpPolynomial, Support};
+use crate::error::Result;
+use crate::polynomial::{Arena, Polynomial};
+use crate::problem::Problem;
+use crate::scalar::Scalar;
 
 /// A system whose stationary density is known as exp of a polynomial.
-pub trait Solved<const N: usize, const M: usize>: PolynomialDrift<N, M> {
+pub trait Solved {
+    /// The system as a problem.
+    ///
+    /// # Errors
+    /// As [`Problem::of`].
+    fn problem(&self) -> Result<Problem>;
+
     /// ln p up to its constant, generically, like the drift.
-    fn log_density<S: Scalar>(&self, x: [S; N]) -> S;
+    fn log_density<S: Scalar>(&self, x: &[S]) -> S;
 
     /// The polynomial of [`Solved::log_density`].
-    fn log_polynomial(&self) -> Polynomial<N> {
-        self.log_density(Arena::new().variables()).polynomial()
+    ///
+    /// # Errors
+    /// As [`Solved::problem`].
+    fn log_polynomial(&self) -> Result<Polynomial> {
+        let states = self.problem()?.dimension();
+        let arena = Arena::new(states);
+        Ok(self.log_density(&arena.variables()).polynomial(states))
     }
 
     /// The exact stationary density.
     ///
     /// # Errors
-    /// [`Error::NotNormalisable`](crate::Error::NotNormalisable), and as [`Closure::gaussian`], where the parameters
+    /// [`Error::NotNormalisable`](crate::Error::NotNormalisable), and as [`Problem::gaussian`], where the parameters
     /// leave no stationary density.
-    fn exact(&self) -> Result<ExpPolynomial<N>>
-    where
-        Self: Sized,
-    {
-        ExpPolynomial::from_states(&self.log_polynomial(), &Closure::gaussian(self)?, Support::WholeSpace)
+    fn exact(&self) -> Result<ExpPolynomial> {
+        ExpPolynomial::from_states(&self.log_polynomial()?, &self.problem()?.gaussian()?, Support::WholeSpace)
     }
 
     /// The exact density above an elastic wall at `bound`, r = 1: the density without a wall, cut off and normalised
     /// again.
     ///
     /// # Errors
-    /// As [`Solved::exact`].
-    fn exact_above(&self, bound: f64) -> Result<ExpPolynomial<N>>
-    where
-        Self: Sized,
-    {
-        ExpPolynomial::from_states(&self.log_polynomial(), &Closure::gaussian(self)?, Support::Above(bound))
+    /// As [`Solved::exact`]; [`Error::OutOfRange`](crate::Error::OutOfRange) for a bound that is not finite,
+    /// [`Error::NotServed`](crate::Error::NotServed) from six states on, where the box has too many nodes to be searched.
+    fn exact_above(&self, bound: f64) -> Result<ExpPolynomial> {
+        ExpPolynomial::from_states(&self.log_polynomial()?, &self.problem()?.gaussian()?, Support::Above(bound))
     }
+}
+
+/// Parameters with their names, which stand in one word after the other.
+fn listed<const K: usize>(names: &str, values: [f64; K]) -> Vec<(String, f64)> {
+    names.split(' ').map(str::to_owned).zip(values).collect()
 }

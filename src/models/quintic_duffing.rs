@@ -1,5 +1,8 @@
-use super::Solved;
-use crate::{Intensity, Oscillator, Result, Scalar};
+use super::{Solved, listed};
+use crate::error::Result;
+use crate::problem::Problem;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, Oscillator};
 
 /// The cubic-quintic oscillator x″ + c x′ + k x + μ x³ + ν x⁵ = ξ, with three wells for k, ν > 0 and μ sufficiently
 /// negative.
@@ -37,10 +40,19 @@ impl Oscillator for QuinticDuffing {
     fn intensity(&self) -> Intensity {
         self.intensity
     }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed("c k mu nu D", [self.damping, self.stiffness, self.cubic, self.quintic, self.intensity.d()])
+    }
 }
 
-impl Solved<2, 1> for QuinticDuffing {
-    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+impl Solved for QuinticDuffing {
+    fn problem(&self) -> Result<Problem> {
+        Problem::of(*self)
+    }
+
+    fn log_density<S: Scalar>(&self, state: &[S]) -> S {
+        let (x, v) = (state[0], state[1]);
         let potential =
             x * x * (self.stiffness / 2.0) + x.powi(4) * (self.cubic / 4.0) + x.powi(6) * (self.quintic / 6.0);
         (v * v * 0.5 + potential) * (-self.damping / self.intensity.d())

@@ -1,5 +1,8 @@
-use super::Solved;
-use crate::{Intensity, Oscillator, Result, Scalar};
+use super::{Solved, listed};
+use crate::error::Result;
+use crate::problem::Problem;
+use crate::scalar::Scalar;
+use crate::system::{Intensity, Oscillator};
 
 /// The van der Pol-Rayleigh oscillator x″ + ε (x² + x′² − 1) x′ + x = ξ with its circular limit cycle.
 ///
@@ -35,10 +38,19 @@ impl Oscillator for VanDerPolRayleigh {
     fn intensity(&self) -> Intensity {
         self.intensity
     }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed("epsilon D", [self.strength, self.intensity.d()])
+    }
 }
 
-impl Solved<2, 1> for VanDerPolRayleigh {
-    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+impl Solved for VanDerPolRayleigh {
+    fn problem(&self) -> Result<Problem> {
+        Problem::of(*self)
+    }
+
+    fn log_density<S: Scalar>(&self, state: &[S]) -> S {
+        let (x, v) = (state[0], state[1]);
         let square = x * x + v * v;
         (square * square * 0.25 - square * 0.5) * (-self.strength / self.intensity.d())
     }

@@ -1,5 +1,8 @@
-use super::Solved;
-use crate::{Interpretation, PolynomialDrift, Result, Scalar, error::finite};
+use super::{Solved, listed};
+use crate::error::{Result, finite};
+use crate::problem::Problem;
+use crate::scalar::Scalar;
+use crate::system::{Interpretation, PolynomialDrift};
 
 /// A Duffing oscillator with noise in its velocity, x″ + d(x, x′) + k x + μ x³ = (g₀ + g₁ x′) ξ, in Stratonovich's
 /// sense with ξ of intensity 1, and with the damping that gives it the density C exp(−φ(H)), φ = α H + β H²/2:
@@ -53,10 +56,22 @@ impl PolynomialDrift<2, 1> for VelocityNoise {
     fn interpretation(&self) -> Interpretation {
         Interpretation::Stratonovich
     }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        listed(
+            "g0 g1 alpha beta k mu",
+            [self.constant, self.slope, self.linear, self.quadratic, self.stiffness, self.cubic],
+        )
+    }
 }
 
-impl Solved<2, 1> for VelocityNoise {
-    fn log_density<S: Scalar>(&self, [x, v]: [S; 2]) -> S {
+impl Solved for VelocityNoise {
+    fn problem(&self) -> Result<Problem> {
+        Problem::of(*self)
+    }
+
+    fn log_density<S: Scalar>(&self, state: &[S]) -> S {
+        let (x, v) = (state[0], state[1]);
         let energy = self.energy(x, v);
         -(energy * self.linear + energy * energy * (self.quadratic / 2.0))
     }

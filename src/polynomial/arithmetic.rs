@@ -1,64 +1,80 @@
 use super::Polynomial;
+use std::borrow::Cow;
 use std::ops::{Add, Mul, Neg, Sub};
 
-impl<const N: usize> Add for &Polynomial<N> {
-    type Output = Polynomial<N>;
-
-    fn add(self, other: Self) -> Polynomial<N> {
-        let mut sum = self.clone();
-        for (m, c) in other.terms() {
-            sum.add_term(*m, c);
+impl Polynomial {
+    /// The same in at least `states` variables, of which the last ones do not occur.
+    fn widened(&self, states: usize) -> Cow<'_, Polynomial> {
+        if self.dimension >= states {
+            return Cow::Borrowed(self);
         }
-        sum
+        let mut wide = Polynomial::zero(states);
+        for (alpha, c) in self.terms() {
+            wide.exponents.extend_from_slice(alpha);
+            wide.exponents.resize(wide.exponents.len() + states - self.dimension, 0);
+            wide.coefficients.push(c);
+        }
+        Cow::Owned(wide)
     }
 }
 
-impl<const N: usize> Sub for &Polynomial<N> {
-    type Output = Polynomial<N>;
+impl Add for &Polynomial {
+    type Output = Polynomial;
 
-    fn sub(self, other: Self) -> Polynomial<N> {
+    fn add(self, other: Self) -> Polynomial {
+        let n = self.dimension.max(other.dimension);
+        let (one, two) = (self.widened(n), other.widened(n));
+        Polynomial::collected(n, one.terms().chain(two.terms()))
+    }
+}
+
+impl Sub for &Polynomial {
+    type Output = Polynomial;
+
+    fn sub(self, other: Self) -> Polynomial {
         self + &(other * -1.0)
     }
 }
 
-impl<const N: usize> Mul for &Polynomial<N> {
-    type Output = Polynomial<N>;
+impl Mul for &Polynomial {
+    type Output = Polynomial;
 
-    fn mul(self, other: Self) -> Polynomial<N> {
-        let mut product = Polynomial::zero();
-        for (a, ca) in self.terms() {
-            for (b, cb) in other.terms() {
-                product.add_term(a.times(b), ca * cb);
+    fn mul(self, other: Self) -> Polynomial {
+        let n = self.dimension.max(other.dimension);
+        let (one, two) = (self.widened(n), other.widened(n));
+        let count = self.coefficients.len() * other.coefficients.len();
+        let (mut exponents, mut coefficients) = (Vec::with_capacity(n * count), Vec::with_capacity(count));
+        for (a, ca) in one.terms() {
+            for (b, cb) in two.terms() {
+                exponents.extend(a.iter().zip(b).map(|(p, q)| p + q));
+                coefficients.push(ca * cb);
             }
         }
-        product
+        let terms = coefficients.iter().enumerate().map(|(k, c)| (&exponents[k * n..(k + 1) * n], *c));
+        Polynomial::collected(n, terms)
     }
 }
 
-impl<const N: usize> Add<f64> for &Polynomial<N> {
-    type Output = Polynomial<N>;
+impl Add<f64> for &Polynomial {
+    type Output = Polynomial;
 
-    fn add(self, constant: f64) -> Polynomial<N> {
-        self + &Polynomial::constant(constant)
+    fn add(self, constant: f64) -> Polynomial {
+        self + &Polynomial::constant(self.dimension, constant)
     }
 }
 
-impl<const N: usize> Mul<f64> for &Polynomial<N> {
-    type Output = Polynomial<N>;
+impl Mul<f64> for &Polynomial {
+    type Output = Polynomial;
 
-    fn mul(self, factor: f64) -> Polynomial<N> {
-        let mut product = Polynomial::zero();
-        for (m, c) in self.terms() {
-            product.add_term(*m, c * factor);
-        }
-        product
+    fn mul(self, factor: f64) -> Polynomial {
+        Polynomial::collected(self.dimension, self.terms().map(|(alpha, c)| (alpha, c * factor)))
     }
 }
 
-impl<const N: usize> Neg for Polynomial<N> {
-    type Output = Polynomial<N>;
+impl Neg for Polynomial {
+    type Output = Polynomial;
 
-    fn neg(self) -> Polynomial<N> {
+    fn neg(self) -> Polynomial {
         &self * -1.0
     }
 }
@@ -66,21 +82,21 @@ impl<const N: usize> Neg for Polynomial<N> {
 /// Owned operands behave as borrowed ones.
 macro_rules! forward_to_references {
     ($($operation:ident $method:ident),*) => {$(
-        impl<const N: usize> $operation for Polynomial<N> {
-            type Output = Polynomial<N>;
-            fn $method(self, other: Self) -> Polynomial<N> {
+        impl $operation for Polynomial {
+            type Output = Polynomial;
+            fn $method(self, other: Self) -> Polynomial {
                 (&self).$method(&other)
             }
         }
-        impl<const N: usize> $operation<Polynomial<N>> for &Polynomial<N> {
-            type Output = Polynomial<N>;
-            fn $method(self, other: Polynomial<N>) -> Polynomial<N> {
+        impl $operation<Polynomial> for &Polynomial {
+            type Output = Polynomial;
+            fn $method(self, other: Polynomial) -> Polynomial {
                 self.$method(&other)
             }
         }
-        impl<const N: usize> $operation<&Polynomial<N>> for Polynomial<N> {
-            type Output = Polynomial<N>;
-            fn $method(self, other: &Self) -> Polynomial<N> {
+        impl $operation<&Polynomial> for Polynomial {
+            type Output = Polynomial;
+            fn $method(self, other: &Self) -> Polynomial {
                 (&self).$method(other)
             }
         }
@@ -88,18 +104,18 @@ macro_rules! forward_to_references {
 }
 forward_to_references!(Add add, Sub sub, Mul mul);
 
-impl<const N: usize> Add<f64> for Polynomial<N> {
-    type Output = Polynomial<N>;
+impl Add<f64> for Polynomial {
+    type Output = Polynomial;
 
-    fn add(self, constant: f64) -> Polynomial<N> {
+    fn add(self, constant: f64) -> Polynomial {
         &self + constant
     }
 }
 
-impl<const N: usize> Mul<f64> for Polynomial<N> {
-    type Output = Polynomial<N>;
+impl Mul<f64> for Polynomial {
+    type Output = Polynomial;
 
-    fn mul(self, factor: f64) -> Polynomial<N> {
+    fn mul(self, factor: f64) -> Polynomial {
         &self * factor
     }
 }

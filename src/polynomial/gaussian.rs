@@ -1,26 +1,33 @@
-use super::{Monomial, Polynomial};
-use crate::{Error, Result};
-use nalgebra::{DMatrix, SMatrix, SVector};
+use super::Polynomial;
+use crate::error::{Error, Result};
+use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
-/// A normal distribution on R^N, and the exact mean of any polynomial under it.
+/// A normal distribution, and the exact mean of any polynomial under it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gaussian<const N: usize> {
+pub struct Gaussian {
     /// The mean.
-    pub mean: SVector<f64, N>,
+    pub mean: DVector<f64>,
     /// The covariance, symmetric and positive definite.
-    pub covariance: SMatrix<f64, N, N>,
+    pub covariance: DMatrix<f64>,
 }
 
-impl<const N: usize> Gaussian<N> {
+impl Gaussian {
     /// The lower Cholesky factor L of the covariance: x = mean + L z with z standard normal.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the covariance is not positive definite.
-    pub fn scale(&self) -> Result<SMatrix<f64, N, N>> {
-        self.covariance.cholesky().map(|c| c.l()).ok_or_else(|| Error::OutOfRange {
+    /// [`Error::OutOfRange`] if the covariance is not positive definite, [`Error::Dimension`] if it does not fit the mean.
+    pub fn scale(&self) -> Result<DMatrix<f64>> {
+        let n = self.mean.len();
+        if self.covariance.shape() != (n, n) {
+            return Err(Error::Dimension { what: "a covariance", expected: n, found: self.covariance.nrows() });
+        }
+        let finite = self.covariance.iter().chain(&self.mean).all(|value| value.is_finite());
+        let factor = if finite { self.covariance.clone().cholesky() } else { None };
+        factor.map(|c| c.l()).ok_or_else(|| Error::OutOfRange {
             name: "smallest eigenvalue of the covariance",
-            value: DMatrix::from_fn(N, N, |i, j| self.covariance[(i, j)]).symmetric_eigenvalues().min(),
+            // The search for the eigenvalues of numbers that are not finite would never end.
+            value: if finite { self.covariance.symmetric_eigenvalues().min() } else { f64::NAN },
             remedy: "a covariance must be symmetric and positive definite",
         })
     }
@@ -32,32 +39,34 @@ impl<const N: usize> Gaussian<N> {
     ///
     /// ```
     /// use expoly::{Gaussian, Polynomial};
-    /// use nalgebra::{matrix, vector};
-    /// let g = Gaussian { mean: vector![0.0, 1.0], covariance: matrix![2.0, 0.5; 0.5, 1.0] };
-    /// let [x, y] = Polynomial::<2>::variables();
+    /// use nalgebra::{dmatrix, dvector};
+    /// let g = Gaussian { mean: dvector![0.0, 1.0], covariance: dmatrix![2.0, 0.5; 0.5, 1.0] };
+    /// let [x, y] = [0, 1].map(|i| Polynomial::variable(2, i));
     /// assert_eq!(g.expectation(&(&(&x * &x) * &(&x * &x))), 12.0); // 3 · 2²
     /// assert_eq!(g.expectation(&(&x * &y)), 0.5);
     /// ```
-    pub fn expectation(&self, polynomial: &Polynomial<N>) -> f64 {
+    pub fn expectation(&self, polynomial: &Polynomial) -> f64 {
         let mut known = HashMap::new();
-        polynomial.terms().map(|(m, c)| c * self.moment(*m, &mut known)).sum()
+        polynomial.terms().map(|(alpha, c)| c * self.moment(&mut alpha.to_vec(), &mut known)).sum()
     }
 
-    fn moment(&self, monomial: Monomial<N>, known: &mut HashMap<Monomial<N>, f64>) -> f64 {
-        let Some(i) = (0..N).find(|&i| monomial.0[i] > 0) else { return 1.0 };
-        if let Some(&value) = known.get(&monomial) {
+    fn moment(&self, alpha: &mut [u32], known: &mut HashMap<Vec<u32>, f64>) -> f64 {
+        let Some(i) = alpha.iter().position(|&power| power > 0) else { return 1.0 };
+        if let Some(&value) = known.get(alpha) {
             return value;
         }
-        let Some((rest, _)) = monomial.derivative(i) else { return 1.0 };
-        let mut value = if self.mean[i] == 0.0 { 0.0 } else { self.mean[i] * self.moment(rest, known) };
-        for j in 0..N {
-            if let Some((lower, power)) = rest.derivative(j)
-                && self.covariance[(i, j)] != 0.0
-            {
-                value += self.covariance[(i, j)] * f64::from(power) * self.moment(lower, known);
+        alpha[i] -= 1;
+        let mut value = if self.mean[i] == 0.0 { 0.0 } else { self.mean[i] * self.moment(alpha, known) };
+        for j in 0..alpha.len() {
+            let power = alpha[j];
+            if power > 0 && self.covariance[(i, j)] != 0.0 {
+                alpha[j] -= 1;
+                value += self.covariance[(i, j)] * f64::from(power) * self.moment(alpha, known);
+                alpha[j] += 1;
             }
         }
-        known.insert(monomial, value);
+        alpha[i] += 1;
+        known.insert(alpha.to_vec(), value);
         value
     }
 }

@@ -1,178 +1,235 @@
-//! Polynomials in N variables with real coefficients: arithmetic, derivatives, evaluation, text, Gaussian moments.
+//! Polynomials in any number of variables with real coefficients: arithmetic, derivatives, evaluation, text, Gaussian
+//! moments.
 
 mod arithmetic;
+mod exponents;
 mod gaussian;
-mod monomial;
 mod symbol;
 mod text;
 
+use exponents::ordered;
+pub(crate) use exponents::{monomials, power, total_degree};
 pub use gaussian::Gaussian;
-pub use monomial::{Monomial, monomials};
-pub use symbol::{Arena, Symbol};
-pub use text::Text;
+pub(crate) use symbol::{Arena, Symbol};
 pub(crate) use text::twelve_digits;
 
-use crate::{Error, Result, Scalar};
-use std::collections::BTreeMap;
+use crate::error::{Result, dimension};
+use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
 
-/// A polynomial Σ c_α x^α in N variables, with terms in order of rising total degree.
+/// A polynomial Σ c_α x^α in n variables, with terms in order of rising total degree.
 ///
-/// Terms whose coefficient is exactly zero are not kept; nothing is ever rounded away. Two polynomials in different
-/// numbers of variables have different types and do not mix.
+/// Terms whose coefficient is exactly zero are not kept; nothing is ever rounded away. Where polynomials in different
+/// numbers of variables meet, the variables that one lacks do not occur in it.
 ///
 /// ```
 /// use expoly::Polynomial;
-/// let [x, v] = Polynomial::<2>::variables();
+/// let [x, v] = [0, 1].map(|i| Polynomial::variable(2, i));
 /// let p = &(&x * &x) * &v + &v * 3.0;
 /// assert_eq!(p.to_string(), "3 x2 + x1^2 x2");
 /// assert_eq!(p.evaluate(&[2.0, 0.5]), 3.5);
 /// assert_eq!(p.derivative(0).to_string(), "2 x1 x2");
 /// assert_eq!(p.degree(), 3);
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct Polynomial<const N: usize> {
-    terms: BTreeMap<Monomial<N>, f64>,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Polynomial {
+    dimension: usize,
+    /// The exponents of all terms, one term after the other.
+    exponents: Vec<u32>,
+    coefficients: Vec<f64>,
 }
 
-impl<const N: usize> Polynomial<N> {
-    /// The polynomial 0.
-    pub fn zero() -> Self {
-        Polynomial { terms: BTreeMap::new() }
+impl Polynomial {
+    /// The polynomial 0 of `states` variables.
+    pub fn zero(states: usize) -> Self {
+        Polynomial { dimension: states, exponents: Vec::new(), coefficients: Vec::new() }
     }
 
     /// A constant.
-    pub fn constant(value: f64) -> Self {
-        let mut p = Self::zero();
-        p.add_term(Monomial::one(), value);
+    pub fn constant(states: usize, value: f64) -> Self {
+        let mut p = Self::zero(states);
+        p.add_term(&vec![0; states], value);
         p
     }
 
-    /// The variables x₁ … x_N themselves.
-    pub fn variables() -> [Self; N] {
-        std::array::from_fn(|i| {
-            let mut p = Self::zero();
-            p.add_term(Monomial::variable(i), 1.0);
-            p
-        })
+    /// The variable x_i, 0 if there is none of that number.
+    pub fn variable(states: usize, i: usize) -> Self {
+        let mut p = Self::zero(states);
+        if i < states {
+            let mut alpha = vec![0; states];
+            alpha[i] = 1;
+            p.add_term(&alpha, 1.0);
+        }
+        p
+    }
+
+    /// All variables x₁ … x_n.
+    pub fn variables(states: usize) -> Vec<Self> {
+        (0..states).map(|i| Self::variable(states, i)).collect()
     }
 
     /// The sum of c x^α over pairs (α, c); equal exponents add up.
     ///
     /// # Errors
-    /// [`Error::Dimension`] if a list of exponents has another length than N.
+    /// [`Error::Dimension`](crate::Error::Dimension) if a list of exponents has another length than `states`.
     ///
     /// ```
     /// use expoly::Polynomial;
-    /// let p = Polynomial::<2>::from_terms([(&[1, 0][..], 2.0), (&[0, 3][..], -1.0)])?;
+    /// let p = Polynomial::from_terms(2, [([1, 0], 2.0), ([0, 3], -1.0)])?;
     /// assert_eq!(p.to_string(), "2 x1 - x2^3");
-    /// assert!(Polynomial::<2>::from_terms([(&[1, 0, 0][..], 2.0)]).is_err());
+    /// assert!(Polynomial::from_terms(2, [([1, 0, 0], 2.0)]).is_err());
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn from_terms<'a>(terms: impl IntoIterator<Item = (&'a [u32], f64)>) -> Result<Self> {
-        let mut p = Self::zero();
-        for (exponents, coefficient) in terms {
-            let exponents: [u32; N] = exponents.try_into().map_err(|_| Error::Dimension {
-                what: "a list of exponents",
-                expected: N,
-                found: exponents.len(),
-            })?;
-            p.add_term(Monomial(exponents), coefficient);
+    pub fn from_terms(states: usize, terms: impl IntoIterator<Item = (impl AsRef<[u32]>, f64)>) -> Result<Self> {
+        let mut p = Self::zero(states);
+        for (alpha, coefficient) in terms {
+            dimension("a list of exponents", alpha.as_ref().len(), states)?;
+            p.add_term(alpha.as_ref(), coefficient);
         }
         Ok(p)
     }
 
-    /// Adds `coefficient`·x^`monomial`.
-    pub fn add_term(&mut self, monomial: Monomial<N>, coefficient: f64) {
-        let sum = self.terms.get(&monomial).copied().unwrap_or(0.0) + coefficient;
-        if sum == 0.0 {
-            self.terms.remove(&monomial);
-        } else {
-            self.terms.insert(monomial, sum);
+    /// The sum of terms in any order; those of equal exponents are added in the order in which they come.
+    fn collected<'a>(states: usize, terms: impl Iterator<Item = (&'a [u32], f64)>) -> Self {
+        let mut terms: Vec<(&[u32], f64)> = terms.collect();
+        if !terms.is_sorted_by(|a, b| ordered(a.0, b.0).is_le()) {
+            terms.sort_by(|a, b| ordered(a.0, b.0));
         }
-    }
-
-    /// The terms (x^α, c_α), by rising total degree.
-    pub fn terms(&self) -> impl Iterator<Item = (&Monomial<N>, f64)> + '_ {
-        self.terms.iter().map(|(m, &c)| (m, c))
-    }
-
-    /// The coefficient of x^α, zero if there is no such term.
-    pub fn coefficient(&self, monomial: &Monomial<N>) -> f64 {
-        self.terms.get(monomial).copied().unwrap_or(0.0)
-    }
-
-    /// Whether there is no term at all.
-    pub fn is_zero(&self) -> bool {
-        self.terms.is_empty()
-    }
-
-    /// The total degree; 0 for a constant and for the polynomial 0.
-    pub fn degree(&self) -> u32 {
-        self.terms.keys().next_back().map_or(0, Monomial::degree)
-    }
-
-    /// The part of total degree `degree`.
-    pub fn homogeneous_part(&self, degree: u32) -> Self {
-        self.filtered(|m, _| m.degree() == degree)
-    }
-
-    /// The terms that `keep` accepts.
-    pub(crate) fn filtered(&self, keep: impl Fn(&Monomial<N>, f64) -> bool) -> Self {
-        let terms = self.terms.iter().filter(|(m, c)| keep(m, **c));
-        Polynomial { terms: terms.map(|(m, c)| (*m, *c)).collect() }
-    }
-
-    /// ∂p/∂x_i. A variable that the polynomial does not contain gives 0.
-    pub fn derivative(&self, i: usize) -> Self {
-        let mut p = Self::zero();
-        for (m, c) in self.terms() {
-            if let Some((lower, power)) = m.derivative(i) {
-                p.add_term(lower, c * f64::from(power));
+        let mut p = Self::zero(states);
+        for same in terms.chunk_by(|a, b| a.0 == b.0) {
+            let sum = same.iter().fold(0.0, |sum, (_, c)| sum + c);
+            if sum != 0.0 {
+                p.exponents.extend_from_slice(same[0].0);
+                p.coefficients.push(sum);
             }
         }
         p
     }
 
-    /// The value at `x`, on any [`Scalar`].
-    pub fn evaluate<S: Scalar>(&self, x: &[S; N]) -> S {
-        self.terms().fold(S::from(0.0), |sum, (m, c)| sum + m.evaluate(x) * c)
+    /// Adds `coefficient`·x^`alpha`; `alpha` has one exponent for each variable.
+    pub(crate) fn add_term(&mut self, alpha: &[u32], coefficient: f64) {
+        let n = self.dimension;
+        match self.position(alpha) {
+            Ok(k) => {
+                self.coefficients[k] += coefficient;
+                if self.coefficients[k] == 0.0 {
+                    self.coefficients.remove(k);
+                    self.exponents.drain(k * n..(k + 1) * n);
+                }
+            }
+            Err(k) if coefficient != 0.0 => {
+                self.coefficients.insert(k, coefficient);
+                self.exponents.splice(k * n..k * n, alpha.iter().copied());
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// The place of a term, or where it would stand.
+    fn position(&self, alpha: &[u32]) -> std::result::Result<usize, usize> {
+        let (mut low, mut high) = (0, self.coefficients.len());
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            match ordered(self.alpha(middle), alpha) {
+                std::cmp::Ordering::Less => low = middle + 1,
+                std::cmp::Ordering::Equal => return Ok(middle),
+                std::cmp::Ordering::Greater => high = middle,
+            }
+        }
+        Err(low)
+    }
+
+    fn alpha(&self, k: usize) -> &[u32] {
+        &self.exponents[k * self.dimension..(k + 1) * self.dimension]
+    }
+
+    /// The number of variables.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The terms (α, c_α), by rising total degree, then with the first variable's higher powers first.
+    pub fn terms(&self) -> impl DoubleEndedIterator<Item = (&[u32], f64)> + '_ {
+        (0..self.coefficients.len()).map(|k| (self.alpha(k), self.coefficients[k]))
+    }
+
+    /// The coefficient of x^α, zero if there is no such term.
+    pub fn coefficient(&self, alpha: &[u32]) -> f64 {
+        self.position(alpha).map_or(0.0, |k| self.coefficients[k])
+    }
+
+    /// The coefficient of 1.
+    pub(crate) fn constant_term(&self) -> f64 {
+        self.terms().next().filter(|(alpha, _)| total_degree(alpha) == 0).map_or(0.0, |(_, c)| c)
+    }
+
+    /// Whether there is no term at all.
+    pub fn is_zero(&self) -> bool {
+        self.coefficients.is_empty()
+    }
+
+    /// The total degree; 0 for a constant and for the polynomial 0.
+    pub fn degree(&self) -> u32 {
+        self.terms().next_back().map_or(0, |(alpha, _)| total_degree(alpha))
+    }
+
+    /// The part of total degree `degree`.
+    pub fn homogeneous_part(&self, degree: u32) -> Self {
+        self.filtered(|alpha, _| total_degree(alpha) == degree)
+    }
+
+    /// The terms that `keep` accepts.
+    pub(crate) fn filtered(&self, keep: impl Fn(&[u32], f64) -> bool) -> Self {
+        Polynomial::collected(self.dimension, self.terms().filter(|(alpha, c)| keep(alpha, *c)))
+    }
+
+    /// ∂p/∂x_i. A variable that the polynomial does not contain gives 0.
+    pub fn derivative(&self, i: usize) -> Self {
+        let mut p = Self::zero(self.dimension);
+        let mut lower = vec![0; self.dimension];
+        for (alpha, c) in self.terms() {
+            let power = alpha.get(i).copied().unwrap_or(0);
+            if power > 0 {
+                lower.copy_from_slice(alpha);
+                lower[i] -= 1;
+                p.add_term(&lower, c * f64::from(power));
+            }
+        }
+        p
+    }
+
+    /// The value at `x`, on any [`Scalar`]; `x` has one number for each variable.
+    pub fn evaluate<S: Scalar>(&self, x: &[S]) -> S {
+        self.terms().fold(S::zero(), |sum, (alpha, c)| sum + power(x, alpha) * c)
     }
 
     /// The gradient ∂p/∂x_i at `x`.
-    pub fn gradient(&self, x: &[f64; N]) -> [f64; N] {
-        let mut g = [0.0; N];
-        for (m, c) in self.terms() {
-            for i in 0..N {
-                if let Some((lower, power)) = m.derivative(i) {
-                    g[i] += c * f64::from(power) * lower.evaluate(x);
-                }
-            }
-        }
-        g
+    pub fn gradient(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.dimension).map(|i| self.derivative(i).evaluate(x)).collect()
     }
 
-    /// The Hessian ∂²p/∂x_i∂x_j at `x`.
-    pub fn hessian(&self, x: &[f64; N]) -> [[f64; N]; N] {
-        let rows: [[f64; N]; N] = std::array::from_fn(|i| self.derivative(i).gradient(x));
-        rows
+    /// The Hessian ∂²p/∂x_i∂x_j at `x`, by rows.
+    pub fn hessian(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        (0..self.dimension).map(|i| self.derivative(i).gradient(x)).collect()
     }
 
-    /// The polynomial p(q₁(z), …, q_N(z)).
+    /// The polynomial p(q₁(z), …, q_n(z)), in the variables of the q_i.
     ///
     /// ```
     /// use expoly::Polynomial;
-    /// let [x] = Polynomial::<1>::variables();
+    /// let x = Polynomial::variable(1, 0);
     /// let shifted = (&x * &x).compose(&[x + 1.0]);
     /// assert_eq!(shifted.to_string(), "1 + 2 x1 + x1^2");
     /// ```
-    pub fn compose<const K: usize>(&self, inner: &[Polynomial<K>; N]) -> Polynomial<K> {
-        let arena = Arena::new();
-        let inner = std::array::from_fn(|i| arena.symbol(inner[i].clone()));
-        self.evaluate(&inner).polynomial()
+    pub fn compose(&self, inner: &[Polynomial]) -> Polynomial {
+        let states = inner.first().map_or(self.dimension, Polynomial::dimension);
+        let arena = Arena::new(states);
+        let inner: Vec<Symbol<'_>> = inner.iter().map(|q| arena.symbol(q.clone())).collect();
+        self.evaluate(&inner).polynomial(states)
     }
 
     /// The largest absolute coefficient; 0 for the polynomial 0.
     pub fn max_coefficient(&self) -> f64 {
-        self.terms.values().fold(0.0, |a: f64, c| a.max(c.abs()))
+        self.coefficients.iter().fold(0.0, |a: f64, c| a.max(c.abs()))
     }
 }

@@ -1,39 +1,30 @@
 use super::Polynomial;
-use crate::Scalar;
+use crate::scalar::Scalar;
+use num_traits::{One, Zero};
 use std::cell::RefCell;
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The store that [`Symbol`]s point into.
-#[derive(Debug, Default)]
-pub struct Arena<const N: usize> {
-    stored: RefCell<Vec<Polynomial<N>>>,
+#[derive(Debug)]
+pub(crate) struct Arena {
+    states: usize,
+    stored: RefCell<Vec<Polynomial>>,
 }
 
-impl<const N: usize> Arena<N> {
-    /// An empty store.
-    pub fn new() -> Self {
-        Arena { stored: RefCell::new(Vec::new()) }
+impl Arena {
+    /// An empty store for polynomials of `states` variables.
+    pub(crate) fn new(states: usize) -> Self {
+        Arena { states, stored: RefCell::new(Vec::new()) }
     }
 
-    /// The variables x₁ … x_N as symbols.
-    ///
-    /// ```
-    /// use expoly::{Arena, Scalar};
-    /// fn stiffness<S: Scalar>(x: S) -> S {
-    ///     x + x.powi(3) * 0.3
-    /// }
-    /// let arena = Arena::<2>::new();
-    /// let [x, _v] = arena.variables();
-    /// assert_eq!(stiffness(x).polynomial().to_string(), "x1 + 0.3 x1^3");
-    /// assert_eq!(stiffness(2.0), 4.4);
-    /// ```
-    pub fn variables(&self) -> [Symbol<'_, N>; N] {
-        Polynomial::variables().map(|p| self.symbol(p))
+    /// The variables x₁ … x_n as symbols.
+    pub(crate) fn variables(&self) -> Vec<Symbol<'_>> {
+        Polynomial::variables(self.states).into_iter().map(|p| self.symbol(p)).collect()
     }
 
     /// A symbol that stands for `polynomial`.
-    pub fn symbol(&self, polynomial: Polynomial<N>) -> Symbol<'_, N> {
+    pub(crate) fn symbol(&self, polynomial: Polynomial) -> Symbol<'_> {
         let mut stored = self.stored.borrow_mut();
         stored.push(polynomial);
         Symbol(Inner::Stored { arena: self, index: stored.len() - 1 })
@@ -44,28 +35,28 @@ impl<const N: usize> Arena<N> {
 ///
 /// It implements [`Scalar`], so that a drift evaluated on symbols returns the drift's polynomials.
 #[derive(Clone, Copy)]
-pub struct Symbol<'a, const N: usize>(Inner<'a, N>);
+pub(crate) struct Symbol<'a>(Inner<'a>);
 
 #[derive(Clone, Copy)]
-enum Inner<'a, const N: usize> {
+enum Inner<'a> {
     /// A number needs no store, so that it can be made where no arena is at hand.
     Constant(f64),
     Stored {
-        arena: &'a Arena<N>,
+        arena: &'a Arena,
         index: usize,
     },
 }
 
-impl<'a, const N: usize> Symbol<'a, N> {
-    /// The polynomial that the symbol stands for.
-    pub fn polynomial(self) -> Polynomial<N> {
+impl<'a> Symbol<'a> {
+    /// The polynomial of `states` variables that the symbol stands for.
+    pub(crate) fn polynomial(self, states: usize) -> Polynomial {
         match self.0 {
-            Inner::Constant(value) => Polynomial::constant(value),
+            Inner::Constant(value) => Polynomial::constant(states, value),
             Inner::Stored { arena, index } => arena.stored.borrow()[index].clone(),
         }
     }
 
-    fn map(self, number: impl Fn(f64) -> f64, polynomial: impl Fn(&Polynomial<N>) -> Polynomial<N>) -> Self {
+    fn map(self, number: impl Fn(f64) -> f64, polynomial: impl Fn(&Polynomial) -> Polynomial) -> Self {
         match self.0 {
             Inner::Constant(value) => Symbol::from(number(value)),
             Inner::Stored { arena, index } => {
@@ -76,19 +67,22 @@ impl<'a, const N: usize> Symbol<'a, N> {
     }
 }
 
-impl<const N: usize> From<f64> for Symbol<'_, N> {
+impl From<f64> for Symbol<'_> {
     fn from(value: f64) -> Self {
         Symbol(Inner::Constant(value))
     }
 }
 
-impl<const N: usize> fmt::Debug for Symbol<'_, N> {
+impl fmt::Debug for Symbol<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Symbol({})", self.polynomial())
+        match self.0 {
+            Inner::Constant(value) => write!(f, "Symbol({value})"),
+            Inner::Stored { arena, index } => write!(f, "Symbol({})", arena.stored.borrow()[index]),
+        }
     }
 }
 
-impl<const N: usize> Neg for Symbol<'_, N> {
+impl Neg for Symbol<'_> {
     type Output = Self;
 
     fn neg(self) -> Self {
@@ -96,7 +90,7 @@ impl<const N: usize> Neg for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Add<f64> for Symbol<'_, N> {
+impl Add<f64> for Symbol<'_> {
     type Output = Self;
 
     fn add(self, constant: f64) -> Self {
@@ -104,7 +98,7 @@ impl<const N: usize> Add<f64> for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Sub<f64> for Symbol<'_, N> {
+impl Sub<f64> for Symbol<'_> {
     type Output = Self;
 
     fn sub(self, constant: f64) -> Self {
@@ -112,7 +106,7 @@ impl<const N: usize> Sub<f64> for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Mul<f64> for Symbol<'_, N> {
+impl Mul<f64> for Symbol<'_> {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
@@ -120,7 +114,7 @@ impl<const N: usize> Mul<f64> for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Div<f64> for Symbol<'_, N> {
+impl Div<f64> for Symbol<'_> {
     type Output = Self;
 
     fn div(self, divisor: f64) -> Self {
@@ -128,7 +122,7 @@ impl<const N: usize> Div<f64> for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Add for Symbol<'_, N> {
+impl Add for Symbol<'_> {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -139,7 +133,7 @@ impl<const N: usize> Add for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Sub for Symbol<'_, N> {
+impl Sub for Symbol<'_> {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -147,7 +141,7 @@ impl<const N: usize> Sub for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Mul for Symbol<'_, N> {
+impl Mul for Symbol<'_> {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
@@ -158,15 +152,62 @@ impl<const N: usize> Mul for Symbol<'_, N> {
     }
 }
 
-impl<const N: usize> Symbol<'_, N> {
-    /// `operation(self, other)` for an operation whose order does not matter.
-    fn with(self, other: Self, operation: impl Fn(&Polynomial<N>, &Polynomial<N>) -> Polynomial<N>) -> Self {
-        let other = other.polynomial();
-        self.map(
-            |value| operation(&Polynomial::constant(value), &other).coefficient(&super::Monomial::one()),
-            |p| operation(p, &other),
-        )
+impl Symbol<'_> {
+    /// `operation(self, other)` for an operation whose order does not matter; at least one of the two is stored.
+    fn with(self, other: Self, operation: impl Fn(&Polynomial, &Polynomial) -> Polynomial) -> Self {
+        match (self.0, other.0) {
+            (Inner::Stored { arena, index }, Inner::Stored { arena: others, index: place }) => {
+                let result = operation(&arena.stored.borrow()[index], &others.stored.borrow()[place]);
+                arena.symbol(result)
+            }
+            (Inner::Stored { arena, index }, Inner::Constant(value))
+            | (Inner::Constant(value), Inner::Stored { arena, index }) => {
+                let result = operation(&arena.stored.borrow()[index], &Polynomial::constant(arena.states, value));
+                arena.symbol(result)
+            }
+            (Inner::Constant(_), Inner::Constant(_)) => self,
+        }
     }
 }
 
-impl<const N: usize> Scalar for Symbol<'_, N> {}
+impl Zero for Symbol<'_> {
+    fn zero() -> Self {
+        Symbol::from(0.0)
+    }
+
+    fn is_zero(&self) -> bool {
+        match self.0 {
+            Inner::Constant(value) => value == 0.0,
+            Inner::Stored { arena, index } => arena.stored.borrow()[index].is_zero(),
+        }
+    }
+}
+
+impl One for Symbol<'_> {
+    fn one() -> Self {
+        Symbol::from(1.0)
+    }
+}
+
+impl Scalar for Symbol<'_> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers and symbols on either side of every operation.
+    #[test]
+    fn numbers_meet_symbols_on_both_sides() {
+        let arena = Arena::new(2);
+        let x = arena.variables()[0];
+        let one = Symbol::from(1.0);
+        let text = |symbol: Symbol<'_>| symbol.polynomial(2).to_string();
+        assert_eq!(text(one + x), "1 + x1");
+        assert_eq!(text(one - x * x), "1 - x1^2");
+        assert_eq!(text((x + 2.0) * one + one), "3 + x1");
+        assert_eq!(text(Symbol::from(2.0) * x * Symbol::from(3.0)), "6 x1");
+        assert_eq!(text(one + one), "2");
+        assert_eq!(text(Scalar::powi(one - x, 2)), "1 - 2 x1 + x1^2");
+        assert!((x - x).is_zero() && Symbol::zero().is_zero() && !one.is_zero());
+    }
+}

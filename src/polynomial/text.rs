@@ -1,52 +1,52 @@
 use super::Polynomial;
 use std::fmt;
 
-/// A polynomial as text with chosen names for its variables; see [`Polynomial::text`] and [`Polynomial::latex`].
-#[derive(Clone, Copy, Debug)]
-pub struct Text<'a, const N: usize> {
-    polynomial: &'a Polynomial<N>,
-    names: [&'a str; N],
+/// A polynomial as text with chosen names for its variables.
+struct Text<'a, A> {
+    polynomial: &'a Polynomial,
+    names: &'a [A],
     latex: bool,
 }
 
-impl<const N: usize> Polynomial<N> {
-    /// The polynomial in plain text: `x - 0.3 x^3 v`. A precision, as in `{:.3}`, shortens the coefficients.
+impl Polynomial {
+    /// The polynomial in plain text: `x - 0.3 x^3 v`. A precision, as in `{:.3}`, shortens the coefficients. A variable
+    /// without a name is a question mark.
     ///
     /// ```
-    /// let [x, v] = expoly::Polynomial::<2>::variables();
+    /// let [x, v] = [0, 1].map(|i| expoly::Polynomial::variable(2, i));
     /// let p = &(&x * &x) * &v * -0.125 + x;
-    /// assert_eq!(format!("{:.2}", p.text(["x", "v"])), "x - 0.12 x^2 v");
+    /// assert_eq!(format!("{:.2}", p.text(&["x", "v"])), "x - 0.12 x^2 v");
     /// ```
-    pub fn text<'a>(&'a self, names: [&'a str; N]) -> Text<'a, N> {
+    pub fn text<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
         Text { polynomial: self, names, latex: false }
     }
 
     /// The polynomial in LaTeX: `x - 0.3\,x^{3} v`.
     ///
     /// ```
-    /// let [x, v] = expoly::Polynomial::<2>::variables();
+    /// let [x, v] = [0, 1].map(|i| expoly::Polynomial::variable(2, i));
     /// let p = &(&x * &x) * &v * -1.5e-7;
-    /// assert_eq!(p.latex(["x", r"\dot x"]).to_string(), r"- 1.5 \times 10^{-7}\,x^{2} \dot x");
+    /// assert_eq!(p.latex(&["x", r"\dot x"]).to_string(), r"- 1.5 \times 10^{-7}\,x^{2} \dot x");
     /// ```
-    pub fn latex<'a>(&'a self, names: [&'a str; N]) -> Text<'a, N> {
+    pub fn latex<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
         Text { polynomial: self, names, latex: true }
     }
 }
 
-impl<const N: usize> fmt::Display for Polynomial<N> {
+impl fmt::Display for Polynomial {
     /// Plain text with the variables named x1, x2, …
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: [String; N] = std::array::from_fn(|i| format!("x{}", i + 1));
-        fmt::Display::fmt(&self.text(names.each_ref().map(String::as_str)), f)
+        let names: Vec<String> = (1..=self.dimension()).map(|i| format!("x{i}")).collect();
+        fmt::Display::fmt(&self.text(&names), f)
     }
 }
 
-impl<const N: usize> fmt::Display for Text<'_, N> {
+impl<A: AsRef<str>> fmt::Display for Text<'_, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.polynomial.is_zero() {
             return f.write_str("0");
         }
-        for (k, (monomial, coefficient)) in self.polynomial.terms().enumerate() {
+        for (k, (alpha, coefficient)) in self.polynomial.terms().enumerate() {
             f.write_str(match (k, coefficient < 0.0) {
                 (0, false) => "",
                 (0, true) => "- ",
@@ -54,8 +54,8 @@ impl<const N: usize> fmt::Display for Text<'_, N> {
                 (_, true) => " - ",
             })?;
             let size = coefficient.abs();
-            let factors = (0..N).filter(|&i| monomial.0[i] > 0);
-            let powers: Vec<String> = factors.map(|i| self.power(i, monomial.0[i])).collect();
+            let factors = alpha.iter().enumerate().filter(|(_, power)| **power > 0);
+            let powers: Vec<String> = factors.map(|(i, power)| self.power(i, *power)).collect();
             if powers.is_empty() || size != 1.0 {
                 self.number(f, size)?;
                 if !powers.is_empty() {
@@ -68,13 +68,14 @@ impl<const N: usize> fmt::Display for Text<'_, N> {
     }
 }
 
-impl<const N: usize> Text<'_, N> {
+impl<A: AsRef<str>> Text<'_, A> {
     fn power(&self, i: usize, exponent: u32) -> String {
+        let name = self.names.get(i).map_or("?", AsRef::as_ref);
         match (exponent, self.latex) {
-            (1, _) => self.names[i].to_owned(),
-            (n, false) => format!("{}^{n}", self.names[i]),
-            (n, true) if self.names[i].contains(['\\', '^']) => format!("{{{}}}^{{{n}}}", self.names[i]),
-            (n, true) => format!("{}^{{{n}}}", self.names[i]),
+            (1, _) => name.to_owned(),
+            (n, false) => format!("{name}^{n}"),
+            (n, true) if name.contains(['\\', '^']) => format!("{{{name}}}^{{{n}}}"),
+            (n, true) => format!("{name}^{{{n}}}"),
         }
     }
 

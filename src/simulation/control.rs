@@ -1,5 +1,5 @@
-use super::setup::{Meter, Progress};
-use crate::{Error, Result};
+use super::progress::{Meter, Progress};
+use crate::error::{Error, Result};
 use std::ops::ControlFlow;
 use std::sync::{
     Mutex, PoisonError,
@@ -43,7 +43,7 @@ impl<'a> Control<'a> {
             if !self.cancelled.load(Ordering::Relaxed) {
                 meter.progress.done += steps;
                 let progress = meter.progress;
-                let verdict = (meter.callback)(progress);
+                let verdict = (meter.callback.0)(progress);
                 self.cancelled.store(verdict == ControlFlow::Break(()), Ordering::Relaxed);
             }
         }

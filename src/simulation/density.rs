@@ -1,116 +1,179 @@
-use super::{SimulatedDensity, passage::POWERS, result::central, tally::Tally};
-use crate::density::{UNKNOWN, pair};
-use crate::{Crossing, Density, Error, Estimate, Result};
+use super::{
+    SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level, result::central, tally::Tally,
+};
+use crate::density::{Counted, Crossing, Density, Sampled, pair};
+use crate::error::{Error, Result, dimension, state_index};
+use crate::estimate::Estimate;
+use std::sync::Arc;
 
-impl<const N: usize> Density<N> for SimulatedDensity<N> {
-    /// The density by the histogram's quadratic reconstruction for N ≤ 2. For more states a histogram would be empty
-    /// almost everywhere: the value is not a number and the error infinite. Marginals are there for every N.
-    fn pdf(&self, x: &[f64; N]) -> Estimate {
+/// The density below a wall.
+const NOTHING: Estimate = Estimate { value: 0.0, error: 0.0 };
+
+impl Density for SimulatedDensity {
+    fn dimension(&self) -> usize {
+        self.layout.axes.len()
+    }
+
+    /// The density by the histogram's quadratic reconstruction, for one state and for two.
+    ///
+    /// # Errors
+    /// [`Error::Dimension`] unless x has one number for each state, [`Error::NotKnown`] for more than two states, whose
+    /// histogram would be empty almost everywhere. Marginals are there for any number of states.
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+        dimension("a state", x.len(), self.dimension())?;
+        let histogram = self.whole("the density at a state")?;
         if self.below_wall(0, x[0]) {
-            return Estimate::new(0.0, 0.0);
+            return Ok(NOTHING);
         }
-        match (N, self.joint()) {
-            (1, _) => self.marginal(0, x[0]).unwrap_or(UNKNOWN),
-            (2, Some(_)) => {
-                self.with_both_errors(|d| d.joint().map_or(UNKNOWN, |joint| joint.density_at([x[0], x[1]])))
-            }
-            _ => UNKNOWN,
-        }
+        Ok(self.with_both_errors(|d| d.histograms[histogram].at(x)))
     }
 
     /// ln p; −∞ also where bins are nearly empty and the reconstruction is not positive.
-    fn log_pdf(&self, x: &[f64; N]) -> f64 {
-        let p = self.pdf(x).value;
-        if p <= 0.0 { f64::NEG_INFINITY } else { p.ln() }
+    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
+        let p = self.pdf(x)?.value;
+        Ok(if p <= 0.0 { f64::NEG_INFINITY } else { p.ln() })
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        self.histogram(state)?;
+        state_index("the state of a marginal", state, self.dimension())?;
         if self.below_wall(state, x) {
-            return Ok(Estimate::new(0.0, 0.0));
+            return Ok(NOTHING);
         }
-        Ok(self.with_both_errors(|d| d.histogram(state).map_or(UNKNOWN, |histogram| histogram.density_at([x]))))
+        Ok(self.with_both_errors(|d| d.histograms[state].at(&[x])))
     }
 
     /// The range of the histograms.
-    fn bounds(&self) -> [[f64; 2]; N] {
-        self.layout.axes.each_ref().map(|axis| [axis.edge(0), axis.edge(axis.bins())])
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.layout.axes.iter().map(|axis| [axis.edge(0), axis.edge(axis.bins())]).collect()
     }
 
-    /// E[g(X)] over the cells of the histogram for N ≤ 2; unknown for more states. Each sample counts as spread over its
-    /// cell; the error holds what g's curvature within a cell may make of that.
-    fn expectation(&self, g: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Estimate {
-        let line = |[x]: [f64; 1]| g(&[x; N]);
-        let plane = |x: [f64; 2]| g(&std::array::from_fn(|i| x[i.min(1)]));
-        self.with_both_errors(|d| match (N, d.histogram(0), d.joint()) {
-            (1, Ok(histogram), _) => histogram.mean(line),
-            (2, _, Some(joint)) => joint.mean(plane),
-            _ => UNKNOWN,
-        })
+    /// E[g(X)] over the cells of the histogram, for one state and for two. Each sample counts as spread over its cell; the
+    /// error holds what g's curvature within a cell may make of that.
+    ///
+    /// # Errors
+    /// [`Error::NotKnown`] for more states.
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
+        let histogram = self.whole("the mean of a function")?;
+        Ok(self.with_both_errors(|d| d.histograms[histogram].mean(g)))
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let [first, second] = pair::<N>(states)?;
+        let [first, second] = pair(states, self.dimension())?;
         if first + second != 1 {
             let remedy = "a simulation counts states 0 and 1 together; put these first, or ask another method";
-            return Err(Error::NotKnown { what: "the joint density of these two states", remedy });
+            return Err(Error::NotKnown { what: format!("the joint density of states {first} and {second}"), remedy });
         }
         let x = if first == 0 { x } else { [x[1], x[0]] };
         if self.below_wall(0, x[0]) {
-            return Ok(Estimate::new(0.0, 0.0));
+            return Ok(NOTHING);
         }
-        Ok(self.with_both_errors(|d| d.joint().map_or(UNKNOWN, |joint| joint.density_at(x))))
+        Ok(self.with_both_errors(|d| d.histograms[self.dimension()].at(&x)))
     }
 
-    fn simulation(&self) -> Option<&SimulatedDensity<N>> {
-        Some(self)
-    }
-
-    /// The raw moment. Tracked are all total degrees up to 4 for N ≤ 3; for more states all up to 2, and the powers of a
-    /// single state up to 4. Of any other the value is not a number and the error infinite.
-    fn moment(&self, powers: [u32; N]) -> Estimate {
-        self.tracked(powers)
-            .map_or(UNKNOWN, |k| self.estimate(|b: &Tally<N>| [b.moments[0], b.moments[k]], |[n, sum]| sum / n))
+    /// The raw moment. Tracked are all total degrees up to 4 for up to three states; for more states all up to 2, and the
+    /// powers of a single state up to 4.
+    ///
+    /// # Errors
+    /// [`Error::NotKnown`] for any other.
+    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+        dimension("the exponents of a moment", powers.len(), self.dimension())?;
+        let place = self.tracked(powers).ok_or_else(|| Error::NotKnown {
+            what: format!("the moment of the exponents {powers:?}"),
+            remedy: "name it in `Simulation::moments` before the run",
+        })?;
+        Ok(self.estimate(|b| [b.moments[0], b.moments[place]], |[n, sum]| sum / n))
     }
 
     /// The flux moment from counted passages, for the powers 1, 2 and 3: Σ|v|^(power − 1) per unit time. Up-crossings of
     /// the levels named before the run; at a wall the impacts, and the rebounds, whose speeds are r times as large.
     ///
     /// # Errors
-    /// [`Error::LevelNotCounted`] for any other level or direction, [`Error::NotADisplacement`] if the crossing is not
-    /// that of state 0 with its velocity, [`Error::OutOfRange`] for other powers.
+    /// [`Error::NotKnown`] for any other level or direction, [`Error::NotADisplacement`] if the crossing is not that of
+    /// state 0 with its velocity, [`Error::OutOfRange`] for other powers.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        let Crossing { displacement, velocity, level, upward } = crossing;
-        if displacement != 0 || self.velocity != Some(velocity) {
-            return Err(Error::NotADisplacement { velocity });
+        let [displacement, velocity] = crossing.states(self.dimension())?;
+        let Crossing { level, upward, .. } = crossing;
+        if displacement != 0 || self.plan.velocity != Some(velocity) {
+            return Err(Error::NotADisplacement { state: displacement });
         }
         if !(1..=POWERS as u32).contains(&power) {
             let remedy = "passages are counted with the powers 1, 2 and 3 of the velocity";
             return Err(Error::OutOfRange { name: "power of a flux", value: f64::from(power), remedy });
         }
-        if let Some(wall) = self.barrier.filter(|wall| wall.offset() == level) {
+        if let Some(wall) = self.plan.wall.filter(|wall| same_level(wall.offset(), level)) {
             let impacts = self.rate(power as usize, |b| b.passages.impacts);
             let slowed = wall.restitution().powi(power as i32 - 1);
             return Ok(if upward { impacts.scaled(slowed) } else { impacts });
         }
-        match self.levels.iter().position(|&counted| counted == level) {
-            Some(k) if upward => Ok(self.rate(power as usize, |b| b.passages.crossings[k])),
-            _ => Err(Error::LevelNotCounted { level }),
+        if !upward {
+            let what = format!("the crossings of the level {level} from above");
+            return Err(Error::NotKnown { what, remedy: "a simulation counts those from below" });
         }
+        let place = self.level(level)?;
+        Ok(self.rate(power as usize, |b| b.passages.crossings[place]))
     }
 
     fn variance(&self, state: usize) -> Result<Estimate> {
-        self.of_state(state, |raw| central(raw)[0])
+        self.of_moments(state, &|raw| central(raw)[0])
     }
 
     fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
-        let velocity = self.velocity.ok_or(Error::NotADisplacement { velocity: 1 })?;
+        let velocity = self.plan.velocity.ok_or(Error::NotADisplacement { state: 0 })?;
         self.flux(Crossing { velocity, ..Crossing::upward(level) }, 1)
+    }
+
+    fn sampled(&self) -> Option<&dyn Sampled> {
+        Some(self)
     }
 }
 
-impl<const N: usize> SimulatedDensity<N> {
+impl Sampled for SimulatedDensity {
+    fn of_moments(&self, state: usize, statistic: &dyn Fn(&[f64]) -> f64) -> Result<Estimate> {
+        let states = self.dimension();
+        let state = state_index("a state's index", state, states)?;
+        let places: [Option<usize>; 5] = std::array::from_fn(|power| {
+            let mut powers = vec![0; states];
+            powers[state] = power as u32;
+            self.tracked(&powers)
+        });
+        let sums = |b: &Tally| places.map(|place| place.map_or(f64::NAN, |k| b.moments[k]));
+        Ok(self.estimate(sums, |sums| statistic(&sums.map(|sum| sum / sums[0]))))
+    }
+
+    fn distribution(&self, state: usize) -> Result<Arc<dyn Counted>> {
+        state_index("a state's index", state, self.dimension())?;
+        let of = |d: &Self, coarse| Distribution::new(&d.histograms[state], coarse);
+        let coarse = self.coarse.as_ref().map(|coarse| (of(coarse, None), self.bias_share()));
+        Ok(Arc::new(of(self, coarse)))
+    }
+
+    fn impact_speeds(&self) -> Option<Arc<dyn Counted>> {
+        let of = |d: &Self, coarse| Some(Distribution::new(&d.impact_speeds()?, coarse));
+        let coarse = self.coarse.as_ref().and_then(|coarse| Some((of(coarse, None)?, self.bias_share())));
+        Some(Arc::new(of(self, coarse)?))
+    }
+
+    fn mean_impact_speed(&self, power: u32) -> Option<Estimate> {
+        self.plan.wall?;
+        let power = power as usize;
+        let sums = |b: &Tally| [b.passages.impacts[0], b.passages.impacts.get(power).copied().unwrap_or(f64::NAN)];
+        Some(self.estimate(sums, |[count, speeds]| speeds / count))
+    }
+}
+
+impl SimulatedDensity {
     fn below_wall(&self, state: usize, x: f64) -> bool {
-        state == 0 && self.barrier.is_some_and(|wall| x < wall.offset())
+        state == 0 && self.plan.wall.is_some_and(|wall| x < wall.offset())
+    }
+
+    /// The place of the histogram of all states together.
+    fn whole(&self, what: &str) -> Result<usize> {
+        let states = self.dimension();
+        if states <= 2 {
+            return Ok(2 * (states - 1));
+        }
+        let remedy =
+            "a simulation of more than two states counts marginals and moments; ask for these, or ask a closure";
+        Err(Error::NotKnown { what: what.to_owned(), remedy })
     }
 }

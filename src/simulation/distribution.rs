@@ -1,16 +1,16 @@
 use super::{
-    SimulatedDensity,
     histogram::{Axis, Histogram},
     jackknife::jackknife,
 };
-use crate::{Estimate, Result};
+use crate::density::Counted;
+use crate::estimate::Estimate;
 
 /// The distribution of what a histogram counted, every value with its standard error by the jackknife over its batches.
 ///
 /// At the edges of bins it is what was counted; between them the integral of the histogram's quadratic reconstruction.
 /// Samples outside the range may lie on either side of it: they are an error of every probability.
 #[derive(Clone, Debug)]
-pub(crate) struct Distribution {
+pub(super) struct Distribution {
     axis: Axis,
     batches: Vec<Batch>,
     /// The share of the samples outside the range.
@@ -26,45 +26,13 @@ struct Batch {
     below: Vec<f64>,
 }
 
-impl<const N: usize> SimulatedDensity<N> {
-    /// The distribution of one state.
-    pub(crate) fn distribution(&self, state: usize) -> Result<Distribution> {
-        let coarse = self.coarse.as_ref().map(|coarse| coarse.distribution(state)).transpose()?;
-        Ok(Distribution::new(self.histogram(state)?, coarse.map(|coarse| (coarse, self.bias_share()))))
-    }
-
-    /// The distribution of the speed of approach at an impact; none without a wall.
-    pub(crate) fn speed_distribution(&self) -> Option<Distribution> {
-        let coarse = self.coarse.as_ref().and_then(|coarse| coarse.speed_distribution());
-        Some(Distribution::new(&self.impact_speeds()?, coarse.map(|coarse| (coarse, self.bias_share()))))
-    }
-}
-
 impl Distribution {
-    fn new(histogram: &Histogram<1>, coarse: Option<(Self, f64)>) -> Self {
-        let [axis] = *histogram.axes();
+    /// From the histogram of a single state.
+    pub(super) fn new(histogram: &Histogram, coarse: Option<(Self, f64)>) -> Self {
+        let axis = histogram.axes()[0];
         let outside = histogram.outliers() as f64 / histogram.samples().max(1) as f64;
         let batches = histogram.cumulated().map(|(samples, below)| Batch { samples, below }).collect();
         Distribution { axis, batches, outside, coarse: coarse.map(|(coarse, share)| (Box::new(coarse), share)) }
-    }
-
-    /// The density at x, 0 outside the range.
-    pub(crate) fn density(&self, x: f64) -> Estimate {
-        let share = match self.axis.stencil(x) {
-            Some((first, weights)) => self.estimate(|below| combined(below, first, weights)),
-            None => Estimate::new(0.0, self.one_sample()),
-        };
-        share.scaled(self.axis.width().recip())
-    }
-
-    /// P(X ≤ x).
-    pub(crate) fn below(&self, x: f64) -> Estimate {
-        self.probability(|below| self.count_below(below, x))
-    }
-
-    /// P(X > x).
-    pub(crate) fn above(&self, x: f64) -> Estimate {
-        self.probability(|below| below[below.len() - 1] - self.count_below(below, x))
     }
 
     fn probability(&self, count: impl Fn(&[f64]) -> f64) -> Estimate {
@@ -95,6 +63,24 @@ impl Distribution {
     }
 }
 
+impl Counted for Distribution {
+    fn density(&self, x: f64) -> Estimate {
+        let share = match self.axis.stencil(x) {
+            Some((first, weights)) => self.estimate(|below| combined(below, first, weights)),
+            None => Estimate::new(0.0, self.one_sample()),
+        };
+        share.scaled(self.axis.width().recip())
+    }
+
+    fn below(&self, x: f64) -> Estimate {
+        self.probability(|below| self.count_below(below, x))
+    }
+
+    fn above(&self, x: f64) -> Estimate {
+        self.probability(|below| below[below.len() - 1] - self.count_below(below, x))
+    }
+}
+
 /// Σ weight · samples over three neighbouring bins.
 fn combined(below: &[f64], first: usize, weights: [f64; 3]) -> f64 {
     weights.iter().enumerate().map(|(k, w)| w * (below[first + k + 1] - below[first + k])).sum()
@@ -103,6 +89,7 @@ fn combined(below: &[f64], first: usize, weights: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Result;
     use crate::simulation::histogram::Counts;
 
     /// Two equal batches on four bins of [0, 4].
@@ -110,8 +97,8 @@ mod tests {
         let axis = Axis::new(0.0, 4.0, 4)?;
         let mut batch = Counts::new(&[axis]);
         let samples = counts.iter().enumerate().flat_map(|(k, n)| std::iter::repeat_n(k as f64 + 0.5, *n));
-        samples.chain(std::iter::repeat_n(-1.0, outside)).for_each(|x| batch.add(&[axis], [x]));
-        Ok(Distribution::new(&Histogram::new([axis], vec![batch.clone(), batch]), None))
+        samples.chain(std::iter::repeat_n(-1.0, outside)).for_each(|x| batch.add(&[axis], &[x]));
+        Ok(Distribution::new(&Histogram::new(&[axis], vec![batch.clone(), batch]), None))
     }
 
     /// ∫ 3(x² + 1) dx over the bins is 4, 10, 22, 40: the integral x³ + 3x of that quadratic, to rounding, everywhere.

@@ -1,14 +1,15 @@
-use super::{jackknife::jackknife, store::stored};
-use crate::{Error, Estimate, Result};
+use super::jackknife::jackknife;
+use crate::error::{Error, Result, dimension};
+use crate::estimate::Estimate;
+use serde::{Deserialize, Serialize};
 
 /// Equal bins on an interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Axis {
     lo: f64,
     width: f64,
     bins: usize,
 }
-stored!(Axis { lo, width, bins });
 
 impl Axis {
     /// `bins` equal bins on [lo, hi].
@@ -26,6 +27,11 @@ impl Axis {
             return Err(Error::OutOfRange { name: "number of bins", value: bins as f64, remedy });
         }
         Ok(Axis { lo, width: length / bins as f64, bins })
+    }
+
+    /// Whether an axis that was read is one, with no more than so many bins.
+    pub(super) fn holds(&self, most: usize) -> bool {
+        self.bins <= most && Axis::new(self.lo, self.edge(self.bins), self.bins).is_ok()
     }
 
     /// The number of bins.
@@ -84,32 +90,41 @@ impl Axis {
 }
 
 /// What one batch counted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Counts {
     cells: Vec<u64>,
     outside: u64,
 }
-stored!(Counts { cells, outside });
 
-/// A histogram of D states from independent batches: a density with its standard error.
+/// A histogram of one state or of several together, from independent batches: a density with its standard error.
 ///
 /// Densities refer to *all* samples, those outside the range included: over the range they integrate to the probability
 /// of being in it.
 #[derive(Clone, Debug)]
-pub struct Histogram<const D: usize = 1> {
-    axes: [Axis; D],
+pub struct Histogram {
+    axes: Vec<Axis>,
     batches: Vec<Counts>,
 }
 
 impl Counts {
-    pub(super) fn new<const D: usize>(axes: &[Axis; D]) -> Self {
+    pub(super) fn new(axes: &[Axis]) -> Self {
         Counts { cells: vec![0; axes.iter().map(Axis::bins).product()], outside: 0 }
+    }
+
+    /// The number of cells.
+    pub(super) fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Whether counts that were read are no more than can be added.
+    pub(super) fn holds(&self) -> bool {
+        self.cells.iter().try_fold(self.outside, |sum, count| sum.checked_add(*count)).is_some_and(|sum| sum <= 1 << 53)
     }
 
     /// Counts one sample.
     #[inline]
-    pub(super) fn add<const D: usize>(&mut self, axes: &[Axis; D], x: [f64; D]) {
-        match flat_index(axes, std::array::from_fn(|d| axes[d].bin(x[d]))) {
+    pub(super) fn add(&mut self, axes: &[Axis], x: &[f64]) {
+        match flat_index(axes.iter().zip(x).map(|(axis, &x)| (axis, axis.bin(x)))) {
             Some(index) => self.cells[index] += 1,
             None => self.outside += 1,
         }
@@ -122,13 +137,13 @@ impl Counts {
 
 /// The place of a cell in the list of all cells, the last axis running fastest.
 #[inline]
-fn flat_index<const D: usize>(axes: &[Axis; D], bins: [Option<usize>; D]) -> Option<usize> {
-    bins.iter().zip(axes).try_fold(0, |index, (bin, axis)| Some(index * axis.bins + (*bin)?))
+fn flat_index<'a>(mut bins: impl Iterator<Item = (&'a Axis, Option<usize>)>) -> Option<usize> {
+    bins.try_fold(0, |index, (axis, bin)| Some(index * axis.bins + bin?))
 }
 
-impl<const D: usize> Histogram<D> {
-    pub(super) fn new(axes: [Axis; D], batches: Vec<Counts>) -> Self {
-        Histogram { axes, batches }
+impl Histogram {
+    pub(super) fn new(axes: &[Axis], batches: Vec<Counts>) -> Self {
+        Histogram { axes: axes.to_vec(), batches }
     }
 
     /// What each batch counted.
@@ -137,7 +152,7 @@ impl<const D: usize> Histogram<D> {
     }
 
     /// The bins along each state.
-    pub fn axes(&self) -> &[Axis; D] {
+    pub fn axes(&self) -> &[Axis] {
         &self.axes
     }
 
@@ -151,13 +166,15 @@ impl<const D: usize> Histogram<D> {
         self.batches.iter().map(|b| b.outside).sum()
     }
 
-    /// The mean density in a cell. An empty cell has the error that one sample in it would have made.
+    /// The mean density in a cell, given by its bin along each state. An empty cell has the error that one sample in it
+    /// would have made.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if there is no such cell.
-    pub fn cell(&self, bins: [usize; D]) -> Result<Estimate> {
-        let within = std::array::from_fn(|d| (bins[d] < self.axes[d].bins).then_some(bins[d]));
-        let index = flat_index(&self.axes, within).ok_or_else(|| Error::OutOfRange {
+    /// [`Error::Dimension`] unless there is one bin for each state, [`Error::OutOfRange`] if there is no such cell.
+    pub fn cell(&self, bins: &[usize]) -> Result<Estimate> {
+        dimension("the bins of a cell", bins.len(), self.axes.len())?;
+        let within = self.axes.iter().zip(bins).map(|(axis, &bin)| (axis, (bin < axis.bins).then_some(bin)));
+        let index = flat_index(within).ok_or_else(|| Error::OutOfRange {
             name: "index of a bin",
             value: bins.iter().copied().max().unwrap_or(0) as f64,
             remedy: "it must be less than the number of bins",
@@ -169,9 +186,18 @@ impl<const D: usize> Histogram<D> {
     /// bins around x, one-sided at the ends. It conserves mass, and its error is of third order in the bins' width. Where
     /// bins are nearly empty it can fall below zero, within its standard error. Outside the range: 0, with the error
     /// that one sample would have made.
-    pub fn density_at(&self, x: [f64; D]) -> Estimate {
+    ///
+    /// # Errors
+    /// [`Error::Dimension`] unless x has one number for each state.
+    pub fn density_at(&self, x: &[f64]) -> Result<Estimate> {
+        dimension("a place in a histogram", x.len(), self.axes.len())?;
+        Ok(self.at(x))
+    }
+
+    /// The density at x, which has one number for each state.
+    pub(super) fn at(&self, x: &[f64]) -> Estimate {
         let mut terms = vec![(0, 1.0)];
-        for (axis, x) in self.axes.iter().zip(x) {
+        for (axis, &x) in self.axes.iter().zip(x) {
             let Some((first, weights)) = axis.stencil(x) else { return Estimate::new(0.0, self.one_sample()) };
             let spread = |(index, w): (usize, f64)| {
                 weights.iter().enumerate().map(move |(k, u)| (index * axis.bins + first + k, w * u))
@@ -184,25 +210,26 @@ impl<const D: usize> Histogram<D> {
     /// E[g(X)] with every sample spread evenly over its cell, by two Gauss nodes along each state. The error of the spreading
     /// is estimated by the change against the cells' centres, and samples outside the range count as if they had the
     /// largest |g| found inside.
-    pub(super) fn mean(&self, g: impl Fn([f64; D]) -> f64) -> Estimate {
+    pub(super) fn mean(&self, g: impl Fn(&[f64]) -> f64) -> Estimate {
         let volume: f64 = self.axes.iter().map(Axis::width).product();
         let cells: usize = self.axes.iter().map(Axis::bins).product();
-        let at = |cell: usize, shifts: [f64; D]| {
+        let corners = 1_u32 << self.axes.len();
+        let mut x = vec![0.0; self.axes.len()];
+        let mut at = |cell: usize, shift: &dyn Fn(usize) -> f64| {
             let mut rest = cell;
-            let mut x = [0.0; D];
-            for d in (0..D).rev() {
-                let axis = &self.axes[d];
-                x[d] = axis.edge(rest % axis.bins) + (0.5 + shifts[d]) * axis.width;
+            for (d, axis) in self.axes.iter().enumerate().rev() {
+                x[d] = axis.edge(rest % axis.bins) + (0.5 + shift(d)) * axis.width;
                 rest /= axis.bins;
             }
-            g(x)
+            g(&x)
         };
         let node = 0.5 / 3.0_f64.sqrt();
-        let corner = |k: usize| std::array::from_fn(|d| if k >> d & 1 == 0 { -node } else { node });
-        let spread: Vec<(usize, f64)> = (0..cells)
-            .map(|cell| (cell, (0..1 << D).map(|k| at(cell, corner(k))).sum::<f64>() / f64::from(1 << D) * volume))
-            .collect();
-        let central: Vec<(usize, f64)> = (0..cells).map(|cell| (cell, at(cell, [0.0; D]) * volume)).collect();
+        let mut over_corners = |cell: usize| -> f64 {
+            (0..corners).map(|k| at(cell, &|d| if k >> d & 1 == 0 { -node } else { node })).sum()
+        };
+        let spread: Vec<(usize, f64)> =
+            (0..cells).map(|cell| (cell, over_corners(cell) / f64::from(corners) * volume)).collect();
+        let central: Vec<(usize, f64)> = (0..cells).map(|cell| (cell, at(cell, &|_| 0.0) * volume)).collect();
         let largest = spread.iter().fold(0.0_f64, |most, (_, g)| most.max(g.abs() / volume));
         let outside = self.outliers() as f64 / self.samples().max(1) as f64 * largest;
         let mean = self.functional(&spread);
@@ -224,12 +251,10 @@ impl<const D: usize> Histogram<D> {
     fn one_sample(&self) -> f64 {
         1.0 / (self.samples() as f64 * self.axes.iter().map(Axis::width).product::<f64>())
     }
-}
 
-impl Histogram<1> {
-    /// The number of bins.
+    /// The number of cells: of bins, for a single state.
     pub fn len(&self) -> usize {
-        self.axes[0].bins
+        self.axes.iter().map(Axis::bins).product()
     }
 
     /// Whether no sample was counted inside the range.
@@ -237,12 +262,12 @@ impl Histogram<1> {
         self.samples() == self.outliers()
     }
 
-    /// All edges, one more than bins.
+    /// All edges along the first state, one more than bins.
     pub fn edges(&self) -> impl Iterator<Item = f64> + '_ {
-        self.axes[0].edges()
+        self.axes.iter().take(1).flat_map(Axis::edges)
     }
 
-    /// The number of samples of each batch, and how many of those in the range lie below each edge.
+    /// The number of samples of each batch, and how many of those in the range lie below each edge of a single state's bins.
     pub(super) fn cumulated(&self) -> impl Iterator<Item = (f64, Vec<f64>)> + '_ {
         self.batches.iter().map(|b| {
             let sums = b.cells.iter().scan(0, |sum, count| {
@@ -253,12 +278,12 @@ impl Histogram<1> {
         })
     }
 
-    /// The mean density in bin `k`.
+    /// The mean density in bin `k` of a single state.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if there is no such bin.
+    /// As [`Histogram::cell`].
     pub fn bin(&self, k: usize) -> Result<Estimate> {
-        self.cell([k])
+        self.cell(&[k])
     }
 }
 
@@ -266,13 +291,13 @@ impl Histogram<1> {
 mod tests {
     use super::*;
 
-    fn counted<const D: usize>(axes: [Axis; D], batches: &[&[[f64; D]]]) -> Histogram<D> {
+    fn counted<const D: usize>(axes: [Axis; D], batches: &[&[[f64; D]]]) -> Histogram {
         let count = |samples: &&[[f64; D]]| {
             let mut counts = Counts::new(&axes);
-            samples.iter().for_each(|&x| counts.add(&axes, x));
+            samples.iter().for_each(|x| counts.add(&axes, x));
             counts
         };
-        Histogram::new(axes, batches.iter().map(count).collect())
+        Histogram::new(&axes, batches.iter().map(count).collect())
     }
 
     #[test]
@@ -298,9 +323,10 @@ mod tests {
         let h = counted([Axis::new(0.0, 5.0, 5)?], &[&samples, &samples]);
         for x in [0.0, 0.3, 1.0, 2.5, 4.0, 4.99] {
             let truth = 12.0 * (x * x + 1.0) / 560.0;
-            assert!((h.density_at([x]).value - truth).abs() < 1e-14 * 50.0, "{x}");
+            assert!((h.density_at(&[x])?.value - truth).abs() < 1e-14 * 50.0, "{x}");
         }
-        assert_eq!(h.density_at([5.1]).value, 0.0);
+        assert_eq!(h.density_at(&[5.1])?.value, 0.0);
+        assert!(matches!(h.density_at(&[1.0, 2.0]), Err(Error::Dimension { .. })));
         Ok(())
     }
 
@@ -310,8 +336,8 @@ mod tests {
         let axis = Axis::new(0.0, 3.0, 3)?;
         let h = counted([axis, axis], &[&[[1.5, 1.5]], &[[1.2, 1.8]]]);
         let centre = 13.0 / 12.0;
-        assert!((h.density_at([1.5, 1.5]).value - centre * centre).abs() < 1e-14);
-        assert_eq!(h.cell([1, 1])?, Estimate::new(1.0, 0.0));
+        assert!((h.density_at(&[1.5, 1.5])?.value - centre * centre).abs() < 1e-14);
+        assert_eq!(h.cell(&[1, 1])?, Estimate::new(1.0, 0.0));
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-use crate::Estimate;
+use crate::estimate::Estimate;
 
 /// A function of sums over all batches, with its standard error by the jackknife.
 ///

@@ -1,29 +1,27 @@
 use super::{
     SimulatedDensity,
+    batch::deal,
     checkpoint::State,
-    ensemble::deal,
     tally::{Origin, Tally},
 };
-use crate::{Error, Result, file};
+use crate::error::{Error, Result};
+use crate::file;
+use crate::provenance::Stopped;
 use std::{io, path::Path};
 
-impl<const N: usize> SimulatedDensity<N> {
+impl SimulatedDensity {
     /// The result in a checkpoint of [`Simulation::checkpoint`](crate::Simulation::checkpoint) whose run is over. The
-    /// system itself is not needed.
+    /// problem itself is not needed.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::NotACheckpoint`], [`Error::OtherSimulation`] for a system of another dimension, and
-    /// [`Error::Unfinished`] if the run has not ended.
+    /// [`Error::File`], [`Error::NotACheckpoint`], and [`Error::Unfinished`] if the run has not ended.
     pub fn from_checkpoint(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let content = file::read(path)?;
         let content = content.ok_or_else(|| file::file_error("read", path, &io::ErrorKind::NotFound.into()))?;
-        let state = State::<N>::from_file(path, &content)?;
-        let name = || path.display().to_string();
-        let stopped = state.stopped.ok_or_else(|| Error::Unfinished { path: name() })?;
-        let problem = "its batches cannot be read";
-        let batches = state.batches().ok_or_else(|| Error::NotACheckpoint { path: name(), problem })?;
-        let tallies = batches.into_iter().map(|batch| batch.tally).collect();
+        let state = State::from_file(path, &content)?;
+        let stopped = state.stopped.ok_or_else(|| Error::Unfinished { path: path.display().to_string() })?;
+        let tallies = state.batches.into_iter().map(|batch| batch.tally).collect();
         Ok(SimulatedDensity::new(tallies, state.plan, state.seconds, stopped))
     }
 
@@ -40,24 +38,25 @@ impl<const N: usize> SimulatedDensity<N> {
     /// [`Error::MissingPart`], [`Error::RepeatedPart`].
     ///
     /// ```
-    /// use expoly::{Density, SimulatedDensity, Simulation, models::Duffing};
-    /// let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-    /// let simulation = || Simulation::new(&oscillator).samples(20_000);
-    /// let halves = [simulation().part(1, 2).run()?, simulation().part(0, 2).run()?];
-    /// assert_eq!(SimulatedDensity::merge(halves)?.moment([2, 0]), simulation().run()?.moment([2, 0]));
+    /// use expoly::{Density, Problem, SimulatedDensity, Simulation, models::Duffing};
+    /// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+    /// let simulation = || Simulation::new().samples(20_000);
+    /// let halves = [simulation().part(1, 2).run(&problem)?, simulation().part(0, 2).run(&problem)?];
+    /// assert_eq!(SimulatedDensity::merge(halves)?.moment(&[2, 0])?, simulation().run(&problem)?.moment(&[2, 0])?);
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn merge(parts: impl IntoIterator<Item = Self>) -> Result<Self> {
         let mut parts: Vec<Self> = parts.into_iter().collect();
-        // The coarse twins are merged as well, where every part has one.
-        let twins = parts.iter_mut().map(|part| part.coarse.take().map(|twin| *twin)).collect::<Option<Vec<_>>>();
-        let coarse = match twins {
-            Some(twins) if !twins.is_empty() => Some(Box::new(SimulatedDensity::merge(twins)?)),
-            _ => None,
-        };
+        let twins: Vec<Self> = parts.iter_mut().filter_map(|part| part.coarse.take().map(|twin| *twin)).collect();
+        if ![0, parts.len()].contains(&twins.len()) {
+            let (found, expected) = (format!("in {} of {} parts", twins.len(), parts.len()), String::from("in all"));
+            return Err(Error::OtherSimulation { what: "run with twice the time step", found, expected });
+        }
+        let coarse = if twins.is_empty() { None } else { Some(Box::new(SimulatedDensity::merge(twins)?)) };
         let mut parts = parts.into_iter();
         let first = parts.next().ok_or(Error::NoSamples { what: "the number of parts", least: 1 })?;
-        let (plan, mut seconds, stopped) = (first.plan.clone(), first.provenance().seconds, first.provenance().stopped);
+        let (plan, mut seconds) = (first.plan.clone(), first.provenance().seconds);
+        let stopped = first.provenance().stopped.unwrap_or(Stopped::Samples);
         let mut tallies = first.into_tallies();
         for part in parts {
             plan.same_as(&part.plan, true)?;
@@ -75,9 +74,9 @@ impl<const N: usize> SimulatedDensity<N> {
 }
 
 /// Refuses batches of one run that are not all there, or there twice, or of different lengths.
-fn whole<const N: usize>(run: &[Tally<N>], trajectories: usize) -> Result<()> {
+fn whole(run: &[Tally], trajectories: usize) -> Result<()> {
     let ranges = deal(trajectories);
-    for [a, b] in run.windows(2).filter_map(|pair| <&[Tally<N>; 2]>::try_from(pair).ok()) {
+    for [a, b] in run.windows(2).filter_map(|pair| <&[Tally; 2]>::try_from(pair).ok()) {
         if a.origin == b.origin {
             let Origin { seed, batch } = a.origin;
             let trajectories = ranges.get(batch).cloned().unwrap_or_default();

@@ -2,23 +2,25 @@
 //!
 //! The steps of the method, each in its file:
 //!
-//! - `scheme`: the step of weak order 2, read off the generic definition of the system;
+//! - `scheme`: the step of weak order 2, sixteen trajectories at a time;
 //! - `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it;
 //! - `grazing`: shorter steps for trajectories that graze the wall;
 //! - `random`, `normal`: random numbers as a function of seed, trajectory and time step, and normal ones from them;
 //! - `lanes`: some trajectories advanced in lockstep, as wide registers allow;
+//! - `start`: where trajectories begin;
 //! - `time_step`: the choice of the time step, by the system's own time scales;
+//! - `batch`, `ensemble`: batches of trajectories, and their way on all threads;
 //! - `pilot`: a few trajectories ahead of all others, which tell where the states are;
-//! - `ensemble`: batches of trajectories on all threads;
 //! - `tally`, `histogram`, `trend`: what a batch keeps of its samples;
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: what decides which numbers are found, and when;
-//! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
-//!   `checkpoint` and `store` (the state in a file), `peers` and `ranks` (several processes);
+//! - `session`: rounds until a limit is reached, with `progress`, `control` (cancellation), `target` (precision),
+//!   `checkpoint` (the state in a file), `peers` and `ranks` (several processes);
 //! - `splitting`: rare states;
 //! - `statistics`: what is kept beside the standard statistics, on request;
 //! - `setup`, `run`, `result`, `merge`, `density`: what the user asks, what is done, and what the user gets.
 
+mod batch;
 mod checkpoint;
 mod control;
 mod density;
@@ -34,6 +36,7 @@ mod passage;
 mod peers;
 mod pilot;
 mod plan;
+mod progress;
 mod random;
 #[cfg(feature = "mpi")]
 mod ranks;
@@ -43,19 +46,18 @@ mod scheme;
 mod session;
 mod setup;
 mod splitting;
+mod start;
 mod statistics;
-mod store;
 mod tally;
 mod target;
 mod time_step;
 mod timetable;
 mod trend;
 
-pub(crate) use distribution::Distribution;
 pub use histogram::{Axis, Histogram};
-pub(crate) use result::central;
-pub use result::{Provenance, SimulatedDensity, Stopped};
-pub use setup::{Progress, Simulation};
-pub use splitting::{Splitting, SplittingProvenance, Tails};
+pub use progress::Progress;
+pub use result::SimulatedDensity;
+pub use setup::Simulation;
+pub use splitting::{Splitting, Tails};
 pub use statistics::{FirstPassage, Spectrum};
 pub use target::Tolerance;

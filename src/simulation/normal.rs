@@ -38,7 +38,7 @@ fn signed(x: f64, bits: u64) -> f64 {
 fn ln(u: f64) -> f64 {
     const SHIFT: u64 = 128;
     // The exponent as a biased integer without a sign, since vectors of such are shifted and converted fastest.
-    let shifted = u.to_bits() - ROOT_HALF + (SHIFT << 52);
+    let shifted = u.to_bits() + (SHIFT << 52) - ROOT_HALF;
     let exponent = f64::from_bits(shifted >> 52 | (0x433 << 52)) - (2.0_f64.powi(52) + SHIFT as f64);
     let m = f64::from_bits((shifted & MANTISSA) + ROOT_HALF);
     let f = m - 1.0;

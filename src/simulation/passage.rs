@@ -2,12 +2,27 @@ use super::{
     grazing::Grazing,
     histogram::{Axis, Counts},
     scheme::Scheme,
-    store::stored,
 };
-use crate::{Barrier, PolynomialDrift};
+use crate::error::{Error, Result};
+use crate::problem::{LANES, Lane, Problem, Wall};
+use serde::{Deserialize, Serialize};
 
 /// The powers 0, 1, 2 of the speed at a passage: enough for the flux moments 1, 2, 3.
 pub(super) const POWERS: usize = 3;
+
+/// The wall of a problem, if it has none but one with the motion of state 0 above it.
+pub(super) fn single_wall(problem: &Problem, method: &'static str) -> Result<Option<Wall>> {
+    let (what, remedy) = match problem.walls() {
+        [] => return Ok(None),
+        [wall] if wall.state() != 0 => {
+            ("a wall on another state than the first", "let the displacement that hits the wall be the first state")
+        }
+        [wall] if wall.is_above() => return Ok(Some(*wall)),
+        [_] => ("a wall that the motion is below", "turn the sign of the displacement and of its velocity"),
+        _ => ("more than one wall", "a closure and a grid serve the two walls of one oscillator"),
+    };
+    Err(Error::NotServed { method, what, remedy })
+}
 
 /// What the straight drift of the displacements meets: a wall, and levels to watch.
 #[derive(Clone, Debug)]
@@ -26,7 +41,7 @@ pub(super) struct Course {
 }
 
 /// Impacts and up-crossings: Σ 1, Σ|v|, Σ v² over the passages of each kind.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Passages {
     /// At the wall, with the speed of approach.
     pub(super) impacts: [f64; POWERS],
@@ -37,7 +52,6 @@ pub(super) struct Passages {
     /// The speeds of approach at impacts.
     pub(super) speeds: Counts,
 }
-stored!(Passages { impacts, crossings, crossed, speeds });
 
 impl Passages {
     pub(super) fn new(levels: usize) -> Self {
@@ -54,26 +68,22 @@ impl Course {
     /// `diffusion` is ½B_vv at rest on the wall.
     pub(super) fn new(
         pairs: Vec<(usize, usize)>,
-        barrier: Option<Barrier>,
+        wall: Option<Wall>,
         levels: Vec<f64>,
         diffusion: f64,
         step: f64,
     ) -> Self {
-        let (floor, restitution) = barrier.map_or((f64::NEG_INFINITY, 1.0), |b| (b.offset(), b.restitution()));
+        let (floor, restitution) = wall.map_or((f64::NEG_INFINITY, 1.0), |b| (b.offset(), b.restitution()));
         Course { pairs, floor, restitution, grazing: Grazing::new(restitution, diffusion, step), levels, speeds: None }
     }
 
     /// The course of a system's trajectories: the noise that rules grazing is that at rest on the wall.
-    pub(super) fn for_scheme<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
-        scheme: &Scheme<'_, T, N, M>,
-        barrier: Option<Barrier>,
-        levels: Vec<f64>,
-    ) -> Self {
-        let mut at_rest = [0.0; N];
-        at_rest[0] = barrier.map_or(0.0, |b| b.offset());
-        let velocity = scheme.pairs.iter().find(|&&(i, _)| i == 0).map(|&(_, j)| j);
-        let diffusion = velocity.map_or(0.0, |v| scheme.power(v, at_rest)[0]);
-        Course::new(scheme.pairs.clone(), barrier, levels, diffusion, scheme.step)
+    pub(super) fn for_scheme(scheme: &Scheme<'_>, wall: Option<Wall>, levels: Vec<f64>) -> Self {
+        let mut at_rest = vec![[0.0; LANES]; scheme.states];
+        at_rest[0] = [wall.map_or(0.0, |b| b.offset()); LANES];
+        let velocity = scheme.pairs.iter().find(|&&(i, _)| i == 0);
+        let diffusion = velocity.map_or(0.0, |&(_, v)| scheme.power(v, &at_rest, &mut scheme.scratch())[0][0]);
+        Course::new(scheme.pairs.to_vec(), wall, levels, diffusion, scheme.step)
     }
 
     /// The same course, on which the crossings of `levels` and the `speeds` of impacts are counted.
@@ -95,100 +105,84 @@ impl Course {
 
     /// Whether a lane meets the wall within the time `tau`, or may need shorter steps after half of it.
     #[inline(always)]
-    pub(super) fn near<const N: usize, const L: usize>(&self, x: &[[f64; L]; N], tau: f64) -> [bool; L] {
+    pub(super) fn near(&self, x: &[Lane], tau: f64) -> [bool; LANES] {
         // A loop and no closure, so that it is compiled for the widest registers, together with the caller's.
-        let v = x[self.velocity()];
-        let mut near = [false; L];
-        for l in 0..L {
-            let u = x[0][l] - self.floor;
+        let (y, v) = (x[0], x[self.velocity()]);
+        let mut near = [false; LANES];
+        for l in 0..LANES {
+            let u = y[l] - self.floor;
             near[l] = (u + tau * v[l] < 0.0) | self.grazing.concerns(u + tau / 2.0 * v[l], v[l]);
         }
         near
     }
 
-    /// The length of the step that a state needs: the whole one, or a shorter one where it grazes the wall.
+    /// The length of the step that the state of a lane needs: the whole one, or a shorter one where it grazes the wall.
     #[inline]
-    pub(super) fn step_at<const N: usize>(&self, x: &[f64; N]) -> Option<f64> {
-        self.grazing.step_at(x[0] - self.floor, x[self.velocity()])
+    pub(super) fn step_at(&self, x: &[Lane], l: usize) -> Option<f64> {
+        self.grazing.step_at(x[0][l] - self.floor, x[self.velocity()][l])
     }
 
     /// Every displacement straight on for the time `tau`, its velocity frozen. Lanes of `except` count nothing and may be
-    /// left anywhere; `first` is the number of the first lane.
+    /// left anywhere.
     ///
     /// The path is a straight line, so that the time of contact with the wall is exact. After the rebound the velocity
     /// points away from the wall and nothing turns it within the straight piece: there is at most one contact in it. An
     /// infinite sequence of ever shorter rebounds is thereby cut at one contact per step; rebounds lower than about
     /// (force × h²) are not resolved, and the next kick ends them.
     #[inline(always)]
-    pub(super) fn drift<const N: usize, const L: usize>(
-        &self,
-        x: &mut [[f64; L]; N],
-        tau: f64,
-        except: &[bool; L],
-        first: usize,
-        passages: &mut Passages,
-    ) {
+    pub(super) fn drift(&self, x: &mut [Lane], tau: f64, except: &[bool; LANES], passages: &mut Passages) {
         let before = x[0];
         for &(i, j) in &self.pairs {
-            for l in 0..L {
-                x[i][l] += tau * x[j][l];
+            let v = x[j];
+            for l in 0..LANES {
+                x[i][l] += tau * v[l];
             }
         }
         let mut contact = false;
-        for l in 0..L {
-            contact |= x[0][l] < self.floor;
+        for y in x[0] {
+            contact |= y < self.floor;
         }
         if contact || !self.levels.is_empty() {
-            self.pass(x, before, tau, except, first, passages);
+            self.pass(x, &before, tau, except, passages);
         }
     }
 
-    /// The same for the state of one lane.
-    pub(super) fn drifted<const N: usize>(
-        &self,
-        x: [f64; N],
-        tau: f64,
-        lane: usize,
-        passages: &mut Passages,
-    ) -> [f64; N] {
-        let mut x = x.map(|value| [value]);
-        self.drift(&mut x, tau, &[false], lane, passages);
-        x.map(|[value]| value)
+    /// The same for one lane.
+    pub(super) fn drift_lane(&self, x: &mut [Lane], l: usize, tau: f64, passages: &mut Passages) {
+        let before = x[0][l];
+        for &(i, j) in &self.pairs {
+            x[i][l] += tau * x[j][l];
+        }
+        self.pass_lane(x, l, before, tau, passages);
     }
 
-    /// Impacts and level crossings of the straight piece that took state 0 from `before` to where it is now.
     #[inline(never)]
-    fn pass<const N: usize, const L: usize>(
-        &self,
-        x: &mut [[f64; L]; N],
-        mut before: [f64; L],
-        tau: f64,
-        except: &[bool; L],
-        first: usize,
-        passages: &mut Passages,
-    ) {
+    fn pass(&self, x: &mut [Lane], before: &Lane, tau: f64, except: &[bool; LANES], passages: &mut Passages) {
+        for l in (0..LANES).filter(|&l| !except[l]) {
+            self.pass_lane(x, l, before[l], tau, passages);
+        }
+    }
+
+    /// Impacts and level crossings of the straight piece that took state 0 of a lane from `before` to where it is now.
+    fn pass_lane(&self, x: &mut [Lane], l: usize, mut before: f64, tau: f64, passages: &mut Passages) {
         let velocity = self.velocity();
-        for l in 0..L {
-            if !except[l] && x[0][l] < self.floor {
-                let approach = -x[velocity][l];
-                add_powers(&mut passages.impacts, approach);
-                if let Some(axis) = self.speeds {
-                    passages.speeds.add(&[axis], [approach]);
-                }
-                // Rounding may put the contact a hair after the end of the piece.
-                let rest = (tau - (before[l] - self.floor) / approach).max(0.0);
-                x[velocity][l] = self.restitution * approach;
-                x[0][l] = self.floor + x[velocity][l] * rest;
-                before[l] = self.floor;
+        if x[0][l] < self.floor {
+            let approach = -x[velocity][l];
+            add_powers(&mut passages.impacts, approach);
+            if let Some(axis) = self.speeds {
+                passages.speeds.add(&[axis], &[approach]);
             }
+            // Rounding may put the contact a hair after the end of the piece.
+            let rest = (tau - (before - self.floor) / approach).max(0.0);
+            x[velocity][l] = self.restitution * approach;
+            x[0][l] = self.floor + x[velocity][l] * rest;
+            before = self.floor;
         }
         let Passages { crossings, crossed, .. } = passages;
         for ((level, sums), crossed) in self.levels.iter().zip(crossings).zip(crossed) {
-            for l in 0..L {
-                if !except[l] && before[l] < *level && x[0][l] >= *level {
-                    add_powers(sums, x[velocity][l]);
-                    *crossed |= 1 << (first + l);
-                }
+            if before < *level && x[0][l] >= *level {
+                add_powers(sums, x[velocity][l]);
+                *crossed |= 1 << l;
             }
         }
     }
@@ -204,18 +198,24 @@ fn add_powers(sums: &mut [f64; POWERS], speed: f64) {
 mod tests {
     use super::*;
 
-    fn course(levels: Vec<f64>) -> Result<Course, crate::Error> {
-        Ok(Course::new(vec![(0, 1)], Some(Barrier::new(0.5, 0.5)?), levels, 0.2, 0.1))
+    fn course(levels: Vec<f64>) -> Result<Course> {
+        Ok(Course::new(vec![(0, 1)], Some(Wall::above(0.5, 0.5)?), levels, 0.2, 0.1))
+    }
+
+    /// Every other lane in one of two states.
+    fn lanes([y, v]: [[f64; 2]; 2]) -> [Lane; 2] {
+        [y, v].map(|pair| std::array::from_fn(|l| pair[l % 2]))
     }
 
     /// From y = 0.75 at v = −1 the wall at 0.5 is reached after 0.25; the other 0.75 s go back at 0.5. All numbers are
     /// exact in binary.
     #[test]
-    fn an_impact_is_exact() -> Result<(), crate::Error> {
+    fn an_impact_is_exact() -> Result<()> {
         let mut passages = Passages::new(2);
-        let mut x = [[0.75, 1.0], [-1.0, -0.25]];
-        course(vec![0.625, 2.0])?.drift(&mut x, 1.0, &[false; 2], 0, &mut passages);
-        assert_eq!(x, [[0.875, 0.75], [0.5, -0.25]]);
+        let mut x = lanes([[0.75, 1.0], [-1.0, -0.25]]);
+        let except = std::array::from_fn(|l| l >= 2);
+        course(vec![0.625, 2.0])?.drift(&mut x, 1.0, &except, &mut passages);
+        assert_eq!([&x[0][..2], &x[1][..2]], [[0.875, 0.75], [0.5, -0.25]]);
         assert_eq!(passages.impacts, [1.0, 1.0, 1.0]);
         assert_eq!(passages.crossings, [[1.0, 0.5, 0.25], [0.0; 3]]);
         assert_eq!(passages.crossed, [1, 0]);
@@ -224,16 +224,16 @@ mod tests {
 
     /// Whatever the state, the wall holds, and a non-finite state ends the piece as well.
     #[test]
-    fn no_state_is_below_the_wall() -> Result<(), crate::Error> {
+    fn no_state_is_below_the_wall() -> Result<()> {
         let mut passages = Passages::new(0);
         for k in 0..1000 {
             let v = -1.3_f64.powi(k - 500);
-            let mut x = [[0.5, 0.5 + f64::EPSILON], [v, v]];
-            course(vec![])?.drift(&mut x, 0.1, &[false; 2], 0, &mut passages);
+            let mut x = lanes([[0.5, 0.5 + f64::EPSILON], [v, v]]);
+            course(vec![])?.drift(&mut x, 0.1, &[false; LANES], &mut passages);
             assert!(x[0].iter().all(|&y| y >= 0.5));
         }
-        let mut x = [[0.5, f64::NAN], [f64::NEG_INFINITY, f64::NAN]];
-        course(vec![])?.drift(&mut x, 0.1, &[false; 2], 0, &mut passages);
+        let mut x = lanes([[0.5, f64::NAN], [f64::NEG_INFINITY, f64::NAN]]);
+        course(vec![])?.drift(&mut x, 0.1, &[false; LANES], &mut passages);
         Ok(())
     }
 }

@@ -1,5 +1,5 @@
-use super::store::{Reader, Stored};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
+use serde::{Serialize, de::DeserializeOwned};
 
 /// The processes that share the trajectories of one simulation.
 pub(super) trait Peers {
@@ -36,14 +36,29 @@ pub(super) fn share(peers: &impl Peers, mine: Result<Vec<u8>>) -> Result<Vec<Vec
     if peers.count() == 1 {
         return Ok(vec![mine?]);
     }
-    let word = (mine.as_ref().err().map(Error::to_string), mine.as_ref().cloned().unwrap_or_default());
-    let words = peers.exchange(word.bytes())?;
+    let reason = mine.as_ref().err().map(Error::to_string);
+    let words = exchanged::<(Option<String>, Vec<u8>)>(peers, &(reason, mine.as_ref().cloned().unwrap_or_default()))?;
     mine?;
-    let read = |(rank, bytes): (usize, Vec<u8>)| match Reader(&bytes).whole::<(Option<String>, Vec<u8>)>() {
-        Some((None, word)) => Ok(word),
-        Some((Some(reason), _)) => Err(Error::Rank { rank, reason }),
-        None => Err(Error::Rank { rank, reason: String::from("its message cannot be read") }),
+    let read = |(rank, (reason, word))| match reason {
+        None => Ok(word),
+        Some(reason) => Err(Error::Rank { rank, reason }),
     };
+    words.into_iter().enumerate().map(read).collect()
+}
+
+/// The lists of all processes, one behind another.
+pub(super) fn gather<T: Serialize + DeserializeOwned>(peers: &impl Peers, mine: Vec<T>) -> Result<Vec<T>> {
+    if peers.count() == 1 {
+        return Ok(mine);
+    }
+    Ok(exchanged::<Vec<T>>(peers, &mine)?.into_iter().flatten().collect())
+}
+
+/// The values of all processes.
+fn exchanged<T: Serialize + DeserializeOwned>(peers: &impl Peers, mine: &T) -> Result<Vec<T>> {
+    let failed = |rank: usize| move |error: postcard::Error| Error::Rank { rank, reason: error.to_string() };
+    let words = peers.exchange(postcard::to_stdvec(mine).map_err(failed(peers.rank()))?)?;
+    let read = |(rank, word): (usize, Vec<u8>)| postcard::from_bytes(&word).map_err(failed(rank));
     words.into_iter().enumerate().map(read).collect()
 }
 
@@ -59,7 +74,7 @@ pub(super) fn agree(peers: &impl Peers, outcome: Result<()>, flags: [bool; 2]) -
 mod tests {
     use super::*;
     use crate::{
-        Barrier, Density, Estimate, Progress, SimulatedDensity, Simulation, Stopped, Tolerance,
+        Density, Estimate, Problem, Progress, Provenance, SimulatedDensity, Simulation, Stopped, Tolerance, Wall,
         models::{Duffing, Linear},
     };
     use std::{
@@ -107,54 +122,55 @@ mod tests {
         })
     }
 
-    fn simulation(oscillator: &Duffing) -> Result<Simulation<'_, Duffing, 2, 1>> {
-        let simulation = Simulation::new(oscillator).barrier(Barrier::new(0.2, 0.9)?).trajectories(1024);
-        Ok(simulation.samples(1024 * 24).burn_in(5.0).sampling_interval(2.0))
+    fn problem() -> Result<Problem> {
+        Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.with_wall(Wall::above(0.2, 0.9)?)
     }
 
-    fn numbers(result: &SimulatedDensity<2>) -> ([Estimate; 3], usize, u64, Stopped) {
-        let made = result.provenance();
-        let estimates =
-            [result.moment([2, 0]), result.moment([0, 4]), result.impact_rate().unwrap_or(Estimate::exact(0.0))];
-        (estimates, made.samples, made.path_steps, made.stopped)
+    fn simulation<'a>() -> Simulation<'a> {
+        Simulation::new().trajectories(1024).samples(1024 * 24).burn_in(5.0).sampling_interval(2.0)
+    }
+
+    fn numbers(result: &SimulatedDensity) -> Result<([Estimate; 3], Provenance)> {
+        let made = Provenance { seconds: 0.0, ..result.provenance().clone() };
+        let rate = result.impact_rate().unwrap_or(Estimate::exact(0.0));
+        Ok(([result.moment(&[2, 0])?, result.moment(&[0, 4])?, rate], made))
     }
 
     #[test]
     fn any_number_of_processes_finds_the_same_on_each() -> Result<()> {
-        let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-        let precise =
-            || Ok::<_, Error>(simulation(&oscillator)?.until(Tolerance::Relative(0.02), |f| Ok(f.moment([2, 0]))));
-        let (single, single_precise) = (simulation(&oscillator)?.run()?, precise()?.run()?);
-        assert_eq!(single_precise.provenance().stopped, Stopped::Precision);
+        let problem = problem()?;
+        let precise = || simulation().until(Tolerance::Relative(0.02), |f| f.moment(&[2, 0]));
+        let (single, single_precise) = (simulation().run(&problem)?, precise().run(&problem)?);
+        assert_eq!(single_precise.provenance().stopped, Some(Stopped::Precision));
         // 65 processes: one of them has no batch.
         for count in [2, 4, 65] {
-            for result in among(count, |peers| simulation(&oscillator)?.run_among(peers)) {
-                assert_eq!(numbers(&result?), numbers(&single), "{count} processes");
+            for result in among(count, |peers| simulation().run_among(&problem, peers)) {
+                assert_eq!(numbers(&result?)?, numbers(&single)?, "{count} processes");
             }
         }
-        for result in among(3, |peers| precise()?.run_among(peers)) {
-            assert_eq!(numbers(&result?), numbers(&single_precise));
+        for result in among(3, |peers| precise().run_among(&problem, peers)) {
+            assert_eq!(numbers(&result?)?, numbers(&single_precise)?);
         }
         Ok(())
     }
 
     #[test]
     fn a_run_goes_on_with_another_number_of_processes() -> Result<()> {
-        let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+        let problem = problem()?;
         let file = std::env::temp_dir().join(format!("expoly-peers-{}", std::process::id()));
-        let run = || Ok::<_, Error>(simulation(&oscillator)?.checkpoint(&file, Duration::from_secs(60)));
-        let single = simulation(&oscillator)?.run()?;
+        let run = || simulation().checkpoint(&file, Duration::from_secs(60));
+        let single = simulation().run(&problem)?;
         for count in [3, 1] {
             // Out of time after one round, the second one with samples.
-            let sessions = among(count, |peers| run()?.time_budget(Duration::ZERO).run_among(peers));
-            let unfinished = |outcome: &Result<SimulatedDensity<2>>| match outcome {
-                Ok(result) => result.provenance().stopped == Stopped::TimeBudget,
+            let sessions = among(count, |peers| run().time_budget(Duration::ZERO).run_among(&problem, peers));
+            let unfinished = |outcome: &Result<SimulatedDensity>| match outcome {
+                Ok(result) => result.provenance().stopped == Some(Stopped::TimeBudget),
                 Err(error) => matches!(error, Error::OutOfTime { .. }),
             };
             assert!(sessions.iter().all(unfinished), "{count} processes");
         }
-        for result in among(4, |peers| run()?.run_among(peers)) {
-            assert_eq!(numbers(&result?), numbers(&single));
+        for result in among(4, |peers| run().run_among(&problem, peers)) {
+            assert_eq!(numbers(&result?)?, numbers(&single)?);
         }
         let _ = std::fs::remove_file(&file);
         Ok(())
@@ -162,13 +178,13 @@ mod tests {
 
     #[test]
     fn what_fails_in_one_process_ends_all() -> Result<()> {
-        let growing = Linear::new(-1.0, 1.0, 0.2)?;
-        let outcomes = among(4, |peers| Simulation::new(&growing).burn_in(1.0).run_among(peers));
+        let growing = Problem::of(Linear::new(-1.0, 1.0, 0.2)?)?;
+        let outcomes = among(4, |peers| Simulation::new().burn_in(1.0).run_among(&growing, peers));
         assert!(outcomes.iter().any(|o| matches!(o, Err(Error::Exploded { .. }))));
         assert!(outcomes.iter().all(|o| matches!(o, Err(Error::Exploded { .. } | Error::Rank { .. }))));
         let nowhere = std::env::temp_dir().join("no-such-folder").join("state");
-        let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-        let outcomes = among(2, |p| simulation(&oscillator)?.checkpoint(&nowhere, Duration::ZERO).run_among(p));
+        let problem = problem()?;
+        let outcomes = among(2, |p| simulation().checkpoint(&nowhere, Duration::ZERO).run_among(&problem, p));
         assert!(
             matches!(&outcomes[0], Err(Error::File { .. })) && matches!(&outcomes[1], Err(Error::Rank { rank: 0, .. }))
         );
@@ -177,13 +193,13 @@ mod tests {
 
     #[test]
     fn with_one_process_all_are_cancelled() -> Result<()> {
-        let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+        let problem = problem()?;
         // In the pilot, and after it, which takes 64 · 256 path-steps.
         for steps in [1, 100_000] {
             let outcomes = among(2, |peers| {
                 let most = if peers.rank == 1 { steps } else { u64::MAX };
                 let stop = move |p: Progress| if p.done >= most { Break(()) } else { Continue(()) };
-                simulation(&oscillator)?.progress(stop).run_among(peers)
+                simulation().progress(stop).run_among(&problem, peers)
             });
             assert!(outcomes.iter().all(|o| matches!(o, Err(Error::Cancelled { .. }))), "beyond {steps}");
         }

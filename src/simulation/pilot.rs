@@ -1,8 +1,10 @@
 use super::{
-    ensemble::{Ensemble, Trajectories, WIDTH},
+    batch::Trajectories,
+    ensemble::Ensemble,
+    start::Start,
     timetable::{BURN_IN_STRETCHES, Timetable},
 };
-use crate::{PolynomialDrift, Result};
+use crate::{error::Result, problem::LANES};
 
 /// The trajectories of the pilot.
 const TRAJECTORIES: u64 = 64;
@@ -16,46 +18,43 @@ const FIRST: u64 = 1 << 32;
 /// The pilot has streams of its own, so that it depends on the system, the options and the seed alone, and not on which of
 /// the sampled trajectories run here: every part of a simulation repeats it and finds the same.
 #[derive(Clone, Debug)]
-pub(super) struct Pilot<const N: usize> {
-    reach: [Reach; N],
+pub(super) struct Pilot {
+    reach: Vec<Reach>,
 }
 
-impl<const N: usize> Pilot<N> {
-    pub(super) const NONE: Self = Pilot { reach: [Reach::NONE; N] };
-
+impl Pilot {
     /// The path-steps that the pilot takes.
     pub(super) fn path_steps(timetable: &Timetable) -> u64 {
         TRAJECTORIES * timetable.steps(BURN_IN_STRETCHES) as u64
     }
 
     /// Runs the pilot through the burn-in and looks at its states in the second half.
-    pub(super) fn run<T: PolynomialDrift<N, M> + Sync, const M: usize>(
-        ensemble: &Ensemble<'_, T, N, M>,
-        seed: u64,
-        start: impl Fn([f64; N]) -> [f64; N],
-    ) -> Result<Self> {
-        let firsts = (FIRST..FIRST + TRAJECTORIES).step_by(WIDTH);
-        ensemble.pilot(firsts.map(|first| Trajectories::new(first..first + WIDTH as u64, seed, &start)).collect())
-    }
-
-    /// Looks at one state.
-    pub(super) fn look_at(&mut self, x: [f64; N]) {
-        self.reach = std::array::from_fn(|i| self.reach[i].joined(Reach::of(x[i])));
-    }
-
-    /// What two groups of the pilot's trajectories have seen.
-    pub(super) fn joined(self, other: Self) -> Self {
-        Pilot { reach: std::array::from_fn(|i| self.reach[i].joined(other.reach[i])) }
+    pub(super) fn run(ensemble: &Ensemble<'_>, seed: u64, start: &Start) -> Result<Self> {
+        let nothing = vec![Reach::NONE; start.states()];
+        let firsts = (FIRST..FIRST + TRAJECTORIES).step_by(LANES);
+        let mut groups: Vec<_> =
+            firsts.map(|first| Trajectories::new(first..first + LANES as u64, seed, start)).collect();
+        let seen = ensemble.on_all(&mut groups, |place, group| {
+            let mut reach = nothing.clone();
+            ensemble.through(place, group, BURN_IN_STRETCHES, &[], |stretch, x| {
+                if 2 * stretch >= BURN_IN_STRETCHES {
+                    reach.iter_mut().zip(x).for_each(|(reach, &x)| *reach = reach.joined(Reach::of(x)));
+                }
+            })?;
+            Ok(reach)
+        })?;
+        let join = |all: Vec<Reach>, more: Vec<Reach>| all.iter().zip(more).map(|(r, more)| r.joined(more)).collect();
+        Ok(Pilot { reach: seen.into_iter().fold(nothing, join) })
     }
 
     /// For each state an interval that its samples will hardly leave.
-    pub(super) fn intervals(&self) -> [(f64, f64); N] {
-        self.reach.map(|r| r.interval())
+    pub(super) fn intervals(&self) -> Vec<(f64, f64)> {
+        self.reach.iter().map(Reach::interval).collect()
     }
 
     /// The moduli beyond which a trajectory has exploded: a million times larger than any that the pilot met.
-    pub(super) fn bounds(&self) -> [f64; N] {
-        self.reach.map(|r| 1e6 * r.largest())
+    pub(super) fn bounds(&self) -> Vec<f64> {
+        self.reach.iter().map(|r| 1e6 * r.largest()).collect()
     }
 }
 

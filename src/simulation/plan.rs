@@ -1,77 +1,81 @@
 use super::{
-    histogram::Axis,
+    histogram::{Axis, Counts},
+    passage::Passages,
     pilot::Pilot,
     statistics::{Questions, Watch},
-    store::{Reader, Stored, stored},
     tally::Layout,
     timetable::{BURN_IN_STRETCHES, Timetable},
 };
-use crate::{Arena, Barrier, Error, FokkerPlanck, Polynomial, PolynomialDrift, Result, Symbol};
+use crate::error::{Error, Result, positive};
+use crate::polynomial::Polynomial;
+use crate::problem::{Problem, Wall};
+use serde::{Deserialize, Serialize};
+
+/// A simulation holds all trajectories and all bins of every batch at once: at most about a third of a gigabyte each.
+pub(super) const MOST_TRAJECTORIES: usize = 1 << 20;
+pub(super) const MOST_BINS: usize = 1024;
 
 /// All that decides which numbers a simulation of given length finds: two runs of one plan are one run.
-#[derive(Clone, Debug)]
-pub(super) struct Plan<const N: usize> {
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct Plan {
     /// The system's equations, term by term.
     pub(super) equations: Vec<String>,
+    /// The wall that state 0 hits.
+    pub(super) wall: Option<Wall>,
     pub(super) seed: u64,
     pub(super) trajectories: usize,
     pub(super) time_step: f64,
     /// The rate ω that the time step was chosen by.
     pub(super) rate: Option<f64>,
     pub(super) timetable: Timetable,
-    pub(super) start: Option<[f64; N]>,
-    pub(super) barrier: Option<Barrier>,
+    pub(super) start: Option<Vec<f64>>,
     pub(super) levels: Vec<f64>,
     /// The velocity of state 0.
     pub(super) velocity: Option<usize>,
-    pub(super) axes: [Axis; N],
+    pub(super) axes: Vec<Axis>,
     pub(super) plane: Option<[Axis; 2]>,
-    pub(super) questions: Questions<N>,
-}
-stored!(Plan[N] {
-    equations, seed, trajectories, time_step, rate, timetable, start, barrier, levels, velocity, axes, plane, questions
-});
-
-impl Stored for Barrier {
-    fn write(&self, out: &mut Vec<u8>) {
-        [self.offset(), self.restitution()].write(out);
-    }
-    fn read(input: &mut Reader<'_>) -> Option<Self> {
-        let [offset, restitution] = Stored::read(input)?;
-        Barrier::new(offset, restitution).ok()
-    }
+    pub(super) questions: Questions,
 }
 
-/// The equations of a system as text, every coefficient with all its digits.
-pub(super) fn equations<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(
-    system: &T,
-    operator: &FokkerPlanck<N>,
-) -> Vec<String> {
-    let arena = Arena::new();
-    let noise = system.noise(arena.variables()).map(|row| row.map(Symbol::polynomial));
-    let text = |p: &Polynomial<N>| p.terms().map(|(m, c)| format!("{c:?} x^{:?}", m.0)).collect::<Vec<_>>().join(" + ");
-    let rows = operator.drift().iter().zip(&noise).enumerate();
-    rows.map(|(i, (drift, noise))| {
-        let noise: String = noise.iter().enumerate().map(|(k, g)| format!(" + ({}) dW{}", text(g), k + 1)).collect();
+/// The Itô equations of a problem as text, every coefficient with all its digits.
+pub(super) fn equations(problem: &Problem) -> Vec<String> {
+    let text = |p: &Polynomial| p.terms().map(|(m, c)| format!("{c:?} x^{m:?}")).collect::<Vec<_>>().join(" + ");
+    let rows = problem.operator().drift().iter().enumerate();
+    rows.map(|(i, drift)| {
+        let columns = problem.noise().iter().enumerate();
+        let noise: String = columns.map(|(k, column)| format!(" + ({}) dW{}", text(&column[i]), k + 1)).collect();
         format!("dx{} = ({}) dt{noise}", i + 1, text(drift))
     })
     .collect()
 }
 
-impl<const N: usize> Plan<N> {
-    pub(super) fn layout(&self) -> Layout<N> {
-        let interval = self.timetable.interval_steps as f64 * self.time_step;
+/// Whether two levels are one, however each was computed.
+pub(super) fn same_level(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * (a.abs() + b.abs() + 1e-300)
+}
+
+impl Plan {
+    pub(super) fn layout(&self) -> Layout {
         let ends = [self.axes[0].edge(0), self.axes[0].edge(self.axes[0].bins())];
-        let floor = self.barrier.map_or(f64::NEG_INFINITY, |wall| wall.offset());
-        let watch = Watch::new(&self.questions, interval, (&self.levels, self.velocity), ends, floor);
-        Layout::new(self.axes, self.plane, &self.questions.moments, watch)
+        let watch = Watch::new(&self.questions, self.interval(), (&self.levels, self.velocity), ends, self.wall_at());
+        Layout::new(self.axes.clone(), self.plane, &self.questions.moments, watch)
     }
 
     /// The bins of the speeds at impacts, as many and as far as those of the velocity; none without a wall.
     pub(super) fn impact_speeds(&self) -> Option<Axis> {
-        let velocity = self.velocity.filter(|_| self.barrier.is_some())?;
+        let velocity = self.velocity.filter(|_| self.wall.is_some())?;
         let axis = self.axes[velocity];
         Axis::new(0.0, axis.edge(0).abs().max(axis.edge(axis.bins()).abs()), axis.bins()).ok()
+    }
+
+    /// The time between two samples.
+    fn interval(&self) -> f64 {
+        self.timetable.interval_steps as f64 * self.time_step
+    }
+
+    /// The wall's position, or −∞.
+    fn wall_at(&self) -> f64 {
+        self.wall.map_or(f64::NEG_INFINITY, |wall| wall.offset())
     }
 
     /// The path-steps of the pilot and of `trajectories` trajectories with so many samples each.
@@ -80,7 +84,7 @@ impl<const N: usize> Plan<N> {
     }
 
     pub(super) fn pilot_steps(&self) -> u64 {
-        Pilot::<N>::path_steps(&self.timetable)
+        Pilot::path_steps(&self.timetable)
     }
 
     /// Refuses another plan. Merging allows another seed.
@@ -93,10 +97,11 @@ impl<const N: usize> Plan<N> {
         Ok(())
     }
 
-    fn traits(&self) -> [(&'static str, String); 13] {
+    fn traits(&self) -> [(&'static str, String); 14] {
         [
+            ("number of states", self.equations.len().to_string()),
             ("system", self.equations.join(", ")),
-            ("wall", format!("{:?}", self.barrier)),
+            ("wall", format!("{:?}", self.wall)),
             ("seed", self.seed.to_string()),
             ("number of trajectories", self.trajectories.to_string()),
             ("time step", format!("{:?}", self.time_step)),
@@ -109,5 +114,28 @@ impl<const N: usize> Plan<N> {
             ("velocity", format!("{:?}", self.velocity)),
             ("list of further statistics", format!("{:?}", self.questions)),
         ]
+    }
+
+    /// Whether a plan that was read can be one, so that what is made of it has a meaning and fits into memory.
+    pub(super) fn holds(&self) -> bool {
+        let states = self.equations.len();
+        let axes = || self.axes.iter().chain(self.plane.iter().flatten());
+        (2..=MOST_TRAJECTORIES).contains(&self.trajectories)
+            && positive("time step", self.time_step, "").is_ok()
+            && self.timetable.holds(self.trajectories, 0)
+            && states > 0
+            && self.axes.len() == states
+            && self.plane.is_some() == (states > 1)
+            && axes().all(|axis| axis.holds(MOST_BINS))
+            && self.velocity.is_none_or(|velocity| velocity < states)
+            && self.wall.is_none_or(|wall| wall.checked().is_ok() && wall.state() == 0 && self.velocity.is_some())
+            && self.start.as_ref().is_none_or(|start| start.len() == states)
+            && self.questions.validate(states, self.trajectories, self.interval(), self.wall_at()).is_ok()
+    }
+
+    /// Passages before the first one, as every batch of the plan begins with.
+    pub(super) fn passages(&self) -> Passages {
+        let speeds = self.impact_speeds().map(|axis| Counts::new(&[axis])).unwrap_or_default();
+        Passages { speeds, ..Passages::new(self.levels.len()) }
     }
 }

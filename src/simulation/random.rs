@@ -1,4 +1,5 @@
 use super::normal::pair;
+use serde::{Deserialize, Serialize};
 
 /// Where the random numbers of a seed come from: Philox4x32-10, a bijection of 128-bit counters under a 64-bit key
 /// (J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, 2011, doi:10.1145/2063384.2063405).
@@ -6,7 +7,7 @@ use super::normal::pair;
 /// The key is the seed. The counter says which number is meant: a number's place in its sequence (64 bits), the purpose
 /// (24 bits) and the stream, one for each trajectory (40 bits). So there is no state to keep: every number can be asked
 /// for at any time, in any order, in any number of lanes, and a trajectory that is resumed needs nothing but its place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct Random {
     seed: u64,
 }

@@ -1,15 +1,15 @@
 use super::{SimulatedDensity, Simulation, peers::Peers};
-use crate::{PolynomialDrift, Result};
+use crate::{error::Result, problem::Problem};
 use mpi::{Count, datatype::PartitionMut, traits::Communicator, traits::CommunicatorCollectives};
 
 /// The most bytes that all ranks together send at once: MPI counts them in 31 bits.
 const AT_ONCE: usize = 1 << 30;
 
-impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation<'_, T, N, M> {
+impl Simulation<'_> {
     /// Runs the simulation on all ranks of an MPI communicator, each with its share of the batches, and returns the result
     /// of the single run, bit for bit, on every rank. Needs the feature `mpi`.
     ///
-    /// All ranks must call it together, with the same system and options. A rank's threads never call MPI, so that
+    /// All ranks must call it together, with the same problem and options. A rank's threads never call MPI, so that
     /// `MPI_THREAD_FUNNELED` suffices. More than 64 ranks, one for each batch, are of no use. A checkpoint is one file,
     /// read and written by rank 0: a run may go on with any number of ranks. The progress callback tells of its own
     /// rank's share; what one rank decides, to cancel or that time is over, holds for all.
@@ -17,8 +17,8 @@ impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation
     /// # Errors
     /// As [`Simulation::run`], and [`Error::Rank`](crate::Error::Rank) on the ranks where nothing failed when another
     /// rank did.
-    pub fn run_on(self, ranks: &impl Communicator) -> Result<SimulatedDensity<N>> {
-        self.run_among(&Ranks(ranks))
+    pub fn run_on(self, ranks: &impl Communicator, problem: &Problem) -> Result<SimulatedDensity> {
+        self.run_among(problem, &Ranks(ranks))
     }
 }
 

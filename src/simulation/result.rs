@@ -1,63 +1,16 @@
 use super::{
-    ensemble::deal,
+    batch::deal,
     histogram::Histogram,
     jackknife::{controlled, jackknife},
     passage::POWERS,
-    plan::Plan,
-    store::{Reader, Stored},
+    plan::{Plan, same_level},
     tally::{Layout, Tally},
     timetable::BURN_IN_STRETCHES,
 };
-use crate::error::state_index;
-use crate::{Barrier, Estimate, Monomial, Result};
-
-/// What ended a simulation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stopped {
-    /// All samples that were asked for are there.
-    Samples,
-    /// Every estimate named in [`Simulation::until`](crate::Simulation::until) is as precise as asked.
-    Precision,
-    /// The time of [`Simulation::time_budget`](crate::Simulation::time_budget) was over.
-    TimeBudget,
-}
-
-impl Stored for Stopped {
-    fn write(&self, out: &mut Vec<u8>) {
-        (*self as u8).write(out);
-    }
-    fn read(input: &mut Reader<'_>) -> Option<Self> {
-        let code = u8::read(input)?;
-        [Stopped::Samples, Stopped::Precision, Stopped::TimeBudget].into_iter().find(|s| *s as u8 == code)
-    }
-}
-
-/// How a simulation was made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Provenance {
-    /// The seed; trajectory i owns stream i. The lowest one where runs with several seeds are merged.
-    pub seed: u64,
-    /// The number of independent runs, each with a seed of its own: 1 unless runs with several seeds are merged.
-    pub runs: usize,
-    /// The number of independent trajectories.
-    pub trajectories: usize,
-    /// The number of samples in all.
-    pub samples: usize,
-    /// The number of time steps of all trajectories together, burn-in and pilot included.
-    pub path_steps: u64,
-    /// The time step h.
-    pub time_step: f64,
-    /// The rate ω that the time step was chosen by, or none where the time step was given.
-    pub rate: Option<f64>,
-    /// The time before the first sample, as rounded.
-    pub burn_in: f64,
-    /// The time between two samples of a trajectory, as rounded.
-    pub sampling_interval: f64,
-    /// The wall-clock time in seconds; of a resumed run, all its sessions; of merged parts, their sum.
-    pub seconds: f64,
-    /// What ended it.
-    pub stopped: Stopped,
-}
+use crate::density::Sampled;
+use crate::error::{Error, Result, state_index};
+use crate::estimate::Estimate;
+use crate::provenance::{Provenance, Stopped};
 
 /// The stationary density as a simulation found it: every value with its standard error.
 ///
@@ -65,16 +18,12 @@ pub struct Provenance {
 /// well. They cover chance, and with [`Simulation::two_steps`](crate::Simulation::two_steps) the time step too, except in
 /// histograms.
 #[derive(Clone, Debug)]
-pub struct SimulatedDensity<const N: usize> {
-    pub(super) batches: Vec<Tally<N>>,
-    pub(super) plan: Plan<N>,
-    pub(super) layout: Layout<N>,
-    marginals: [Histogram<1>; N],
-    joint: Option<Histogram<2>>,
-    pub(super) barrier: Option<Barrier>,
-    pub(super) levels: Vec<f64>,
-    /// The velocity of state 0.
-    pub(super) velocity: Option<usize>,
+pub struct SimulatedDensity {
+    pub(super) batches: Vec<Tally>,
+    pub(super) plan: Plan,
+    pub(super) layout: Layout,
+    /// Of each state alone, and of states 0 and 1 together.
+    pub(super) histograms: Vec<Histogram>,
     /// The same with twice the time step and the same noise.
     pub(super) coarse: Option<Box<Self>>,
     /// Whether the power balance is a control variate.
@@ -82,40 +31,22 @@ pub struct SimulatedDensity<const N: usize> {
     provenance: Provenance,
 }
 
-impl<const N: usize> SimulatedDensity<N> {
-    pub(super) fn new(mut batches: Vec<Tally<N>>, plan: Plan<N>, seconds: f64, stopped: Stopped) -> Self {
+impl SimulatedDensity {
+    pub(super) fn new(mut batches: Vec<Tally>, plan: Plan, seconds: f64, stopped: Stopped) -> Self {
         let layout = plan.layout();
         let provenance = provenance(&batches, &plan, seconds, stopped);
-        let marginals = std::array::from_fn(|i| {
-            let counts = batches.iter_mut().map(|b| std::mem::take(&mut b.marginals[i])).collect();
-            Histogram::new([layout.axes[i]], counts)
-        });
-        let counts = batches.iter_mut().filter_map(|b| b.joint.take()).collect();
-        let joint = layout.plane.map(|plane| Histogram::new(plane, counts));
-        let (barrier, levels, velocity) = (plan.barrier, plan.levels.clone(), plan.velocity);
-        SimulatedDensity {
-            batches,
-            plan,
-            layout,
-            marginals,
-            joint,
-            barrier,
-            levels,
-            velocity,
-            coarse: None,
-            balanced: false,
-            provenance,
-        }
+        let histogram =
+            |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
+        let histograms = layout.histograms().enumerate().map(histogram).collect();
+        SimulatedDensity { batches, plan, layout, histograms, coarse: None, balanced: false, provenance }
     }
 
     /// The batches' tallies as they were before their counts went into the histograms.
-    pub(super) fn into_tallies(self) -> Vec<Tally<N>> {
-        let SimulatedDensity { mut batches, marginals, joint, .. } = self;
-        for (i, histogram) in marginals.into_iter().enumerate() {
-            batches.iter_mut().zip(histogram.into_batches()).for_each(|(b, counts)| b.marginals[i] = counts);
+    pub(super) fn into_tallies(self) -> Vec<Tally> {
+        let SimulatedDensity { mut batches, histograms, .. } = self;
+        for (k, histogram) in histograms.into_iter().enumerate() {
+            batches.iter_mut().zip(histogram.into_batches()).for_each(|(b, counts)| b.counts[k] = counts);
         }
-        let counts = joint.into_iter().flat_map(Histogram::into_batches);
-        batches.iter_mut().zip(counts).for_each(|(b, counts)| b.joint = Some(counts));
         batches
     }
 
@@ -128,12 +59,12 @@ impl<const N: usize> SimulatedDensity<N> {
     /// A function of sums over all batches, with both parts of its error.
     pub(super) fn estimate<const K: usize>(
         &self,
-        sums: impl Fn(&Tally<N>) -> [f64; K],
+        sums: impl Fn(&Tally) -> [f64; K],
         value: impl Fn([f64; K]) -> f64,
     ) -> Estimate {
         self.with_both_errors(|density| {
             if density.balanced {
-                controlled(&density.batches, (&sums, &value), (|b: &Tally<N>| density.power_sums(b), missing_power))
+                controlled(&density.batches, (&sums, &value), (|b: &Tally| density.power_sums(b), missing_power))
             } else {
                 jackknife(&density.batches, &sums, &value)
             }
@@ -152,7 +83,7 @@ impl<const N: usize> SimulatedDensity<N> {
 
     /// The share of the change from h to 2h that is counted as an error.
     pub(super) fn bias_share(&self) -> f64 {
-        if self.barrier.is_some_and(|wall| wall.restitution() < 1.0) { 1.0 } else { 3.0_f64.recip() }
+        if self.plan.wall.is_some_and(|wall| wall.restitution() < 1.0) { 1.0 } else { 3.0_f64.recip() }
     }
 
     /// Seed, counts, times.
@@ -164,13 +95,13 @@ impl<const N: usize> SimulatedDensity<N> {
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state; so for every statistic of one state.
-    pub fn histogram(&self, state: usize) -> Result<&Histogram<1>> {
-        Ok(&self.marginals[state_index::<N>("a state's index", state)?])
+    pub fn histogram(&self, state: usize) -> Result<&Histogram> {
+        Ok(&self.histograms[state_index("a state's index", state, self.layout.axes.len())?])
     }
 
     /// The joint histogram of states 0 and 1; none for a single state.
-    pub fn joint(&self) -> Option<&Histogram<2>> {
-        self.joint.as_ref()
+    pub fn joint(&self) -> Option<&Histogram> {
+        self.histograms.get(self.layout.axes.len())
     }
 
     /// The mean m of one state.
@@ -178,7 +109,7 @@ impl<const N: usize> SimulatedDensity<N> {
     /// # Errors
     /// As [`SimulatedDensity::histogram`].
     pub fn mean(&self, state: usize) -> Result<Estimate> {
-        self.of_state(state, |[m, ..]| m)
+        self.of_moments(state, &|raw| raw[1])
     }
 
     /// The skewness about the mean, E(x − m)³ / (Var x)^(3/2).
@@ -186,7 +117,7 @@ impl<const N: usize> SimulatedDensity<N> {
     /// # Errors
     /// As [`SimulatedDensity::histogram`].
     pub fn skewness(&self, state: usize) -> Result<Estimate> {
-        self.of_state(state, |raw| {
+        self.of_moments(state, &|raw| {
             let [variance, third, _] = central(raw);
             third / variance.powf(1.5)
         })
@@ -197,7 +128,7 @@ impl<const N: usize> SimulatedDensity<N> {
     /// # Errors
     /// As [`SimulatedDensity::histogram`].
     pub fn kurtosis(&self, state: usize) -> Result<Estimate> {
-        self.of_state(state, |raw| {
+        self.of_moments(state, &|raw| {
             let [variance, _, fourth] = central(raw);
             fourth / variance.powi(2)
         })
@@ -208,7 +139,7 @@ impl<const N: usize> SimulatedDensity<N> {
     /// # Errors
     /// As [`SimulatedDensity::histogram`].
     pub fn skewness_about_zero(&self, state: usize) -> Result<Estimate> {
-        self.of_state(state, |[_, m2, m3, _]| m3 / m2.powf(1.5))
+        self.of_moments(state, &|raw| raw[3] / raw[2].powf(1.5))
     }
 
     /// The kurtosis about zero, E x⁴ / (E x²)².
@@ -216,23 +147,17 @@ impl<const N: usize> SimulatedDensity<N> {
     /// # Errors
     /// As [`SimulatedDensity::histogram`].
     pub fn kurtosis_about_zero(&self, state: usize) -> Result<Estimate> {
-        self.of_state(state, |[_, m2, _, m4]| m4 / m2.powi(2))
+        self.of_moments(state, &|raw| raw[4] / raw[2].powi(2))
     }
 
     /// The number of impacts per unit time; none without a wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
-        self.barrier.map(|_| self.rate(1, |b| b.passages.impacts))
+        self.plan.wall.map(|_| self.rate(1, |b| b.passages.impacts))
     }
 
     /// The mean speed of approach at an impact; none without a wall.
     pub fn mean_impact_speed(&self) -> Option<Estimate> {
-        self.barrier.map(|_| self.mean_of_impact_speeds(1))
-    }
-
-    /// The mean of a power of the speed of approach, 1 or 2.
-    pub(crate) fn mean_of_impact_speeds(&self, power: usize) -> Estimate {
-        let sums = |b: &Tally<N>| [b.passages.impacts[0], b.passages.impacts[power]];
-        self.estimate(sums, |[count, speeds]| speeds / count)
+        Sampled::mean_impact_speed(self, 1)
     }
 
     /// What is missing in the power balance of the velocity v of state 0, relative to the power put in by noise:
@@ -242,13 +167,13 @@ impl<const N: usize> SimulatedDensity<N> {
     /// with the Itô drift f, the impact rate ν and the speed v₋ of approach. Zero for the true stationary density. None
     /// where state 0 is no displacement.
     pub fn energy_balance(&self) -> Option<Estimate> {
-        self.velocity?;
+        self.plan.velocity?;
         Some(self.with_both_errors(|d| jackknife(&d.batches, |b| d.power_sums(b), missing_power)))
     }
 
     /// What [`missing_power`] is made of.
-    fn power_sums(&self, b: &Tally<N>) -> [f64; 5] {
-        let loss = self.barrier.map_or(0.0, |wall| (1.0 - wall.restitution().powi(2)) / 2.0);
+    fn power_sums(&self, b: &Tally) -> [f64; 5] {
+        let loss = self.plan.wall.map_or(0.0, |wall| (1.0 - wall.restitution().powi(2)) / 2.0);
         [b.moments[0], b.power[0], b.power[1], loss * b.passages.impacts[2], b.time]
     }
 
@@ -261,69 +186,68 @@ impl<const N: usize> SimulatedDensity<N> {
     /// change. No change where state 0 is no displacement.
     #[must_use]
     pub fn balanced(mut self) -> Self {
-        self.balanced = self.velocity.is_some();
+        self.balanced = self.plan.velocity.is_some();
         self.coarse = self.coarse.map(|twin| Box::new(twin.balanced()));
         self
     }
 
     /// The drift of E x_i² from the first half of the samples to the second, in units of its standard error, for each
     /// state: beyond ±4 the burn-in was too short. Not a number where a half is empty.
-    pub fn stationarity(&self) -> [f64; N] {
-        std::array::from_fn(|i| {
-            let sums = |b: &Tally<N>| {
+    pub fn stationarity(&self) -> Vec<f64> {
+        let of_state = |i| {
+            let sums = |b: &Tally| {
                 let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
                 [n1, first, n2, second]
             };
             let change = jackknife(&self.batches, sums, |[n1, s1, n2, s2]| s2 / n2 - s1 / n1);
             change.value / change.error
-        })
-    }
-
-    /// A function of the raw moments 1 to 4 of one state.
-    pub(crate) fn of_state(&self, state: usize, value: impl Fn([f64; 4]) -> f64) -> Result<Estimate> {
-        let state = state_index::<N>("a state's index", state)?;
-        let power = |p: u32| self.tracked(std::array::from_fn(|i| if i == state { p } else { 0 }));
-        let places: [Option<usize>; 4] = std::array::from_fn(|k| power(k as u32 + 1));
-        let sums = |b: &Tally<N>| {
-            let raw = places.map(|place| place.map_or(f64::NAN, |k| b.moments[k]));
-            [b.moments[0], raw[0], raw[1], raw[2], raw[3]]
         };
-        Ok(self.estimate(sums, |[n, s1, s2, s3, s4]| value([s1 / n, s2 / n, s3 / n, s4 / n])))
+        (0..self.layout.axes.len()).map(of_state).collect()
     }
 
     /// The place of a monomial among the tracked ones.
-    pub(super) fn tracked(&self, powers: [u32; N]) -> Option<usize> {
-        self.layout.monomials.iter().position(|m| *m == Monomial(powers))
+    pub(super) fn tracked(&self, powers: &[u32]) -> Option<usize> {
+        self.layout.monomials.iter().position(|m| m == powers)
+    }
+
+    /// The place of a level among those whose up-crossings were counted.
+    pub(super) fn level(&self, level: f64) -> Result<usize> {
+        self.plan.levels.iter().position(|&counted| same_level(counted, level)).ok_or_else(|| Error::NotKnown {
+            what: format!("the crossings of the level {level}"),
+            remedy: "name it in `Simulation::levels` before the run",
+        })
     }
 
     /// A flux moment Σ|v|^(power − 1) per unit time. What was never met has the error of one passage at unit speed.
-    pub(super) fn rate(&self, power: usize, passages: impl Fn(&Tally<N>) -> [f64; POWERS]) -> Estimate {
-        let sums = |b: &Tally<N>| [passages(b)[power - 1], b.time];
+    pub(super) fn rate(&self, power: usize, passages: impl Fn(&Tally) -> [f64; POWERS]) -> Estimate {
+        let sums = |b: &Tally| [passages(b)[power - 1], b.time];
         let rate = self.estimate(sums, |[sum, time]| sum / time);
         let time: f64 = self.batches.iter().map(|b| b.time).sum();
         if rate.value == 0.0 { Estimate::new(0.0, time.recip()) } else { rate }
     }
 }
 
-fn provenance<const N: usize>(batches: &[Tally<N>], plan: &Plan<N>, seconds: f64, stopped: Stopped) -> Provenance {
+fn provenance(batches: &[Tally], plan: &Plan, seconds: f64, stopped: Stopped) -> Provenance {
     let ranges = deal(plan.trajectories);
-    let size = |b: &Tally<N>| ranges.get(b.origin.batch).map_or(0, |range| (range.end - range.start) as usize);
+    let size = |b: &Tally| ranges.get(b.origin.batch).map_or(0, |range| (range.end - range.start) as usize);
     let mut seeds: Vec<u64> = batches.iter().map(|b| b.origin.seed).collect();
     seeds.sort_unstable();
     seeds.dedup();
-    let own = |b: &Tally<N>| plan.path_steps(size(b), b.samples) - plan.pilot_steps();
+    let own = |b: &Tally| plan.path_steps(size(b), b.samples) - plan.pilot_steps();
     Provenance {
-        seed: seeds.first().copied().unwrap_or(plan.seed),
-        runs: seeds.len(),
-        trajectories: batches.iter().map(size).sum(),
-        samples: batches.iter().map(|b| size(b) * b.samples).sum(),
-        path_steps: plan.pilot_steps() * seeds.len() as u64 + batches.iter().map(own).sum::<u64>(),
-        time_step: plan.time_step,
+        method: String::from("simulation"),
+        seed: Some(seeds.first().copied().unwrap_or(plan.seed)),
+        runs: Some(seeds.len()),
+        trajectories: Some(batches.iter().map(size).sum()),
+        samples: Some(batches.iter().map(|b| size(b) * b.samples).sum()),
+        path_steps: Some(plan.pilot_steps() * seeds.len() as u64 + batches.iter().map(own).sum::<u64>()),
+        time_step: Some(plan.time_step),
         rate: plan.rate,
-        burn_in: plan.timetable.steps(BURN_IN_STRETCHES) as f64 * plan.time_step,
-        sampling_interval: plan.timetable.interval_steps as f64 * plan.time_step,
+        burn_in: Some(plan.timetable.steps(BURN_IN_STRETCHES) as f64 * plan.time_step),
+        sampling_interval: Some(plan.timetable.interval_steps as f64 * plan.time_step),
+        stopped: Some(stopped),
         seconds,
-        stopped,
+        ..Provenance::default()
     }
 }
 
@@ -332,8 +256,9 @@ fn missing_power([count, injected, drift, impacts, time]: [f64; 5]) -> f64 {
     1.0 - (drift / count + impacts / time) * count / injected
 }
 
-/// The central moments 2, 3, 4 from the raw moments 1 to 4.
-pub(crate) fn central([m, m2, m3, m4]: [f64; 4]) -> [f64; 3] {
+/// The central moments 2, 3, 4 from the raw moments 0 to 4.
+pub(super) fn central(raw: &[f64]) -> [f64; 3] {
+    let [m, m2, m3, m4] = [raw[1], raw[2], raw[3], raw[4]];
     let variance = m2 - m * m;
     let third = m3 - 3.0 * m * m2 + 2.0 * m.powi(3);
     let fourth = m4 - 4.0 * m * m3 + 6.0 * m * m * m2 - 3.0 * m.powi(4);

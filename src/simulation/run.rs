@@ -1,39 +1,35 @@
 use super::{
     Simulation,
+    batch::{Trajectories, deal},
     control::Control,
-    ensemble::{Ensemble, Trajectories, deal},
+    ensemble::Ensemble,
     histogram::Axis,
-    passage::Course,
+    passage::{Course, single_wall},
     peers::{Alone, Peers, agree},
     pilot::Pilot,
-    plan::{Plan, equations},
-    result::{Provenance, SimulatedDensity},
+    plan::{MOST_BINS, MOST_TRAJECTORIES, Plan, equations},
+    progress::{Meter, Progress},
+    result::SimulatedDensity,
     scheme::Scheme,
     session::{Limits, Session},
-    setup::{Meter, Progress},
-    time_step::{Pace, Terrain},
+    start::Start,
+    time_step::{StepChooser, TimeScale},
     timetable::{BURN_IN_STRETCHES, Timetable},
 };
-use crate::error::{finite, positive, state_index};
-use crate::{Error, FokkerPlanck, Monomial, PolynomialDrift, Result};
+use crate::error::{Error, Result, dimension, finite, positive, state_index};
+use crate::problem::{Problem, Wall};
+use crate::states::States;
 use std::{ops::Range, time::Instant};
-
-/// A simulation holds all trajectories and all bins of every batch at once: at most about a third of a gigabyte each.
-const MOST_TRAJECTORIES: usize = 1 << 20;
-const MOST_BINS: usize = 1024;
 
 /// The most levels whose crossings one simulation counts: each costs time in every step.
 const MOST_LEVELS: usize = 64;
 
-/// The noise of so many steps spreads the default start: enough to tell trajectories apart, too little to leave the rest.
-const SPREAD_STEPS: f64 = 4.0;
-
-impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation<'a, T, N, M> {
+impl<'a> Simulation<'a> {
     /// Runs the simulation.
     ///
     /// # Errors
-    /// - [`Error::NotFinite`], [`Error::NoNoise`]: the system is not one, as [`FokkerPlanck::new`] says.
-    /// - [`Error::NotADisplacement`]: a wall or a level for a state 0 that has no velocity.
+    /// - [`Error::NotServed`]: a wall that is not the only one, or that the motion of state 0 is not above.
+    /// - [`Error::NotADisplacement`]: a level for a state 0 that has no velocity.
     /// - [`Error::NoSamples`]: no samples, or fewer than two trajectories.
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning.
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
@@ -41,33 +37,32 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// - [`Error::OutOfTime`]: the time budget was over before the first sample.
     /// - [`Error::File`], [`Error::NotACheckpoint`], [`Error::OtherSimulation`]: a checkpoint that cannot be used.
     /// - Those of the statistics that [`Simulation::until`] looks at.
-    // Not inlined, so that a program may use what this crate has compiled of it.
-    #[inline(never)]
-    pub fn run(self) -> Result<SimulatedDensity<N>> {
-        self.run_among(&Alone)
+    pub fn run(self, problem: &Problem) -> Result<SimulatedDensity> {
+        self.run_among(problem, &Alone)
     }
 
     /// Runs the simulation, its batches shared with other processes.
-    pub(super) fn run_among(self, peers: &impl Peers) -> Result<SimulatedDensity<N>> {
+    pub(super) fn run_among(self, problem: &Problem, peers: &impl Peers) -> Result<SimulatedDensity> {
         if !self.two_steps {
-            return self.run_once(peers, false);
+            return self.run_once(problem, peers, false);
         }
         let mut coarse = self.twin();
-        let mut fine = self.run_once(peers, false)?;
-        let Provenance { time_step, samples, trajectories, .. } = *fine.provenance();
-        coarse.time_step = Some(2.0 * time_step);
-        coarse.samples = samples / trajectories * coarse.trajectories;
+        let mut fine = self.run_once(problem, peers, false)?;
+        let made = fine.provenance();
+        coarse.time_step = made.time_step.map(|h| 2.0 * h);
+        if let (Some(samples), Some(trajectories)) = (made.samples, made.trajectories) {
+            coarse.samples = samples / trajectories * coarse.trajectories;
+        }
         coarse.ranges =
             fine.layout.axes.iter().enumerate().map(|(i, axis)| (i, axis.edge(0), axis.edge(axis.bins()))).collect();
-        fine.coarse = Some(Box::new(coarse.run_once(peers, true)?));
+        fine.coarse = Some(Box::new(coarse.run_once(problem, peers, true)?));
         Ok(fine)
     }
 
     /// The options that decide the numbers found, without those that say when to stop.
     fn twin(&self) -> Self {
         Simulation {
-            system: self.system,
-            barrier: self.barrier,
+            amplitude: self.amplitude,
             trajectories: self.trajectories,
             samples: self.samples,
             two_steps: true,
@@ -75,38 +70,37 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             sampling_interval: self.sampling_interval,
             seed: self.seed,
             levels: self.levels.clone(),
-            start: self.start,
+            start: self.start.clone(),
             bins: self.bins,
             part: self.part,
             questions: self.questions.clone(),
-            ..Simulation::new(self.system.system)
+            ..Simulation::new()
         }
     }
 
     /// Runs the simulation, or its twin with the noise of two steps `merged` into one.
-    fn run_once(mut self, peers: &impl Peers, merged: bool) -> Result<SimulatedDensity<N>> {
+    fn run_once(mut self, problem: &Problem, peers: &impl Peers, merged: bool) -> Result<SimulatedDensity> {
         let begin = Instant::now();
-        let Prepared { operator, scheme, pace, velocity, timetable, samples } = self.prepared(merged)?;
+        let Prepared { wall, velocity, scheme, rate, timetable, samples, start } = self.prepared(problem, merged)?;
         let part = self.batches_of_part()?;
-        let course = Course::for_scheme(&scheme, self.barrier, Vec::new());
+        let course = Course::for_scheme(&scheme, wall, Vec::new());
         let ensemble = self.ensemble(&scheme, &course, velocity, timetable);
-        let start = self.starts(&operator, &scheme.pairs, scheme.step / if scheme.merged { 2.0 } else { 1.0 });
         let pilot = Pilot::run(&ensemble, self.seed, &start);
         // Every process runs the pilot, but only some may be cancelled in it, and the others must not wait for them.
         if agree(peers, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [false; 2])?[0] {
             return Err(Error::Cancelled { steps: ensemble.control.done() });
         }
         let pilot = pilot?;
-        let (axes, plane) = self.axes(pilot.intervals())?;
+        let (axes, plane) = self.axes(wall, pilot.intervals())?;
         let plan = Plan {
-            equations: equations(&self.system, &operator),
+            equations: equations(problem),
+            wall,
             seed: self.seed,
             trajectories: self.trajectories,
             time_step: scheme.step,
-            rate: pace.map(|pace| pace.rate),
+            rate,
             timetable,
             start: self.start,
-            barrier: self.barrier,
             levels: if velocity.is_some() { self.questions.with_levels(&self.levels) } else { Vec::new() },
             velocity,
             axes,
@@ -115,9 +109,8 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
         };
         // The pilot counts nothing; only the trajectories that are sampled do.
         let counted = course.clone().counting(plan.levels.clone(), plan.impact_speeds());
-        let ensemble = ensemble.on(&counted);
         let session = Session {
-            ensemble,
+            ensemble: ensemble.on(&counted),
             peers,
             layout: plan.layout(),
             plan,
@@ -128,7 +121,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             begin,
             seconds_before: 0.0,
         };
-        session.run(part, start)
+        session.run(part, &start)
     }
 
     /// Runs the simulation and returns the sampled states themselves: trajectory by trajectory, and each in order of
@@ -138,18 +131,16 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// As [`Simulation::run`].
     ///
     /// ```
-    /// use expoly::{Simulation, models::Duffing};
-    /// let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-    /// let states = Simulation::new(&oscillator).trajectories(64).samples(640).states()?;
+    /// use expoly::{Problem, Simulation, models::Duffing};
+    /// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+    /// let states = Simulation::new().trajectories(64).samples(640).states(&problem)?;
     /// assert_eq!(states.len(), 640);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    #[inline(never)]
-    pub fn states(mut self) -> Result<Vec<[f64; N]>> {
-        let Prepared { operator, scheme, velocity, timetable, samples, .. } = self.prepared(false)?;
-        let course = Course::for_scheme(&scheme, self.barrier, Vec::new());
+    pub fn states(mut self, problem: &Problem) -> Result<States> {
+        let Prepared { wall, velocity, scheme, timetable, samples, start, .. } = self.prepared(problem, false)?;
+        let course = Course::for_scheme(&scheme, wall, Vec::new());
         let ensemble = self.ensemble(&scheme, &course, velocity, timetable);
-        let start = self.starts(&operator, &scheme.pairs, scheme.step / if scheme.merged { 2.0 } else { 1.0 });
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
         let group = |range| Trajectories::new(range, self.seed, &start);
         let groups = deal(self.trajectories).into_iter().map(group).collect();
@@ -157,47 +148,54 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     }
 
     /// The scheme and the plan, after all options have been looked at.
-    fn prepared(&self, merged: bool) -> Result<Prepared<'a, T, N, M>> {
-        let operator = FokkerPlanck::new(&self.system)?;
-        if let Some(step) = self.time_step {
-            positive("time step", step, "it must be finite and above zero")?;
-        }
-        // The step does not matter yet.
-        let pairs = Scheme::new(self.system, &operator, 1.0).pairs;
-        let velocity = pairs.iter().find(|&&(i, _)| i == 0).map(|&(_, j)| j);
-        self.validate(velocity)?;
-        let pace = if self.time_step.is_some() { None } else { Some(self.pace(&operator, &pairs)?) };
-        let step = self.time_step.or(pace.map(|pace| pace.step)).unwrap_or(1.0);
-        let mut scheme = Scheme::new(self.system, &operator, step);
+    fn prepared<'p>(&self, problem: &'p Problem, merged: bool) -> Result<Prepared<'p>> {
+        let wall = single_wall(problem, "simulation")?;
+        let velocity = problem.velocity_of(0);
+        self.validate(problem.dimension(), wall, velocity)?;
+        let (step, rate) = match self.time_step {
+            Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
+            None => {
+                let TimeScale { rate, step } = self.time_scale(problem, wall)?;
+                (step, Some(rate))
+            }
+        };
+        let mut scheme = Scheme::new(problem, self.amplitude, step);
         scheme.merged = merged;
         let (timetable, samples) = self.timetable(step, merged)?;
-        let floor = self.barrier.map_or(f64::NEG_INFINITY, |wall| wall.offset());
-        self.questions.validate(self.trajectories, timetable.interval_steps as f64 * step, floor)?;
-        Ok(Prepared { operator, scheme, pace, velocity, timetable, samples })
+        let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
+        let interval = timetable.interval_steps as f64 * step;
+        self.questions.validate(problem.dimension(), self.trajectories, interval, floor)?;
+        let start = self.starts(problem, wall, step / if merged { 2.0 } else { 1.0 });
+        Ok(Prepared { wall, velocity, scheme, rate, timetable, samples, start })
     }
 
     /// The choice of a time step.
-    fn pace(&self, operator: &FokkerPlanck<N>, pairs: &[(usize, usize)]) -> Result<Pace> {
+    fn time_scale(&self, problem: &Problem, wall: Option<Wall>) -> Result<TimeScale> {
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
         let burn_in = if self.burn_in > 0.0 { self.burn_in / 640.0 } else { f64::INFINITY };
-        let terrain = Terrain {
-            system: self.system,
-            operator,
-            barrier: self.barrier,
+        let chooser = StepChooser {
+            problem,
+            amplitude: self.amplitude,
+            wall,
             seed: self.seed,
             time: self.burn_in.max(32.0 * self.sampling_interval),
             longest: (self.sampling_interval / 20.0).min(burn_in),
         };
-        terrain.pace(|step| self.starts(operator, pairs, step))
+        chooser.choose(|step| self.starts(problem, wall, step))
+    }
+
+    /// Where trajectories begin.
+    fn starts(&self, problem: &Problem, wall: Option<Wall>, step: f64) -> Start {
+        Start::new(problem, self.amplitude, wall, self.start.clone(), step)
     }
 
     fn ensemble<'b>(
         &mut self,
-        scheme: &'b Scheme<'b, T, N, M>,
+        scheme: &'b Scheme<'b>,
         course: &'b Course,
         velocity: Option<usize>,
         timetable: Timetable,
-    ) -> Ensemble<'b, T, N, M>
+    ) -> Ensemble<'b>
     where
         'a: 'b,
     {
@@ -209,7 +207,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// The path-steps of the whole simulation.
     fn path_steps(&self, timetable: &Timetable) -> u64 {
         let stretches = BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
-        Pilot::<N>::path_steps(timetable) + (self.trajectories * timetable.steps(stretches)) as u64
+        Pilot::path_steps(timetable) + (self.trajectories * timetable.steps(stretches)) as u64
     }
 
     /// The numbers of the batches to be run here.
@@ -224,9 +222,9 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
         Ok(part * batches / parts..(part + 1) * batches / parts)
     }
 
-    fn validate(&self, velocity: Option<usize>) -> Result<()> {
-        if (self.barrier.is_some() || !self.levels.is_empty()) && velocity.is_none() {
-            return Err(Error::NotADisplacement { velocity: 1 });
+    fn validate(&self, states: usize, wall: Option<Wall>, velocity: Option<usize>) -> Result<()> {
+        if !self.levels.is_empty() && velocity.is_none() {
+            return Err(Error::NotADisplacement { state: 0 });
         }
         if self.trajectories < 2 {
             return Err(Error::NoSamples { what: "the number of trajectories", least: 2 });
@@ -244,14 +242,13 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             return Err(Error::OutOfRange { name: "burn-in", value: self.burn_in, remedy });
         }
         positive("sampling interval", self.sampling_interval, "it must be finite and above zero")?;
-        for x in self.start.iter().flatten() {
-            finite("start", *x)?;
-        }
-        if let (Some(start), Some(wall)) = (&self.start, &self.barrier)
-            && start[0] < wall.offset()
-        {
-            let remedy = "a trajectory must start above the wall";
-            return Err(Error::OutOfRange { name: "start of state 0", value: start[0], remedy });
+        if let Some(start) = &self.start {
+            dimension("the start", start.len(), states)?;
+            start.iter().try_for_each(|&x| finite("start", x).map(|_| ()))?;
+            if wall.is_some_and(|wall| start[0] < wall.offset()) {
+                let remedy = "a trajectory must start above the wall";
+                return Err(Error::OutOfRange { name: "start of state 0", value: start[0], remedy });
+            }
         }
         Ok(())
     }
@@ -273,58 +270,36 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
         Ok((Timetable { burn_in_steps: burn_in as usize, interval_steps: interval as usize }, count))
     }
 
-    /// The start of a trajectory from its standard normal numbers.
-    fn starts(
-        &self,
-        operator: &FokkerPlanck<N>,
-        pairs: &[(usize, usize)],
-        step: f64,
-    ) -> impl Fn([f64; N]) -> [f64; N] + use<'a, T, N, M> {
-        let time = SPREAD_STEPS * step;
-        let mut spread: [f64; N] = std::array::from_fn(|i| {
-            let variance = operator.diffusion()[i][i].coefficient(&Monomial::one()) * time;
-            if variance > 0.0 { variance.sqrt() } else { 0.1 }
-        });
-        for &(i, j) in pairs {
-            spread[i] = spread[j] * time;
-        }
-        let (fixed, floor) = (self.start, self.barrier.map(|b| b.offset()));
-        move |z| {
-            let mut x = std::array::from_fn(|i| spread[i] * z[i]);
-            if let Some(b) = floor {
-                x[0] = b + (b.max(0.0) - b + x[0]).abs();
-            }
-            fixed.unwrap_or(x)
-        }
-    }
-
     /// The bins, on the intervals that the pilot found.
-    fn axes(&self, mut ends: [(f64, f64); N]) -> Result<([Axis; N], Option<[Axis; 2]>)> {
-        if let Some(wall) = self.barrier {
+    fn axes(&self, wall: Option<Wall>, mut ends: Vec<(f64, f64)>) -> Result<(Vec<Axis>, Option<[Axis; 2]>)> {
+        if let Some(wall) = wall {
             ends[0].0 = wall.offset();
         }
         for &(state, lo, hi) in &self.ranges {
-            ends[state_index::<N>("the state of a histogram's range", state)?] = (lo, hi);
+            let state = state_index("the state of a histogram's range", state, ends.len())?;
+            ends[state] = (lo, hi);
         }
-        let axis = |i: usize, bins: usize| Axis::new(ends[i].0, ends[i].1, bins);
-        let axes: Vec<Axis> = (0..N).map(|i| axis(i, self.bins)).collect::<Result<_>>()?;
-        let joint = (self.bins / 2).max(3);
-        let plane = if N >= 2 { Some([axis(0, joint)?, axis(1, joint)?]) } else { None };
-        Ok((std::array::from_fn(|i| axes[i]), plane))
+        let axes = |bins: usize| ends.iter().map(move |&(lo, hi)| Axis::new(lo, hi, bins));
+        let plane = match axes((self.bins / 2).max(3)).take(2).collect::<Result<Vec<_>>>()?[..] {
+            [first, second] => Some([first, second]),
+            _ => None,
+        };
+        Ok((axes(self.bins).collect::<Result<_>>()?, plane))
     }
 }
 
 /// What a run needs besides its options.
-struct Prepared<'a, T, const N: usize, const M: usize> {
-    operator: FokkerPlanck<N>,
-    scheme: Scheme<'a, T, N, M>,
-    /// How the time step was chosen, unless it was given.
-    pace: Option<Pace>,
+struct Prepared<'a> {
+    wall: Option<Wall>,
     /// The velocity of state 0.
     velocity: Option<usize>,
+    scheme: Scheme<'a>,
+    /// The rate that the time step was chosen by, unless it was given.
+    rate: Option<f64>,
     timetable: Timetable,
     /// The number of samples of each trajectory.
     samples: usize,
+    start: Start,
 }
 
 pub(super) fn at_most(name: &'static str, number: usize, most: usize, remedy: &'static str) -> Result<()> {

@@ -1,15 +1,17 @@
 use super::{
-    checkpoint::{Checkpoint, SavedBatch, State},
-    ensemble::{Batch, Ensemble, Trajectories, deal},
-    peers::{Peers, agree, share},
+    batch::{Batch, Trajectories, deal},
+    checkpoint::{Checkpoint, State},
+    ensemble::Ensemble,
+    peers::{Peers, agree, gather, share},
     plan::Plan,
-    result::{SimulatedDensity, Stopped},
-    store::{Reader, Stored},
+    result::SimulatedDensity,
+    start::Start,
     tally::{Layout, Origin, Tally},
     target::Target,
     timetable::{BURN_IN_STRETCHES, next_look, samples},
 };
-use crate::{Error, PolynomialDrift, Result, file};
+use crate::error::{Error, Result};
+use crate::{file, provenance::Stopped};
 use std::{
     ops::Range,
     time::{Duration, Instant},
@@ -17,24 +19,24 @@ use std::{
 
 /// When a run is over, besides when it fails.
 #[derive(Debug)]
-pub(super) struct Limits<'a, const N: usize> {
+pub(super) struct Limits<'a> {
     /// The most samples of each trajectory.
     pub(super) samples: usize,
-    pub(super) targets: Vec<Target<'a, N>>,
+    pub(super) targets: Vec<Target<'a>>,
     pub(super) time_budget: Option<Duration>,
 }
 
 /// A run in progress: the batches of this process, and the others that it shares the work with.
-pub(super) struct Session<'a, T, P, const N: usize, const M: usize> {
-    pub(super) ensemble: Ensemble<'a, T, N, M>,
+pub(super) struct Session<'a, P> {
+    pub(super) ensemble: Ensemble<'a>,
     pub(super) peers: &'a P,
-    pub(super) plan: Plan<N>,
-    pub(super) layout: Layout<N>,
+    pub(super) plan: Plan,
+    pub(super) layout: Layout,
     /// Beyond these moduli a trajectory has exploded.
-    pub(super) bounds: [f64; N],
-    pub(super) limits: Limits<'a, N>,
+    pub(super) bounds: Vec<f64>,
+    pub(super) limits: Limits<'a>,
     pub(super) checkpoint: Option<Checkpoint>,
-    pub(super) batches: Vec<Batch<N>>,
+    pub(super) batches: Vec<Batch>,
     pub(super) begin: Instant,
     /// The time that earlier sessions of the run took, in seconds.
     pub(super) seconds_before: f64,
@@ -50,21 +52,13 @@ struct Word {
     due: bool,
 }
 
-impl<T, P, const N: usize, const M: usize> Session<'_, T, P, N, M>
-where
-    T: PolynomialDrift<N, M> + Sync,
-    P: Peers,
-{
+impl<P: Peers> Session<'_, P> {
     /// Runs round after round until a limit is reached.
     ///
     /// All decisions fall between rounds, when all batches stand at the same stretch; only a cancelled run is left
     /// uneven, and a resumed one therefore begins with making its batches even. At least one round is run whatever the
     /// time budget, so that many short sessions come to an end as well.
-    pub(super) fn run(
-        mut self,
-        part: Range<usize>,
-        start: impl Fn([f64; N]) -> [f64; N],
-    ) -> Result<SimulatedDensity<N>> {
+    pub(super) fn run(mut self, part: Range<usize>, start: &Start) -> Result<SimulatedDensity> {
         let end = BURN_IN_STRETCHES + self.limits.samples;
         let mut done = self.begin(part, start)?;
         let trajectories = self.batches.iter().map(|b| b.trajectories.count()).sum();
@@ -105,7 +99,7 @@ where
             return Err(Error::OutOfTime { steps: self.path_steps() });
         }
         self.save(Some(stopped))?;
-        let (tallies, seconds) = (self.gather()?, self.seconds());
+        let (tallies, seconds) = (self.tallies()?, self.seconds());
         Ok(SimulatedDensity::new(tallies, self.plan, seconds, stopped))
     }
 
@@ -115,7 +109,7 @@ where
 
     /// The path-steps of this process so far, those of the pilot included.
     fn path_steps(&self) -> u64 {
-        let steps = |b: &Batch<N>| b.path_steps(&self.plan.timetable);
+        let steps = |b: &Batch| b.path_steps(&self.plan.timetable);
         self.plan.pilot_steps() + self.batches.iter().map(steps).sum::<u64>()
     }
 
@@ -125,62 +119,54 @@ where
 
     /// Makes the batches of this process, from the checkpoint if there is one, and returns the furthest stretch that any
     /// batch has completed.
-    fn begin(&mut self, part: Range<usize>, start: impl Fn([f64; N]) -> [f64; N]) -> Result<usize> {
+    fn begin(&mut self, part: Range<usize>, start: &Start) -> Result<usize> {
         let ranges = deal(self.plan.trajectories);
         let edge = |rank: usize| part.start + rank * part.len() / self.peers.count();
         let mine = edge(self.peers.rank())..edge(self.peers.rank() + 1);
-        let seed = self.plan.seed;
-        let Some((path, state)) = self.load()? else {
+        let Some(state) = self.load()? else {
+            let seed = self.plan.seed;
             let fresh = mine.map(|index| {
-                let trajectories = Trajectories::new(ranges[index].clone(), seed, &start);
-                let tally = Tally::new(Origin { seed, batch: index }, &self.layout, self.ensemble.course.passages());
+                let trajectories = Trajectories::new(ranges[index].clone(), seed, start);
+                let tally = Tally::new(Origin { seed, batch: index }, &self.layout, self.plan.passages());
                 Batch::new(index, tally, &self.layout, trajectories)
             });
             self.batches = fresh.collect();
             return Ok(0);
         };
-        let spoiled = || Error::NotACheckpoint { path: path.clone(), problem: "its batches cannot be read" };
         self.plan.same_as(&state.plan, false)?;
         self.seconds_before = state.seconds;
-        let batches = state.batches().ok_or_else(spoiled)?;
-        let indices: Vec<usize> = batches.iter().map(|b| b.index).collect();
+        let indices: Vec<usize> = state.batches.iter().map(|b| b.index).collect();
         if !indices.iter().copied().eq(part.clone()) {
             let found = format!("batches {:?} to {:?} of {}", indices.first(), indices.last(), ranges.len());
             let expected = format!("batches {} to {}", part.start, part.end - 1);
             return Err(Error::OtherSimulation { what: "part", found, expected });
         }
-        let done = batches.iter().map(|b| b.done).max().unwrap_or(0);
+        let done = state.batches.iter().map(|b| b.done).max().unwrap_or(0);
         if samples(done) > self.limits.samples {
             let [found, expected] = [samples(done), self.limits.samples].map(|n| n.to_string());
             return Err(Error::OtherSimulation { what: "number of samples per trajectory", found, expected });
         }
-        for batch in batches.into_iter().filter(|b| mine.contains(&b.index)) {
-            let range = ranges[batch.index].clone();
-            self.batches.push(Batch::restored(batch, range, seed).ok_or_else(spoiled)?);
-        }
+        self.batches = state.batches.into_iter().filter(|b| mine.contains(&b.index)).collect();
         Ok(done)
     }
 
-    /// The state in the checkpoint and the name of its file: rank 0 reads it and tells the others.
-    fn load(&self) -> Result<Option<(String, State<N>)>> {
+    /// The state in the checkpoint: rank 0 reads it and tells the others.
+    fn load(&self) -> Result<Option<State>> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(None) };
         let mine = if self.peers.rank() == 0 { file::read(path) } else { Ok(None) };
         // The content behind a byte that tells an empty file from no file.
         let mine = mine.map(|content| content.map_or(Vec::new(), |content| [&[1], &content[..]].concat()));
-        match share(self.peers, mine)?.first().and_then(|word| word.split_first()) {
-            Some((_, content)) => Ok(Some((path.display().to_string(), State::from_file(path, content)?))),
-            None => Ok(None),
-        }
+        let words = share(self.peers, mine)?;
+        let content = words.first().and_then(|word| word.split_first());
+        content.map(|(_, content)| State::from_file(path, content)).transpose()
     }
 
     /// Writes the checkpoint, if there is to be one: every rank sends its batches to rank 0.
     fn save(&self, stopped: Option<Stopped>) -> Result<()> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(()) };
-        let mine: Vec<SavedBatch<N>> = self.batches.iter().map(SavedBatch::from).collect();
-        let lists = self.peers.exchange(mine.bytes())?;
+        let batches = gather(self.peers, self.batches.clone())?;
         let written = if self.peers.rank() == 0 {
-            let state = State { states: N, plan: self.plan.clone(), seconds: self.seconds(), stopped, lists };
-            file::write(path, &state.to_file())
+            State { plan: self.plan.clone(), seconds: self.seconds(), stopped, batches }.to_file(path)
         } else {
             Ok(())
         };
@@ -196,18 +182,8 @@ where
     }
 
     /// The tallies of all processes, in the order of the batches.
-    fn gather(&self) -> Result<Vec<Tally<N>>> {
-        let mine: Vec<Tally<N>> = self.batches.iter().map(|b| b.tally.clone()).collect();
-        if self.peers.count() == 1 {
-            return Ok(mine);
-        }
-        let read = |(rank, bytes): (usize, Vec<u8>)| {
-            let unread = || Error::Rank { rank, reason: String::from("its tallies cannot be read") };
-            Reader(&bytes).whole::<Vec<Tally<N>>>().ok_or_else(unread)
-        };
-        let all: Vec<Vec<Tally<N>>> =
-            self.peers.exchange(mine.bytes())?.into_iter().enumerate().map(read).collect::<Result<_>>()?;
-        Ok(all.into_iter().flatten().collect())
+    fn tallies(&self) -> Result<Vec<Tally>> {
+        gather(self.peers, self.batches.iter().map(|b| b.tally.clone()).collect())
     }
 
     /// Whether there are targets and all are met.
@@ -215,7 +191,7 @@ where
         if self.limits.targets.is_empty() {
             return Ok(false);
         }
-        let result = SimulatedDensity::new(self.gather()?, self.plan.clone(), 0.0, Stopped::Precision);
+        let result = SimulatedDensity::new(self.tallies()?, self.plan.clone(), 0.0, Stopped::Precision);
         let mut targets = self.limits.targets.iter();
         targets.try_fold(true, |met, target| Ok(met && target.tolerance.holds((target.statistic)(&result)?)))
     }

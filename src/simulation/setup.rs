@@ -1,63 +1,54 @@
-use super::{SimulatedDensity, checkpoint::Checkpoint, statistics::Questions, target::Target, target::Tolerance};
-use crate::system::Amplified;
-use crate::{Barrier, Estimate, PolynomialDrift, Result};
-use std::{fmt, ops::ControlFlow, path::PathBuf, time::Duration};
-
-/// How far a simulation has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// Path-steps taken: time steps times trajectories.
-    pub done: u64,
-    /// Path-steps in all, burn-in and pilot included: the most, where precision or time may end the run before.
-    pub total: u64,
-}
-
-type Callback<'a> = Box<dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a>;
-
-/// The progress callback and what it was told last.
-pub(super) struct Meter<'a> {
-    pub(super) progress: Progress,
-    pub(super) callback: Callback<'a>,
-}
+use super::{
+    SimulatedDensity,
+    checkpoint::Checkpoint,
+    progress::{Callback, Progress},
+    statistics::Questions,
+    target::{Target, Tolerance},
+};
+use crate::{error::Result, estimate::Estimate};
+use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 
 /// A Monte Carlo simulation: independent trajectories, sampled at equal times once they are stationary.
 ///
 /// ```
-/// use expoly::{Barrier, Density, Simulation, models::Duffing};
-/// let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-/// let wall = Barrier::new(0.0, 0.9)?;
-/// let result = Simulation::new(&oscillator).barrier(wall).samples(100_000).seed(1).run()?;
+/// use expoly::{Density, Problem, Simulation, Wall, models::Duffing};
+/// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.with_wall(Wall::above(0.0, 0.9)?)?;
+/// let result = Simulation::new().samples(100_000).seed(1).run(&problem)?;
 /// // The Fokker-Planck equation of this wall has E y = 0.58491 and 0.35958 impacts per unit time.
-/// assert!(result.moment([1, 0]).deviation(0.58491) < 4.0);
+/// assert!(result.moment(&[1, 0])?.deviation(0.58491) < 4.0);
 /// assert!(result.impact_rate().is_some_and(|rate| rate.deviation(0.35958) < 4.0));
 /// # Ok::<(), expoly::Error>(())
 /// ```
+///
+/// It serves one wall, with the motion of state 0 above it.
 ///
 /// # One result, however it is made
 ///
 /// Trajectory i owns stream i of the seed. Trajectories are dealt to 64 batches, a batch advances all of its own from one
 /// sample to the next, and its sums are added in that order and no other; estimates are made from the batches in order.
-/// The result therefore depends on the system, the options and the number of samples, bit for bit, and not on the number
+/// The result therefore depends on the problem, the options and the number of samples, bit for bit, and not on the number
 /// of threads (it runs on rayon's current pool), on interruptions ([`Simulation::checkpoint`]), or on the machines that
 /// its parts ran on ([`Simulation::part`]). Decisions about the whole run, its precision, its time and its checkpoint,
 /// fall between *rounds* of about two million path-steps.
 ///
 /// ```
-/// use expoly::{Density, Error, Simulation, models::Duffing};
+/// use expoly::{Density, Error, Problem, Simulation, models::Duffing};
 /// use std::{ops::ControlFlow, time::Duration};
-/// let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+/// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
 /// let file = std::env::temp_dir().join(format!("expoly-{}.state", std::process::id()));
-/// let simulation = || Simulation::new(&oscillator).samples(100_000);
-/// let interrupted = simulation().checkpoint(&file, Duration::from_secs(60)).progress(|_| ControlFlow::Break(())).run();
+/// let simulation = || Simulation::new().samples(100_000);
+/// let kept = || simulation().checkpoint(&file, Duration::from_secs(60));
+/// let interrupted = kept().progress(|_| ControlFlow::Break(())).run(&problem);
 /// assert!(matches!(interrupted, Err(Error::Cancelled { .. })));
-/// let resumed = simulation().checkpoint(&file, Duration::from_secs(60)).run()?;
-/// assert_eq!(resumed.moment([2, 0]), simulation().run()?.moment([2, 0]));
+/// let resumed = kept().run(&problem)?;
+/// assert_eq!(resumed.moment(&[2, 0])?, simulation().run(&problem)?.moment(&[2, 0])?);
 /// # std::fs::remove_file(file).ok();
 /// # Ok::<(), Error>(())
 /// ```
-pub struct Simulation<'a, T, const N: usize, const M: usize> {
-    pub(super) system: Amplified<'a, T>,
-    pub(super) barrier: Option<Barrier>,
+#[derive(Debug)]
+pub struct Simulation<'a> {
+    /// A factor of all noises.
+    pub(super) amplitude: f64,
     pub(super) trajectories: usize,
     pub(super) samples: usize,
     /// None: to be chosen.
@@ -67,23 +58,28 @@ pub struct Simulation<'a, T, const N: usize, const M: usize> {
     pub(super) sampling_interval: f64,
     pub(super) seed: u64,
     pub(super) levels: Vec<f64>,
-    pub(super) start: Option<[f64; N]>,
+    pub(super) start: Option<Vec<f64>>,
     pub(super) bins: usize,
     pub(super) ranges: Vec<(usize, f64, f64)>,
     pub(super) progress: Option<Callback<'a>>,
-    pub(super) targets: Vec<Target<'a, N>>,
+    pub(super) targets: Vec<Target<'a>>,
     pub(super) time_budget: Option<Duration>,
     pub(super) checkpoint: Option<Checkpoint>,
     pub(super) part: (usize, usize),
-    pub(super) questions: Questions<N>,
+    pub(super) questions: Questions,
 }
 
-impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation<'a, T, N, M> {
-    /// A simulation of `system` with the defaults named at each method.
-    pub fn new(system: &'a T) -> Self {
+impl Default for Simulation<'_> {
+    fn default() -> Self {
+        Simulation::new()
+    }
+}
+
+impl<'a> Simulation<'a> {
+    /// A simulation with the defaults named at each method.
+    pub fn new() -> Self {
         Simulation {
-            system: Amplified { system, amplitude: 1.0 },
-            barrier: None,
+            amplitude: 1.0,
             trajectories: 1024,
             samples: 1_000_000,
             time_step: None,
@@ -100,19 +96,13 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
             time_budget: None,
             checkpoint: None,
             part: (0, 1),
-            questions: Questions::NONE,
+            questions: Questions::default(),
         }
     }
 
     /// Multiplies the noise by a factor, the intensities by its square.
     pub(crate) fn amplified(mut self, amplitude: f64) -> Self {
-        self.system.amplitude = amplitude;
-        self
-    }
-
-    /// A wall that state 0 hits; none by default. State 0 must be a displacement.
-    pub fn barrier(mut self, barrier: Barrier) -> Self {
-        self.barrier = Some(barrier);
+        self.amplitude = amplitude;
         self
     }
 
@@ -164,11 +154,11 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// The second run follows the first without progress reports, and a checkpoint holds the first one only.
     ///
     /// ```
-    /// use expoly::{Density, Simulation, models::Duffing};
-    /// let oscillator = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
-    /// let result = Simulation::new(&oscillator).time_step(0.2).two_steps().samples(50_000).run()?;
-    /// let square = result.moment([0, 2]);
-    /// assert_eq!(result.coarse().map(|c| c.provenance().time_step), Some(0.4));
+    /// use expoly::{Density, Problem, Simulation, models::Duffing};
+    /// let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
+    /// let result = Simulation::new().time_step(0.2).two_steps().samples(50_000).run(&problem)?;
+    /// let square = result.moment(&[0, 2])?;
+    /// assert_eq!(result.coarse().and_then(|c| c.provenance().time_step), Some(0.4));
     /// // E v² = D/c = 1.
     /// assert!(square.deviation(1.0) < 4.0);
     /// # Ok::<(), expoly::Error>(())
@@ -209,8 +199,8 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
 
     /// The state that all trajectories start from. By default they start near 0, or near the wall if that stands above 0,
     /// each with a Gaussian spread: what the noise at 0 does to the state within four steps, or 0.1 where it vanishes there.
-    pub fn start(mut self, start: [f64; N]) -> Self {
-        self.start = Some(start);
+    pub fn start(mut self, start: impl Into<Vec<f64>>) -> Self {
+        self.start = Some(start.into());
         self
     }
 
@@ -232,7 +222,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// A function that is told now and then how far the simulation is, from whichever thread; to stop it, it returns
     /// [`ControlFlow::Break`].
     pub fn progress(mut self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
-        self.progress = Some(Box::new(callback));
+        self.progress = Some(Callback(Box::new(callback)));
         self
     }
 
@@ -244,14 +234,14 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// itself uncertain by 9 %, and a run tends to end where it came out low: by 2 % on average, where it was measured.
     ///
     /// ```
-    /// use expoly::{Density, Simulation, Stopped, Tolerance, models::Duffing};
-    /// let oscillator = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
-    /// let result = Simulation::new(&oscillator)
-    ///     .until(Tolerance::Relative(0.02), |found| Ok(found.moment([2, 0])))
+    /// use expoly::{Density, Problem, Simulation, Stopped, Tolerance, models::Duffing};
+    /// let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
+    /// let result = Simulation::new()
+    ///     .until(Tolerance::Relative(0.02), |found| found.moment(&[2, 0]))
     ///     .until(Tolerance::Absolute(0.02), |found| found.kurtosis(0))
-    ///     .run()?;
-    /// assert_eq!(result.provenance().stopped, Stopped::Precision);
-    /// assert!(result.kurtosis(0)?.error <= 0.02 && result.provenance().samples < 1_000_000);
+    ///     .run(&problem)?;
+    /// assert_eq!(result.provenance().stopped, Some(Stopped::Precision));
+    /// assert!(result.kurtosis(0)?.error <= 0.02 && result.provenance().samples < Some(1_000_000));
     /// # Ok::<(), expoly::Error>(())
     /// ```
     ///
@@ -259,7 +249,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     pub fn until(
         mut self,
         tolerance: Tolerance,
-        statistic: impl Fn(&SimulatedDensity<N>) -> Result<Estimate> + Send + 'a,
+        statistic: impl Fn(&SimulatedDensity) -> Result<Estimate> + Send + 'a,
     ) -> Self {
         self.targets.push(Target { tolerance, statistic: Box::new(statistic) });
         self
@@ -278,7 +268,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     /// If the file is already there, the run goes on from it, however it was interrupted: the same call begins, continues
     /// and, once the run is over, returns the result again. That is safe because the result does not depend on
     /// interruptions. More samples, a narrower tolerance or another time budget continue a run that was over; any other
-    /// change of the system or the options is refused. The file takes about 40 kB for each of the 64 batches, and some
+    /// change of the problem or the options is refused. The file takes about 40 kB for each of the 64 batches, and some
     /// hundred bytes for each trajectory, more with [`Simulation::spectrum`]. It also holds the result: see [`SimulatedDensity::from_checkpoint`].
     pub fn checkpoint(mut self, path: impl Into<PathBuf>, every: Duration) -> Self {
         self.checkpoint = Some(Checkpoint { path: path.into(), every });
@@ -291,30 +281,5 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simula
     pub fn part(mut self, part: usize, parts: usize) -> Self {
         self.part = (part, parts);
         self
-    }
-}
-
-impl<T, const N: usize, const M: usize> fmt::Debug for Simulation<'_, T, N, M> {
-    /// All options; a system need not be printable, and a callback is not.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Simulation")
-            .field("barrier", &self.barrier)
-            .field("trajectories", &self.trajectories)
-            .field("samples", &self.samples)
-            .field("time_step", &self.time_step)
-            .field("two_steps", &self.two_steps)
-            .field("burn_in", &self.burn_in)
-            .field("sampling_interval", &self.sampling_interval)
-            .field("seed", &self.seed)
-            .field("levels", &self.levels)
-            .field("start", &self.start)
-            .field("bins", &self.bins)
-            .field("ranges", &self.ranges)
-            .field("targets", &self.targets)
-            .field("questions", &self.questions)
-            .field("time_budget", &self.time_budget)
-            .field("checkpoint", &self.checkpoint)
-            .field("part", &self.part)
-            .finish_non_exhaustive()
     }
 }

@@ -2,104 +2,112 @@ use super::{
     histogram::{Axis, Counts},
     passage::Passages,
     statistics::{Records, Watch},
-    store::stored,
     trend::Trend,
 };
-use crate::{Monomial, monomials};
+use crate::polynomial::monomials;
+use serde::{Deserialize, Serialize};
+use std::slice;
 
 /// What every batch keeps count of.
 #[derive(Clone, Debug)]
-pub(super) struct Layout<const N: usize> {
-    /// The monomials whose means are tracked, each after those that it is made of: all of degree at most 4 for N ≤ 3; for more
-    /// states all of degree at most 2 and the powers of single states up to 4; and those that were asked for.
-    pub(super) monomials: Vec<Monomial<N>>,
+pub(super) struct Layout {
+    /// The exponents of the monomials whose means are tracked, each after those that it is made of: all of degree at most 4
+    /// for up to three states; for more states all of degree at most 2 and the powers of single states up to 4; and those
+    /// that were asked for.
+    pub(super) monomials: Vec<Vec<u32>>,
     /// Each monomial but the first as the product of an earlier one and a variable.
     products: Vec<(usize, usize)>,
     /// The bins of each state alone.
-    pub(super) axes: [Axis; N],
+    pub(super) axes: Vec<Axis>,
     /// The bins of states 0 and 1 together.
     pub(super) plane: Option<[Axis; 2]>,
     /// What else was asked for.
-    pub(super) watch: Watch<N>,
+    pub(super) watch: Watch,
 }
 
 /// Which trajectories a tally is of: batch number `batch` of the simulation with this seed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 pub(super) struct Origin {
     pub(super) seed: u64,
     pub(super) batch: usize,
 }
-stored!(Origin { seed, batch });
 
 /// The sums and counts of one batch.
-#[derive(Clone, Debug)]
-pub(super) struct Tally<const N: usize> {
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct Tally {
     pub(super) origin: Origin,
     /// The number of samples of each trajectory.
     pub(super) samples: usize,
     /// Σ of each monomial; the first is the number of samples.
     pub(super) moments: Vec<f64>,
     /// Squares by time.
-    pub(super) trend: Trend<N>,
+    pub(super) trend: Trend,
     /// Σ of the power put in by noise and of the power taken out by the drift.
     pub(super) power: [f64; 2],
     /// The time that all trajectories together took.
     pub(super) time: f64,
     pub(super) passages: Passages,
-    pub(super) marginals: [Counts; N],
-    pub(super) joint: Option<Counts>,
+    /// Those of each state alone, and those of states 0 and 1 together.
+    pub(super) counts: Vec<Counts>,
     pub(super) records: Records,
     values: Vec<f64>,
 }
-stored!(Tally[N] { origin, samples, moments, trend, power, time, passages, marginals, joint, records, values });
 
-impl<const N: usize> Layout<N> {
-    pub(super) fn new(axes: [Axis; N], plane: Option<[Axis; 2]>, moments: &[[u32; N]], watch: Watch<N>) -> Self {
-        let mut monomials = monomials::<N>(if N <= 3 { 4 } else { 2 });
-        if N > 3 {
+impl Layout {
+    pub(super) fn new(axes: Vec<Axis>, plane: Option<[Axis; 2]>, moments: &[Vec<u32>], watch: Watch) -> Self {
+        let states = axes.len();
+        let mut tracked = monomials(states, if states <= 3 { 4 } else { 2 });
+        if states > 3 {
             for power in [3, 4] {
-                monomials.extend((0..N).map(|i| Monomial(std::array::from_fn(|j| if i == j { power } else { 0 }))));
+                tracked.extend((0..states).map(|i| (0..states).map(|j| if i == j { power } else { 0 }).collect()));
             }
         }
-        for &exponents in moments {
+        for exponents in moments {
             // Down to a monomial that is there already, and up again.
-            let chain = std::iter::successors(Some(Monomial(exponents)), |m| lower(m).map(|(_, lower)| lower));
-            let missing: Vec<_> = chain.take_while(|m| !monomials.contains(m)).collect();
-            monomials.extend(missing.into_iter().rev());
+            let chain = std::iter::successors(Some(exponents.clone()), |m| lower(m).map(|(_, lower)| lower));
+            let missing: Vec<_> = chain.take_while(|m| !tracked.contains(m)).collect();
+            tracked.extend(missing.into_iter().rev());
         }
-        let factor = |m: &Monomial<N>| {
+        let factor = |m: &Vec<u32>| {
             let (state, lower) = lower(m)?;
-            Some((monomials.iter().position(|other| *other == lower)?, state))
+            Some((tracked.iter().position(|other| *other == lower)?, state))
         };
-        let products = monomials.iter().filter_map(factor).collect();
-        Layout { monomials, products, axes, plane, watch }
+        let products = tracked.iter().filter_map(factor).collect();
+        Layout { monomials: tracked, products, axes, plane, watch }
+    }
+
+    /// The bins of each histogram.
+    pub(super) fn histograms(&self) -> impl Iterator<Item = &[Axis]> {
+        self.axes.iter().map(slice::from_ref).chain(self.plane.as_ref().map(<[Axis; 2]>::as_slice))
     }
 }
 
 /// The first variable of a monomial, and the monomial without one factor of it.
-fn lower<const N: usize>(m: &Monomial<N>) -> Option<(usize, Monomial<N>)> {
-    (0..N).find_map(|i| m.derivative(i).map(|(lower, _)| (i, lower)))
+fn lower(exponents: &[u32]) -> Option<(usize, Vec<u32>)> {
+    let first = exponents.iter().position(|&power| power > 0)?;
+    let mut lower = exponents.to_vec();
+    lower[first] -= 1;
+    Some((first, lower))
 }
 
-impl<const N: usize> Tally<N> {
-    pub(super) fn new(origin: Origin, layout: &Layout<N>, passages: Passages) -> Self {
+impl Tally {
+    pub(super) fn new(origin: Origin, layout: &Layout, passages: Passages) -> Self {
         Tally {
             origin,
             samples: 0,
             moments: vec![0.0; layout.monomials.len()],
-            trend: Trend::new(),
+            trend: Trend::new(layout.axes.len()),
             power: [0.0; 2],
             time: 0.0,
             passages,
-            marginals: std::array::from_fn(|i| Counts::new(&[layout.axes[i]])),
-            joint: layout.plane.as_ref().map(Counts::new),
+            counts: layout.histograms().map(Counts::new).collect(),
             records: layout.watch.records(),
             values: vec![1.0; layout.monomials.len()],
         }
     }
 
     /// Counts one sample, which has the number `sample` in its trajectory, from 0.
-    pub(super) fn observe(&mut self, layout: &Layout<N>, x: [f64; N], sample: usize, power: [f64; 2]) {
+    pub(super) fn observe(&mut self, layout: &Layout, x: &[f64], sample: usize, power: [f64; 2]) {
         for (k, &(lower, state)) in layout.products.iter().enumerate() {
             self.values[k + 1] = self.values[lower] * x[state];
         }
@@ -107,46 +115,62 @@ impl<const N: usize> Tally<N> {
             *sum += value;
         }
         self.trend.add(sample, x);
-        for i in 0..N {
-            self.marginals[i].add(&[layout.axes[i]], [x[i]]);
+        for ((counts, axis), x) in self.counts.iter_mut().zip(&layout.axes).zip(x) {
+            counts.add(slice::from_ref(axis), slice::from_ref(x));
         }
-        if let (Some(counts), Some(plane)) = (&mut self.joint, &layout.plane) {
-            counts.add(plane, [x[0], x[1]]);
+        if let (Some(counts), Some(plane)) = (self.counts.get_mut(x.len()), &layout.plane) {
+            counts.add(plane, &x[..2]);
         }
         for (sum, p) in self.power.iter_mut().zip(power) {
             *sum += p;
         }
+    }
+
+    /// Whether a tally that was read can go on like `empty`, one without samples.
+    pub(super) fn is_like(&self, empty: &Tally) -> bool {
+        let mut counts = self.counts.iter().chain([&self.passages.speeds]);
+        self.sizes().eq(empty.sizes()) && self.trend.holds() && counts.all(Counts::holds)
+    }
+
+    /// The lengths of all lists.
+    fn sizes(&self) -> impl Iterator<Item = usize> {
+        let Passages { crossings, crossed, speeds, .. } = &self.passages;
+        let lists = [self.moments.len(), self.values.len(), crossings.len(), crossed.len(), self.trend.width()];
+        let counts = [self.counts.len(), speeds.len()].into_iter().chain(self.counts.iter().map(Counts::len));
+        lists.into_iter().chain(counts).chain(self.records.sizes())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::polynomial::power;
 
-    fn axis() -> crate::Result<Axis> {
+    fn axis() -> crate::error::Result<Axis> {
         Axis::new(-10.0, 10.0, 4)
     }
 
     #[test]
-    fn tracked_monomials_are_evaluated_as_products() -> crate::Result<()> {
-        let layout = Layout::<3>::new([axis()?; 3], Some([axis()?; 2]), &[[0, 7, 1], [2, 0, 0]], Watch::NONE);
-        assert_eq!((layout.monomials.len(), layout.monomials[38]), (35 + 4, Monomial([0, 7, 1])));
+    fn tracked_monomials_are_evaluated_as_products() -> crate::error::Result<()> {
+        let axes = vec![axis()?; 3];
+        let layout = Layout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Watch::default());
+        assert_eq!((layout.monomials.len(), &layout.monomials[38]), (35 + 4, &vec![0, 7, 1]));
         let x = [2.0, -3.0, 5.0];
         let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, &layout, Passages::new(0));
-        tally.observe(&layout, x, 0, [0.0; 2]);
+        let other = Tally::new(tally.origin, &layout, Passages::new(1));
+        assert!(tally.is_like(&tally) && !tally.is_like(&other));
+        tally.observe(&layout, &x, 0, [0.0; 2]);
         for (m, sum) in layout.monomials.iter().zip(&tally.moments) {
-            assert_eq!(m.evaluate(&x), *sum);
+            assert_eq!(power(&x, m), *sum);
         }
         Ok(())
     }
 
     #[test]
-    fn many_states_keep_their_single_powers() -> crate::Result<()> {
-        let layout = Layout::<4>::new([axis()?; 4], None, &[], Watch::NONE);
+    fn many_states_keep_their_single_powers() -> crate::error::Result<()> {
+        let layout = Layout::new(vec![axis()?; 4], None, &[], Watch::default());
         assert_eq!(layout.monomials.len(), 15 + 8);
-        assert!(
-            layout.monomials.contains(&Monomial([0, 0, 4, 0])) && !layout.monomials.contains(&Monomial([1, 2, 0, 0]))
-        );
+        assert!(layout.monomials.contains(&vec![0, 0, 4, 0]) && !layout.monomials.contains(&vec![1, 2, 0, 0]));
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 use super::SimulatedDensity;
-use crate::error::positive;
-use crate::{Estimate, Result};
+use crate::error::{Result, positive};
+use crate::estimate::Estimate;
 use std::fmt;
 
 /// How precise an estimate must be.
@@ -27,15 +27,15 @@ impl Tolerance {
     }
 }
 
-type Statistic<'a, const N: usize> = Box<dyn Fn(&SimulatedDensity<N>) -> Result<Estimate> + Send + 'a>;
+type Statistic<'a> = Box<dyn Fn(&SimulatedDensity) -> Result<Estimate> + Send + 'a>;
 
 /// A statistic and how precise it must be.
-pub(super) struct Target<'a, const N: usize> {
+pub(super) struct Target<'a> {
     pub(super) tolerance: Tolerance,
-    pub(super) statistic: Statistic<'a, N>,
+    pub(super) statistic: Statistic<'a>,
 }
 
-impl<const N: usize> fmt::Debug for Target<'_, N> {
+impl fmt::Debug for Target<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.tolerance.fmt(f)
     }

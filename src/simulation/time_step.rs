@@ -1,78 +1,76 @@
 use super::{
-    lanes::Lanes,
+    lanes::{Lanes, Workspace},
     passage::{Course, Passages},
     scheme::Scheme,
+    start::Start,
 };
-use crate::eigenvalues::eigenvalues;
-use crate::fokker_planck::ito_drift;
-use crate::system::Amplified;
-use crate::{Barrier, FokkerPlanck, PolynomialDrift, Result};
+use crate::error::Result;
+use crate::problem::{LANES, Problem, Wall};
 use nalgebra::DMatrix;
-use num_dual::Dual64;
 
 /// The step of time as a part of the time scale 1/ω: ωh. The bias of means is (ωh)²/10 without and (ωh)²/3 beside a wall
 /// with r < 1, about: below 0.02 % and 0.05 %.
 const RESOLUTION: f64 = 0.04;
 const BESIDE_LOSSY_WALL: f64 = 0.03;
 
-/// The largest ωh anywhere on the scouts' way. At 2 the steps would be unstable.
+/// The largest ωh anywhere on the way. At 2 the steps would be unstable.
 const LARGEST: f64 = 0.25;
 
-/// The scouts: trajectories in one group of lanes, with streams of their own.
-const SCOUTS: usize = 16;
+/// The first of the trajectories that the choice looks at, one group of lanes with streams of their own.
 const FIRST: u64 = 1 << 33;
 
-/// The stretches of their way; they look around after each of the second half.
+/// The stretches of their way; the rate is looked at after each of the second half.
 const STRETCHES: usize = 64;
 
 /// The most steps tried. Each is at most half the one before.
 const ATTEMPTS: usize = 12;
 
-/// How fast a system is: the rate ω that its time step was chosen by.
+/// How fast a system is: the rate ω, and the time step that was chosen by it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pace {
+pub(super) struct TimeScale {
     pub(super) rate: f64,
     pub(super) step: f64,
 }
 
-/// What the scouts are sent through.
-pub(super) struct Terrain<'a, T, const N: usize, const M: usize> {
-    pub(super) system: Amplified<'a, T>,
-    pub(super) operator: &'a FokkerPlanck<N>,
-    pub(super) barrier: Option<Barrier>,
+/// Chooses the time step from the system's own time scales, where the trajectories are.
+///
+/// The rate of a state is the largest modulus of the eigenvalues of ∂f/∂x, with the Itô drift f, and the square of
+/// ∂G/∂x, by which noise of its own strength grows; both from dual numbers. ω² is the mean of its square along the way
+/// of some trajectories, and of (πν)² for ν impacts per unit time: a wall that is hit twice as often as the force alone
+/// turns the motion round is another time scale. The step is 0.04/ω, or 0.03/ω beside a wall with r < 1, shorter where
+/// some state is more than six times faster, rounded down to two digits. Where the step that was tried turns out to be
+/// too long, the trajectories go again with a shorter one.
+pub(super) struct StepChooser<'a> {
+    pub(super) problem: &'a Problem,
+    /// A factor of all noises.
+    pub(super) amplitude: f64,
+    pub(super) wall: Option<Wall>,
     pub(super) seed: u64,
-    /// The time that the scouts travel, at least.
+    /// The time that is looked at, at least.
     pub(super) time: f64,
     /// The longest step that makes sense whatever the system.
     pub(super) longest: f64,
 }
 
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Terrain<'_, T, N, M> {
-    /// Chooses the time step from the system's own time scales, where the trajectories are.
-    ///
-    /// The rate of a state is the largest modulus of the eigenvalues of ∂f/∂x, with the Itô drift f, and the square of
-    /// ∂G/∂x, by which noise of its own strength grows; both from dual numbers. ω² is the mean of its square along the way
-    /// of some scouts, and of (πν)² for ν impacts per unit time: a wall that is hit twice as often as the force alone turns
-    /// the motion round is another time scale. The step is 0.04/ω, or 0.03/ω beside a wall with r < 1, shorter where some
-    /// state is more than six times faster, rounded down to two digits. Where the scouts' own step turns out to be too long,
-    /// they go again with a shorter one.
+impl StepChooser<'_> {
+    /// The choice, of trajectories that begin where `start` says for each step.
     ///
     /// # Errors
-    /// [`Error::Exploded`](crate::Error::Exploded) if the scouts explode with the shortest step too.
-    pub(super) fn pace<S: Fn([f64; N]) -> [f64; N]>(&self, start: impl Fn(f64) -> S) -> Result<Pace> {
-        let lossy = self.barrier.is_some_and(|wall| wall.restitution() < 1.0);
+    /// [`Error::Exploded`](crate::Error::Exploded) if they explode with the shortest step too.
+    pub(super) fn choose(&self, start: impl Fn(f64) -> Start) -> Result<TimeScale> {
+        let lossy = self.wall.is_some_and(|wall| wall.restitution() < 1.0);
+        let resolution = if lossy { BESIDE_LOSSY_WALL } else { RESOLUTION };
         let mut step = self.longest;
         let mut attempt = 0;
         loop {
             attempt += 1;
-            match self.scouted(step, start(step)) {
+            match self.rates(step, &start(step)) {
                 Err(error) if attempt == ATTEMPTS => return Err(error),
                 Err(_) => step /= 4.0,
                 Ok((rate, largest)) => {
-                    let resolution = if lossy { BESIDE_LOSSY_WALL } else { RESOLUTION };
                     let fits = (resolution / rate).min(LARGEST / largest).min(self.longest);
                     if fits >= step / 2.0 || attempt == ATTEMPTS {
-                        return Ok(Pace { rate, step: two_digits(fits) });
+                        return Ok(TimeScale { rate, step: two_digits(fits) });
                     }
                     step = fits;
                 }
@@ -80,23 +78,23 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Terrain<'_, T, N,
         }
     }
 
-    /// The root mean square of the rate and the largest one along the way of scouts with this step.
-    fn scouted(&self, step: f64, start: impl Fn([f64; N]) -> [f64; N]) -> Result<(f64, f64)> {
-        let scheme = Scheme::new(self.system, self.operator, step);
-        let course = Course::for_scheme(&scheme, self.barrier, Vec::new());
-        let mut scouts = Lanes::<N, SCOUTS>::new(self.seed, FIRST..FIRST + SCOUTS as u64, start);
+    /// The root mean square of the rate and the largest one along the way with this step.
+    fn rates(&self, step: f64, start: &Start) -> Result<(f64, f64)> {
+        let scheme = Scheme::new(self.problem, self.amplitude, step);
+        let course = Course::for_scheme(&scheme, self.wall, Vec::new());
+        let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let steps = (self.time / step / STRETCHES as f64).ceil().max(1.0) as usize;
-        let mut passages = Passages::new(0);
+        let (mut passages, mut work) = (Passages::new(0), Workspace::new(&scheme));
         let (mut squares, mut largest, mut count) = (0.0, 0.0_f64, 0.0);
         for stretch in 0..STRETCHES {
             if stretch == STRETCHES / 2 {
                 passages = Passages::new(0);
             }
-            scouts.advance(&scheme, &course, steps, &mut passages);
-            scouts.check(&[f64::INFINITY; N], ((stretch + 1) * steps) as f64 * step, step)?;
+            lanes.advance(&scheme, &course, steps, &mut passages, &mut work);
+            lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
             if stretch >= STRETCHES / 2 {
-                for x in scouts.states() {
-                    let rate = rate(&self.system, x);
+                for x in &lanes.states() {
+                    let rate = self.rate(x);
                     squares += rate * rate;
                     largest = largest.max(rate);
                     count += 1.0;
@@ -106,23 +104,18 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Terrain<'_, T, N,
         let impacts = passages.impacts[0] / (count * steps as f64 * step);
         Ok(((squares / count + (std::f64::consts::PI * impacts).powi(2)).sqrt(), largest))
     }
-}
 
-/// The rate of a state: the spectral radius of ∂f/∂x, and Σ|∂G/∂x|².
-fn rate<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(system: &T, x: [f64; N]) -> f64 {
-    let mut jacobian = DMatrix::zeros(N, N);
-    let mut noise_rate = 0.0;
-    for j in 0..N {
-        let at: [Dual64; N] = std::array::from_fn(|i| Dual64::new(x[i], f64::from(i == j)));
-        let drift = ito_drift(system, at);
-        let noise = system.noise(at);
-        for i in 0..N {
-            jacobian[(i, j)] = drift[i].eps;
-            noise_rate += noise[i].iter().map(|g| g.eps * g.eps).sum::<f64>();
+    /// The rate of a state: the spectral radius of ∂f/∂x, and Σ|∂G/∂x|².
+    fn rate(&self, x: &[f64]) -> f64 {
+        let mut jacobian = vec![0.0; x.len() * x.len()];
+        let noise_rate = self.problem.field().slopes(x, &mut jacobian) * self.amplitude * self.amplitude;
+        // The search for the eigenvalues of numbers that are not finite would never end.
+        if !jacobian.iter().all(|entry| entry.is_finite()) {
+            return f64::INFINITY;
         }
+        let eigenvalues = DMatrix::from_row_slice(x.len(), x.len(), &jacobian).complex_eigenvalues();
+        noise_rate + eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
     }
-    let fastest = eigenvalues(jacobian).iter().map(|value| value.norm()).max_by(f64::total_cmp);
-    fastest.map_or(f64::INFINITY, |fastest| noise_rate + fastest)
 }
 
 /// The number rounded down to two decimal digits.

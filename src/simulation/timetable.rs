@@ -1,4 +1,4 @@
-use super::store::stored;
+use serde::{Deserialize, Serialize};
 
 /// The stretches that a burn-in is divided into; the pilot's states are looked at between them.
 pub(super) const BURN_IN_STRETCHES: usize = 64;
@@ -10,20 +10,27 @@ const ROUND: usize = 1 << 21;
 const FIRST_LOOK: usize = 8;
 
 /// The path of every trajectory, cut into stretches: first those of the burn-in, then one for each sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub(super) struct Timetable {
     /// Time steps in each stretch of the burn-in.
     pub(super) burn_in_steps: usize,
     /// Time steps between two samples.
     pub(super) interval_steps: usize,
 }
-stored!(Timetable { burn_in_steps, interval_steps });
 
 impl Timetable {
     /// The time steps in the first `stretches` stretches.
     pub(super) fn steps(&self, stretches: usize) -> usize {
         let samples = samples(stretches);
         (stretches - samples) * self.burn_in_steps + samples * self.interval_steps
+    }
+
+    /// Whether so many trajectories with so many samples each are steps that can be counted exactly: 2⁵³, which at a billion a
+    /// second are a hundred days.
+    pub(super) fn holds(&self, trajectories: usize, samples: usize) -> bool {
+        let stretches = [(self.burn_in_steps, BURN_IN_STRETCHES), (self.interval_steps, samples)];
+        let path: f64 = stretches.iter().map(|&(steps, count)| steps as f64 * count as f64).sum();
+        self.burn_in_steps > 0 && self.interval_steps > 0 && trajectories as f64 * path <= 2.0_f64.powi(53)
     }
 
     /// The time that `trajectories` take for so many samples each, with the time step h.

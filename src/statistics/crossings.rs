@@ -1,7 +1,8 @@
 use super::curve::{Curve, Effort};
-use super::{Marginal, Maximum};
-use crate::error::{finite, positive};
-use crate::{Crossing, Density, Estimate, Result};
+use super::{Marginal, Maximum, first_power, ratio};
+use crate::density::{Crossing, Density};
+use crate::error::{Result, finite, positive};
+use crate::estimate::Estimate;
 
 /// How often a displacement crosses a level from below, for every level: S. O. Rice's ν⁺(y) = ∫₀^∞ v p(y, v) dv per unit
 /// time (1944, doi:10.1002/j.1538-7305.1944.tb00874.x), and what follows from it.
@@ -21,14 +22,16 @@ impl Crossings {
     /// Tabulates ν⁺ of state `displacement` with state `velocity` as its rate of change.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there are no such states, or they are one; [`Error::LevelNotCounted`](crate::Error::LevelNotCounted) from a simulation,
-    /// which knows single levels only: ask [`Density::upcrossing_rate`] there.
-    pub fn new<const N: usize>(density: &dyn Density<N>, [displacement, velocity]: [usize; 2]) -> Result<Self> {
+    /// [`Error::Dimension`](crate::Error::Dimension) if there are no such states, or they are one;
+    /// [`Error::NotKnown`](crate::Error::NotKnown) from a simulation, which knows single levels only: ask
+    /// [`Density::upcrossing_rate`] there.
+    pub fn new(density: &dyn Density, [displacement, velocity]: [usize; 2]) -> Result<Self> {
+        let states = density.dimension();
         let at = |level: f64| Crossing { displacement, velocity, level, upward: true };
-        at(0.0).states::<N>()?;
-        let effort = Effort::of_states(N);
+        at(0.0).states(states)?;
+        let effort = Effort::of_states(states);
         let rate = Curve::new(|level| density.flux(at(level), 1), density.bounds()[displacement], effort)?;
-        let mean = density.moment(std::array::from_fn(|i| u32::from(i == displacement))).value;
+        let mean = density.moment(&first_power(displacement, states))?.value;
         Ok(Crossings { displacement: Marginal::new(density, displacement)?, rate, mean })
     }
 
@@ -83,7 +86,8 @@ impl Crossings {
     /// 1 − P₀ exp(−ν⁺ T) with P₀ = P(X ≤ level), under Poisson's assumption.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite or a duration that is negative or not finite.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite, or a duration that is negative or
+    /// not finite.
     pub fn first_passage(&self, level: f64, duration: f64) -> Result<Estimate> {
         finite("level", level)?;
         if duration != 0.0 {
@@ -118,10 +122,4 @@ impl Crossings {
         lines.dedup();
         lines
     }
-}
-
-/// A quotient with both errors.
-pub(super) fn ratio(a: Estimate, b: Estimate) -> Estimate {
-    let value = a.value / b.value;
-    Estimate::new(value, (a.error + value.abs() * b.error) / b.value.abs())
 }

@@ -1,6 +1,7 @@
-use crate::error::state_index;
-use crate::simulation::{SimulatedDensity, central};
-use crate::{Density, Estimate, Result};
+use super::first_power;
+use crate::density::{Density, Sampled};
+use crate::error::{Result, state_index};
+use crate::estimate::Estimate;
 
 /// The first four cumulants of one state: mean, variance, κ₃ = E(x − m)³ and κ₄ = E(x − m)⁴ − 3 Var².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,11 +21,11 @@ pub struct Cumulants {
 impl Cumulants {
     /// The cumulants of `state`.
     ///
-    /// They are means of powers of x − m. Of a simulation they are those of its raw moments, with the standard errors of
-    /// [`SimulatedDensity::kurtosis`], and lose digits where the mean is large compared with the standard deviation.
+    /// They are means of powers of x − m. Of a simulation they are those of its raw moments, each with one standard error,
+    /// and lose digits where the mean is large compared with the standard deviation.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state.
+    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state; as [`Density::expectation`].
     ///
     /// ```
     /// use expoly::{models::{Duffing, Solved}, statistics::Cumulants};
@@ -34,15 +35,16 @@ impl Cumulants {
     /// assert!((displacement.kurtosis().value - 1.12761676932 / 0.661714969204_f64.powi(2)).abs() < 1e-10);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn new<const N: usize>(density: &dyn Density<N>, state: usize) -> Result<Self> {
-        let state = state_index::<N>("the state of cumulants", state)?;
-        if let Some(simulation) = density.simulation() {
-            return Cumulants::sampled(simulation, state);
+    pub fn new(density: &dyn Density, state: usize) -> Result<Self> {
+        let states = density.dimension();
+        let state = state_index("the state of cumulants", state, states)?;
+        if let Some(sampled) = density.sampled() {
+            return Cumulants::sampled(sampled, state);
         }
-        let mean = density.moment(std::array::from_fn(|i| u32::from(i == state)));
+        let mean = density.moment(&first_power(state, states))?;
         let variance = density.variance(state)?;
         let central = |power: i32| density.expectation(&|x| (x[state] - mean.value).powi(power));
-        let [third, fourth] = [3, 4].map(central);
+        let (third, fourth) = (central(3)?, central(4)?);
         let value = fourth.value - 3.0 * variance.value.powi(2);
         let fourth = Estimate::new(value, fourth.error + 6.0 * variance.value.abs() * variance.error);
         let excess = standardised(fourth, variance, 4.0);
@@ -56,17 +58,15 @@ impl Cumulants {
         })
     }
 
-    fn sampled<const N: usize>(simulation: &SimulatedDensity<N>, state: usize) -> Result<Self> {
+    fn sampled(density: &dyn Sampled, state: usize) -> Result<Self> {
+        let of = |statistic: fn([f64; 3]) -> f64| density.of_moments(state, &|raw| statistic(central(raw)));
         Ok(Cumulants {
-            mean: simulation.mean(state)?,
-            variance: simulation.variance(state)?,
-            third: simulation.of_state(state, |raw| central(raw)[1])?,
-            fourth: simulation.of_state(state, |raw| {
-                let [variance, _, fourth] = central(raw);
-                fourth - 3.0 * variance.powi(2)
-            })?,
-            skewness: simulation.skewness(state)?,
-            kurtosis: simulation.kurtosis(state)?,
+            mean: density.of_moments(state, &|raw| raw[1])?,
+            variance: of(|[variance, _, _]| variance)?,
+            third: of(|[_, third, _]| third)?,
+            fourth: of(|[variance, _, fourth]| fourth - 3.0 * variance.powi(2))?,
+            skewness: of(|[variance, third, _]| third / variance.powf(1.5))?,
+            kurtosis: of(|[variance, _, fourth]| fourth / variance.powi(2))?,
         })
     }
 
@@ -87,4 +87,13 @@ fn standardised(cumulant: Estimate, variance: Estimate, order: f64) -> Estimate 
     let value = cumulant.value / scale;
     let relative = order / 2.0 * variance.error / variance.value;
     Estimate::new(value, cumulant.error / scale + value.abs() * relative)
+}
+
+/// The central moments 2, 3 and 4 from the raw moments 0 to 4.
+fn central(raw: &[f64]) -> [f64; 3] {
+    let (m, m2, m3, m4) = (raw[1], raw[2], raw[3], raw[4]);
+    let variance = m2 - m * m;
+    let third = m3 - 3.0 * m * m2 + 2.0 * m.powi(3);
+    let fourth = m4 - 4.0 * m * m3 + 6.0 * m * m * m2 - 3.0 * m.powi(4);
+    [variance, third, fourth]
 }

@@ -1,7 +1,9 @@
 //! A function of one variable as piecewise polynomials, and its integrals.
 
+use super::sum;
+use crate::error::Result;
+use crate::estimate::Estimate;
 use crate::quadrature::Rule;
-use crate::{Estimate, Result};
 use rayon::prelude::*;
 
 /// The most coefficients of a panel.
@@ -246,11 +248,6 @@ impl Panel {
         let (value, fall) = (self.value(t), -t * self.slope(t));
         if value > 0.0 && fall > 0.0 && value < ENDS * peak { value * value / fall } else { 0.0 }
     }
-}
-
-/// The sum of two estimates whose errors may have one source.
-pub(super) fn sum(a: Estimate, b: Estimate) -> Estimate {
-    Estimate::new(a.value + b.value, a.error + b.error)
 }
 
 /// P_0(t) … P_ORDER(t).

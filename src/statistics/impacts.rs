@@ -1,72 +1,106 @@
-use super::crossings::ratio;
 use super::curve::{Curve, Effort};
-use crate::error::finite;
-use crate::simulation::Distribution;
-use crate::{Barrier, Crossing, Density, Estimate, Result};
+use super::{crossing_of, ratio, sum};
+use crate::density::{Counted, Crossing, Density};
+use crate::error::{Error, Result, dimension, finite};
+use crate::estimate::Estimate;
+use crate::problem::Problem;
+use std::sync::Arc;
 
-/// The impacts at a wall below the displacement, state 0.
+/// The impacts at the walls of a problem, at all of them together.
 ///
-/// They come at the rate ν = ∫ |v| p(b, v) dv over v < 0, and the speed w of approach has the density w p(b, −w)/ν. An impact
-/// takes the share 1 − r² of the kinetic energy ½ w², for each unit of mass.
+/// At a wall at b they come at the rate ν = ∫ |v| p(b, v) dv over the velocities v towards it, and the speed w of approach
+/// has the density w p(b, ∓w)/ν. An impact takes the share 1 − r² of the kinetic energy ½ w², for each unit of mass.
 #[derive(Clone, Debug)]
 pub struct Impacts {
     rate: Estimate,
     mean_speed: Estimate,
     mean_square_speed: Estimate,
-    /// ∫ w³ p(b, −w) dw.
-    third: Estimate,
-    restitution: f64,
+    energy_loss: Estimate,
+    power: Estimate,
     speeds: Speeds,
 }
 
 /// The distribution of the speed of approach.
 #[derive(Clone, Debug)]
 enum Speeds {
-    /// w p(b, −w).
+    /// w p(b, ∓w).
     Flux(Curve),
     /// What a simulation counted.
-    Counted(Distribution),
+    Counted(Arc<dyn Counted>),
 }
 
 impl Impacts {
-    /// The impacts of a density above `barrier`, with state `velocity` as the velocity of state 0. Of a simulation, those
-    /// that it counted.
+    /// The impacts of the stationary density of `problem`. Of a simulation, those that it counted.
     ///
     /// # Errors
-    /// As [`Density::flux`] and [`Density::joint_marginal`].
+    /// [`Error::NotServed`] for a problem without a wall, [`Error::Dimension`] for a density of another number of states;
+    /// as [`Density::flux`] and [`Density::joint_marginal`].
     ///
     /// ```
-    /// use expoly::{Barrier, models::{Duffing, Solved}, statistics::Impacts};
-    /// let wall = Barrier::new(0.5, 1.0)?;
-    /// let above = Duffing::new(0.2, 1.0, 0.3, 0.2)?.exact_above(0.5)?;
-    /// let impacts = Impacts::new(&above, wall, 1)?;
+    /// use expoly::{Problem, Wall, models::{Duffing, Solved}, statistics::Impacts};
+    /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+    /// let problem = duffing.problem()?.with_wall(Wall::above(0.5, 1.0)?)?;
+    /// let impacts = Impacts::new(&duffing.exact_above(0.5)?, &problem)?;
     /// // An elastic wall takes nothing, and speeds have Rayleigh's distribution.
     /// assert_eq!(impacts.power().value, 0.0);
     /// assert!((impacts.speed_exceedance(2.0)?.value - (-2.0_f64).exp()).abs() < 1e-11);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn new<const N: usize>(density: &dyn Density<N>, barrier: Barrier, velocity: usize) -> Result<Self> {
-        let level = barrier.offset();
-        let crossing = Crossing { velocity, ..Crossing::downward(level) };
-        crossing.states::<N>()?;
-        let flux = |power: u32| density.flux(crossing, power);
-        let (rate, third, restitution) = (flux(1)?, flux(3)?, barrier.restitution());
-        if let Some((simulation, speeds)) = density.simulation().and_then(|s| Some((s, s.speed_distribution()?))) {
-            let [mean_speed, mean_square_speed] = [1, 2].map(|power| simulation.mean_of_impact_speeds(power));
-            let speeds = Speeds::Counted(speeds);
-            return Ok(Impacts { rate, mean_speed, mean_square_speed, third, restitution, speeds });
+    pub fn new(density: &dyn Density, problem: &Problem) -> Result<Self> {
+        let states = density.dimension();
+        dimension("the states of a problem", problem.dimension(), states)?;
+        // Each wall's passages towards it, and the share of the kinetic energy that it takes.
+        let mut walls: Vec<(Crossing, f64)> = Vec::new();
+        for wall in problem.walls() {
+            let velocity = problem.velocity_of(wall.state()).ok_or(Error::NotADisplacement { state: wall.state() })?;
+            walls.push((crossing_of(wall, velocity), (1.0 - wall.restitution().powi(2)) / 2.0));
         }
-        let [slowest, _] = density.bounds()[velocity];
-        let at = |w: f64| Ok(density.joint_marginal([0, velocity], [level, -w])?.scaled(w));
-        // Without a negative velocity there are no impacts; a curve needs an interval all the same.
-        let range = [0.0, (-slowest).max(f64::MIN_POSITIVE)];
+        if walls.is_empty() {
+            let (what, remedy) = ("a problem without a wall", "give the problem a wall by Problem::with_wall");
+            return Err(Error::NotServed { method: "statistic of impacts", what, remedy });
+        }
+        let nothing = Estimate::new(0.0, 0.0);
+        let (mut fluxes, mut power) = ([nothing; 3], nothing);
+        for (crossing, share) in &walls {
+            for (all, exponent) in fluxes.iter_mut().zip(1..) {
+                let flux = density.flux(*crossing, exponent)?;
+                *all = sum(*all, flux);
+                if exponent == 3 {
+                    power = sum(power, flux.scaled(*share));
+                }
+            }
+        }
+        let [rate, second, third] = fluxes;
+        let counted = density.sampled().and_then(|sampled| {
+            Some((sampled.impact_speeds()?, sampled.mean_impact_speed(1)?, sampled.mean_impact_speed(2)?))
+        });
+        if let Some((speeds, mean_speed, mean_square_speed)) = counted {
+            // A simulation counts the impacts at one wall.
+            let energy_loss = mean_square_speed.scaled(walls[0].1);
+            let speeds = Speeds::Counted(speeds);
+            return Ok(Impacts { rate, mean_speed, mean_square_speed, energy_loss, power, speeds });
+        }
+        let bounds = density.bounds();
+        let at = |w: f64| {
+            walls.iter().try_fold(nothing, |all, (crossing, _)| {
+                let Crossing { displacement, velocity, level, upward } = *crossing;
+                let v = if upward { w } else { -w };
+                Ok(sum(all, density.joint_marginal([displacement, velocity], [level, v])?.scaled(w)))
+            })
+        };
+        let fastest = walls.iter().map(|(crossing, _)| {
+            let [low, high] = bounds[crossing.velocity];
+            if crossing.upward { high } else { -low }
+        });
+        // Without a velocity towards a wall there are no impacts; a curve needs an interval all the same.
+        let range = [0.0, fastest.fold(f64::MIN_POSITIVE, f64::max)];
         Ok(Impacts {
             rate,
-            mean_speed: ratio(flux(2)?, rate),
+            mean_speed: ratio(second, rate),
             mean_square_speed: ratio(third, rate),
-            third,
-            restitution,
-            speeds: Speeds::Flux(Curve::new(at, range, Effort::of_states(N))?),
+            energy_loss: ratio(power, rate),
+            power,
+            speeds: Speeds::Flux(Curve::new(at, range, Effort::of_states(states))?),
         })
     }
 
@@ -88,7 +122,7 @@ impl Impacts {
     /// The density of the speed of approach at `w` ≥ 0.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a speed that is not finite.
+    /// [`Error::OutOfRange`] for a speed that is not finite.
     pub fn speed_pdf(&self, w: f64) -> Result<Estimate> {
         let w = finite("speed", w)?;
         Ok(match &self.speeds {
@@ -111,16 +145,12 @@ impl Impacts {
 
     /// The mean energy lost in an impact, ½ (1 − r²) E w², for each unit of mass.
     pub fn energy_loss(&self) -> Estimate {
-        self.mean_square_speed().scaled(self.share())
+        self.energy_loss
     }
 
-    /// The mean energy lost in impacts per unit time, ½ (1 − r²) ∫ w³ p(b, −w) dw, for each unit of mass. Together with
+    /// The mean energy lost in impacts per unit time, ½ (1 − r²) ∫ w³ p(b, ∓w) dw, for each unit of mass. Together with
     /// c E v² of a linear damper it is what the noise puts in, D.
     pub fn power(&self) -> Estimate {
-        self.third.scaled(self.share())
-    }
-
-    fn share(&self) -> f64 {
-        (1.0 - self.restitution.powi(2)) / 2.0
+        self.power
     }
 }

@@ -1,8 +1,9 @@
 use super::curve::{Curve, Effort};
 use super::probability;
-use crate::error::{finite, state_index};
-use crate::simulation::Distribution;
-use crate::{Density, Estimate, Result};
+use crate::density::{Counted, Density};
+use crate::error::{Result, finite, state_index};
+use crate::estimate::Estimate;
+use std::sync::Arc;
 
 /// Points on each panel in the search for extrema.
 const SCAN: usize = 16;
@@ -19,7 +20,7 @@ const SCAN: usize = 16;
 pub struct Marginal {
     curve: Curve,
     /// What a simulation counted.
-    counted: Option<Distribution>,
+    counted: Option<Arc<dyn Counted>>,
 }
 
 impl Marginal {
@@ -27,10 +28,11 @@ impl Marginal {
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state.
-    pub fn new<const N: usize>(density: &dyn Density<N>, state: usize) -> Result<Self> {
-        let state = state_index::<N>("the state of a marginal", state)?;
-        let curve = Curve::new(|x| density.marginal(state, x), density.bounds()[state], Effort::of_states(N))?;
-        let counted = density.simulation().map(|simulation| simulation.distribution(state)).transpose()?;
+    pub fn new(density: &dyn Density, state: usize) -> Result<Self> {
+        let states = density.dimension();
+        let state = state_index("the state of a marginal", state, states)?;
+        let curve = Curve::new(|x| density.marginal(state, x), density.bounds()[state], Effort::of_states(states))?;
+        let counted = density.sampled().map(|sampled| sampled.distribution(state)).transpose()?;
         Ok(Marginal { curve, counted })
     }
 

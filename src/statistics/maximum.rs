@@ -1,8 +1,8 @@
 use super::curve::{Curve, Effort};
 use super::marginal::crossing;
 use super::probability;
-use crate::error::finite;
-use crate::{Estimate, Result};
+use crate::error::{Result, finite};
+use crate::estimate::Estimate;
 
 /// Points between two lines in the search for minima.
 const SCAN: usize = 8;

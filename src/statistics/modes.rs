@@ -1,4 +1,5 @@
-use crate::{Density, Error, Result};
+use crate::density::Density;
+use crate::error::{Error, Result};
 
 /// Points along each of one or two states in the scan for maxima.
 const SCAN: usize = 61;
@@ -9,10 +10,10 @@ const STARTS: usize = 24;
 const SAME: f64 = 1e-3;
 
 /// A local maximum of a density.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mode<const N: usize> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
     /// Where it is.
-    pub at: [f64; N],
+    pub at: Vec<f64>,
     /// ln p there.
     pub log_pdf: f64,
 }
@@ -34,50 +35,56 @@ pub struct Mode<const N: usize> {
 /// assert!((wells[0].at[0].abs() - 1.0).abs() < 1e-9 && wells[0].at[1].abs() < 1e-9);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn modes<const N: usize>(density: &dyn Density<N>) -> Result<Vec<Mode<N>>> {
+pub fn modes(density: &dyn Density) -> Result<Vec<Mode>> {
     let bounds = density.bounds();
-    let widths = bounds.map(|[low, high]| high - low);
-    let mut found: Vec<Mode<N>> = Vec::new();
-    for start in starts(density, &bounds) {
-        let mode = finished(density, climbed(density, start, &bounds), &bounds);
-        let near = |other: &Mode<N>| (0..N).all(|i| (other.at[i] - mode.at[i]).abs() < SAME * widths[i]);
+    let mut found: Vec<Mode> = Vec::new();
+    for start in starts(density, &bounds)? {
+        let mode = finished(density, climbed(density, start, &bounds)?, &bounds)?;
+        let near = |other: &Mode| {
+            let places = other.at.iter().zip(&mode.at).zip(&bounds);
+            places.into_iter().all(|((a, b), [low, high])| (a - b).abs() < SAME * (high - low))
+        };
         if mode.log_pdf.is_finite() && !found.iter().any(near) {
             found.push(mode);
         }
     }
     if found.is_empty() {
         let remedy = "in more than two states ask a closure, or for the modes of single states";
-        return Err(Error::NotKnown { what: "where its maxima are", remedy });
+        return Err(Error::NotKnown { what: "its maxima".into(), remedy });
     }
     found.sort_by(|a, b| b.log_pdf.total_cmp(&a.log_pdf));
     Ok(found)
 }
 
 /// Where to climb from: the local maxima of a lattice, or the highest of scattered points.
-fn starts<const N: usize>(density: &dyn Density<N>, bounds: &[[f64; 2]; N]) -> Vec<[f64; N]> {
-    let at = |shares: [f64; N]| -> [f64; N] {
-        std::array::from_fn(|i| bounds[i][0] + shares[i] * (bounds[i][1] - bounds[i][0]))
+fn starts(density: &dyn Density, bounds: &[[f64; 2]]) -> Result<Vec<Vec<f64>>> {
+    let n = bounds.len();
+    let at = |share: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        bounds.iter().enumerate().map(|(i, [low, high])| low + share(i) * (high - low)).collect()
     };
-    if N > 2 {
+    if n > 2 {
         // A Kronecker sequence by square roots, as even as a lattice and not aligned with it.
         let share = |k: usize, i: usize| ((k + 1) as f64 * (i as f64 + 2.37).sqrt() * 0.754_877_666).fract();
-        let mut points: Vec<([f64; N], f64)> = (0..POINTS)
-            .map(|k| at(std::array::from_fn(|i| share(k, i))))
-            .map(|x| (x, density.log_pdf(&x)))
-            .filter(|(_, log)| log.is_finite())
-            .collect();
+        let mut points = Vec::with_capacity(POINTS);
+        for k in 0..POINTS {
+            let x = at(&|i| share(k, i));
+            let log = density.log_pdf(&x)?;
+            if log.is_finite() {
+                points.push((x, log));
+            }
+        }
         points.sort_by(|a, b| b.1.total_cmp(&a.1));
-        return points.into_iter().take(STARTS).map(|(x, _)| x).collect();
+        return Ok(points.into_iter().take(STARTS).map(|(x, _)| x).collect());
     }
-    let total = SCAN.pow(N as u32);
+    let total = SCAN.pow(n as u32);
     let index = |k: usize, i: usize| k / SCAN.pow(i as u32) % SCAN;
-    let point = |k: usize| at(std::array::from_fn(|i| index(k, i) as f64 / (SCAN - 1) as f64));
-    let values: Vec<f64> = (0..total).map(|k| density.log_pdf(&point(k))).collect();
+    let point = |k: usize| at(&|i| index(k, i) as f64 / (SCAN - 1) as f64);
+    let values: Vec<f64> = (0..total).map(|k| density.log_pdf(&point(k))).collect::<Result<_>>()?;
     let highest_around = |k: &usize| {
         values[*k].is_finite()
-            && (0..3_usize.pow(N as u32)).all(|shift| {
+            && (0..3_usize.pow(n as u32)).all(|shift| {
                 let mut other = 0;
-                for i in 0..N {
+                for i in 0..n {
                     let moved = (index(*k, i) + shift / 3_usize.pow(i as u32) % 3).checked_sub(1);
                     let Some(moved) = moved.filter(|moved| *moved < SCAN) else { return true };
                     other += moved * SCAN.pow(i as u32);
@@ -85,22 +92,25 @@ fn starts<const N: usize>(density: &dyn Density<N>, bounds: &[[f64; 2]; N]) -> V
                 values[other].is_nan() || values[other] <= values[*k]
             })
     };
-    (0..total).filter(highest_around).map(point).collect()
+    Ok((0..total).filter(highest_around).map(point).collect())
 }
 
 /// A pattern search: a step along each state, kept if it leads up, halved if none does.
-fn climbed<const N: usize>(density: &dyn Density<N>, start: [f64; N], bounds: &[[f64; 2]; N]) -> [f64; N] {
-    let (mut x, mut value) = (start, density.log_pdf(&start));
+fn climbed(density: &dyn Density, start: Vec<f64>, bounds: &[[f64; 2]]) -> Result<Vec<f64>> {
+    let mut value = density.log_pdf(&start)?;
+    let mut x = start;
     let mut step = 1.0 / SCAN as f64;
     while step > 1e-8 {
         let mut moved = false;
-        for i in 0..N {
+        for (i, [low, high]) in bounds.iter().enumerate() {
             for sign in [-1.0, 1.0] {
-                let mut next = x;
-                next[i] = (x[i] + sign * step * (bounds[i][1] - bounds[i][0])).clamp(bounds[i][0], bounds[i][1]);
-                let log = density.log_pdf(&next);
+                let here = x[i];
+                x[i] = (here + sign * step * (high - low)).clamp(*low, *high);
+                let log = density.log_pdf(&x)?;
                 if log > value {
-                    (x, value, moved) = (next, log, true);
+                    (value, moved) = (log, true);
+                } else {
+                    x[i] = here;
                 }
             }
         }
@@ -108,37 +118,37 @@ fn climbed<const N: usize>(density: &dyn Density<N>, start: [f64; N], bounds: &[
             step /= 2.0;
         }
     }
-    x
+    Ok(x)
 }
 
 /// Newton's steps along each state in turn, which near a maximum converge; kept only if they do not lead down.
-fn finished<const N: usize>(density: &dyn Density<N>, start: [f64; N], bounds: &[[f64; 2]; N]) -> Mode<N> {
+fn finished(density: &dyn Density, start: Vec<f64>, bounds: &[[f64; 2]]) -> Result<Mode> {
     /// The step of the differences, in units of the bounds: ln p is a smooth function of ordinary width.
     const STEP: f64 = 1e-3;
-    let mut mode = Mode { at: start, log_pdf: density.log_pdf(&start) };
+    let log_pdf = density.log_pdf(&start)?;
+    let mut mode = Mode { at: start, log_pdf };
     for _ in 0..20 {
-        let mut next = mode.at;
-        for i in 0..N {
-            let h = STEP * (bounds[i][1] - bounds[i][0]);
-            let value = |shift: f64| {
-                let mut x = next;
-                x[i] += shift * h;
-                density.log_pdf(&x)
+        let mut next = mode.at.clone();
+        for (i, [low, high]) in bounds.iter().enumerate() {
+            let h = STEP * (high - low);
+            let here = next[i];
+            let mut value = |shift: f64| {
+                next[i] = here + shift * h;
+                density.log_pdf(&next)
             };
-            let [far_below, below, here, above, far_above] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(value);
+            let [far_below, below, at, above, far_above] =
+                [value(-2.0)?, value(-1.0)?, value(0.0)?, value(1.0)?, value(2.0)?];
             let slope = (8.0 * (above - below) - (far_above - far_below)) / (12.0 * h);
-            let curvature = (16.0 * (above + below) - (far_above + far_below) - 30.0 * here) / (12.0 * h * h);
+            let curvature = (16.0 * (above + below) - (far_above + far_below) - 30.0 * at) / (12.0 * h * h);
             let step = -slope / curvature;
-            if curvature < 0.0 && step.abs() < h {
-                next[i] += step;
-            }
+            next[i] = if curvature < 0.0 && step.abs() < h { here + step } else { here };
         }
-        let log_pdf = density.log_pdf(&next);
+        let log_pdf = density.log_pdf(&next)?;
         // Rounding of ln p decides nothing here.
         if next == mode.at || log_pdf.is_nan() || log_pdf < mode.log_pdf - 1e-12 * mode.log_pdf.abs().max(1.0) {
             break;
         }
         mode = Mode { at: next, log_pdf };
     }
-    mode
+    Ok(mode)
 }

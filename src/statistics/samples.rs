@@ -1,6 +1,8 @@
-use crate::density::{Cell, cell_lines};
-use crate::{Density, Error, Result};
-use nalgebra::{Cholesky, SMatrix, SVector};
+use super::first_power;
+use crate::density::{Cell, Density, cell_lines};
+use crate::error::{Error, Result};
+use crate::states::States;
+use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
@@ -26,9 +28,9 @@ const WIDENED: f64 = 1.25;
 
 /// Independent states drawn from a density.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Samples<const N: usize> {
+pub struct Samples {
     /// The states.
-    pub states: Vec<[f64; N]>,
+    pub states: States,
     /// Where the states are drawn again from weighted ones: how many independent ones those are worth, (Σw)²/Σw². States
     /// repeat themselves when more than a fraction of that many are drawn. None where all are independent.
     pub effective: Option<f64>,
@@ -44,8 +46,8 @@ pub struct Samples<const N: usize> {
 /// there.
 ///
 /// # Errors
-/// [`Error::NoSamples`] for a `count` of zero; [`Error::NotKnown`] if the density does not know its values, as a simulation of
-/// more than two states, or is too uneven for an envelope.
+/// [`Error::NoSamples`] for a `count` of zero; [`Error::NotKnown`] if the density does not know its values, as a simulation
+/// of more than two states, or is too uneven for an envelope.
 ///
 /// ```
 /// use expoly::{models::{Duffing, Solved}, statistics::samples};
@@ -56,43 +58,51 @@ pub struct Samples<const N: usize> {
 /// assert!((square - 0.6617).abs() < 0.032);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn samples<const N: usize>(density: &dyn Density<N>, count: usize, seed: u64) -> Result<Samples<N>> {
+pub fn samples(density: &dyn Density, count: usize, seed: u64) -> Result<Samples> {
     if count == 0 {
         return Err(Error::NoSamples { what: "the number of states to draw", least: 1 });
     }
-    if N <= 2 {
+    let dimension = density.dimension();
+    if dimension <= 2 {
         return Ok(Samples { states: by_rejection(density, count, seed)?, effective: None });
     }
-    let weighted = density.weighted_states().map_or_else(|| proposed(density, seed), Ok)?;
-    let [sum, squares] = weighted.iter().fold([0.0; 2], |[sum, squares], (_, w)| [sum + w, squares + w * w]);
+    let (states, weights) = density.weighted_states().map_or_else(|| proposed(density, seed), Ok)?;
+    let [sum, squares] = weights.iter().fold([0.0; 2], |[sum, squares], w| [sum + w, squares + w * w]);
     if !(sum.is_finite() && sum > 0.0) {
-        return Err(UNKNOWN_VALUES);
+        return Err(unknown_values());
     }
-    let cumulative = cumulated(weighted.iter().map(|(_, w)| *w));
-    let draw = |stream: &mut ChaCha8Rng| Ok(weighted[chosen(&cumulative, stream.random())].0);
-    Ok(Samples { states: in_blocks(count, seed, draw)?, effective: Some(sum * sum / squares) })
+    let cumulative = cumulated(weights.iter().copied());
+    let draw = |stream: &mut ChaCha8Rng, drawn: &mut Vec<f64>| {
+        drawn.extend_from_slice(states.state(chosen(&cumulative, stream.random())));
+        Ok(())
+    };
+    Ok(Samples { states: in_blocks(dimension, count, seed, draw)?, effective: Some(sum * sum / squares) })
 }
 
-const UNKNOWN_VALUES: Error = Error::NotKnown {
-    what: "its value at a state",
-    remedy: "in more than two states draw from a closure, or take the simulation's own states",
-};
+fn unknown_values() -> Error {
+    let remedy = "in more than two states draw from a closure, or take the simulation's own states";
+    Error::NotKnown { what: "its value at a state".into(), remedy }
+}
 
-/// `count` draws, each block from a random stream of its own.
-fn in_blocks<const N: usize>(
+/// `count` draws, each block from a random stream of its own; `draw` appends a state.
+fn in_blocks(
+    dimension: usize,
     count: usize,
     seed: u64,
-    draw: impl Fn(&mut ChaCha8Rng) -> Result<[f64; N]> + Sync,
-) -> Result<Vec<[f64; N]>> {
-    let blocks: Result<Vec<Vec<[f64; N]>>> = (0..count.div_ceil(BLOCK))
+    draw: impl Fn(&mut ChaCha8Rng, &mut Vec<f64>) -> Result<()> + Sync,
+) -> Result<States> {
+    let blocks: Result<Vec<Vec<f64>>> = (0..count.div_ceil(BLOCK))
         .into_par_iter()
         .map(|block| {
             let mut stream = ChaCha8Rng::seed_from_u64(seed);
             stream.set_stream(block as u64);
-            (0..BLOCK.min(count - block * BLOCK)).map(|_| draw(&mut stream)).collect()
+            let size = BLOCK.min(count - block * BLOCK);
+            let mut drawn = Vec::with_capacity(dimension * size);
+            (0..size).try_for_each(|_| draw(&mut stream, &mut drawn))?;
+            Ok(drawn)
         })
         .collect();
-    Ok(blocks?.concat())
+    Ok(States::from_values(dimension, blocks?.concat()))
 }
 
 fn cumulated(weights: impl Iterator<Item = f64>) -> Vec<f64> {
@@ -110,23 +120,24 @@ fn chosen(cumulative: &[f64], u: f64) -> usize {
 }
 
 /// A cell, the highest and the lowest density met on it.
-#[derive(Clone, Copy, Debug)]
-struct Piece<const N: usize> {
-    cell: Cell<N>,
+#[derive(Clone, Debug)]
+struct Piece {
+    cell: Cell,
     highest: f64,
     lowest: f64,
 }
 
-impl<const N: usize> Piece<N> {
+impl Piece {
     /// Looks at corners, middles of sides and centre.
-    fn new(density: &dyn Density<N>, cell: Cell<N>) -> Self {
+    fn new(density: &dyn Density, cell: Cell) -> Result<Self> {
+        let states = density.dimension();
         let mut piece = Piece { cell, highest: 0.0, lowest: f64::INFINITY };
-        for k in 0..3_usize.pow(N as u32) {
-            let shares = std::array::from_fn(|i| (k / 3_usize.pow(i as u32) % 3) as f64 / 2.0);
-            let p = density.pdf(&cell.at(shares)).value.max(0.0);
+        for k in 0..3_usize.pow(states as u32) {
+            let shares: Vec<f64> = (0..states).map(|i| (k / 3_usize.pow(i as u32) % 3) as f64 / 2.0).collect();
+            let p = density.pdf(&piece.cell.at(&shares))?.value.max(0.0);
             (piece.highest, piece.lowest) = (piece.highest.max(p), piece.lowest.min(p));
         }
-        piece
+        Ok(piece)
     }
 
     fn mass(&self) -> f64 {
@@ -135,52 +146,53 @@ impl<const N: usize> Piece<N> {
 }
 
 /// Cells on which the density varies little.
-fn pieces<const N: usize>(density: &dyn Density<N>) -> Vec<Piece<N>> {
-    let of = |cells: Vec<Cell<N>>| -> Vec<Piece<N>> {
+fn pieces(density: &dyn Density) -> Result<Vec<Piece>> {
+    let of = |cells: Vec<Cell>| -> Result<Vec<Piece>> {
         cells.into_par_iter().map(|cell| Piece::new(density, cell)).collect()
     };
-    let mut pieces = of(Cell::between(&cell_lines(&density.bounds(), CELLS, |_| Vec::new())));
+    let mut pieces = of(Cell::between(&cell_lines(&density.bounds(), CELLS, |_| Vec::new())))?;
     for _ in 0..HALVINGS {
         let total: f64 = pieces.iter().map(Piece::mass).sum();
         let (uneven, even): (Vec<_>, Vec<_>) =
-            pieces.iter().partition(|piece| piece.mass() > SHARE * total && piece.highest > UNEVEN * piece.lowest);
+            pieces.into_iter().partition(|piece| piece.mass() > SHARE * total && piece.highest > UNEVEN * piece.lowest);
+        pieces = even;
         if uneven.is_empty() {
             break;
         }
-        pieces = even;
-        pieces.extend(of(uneven.iter().flat_map(|piece| piece.cell.children()).collect()));
+        pieces.extend(of(uneven.iter().flat_map(|piece| piece.cell.children()).collect())?);
     }
     pieces.retain(|piece| piece.highest > 0.0 && piece.highest.is_finite());
-    pieces
+    Ok(pieces)
 }
 
-fn by_rejection<const N: usize>(density: &dyn Density<N>, count: usize, seed: u64) -> Result<Vec<[f64; N]>> {
-    let too_low = Error::NotKnown {
-        what: "an upper bound of its values",
-        remedy: "it is too uneven to draw from, or infinite somewhere",
-    };
-    let pieces = pieces(density);
+fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States> {
+    let remedy = "it is too uneven to draw from, or infinite somewhere";
+    let too_low = Error::NotKnown { what: "an upper bound of its values".into(), remedy };
+    let pieces = pieces(density)?;
     if pieces.is_empty() {
-        return Err(UNKNOWN_VALUES);
+        return Err(unknown_values());
     }
+    let dimension = density.dimension();
     let cumulative = cumulated(pieces.iter().map(Piece::mass));
     let mut margin = MARGIN;
     for _ in 0..ATTEMPTS {
-        let draw = |stream: &mut ChaCha8Rng| {
+        let draw = |stream: &mut ChaCha8Rng, drawn: &mut Vec<f64>| {
             loop {
                 let piece = &pieces[chosen(&cumulative, stream.random())];
-                let x = piece.cell.at(std::array::from_fn(|_| stream.random()));
-                let (p, envelope) = (density.pdf(&x).value, margin * piece.highest);
+                let shares: Vec<f64> = (0..dimension).map(|_| stream.random()).collect();
+                let x = piece.cell.at(&shares);
+                let (p, envelope) = (density.pdf(&x)?.value, margin * piece.highest);
                 // What is not a number is no bound either.
                 if p.is_nan() || p > envelope {
                     return Err(too_low.clone());
                 }
                 if stream.random::<f64>() * envelope < p {
-                    return Ok(x);
+                    drawn.extend(x);
+                    return Ok(());
                 }
             }
         };
-        match in_blocks(count, seed, draw) {
+        match in_blocks(dimension, count, seed, draw) {
             Err(error) if error == too_low => margin *= 1.5,
             answer => return answer,
         }
@@ -189,27 +201,35 @@ fn by_rejection<const N: usize>(density: &dyn Density<N>, count: usize, seed: u6
 }
 
 /// States from a normal density with the density's mean and covariance, weighted.
-fn proposed<const N: usize>(density: &dyn Density<N>, seed: u64) -> Result<Vec<([f64; N], f64)>> {
-    let power = |powers: [usize; 2], count: usize| -> f64 {
-        density
-            .moment(std::array::from_fn(|i| powers[..count].iter().filter(|&&state| state == i).count() as u32))
-            .value
-    };
-    let mean = SVector::<f64, N>::from_fn(|i, _| power([i, i], 1));
-    let covariance = SMatrix::<f64, N, N>::from_fn(|i, j| power([i, j], 2) - mean[i] * mean[j]);
-    let lower = Cholesky::new(covariance).ok_or(UNKNOWN_VALUES)?.l() * WIDENED;
+fn proposed(density: &dyn Density, seed: u64) -> Result<(States, Vec<f64>)> {
+    let n = density.dimension();
+    let mut mean = DVector::zeros(n);
+    for i in 0..n {
+        mean[i] = density.moment(&first_power(i, n))?.value;
+    }
+    let mut covariance = DMatrix::zeros(n, n);
+    for i in 0..n {
+        for j in 0..n {
+            let powers: Vec<u32> = (0..n).map(|k| u32::from(k == i) + u32::from(k == j)).collect();
+            covariance[(i, j)] = density.moment(&powers)?.value - mean[i] * mean[j];
+        }
+    }
+    let lower = Cholesky::new(covariance).ok_or_else(unknown_values)?.l() * WIDENED;
     // Streams of its own, so that the draws from these states are independent of them.
-    let normals = in_blocks(DRAWS, seed ^ 0x9e37_79b9_7f4a_7c15, |stream| {
-        Ok(std::array::from_fn(|_| stream.sample(StandardNormal)))
+    let normals = in_blocks(n, DRAWS, seed ^ 0x9e37_79b9_7f4a_7c15, |stream, drawn| {
+        drawn.extend((0..n).map(|_| stream.sample::<f64, _>(StandardNormal)));
+        Ok(())
     })?;
-    let states: Vec<([f64; N], f64)> = normals
-        .into_par_iter()
-        .map(|z: [f64; N]| {
-            let z = SVector::from(z);
-            let x: [f64; N] = (mean + lower * z).into();
-            (x, density.log_pdf(&x) + z.norm_squared() / 2.0)
+    let weighted: Vec<(Vec<f64>, f64)> = normals
+        .par_iter()
+        .map(|z| {
+            let z = DVector::from_column_slice(z);
+            let x: Vec<f64> = (&mean + &lower * &z).iter().copied().collect();
+            let log = density.log_pdf(&x)? + z.norm_squared() / 2.0;
+            Ok((x, log))
         })
-        .collect();
-    let top = states.iter().map(|(_, log)| *log).fold(f64::NEG_INFINITY, f64::max);
-    Ok(states.into_iter().map(|(x, log)| (x, (log - top).exp())).collect())
+        .collect::<Result<_>>()?;
+    let top = weighted.iter().map(|(_, log)| *log).fold(f64::NEG_INFINITY, f64::max);
+    let weights = weighted.iter().map(|(_, log)| (log - top).exp()).collect();
+    Ok((States::from_values(n, weighted.into_iter().flat_map(|(x, _)| x).collect()), weights))
 }

@@ -1,132 +1,104 @@
 use super::answer::Answer;
-use super::table::OrderRow;
-use super::truth::{Errors, Truth};
-use crate::{Barrier, FokkerPlanck, PolynomialDrift, Result, energy_balance};
+use super::row::OrderRow;
+use super::truth::Truth;
+use crate::error::{Error, Result};
+use crate::problem::Problem;
+use crate::statistics::energy_balance;
+use std::fmt;
 use std::time::Instant;
 
-/// A system that can take part in a study of orders.
-///
-/// [`Case`] is one; the trait makes systems of different Rust types and dimensions fit into one study.
-pub trait StudyCase: Sync {
-    /// The system's name in the table.
-    fn name(&self) -> &str;
+type Solve<'a> = Box<dyn Fn(&Problem, u32) -> Result<Answer> + Sync + 'a>;
+type Known<'a> = Box<dyn Fn(&Problem) -> Result<Truth> + Sync + 'a>;
 
-    /// The methods' names, in the order of their rows.
-    fn methods(&self) -> Vec<&str>;
-
-    /// All that decides the rows, in words: parameters, not only names.
-    ///
-    /// # Errors
-    /// Where the system cannot be studied at all.
-    fn settings(&self) -> Result<String>;
-
-    /// Makes ready what all rows need, such as the truth, and returns what computes the row of a method and an order.
-    ///
-    /// # Errors
-    /// Where there is no truth.
-    fn prepare(&self) -> Result<Rows<'_>>;
-}
-
-impl<T: StudyCase + ?Sized> StudyCase for Box<T> {
-    fn name(&self) -> &str {
-        (**self).name()
-    }
-
-    fn methods(&self) -> Vec<&str> {
-        (**self).methods()
-    }
-
-    fn settings(&self) -> Result<String> {
-        (**self).settings()
-    }
-
-    fn prepare(&self) -> Result<Rows<'_>> {
-        (**self).prepare()
-    }
-}
-
-/// Computes the row of the method of an index, and of an order.
-pub type Rows<'a> = Box<dyn Fn(usize, u32) -> Result<OrderRow> + Sync + 'a>;
-
-type Solve<'a, T, const N: usize> = Box<dyn Fn(&T, u32) -> Result<Answer<N>> + Sync + 'a>;
-type Known<'a, T, const N: usize> = Box<dyn Fn(&T) -> Result<Truth<N>> + Sync + 'a>;
-
-/// A system, what is true of it, and the methods that are tried on it.
-pub struct Case<'a, T, const N: usize, const M: usize> {
+/// A problem, what is true of it, and the methods that are tried on it.
+pub struct Case<'a> {
     name: String,
-    system: T,
-    truth: Known<'a, T, N>,
-    methods: Vec<(String, Solve<'a, T, N>)>,
-    barrier: Option<Barrier>,
+    problem: Problem,
+    truth: Known<'a>,
+    methods: Vec<(String, Solve<'a>)>,
 }
 
-impl<T: std::fmt::Debug, const N: usize, const M: usize> std::fmt::Debug for Case<'_, T, N, M> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Case").field("name", &self.name).field("system", &self.system).finish_non_exhaustive()
+impl fmt::Debug for Case<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Case").field("name", &self.name).field("problem", &self.problem).finish_non_exhaustive()
     }
 }
 
-impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Case<'a, T, N, M> {
-    /// A system under a name, and what makes its truth: it is called once in a run, if any row is missing.
-    pub fn new(name: &str, system: T, truth: impl Fn(&T) -> Result<Truth<N>> + Sync + 'a) -> Self {
-        Case { name: name.to_owned(), system, truth: Box::new(truth), methods: Vec::new(), barrier: None }
+impl<'a> Case<'a> {
+    /// A problem under a name, and what makes its truth: it is called once in a run, if any row is missing.
+    pub fn new<T: Into<Truth>>(
+        name: &str,
+        problem: Problem,
+        truth: impl Fn(&Problem) -> Result<T> + Sync + 'a,
+    ) -> Self {
+        let truth = Box::new(move |problem: &Problem| truth(problem).map(Into::into));
+        Case { name: name.to_owned(), problem, truth, methods: Vec::new() }
     }
 
-    /// Adds a method. A study that goes on from a file knows the system's equation, but the method only by its name:
-    /// options that matter belong into it.
-    pub fn method(mut self, name: &str, solve: impl Fn(&T, u32) -> Result<Answer<N>> + Sync + 'a) -> Self {
-        self.methods.push((name.to_owned(), Box::new(solve)));
+    /// Adds a method, which gets the problem and an order. A study that goes on from a file knows the problem's equation and
+    /// its walls, but the method only by its name: options that matter belong into it.
+    #[must_use]
+    pub fn method<A: Into<Answer>>(
+        mut self,
+        name: &str,
+        solve: impl Fn(&Problem, u32) -> Result<A> + Sync + 'a,
+    ) -> Self {
+        let solve = Box::new(move |problem: &Problem, order| Answer::of(solve(problem, order)));
+        self.methods.push((name.to_owned(), solve));
         self
     }
 
-    /// Says that the methods solve above this wall: the power balance counts its impacts, and a file knows of it.
-    pub fn above(self, barrier: Barrier) -> Self {
-        Case { barrier: Some(barrier), ..self }
+    /// The number of methods.
+    pub(super) fn methods(&self) -> usize {
+        self.methods.len()
     }
 
-    fn row(&self, operator: &FokkerPlanck<N>, truth: &Truth<N>, method: usize, order: u32) -> Result<OrderRow> {
-        let (name, solve) = &self.methods[method];
+    /// All that decides the rows, in words.
+    pub(super) fn settings(&self) -> Result<String> {
+        let names: Vec<&String> =
+            std::iter::once(&self.name).chain(self.methods.iter().map(|(name, _)| name)).collect();
+        if let Some(name) = names.iter().find(|name| name.contains(['\n', '\r'])) {
+            return Err(Error::NotAName { name: (*name).clone(), problem: "a row of a table is one line" });
+        }
+        let operator = self.problem.operator();
+        Ok(format!("{names:?} {:?} {:?} {:?}", self.problem.walls(), operator.drift(), operator.diffusion()))
+    }
+
+    pub(super) fn truth(&self) -> Result<Truth> {
+        (self.truth)(&self.problem)
+    }
+
+    /// The row of a method and an order.
+    pub(super) fn row(&self, truth: &Truth, method: usize, order: u32) -> Result<OrderRow> {
+        let (method, solve) = &self.methods[method];
         let begin = Instant::now();
-        let Answer { facts, density, .. } = Answer::of(solve(&self.system, order))?;
-        let seconds = begin.elapsed().as_secs_f64();
-        let errors = density.as_ref().map_or(Ok(Errors::default()), |density| truth.errors(density))?;
-        // A system of which state 0 is no displacement has no power.
-        let balance = |density| energy_balance(operator, density, self.barrier).ok();
-        Ok(OrderRow {
+        let Answer { provenance, density, .. } = solve(&self.problem, order)?;
+        let mut row = OrderRow {
             system: self.name.clone(),
-            method: name.clone(),
+            method: method.clone(),
             order,
-            facts,
-            truth: truth.text().to_owned(),
-            l1: errors.l1.map(|l1| l1.value),
-            l1_error: errors.l1.map(|l1| l1.error),
-            tail: errors.tail,
-            mean_square_x: errors.mean_squares[0],
-            mean_square_v: errors.mean_squares[1],
-            rate: errors.rate,
-            balance: density.as_ref().and_then(balance).map(|b| b.value).filter(|value| value.is_finite()),
-            seconds,
-        })
-    }
-}
-
-impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> StudyCase for Case<'_, T, N, M> {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn methods(&self) -> Vec<&str> {
-        self.methods.iter().map(|(name, _)| name.as_str()).collect()
-    }
-
-    fn settings(&self) -> Result<String> {
-        let operator = FokkerPlanck::new(&self.system)?;
-        let (name, methods, wall) = (&self.name, self.methods(), self.barrier);
-        Ok(format!("{name:?} {methods:?} {wall:?} {:?} {:?}", operator.drift(), operator.diffusion()))
-    }
-
-    fn prepare(&self) -> Result<Rows<'_>> {
-        let (operator, truth) = (FokkerPlanck::new(&self.system)?, (self.truth)(&self.system)?);
-        Ok(Box::new(move |method, order| self.row(&operator, &truth, method, order)))
+            basis: provenance.basis,
+            unknowns: provenance.unknowns,
+            termination: provenance.termination,
+            origin: provenance.origin,
+            refusal: provenance.refusal,
+            warning: provenance.warning,
+            l1_estimate: provenance.l1_estimate,
+            indicator: provenance.indicator,
+            residual: provenance.residual,
+            condition: provenance.condition,
+            iterations: provenance.iterations,
+            seed: provenance.seed,
+            truth: truth.text(),
+            seconds: begin.elapsed().as_secs_f64(),
+            ..OrderRow::default()
+        };
+        if let Some(density) = density {
+            truth.compare(&*density, self.problem.velocity_of(0), &mut row)?;
+            // A system of which state 0 is no displacement has no power.
+            let balance = energy_balance(&self.problem, &*density).ok().map(|balance| balance.value);
+            row.balance = balance.filter(|value| value.is_finite());
+        }
+        Ok(row)
     }
 }

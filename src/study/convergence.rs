@@ -1,6 +1,6 @@
 //! How fast errors fall with the order, and how far that is worth while.
 
-use super::table::OrderRow;
+use super::row::OrderRow;
 use std::fmt;
 
 /// An error is the method's own while it is above the truth's by this factor.
@@ -48,11 +48,8 @@ impl Convergence {
         let points: Vec<[f64; 2]> =
             rows.iter().filter(clear).filter_map(|row| Some([f64::from(row.order), row.l1?.ln()])).collect();
         let logarithmic: Vec<[f64; 2]> = points.iter().map(|[n, y]| [n.ln(), *y]).collect();
-        let mut indicators: Vec<(u32, f64)> = rows
-            .iter()
-            .filter_map(|row| Some((row.order, row.facts.indicator?)))
-            .filter(|(_, eta)| !eta.is_nan())
-            .collect();
+        let mut indicators: Vec<(u32, f64)> =
+            rows.iter().filter_map(|row| Some((row.order, row.indicator?))).filter(|(_, eta)| !eta.is_nan()).collect();
         indicators.sort_by_key(|(order, _)| *order);
         let enough = (0..indicators.len())
             .find(|&k| indicators[k + 1..].iter().all(|(_, later)| WORTH * later >= indicators[k].1))
@@ -104,12 +101,10 @@ impl fmt::Display for Convergence {
 
 #[cfg(test)]
 mod tests {
-    use super::super::answer::Facts;
     use super::*;
 
     fn row(order: u32, l1: f64, indicator: f64) -> OrderRow {
-        let facts = Facts { indicator: Some(indicator), ..Facts::default() };
-        OrderRow { order, facts, l1: Some(l1), l1_error: Some(1e-9), ..OrderRow::default() }
+        OrderRow { order, indicator: Some(indicator), l1: Some(l1), l1_error: Some(1e-9), ..OrderRow::default() }
     }
 
     fn convergence(rows: &[OrderRow]) -> Convergence {

@@ -1,7 +1,8 @@
 //! Rows that are computed in parallel, and a file that keeps each as it finishes.
 
+use crate::error::{Error, Result};
+use crate::file;
 use crate::record::checksum;
-use crate::{Error, Result, file};
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use std::fs::{File, OpenOptions};
@@ -21,7 +22,7 @@ pub struct StudyProgress<'a> {
     pub row: &'a str,
 }
 
-/// What a study calls after each row; `Break` ends the study.
+/// What a study calls after each row, one row at a time; `Break` ends the study.
 pub(super) type Callback<'a> = Box<dyn FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a>;
 
 /// A table that is filled row by row.
@@ -56,7 +57,7 @@ impl<'a> Journal<'a> {
     fn heading(&self) -> Result<String> {
         let fingerprint = checksum(self.settings.as_bytes());
         let version = env!("CARGO_PKG_VERSION");
-        let columns = line(&("row", &self.columns))?;
+        let columns = text(&("row", &self.columns), false)?;
         Ok(format!("# expoly {version} study {fingerprint:016x}\n{columns}"))
     }
 
@@ -146,7 +147,7 @@ impl<'a> Journal<'a> {
         }
         let rows: Vec<R> = kept.rows.into_iter().flatten().collect();
         if let Some(path) = path {
-            let lines = rows.iter().enumerate().map(|numbered| line(&numbered));
+            let lines = rows.iter().enumerate().map(|numbered| text(&numbered, false));
             file::write(&path, (heading + &lines.collect::<Result<String>>()?).as_bytes())?;
         }
         Ok(rows)
@@ -162,14 +163,14 @@ impl Shared<'_> {
     fn keep<R: Serialize>(&mut self, row: usize, computed: &R, total: usize, path: Option<&Path>) -> Result<()> {
         if let (Some(file), Some(path)) = (&mut self.file, path) {
             // A single write: a run that is ended in the middle leaves at most one broken line, the last.
-            let written = file.write_all(line(&(row, computed))?.as_bytes()).and_then(|()| file.flush());
+            let written = file.write_all(text(&(row, computed), false)?.as_bytes()).and_then(|()| file.flush());
             written.map_err(|error| file::file_error("write", path, &error))?;
         }
         self.done += 1;
         if let Some(progress) = &mut self.progress
             && !self.cancelled
         {
-            let row = line(computed)?;
+            let row = text(computed, false)?;
             let verdict = progress(StudyProgress { done: self.done, total, row: row.trim_end() });
             self.cancelled = verdict == ControlFlow::Break(());
         }
@@ -177,10 +178,17 @@ impl Shared<'_> {
     }
 }
 
-/// One line of CSV, its end included. Numbers keep all their bits, and what is missing is an empty field.
-fn line(row: &impl Serialize) -> Result<String> {
+/// The names of a row's fields.
+pub(super) fn columns<R: Serialize + Default>() -> Result<Vec<String>> {
+    let table = text(&R::default(), true)?;
+    Ok(table.lines().next().unwrap_or_default().split(',').map(str::to_owned).collect())
+}
+
+/// A row as CSV, below the names of its fields if that is asked for. Numbers keep all their bits, and what is missing is an
+/// empty field.
+fn text(row: &impl Serialize, names: bool) -> Result<String> {
     let refused = |reason: String| Error::File { action: "write", path: String::from("a row of a study"), reason };
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    let mut writer = csv::WriterBuilder::new().has_headers(names).from_writer(Vec::new());
     writer.serialize(row).map_err(|error| refused(error.to_string()))?;
     let bytes = writer.into_inner().map_err(|error| refused(error.to_string()))?;
     String::from_utf8(bytes).map_err(|error| refused(error.to_string()))

@@ -1,6 +1,6 @@
 //! Studies: which order is enough, and what depends on a parameter.
 //!
-//! [`OrderStudy`] sets orders, systems and methods against what is true of the systems, in one table, and says how fast the
+//! [`OrderStudy`] sets orders, problems and methods against what is true of the problems, in one table, and says how fast the
 //! errors fall and from which order on the indicator no longer pays. [`Sweep`] follows a parameter, each value started from
 //! one close by. Both compute rows in parallel, report each as it finishes, can be cancelled, and can keep their rows in a
 //! file from which an interrupted study goes on.
@@ -10,15 +10,17 @@ mod case;
 mod convergence;
 mod journal;
 mod order;
+mod row;
 mod sweep;
 mod table;
 mod truth;
 
-pub use answer::{Answer, Facts};
-pub use case::{Case, Rows, StudyCase};
+pub use answer::Answer;
+pub use case::Case;
 pub use convergence::{Convergence, Slope};
 pub use journal::StudyProgress;
 pub use order::OrderStudy;
+pub use row::OrderRow;
 pub use sweep::{Sweep, SweepTable};
-pub use table::{OrderRow, OrderTable};
+pub use table::OrderTable;
 pub use truth::Truth;

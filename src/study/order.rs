@@ -1,30 +1,33 @@
-use super::case::{Rows, StudyCase};
-use super::journal::{Callback, Journal, StudyProgress};
-use super::table::{COLUMNS, OrderRow, OrderTable};
-use crate::{Error, Result};
-use std::collections::BTreeMap;
+use super::case::Case;
+use super::journal::{Callback, Journal, StudyProgress, columns};
+use super::row::OrderRow;
+use super::table::OrderTable;
+use super::truth::Truth;
+use crate::error::{Error, Result};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// A study of orders: all systems × methods × orders in one table.
+/// A study of orders: all problems × methods × orders in one table.
 ///
 /// Rows are computed in parallel. With a file, each row is appended as it finishes, and a study that was interrupted goes on
 /// from there, to the same table apart from the seconds.
 ///
 /// ```
-/// use expoly::models::{DuffingVanDerPol, Duffing, Solved};
-/// use expoly::study::{Case, OrderStudy, Truth};
+/// use expoly::models::{Duffing, Solved};
+/// use expoly::study::{Case, OrderStudy};
 /// use expoly::Closure;
-/// let duffing = Case::new("Duffing", Duffing::new(0.2, 1.0, 0.3, 0.2)?, |s| Ok(Truth::exact(s.exact()?)))
-///     .method("robust", |s, n| Ok(Closure::new(n).solve(s)?.into()))
-///     .method("classical", |s, n| Ok(Closure::classical(n).solve(s)?.into()));
-/// let table = OrderStudy::new(&[2, 4]).case(duffing).run()?;
+/// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+/// let case = Case::new("Duffing", duffing.problem()?, |_| duffing.exact())
+///     .method("robust", |problem, n| Closure::new(n).solve(problem))
+///     .method("classical", |problem, n| Closure::classical(n).solve(problem));
+/// let table = OrderStudy::new(&[2, 4]).case(case).run()?;
 /// assert!(table.rows()[0].l1.is_some_and(|l1| l1 > 0.05) && table.rows()[1].l1.is_some_and(|l1| l1 < 1e-8));
 /// # Ok::<(), expoly::Error>(())
 /// ```
 pub struct OrderStudy<'a> {
-    cases: Vec<Box<dyn StudyCase + 'a>>,
+    cases: Vec<Case<'a>>,
     orders: Vec<u32>,
     file: Option<PathBuf>,
     progress: Option<Callback<'a>>,
@@ -32,8 +35,8 @@ pub struct OrderStudy<'a> {
 
 impl fmt::Debug for OrderStudy<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<&str> = self.cases.iter().map(StudyCase::name).collect();
-        f.debug_struct("OrderStudy").field("cases", &names).field("orders", &self.orders).finish_non_exhaustive()
+        let (cases, orders) = (&self.cases, &self.orders);
+        f.debug_struct("OrderStudy").field("cases", cases).field("orders", orders).finish_non_exhaustive()
     }
 }
 
@@ -43,9 +46,10 @@ impl<'a> OrderStudy<'a> {
         OrderStudy { cases: Vec::new(), orders: orders.to_vec(), file: None, progress: None }
     }
 
-    /// Adds a system.
-    pub fn case(mut self, case: impl StudyCase + 'a) -> Self {
-        self.cases.push(Box::new(case));
+    /// Adds a case.
+    #[must_use]
+    pub fn case(mut self, case: Case<'a>) -> Self {
+        self.cases.push(case);
         self
     }
 
@@ -55,7 +59,8 @@ impl<'a> OrderStudy<'a> {
         OrderStudy { file: Some(path.as_ref().to_owned()), ..self }
     }
 
-    /// Calls back after each row; `Break` ends the study, and rows that have begun are still finished.
+    /// Calls back after each row, one at a time; `Break` ends the study, and rows that have begun are still finished. The
+    /// callback must not start parallel work of its own: its thread could be given a row, and wait for itself.
     pub fn progress(self, callback: impl FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
         OrderStudy { progress: Some(Box::new(callback)), ..self }
     }
@@ -63,38 +68,34 @@ impl<'a> OrderStudy<'a> {
     /// Computes the rows that are missing.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a study without rows; [`Error::OtherStudy`] for a file of another study,
-    /// [`Error::SpoiledStudy`] for one that was altered, [`Error::File`]; [`Error::StudyCancelled`]; and what truths and
-    /// methods return. That a method has no density at some order is a row, and no error.
+    /// [`Error::OutOfRange`] for a study without rows, [`Error::NotAName`] for a name of more than one line;
+    /// [`Error::OtherStudy`] for a file of another study, [`Error::SpoiledStudy`] for one that was altered, [`Error::File`];
+    /// [`Error::StudyCancelled`]; and what truths and methods return. That a method has no density at some order is a row,
+    /// and no error.
     pub fn run(self) -> Result<OrderTable> {
         let OrderStudy { cases, orders, file, progress } = self;
+        let columns = columns::<OrderRow>()?;
         let mut keys: Vec<(usize, usize, u32)> = Vec::new();
-        let mut settings = format!("{COLUMNS:?} {orders:?}");
+        let mut settings = format!("{columns:?} {orders:?}");
         for (k, case) in cases.iter().enumerate() {
             settings += &format!("\n{}", case.settings()?);
-            let methods = case.methods().len();
-            keys.extend((0..methods).flat_map(|method| orders.iter().map(move |&order| (k, method, order))));
+            keys.extend((0..case.methods()).flat_map(|method| orders.iter().map(move |&order| (k, method, order))));
         }
         if keys.is_empty() {
-            let remedy = "give it at least one order, one system and one method";
+            let remedy = "give it at least one order, one problem and one method";
             return Err(Error::OutOfRange { name: "number of rows of the study", value: 0.0, remedy });
         }
-        let columns = COLUMNS.map(str::to_owned).to_vec();
         let journal = Journal { columns, rows: keys.len(), settings, path: file, progress };
         // Truths first, each on all threads: a row that waited for one could be run by the thread that makes it.
-        let mut prepared: BTreeMap<usize, Rows<'_>> = BTreeMap::new();
-        for row in journal.missing::<OrderRow>()? {
-            let case = keys[row].0;
-            if let std::collections::btree_map::Entry::Vacant(entry) = prepared.entry(case) {
-                entry.insert(cases[case].prepare()?);
-            }
-        }
+        let missing: BTreeSet<usize> = journal.missing::<OrderRow>()?.into_iter().map(|row| keys[row].0).collect();
+        let truths = missing.into_iter().map(|case| Ok((case, cases[case].truth()?)));
+        let truths: BTreeMap<usize, Truth> = truths.collect::<Result<_>>()?;
         let rows = journal.run(|row| {
             let (case, method, order) = keys[row];
             // Only rows that were missing a moment ago are asked for.
-            match prepared.get(&case) {
-                Some(rows) => rows(method, order),
-                None => cases[case].prepare()?(method, order),
+            match truths.get(&case) {
+                Some(truth) => cases[case].row(truth, method, order),
+                None => cases[case].row(&cases[case].truth()?, method, order),
             }
         })?;
         Ok(OrderTable { rows })

@@ -1,5 +1,5 @@
 use super::journal::{Callback, Journal, StudyProgress};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -16,13 +16,12 @@ const SEGMENT: usize = 8;
 /// repeat no more than the middle ones.
 ///
 /// ```
-/// use expoly::{Closure, Density, models::DuffingVanDerPol, study::Sweep};
+/// use expoly::{Closure, Density, Problem, models::DuffingVanDerPol, study::Sweep};
 /// // E x² of x″ + (α + x²) x′ + x = ξ, where a limit cycle is born at α = 0.
-/// let sweep = Sweep::new("alpha", &[0.2, 0.0, -0.2], &["E x^2"]).run(|alpha, near: Option<&_>| {
-///     let system = DuffingVanDerPol::new([alpha, 1.0], 1.0, 0.0, 0.2)?;
-///     let closure = Closure::new(4);
-///     let density = near.map_or_else(|| closure.solve(&system), |near| closure.solve_from(&system, near))?;
-///     Ok((vec![density.moment([2, 0]).value], density))
+/// let sweep = Sweep::new("alpha", &[0.2, 0.0, -0.2], &["E x^2"]).run(|alpha, near| {
+///     let problem = Problem::of(DuffingVanDerPol::new([alpha, 1.0], 1.0, 0.0, 0.2)?)?;
+///     let density = Closure::new(4).starting_from(near).solve(&problem)?;
+///     Ok((vec![density.moment(&[2, 0])?.value], density))
 /// })?;
 /// assert!(sweep.column("E x^2")?.is_sorted_by(|a, b| a < b));
 /// # Ok::<(), expoly::Error>(())
@@ -83,13 +82,13 @@ impl<'a> Sweep<'a> {
         Sweep { file: Some(path.as_ref().to_owned()), ..self }
     }
 
-    /// Calls back after each row; `Break` ends the study, and rows that have begun are still finished.
+    /// Calls back after each row, as [`OrderStudy::progress`](super::OrderStudy::progress).
     pub fn progress(self, callback: impl FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
         Sweep { progress: Some(Box::new(callback)), ..self }
     }
 
-    /// Computes the rows that are missing: `solve` gets a value and, but for a segment's middle one, what it has made of the
-    /// segment's middle value; it returns the numbers of the columns, and that.
+    /// Computes the rows that are missing: `solve(value, near)` returns the numbers of the columns and what neighbours start
+    /// from; `near` is that of the segment's middle value, none for the middle value itself.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a sweep without values, for one that is not finite, and for an empty segment;

@@ -1,104 +1,120 @@
-use crate::{
-    ClosedDensity, Crossing, Density, Estimate, ExpPolynomial, GridDensity, Result, SimulatedDensity, compare,
-};
+use super::row::OrderRow;
+use crate::compare;
+use crate::density::{Crossing, Density, ExpPolynomial};
+use crate::error::Result;
+use crate::estimate::Estimate;
+use crate::grid::GridDensity;
+use crate::simulation::SimulatedDensity;
+use std::fmt;
 
 /// How far below its peak the truth is compared.
 const LEVEL: f64 = 1e-5;
 
-/// What the answers of one system are compared with.
-pub struct Truth<const N: usize> {
-    density: Box<dyn Density<N> + Send + Sync>,
-    l1: Distance<N>,
-    /// Whether ln p is known between samples.
-    smooth: bool,
-    /// What it is, in a few words.
-    text: String,
+/// What the answers of one case are compared with: an exact density, a solution on a grid, or a simulation.
+pub struct Truth(Kind);
+
+enum Kind {
+    Exact(Box<dyn Density>),
+    Grid(Box<GridDensity>),
+    /// The distance is that of the first state's marginal from the histogram, whose noise is in it.
+    Simulation(Box<SimulatedDensity>),
 }
 
-/// The distance ∫ |p − q| of an answer, and what the truth's own error makes of it.
-type Distance<const N: usize> = Box<dyn Fn(&ClosedDensity<N>) -> Result<Estimate> + Send + Sync>;
-
-/// The errors of one answer against the truth. What cannot be compared is missing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Errors {
-    pub(super) l1: Option<Estimate>,
-    pub(super) tail: Option<f64>,
-    /// Relative, of E x₁² and E x₂².
-    pub(super) mean_squares: [Option<f64>; 2],
-    /// Relative, of the rate of up-crossings of the mean.
-    pub(super) rate: Option<f64>,
-}
-
-impl<const N: usize> std::fmt::Debug for Truth<N> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Truth").field("text", &self.text).finish_non_exhaustive()
+impl fmt::Debug for Truth {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Truth").field(&self.text()).finish()
     }
 }
 
-impl<const N: usize> Truth<N> {
-    /// A density in closed form.
-    pub fn exact(density: impl Density<N> + Clone + Send + 'static) -> Self {
-        let exact = density.clone();
-        let l1 = move |answer: &ClosedDensity<N>| Ok(compare::l1(answer, &exact));
-        Truth { density: Box::new(density), l1: Box::new(l1), smooth: true, text: String::from("exact density") }
-    }
-
-    /// A simulation: the distance is that of the first state's marginal from the histogram, whose noise is in it.
-    pub fn simulation(density: SimulatedDensity<N>) -> Self {
-        let simulated = density.clone();
-        let l1 = move |answer: &ClosedDensity<N>| {
-            let distance = compare::with_histogram(answer, 0, simulated.histogram(0)?)?;
-            Ok(Estimate::new(distance.l1, distance.noise))
-        };
-        let provenance = density.provenance();
-        let text = format!(
-            "simulation of {} samples, seed {}, time step {}",
-            provenance.samples, provenance.seed, provenance.time_step
-        );
-        Truth { density: Box::new(density), l1: Box::new(l1), smooth: false, text }
-    }
-
-    pub(super) fn text(&self) -> &str {
-        &self.text
-    }
-
-    pub(super) fn errors(&self, answer: &ClosedDensity<N>) -> Result<Errors> {
-        let square = |state: usize| std::array::from_fn(|i| if i == state { 2 } else { 0 });
-        let relative = |p: f64, q: f64| Some(p / q - 1.0).filter(|error| error.is_finite());
-        let mean_square = |state: usize| {
-            let compared = || relative(answer.moment(square(state)).value, self.density.moment(square(state)).value);
-            (state < N).then(compared).flatten()
-        };
-        // A simulation has counted only the levels that it was asked to.
-        let mean = self.density.moment(std::array::from_fn(|i| u32::from(i == 0))).value;
-        let mean = if self.smooth { mean } else { 0.0 };
-        let rate = |density: &dyn Density<N>| density.flux(Crossing::upward(mean), 1).ok().map(|rate| rate.value);
-        let tail =
-            || Some(compare::log_ratio(answer, &*self.density, LEVEL).ok()?.value).filter(|tail| tail.is_finite());
-        Ok(Errors {
-            l1: Some((self.l1)(answer)?).filter(|l1| l1.value.is_finite()),
-            tail: if self.smooth && N <= 2 { tail() } else { None },
-            mean_squares: [0, 1].map(mean_square),
-            rate: rate(&*self.density).zip(rate(answer)).and_then(|(truth, found)| relative(found, truth)),
-        })
-    }
-}
-
-impl Truth<2> {
-    /// A solution of the Fokker-Planck equation.
-    pub fn grid(density: GridDensity) -> Self {
-        let provenance = density.provenance();
-        let error = provenance.l1_error;
-        let text =
-            format!("grid of {} unknowns, degree {}, L1 error {error:.1e}", provenance.unknowns, provenance.degree);
-        let grid = density.clone();
-        let l1 = move |answer: &ClosedDensity<2>| Ok(Estimate::new(grid.l1_distance(answer).value, error));
-        Truth { density: Box::new(density), l1: Box::new(l1), smooth: true, text }
-    }
-}
-
-impl<const N: usize> From<ExpPolynomial<N>> for Truth<N> {
-    fn from(density: ExpPolynomial<N>) -> Self {
+impl From<ExpPolynomial> for Truth {
+    fn from(density: ExpPolynomial) -> Self {
         Truth::exact(density)
+    }
+}
+
+impl From<GridDensity> for Truth {
+    fn from(density: GridDensity) -> Self {
+        Truth(Kind::Grid(Box::new(density)))
+    }
+}
+
+impl From<SimulatedDensity> for Truth {
+    fn from(density: SimulatedDensity) -> Self {
+        Truth(Kind::Simulation(Box::new(density)))
+    }
+}
+
+impl Truth {
+    /// A density in closed form.
+    pub fn exact(density: impl Density + 'static) -> Self {
+        Truth(Kind::Exact(Box::new(density)))
+    }
+
+    fn density(&self) -> &dyn Density {
+        match &self.0 {
+            Kind::Exact(density) => &**density,
+            Kind::Grid(density) => &**density,
+            Kind::Simulation(density) => &**density,
+        }
+    }
+
+    /// What it is, in a few words.
+    pub(super) fn text(&self) -> String {
+        match &self.0 {
+            Kind::Exact(_) => String::from("exact density"),
+            Kind::Grid(density) => {
+                let (unknowns, degree) = (density.provenance().unknowns, density.provenance().degree);
+                let [unknowns, degree] = [unknowns, degree].map(Option::unwrap_or_default);
+                format!("grid of {unknowns} unknowns, degree {degree}, L1 error {:.1e}", density.l1_estimate())
+            }
+            Kind::Simulation(density) => {
+                let provenance = density.provenance();
+                let samples = provenance.samples.unwrap_or_default();
+                let (seed, step) = (provenance.seed.unwrap_or_default(), provenance.time_step.unwrap_or_default());
+                format!("simulation of {samples} samples, seed {seed}, time step {step}")
+            }
+        }
+    }
+
+    /// ∫ |p − q| dx of an answer, and what the truth's own error makes of it.
+    fn l1(&self, answer: &dyn Density) -> Result<Estimate> {
+        match &self.0 {
+            Kind::Exact(density) => compare::l1(answer, &**density),
+            Kind::Grid(density) => Ok(Estimate::new(compare::l1(answer, &**density)?.value, density.l1_estimate())),
+            Kind::Simulation(density) => {
+                let distance = compare::with_histogram(answer, 0, density.histogram(0)?)?;
+                Ok(Estimate::new(distance.l1, distance.noise))
+            }
+        }
+    }
+
+    /// Writes the errors of an answer into its row; `velocity` is that of state 0. What cannot be compared is missing.
+    pub(super) fn compare(&self, answer: &dyn Density, velocity: Option<usize>, row: &mut OrderRow) -> Result<()> {
+        let (truth, states) = (self.density(), answer.dimension());
+        // ln p is known between samples too.
+        let smooth = !matches!(self.0, Kind::Simulation(_));
+        let power =
+            |state: usize, power: u32| (0..states).map(|i| if i == state { power } else { 0 }).collect::<Vec<_>>();
+        let relative = |of: &dyn Fn(&dyn Density) -> Result<Estimate>| {
+            let error = of(answer).ok()?.value / of(truth).ok()?.value - 1.0;
+            error.is_finite().then_some(error)
+        };
+        let mean_square = |state: usize| relative(&|density| density.moment(&power(state, 2)));
+        // A simulation has counted only the levels that it was asked to.
+        let level = if smooth { truth.moment(&power(0, 1))?.value } else { 0.0 };
+        let l1 = Some(self.l1(answer)?).filter(|l1| l1.value.is_finite());
+        row.l1 = l1.map(|l1| l1.value);
+        row.l1_error = l1.map(|l1| l1.error);
+        if smooth && states <= 2 {
+            let tail = compare::log_ratio(answer, truth, LEVEL).ok().map(|tail| tail.value);
+            row.tail = tail.filter(|tail| tail.is_finite());
+        }
+        row.mean_square_x = mean_square(0);
+        row.mean_square_v = mean_square(1);
+        row.rate = velocity.and_then(|velocity| {
+            let crossing = Crossing { velocity, ..Crossing::upward(level) };
+            relative(&|density| density.flux(crossing, 1))
+        });
+        Ok(())
     }
 }

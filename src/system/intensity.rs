@@ -1,4 +1,4 @@
-use crate::{Result, error::positive};
+use crate::error::{Result, positive};
 use std::f64::consts::PI;
 
 /// The strength of a white noise ξ: E[ξ(t)ξ(t+τ)] = 2D δ(τ), D its *intensity*.

@@ -1,31 +1,31 @@
 //! Systems: what the state does, written once and generically.
 
-mod amplified;
 mod intensity;
 mod oscillator;
 
-pub(crate) use amplified::Amplified;
 pub use intensity::Intensity;
 pub use oscillator::Oscillator;
 
-use crate::Scalar;
+use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
 
-/// A stochastic differential equation with polynomial coefficients: the one trait that users implement.
+/// A stochastic differential equation with polynomial coefficients: the trait that users implement.
 ///
 /// dX = f(X) dt + G(X) dW on R^N, with M independent standard Wiener processes W, E dW_k² = dt. The matrix G carries
 /// the noise's strength: a white noise ξ of intensity D, E[ξ(t)ξ(t+τ)] = 2D δ(τ), enters with G = √(2D), which is
 /// [`Intensity::amplitude`].
 ///
 /// Both functions are generic over [`Scalar`], so that the simulation (on `f64`), the Fokker-Planck operator at a point
-/// (on dual numbers) and the closure (on polynomials) all read the same definition. An oscillator x″ + h(x, x′) = ξ is
-/// shorter to write as an [`Oscillator`].
+/// (on dual numbers) and the closure (on polynomials) all use the same definition. An oscillator x″ + h(x, x′) = ξ is
+/// shorter to write as an [`Oscillator`], a system whose number of states is a number at run time as a
+/// [`PolynomialSystem`]. Methods take it as a [`Problem`](crate::Problem).
 ///
 /// # Several degrees of freedom
-/// The order of the states is free; the library finds out which states are velocities of which. Two coupled oscillators
+/// The order of the states is free; which states are velocities of which is found from the drift. Two coupled oscillators
 /// with a parametric noise in the coupling:
 ///
 /// ```
-/// use expoly::{Intensity, PolynomialDrift, Scalar};
+/// use expoly::{Intensity, PolynomialDrift, Problem, Scalar};
 ///
 /// struct Coupled { damping: f64, coupling: f64, external: Intensity, parametric: Intensity }
 ///
@@ -46,13 +46,13 @@ use crate::Scalar;
 ///         [[zero, zero], [zero, zero], [external, parametric], [zero, -parametric]]
 ///     }
 /// }
+///
+/// let (external, parametric) = (Intensity::new(0.2)?, Intensity::new(0.01)?);
+/// let problem = Problem::of(Coupled { damping: 0.2, coupling: 0.5, external, parametric })?;
+/// assert_eq!(problem.displacements(), [(0, 2), (1, 3)]);
+/// # Ok::<(), expoly::Error>(())
 /// ```
-pub trait PolynomialDrift<const N: usize, const M: usize> {
-    /// Whether G is known to be the same at all states when a program is compiled, so that less of it need be; an
-    /// [`Oscillator`]'s is. `false` says nothing: it is found out when the program runs.
-    #[doc(hidden)]
-    const CONSTANT_NOISE: bool = false;
-
+pub trait PolynomialDrift<const N: usize, const M: usize>: Send + Sync {
     /// The drift f(x).
     fn drift<S: Scalar>(&self, x: [S; N]) -> [S; N];
 
@@ -63,10 +63,78 @@ pub trait PolynomialDrift<const N: usize, const M: usize> {
     fn interpretation(&self) -> Interpretation {
         Interpretation::Ito
     }
+
+    /// The states' names, in order; by default x and v for two states of which the second is the velocity of the first, and
+    /// x1, x2, … otherwise.
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The parameters' names and values, none by default.
+    fn parameters(&self) -> Vec<(String, f64)> {
+        Vec::new()
+    }
+}
+
+/// A system as [`PolynomialDrift`] whose number of states is a number at run time: a chain of any length, a model from a
+/// file.
+///
+/// ```
+/// use expoly::{PolynomialSystem, Problem, Scalar};
+///
+/// /// x_i′ = −x_i³ + x_{i−1} − x_i, noise of intensity ½ on the first state.
+/// struct Cascade(usize);
+///
+/// impl PolynomialSystem for Cascade {
+///     fn states(&self) -> usize {
+///         self.0
+///     }
+///     fn processes(&self) -> usize {
+///         1
+///     }
+///     fn drift<S: Scalar>(&self, x: &[S]) -> Vec<S> {
+///         (0..x.len()).map(|i| if i == 0 { -x[0].powi(3) } else { x[i - 1] - x[i] - x[i].powi(3) }).collect()
+///     }
+///     fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>> {
+///         (0..x.len()).map(|i| vec![S::from(if i == 0 { 1.0 } else { 0.0 })]).collect()
+///     }
+/// }
+///
+/// assert_eq!(Problem::of_system(Cascade(7))?.dimension(), 7);
+/// # Ok::<(), expoly::Error>(())
+/// ```
+pub trait PolynomialSystem: Send + Sync {
+    /// The number of states n.
+    fn states(&self) -> usize;
+
+    /// The number of Wiener processes m.
+    fn processes(&self) -> usize;
+
+    /// The drift f(x): n numbers for n numbers.
+    fn drift<S: Scalar>(&self, x: &[S]) -> Vec<S>;
+
+    /// The noise matrix G(x) by rows: n rows of m numbers.
+    fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>>;
+
+    /// How the product G(X) dW is meant. Without effect where G is constant; Itô by default.
+    fn interpretation(&self) -> Interpretation {
+        Interpretation::Ito
+    }
+
+    /// The states' names, in order; by default as in [`PolynomialDrift::names`].
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The parameters' names and values, none by default.
+    fn parameters(&self) -> Vec<(String, f64)> {
+        Vec::new()
+    }
 }
 
 /// The meaning of G(X) dW where G depends on the state.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Interpretation {
     /// G is taken at the beginning of each increment: f is the mean rate of change.
     #[default]

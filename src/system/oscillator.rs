@@ -1,4 +1,5 @@
-use crate::{Intensity, PolynomialDrift, Scalar};
+use super::{Intensity, PolynomialDrift};
+use crate::scalar::Scalar;
 
 /// A single oscillator x″ + h(x, x′) = ξ with white noise ξ, E[ξ(t)ξ(t+τ)] = 2D δ(τ).
 ///
@@ -20,17 +21,20 @@ use crate::{Intensity, PolynomialDrift, Scalar};
 /// ```
 ///
 /// An oscillator with multiplicative noise implements `PolynomialDrift` itself.
-pub trait Oscillator {
+pub trait Oscillator: Send + Sync {
     /// The force h(x, v) per unit mass, damping and stiffness together, with the sign that it has on the left side.
     fn force<S: Scalar>(&self, x: S, v: S) -> S;
 
     /// The intensity D of the external noise.
     fn intensity(&self) -> Intensity;
+
+    /// The parameters' names and values, none by default.
+    fn parameters(&self) -> Vec<(String, f64)> {
+        Vec::new()
+    }
 }
 
 impl<T: Oscillator> PolynomialDrift<2, 1> for T {
-    const CONSTANT_NOISE: bool = true;
-
     #[inline]
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -self.force(x, v)]
@@ -39,5 +43,9 @@ impl<T: Oscillator> PolynomialDrift<2, 1> for T {
     #[inline]
     fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 1]; 2] {
         [[S::from(0.0)], [S::from(self.intensity().amplitude())]]
+    }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        Oscillator::parameters(self)
     }
 }

@@ -1,9 +1,9 @@
 //! Standard errors of what combines several means of one simulation: the spread over independent runs decides.
 
 use crate::common::*;
-use expoly::models::DuffingChain;
+use expoly::models::Solved;
 use expoly::statistics::{Cumulants, Impacts, Marginal};
-use expoly::{Barrier, Density, Estimate, SimulatedDensity, Simulation};
+use expoly::{Density, Estimate, Problem, SimulatedDensity, Simulation};
 
 /// Independent runs, which differ by their seeds.
 const RUNS: u64 = 60;
@@ -12,18 +12,13 @@ const RUNS: u64 = 60;
 type Answers = Vec<(&'static str, Estimate)>;
 
 /// 256 trajectories with 16 samples each.
-fn run(seed: u64, wall: Option<Barrier>) -> SimulatedDensity<2> {
-    let oscillator = duffing();
-    let simulation = Simulation::new(&oscillator).trajectories(256).samples(4096).burn_in(30.0).seed(seed);
-    let simulation = match wall {
-        Some(wall) => simulation.barrier(wall),
-        None => simulation,
-    };
-    simulation.time_step(0.05).run().unwrap()
+fn run(seed: u64, problem: &Problem) -> SimulatedDensity {
+    let simulation = Simulation::new().trajectories(256).samples(4096).burn_in(30.0).seed(seed);
+    simulation.time_step(0.05).run(problem).unwrap()
 }
 
 fn free(seed: u64) -> Answers {
-    let density = run(seed, None);
+    let density = run(seed, &problem(duffing()));
     let (cumulants, marginal) = (Cumulants::new(&density, 0).unwrap(), Marginal::new(&density, 0).unwrap());
     vec![
         ("variance", cumulants.variance),
@@ -38,8 +33,8 @@ fn free(seed: u64) -> Answers {
 }
 
 fn walled(seed: u64) -> Answers {
-    let wall = Barrier::new(-0.3, 0.8).unwrap();
-    let impacts = Impacts::new(&run(seed, Some(wall)), wall, 1).unwrap();
+    let problem = duffing_above(-0.3, 0.8);
+    let impacts = Impacts::new(&run(seed, &problem), &problem).unwrap();
     vec![
         ("impact rate", impacts.rate()),
         ("mean impact speed", impacts.mean_speed()),
@@ -69,13 +64,17 @@ fn stated_errors_are_the_spread() {
     }
 }
 
+fn mean_of_power(density: &SimulatedDensity, state: usize, power: u32) -> f64 {
+    let powers: Vec<u32> = (0..density.dimension()).map(|i| if i == state { power } else { 0 }).collect();
+    density.moment(&powers).unwrap().value
+}
+
 /// What a simulation answers itself it answers through `statistics`, value and error; the time step's share is in both.
 #[test]
 fn a_simulation_agrees_with_itself() {
-    let wall = Barrier::new(-0.3, 0.8).unwrap();
-    let oscillator = duffing();
-    let simulation = || Simulation::new(&oscillator).barrier(wall).samples(20_000).time_step(0.1);
-    let (alone, both) = (simulation().run().unwrap(), simulation().two_steps().run().unwrap());
+    let problem = duffing_above(-0.3, 0.8);
+    let simulation = || Simulation::new().samples(20_000).time_step(0.1);
+    let (alone, both) = (simulation().run(&problem).unwrap(), simulation().two_steps().run(&problem).unwrap());
     for density in [&alone, &both] {
         for state in [0, 1] {
             let found = Cumulants::new(density, state).unwrap();
@@ -83,8 +82,22 @@ fn a_simulation_agrees_with_itself() {
             assert_eq!(Ok(found.variance), density.variance(state));
             assert_eq!(Ok(found.skewness()), density.skewness(state));
             assert_eq!(Ok(found.kurtosis()), density.kurtosis(state));
+            // The same from the raw moments, in this test's own arithmetic.
+            let raw: Vec<f64> = (0..5).map(|power| mean_of_power(density, state, power)).collect();
+            let variance = raw[2] - raw[1] * raw[1];
+            let third = raw[3] - 3.0 * raw[1] * raw[2] + 2.0 * raw[1].powi(3);
+            let fourth = raw[4] - 4.0 * raw[1] * raw[3] + 6.0 * raw[1].powi(2) * raw[2] - 3.0 * raw[1].powi(4);
+            for (found, truth) in [
+                (found.variance, variance),
+                (found.third, third),
+                (found.fourth, fourth - 3.0 * variance * variance),
+                (found.skewness(), third / variance.powf(1.5)),
+                (found.kurtosis(), fourth / (variance * variance)),
+            ] {
+                assert!((found.value - truth).abs() < 1e-9, "{found} instead of {truth}");
+            }
         }
-        let impacts = Impacts::new(density, wall, 1).unwrap();
+        let impacts = Impacts::new(density, &problem).unwrap();
         assert_eq!(
             (Some(impacts.rate()), Some(impacts.mean_speed())),
             (density.impact_rate(), density.mean_impact_speed())
@@ -93,7 +106,7 @@ fn a_simulation_agrees_with_itself() {
         let same = |a: Estimate, b: Estimate| (a.value - b.value).abs() < 1e-12 && (a.error - b.error).abs() < 1e-12;
         for x in [0.0, 0.7, 1.4] {
             assert!(same(marginal.pdf(x).unwrap(), density.marginal(0, x).unwrap()));
-            let [found, counted] = [impacts.speed_pdf(x).unwrap(), speeds.density_at([x])];
+            let [found, counted] = [impacts.speed_pdf(x).unwrap(), speeds.density_at(&[x]).unwrap()];
             assert!((found.value - counted.value).abs() < 1e-12 && found.error > 0.999 * counted.error);
         }
         let whole = marginal.distribution(-0.3).unwrap().value + marginal.exceedance(-0.3).unwrap().value;
@@ -111,7 +124,6 @@ fn a_simulation_agrees_with_itself() {
     let expected = (one.error - outside).hypot(twice.value - one.value) + outside;
     assert!((two.error - expected).abs() < 1e-12, "{two} is not ± {expected}");
     // Raw moments are all that a simulation of four states knows.
-    let chain = DuffingChain::<2>::new([0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap();
-    let four = Simulation::new(&chain).samples(20_000).run().unwrap();
+    let four = Simulation::new().samples(20_000).run(&chain_of_two().problem().unwrap()).unwrap();
     assert_eq!(Ok(Cumulants::new(&four, 3).unwrap().kurtosis()), four.kurtosis(3));
 }

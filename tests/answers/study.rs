@@ -1,10 +1,12 @@
 //! Studies: interrupted and gone on with, they end in the same table; and warm starts come to the same densities.
 
 use crate::common::*;
-use expoly::models::{CubicDamping, Solved};
-use expoly::study::{Case, OrderRow, OrderStudy, OrderTable, Sweep, Truth};
-use expoly::{Barrier, Closure, ClosureDensity, Density, Error, Gaussian, NodeKind, Polynomial, Support};
-use nalgebra::{SMatrix, SVector};
+use expoly::models::{CubicDamping, DuffingVanDerPol, Solved};
+use expoly::study::{Case, OrderRow, OrderStudy, OrderTable, Sweep};
+use expoly::{
+    Closure, ClosureDensity, Density, Error, ExpPolynomial, Gaussian, NodeKind, Polynomial, Problem, Support, Wall,
+};
+use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -22,30 +24,34 @@ fn study<'a>(solved: &'a AtomicUsize, orders: &[u32]) -> OrderStudy<'a> {
     let count = move || {
         solved.fetch_add(1, Ordering::Relaxed);
     };
-    let plane = Case::new("Duffing", duffing(), |s| Ok(Truth::exact(s.exact()?)))
-        .method("robust", move |s, n| {
+    let plane = Case::new("Duffing", problem(duffing()), |_| duffing().exact())
+        .method("robust", move |problem, n| {
             count();
-            Ok(Closure::new(n).solve(s)?.into())
+            Closure::new(n).solve(problem)
         })
-        .method("classical", move |s, n| {
+        .method("classical", move |problem, n| {
             count();
-            Ok(Closure::classical(n).solve(s)?.into())
+            Closure::classical(n).solve(problem)
         });
-    let line = Case::new("Ornstein-Uhlenbeck", OrnsteinUhlenbeck, |_| {
-        let q = Polynomial::from_terms([(&[2][..], -0.5)])?;
-        let scale = Gaussian { mean: SVector::zeros(), covariance: SMatrix::identity() };
-        Ok(expoly::ExpPolynomial::from_states(&q, &scale, Support::WholeSpace)?.into())
+    let line = Case::new("Ornstein-Uhlenbeck", problem(OrnsteinUhlenbeck), |_| {
+        let q = Polynomial::from_terms(1, [([2], -0.5)])?;
+        let scale = Gaussian { mean: DVector::zeros(1), covariance: DMatrix::identity(1, 1) };
+        ExpPolynomial::from_states(&q, &scale, Support::WholeSpace)
     })
-    .method("robust", move |s, n| {
+    .method("robust", move |problem, n| {
         count();
-        Ok(Closure::new(n).solve(s)?.into())
+        Closure::new(n).solve(problem)
     });
     OrderStudy::new(orders).case(plane).case(line)
 }
 
 /// The rows without the time that they took.
 fn timeless(table: &OrderTable) -> Vec<OrderRow> {
-    table.rows().iter().map(|row| OrderRow { seconds: 0.0, ..row.clone() }).collect()
+    let timeless = |mut row: OrderRow| {
+        row.seconds = 0.0;
+        row
+    };
+    table.rows().iter().cloned().map(timeless).collect()
 }
 
 fn cancelled(study: OrderStudy<'_>, after: usize) {
@@ -78,7 +84,7 @@ fn an_interrupted_study_goes_on_to_the_same_table() {
         assert_eq!(row.mean_square_x.unwrap().abs() < 1e-6, exact, "{row:?}");
         assert!(row.tail.is_some());
         assert_eq!(row.rate.is_some(), row.system == "Duffing");
-        assert_eq!(row.facts.indicator.is_some(), row.method == "robust");
+        assert_eq!(row.indicator.is_some(), row.method == "robust");
     }
     let enough: Vec<_> = whole.convergence().iter().map(|found| found.enough).collect();
     assert_eq!(enough, [Some(4), None, Some(2)]);
@@ -164,51 +170,48 @@ fn a_sweep_starts_near_and_goes_on_to_the_same_table() {
 /// A start from a similar system takes fewer linear systems, and comes to the same density within the estimated errors.
 #[test]
 fn a_warm_start_comes_to_the_same_density() {
-    let agree = |what: &str, cold: &ClosureDensity<2>, warm: &ClosureDensity<2>| {
+    let agree = |what: &str, cold: &ClosureDensity, warm: &ClosureDensity| {
         let (l1, estimates) = (
-            cold.expectation(&|x: &[f64; 2]| (1.0 - (warm.log_pdf(x) - cold.log_pdf(x)).exp()).abs()).value,
+            cold.expectation(&|x| (1.0 - (warm.log_pdf(x).unwrap() - cold.log_pdf(x).unwrap()).exp()).abs()).unwrap(),
             [cold.l1_estimate(), warm.l1_estimate()],
         );
-        let iterations = [cold, warm].map(|density| density.provenance().iterations);
-        println!("{what}: L1 between {l1:.1e}, estimates {estimates:?}, iterations {iterations:?}");
-        assert!(l1 < estimates[0] + estimates[1] && iterations[1] < iterations[0], "{what}");
+        let iterations = [cold, warm].map(|density| density.provenance().iterations.unwrap());
+        println!("{what}: L1 between {:.1e}, estimates {estimates:?}, iterations {iterations:?}", l1.value);
+        assert!(l1.value < estimates[0] + estimates[1] && iterations[1] < iterations[0], "{what}");
         // The warm start is no worse: its own estimate says so, within a tenth.
         assert!(estimates[1] < 1.1 * estimates[0], "{what}");
     };
-    let wall = |r: f64| Barrier::new(-0.5, r).unwrap();
-    let closure = Closure::new(4);
-    let near = closure.solve_with_wall(&duffing(), wall(0.85)).unwrap();
-    let cold = closure.solve_with_wall(&duffing(), wall(0.8)).unwrap();
-    let warm = closure.solve_with_wall_from(&duffing(), wall(0.8), &near).unwrap();
-    agree("wall", &cold, &warm);
-    let walls = |r: f64| (wall(r), Barrier::new(1.0, 0.8).unwrap());
-    let between = |r: f64| closure.solve_between_walls(&duffing(), walls(r).0, walls(r).1).unwrap();
-    let (near, cold) = (between(0.85), between(0.8));
-    let warm = closure.solve_between_walls_from(&duffing(), walls(0.8).0, walls(0.8).1, &near).unwrap();
-    agree("two walls", &cold, &warm);
-    let vdp = |strength| expoly::models::DuffingVanDerPol::van_der_pol(strength, 0.3).unwrap();
-    let closure = Closure::new(8);
-    let near = closure.solve(&vdp(0.45)).unwrap();
-    agree("van der Pol", &closure.solve(&vdp(0.5)).unwrap(), &closure.solve_from(&vdp(0.5), &near).unwrap());
+    // A problem, and one that is similar to it.
+    let check = |what: &str, order: u32, problem: &Problem, similar: &Problem| {
+        let solve = |near: Option<&ClosureDensity>| Closure::new(order).starting_from(near).solve(problem).unwrap();
+        let near = Closure::new(order).solve(similar).unwrap();
+        agree(what, &solve(None), &solve(Some(&near)));
+    };
+    let wall = |r: f64| duffing_above(-0.5, r);
+    check("wall", 4, &wall(0.8), &wall(0.85));
+    let walls = |r: f64| wall(r).with_wall(Wall::below(1.0, 0.8).unwrap()).unwrap();
+    check("two walls", 4, &walls(0.8), &walls(0.85));
+    let vdp = |strength| problem(DuffingVanDerPol::van_der_pol(strength, 0.3).unwrap());
+    check("van der Pol", 8, &vdp(0.5), &vdp(0.45));
 }
 
 /// With the pilot's states as nodes both starts come to the same root of the same equations, the near one sooner.
 #[test]
 fn a_warm_start_on_samples_comes_to_the_same_root() {
-    let damped = |cubic| CubicDamping::new([0.1, cubic], 1.0, 1.0, 0.5).unwrap();
+    let damped = |cubic| problem(CubicDamping::new([0.1, cubic], 1.0, 1.0, 0.5).unwrap());
     let closure = Closure::new(4).nodes(NodeKind::Samples).pilot_states(20_000);
     let near = closure.solve(&damped(0.25)).unwrap();
     let cold = closure.solve(&damped(0.3)).unwrap();
-    let warm = closure.solve_from(&damped(0.3), &near).unwrap();
-    let iterations = [&cold, &warm].map(|density| density.provenance().iterations);
-    println!("iterations {iterations:?}, {:?} and {:?}", cold.provenance().elapsed, warm.provenance().elapsed);
+    let warm = closure.clone().starting_from(&near).solve(&damped(0.3)).unwrap();
+    let iterations = [&cold, &warm].map(|density| density.provenance().iterations.unwrap());
+    println!("iterations {iterations:?}, {} and {} s", cold.provenance().seconds, warm.provenance().seconds);
     assert!(warm.warning().is_none() && iterations[1] < iterations[0], "{iterations:?}");
     // Steps end where ln p changes by 1e-10 in the mean square.
     for (p, q) in cold.coefficients().iter().zip(warm.coefficients()) {
         assert!((p - q).abs() < 1e-7 * (1.0 + p.abs()), "{p} {q}");
     }
     // From a density that is nothing like it, too.
-    let far = closure
-        .solve_from(&damped(0.3), &closure.solve(&CubicDamping::new([2.0, 0.0], 9.0, 0.1, 0.1).unwrap()).unwrap());
-    assert!((far.unwrap().moment([2, 0]).value / cold.moment([2, 0]).value - 1.0).abs() < 1e-6);
+    let unlike = closure.solve(&problem(CubicDamping::new([2.0, 0.0], 9.0, 0.1, 0.1).unwrap())).unwrap();
+    let far = closure.starting_from(&unlike).solve(&damped(0.3)).unwrap();
+    assert!((far.moment(&[2, 0]).unwrap().value / cold.moment(&[2, 0]).unwrap().value - 1.0).abs() < 1e-6);
 }

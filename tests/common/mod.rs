@@ -1,34 +1,64 @@
 //! What several tests need.
-#![allow(clippy::unwrap_used, reason = "a test's own input that is wrong should fail the test")]
-#![allow(dead_code, unreachable_pub, reason = "each test compiles its own copy and uses part of it")]
 
 use expoly::models::{
-    CubicDamping, DisplacementNoise, Duffing, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
-    QuinticDuffing, VanDerPolRayleigh, VelocityNoise,
+    CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
+    QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise,
 };
-use expoly::{PolynomialDrift, Scalar};
+use expoly::{Closure, ClosureDensity, Grid, GridDensity, PolynomialDrift, Problem, Scalar, Wall};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// What several tests of a program ask for, by its key: made for the first that asks.
+/// What several tests ask for, by its key: made for the first that asks.
 #[derive(Debug)]
-pub struct Shared<K, V>(Mutex<BTreeMap<K, Arc<OnceLock<Arc<V>>>>>);
+pub(crate) struct Shared<K, V>(Mutex<BTreeMap<K, Arc<OnceLock<Arc<V>>>>>);
 
 impl<K: Ord, V> Shared<K, V> {
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Shared(Mutex::new(BTreeMap::new()))
     }
 
-    pub fn get(&self, key: K, make: impl FnOnce() -> V) -> Arc<V> {
+    pub(crate) fn get(&self, key: K, make: impl FnOnce() -> V) -> Arc<V> {
         let place = self.0.lock().unwrap().entry(key).or_default().clone();
         place.get_or_init(|| Arc::new(make())).clone()
     }
 }
 
+/// A problem of a system that must be one.
+pub(crate) fn problem<T, const N: usize, const M: usize>(system: T) -> Problem
+where
+    T: PolynomialDrift<N, M> + 'static,
+{
+    Problem::of(system).unwrap()
+}
+
+/// Duffing's oscillator of all reference tables above a wall.
+pub(crate) fn duffing_above(offset: f64, restitution: f64) -> Problem {
+    problem(duffing()).with_wall(Wall::above(offset, restitution).unwrap()).unwrap()
+}
+
+/// The density of a named problem by the grid's defaults.
+pub(crate) fn on_grid(name: &'static str, problem: &Problem) -> Arc<GridDensity> {
+    static SOLVED: Shared<&str, GridDensity> = Shared::new();
+    SOLVED.get(name, || Grid::new().solve(problem).unwrap())
+}
+
+/// That of [`duffing_above`].
+pub(crate) fn on_grid_above(offset: f64, restitution: f64) -> Arc<GridDensity> {
+    static SOLVED: Shared<[u64; 2], GridDensity> = Shared::new();
+    let solve = || Grid::new().solve(&duffing_above(offset, restitution)).unwrap();
+    SOLVED.get([offset, restitution].map(f64::to_bits), solve)
+}
+
+/// The closure of a named problem.
+pub(crate) fn closed(name: &'static str, problem: &Problem, order: u32, seed: u64) -> Arc<ClosureDensity> {
+    static SOLVED: Shared<(&str, u32, u64), ClosureDensity> = Shared::new();
+    SOLVED.get((name, order, seed), || Closure::new(order).seed(seed).solve(problem).unwrap())
+}
+
 /// dx = −x dt + √2 dW.
 #[derive(Debug)]
-pub struct OrnsteinUhlenbeck;
+pub(crate) struct OrnsteinUhlenbeck;
 
 impl PolynomialDrift<1, 1> for OrnsteinUhlenbeck {
     fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
@@ -40,70 +70,130 @@ impl PolynomialDrift<1, 1> for OrnsteinUhlenbeck {
 }
 
 /// Duffing's oscillator of all reference tables: c = 0.2, k = 1, μ = 0.3, D = 0.2.
-pub fn duffing() -> Duffing {
+pub(crate) fn duffing() -> Duffing {
     Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap()
 }
 
-pub fn linear() -> Linear {
+pub(crate) fn linear() -> Linear {
     Linear::new(0.3, 2.0, 0.45).unwrap()
 }
 
-pub fn bistable() -> Duffing {
+pub(crate) fn bistable() -> Duffing {
     Duffing::new(1.0, -1.0, 1.0, 0.3).unwrap()
 }
 
-pub fn three_wells() -> QuinticDuffing {
+pub(crate) fn three_wells() -> QuinticDuffing {
     QuinticDuffing::new(1.0, 1.0, -1.8, 0.6, 0.3).unwrap()
 }
 
-pub fn van_der_pol_rayleigh() -> VanDerPolRayleigh {
+pub(crate) fn van_der_pol_rayleigh() -> VanDerPolRayleigh {
     VanDerPolRayleigh::new(1.0, 0.15).unwrap()
 }
 
-pub fn energy_damping() -> EnergyDamping {
+pub(crate) fn energy_damping() -> EnergyDamping {
     EnergyDamping::new(0.2, 0.3, 0.3, 0.2).unwrap()
 }
 
-pub fn parametric_linear() -> ParametricLinear {
+pub(crate) fn parametric_linear() -> ParametricLinear {
     ParametricLinear::new(0.1, 1.0, 0.5, 0.2).unwrap()
 }
 
-pub fn displacement_noise() -> DisplacementNoise {
+pub(crate) fn displacement_noise() -> DisplacementNoise {
     DisplacementNoise::new(0.5, 1.0, 0.4, 0.7, 0.5).unwrap()
 }
 
-pub fn velocity_noise() -> VelocityNoise {
+pub(crate) fn velocity_noise() -> VelocityNoise {
     VelocityNoise::new([0.7, 0.3], [0.8, 0.0], 1.0, 0.4).unwrap()
 }
 
-pub fn van_der_pol() -> DuffingVanDerPol {
+pub(crate) fn van_der_pol() -> DuffingVanDerPol {
     DuffingVanDerPol::van_der_pol(0.5, 0.3).unwrap()
 }
 
-pub fn rayleigh() -> CubicDamping {
+pub(crate) fn rayleigh() -> CubicDamping {
     CubicDamping::rayleigh(1.0, 0.2).unwrap()
 }
 
+pub(crate) fn cubic_damping() -> CubicDamping {
+    CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5).unwrap()
+}
+
+/// The chain of two oscillators.
+pub(crate) fn chain_of_two() -> DuffingChain {
+    DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap()
+}
+
+pub(crate) fn chain_of_three() -> DuffingChain {
+    DuffingChain::new(&[0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8).unwrap()
+}
+
+/// The closure of order 4 of [`chain_of_two`].
+pub(crate) fn closed_chain() -> Arc<ClosureDensity> {
+    closed("chain of 2", &chain_of_two().problem().unwrap(), 4, 0)
+}
+
+/// Every model once, as problems: systems of fixed and of any size, of both interpretations.
+pub(crate) fn every_model() -> Vec<(&'static str, Problem)> {
+    vec![
+        ("linear", problem(linear())),
+        ("Duffing", problem(duffing())),
+        ("three wells", problem(three_wells())),
+        ("van der Pol-Rayleigh", problem(van_der_pol_rayleigh())),
+        ("energy damping", problem(energy_damping())),
+        ("parametric linear", problem(parametric_linear())),
+        ("displacement noise", problem(displacement_noise())),
+        ("velocity noise", problem(velocity_noise())),
+        ("van der Pol", problem(van_der_pol())),
+        ("Rayleigh", problem(rayleigh())),
+        ("chain of 3", chain_of_three().problem().unwrap()),
+        ("vibro-impact", duffing_above(-0.5, 0.9)),
+    ]
+}
+
+/// A pool of so many threads.
+pub(crate) fn threads_of(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
 /// Numbers in (−1, 1) from a linear congruential generator (D. E. Knuth's MMIX): fixed points for tests without a crate.
-pub struct Points(u64);
+pub(crate) struct Points(u64);
 
 impl Points {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Points(seed)
     }
 
-    pub fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    pub fn array<const N: usize>(&mut self, scale: f64) -> [f64; N] {
+    pub(crate) fn array<const N: usize>(&mut self, scale: f64) -> [f64; N] {
         std::array::from_fn(|_| scale * self.next())
+    }
+
+    pub(crate) fn state(&mut self, states: usize, scale: f64) -> Vec<f64> {
+        (0..states).map(|_| scale * self.next()).collect()
     }
 }
 
+/// All exponents of so many states up to a total degree, the constant's first.
+pub(crate) fn monomials(states: usize, degree: u32) -> Vec<Vec<u32>> {
+    let mut found: Vec<Vec<u32>> = vec![Vec::new()];
+    for _ in 0..states {
+        let longer = |alpha: &Vec<u32>| {
+            let left = degree - alpha.iter().sum::<u32>();
+            let alpha = alpha.clone();
+            (0..=left).map(move |power| [&alpha[..], &[power]].concat())
+        };
+        found = found.iter().flat_map(longer).collect();
+    }
+    found.sort_by_key(|alpha| (alpha.iter().sum::<u32>(), std::cmp::Reverse(alpha.clone())));
+    found
+}
+
 /// The rows of a reference table as numbers, without its header.
-pub fn reference(name: &str) -> Vec<Vec<f64>> {
+pub(crate) fn reference(name: &str) -> Vec<Vec<f64>> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference").join(name);
     let mut reader = csv::Reader::from_path(&path).unwrap();
     let number = |field: &str| field.parse().unwrap_or(f64::NAN);

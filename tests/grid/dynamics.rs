@@ -1,8 +1,9 @@
 //! Relaxation rates and transient densities on the grid.
 
+use crate::common::problem;
 use expoly::models::{Duffing, Linear};
-use expoly::{Error, Gaussian, Grid, GridDensity, Start};
-use nalgebra::{Matrix2, Vector2, matrix, vector};
+use expoly::{Error, Gaussian, Grid, GridDensity, Start, compare};
+use nalgebra::{Matrix2, Vector2, dmatrix, dvector, matrix};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use std::sync::OnceLock;
@@ -12,7 +13,7 @@ fn linear() -> &'static GridDensity {
     static DENSITY: OnceLock<GridDensity> = OnceLock::new();
     DENSITY.get_or_init(|| {
         let grid = Grid::new().degree(7).cells([10, 10]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
-        grid.solve(&Linear::new(0.5, 1.0, 0.5).unwrap()).unwrap()
+        grid.solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap()
     })
 }
 
@@ -21,7 +22,7 @@ fn duffing() -> &'static GridDensity {
     static DENSITY: OnceLock<GridDensity> = OnceLock::new();
     DENSITY.get_or_init(|| {
         let grid = Grid::new().degree(7).cells([10, 10]).domain([[-3.9, 3.9], [-6.2, 6.2]]).edge_level(1e-6);
-        grid.solve(&Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap()).unwrap()
+        grid.solve(&problem(crate::common::duffing())).unwrap()
     })
 }
 
@@ -45,14 +46,14 @@ fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
 #[test]
 fn a_linear_oscillator_keeps_its_gaussian() {
     let stationary = linear();
-    let start = Gaussian { mean: vector![0.8, -0.5], covariance: matrix![0.3, 0.05; 0.05, 0.4] };
+    let start = Gaussian { mean: dvector![0.8, -0.5], covariance: dmatrix![0.3, 0.05; 0.05, 0.4] };
     let times = [0.5, 1.0, 2.0, 4.0, 8.0];
-    let densities = stationary.transient(&Start::Gaussian(start.clone()), &times, 1e-5).unwrap();
+    let densities = stationary.transient(&Start::Gaussian(start), &times, 1e-5).unwrap();
     for transient in &densities {
         let flow = (matrix![0.0, 1.0; -1.0, -0.5] * transient.time).exp();
-        let mean: Vector2<f64> = flow * start.mean;
+        let mean = flow * Vector2::new(0.8, -0.5);
         let limit = Matrix2::identity();
-        let spread = limit + flow * (start.covariance - limit) * flow.transpose();
+        let spread = limit + flow * (matrix![0.3, 0.05; 0.05, 0.4] - limit) * flow.transpose();
         for (powers, truth) in [
             ([1, 0], mean[0]),
             ([0, 1], mean[1]),
@@ -60,7 +61,7 @@ fn a_linear_oscillator_keeps_its_gaussian() {
             ([1, 1], spread[(0, 1)] + mean[0] * mean[1]),
             ([0, 2], spread[(1, 1)] + mean[1] * mean[1]),
         ] {
-            let moment = transient.moment(powers);
+            let moment = transient.moment(&powers).unwrap();
             println!(
                 "t = {}, {powers:?}: {:.1e} off, {:.1e} estimated",
                 transient.time,
@@ -70,7 +71,7 @@ fn a_linear_oscillator_keeps_its_gaussian() {
             assert!((moment.value - truth).abs() < 1e-6, "t = {}, {powers:?}: {moment} and {truth}", transient.time);
         }
         // Mass is conserved but for what leaks through the edges.
-        assert!((transient.moment([0, 0]).value - 1.0).abs() < 1e-7);
+        assert!((transient.moment(&[0, 0]).unwrap().value - 1.0).abs() < 1e-7);
     }
 }
 
@@ -80,11 +81,11 @@ fn a_linear_oscillator_keeps_its_gaussian() {
 fn a_smaller_tolerance_gives_a_smaller_error() {
     // All three are solutions on one mesh, whose own error is the same in them: a coarse one serves.
     let grid = Grid::new().degree(4).cells([8, 8]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
-    let stationary = grid.solve(&Linear::new(0.5, 1.0, 0.5).unwrap()).unwrap();
-    let start = Start::Gaussian(Gaussian { mean: vector![0.8, -0.5], covariance: matrix![0.3, 0.05; 0.05, 0.4] });
+    let stationary = grid.solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap();
+    let start = Start::Gaussian(Gaussian { mean: dvector![0.8, -0.5], covariance: dmatrix![0.3, 0.05; 0.05, 0.4] });
     let at = |tolerance: f64| stationary.transient(&start, &[3.0], tolerance).unwrap().remove(0);
-    let truth = at(1e-7).moment([1, 0]).value;
-    let errors = [1e-3, 1e-5].map(|tolerance| (at(tolerance).moment([1, 0]).value - truth).abs());
+    let truth = at(1e-7).moment(&[1, 0]).unwrap().value;
+    let errors = [1e-3, 1e-5].map(|tolerance| (at(tolerance).moment(&[1, 0]).unwrap().value - truth).abs());
     println!("{errors:?}");
     assert!(errors[1] < 0.1 * errors[0], "{errors:?}");
 }
@@ -122,7 +123,7 @@ fn a_point_start_agrees_with_a_simulation() {
         for (k, powers) in [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]].into_iter().enumerate() {
             let mean = sum[k] / PATHS as f64;
             let error = ((sum[5 + k] / PATHS as f64 - mean * mean) / PATHS as f64).sqrt();
-            let moment = transient.moment(powers);
+            let moment = transient.moment(&powers).unwrap();
             let deviation = (moment.value - mean).abs() / error.hypot(moment.error);
             println!("t = {}, {powers:?}: {moment}, simulated {mean:.6} ± {error:.6}", transient.time);
             assert!(deviation < 4.0, "t = {}, {powers:?}: {moment} and {mean} ± {error}", transient.time);
@@ -134,17 +135,17 @@ fn a_point_start_agrees_with_a_simulation() {
 #[test]
 fn a_transient_ends_in_the_stationary_density_at_the_slowest_rate() {
     let grid = Grid::new().degree(7).cells([10, 8]).domain([[-2.6, 2.6], [-2.6, 2.6]]).edge_level(1e-5);
-    let bistable = grid.solve(&Duffing::new(0.5, -1.0, 1.0, 0.1).unwrap()).unwrap();
+    let bistable = grid.solve(&problem(Duffing::new(0.5, -1.0, 1.0, 0.1).unwrap())).unwrap();
     let rate = bistable.relaxation(2).unwrap()[1].rate;
-    let start = Start::Gaussian(Gaussian { mean: vector![1.0, 0.0], covariance: matrix![0.1, 0.0; 0.0, 0.2] });
+    let start = Start::Gaussian(Gaussian { mean: dvector![1.0, 0.0], covariance: dmatrix![0.1, 0.0; 0.0, 0.2] });
     let times = [20.0, 30.0, 14.0 / rate];
     let densities = bistable.transient(&start, &times, 1e-4).unwrap();
-    let [first, second] = [0, 1].map(|k| densities[k].moment([1, 0]).value);
+    let [first, second] = [0, 1].map(|k| densities[k].moment(&[1, 0]).unwrap().value);
     let measured = (first / second).ln() / 10.0;
     println!("slowest rate {rate:.6}, E x decays with {measured:.6}");
     // The next mode is ten times as fast and has died by then.
     assert!((measured / rate - 1.0).abs() < 1e-3, "{measured} and {rate}");
-    let distance = densities[2].density.l1_distance(&bistable);
+    let distance = compare::l1(&densities[2].density, &bistable).unwrap();
     println!("at the end: L1 {:.1e}, steps {:.1e}", distance.value, densities[2].step_error);
     // What is left of the slowest mode, e^−14 = 8e-7 times its size, besides the steps' error.
     assert!(distance.value < 5e-6 + densities[2].step_error, "{distance}");
@@ -155,9 +156,9 @@ fn transients_without_a_meaning_are_refused() {
     let stationary = duffing();
     let refused =
         |start: Start, times: &[f64], tolerance: f64| stationary.transient(&start, times, tolerance).unwrap_err();
-    let wide = Gaussian { mean: vector![0.0, 0.0], covariance: matrix![0.3, 0.0; 0.0, 0.4] };
-    let flat = Gaussian { mean: vector![0.0, 0.0], covariance: matrix![0.0, 0.0; 0.0, 0.0] };
-    let far = Gaussian { mean: vector![9.0, 0.0], covariance: matrix![0.3, 0.0; 0.0, 0.4] };
+    let wide = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![0.3, 0.0; 0.0, 0.4] };
+    let flat = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![0.0, 0.0; 0.0, 0.0] };
+    let far = Gaussian { mean: dvector![9.0, 0.0], covariance: dmatrix![0.3, 0.0; 0.0, 0.4] };
     for error in [
         refused(Start::Gaussian(wide.clone()), &[1.0], 0.0),
         refused(Start::Gaussian(wide.clone()), &[1.0], f64::NAN),
@@ -170,4 +171,7 @@ fn transients_without_a_meaning_are_refused() {
     ] {
         assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
     }
+    let three = Gaussian { mean: dvector![0.0, 0.0, 0.0], covariance: nalgebra::DMatrix::identity(3, 3) };
+    let error = refused(Start::Gaussian(three), &[1.0], 1e-3);
+    assert!(matches!(error, Error::Dimension { expected: 2, found: 3, .. }), "{error}");
 }

@@ -1,9 +1,10 @@
 //! Control of a simulation: the same bits on any number of threads, after interruptions and from parts; precision, time
 //! and hostile input.
 
+use crate::common::threads_of;
 use expoly::{
-    Axis, Barrier, Crossing, Density, Error, PolynomialDrift, Progress, Result, SimulatedDensity, Simulation, Stopped,
-    Tolerance,
+    Crossing, Density, Error, PolynomialDrift, Problem, Progress, Result, SimulatedDensity, Simulation, Stopped,
+    Tolerance, Wall,
     models::{Duffing, Linear},
 };
 use std::{
@@ -14,28 +15,37 @@ use std::{
 };
 
 /// Every number of a result, bit for bit, but its time.
-fn bits(result: &SimulatedDensity<2>) -> Result<Vec<u64>> {
+fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
     let mut values = Vec::new();
     for i in 0..5 {
-        values.extend((0..5 - i).map(|j| result.moment([i, j])));
+        values.extend((0..5 - i).map(|j| result.moment(&[i, j])).collect::<Result<Vec<_>>>()?);
     }
     for k in 0..result.histogram(0)?.len() {
         values.extend([result.histogram(0)?.bin(k)?, result.histogram(1)?.bin(k)?]);
     }
     if let Some(joint) = result.joint() {
-        let [rows, columns] = joint.axes().each_ref().map(Axis::bins);
+        let [rows, columns] = [0, 1].map(|k| joint.axes()[k].bins());
         for cell in 0..rows * columns {
-            values.push(joint.cell([cell / columns, cell % columns])?);
+            values.push(joint.cell(&[cell / columns, cell % columns])?);
         }
     }
     values.extend([result.upcrossing_rate(0.5)?, result.flux(Crossing::downward(0.2), 3)?]);
     values.extend([result.energy_balance(), result.mean_impact_speed(), result.impact_rate()].into_iter().flatten());
     let mut bits: Vec<u64> = values.iter().flat_map(|e| [e.value.to_bits(), e.error.to_bits()]).collect();
-    bits.extend(result.stationarity().map(f64::to_bits));
+    bits.extend(result.stationarity().into_iter().map(f64::to_bits));
     bits.extend((0..2).flat_map(|i| result.histogram(i)).flat_map(|h| h.edges().map(f64::to_bits)));
     let made = result.provenance();
-    bits.extend([made.seed, made.trajectories as u64, made.samples as u64, made.path_steps]);
+    let counts = [made.trajectories, made.samples].map(|count| count.map(|count| count as u64));
+    bits.extend([made.seed, counts[0], counts[1], made.path_steps].into_iter().flatten());
     Ok(bits)
+}
+
+fn samples(result: &SimulatedDensity) -> usize {
+    result.provenance().samples.unwrap_or(0)
+}
+
+fn path_steps(result: &SimulatedDensity) -> u64 {
+    result.provenance().path_steps.unwrap_or(0)
 }
 
 /// A file that is gone when the test ends.
@@ -53,33 +63,32 @@ impl Drop for Scratch {
     }
 }
 
-fn oscillator() -> Result<Duffing> {
-    Duffing::new(0.2, 1.0, 0.3, 0.2)
+/// With a lossy wall, so that shorter steps, impacts and crossings are all there.
+fn problem() -> Result<Problem> {
+    Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.with_wall(Wall::above(0.2, 0.8)?)
 }
 
-/// With a lossy wall, so that shorter steps, impacts and crossings are all there. Long intervals make for many rounds and
-/// many reports of progress.
-fn simulation(oscillator: &Duffing, trajectories: usize) -> Result<Simulation<'_, Duffing, 2, 1>> {
-    let simulation = Simulation::new(oscillator).barrier(Barrier::new(0.2, 0.8)?).levels([0.5]).burn_in(5.0).seed(11);
-    Ok(simulation.trajectories(trajectories).samples(100 * trajectories).sampling_interval(4.0).time_step(0.02))
+/// Long intervals make for many rounds and many reports of progress.
+fn simulation<'a>(trajectories: usize) -> Simulation<'a> {
+    let simulation = Simulation::new().levels([0.5]).burn_in(5.0).seed(11);
+    simulation.trajectories(trajectories).samples(100 * trajectories).sampling_interval(4.0).time_step(0.02)
 }
 
 #[test]
 fn the_result_is_the_same_on_any_number_of_threads() -> Result<()> {
-    let oscillator = oscillator()?;
+    let problem = problem()?;
     // Single trajectories, and whole groups of lanes with some left over.
     for trajectories in [100, 1003] {
-        let run = || simulation(&oscillator, trajectories)?.samples(4_000).run();
+        let run = || simulation(trajectories).samples(4_000).run(&problem);
         let mut results = Vec::new();
         for threads in [1, 2, 7] {
-            let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else { continue };
-            results.push(bits(&pool.install(run)?)?);
+            results.push(bits(&threads_of(threads).install(run)?)?);
         }
-        assert_eq!(results.len(), 3);
         assert!(results.iter().all(|r| *r == results[0]), "{trajectories} trajectories");
     }
-    let other = Simulation::new(&oscillator).samples(1000).seed(1).run()?.moment([2, 0]);
-    assert_ne!(other, Simulation::new(&oscillator).samples(1000).seed(2).run()?.moment([2, 0]));
+    let free = problem.without_walls();
+    let other = Simulation::new().samples(1000).seed(1).run(&free)?.moment(&[2, 0])?;
+    assert_ne!(other, Simulation::new().samples(1000).seed(2).run(&free)?.moment(&[2, 0])?);
     Ok(())
 }
 
@@ -90,25 +99,25 @@ fn cancel_beyond(steps: u64) -> impl FnMut(Progress) -> ControlFlow<()> + Send {
 
 #[test]
 fn a_run_that_is_cancelled_again_and_again_finds_the_same() -> Result<()> {
-    let (oscillator, file) = (oscillator()?, Scratch::new("cancelled"));
+    let (problem, file) = (problem()?, Scratch::new("cancelled"));
     // Whole groups of lanes and one with some idle; few bins, for small files.
-    let run = || Ok::<_, Error>(simulation(&oscillator, 515)?.samples(515 * 60).bins(16));
-    let result = run()?.run()?;
-    let (whole, total) = (bits(&result)?, result.provenance().path_steps);
+    let run = || simulation(515).samples(515 * 60).bins(16);
+    let result = run().run(&problem)?;
+    let (whole, total) = (bits(&result)?, path_steps(&result));
     // How far a run comes before a cancellation is seen depends on the threads; the result must not.
     for sessions in [2, 5, 25] {
         let mut cancelled = 0;
         for session in 1..sessions {
             let stop = cancel_beyond(total / sessions * session);
-            match run()?.checkpoint(&file.0, Duration::ZERO).progress(stop).run() {
+            match run().checkpoint(&file.0, Duration::ZERO).progress(stop).run(&problem) {
                 Err(Error::Cancelled { steps }) if (1..=total).contains(&steps) => cancelled += 1,
                 outcome => assert!(bits(&outcome?)? == whole, "it came to its end"),
             }
         }
-        let result = run()?.checkpoint(&file.0, Duration::ZERO).run()?;
+        let result = run().checkpoint(&file.0, Duration::ZERO).run(&problem)?;
         assert!(4 * cancelled >= sessions - 1 && bits(&result)? == whole, "cancelled {cancelled} times");
         // The file now holds the result, and another run returns it.
-        let again = run()?.checkpoint(&file.0, Duration::ZERO).run()?;
+        let again = run().checkpoint(&file.0, Duration::ZERO).run(&problem)?;
         assert!(bits(&again)? == whole && bits(&SimulatedDensity::from_checkpoint(&file.0)?)? == whole);
         assert!(fs::remove_file(&file.0).is_ok());
     }
@@ -117,44 +126,44 @@ fn a_run_that_is_cancelled_again_and_again_finds_the_same() -> Result<()> {
 
 #[test]
 fn a_run_in_many_short_sessions_finds_the_same() -> Result<()> {
-    let (oscillator, file) = (oscillator()?, Scratch::new("sessions"));
+    let (problem, file) = (problem()?, Scratch::new("sessions"));
     // A round of 1024 trajectories is 2²¹/1024/200 = 10 samples of each, and this run three rounds.
-    let run = |samples: usize| Ok::<_, Error>(simulation(&oscillator, 1024)?.samples(1024 * samples));
+    let run = |samples: usize| simulation(1024).samples(1024 * samples);
     let mut lengths = Vec::new();
     let mut sessions = 0;
     let result = loop {
-        let session = run(25)?.checkpoint(&file.0, Duration::from_secs(60));
+        let session = run(25).checkpoint(&file.0, Duration::from_secs(60));
         sessions += 1;
         assert!(sessions < 100, "it does not advance");
-        match session.time_budget(Duration::from_nanos(1)).run() {
-            Ok(result) if result.provenance().stopped == Stopped::Samples => break result,
+        match session.time_budget(Duration::from_nanos(1)).run(&problem) {
+            Ok(result) if result.provenance().stopped == Some(Stopped::Samples) => break result,
             Ok(result) => {
-                assert_eq!(result.provenance().stopped, Stopped::TimeBudget);
+                assert_eq!(result.provenance().stopped, Some(Stopped::TimeBudget));
                 // What a session has found is the result of a shorter simulation.
-                let samples = result.provenance().samples / 1024;
+                let samples = samples(&result) / 1024;
                 lengths.push(samples);
-                assert!(bits(&result)? == bits(&run(samples)?.run()?)?);
+                assert!(bits(&result)? == bits(&run(samples).run(&problem)?)?);
             }
             Err(Error::OutOfTime { steps }) => assert!(steps > 0),
             Err(error) => return Err(error),
         }
     };
     assert_eq!(lengths, [10, 20]);
-    assert!(bits(&result)? == bits(&run(25)?.run()?)?);
+    assert!(bits(&result)? == bits(&run(25).run(&problem)?)?);
     // A run that was over goes on when more samples are asked for.
-    let more = run(26)?.checkpoint(&file.0, Duration::from_secs(60)).run()?;
-    assert!(bits(&more)? == bits(&run(26)?.run()?)?);
+    let more = run(26).checkpoint(&file.0, Duration::from_secs(60)).run(&problem)?;
+    assert!(bits(&more)? == bits(&run(26).run(&problem)?)?);
     Ok(())
 }
 
 #[test]
 fn parts_are_merged_to_the_single_run() -> Result<()> {
-    let oscillator = oscillator()?;
+    let problem = problem()?;
     for (trajectories, samples) in [(100, 2_000), (520, 10_400)] {
-        let run = || Ok::<_, Error>(simulation(&oscillator, trajectories)?.samples(samples));
-        let single = bits(&run()?.run()?)?;
+        let run = || simulation(trajectories).samples(samples);
+        let single = bits(&run().run(&problem)?)?;
         for parts in [2, 7] {
-            let part = |k: usize| run()?.part(k, parts).run();
+            let part = |k: usize| run().part(k, parts).run(&problem);
             // In an order of their own.
             let merged = SimulatedDensity::merge((0..parts).rev().map(part).collect::<Result<Vec<_>>>()?)?;
             assert!(bits(&merged)? == single, "{trajectories} trajectories in {parts} parts");
@@ -162,24 +171,24 @@ fn parts_are_merged_to_the_single_run() -> Result<()> {
     }
     // A part of its own is a valid, less precise answer; parts may come from files; each must be there once.
     let file = Scratch::new("part");
-    let run = || Ok::<_, Error>(simulation(&oscillator, 100)?.samples(2_000));
-    let first = run()?.part(0, 2).checkpoint(&file.0, Duration::from_secs(60)).run()?;
-    assert_eq!(first.provenance().trajectories, 50);
-    let second = run()?.part(1, 2).run()?;
+    let run = || simulation(100).samples(2_000);
+    let first = run().part(0, 2).checkpoint(&file.0, Duration::from_secs(60)).run(&problem)?;
+    assert_eq!(first.provenance().trajectories, Some(50));
+    let second = run().part(1, 2).run(&problem)?;
     let read = SimulatedDensity::from_checkpoint(&file.0)?;
     let merged = bits(&SimulatedDensity::merge([second.clone(), read])?)?;
-    assert!(merged == bits(&run()?.run()?)?);
+    assert!(merged == bits(&run().run(&problem)?)?);
     let missing = SimulatedDensity::merge([second.clone()]).err();
     assert_eq!(missing, Some(Error::MissingPart { seed: 11, trajectories: 0..1 }));
     let twice = SimulatedDensity::merge([first.clone(), second.clone(), second.clone()]).err();
     assert_eq!(twice, Some(Error::RepeatedPart { seed: 11, trajectories: 50..51 }));
-    let longer = run()?.samples(3_000).part(0, 2).run()?;
+    let longer = run().samples(3_000).part(0, 2).run(&problem)?;
     assert!(differs(SimulatedDensity::merge([longer, second.clone()]), "number of samples per trajectory"));
-    let other = run()?.time_step(0.04).part(0, 2).run()?;
+    let other = run().time_step(0.04).part(0, 2).run(&problem)?;
     assert!(differs(SimulatedDensity::merge([other, second]), "time step"));
-    assert!(matches!(SimulatedDensity::<2>::merge([]), Err(Error::NoSamples { least: 1, .. })));
+    assert!(matches!(SimulatedDensity::merge([]), Err(Error::NoSamples { least: 1, .. })));
     for (part, parts) in [(2, 2), (0, 0), (0, 65)] {
-        let refused = run()?.part(part, parts).run();
+        let refused = run().part(part, parts).run(&problem);
         assert!(matches!(refused, Err(Error::OutOfRange { .. })), "part {part} of {parts}");
     }
     Ok(())
@@ -191,57 +200,58 @@ fn differs<R>(outcome: Result<R>, option: &str) -> bool {
 
 #[test]
 fn independent_runs_are_merged_to_a_more_precise_one() -> Result<()> {
-    let oscillator = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
+    let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
     let run = |seed: u64| {
-        let run = Simulation::new(&oscillator).samples(200_000).time_step(0.02).seed(seed);
-        run.histogram_range(0, -5.0, 5.0).histogram_range(1, -6.0, 6.0).run()
+        let run = Simulation::new().samples(200_000).time_step(0.02).seed(seed);
+        run.histogram_range(0, -5.0, 5.0).histogram_range(1, -6.0, 6.0).run(&problem)
     };
     let runs = (0..4).map(run).collect::<Result<Vec<_>>>()?;
-    let mean = runs.iter().map(|run| run.moment([2, 0]).value).sum::<f64>() / 4.0;
-    let error = runs.iter().map(|run| run.moment([2, 0]).error.powi(2)).sum::<f64>().sqrt() / 4.0;
+    let squares = runs.iter().map(|run| run.moment(&[2, 0])).collect::<Result<Vec<_>>>()?;
+    let mean = squares.iter().map(|square| square.value).sum::<f64>() / 4.0;
+    let error = squares.iter().map(|square| square.error.powi(2)).sum::<f64>().sqrt() / 4.0;
     let merged = SimulatedDensity::merge(runs)?;
-    let square = merged.moment([2, 0]);
-    assert_eq!((merged.provenance().runs, merged.provenance().samples), (4, 4 * 200_704));
+    let square = merged.moment(&[2, 0])?;
+    assert_eq!((merged.provenance().runs, merged.provenance().samples), (Some(4), Some(4 * 200_704)));
     // The same sums in another order; and two estimates of one standard error from 256 batches, each known to 4.4 %.
     assert!((square.value - mean).abs() < 1e-12);
     assert!((square.error / error - 1.0).abs() < 0.1, "{} against {error}", square.error);
     assert!(square.deviation(0.661714969204) < 4.0);
     // Without common ranges the pilots of different seeds find different ones.
-    let free = [5, 6].map(|seed| Simulation::new(&oscillator).samples(1000).time_step(0.02).seed(seed).run());
+    let free = [5, 6].map(|seed| Simulation::new().samples(1000).time_step(0.02).seed(seed).run(&problem));
     assert!(differs(SimulatedDensity::merge(free.into_iter().collect::<Result<Vec<_>>>()?), "range or number of bins"));
     Ok(())
 }
 
 #[test]
 fn precision_ends_a_run_and_the_run_can_be_repeated() -> Result<()> {
-    let oscillator = oscillator()?;
+    let problem = problem()?;
     let run = |bound: f64| {
-        let run = simulation(&oscillator, 512)?.samples(1_000_000).sampling_interval(1.0);
-        let run = run.until(Tolerance::Relative(bound), |found| Ok(found.moment([0, 2])));
-        run.until(Tolerance::Absolute(0.01), |found| found.flux(Crossing::downward(0.2), 1)).run()
+        let run = simulation(512).samples(1_000_000).sampling_interval(1.0);
+        let run = run.until(Tolerance::Relative(bound), |found| found.moment(&[0, 2]));
+        run.until(Tolerance::Absolute(0.01), |found| found.flux(Crossing::downward(0.2), 1)).run(&problem)
     };
     let result = run(0.02)?;
-    let (square, rate) = (result.moment([0, 2]), result.flux(Crossing::downward(0.2), 1)?);
-    assert_eq!(result.provenance().stopped, Stopped::Precision);
+    let (square, rate) = (result.moment(&[0, 2])?, result.flux(Crossing::downward(0.2), 1)?);
+    assert_eq!(result.provenance().stopped, Some(Stopped::Precision));
     assert!(square.error <= 0.02 * square.value && rate.error <= 0.01);
-    let samples = result.provenance().samples;
+    let samples = samples(&result);
     // It stopped at the first look that sufficed, an eighth after one that did not: the error then is not far below.
     assert!(samples < 1_000_000 && (square.error > 0.016 * square.value || rate.error > 0.008));
     assert!(bits(&run(0.02)?)? == bits(&result)?);
-    let shorter = simulation(&oscillator, 512)?.samples(samples).sampling_interval(1.0).run()?;
+    let shorter = simulation(512).samples(samples).sampling_interval(1.0).run(&problem)?;
     assert!(bits(&shorter)? == bits(&result)?, "it is the run of so many samples");
 
-    // A target that is never reached leaves the run as long as it was allowed to be, and so does one for what is unknown.
-    let never = simulation(&oscillator, 64)?.samples(1000);
-    let never = never.until(Tolerance::Absolute(1e-9), |found| found.mean(0)).run()?;
-    assert_eq!(never.provenance().stopped, Stopped::Samples);
-    let unknown = simulation(&oscillator, 64)?.samples(1000);
-    let unknown = unknown.until(Tolerance::Absolute(1.0), |f| Ok(f.moment([9, 9]))).run()?;
-    assert_eq!(unknown.provenance().stopped, Stopped::Samples);
-    let uncounted = simulation(&oscillator, 64)?.until(Tolerance::Absolute(1.0), |f| f.upcrossing_rate(0.7)).run();
-    assert_eq!(uncounted.err(), Some(Error::LevelNotCounted { level: 0.7 }));
+    // A target that is never reached leaves the run as long as it was allowed to be.
+    let never = simulation(64).samples(1000);
+    let never = never.until(Tolerance::Absolute(1e-9), |found| found.mean(0)).run(&problem)?;
+    assert_eq!(never.provenance().stopped, Some(Stopped::Samples));
+    // What is unknown is no target.
+    let unknown = simulation(64).until(Tolerance::Absolute(1.0), |f| f.moment(&[9, 9])).run(&problem);
+    assert!(matches!(unknown, Err(Error::NotKnown { .. })));
+    let uncounted = simulation(64).until(Tolerance::Absolute(1.0), |f| f.upcrossing_rate(0.7)).run(&problem);
+    assert!(matches!(uncounted, Err(Error::NotKnown { what, .. }) if what.contains("0.7")));
     for bound in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let refused = simulation(&oscillator, 64)?.until(Tolerance::Relative(bound), |f| f.mean(0)).run();
+        let refused = simulation(64).until(Tolerance::Relative(bound), |f| f.mean(0)).run(&problem);
         assert!(matches!(refused, Err(Error::OutOfRange { .. })));
     }
     Ok(())
@@ -250,15 +260,15 @@ fn precision_ends_a_run_and_the_run_can_be_repeated() -> Result<()> {
 /// What ending a run at a precision does to its standard errors; `-- --nocapture` prints it.
 #[test]
 fn standard_errors_of_runs_that_were_ended_by_precision_cover() -> Result<()> {
-    let oscillator = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
+    let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
     const RUNS: u64 = 100;
     let (mut by_precision, mut by_samples) = (Vec::new(), Vec::new());
     for seed in 0..RUNS {
-        let run = || Simulation::new(&oscillator).time_step(0.04).seed(seed);
-        let result = run().until(Tolerance::Relative(0.01), |found| Ok(found.moment([2, 0]))).run()?;
-        assert_eq!(result.provenance().stopped, Stopped::Precision);
-        by_precision.push(result.moment([2, 0]));
-        by_samples.push(run().samples(result.provenance().samples).seed(seed + 1000).run()?.moment([2, 0]));
+        let run = || Simulation::new().time_step(0.04).seed(seed);
+        let result = run().until(Tolerance::Relative(0.01), |found| found.moment(&[2, 0])).run(&problem)?;
+        assert_eq!(result.provenance().stopped, Some(Stopped::Precision));
+        by_precision.push(result.moment(&[2, 0])?);
+        by_samples.push(run().samples(samples(&result)).seed(seed + 1000).run(&problem)?.moment(&[2, 0])?);
     }
     let mut ratios = Vec::new();
     for (what, estimates) in [("precision", by_precision), ("samples", by_samples)] {
@@ -275,19 +285,19 @@ fn standard_errors_of_runs_that_were_ended_by_precision_cover() -> Result<()> {
 }
 
 /// A checkpoint of a finished run.
-fn checkpointed(oscillator: &Duffing, file: &Path) -> Result<()> {
-    simulation(oscillator, 10)?.checkpoint(file, Duration::from_secs(60)).run().map(|_| ())
+fn checkpointed(problem: &Problem, file: &Path) -> Result<()> {
+    simulation(10).checkpoint(file, Duration::from_secs(60)).run(problem).map(|_| ())
 }
 
 #[test]
 fn spoiled_checkpoints_are_refused_and_left_as_they_are() -> Result<()> {
-    let (oscillator, file) = (oscillator()?, Scratch::new("spoiled"));
-    checkpointed(&oscillator, &file.0)?;
+    let (problem, file) = (problem()?, Scratch::new("spoiled"));
+    checkpointed(&problem, &file.0)?;
     let Ok(whole) = fs::read(&file.0) else { unreachable!("it was written just now") };
-    let resume = || simulation(&oscillator, 10)?.checkpoint(&file.0, Duration::from_secs(60)).run();
+    let resume = || simulation(10).checkpoint(&file.0, Duration::from_secs(60)).run(&problem);
     let refused = |content: &[u8]| {
         let written = fs::write(&file.0, content).is_ok();
-        let both = [resume().err(), SimulatedDensity::<2>::from_checkpoint(&file.0).err()];
+        let both = [resume().err(), SimulatedDensity::from_checkpoint(&file.0).err()];
         let typed = both.iter().all(|error| matches!(error, Some(Error::NotACheckpoint { .. })));
         written && typed && fs::read(&file.0).is_ok_and(|kept| kept == content)
     };
@@ -304,20 +314,20 @@ fn spoiled_checkpoints_are_refused_and_left_as_they_are() -> Result<()> {
     assert!(fs::write(&file.0, &whole).is_ok() && resume().is_ok());
 
     let folder = file.0.with_file_name("no-such-folder").join("state");
-    let nowhere = simulation(&oscillator, 10)?.checkpoint(&folder, Duration::ZERO).run();
+    let nowhere = simulation(10).checkpoint(&folder, Duration::ZERO).run(&problem);
     assert!(matches!(nowhere, Err(Error::File { action: "write", .. })));
-    assert!(matches!(SimulatedDensity::<2>::from_checkpoint(&folder), Err(Error::File { action: "read", .. })));
-    let is_folder = simulation(&oscillator, 10)?.checkpoint(std::env::temp_dir(), Duration::ZERO).run();
+    assert!(matches!(SimulatedDensity::from_checkpoint(&folder), Err(Error::File { action: "read", .. })));
+    let is_folder = simulation(10).checkpoint(std::env::temp_dir(), Duration::ZERO).run(&problem);
     assert!(matches!(is_folder, Err(Error::File { action: "read", .. })));
     Ok(())
 }
 
 #[test]
 fn checkpoints_of_other_simulations_are_refused_by_name() -> Result<()> {
-    let (oscillator, file) = (oscillator()?, Scratch::new("other"));
-    checkpointed(&oscillator, &file.0)?;
-    let resumed = |change: fn(Simulation<'_, Duffing, 2, 1>) -> Simulation<'_, Duffing, 2, 1>| {
-        change(simulation(&oscillator, 10)?).checkpoint(&file.0, Duration::from_secs(60)).run()
+    let (problem, file) = (problem()?, Scratch::new("other"));
+    checkpointed(&problem, &file.0)?;
+    let resumed = |change: fn(Simulation<'_>) -> Simulation<'_>| {
+        change(simulation(10)).checkpoint(&file.0, Duration::from_secs(60)).run(&problem)
     };
     assert!(differs(resumed(|s| s.seed(12)), "seed"));
     assert!(differs(resumed(|s| s.time_step(0.01)), "time step"));
@@ -329,47 +339,50 @@ fn checkpoints_of_other_simulations_are_refused_by_name() -> Result<()> {
     assert!(differs(resumed(|s| s.bins(32)), "range or number of bins"));
     assert!(differs(resumed(|s| s.samples(10)), "number of samples per trajectory"));
     assert!(differs(resumed(|s| s.part(0, 2)), "part"));
-    let other = Duffing::new(0.2, 1.0, 0.300_000_000_000_000_04, 0.2)?;
-    assert!(differs(simulation(&other, 10)?.checkpoint(&file.0, Duration::ZERO).run(), "system"));
-    assert!(differs(SimulatedDensity::<3>::from_checkpoint(&file.0), "number of states"));
+    let other = |problem: Problem| simulation(10).checkpoint(&file.0, Duration::ZERO).run(&problem);
+    let near =
+        Problem::of(Duffing::new(0.2, 1.0, 0.300_000_000_000_000_04, 0.2)?)?.with_wall(Wall::above(0.2, 0.8)?)?;
+    assert!(differs(other(near), "system"));
+    assert!(differs(other(problem.without_walls().with_wall(Wall::above(0.2, 0.9)?)?), "wall"));
+    let single = simulation(10).levels([]).checkpoint(&file.0, Duration::ZERO).run(&Problem::of(Cubic)?);
+    assert!(differs(single, "number of states"));
     let Err(error) = resumed(|s| s.seed(12)) else { unreachable!("the seed differs") };
     assert!(error.to_string().contains("the seed is 11 there and 12 here"), "{error}");
 
     // A run that is not over has no result yet.
-    let long = simulation(&oscillator, 10)?.samples(1 << 20).checkpoint(&file.0, Duration::ZERO);
-    assert!(matches!(long.progress(cancel_beyond(1_000_000)).run(), Err(Error::Cancelled { .. })));
-    assert!(matches!(SimulatedDensity::<2>::from_checkpoint(&file.0), Err(Error::Unfinished { .. })));
+    let long = simulation(10).samples(1 << 20).checkpoint(&file.0, Duration::ZERO);
+    assert!(matches!(long.progress(cancel_beyond(1_000_000)).run(&problem), Err(Error::Cancelled { .. })));
+    assert!(matches!(SimulatedDensity::from_checkpoint(&file.0), Err(Error::Unfinished { .. })));
     Ok(())
 }
 
 #[test]
 fn no_time_is_no_result() -> Result<()> {
-    let (oscillator, file) = (oscillator()?, Scratch::new("no-time"));
-    let none = simulation(&oscillator, 64)?.time_budget(Duration::ZERO).run();
+    let (problem, file) = (problem()?, Scratch::new("no-time"));
+    let none = simulation(64).time_budget(Duration::ZERO).run(&problem);
     assert!(matches!(none, Err(Error::OutOfTime { .. })));
     // With a checkpoint of a run that was over there is something to return.
-    checkpointed(&oscillator, &file.0)?;
-    let kept = simulation(&oscillator, 10)?.checkpoint(&file.0, Duration::ZERO).time_budget(Duration::ZERO).run()?;
-    assert_eq!(kept.provenance().stopped, Stopped::Samples);
+    checkpointed(&problem, &file.0)?;
+    let kept = simulation(10).checkpoint(&file.0, Duration::ZERO).time_budget(Duration::ZERO).run(&problem)?;
+    assert_eq!(kept.provenance().stopped, Some(Stopped::Samples));
     Ok(())
 }
 
 #[test]
 fn explosions_are_the_same_error_on_any_number_of_threads() -> Result<()> {
     // States grow a million times beyond the pilot's, at different times.
-    let growing = Linear::new(-0.1, 1.0, 0.2)?;
-    let run = || Simulation::new(&growing).time_step(0.02).burn_in(1.0).run();
+    let growing = Problem::of(Linear::new(-0.1, 1.0, 0.2)?)?;
+    let run = || Simulation::new().time_step(0.02).burn_in(1.0).run(&growing);
     let Err(error @ Error::Exploded { .. }) = run() else { unreachable!("its damping is negative") };
     let Error::Exploded { trajectory, ref state, time, step } = error else { return Ok(()) };
     assert!(trajectory < 1024 && state.iter().any(|x| x.abs() > 1e5) && time > 1.0 && step == 0.02);
     for threads in [1, 7] {
-        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else { return Ok(()) };
-        assert_eq!(pool.install(run).err().as_ref(), Some(&error), "{threads} threads");
+        assert_eq!(threads_of(threads).install(run).err().as_ref(), Some(&error), "{threads} threads");
     }
     // A checkpoint does not turn the explosion into something else.
     let file = Scratch::new("explosion");
     let again =
-        || Simulation::new(&growing).time_step(0.02).burn_in(1.0).checkpoint(&file.0, Duration::ZERO).run().err();
+        || Simulation::new().time_step(0.02).burn_in(1.0).checkpoint(&file.0, Duration::ZERO).run(&growing).err();
     assert_eq!((again(), again()), (Some(error.clone()), Some(error)));
     Ok(())
 }
@@ -389,25 +402,26 @@ impl PolynomialDrift<1, 1> for Cubic {
 #[test]
 fn a_single_state_is_kept_as_well() -> Result<()> {
     let file = Scratch::new("single");
-    let run = || Simulation::new(&Cubic).trajectories(64).samples(20_000).burn_in(5.0);
-    let kept = run().checkpoint(&file.0, Duration::ZERO).run()?;
-    let read = SimulatedDensity::<1>::from_checkpoint(&file.0)?;
-    assert_eq!((kept.moment([4]), kept.pdf(&[0.1])), (read.moment([4]), read.pdf(&[0.1])));
-    assert_eq!(kept.moment([4]), run().run()?.moment([4]));
+    let problem = Problem::of(Cubic)?;
+    let run = || Simulation::new().trajectories(64).samples(20_000).burn_in(5.0);
+    let kept = run().checkpoint(&file.0, Duration::ZERO).run(&problem)?;
+    let read = SimulatedDensity::from_checkpoint(&file.0)?;
+    assert_eq!((kept.moment(&[4])?, kept.pdf(&[0.1])?), (read.moment(&[4])?, read.pdf(&[0.1])?));
+    assert_eq!(kept.moment(&[4])?, run().run(&problem)?.moment(&[4])?);
     Ok(())
 }
 
 #[test]
 fn a_run_reports_progress_and_can_be_cancelled() -> Result<()> {
-    let oscillator = oscillator()?;
+    let problem = problem()?.without_walls();
     let mut last = (0, 0);
     let count = |p: Progress| {
         last = (p.done, p.total);
         ControlFlow::Continue(())
     };
-    let result = Simulation::new(&oscillator).samples(50_000).progress(count).run()?;
-    assert_eq!(last, (result.provenance().path_steps, result.provenance().path_steps));
-    let stopped = Simulation::new(&oscillator).samples(1 << 40).progress(|_| ControlFlow::Break(())).run();
+    let result = Simulation::new().samples(50_000).progress(count).run(&problem)?;
+    assert_eq!(last, (path_steps(&result), path_steps(&result)));
+    let stopped = Simulation::new().samples(1 << 40).progress(|_| ControlFlow::Break(())).run(&problem);
     assert!(matches!(stopped, Err(Error::Cancelled { steps }) if steps > 0));
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! Statistics that are asked for, against closed forms; and that they are the same however a run is made.
 
-use crate::common::OrnsteinUhlenbeck;
+use crate::common::{OrnsteinUhlenbeck, threads_of};
 use expoly::{
-    Barrier, Density, Error, Estimate, Progress, Result, SimulatedDensity, Simulation,
+    Density, Error, Estimate, Problem, Progress, Result, SimulatedDensity, Simulation, Wall,
     models::{Duffing, Linear, Solved},
 };
 use std::{f64::consts::PI, f64::consts::TAU, fs, ops::ControlFlow, time::Duration};
@@ -28,9 +28,9 @@ fn assert_close(what: &str, estimate: Estimate, truth: f64, most: f64) {
 #[test]
 fn a_linear_oscillator_has_its_spectrum_and_first_passages() -> Result<()> {
     let (c, k, d, interval, length) = (0.5, 2.0_f64, 0.3, 0.1, 1024);
-    let oscillator = Linear::new(c, k, d)?;
-    let simulation = Simulation::new(&oscillator).samples(1024 * length).time_step(0.02).seed(1);
-    let result = simulation.sampling_interval(interval).spectrum(0, length).first_passage(0.5, 1.0, 5).run()?;
+    let simulation = Simulation::new().samples(1024 * length).time_step(0.02).seed(1);
+    let simulation = simulation.sampling_interval(interval).spectrum(0, length).first_passage(0.5, 1.0, 5);
+    let result = simulation.run(&Problem::of(Linear::new(c, k, d)?)?)?;
     let spectrum = result.spectrum(0)?;
     for (j, omega) in spectrum.frequencies().enumerate().filter(|(j, _)| [8, 16, 22, 24, 32, 64].contains(j)) {
         let truth = d / PI / ((k - omega * omega).powi(2) + (c * omega).powi(2));
@@ -63,9 +63,10 @@ fn first_passages_of_zero_have_their_distribution() -> Result<()> {
     let (interval, length, windows) = (0.0025_f64, 2.0, 3);
     let samples = windows * (length / interval) as usize + windows;
     let level = -0.5826 * (2.0 * interval).sqrt();
-    let simulation = Simulation::new(&OrnsteinUhlenbeck).samples(1024 * samples).seed(2);
+    let simulation = Simulation::new().samples(1024 * samples).seed(2);
     let simulation = simulation.time_step(interval).sampling_interval(interval).burn_in(5.0);
-    let passage = simulation.first_passage(level, length, 4).run()?.first_passage(level)?;
+    let simulation = simulation.first_passage(level, length, 4);
+    let passage = simulation.run(&Problem::of(OrnsteinUhlenbeck)?)?.first_passage(level)?;
     let survival = |t: f64| (-t).exp().asin() / PI;
     for (t, estimate) in passage.distribution().into_iter().skip(1) {
         assert_close(&format!("P(T <= {t})"), estimate, 1.0 - survival(t), 0.01);
@@ -84,15 +85,15 @@ fn first_passages_of_zero_have_their_distribution() -> Result<()> {
 fn a_duffing_oscillator_has_its_high_moments_point_densities_and_crossings() -> Result<()> {
     let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     let exact = oscillator.exact()?;
-    let simulation = Simulation::new(&oscillator).time_step(0.02).samples(1 << 20).levels([0.0, 1.0]).seed(3);
+    let simulation = Simulation::new().time_step(0.02).samples(1 << 20).levels([0.0, 1.0]).seed(3);
     let points = [[0.0, 0.0], [1.0, 0.5], [-0.5, -1.5], [40.0, 0.0]];
-    let result = simulation.moments([[0, 6], [0, 8], [2, 6]]).points(points, [0.3, 0.3]).run()?;
-    assert_close("E v^6", result.moment([0, 6]), 15.0, 0.3);
-    assert_close("E v^8", result.moment([0, 8]), 105.0, 4.0);
-    let square = exact.moment([2, 0]).value;
-    assert_close("E x^2 v^6", result.moment([2, 6]), 15.0 * square, 0.5 * square);
+    let result = simulation.moments([[0, 6], [0, 8], [2, 6]]).points(points, [0.3, 0.3]).run(&oscillator.problem()?)?;
+    assert_close("E v^6", result.moment(&[0, 6])?, 15.0, 0.3);
+    assert_close("E v^8", result.moment(&[0, 8])?, 105.0, 4.0);
+    let square = exact.moment(&[2, 0])?.value;
+    assert_close("E x^2 v^6", result.moment(&[2, 6])?, 15.0 * square, 0.5 * square);
     for (point, density) in result.at_points().into_iter().take(3) {
-        let truth = exact.pdf(&point).value;
+        let truth = exact.pdf(&point)?.value;
         assert_close(&format!("p{point:?}"), density, truth, 0.02 * truth);
     }
     // Where nothing was, the error is that of one sample.
@@ -113,23 +114,24 @@ fn a_duffing_oscillator_has_its_high_moments_point_densities_and_crossings() -> 
 /// distribution p(w) = w/s² exp(−w²/2s²), s² = D/c = 1. The reconstruction from bins of 1/8 errs by (3/640) p⁗/8⁴: 10⁻⁵ or less.
 #[test]
 fn impacts_on_an_elastic_wall_have_rayleigh_speeds() -> Result<()> {
-    let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-    let simulation = Simulation::new(&oscillator).barrier(Barrier::new(0.5, 1.0)?).histogram_range(1, -8.0, 8.0);
-    let result = simulation.bins(64).time_step(0.02).samples(1 << 19).seed(4).run()?;
-    let speeds = result.impact_speeds().ok_or(Error::NotRecorded { what: "speeds", option: "a wall" })?;
+    let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
+    let problem = oscillator.clone().with_wall(Wall::above(0.5, 1.0)?)?;
+    let simulation = Simulation::new().histogram_range(1, -8.0, 8.0);
+    let result = simulation.bins(64).time_step(0.02).samples(1 << 19).seed(4).run(&problem)?;
+    let speeds = result.impact_speeds().unwrap();
     assert_eq!((speeds.len(), speeds.outliers()), (64, 0));
     for w in [0.25, 0.5, 1.0, 2.0, 3.0] {
         let truth = w * (-w * w / 2.0_f64).exp();
-        assert_close(&format!("p({w})"), speeds.density_at([w]), truth, 0.03 * truth.max(0.1));
+        assert_close(&format!("p({w})"), speeds.density_at(&[w])?, truth, 0.03 * truth.max(0.1));
     }
-    let no_wall = Simulation::new(&oscillator).samples(2048).run()?;
+    let no_wall = Simulation::new().samples(2048).run(&oscillator)?;
     assert!(no_wall.impact_speeds().is_none());
     Ok(())
 }
 
 /// Every number that was asked for, bit for bit.
-fn bits(result: &SimulatedDensity<2>) -> Result<Vec<u64>> {
-    let mut values = vec![result.moment([3, 4]), result.moment([0, 6]), result.upcrossing_rate(0.6)?];
+fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
+    let mut values = vec![result.moment(&[3, 4])?, result.moment(&[0, 6])?, result.upcrossing_rate(0.6)?];
     for state in [0, 1] {
         let spectrum = result.spectrum(state)?;
         for k in 0..=16 {
@@ -149,24 +151,24 @@ fn bits(result: &SimulatedDensity<2>) -> Result<Vec<u64>> {
     Ok(values.iter().flat_map(|e| [e.value.to_bits(), e.error.to_bits()]).collect())
 }
 
-/// All statistics at once, above a lossy wall, with some lanes idle.
-fn everything(oscillator: &Duffing) -> Result<Simulation<'_, Duffing, 2, 1>> {
-    let simulation = Simulation::new(oscillator).barrier(Barrier::new(0.2, 0.8)?).levels([0.6]).burn_in(5.0).seed(5);
+/// All statistics at once, to be asked above a lossy wall, with some lanes idle.
+fn everything<'a>() -> Simulation<'a> {
+    let simulation = Simulation::new().levels([0.6]).burn_in(5.0).seed(5);
     let simulation = simulation.trajectories(515).samples(515 * 100).sampling_interval(0.4).time_step(0.02);
     let simulation = simulation.spectrum(0, 32).spectrum(1, 48).first_passage(0.8, 4.0, 2).first_passage(1.5, 8.0, 4);
-    Ok(simulation.moments([[3, 4], [0, 6]]).points([[0.5, 0.0], [1.0, 1.0]], [0.15, 0.4]))
+    simulation.moments([[3, 4], [0, 6]]).points([[0.5, 0.0], [1.0, 1.0]], [0.15, 0.4])
 }
 
 #[test]
 fn all_statistics_are_the_same_however_the_run_is_made() -> Result<()> {
-    let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-    let whole = everything(&oscillator)?.run()?;
-    let (truth, total) = (bits(&whole)?, whole.provenance().path_steps);
+    let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.with_wall(Wall::above(0.2, 0.8)?)?;
+    let whole = everything().run(&problem)?;
+    let (truth, total) = (bits(&whole)?, whole.provenance().path_steps.unwrap());
     for threads in [1, 2, 7] {
-        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else { continue };
-        assert!(bits(&pool.install(|| everything(&oscillator)?.run())?)? == truth, "{threads} threads");
+        let found = threads_of(threads).install(|| everything().run(&problem))?;
+        assert!(bits(&found)? == truth, "{threads} threads");
     }
-    let half = |part: usize| everything(&oscillator)?.part(part, 2).run();
+    let half = |part: usize| everything().part(part, 2).run(&problem);
     assert!(bits(&SimulatedDensity::merge([half(1)?, half(0)?])?)? == truth, "merged from halves");
     // Cancelled in the middle of segments and windows.
     let file = std::env::temp_dir().join(format!("expoly-statistics-{}", std::process::id()));
@@ -174,15 +176,15 @@ fn all_statistics_are_the_same_however_the_run_is_made() -> Result<()> {
         let stop = move |p: Progress| {
             if p.done as f64 >= share * total as f64 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let outcome = everything(&oscillator)?.checkpoint(&file, Duration::ZERO).progress(stop).run();
+        let outcome = everything().checkpoint(&file, Duration::ZERO).progress(stop).run(&problem);
         assert!(matches!(outcome, Err(Error::Cancelled { .. })));
     }
     // Another question is another simulation.
-    let other = everything(&oscillator)?.spectrum(0, 16).checkpoint(&file, Duration::ZERO).run();
+    let other = everything().spectrum(0, 16).checkpoint(&file, Duration::ZERO).run(&problem);
     assert!(other.is_err());
-    let other = everything(&oscillator)?.moments([[0, 8]]).checkpoint(&file, Duration::ZERO).run();
+    let other = everything().moments([[0, 8]]).checkpoint(&file, Duration::ZERO).run(&problem);
     assert!(matches!(other, Err(Error::OtherSimulation { what: "list of further statistics", .. })));
-    let resumed = everything(&oscillator)?.checkpoint(&file, Duration::ZERO).run()?;
+    let resumed = everything().checkpoint(&file, Duration::ZERO).run(&problem)?;
     let read = SimulatedDensity::from_checkpoint(&file)?;
     let _ = fs::remove_file(&file);
     assert!(bits(&resumed)? == truth && bits(&read)? == truth, "resumed");
@@ -193,16 +195,17 @@ fn all_statistics_are_the_same_however_the_run_is_made() -> Result<()> {
 /// and the last of one is far from the first of the next.
 #[test]
 fn states_come_trajectory_by_trajectory() -> Result<()> {
-    let oscillator = Linear::new(0.1, 1.0, 0.1)?;
+    let problem = Problem::of(Linear::new(0.1, 1.0, 0.1)?)?;
     // 100 trajectories in batches of one or two; 1003 in batches of whole groups of lanes.
     for (trajectories, samples) in [(100, 50), (1003, 20)] {
-        let simulation = Simulation::new(&oscillator).trajectories(trajectories).samples(trajectories * samples);
-        let states = simulation.time_step(0.01).sampling_interval(0.01).burn_in(40.0).states()?;
+        let simulation = Simulation::new().trajectories(trajectories).samples(trajectories * samples);
+        let states = simulation.time_step(0.01).sampling_interval(0.01).burn_in(40.0).states(&problem)?;
         assert_eq!(states.len(), trajectories * samples);
         // In one step a displacement moves by 0.01 v, and |v| stays below 6 standard deviations of 1. Two trajectories differ
         // by a normal number of the variance 2, which is below 0.06 with the probability 0.034.
-        let jump = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).abs() > 0.06;
-        let jumps: Vec<usize> = states.windows(2).enumerate().filter(|(_, w)| jump(w)).map(|(k, _)| k + 1).collect();
+        let displacements: Vec<f64> = states.iter().map(|x| x[0]).collect();
+        let jump = |k: &usize| (displacements[*k] - displacements[*k - 1]).abs() > 0.06;
+        let jumps: Vec<usize> = (1..states.len()).filter(jump).collect();
         assert!(jumps.iter().all(|k| k % samples == 0), "a jump inside a trajectory");
         assert!(jumps.len() > trajectories * 9 / 10, "{} jumps", jumps.len());
     }
@@ -211,32 +214,36 @@ fn states_come_trajectory_by_trajectory() -> Result<()> {
 
 #[test]
 fn questions_without_a_meaning_are_refused() -> Result<()> {
-    let oscillator = Linear::new(0.5, 1.0, 0.5)?;
-    let small = || Simulation::new(&oscillator).trajectories(64).samples(640);
-    let out_of_range = |outcome: Result<SimulatedDensity<2>>| matches!(outcome, Err(Error::OutOfRange { .. }));
-    assert!(out_of_range(small().spectrum(0, 7).run()) && out_of_range(small().spectrum(0, usize::MAX).run()));
-    assert!(out_of_range(small().trajectories(1 << 17).spectrum(0, 1 << 20).run()));
-    assert!(out_of_range(small().spectrum(1, 8).spectrum(1, 16).run()));
-    assert!(matches!(small().spectrum(2, 8).run(), Err(Error::Dimension { .. })));
-    assert!(out_of_range(small().first_passage(1.0, f64::NAN, 4).run()));
-    assert!(out_of_range(small().first_passage(1.0, 4.0, 0).run()));
-    assert!(out_of_range(small().first_passage(1.0, 4.0, 2).first_passage(1.0, 2.0, 2).run()));
-    assert!(small().first_passage(f64::NAN, 4.0, 2).run().is_err());
-    assert!(small().points([[f64::NAN, 0.0]], [0.1; 2]).run().is_err());
-    assert!(out_of_range(small().points([[0.0; 2]], [0.0, 1.0]).run()));
-    assert!(out_of_range(small().points([[0.0; 2]; 257], [1.0; 2]).run()));
-    assert!(out_of_range(small().barrier(Barrier::new(0.0, 1.0)?).points([[0.1, 0.0]], [0.1; 2]).run()));
-    assert!(out_of_range(small().moments([[u32::MAX, 1]]).run()) && out_of_range(small().moments([[1, 0]; 65]).run()));
+    let problem = Problem::of(Linear::new(0.5, 1.0, 0.5)?)?;
+    let walled = problem.clone().with_wall(Wall::above(0.0, 1.0)?)?;
+    let small = || Simulation::new().trajectories(64).samples(640);
+    let out_of_range = |simulation: Simulation<'_>| matches!(simulation.run(&problem), Err(Error::OutOfRange { .. }));
+    let other_states = |simulation: Simulation<'_>| matches!(simulation.run(&problem), Err(Error::Dimension { .. }));
+    assert!(out_of_range(small().spectrum(0, 7)) && out_of_range(small().spectrum(0, usize::MAX)));
+    assert!(out_of_range(small().trajectories(1 << 17).spectrum(0, 1 << 20)));
+    assert!(out_of_range(small().spectrum(1, 8).spectrum(1, 16)));
+    assert!(other_states(small().spectrum(2, 8)) && other_states(small().moments([[1, 0, 0]])));
+    assert!(other_states(small().points([[0.0]], [0.1; 2])) && other_states(small().points([[0.0; 2]], [0.1; 3])));
+    assert!(out_of_range(small().first_passage(1.0, f64::NAN, 4)));
+    assert!(out_of_range(small().first_passage(1.0, 4.0, 0)));
+    assert!(out_of_range(small().first_passage(1.0, 4.0, 2).first_passage(1.0, 2.0, 2)));
+    assert!(small().first_passage(f64::NAN, 4.0, 2).run(&problem).is_err());
+    assert!(small().points([[f64::NAN, 0.0]], [0.1; 2]).run(&problem).is_err());
+    assert!(out_of_range(small().points([[0.0; 2]], [0.0, 1.0])));
+    assert!(out_of_range(small().points([[0.0; 2]; 257], [1.0; 2])));
+    let below = small().points([[0.1, 0.0]], [0.1; 2]).run(&walled);
+    assert!(matches!(below, Err(Error::OutOfRange { .. })));
+    assert!(out_of_range(small().moments([[u32::MAX, 1]])) && out_of_range(small().moments([[1, 0]; 65])));
     // Too short for one segment or one window; and what nobody asked for.
-    let short = small().spectrum(0, 16).first_passage(1.0, 20.0, 4).levels([0.0]).run()?;
+    let short = small().spectrum(0, 16).first_passage(1.0, 20.0, 4).levels([0.0]).run(&problem)?;
     assert!(matches!(short.spectrum(0), Err(Error::OutOfRange { .. })));
     assert!(matches!(short.first_passage(1.0), Err(Error::OutOfRange { .. })));
-    assert!(matches!(short.spectrum(1), Err(Error::NotRecorded { .. })));
-    assert!(matches!(short.first_passage(0.0), Err(Error::NotRecorded { .. })));
-    assert!(matches!(short.upcrossing_rate_by_rice(0.5), Err(Error::LevelNotCounted { .. })));
-    assert!(short.moment([0, 6]).error == f64::INFINITY && short.at_points().is_empty());
+    assert!(matches!(short.spectrum(1), Err(Error::NotKnown { .. })));
+    assert!(matches!(short.first_passage(0.0), Err(Error::NotKnown { .. })));
+    assert!(matches!(short.upcrossing_rate_by_rice(0.5), Err(Error::NotKnown { .. })));
+    assert!(matches!(short.moment(&[0, 6]), Err(Error::NotKnown { .. })) && short.at_points().is_empty());
     // No level can be crossed from a wall on it.
-    let wall = small().barrier(Barrier::new(0.0, 1.0)?).levels([0.0]).run()?.upcrossing_rate_by_rice(0.0)?;
-    assert!(wall.value.is_nan() && wall.error == f64::INFINITY);
+    let wall = small().levels([0.0]).run(&walled)?.upcrossing_rate_by_rice(0.0);
+    assert!(matches!(wall, Err(Error::NotKnown { .. })), "{wall:?}");
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! The Gaussian that a map leaves as it is.
 
-use crate::Gaussian;
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use crate::polynomial::Gaussian;
+use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 
 const MAX_ITERATIONS: usize = 60;
 /// Earlier iterates that a step looks back on.
@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-12;
 ///
 /// Returns the last iterate where `map` gives nothing or the iterations run out: as a weight any Gaussian will do, a
 /// fixed one only makes it definite.
-pub(super) fn fixed_point(start: Gaussian<2>, map: impl Fn(&Gaussian<2>) -> Option<Gaussian<2>>) -> Gaussian<2> {
+pub(super) fn fixed_point(start: Gaussian, map: impl Fn(&Gaussian) -> Option<Gaussian>) -> Gaussian {
     let coordinates = Coordinates::new(&start);
     let mut gaussian = start;
     let mut history: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
@@ -57,20 +57,19 @@ struct Coordinates {
 }
 
 impl Coordinates {
-    fn new(start: &Gaussian<2>) -> Self {
+    fn new(start: &Gaussian) -> Self {
         Coordinates { unit: [0, 1].map(|i| start.covariance[(i, i)].sqrt()) }
     }
 
-    fn pack(&self, gaussian: &Gaussian<2>) -> Option<DVector<f64>> {
+    fn pack(&self, gaussian: &Gaussian) -> Option<DVector<f64>> {
         let scale = gaussian.scale().ok()?;
         let mean = [0, 1].map(|i| gaussian.mean[i] / self.unit[i]);
-        let entries = [mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / self.unit[1]];
-        Some(DVector::from_column_slice(&entries))
+        Some(dvector![mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / self.unit[1]])
     }
 
-    fn unpack(&self, x: &DVector<f64>) -> Gaussian<2> {
-        let scale = Matrix2::new(x[2].exp(), 0.0, x[4] * self.unit[1], x[3].exp());
-        let mean = Vector2::new(x[0] * self.unit[0], x[1] * self.unit[1]);
-        Gaussian { mean, covariance: scale * scale.transpose() }
+    fn unpack(&self, x: &DVector<f64>) -> Gaussian {
+        let scale = dmatrix![x[2].exp(), 0.0; x[4] * self.unit[1], x[3].exp()];
+        let mean = dvector![x[0] * self.unit[0], x[1] * self.unit[1]];
+        Gaussian { mean, covariance: &scale * scale.transpose() }
     }
 }

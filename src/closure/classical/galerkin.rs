@@ -1,14 +1,15 @@
 //! The Galerkin equations on the whole space: ∫ r(x; a) ψ_k f_N dx = 0.
 
-use super::hermite::{HermiteSeries, ProductTable, derivative};
-use crate::{FokkerPlanck, Monomial, Polynomial};
+use super::hermite::{ProductTable, combination, derivative, in_hermite, standard_normal};
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::{Polynomial, monomials, total_degree};
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
 /// As many nonlinear equations as unknowns, with their exact Jacobian.
 ///
 /// The functions of a lower order come first, so that its solution followed by zeros is a start for a higher one.
-pub(crate) trait GalerkinEquations<const N: usize> {
+pub(super) trait GalerkinEquations {
     /// The left sides F(a) and the Jacobian ∂F/∂a.
     fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
 
@@ -16,7 +17,7 @@ pub(crate) trait GalerkinEquations<const N: usize> {
     fn gaussian(&self) -> DVector<f64>;
 
     /// Q as a polynomial in the scaled coordinates; its constant part is left out.
-    fn polynomial(&self, a: &DVector<f64>) -> Polynomial<N>;
+    fn polynomial(&self, a: &DVector<f64>) -> Polynomial;
 }
 
 /// F_k(a) = c_k + Σ_i L_ki a_i + Σ_{i≤j} T_kij a_i a_j, with coefficients exact but for rounding.
@@ -24,8 +25,9 @@ pub(crate) trait GalerkinEquations<const N: usize> {
 /// The operator is that in scaled coordinates, in which f_N is standard normal, and the unknowns are the coefficients of
 /// Q in the orthonormal Hermite basis; the same functions test the equation.
 #[derive(Clone, Debug)]
-pub(crate) struct HermiteGalerkin<const N: usize> {
-    basis: Vec<Monomial<N>>,
+pub(super) struct HermiteGalerkin {
+    states: usize,
+    basis: Vec<Vec<u32>>,
     constant: DVector<f64>,
     linear: DMatrix<f64>,
     quadratic: Vec<Triple>,
@@ -40,32 +42,36 @@ struct Triple {
     value: f64,
 }
 
-impl<const N: usize> HermiteGalerkin<N> {
+/// The number of each basis function.
+type Rows = HashMap<Vec<u32>, usize>;
+
+impl HermiteGalerkin {
     /// The equations of order `order` for an operator in scaled coordinates.
-    pub(crate) fn new(operator: &FokkerPlanck<N>, order: u32) -> Self {
-        let basis: Vec<Monomial<N>> = crate::monomials(order).split_off(1);
-        let rows: HashMap<Monomial<N>, usize> = basis.iter().enumerate().map(|(k, m)| (*m, k)).collect();
+    pub(super) fn new(operator: &FokkerPlanck, order: u32) -> Self {
+        let states = operator.dimension();
+        let basis = monomials(states, order).split_off(1);
+        let rows: Rows = basis.iter().cloned().zip(0..).collect();
         let terms = OperatorSeries::new(operator);
         let table = ProductTable::new(terms.degree + order);
         let mut constant = DVector::zeros(basis.len());
-        for (m, c) in &terms.constant.0 {
+        for (m, c) in terms.constant.terms() {
             if let Some(&k) = rows.get(m) {
-                constant[k] = *c;
+                constant[k] = c;
             }
         }
         let mut linear = DMatrix::zeros(basis.len(), basis.len());
         for (i, index) in basis.iter().enumerate() {
             terms.linear(&table, index, &mut |m, c| {
-                let Some(row) = (m.degree() <= order).then(|| rows.get(m)).flatten() else { return };
+                let Some(row) = (total_degree(m) <= order).then(|| rows.get(m)).flatten() else { return };
                 linear[(*row, i)] += c;
             });
         }
         let quadratic = terms.quadratic(&table, &basis, &rows, order);
-        HermiteGalerkin { basis, constant, linear, quadratic }
+        HermiteGalerkin { states, basis, constant, linear, quadratic }
     }
 }
 
-impl<const N: usize> GalerkinEquations<N> for HermiteGalerkin<N> {
+impl GalerkinEquations for HermiteGalerkin {
     fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let mut jacobian = self.linear.clone();
         for t in &self.quadratic {
@@ -79,83 +85,71 @@ impl<const N: usize> GalerkinEquations<N> for HermiteGalerkin<N> {
     }
 
     fn gaussian(&self) -> DVector<f64> {
-        let square = |m: &Monomial<N>| m.degree() == 2 && m.0.contains(&2);
-        DVector::from_iterator(self.basis.len(), self.basis.iter().map(|m| f64::from(square(m)) * -0.5_f64.sqrt()))
+        standard_normal(&self.basis)
     }
 
-    fn polynomial(&self, a: &DVector<f64>) -> Polynomial<N> {
-        let series = HermiteSeries(self.basis.iter().copied().zip(a.iter().copied()).collect());
-        let q = series.to_polynomial();
-        q.filtered(|m, _| m.degree() > 0)
+    fn polynomial(&self, a: &DVector<f64>) -> Polynomial {
+        combination(self.states, &self.basis, a)
     }
 }
 
 /// The parts of the residual in the Hermite basis: r = c − Σ_p g_p ∂_pQ + ½ Σ B_pq (∂_p∂_qQ + ∂_pQ ∂_qQ).
-struct OperatorSeries<const N: usize> {
-    constant: HermiteSeries<N>,
+struct OperatorSeries {
+    constant: Polynomial,
     /// −f_p + Σ_q ∂_qB_pq.
-    gradient: Vec<HermiteSeries<N>>,
+    gradient: Vec<Polynomial>,
     /// B_pq where it does not vanish.
-    diffusion: Vec<(usize, usize, HermiteSeries<N>)>,
+    diffusion: Vec<(usize, usize, Polynomial)>,
     degree: u32,
 }
 
-impl<const N: usize> OperatorSeries<N> {
-    fn new(operator: &FokkerPlanck<N>) -> Self {
+impl OperatorSeries {
+    fn new(operator: &FokkerPlanck) -> Self {
+        let states = operator.dimension();
         let spread = operator.diffusion_divergence();
-        let constant = operator.residual(&Polynomial::zero());
-        let gradient: Vec<_> = (0..N).map(|p| &spread[p] - &operator.drift()[p]).collect();
+        let constant = operator.residual(&Polynomial::zero(states));
+        let gradient: Vec<_> = spread.iter().zip(operator.drift()).map(|(spread, f)| spread - f).collect();
         let mut degree = gradient.iter().map(Polynomial::degree).max().unwrap_or(0);
         let mut diffusion = Vec::new();
         for (p, row) in operator.diffusion().iter().enumerate() {
             for (q, b) in row.iter().enumerate().filter(|(_, b)| !b.is_zero()) {
                 degree = degree.max(b.degree());
-                diffusion.push((p, q, HermiteSeries::from_polynomial(b)));
+                diffusion.push((p, q, in_hermite(b)));
             }
         }
-        OperatorSeries {
-            constant: HermiteSeries::from_polynomial(&constant),
-            gradient: gradient.iter().map(HermiteSeries::from_polynomial).collect(),
-            diffusion,
-            degree,
-        }
+        let gradient = gradient.iter().map(in_hermite).collect();
+        OperatorSeries { constant: in_hermite(&constant), gradient, diffusion, degree }
     }
 
     /// Visits the terms of what r has in front of the unknown of `index`.
-    fn linear(&self, table: &ProductTable, index: &Monomial<N>, visit: &mut impl FnMut(&Monomial<N>, f64)) {
-        let all = self.degree + index.degree();
+    fn linear(&self, table: &ProductTable, index: &[u32], visit: &mut impl FnMut(&[u32], f64)) {
+        let all = self.degree + total_degree(index);
         for (p, g) in self.gradient.iter().enumerate() {
             let Some((slope, factor)) = derivative(index, p) else { continue };
-            for (m, c) in &g.0 {
+            for (m, c) in g.terms() {
                 table.product(m, &slope, all, &mut |m, t| visit(m, factor * c * t));
             }
         }
         for (p, q, b) in &self.diffusion {
             let Some((slope, first)) = derivative(index, *p) else { continue };
             let Some((curvature, second)) = derivative(&slope, *q) else { continue };
-            for (m, c) in &b.0 {
+            for (m, c) in b.terms() {
                 table.product(m, &curvature, all, &mut |m, t| visit(m, 0.5 * first * second * c * t));
             }
         }
     }
 
     /// All T_kij: the projections of ½ Σ B_pq ∂_pψ_i ∂_qψ_j, counted twice for i < j.
-    fn quadratic(
-        &self,
-        table: &ProductTable,
-        basis: &[Monomial<N>],
-        rows: &HashMap<Monomial<N>, usize>,
-        order: u32,
-    ) -> Vec<Triple> {
+    fn quadratic(&self, table: &ProductTable, basis: &[Vec<u32>], rows: &Rows, order: u32) -> Vec<Triple> {
         let mut triples = Vec::new();
         let mut row = vec![0.0; basis.len()];
         for (i, index) in basis.iter().enumerate() {
             let weighted = self.weighted_gradient(table, index);
             for (j, other) in basis.iter().enumerate().skip(i) {
                 let twice = if i == j { 1.0 } else { 2.0 };
-                for (q, series) in weighted.iter().enumerate() {
+                for (q, series) in weighted.iter().enumerate().filter(|(_, series)| !series.is_zero()) {
                     let Some((slope, factor)) = derivative(other, q) else { continue };
-                    for (m, c) in series {
+                    for (m, c) in series.terms() {
                         table.product(m, &slope, order, &mut |m, t| {
                             if let Some(&k) = rows.get(m) {
                                 row[k] += twice * factor * c * t;
@@ -172,35 +166,28 @@ impl<const N: usize> OperatorSeries<N> {
     }
 
     /// For each q the series ½ Σ_p B_pq ∂_pψ.
-    fn weighted_gradient(&self, table: &ProductTable, index: &Monomial<N>) -> Vec<Vec<(Monomial<N>, f64)>> {
-        let mut weighted = vec![Polynomial::zero(); N];
+    fn weighted_gradient(&self, table: &ProductTable, index: &[u32]) -> Vec<Polynomial> {
+        let mut weighted = vec![Polynomial::zero(index.len()); index.len()];
         for (p, q, b) in &self.diffusion {
             let Some((slope, factor)) = derivative(index, *p) else { continue };
-            for (m, c) in &b.0 {
-                let all = self.degree + index.degree();
-                table.product(m, &slope, all, &mut |m, t| weighted[*q].add_term(*m, 0.5 * factor * c * t));
+            let all = self.degree + total_degree(index);
+            for (m, c) in b.terms() {
+                table.product(m, &slope, all, &mut |m, t| weighted[*q].add_term(m, 0.5 * factor * c * t));
             }
         }
-        weighted.iter().map(|series| series.terms().map(|(m, c)| (*m, c)).collect()).collect()
+        weighted
     }
 }
 
 /// The equations (1 − s) `easy` + s `hard`, in which the second system replaces the first as s goes from 0 to 1.
-pub(crate) struct Blend<'a, E> {
-    pub(crate) easy: &'a E,
-    pub(crate) hard: &'a E,
+pub(super) struct Blend<'a, E> {
+    pub(super) easy: &'a E,
+    pub(super) hard: &'a E,
 }
 
-impl<E> Blend<'_, E> {
+impl<E: GalerkinEquations> Blend<'_, E> {
     /// F, ∂F/∂a and ∂F/∂s at (a, s).
-    pub(crate) fn evaluate<const N: usize>(
-        &self,
-        a: &DVector<f64>,
-        s: f64,
-    ) -> (DVector<f64>, DMatrix<f64>, DVector<f64>)
-    where
-        E: GalerkinEquations<N>,
-    {
+    pub(super) fn evaluate(&self, a: &DVector<f64>, s: f64) -> (DVector<f64>, DMatrix<f64>, DVector<f64>) {
         let ((f0, j0), (f1, j1)) = (self.easy.evaluate(a), self.hard.evaluate(a));
         (&f0 * (1.0 - s) + &f1 * s, j0 * (1.0 - s) + j1 * s, f1 - f0)
     }

@@ -1,51 +1,53 @@
 //! Hermite polynomials h_j = He_j/√j!, orthonormal under the standard normal weight, and their exact algebra.
 //!
-//! In several dimensions the basis function of an index α is the product Π h_{α_d}(z_d), so that an index is a
-//! [`Monomial`]. Integrals against the Gaussian are read off coefficients: no quadrature, any number of states.
+//! In several dimensions the basis function of an index α is the product h_α = Π h_{α_d}(z_d), so that a sum Σ c_α h_α is
+//! kept as the polynomial Σ c_α z^α. Integrals against the Gaussian are read off coefficients: no quadrature, any number of
+//! states.
 
-use crate::{Monomial, Polynomial};
+use crate::polynomial::{Polynomial, total_degree};
+use nalgebra::DVector;
 
-/// A function Σ c_α Π h_{α_d}.
-#[derive(Clone, Debug)]
-pub(crate) struct HermiteSeries<const N: usize>(pub(crate) Vec<(Monomial<N>, f64)>);
+/// The coefficients of a polynomial in the Hermite basis.
+pub(super) fn in_hermite(polynomial: &Polynomial) -> Polynomial {
+    converted(polynomial, &powers_in_hermite(polynomial.degree()))
+}
 
-impl<const N: usize> HermiteSeries<N> {
-    /// A polynomial in the Hermite basis.
-    pub(crate) fn from_polynomial(polynomial: &Polynomial<N>) -> Self {
-        let tables = powers_in_hermite(polynomial.degree());
-        HermiteSeries(
-            converted(polynomial.terms().map(|(m, c)| (*m, c)), &tables).terms().map(|(m, c)| (*m, c)).collect(),
-        )
-    }
+/// The function of these coefficients in the Hermite basis, in powers of z.
+fn in_powers(series: &Polynomial) -> Polynomial {
+    converted(series, &hermite_in_powers(series.degree()))
+}
 
-    /// The function in powers of z.
-    pub(crate) fn to_polynomial(&self) -> Polynomial<N> {
-        let degree = self.0.iter().map(|(m, _)| m.degree()).max().unwrap_or(0);
-        converted(self.0.iter().copied(), &hermite_in_powers(degree))
-    }
+/// Σ a_k h_α(k) in powers of z, without its constant.
+pub(super) fn combination(states: usize, indices: &[Vec<u32>], a: &DVector<f64>) -> Polynomial {
+    let mut series = Polynomial::zero(states);
+    indices.iter().zip(a.iter()).for_each(|(index, a)| series.add_term(index, *a));
+    in_powers(&series).filtered(|alpha, _| total_degree(alpha) > 0)
+}
+
+/// The coefficients of ln f_N = −|z|²/2 = −Σ_d h₂(z_d)/√2 + constant.
+pub(super) fn standard_normal(indices: &[Vec<u32>]) -> DVector<f64> {
+    let square = |index: &Vec<u32>| total_degree(index) == 2 && index.contains(&2);
+    DVector::from_iterator(indices.len(), indices.iter().map(|index| f64::from(square(index)) * -0.5_f64.sqrt()))
 }
 
 /// Replaces each one-dimensional factor by a row of `tables`.
-fn converted<const N: usize>(terms: impl Iterator<Item = (Monomial<N>, f64)>, tables: &[Vec<f64>]) -> Polynomial<N> {
-    let mut sum = Polynomial::zero();
-    for (index, coefficient) in terms {
-        let mut partial = vec![(Monomial::one(), coefficient)];
-        for d in 0..N {
-            let row = &tables[index.0[d] as usize];
-            partial = partial
-                .iter()
-                .flat_map(|(m, c)| {
-                    row.iter().enumerate().filter(|(_, t)| **t != 0.0).map(move |(power, t)| {
-                        let mut m = *m;
-                        m.0[d] = power as u32;
-                        (m, c * t)
-                    })
+fn converted(series: &Polynomial, tables: &[Vec<f64>]) -> Polynomial {
+    let states = series.dimension();
+    let mut sum = Polynomial::zero(states);
+    for (index, coefficient) in series.terms() {
+        let mut partial = vec![(vec![0; states], coefficient)];
+        for d in 0..states {
+            let row = &tables[index[d] as usize];
+            let parts = partial.iter().flat_map(|(alpha, c)| {
+                row.iter().enumerate().filter(|(_, t)| **t != 0.0).map(move |(power, t)| {
+                    let mut alpha = alpha.clone();
+                    alpha[d] = power as u32;
+                    (alpha, c * t)
                 })
-                .collect();
+            });
+            partial = parts.collect();
         }
-        for (m, c) in partial {
-            sum.add_term(m, c);
-        }
+        partial.iter().for_each(|(alpha, c)| sum.add_term(alpha, *c));
     }
     sum
 }
@@ -85,7 +87,7 @@ fn hermite_in_powers(degree: u32) -> Vec<Vec<f64>> {
 }
 
 /// h₀(z) … h_degree(z).
-pub(crate) fn hermite_row(z: f64, degree: u32) -> Vec<f64> {
+pub(super) fn hermite_row(z: f64, degree: u32) -> Vec<f64> {
     let mut row = vec![1.0, z];
     for j in 1..degree as usize {
         row.push((z * row[j] - (j as f64).sqrt() * row[j - 1]) / ((j + 1) as f64).sqrt());
@@ -95,20 +97,22 @@ pub(crate) fn hermite_row(z: f64, degree: u32) -> Vec<f64> {
 }
 
 /// The derivative ∂h_α/∂z_d = √α_d h_{α − e_d}, or nothing where it vanishes.
-pub(crate) fn derivative<const N: usize>(index: &Monomial<N>, d: usize) -> Option<(Monomial<N>, f64)> {
-    index.derivative(d).map(|(lower, power)| (lower, f64::from(power).sqrt()))
+pub(super) fn derivative(index: &[u32], d: usize) -> Option<(Vec<u32>, f64)> {
+    let mut lower = index.to_vec();
+    lower[d] = index[d].checked_sub(1)?;
+    Some((lower, f64::from(index[d]).sqrt()))
 }
 
 /// The product h_a h_b = Σ_c t h_c in one dimension, for all a, b up to a degree:
 /// t = √(a! b! c!) / ((s−a)! (s−b)! (s−c)!) with 2s = a + b + c, where c runs from |a − b| to a + b in steps of two.
 #[derive(Clone, Debug)]
-pub(crate) struct ProductTable {
+pub(super) struct ProductTable {
     size: usize,
     rows: Vec<Vec<(u32, f64)>>,
 }
 
 impl ProductTable {
-    pub(crate) fn new(degree: u32) -> Self {
+    pub(super) fn new(degree: u32) -> Self {
         let size = degree as usize + 1;
         let log_factorial: Vec<f64> = std::iter::once(0.0)
             .chain((1..=2 * size).scan(0.0, |sum, k| {
@@ -126,37 +130,32 @@ impl ProductTable {
         ProductTable { size, rows }
     }
 
-    /// Visits the terms of degree at most `degree` of the product of two basis functions in N dimensions.
-    pub(crate) fn product<const N: usize>(
-        &self,
-        a: &Monomial<N>,
-        b: &Monomial<N>,
-        degree: u32,
-        visit: &mut impl FnMut(&Monomial<N>, f64),
-    ) {
-        self.product_from(0, a, b, degree, Monomial::one(), 1.0, visit);
+    /// Visits the terms of degree at most `degree` of the product of two basis functions.
+    pub(super) fn product(&self, a: &[u32], b: &[u32], degree: u32, visit: &mut impl FnMut(&[u32], f64)) {
+        self.extend(a, b, degree, &mut Vec::with_capacity(a.len()), 1.0, visit);
     }
 
-    #[allow(clippy::too_many_arguments, reason = "the state of a recursion over the dimensions")]
-    fn product_from<const N: usize>(
+    /// The terms whose index begins with `index`.
+    fn extend(
         &self,
-        d: usize,
-        a: &Monomial<N>,
-        b: &Monomial<N>,
+        a: &[u32],
+        b: &[u32],
         left: u32,
-        mut index: Monomial<N>,
+        index: &mut Vec<u32>,
         factor: f64,
-        visit: &mut impl FnMut(&Monomial<N>, f64),
+        visit: &mut impl FnMut(&[u32], f64),
     ) {
-        if d == N {
-            return visit(&index, factor);
+        let d = index.len();
+        if d == a.len() {
+            return visit(index, factor);
         }
-        for &(c, t) in &self.rows[a.0[d] as usize * self.size + b.0[d] as usize] {
+        for &(c, t) in &self.rows[a[d] as usize * self.size + b[d] as usize] {
             if c > left {
                 break;
             }
-            index.0[d] = c;
-            self.product_from(d + 1, a, b, left - c, index, factor * t, visit);
+            index.push(c);
+            self.extend(a, b, left - c, index, factor * t, visit);
+            index.pop();
         }
     }
 }
@@ -177,7 +176,7 @@ mod tests {
         for a in 0..=6u32 {
             for b in 0..=6u32 {
                 let mut terms = [0.0; 13];
-                table.product(&Monomial([a]), &Monomial([b]), 12, &mut |m, t| terms[m.0[0] as usize] += t);
+                table.product(&[a], &[b], 12, &mut |m, t| terms[m[0] as usize] += t);
                 for c in 0..=6usize {
                     let integral: f64 =
                         rule.iter().map(|(z, w)| w * h(a as usize, z) * h(b as usize, z) * h(c, z)).sum();
@@ -202,9 +201,9 @@ mod tests {
 
     #[test]
     fn powers_and_hermite_polynomials_convert_back_and_forth() {
-        let [x, v] = Polynomial::<2>::variables();
+        let [x, v] = [0, 1].map(|i| Polynomial::variable(2, i));
         let p = &x * &x * &v * &v * 2.0 + &v * &v * &v + &x * -0.5 + 3.0;
-        let back = HermiteSeries::from_polynomial(&p).to_polynomial();
+        let back = in_powers(&in_hermite(&p));
         for (m, c) in p.terms() {
             assert!((back.coefficient(m) - c).abs() < 1e-14 * 10.0, "{back}");
         }

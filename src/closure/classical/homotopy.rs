@@ -15,7 +15,7 @@ const FAR_AWAY: f64 = 1e4;
 
 /// Follows (1 − s) F₀(a) + s F₁(a) = 0 from a root of F₀ at s = 0 to s = 1 by its arc length, so that the path may turn
 /// back in s (H. B. Keller, 1977, in Applications of Bifurcation Theory, pp. 359-384). Ends with Newton's method on F₁.
-pub(crate) fn homotopy<E: GalerkinEquations<N>, const N: usize>(easy: &E, hard: &E, start: DVector<f64>) -> Iterate {
+pub(super) fn homotopy<E: GalerkinEquations>(easy: &E, hard: &E, start: DVector<f64>) -> Iterate {
     let blend = Blend { easy, hard };
     let unknowns = start.len();
     // A point of the path is (a, s), s last.
@@ -55,7 +55,7 @@ pub(crate) fn homotopy<E: GalerkinEquations<N>, const N: usize>(easy: &E, hard: 
 }
 
 /// The matrix (∂F/∂a, ∂F/∂s) bordered below by `row`, with F itself.
-fn bordered<E: GalerkinEquations<N>, const N: usize>(
+fn bordered<E: GalerkinEquations>(
     blend: &Blend<'_, E>,
     point: &DVector<f64>,
     row: &DVector<f64>,
@@ -71,7 +71,7 @@ fn bordered<E: GalerkinEquations<N>, const N: usize>(
 }
 
 /// The unit tangent that continues in the direction of the previous one.
-fn path_tangent<E: GalerkinEquations<N>, const N: usize>(
+fn path_tangent<E: GalerkinEquations>(
     blend: &Blend<'_, E>,
     point: &DVector<f64>,
     previous: &DVector<f64>,
@@ -85,7 +85,7 @@ fn path_tangent<E: GalerkinEquations<N>, const N: usize>(
 }
 
 /// Newton's method on the path's equations within the plane across `tangent` through `predicted`.
-fn correct<E: GalerkinEquations<N>, const N: usize>(
+fn correct<E: GalerkinEquations>(
     blend: &Blend<'_, E>,
     predicted: &DVector<f64>,
     tangent: &DVector<f64>,

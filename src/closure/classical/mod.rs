@@ -4,7 +4,7 @@
 //! Fokker-Planck equation be orthogonal, under the Gaussian closure f_N as weight, to the polynomials that Q itself is
 //! made of: N equations ∫ r(x; a) ψ_k f_N dx = 0, quadratic in the N coefficients. The steps, in order:
 //!
-//! 1. `gaussian_closure`: the moments of f_N;
+//! 1. [`Problem::gaussian`]: the moments of f_N;
 //! 2. `hermite`, `galerkin`: the equations on the whole space, in polynomials orthonormal under f_N;
 //!    `half_plane`: the same with a wall;
 //! 3. `search`, by `newton` and `homotopy`: a root;
@@ -19,18 +19,27 @@ mod newton;
 mod search;
 mod solution;
 
-pub use solution::{Route, Solution, Termination};
+pub use solution::{Solution, Termination};
 
-use super::gaussian_closure::gaussian_closure;
-use crate::{Barrier, Error, FokkerPlanck, Frame, Gaussian, Polynomial, PolynomialDrift, Result};
+use crate::density::{Frame, Support};
+use crate::error::{Error, Result};
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::{Gaussian, Polynomial};
+use crate::problem::{Problem, Wall};
+use crate::provenance::Provenance;
 use fixed_point::fixed_point;
 use galerkin::{GalerkinEquations, HermiteGalerkin};
 use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator};
-use nalgebra::{Matrix2, SymmetricEigen, Vector2};
+use nalgebra::{Matrix2, SymmetricEigen, Vector2, dmatrix, dvector};
 use newton::newton;
 use search::{Found, Search};
+use solution::rounding_noise;
 use std::fmt;
 use std::time::Instant;
+
+const METHOD: &str = "classical closure";
+/// The Jacobian of so many coefficients takes 3 GB.
+const MOST_COEFFICIENTS: f64 = 20_000.0;
 
 /// What Q is a polynomial of, where there is a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,16 +62,16 @@ impl fmt::Display for Basis {
     }
 }
 
-/// The literature's closure as a method: a value that can be applied to any system; made by
+/// The literature's closure as a method: a value that can be applied to any problem; made by
 /// [`Closure::classical`](crate::Closure::classical).
 ///
 /// ```
-/// use expoly::{Closure, Density, Termination, models::Duffing};
-/// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
+/// use expoly::{Closure, Density, Termination, models::{Duffing, Solved}};
+/// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
 /// let solution = Closure::classical(4).solve(&duffing)?;
 /// assert_eq!(solution.termination(), Termination::Root);
 /// let density = solution.density()?;
-/// assert!((density.moment([2, 0]).value - 0.661714969204).abs() < 1e-11);
+/// assert!((density.moment(&[2, 0])?.value - 0.661714969204).abs() < 1e-11);
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,143 +90,143 @@ impl ClassicalClosure {
         ClassicalClosure { order, basis: Basis::default() }
     }
 
-    /// Chooses the basis for systems with a wall; without one it has no effect.
-    pub fn with_basis(self, basis: Basis) -> Self {
+    /// Chooses the basis for problems with a wall; without one it has no effect.
+    pub fn basis(self, basis: Basis) -> Self {
         ClassicalClosure { basis, ..self }
     }
 
-    /// Closes a system on the whole space.
+    /// Closes a problem: on the whole space or, of an oscillator above a wall, on the half plane y ≥ b.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for order 0; [`Error::NotFinite`], [`Error::NoNoise`] from the system's parameters;
-    /// [`Error::NoStationaryDensity`] where the Gaussian closure finds no bounded moments.
-    pub fn solve<T: PolynomialDrift<N, M>, const N: usize, const M: usize>(&self, system: &T) -> Result<Solution<N>> {
+    /// [`Error::OutOfRange`] for order 0, for order 1 above a wall in the classical basis, which has no function of odd
+    /// degree, and for more than 20 000 coefficients; [`Error::NoStationaryDensity`] where the Gaussian closure finds no
+    /// bounded moments; [`Error::NotServed`] unless the only wall, if any, is one that the motion stays above, and
+    /// [`Error::NotADisplacement`] if state 0 is not a displacement there with state 1 as velocity.
+    ///
+    /// ```
+    /// use expoly::{Basis, Closure, Density, Wall, models::{Duffing, Solved}};
+    /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(-0.5, 1.0)?)?;
+    /// let density = Closure::classical(4).basis(Basis::Folded).solve(&duffing)?.density()?;
+    /// // An elastic wall only cuts the density off: E[Y′²] = D/c.
+    /// assert!((density.moment(&[0, 2])?.value - 1.0).abs() < 1e-9);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn solve(&self, problem: &Problem) -> Result<Solution> {
         let start = Instant::now();
-        let order = self.checked_order(1)?;
-        let operator = FokkerPlanck::new(system)?;
-        let gaussian = gaussian_closure(&operator)?;
-        let frame = Frame::new(&gaussian)?;
+        self.check(problem)?;
+        let operator = problem.operator();
+        let (found, frame, support) = if problem.walls().is_empty() {
+            let (found, frame) = self.in_open_space(operator, &problem.gaussian()?)?;
+            (found, frame, Support::WholeSpace)
+        } else {
+            let [Some(wall), None] = problem.walls_of_plane(METHOD)? else {
+                let what = "a wall that the motion stays below";
+                return Err(Error::NotServed { method: METHOD, what, remedy: "`Closure::new` and `Grid` do" });
+            };
+            let (found, frame) = self.above_wall(operator, problem.gaussian()?, wall)?;
+            (found, frame, Support::Above(wall.offset()))
+        };
+        let finite = |number: f64| Some(number).filter(|number| number.is_finite());
+        let provenance = Provenance {
+            method: METHOD.to_owned(),
+            order: Some(self.order),
+            basis: Some(self.basis.to_string()),
+            termination: Some(found.termination.to_string()),
+            origin: Some(found.origin.to_owned()),
+            unknowns: Some(found.iterate.a.len()),
+            iterations: Some(found.iterations),
+            residual: finite(found.iterate.residual),
+            condition: finite(found.condition),
+            seconds: start.elapsed().as_secs_f64(),
+            ..Provenance::default()
+        };
+        Ok(Solution {
+            order: self.order,
+            frame,
+            q: found.q,
+            support,
+            termination: found.termination,
+            noise: rounding_noise(found.condition),
+            provenance,
+        })
+    }
+
+    fn in_open_space(&self, operator: &FokkerPlanck, gaussian: &Gaussian) -> Result<(Found, Frame)> {
+        let frame = Frame::new(gaussian)?;
         let scaled = operator.in_frame(&frame);
-        let linear = operator.linearised(&gaussian).in_frame(&frame);
+        let linear = operator.linearised(gaussian).in_frame(&frame);
         let search = Search {
             equations: |order| HermiteGalerkin::new(&scaled, order),
             linearised: |order| HermiteGalerkin::new(&linear, order),
             half_space: false,
         };
-        Ok(self.solution(search.run(order), frame, None, start))
+        Ok((search.run(self.order), frame))
     }
 
-    /// Closes an oscillator above a wall: y ≥ b, y′₊ = −r y′₋. The solution is the density of (y, y′) on the half plane,
-    /// already transformed back.
-    ///
-    /// # Errors
-    /// As [`ClassicalClosure::solve`], [`Error::OutOfRange`] also for order 1 in the classical basis, which has no function of odd
-    /// degree, and [`Error::NotADisplacement`] if state 0 is not a displacement with state 1 as velocity.
-    ///
-    /// ```
-    /// use expoly::{Barrier, Basis, Closure, Density, models::Duffing};
-    /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-    /// let wall = Barrier::new(-0.5, 1.0)?;
-    /// let density = Closure::classical(4).with_basis(Basis::Folded).solve_with_wall(&duffing, wall)?.density()?;
-    /// // An elastic wall only cuts the density off: E[Y′²] = D/c.
-    /// assert!((density.moment([0, 2]).value - 1.0).abs() < 1e-9);
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn solve_with_wall<T: PolynomialDrift<2, M>, const M: usize>(
-        &self,
-        system: &T,
-        barrier: Barrier,
-    ) -> Result<Solution<2>> {
-        let start = Instant::now();
-        let order = self.checked_order(if self.basis == Basis::Classical { 2 } else { 1 })?;
-        let operator = FokkerPlanck::new(system)?;
-        if operator.velocity_of(0) != Some(1) {
-            return Err(Error::NotADisplacement { velocity: 1 });
-        }
-        let gaussian = self.wall_weight(&operator, barrier)?;
-        let weight = Weight::new(&gaussian, barrier)?;
-        let elastic = Barrier::new(barrier.offset(), 1.0)?;
+    fn above_wall(&self, operator: &FokkerPlanck, free: Gaussian, wall: Wall) -> Result<(Found, Frame)> {
+        let gaussian = self.wall_weight(operator, free, wall);
+        let weight = Weight::new(&gaussian, wall.offset())?;
         let diffusion = gaussian.expectation(&operator.diffusion()[1][1]);
         let oscillator = elastic_linear_oscillator(&gaussian, diffusion);
+        let basis = self.basis;
         let search = Search {
-            equations: |order| HalfPlaneGalerkin::new(&operator, barrier, &weight, self.basis, order),
-            linearised: |order| HalfPlaneGalerkin::new(&oscillator, elastic, &weight, self.basis, order),
+            equations: |order| HalfPlaneGalerkin::new(operator, wall.restitution(), &weight, basis, order),
+            linearised: |order| HalfPlaneGalerkin::new(&oscillator, 1.0, &weight, basis, order),
             half_space: true,
         };
-        let found = search.run(order);
-        Ok(self.solution(found, weight.frame, Some(barrier), start))
+        let found = search.run(self.order);
+        Ok((found, weight.frame))
     }
 
-    /// The weight f_N of a system with a wall: the Gaussian that is its own closure of order 2 in the same basis.
-    ///
-    /// In the classical basis that is the
-    /// Gaussian closure of the transformed oscillator.
-    fn wall_weight(&self, operator: &FokkerPlanck<2>, barrier: Barrier) -> Result<Gaussian<2>> {
-        let free = gaussian_closure(operator)?;
+    /// The weight f_N of an oscillator with a wall: the Gaussian that is its own closure of order 2 in the same basis. In
+    /// the classical basis that is the Gaussian closure of the transformed oscillator.
+    fn wall_weight(&self, operator: &FokkerPlanck, free: Gaussian, wall: Wall) -> Gaussian {
         let start = match self.basis {
             Basis::Folded => free,
             Basis::Classical => {
-                let spread = free.covariance[(0, 0)] + (free.mean[0] - barrier.offset()).powi(2);
-                let covariance = Matrix2::from_diagonal(&Vector2::new(spread, free.covariance[(1, 1)]));
-                Gaussian { mean: Vector2::new(barrier.offset(), 0.0), covariance }
+                let spread = free.covariance[(0, 0)] + (free.mean[0] - wall.offset()).powi(2);
+                Gaussian {
+                    mean: dvector![wall.offset(), 0.0],
+                    covariance: dmatrix![spread, 0.0; 0.0, free.covariance[(1, 1)]],
+                }
             }
         };
-        let closed = |gaussian: &Gaussian<2>| -> Option<Gaussian<2>> {
-            let weight = Weight::new(gaussian, barrier).ok()?;
-            let equations = HalfPlaneGalerkin::new(operator, barrier, &weight, self.basis, 2);
+        fixed_point(start, |gaussian| {
+            let weight = Weight::new(gaussian, wall.offset()).ok()?;
+            let equations = HalfPlaneGalerkin::new(operator, wall.restitution(), &weight, self.basis, 2);
             let q = equations.polynomial(&newton(&equations, equations.gaussian()).a);
             gaussian_of(&q, &weight.frame)
-        };
-        Ok(fixed_point(start, closed))
+        })
     }
 
-    fn solution<const N: usize>(
-        &self,
-        found: Found<N>,
-        frame: Frame<N>,
-        barrier: Option<Barrier>,
-        start: Instant,
-    ) -> Solution<N> {
-        Solution {
-            order: self.order,
-            basis: self.basis,
-            frame,
-            q: found.q,
-            barrier,
-            termination: found.termination,
-            route: found.route,
-            unknowns: found.iterate.a.len(),
-            iterations: found.iterations,
-            residual: found.iterate.residual,
-            condition: found.condition,
-            elapsed: start.elapsed(),
+    /// Refuses orders that leave no coefficient to find, and those that ask for too many.
+    fn check(&self, problem: &Problem) -> Result<()> {
+        let refuse = |name, value, remedy| Err(Error::OutOfRange { name, value, remedy });
+        let (name, order) = ("order of the closure", f64::from(self.order));
+        if self.order == 0 {
+            return refuse(name, order, "at this order there is no coefficient to find; ask for order 1 or more");
         }
-    }
-
-    /// The order, refused below the least one that has a coefficient to find.
-    fn checked_order(&self, least: u32) -> Result<u32> {
-        if self.order < least {
-            return Err(Error::OutOfRange {
-                name: "order of the closure",
-                value: f64::from(self.order),
-                remedy: "at this order there is no coefficient to find; ask for order 2 or more",
-            });
+        if self.order == 1 && self.basis == Basis::Classical && !problem.walls().is_empty() {
+            return refuse(name, order, "above a wall the classical basis begins at order 2; ask for that or more");
         }
-        Ok(self.order)
+        let monomials = (1..=problem.dimension()).map(|i| (order + i as f64) / i as f64).product::<f64>().round();
+        if monomials - 1.0 > MOST_COEFFICIENTS {
+            let remedy = "at most 20 000 can be solved for; ask for a lower order";
+            return refuse("number of coefficients of the classical closure", monomials - 1.0, remedy);
+        }
+        Ok(())
     }
 }
 
 /// The Gaussian exp(Q) of a quadratic Q in the coordinates of `frame`, if its form is negative definite.
-fn gaussian_of(q: &Polynomial<2>, frame: &Frame<2>) -> Option<Gaussian<2>> {
-    let precision = -Matrix2::from(q.hessian(&[0.0; 2])).transpose();
+fn gaussian_of(q: &Polynomial, frame: &Frame) -> Option<Gaussian> {
+    let (gradient, hessian) = (q.gradient(&[0.0; 2]), q.hessian(&[0.0; 2]));
+    let precision = Matrix2::from_fn(|i, j| -hessian[i][j]);
     if SymmetricEigen::new(precision).eigenvalues.min() <= 0.0 {
         return None;
     }
     let covariance = precision.try_inverse()?;
-    let mean: Vector2<f64> = covariance * Vector2::from(q.gradient(&[0.0; 2]));
+    let mean = covariance * Vector2::new(gradient[0], gradient[1]);
     let scale = frame.scale();
-    Some(Gaussian {
-        mean: Vector2::from(frame.state(&mean.into())),
-        covariance: scale * covariance * scale.transpose(),
-    })
+    Some(Gaussian { mean: frame.state(mean.as_slice()).into(), covariance: scale * covariance * scale.transpose() })
 }

@@ -12,7 +12,7 @@ const STEP_TOLERANCE: f64 = 1e-11;
 
 /// How an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub(super) enum Outcome {
     /// The steps have shrunk to rounding.
     Root,
     /// No step along Newton's direction lowers ‖F‖: a minimum of it that is not zero, or a singular Jacobian.
@@ -23,16 +23,16 @@ pub(crate) enum Outcome {
 
 /// The last iterate and how it was reached.
 #[derive(Clone, Debug)]
-pub(crate) struct Iterate {
-    pub(crate) a: DVector<f64>,
-    pub(crate) outcome: Outcome,
-    pub(crate) iterations: usize,
+pub(super) struct Iterate {
+    pub(super) a: DVector<f64>,
+    pub(super) outcome: Outcome,
+    pub(super) iterations: usize,
     /// ‖F(a)‖.
-    pub(crate) residual: f64,
+    pub(super) residual: f64,
 }
 
 /// Newton's method with the exact Jacobian; a step is halved until it lowers ‖F‖.
-pub(crate) fn newton<const N: usize>(equations: &impl GalerkinEquations<N>, start: DVector<f64>) -> Iterate {
+pub(super) fn newton(equations: &impl GalerkinEquations, start: DVector<f64>) -> Iterate {
     let (mut f, mut jacobian) = equations.evaluate(&start);
     let mut last = Iterate { a: start, outcome: Outcome::Stalled, iterations: 0, residual: f.norm() };
     while last.iterations < MAX_ITERATIONS {

@@ -1,10 +1,10 @@
-use super::Basis;
-use crate::density::escape_direction;
-use crate::{Barrier, Error, ExpPolynomial, Frame, Polynomial, Result, Support};
+use crate::density::{ExpPolynomial, Frame, Support, escape_direction};
+use crate::error::{Error, Result};
+use crate::polynomial::{Polynomial, total_degree};
+use crate::provenance::Provenance;
 use std::fmt;
-use std::time::Duration;
 
-/// How a closure ended.
+/// How the search of the classical closure ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
@@ -29,99 +29,44 @@ impl fmt::Display for Termination {
     }
 }
 
-/// Which search ended at the last iterate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Route {
-    /// Newton's method from the Gaussian closure.
-    Newton,
-    /// The path from the linearised system, after Newton's method had given no density.
-    Homotopy,
-    /// Newton's method from what order n − 2 had found, after both had given no density.
-    LowerOrder,
-}
-
-impl fmt::Display for Route {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Route::Newton => "Newton from the Gaussian",
-            Route::Homotopy => "homotopy from the linearised system",
-            Route::LowerOrder => "Newton from the order below",
-        })
-    }
-}
-
-/// The closure's answer with its provenance.
+/// The classical closure's answer.
 #[derive(Clone, Debug)]
-pub struct Solution<const N: usize> {
+pub struct Solution {
     pub(super) order: u32,
-    pub(super) basis: Basis,
-    pub(super) frame: Frame<N>,
-    pub(super) q: Polynomial<N>,
-    pub(super) barrier: Option<Barrier>,
+    pub(super) frame: Frame,
+    pub(super) q: Polynomial,
+    pub(super) support: Support,
     pub(super) termination: Termination,
-    pub(super) route: Route,
-    pub(super) unknowns: usize,
-    pub(super) iterations: usize,
-    pub(super) residual: f64,
-    pub(super) condition: f64,
-    pub(super) elapsed: Duration,
+    /// The relative size of the coefficients' rounding error.
+    pub(super) noise: f64,
+    pub(super) provenance: Provenance,
 }
 
-impl<const N: usize> Solution<N> {
-    /// The order n of the closure: the degree of Q.
-    pub fn order(&self) -> u32 {
-        self.order
-    }
-
-    /// The basis that Q was sought in.
-    pub fn basis(&self) -> Basis {
-        self.basis
-    }
-
+impl Solution {
     /// How the search ended.
     pub fn termination(&self) -> Termination {
         self.termination
     }
 
-    /// Which search ended here.
-    pub fn route(&self) -> Route {
-        self.route
-    }
-
-    /// The number of coefficients.
-    pub fn unknowns(&self) -> usize {
-        self.unknowns
-    }
-
-    /// Newton iterations of all searches together, correctors of a homotopy included.
-    pub fn iterations(&self) -> usize {
-        self.iterations
-    }
-
-    /// ‖F‖ at the last iterate, in the orthonormal basis.
-    pub fn residual(&self) -> f64 {
-        self.residual
-    }
-
-    /// The condition number ‖J‖₁‖J⁻¹‖₁ of the Jacobian at the last iterate, in the orthonormal basis; infinite where it
-    /// is singular. The coefficients carry about κ ε of rounding error.
-    pub fn condition(&self) -> f64 {
-        self.condition
-    }
-
-    /// The time from the system to the coefficients.
-    pub fn elapsed(&self) -> Duration {
-        self.elapsed
+    /// The order, the basis and the number of coefficients; the start that led to the last iterate, as `origin`, and the
+    /// Newton iterations of all starts together, correctors of a homotopy included; ‖F‖ at the last iterate and the
+    /// condition number κ = ‖J‖₁‖J⁻¹‖₁ of the Jacobian there, both in the orthonormal basis. The coefficients carry about
+    /// κ ε of rounding error; where J is singular, there is no κ.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
     }
 
     /// The scaled coordinates z of the weight f_N.
-    pub fn frame(&self) -> &Frame<N> {
+    pub fn frame(&self) -> &Frame {
         &self.frame
     }
 
     /// The last iterate's Q in the states themselves, without its constant, whatever the termination.
-    pub fn polynomial(&self) -> Polynomial<N> {
-        self.q.compose(&self.frame.coordinate_polynomials()).filtered(|m, _| m.degree() > 0)
+    ///
+    /// Where Q turns upwards, [`ExpPolynomial::cut_off`] makes of it the curve that the literature draws: no solution of the
+    /// Fokker-Planck equation, but exp(Q) within a box of the states.
+    pub fn log_polynomial(&self) -> Polynomial {
+        self.q.compose(&self.frame.coordinate_polynomials()).filtered(|alpha, _| total_degree(alpha) > 0)
     }
 
     /// The density C exp(Q).
@@ -130,53 +75,38 @@ impl<const N: usize> Solution<N> {
     /// are noise that would decide over the density's far tail.
     ///
     /// # Errors
-    /// [`Error::NoRoot`] or [`Error::NotNormalisable`], as the termination says.
-    pub fn density(&self) -> Result<ExpPolynomial<N>> {
-        match self.termination {
+    /// [`Error::NotClosed`] or [`Error::NotNormalisable`], as the termination says.
+    pub fn density(&self) -> Result<ExpPolynomial> {
+        let order = self.order;
+        let reason = match self.termination {
             Termination::Root | Termination::NotNormalisable => {
-                let q = significant(&self.q, self.noise());
-                ExpPolynomial::new(q, self.frame.clone(), self.support(), self.noise()).map_err(|error| match error {
-                    Error::NotNormalisable { direction, .. } => Error::NotNormalisable { order: self.order, direction },
+                let q = significant(&self.q, self.noise);
+                let density = ExpPolynomial::new(q, self.frame.clone(), self.support.clone(), self.noise);
+                return density.map_err(|error| match error {
+                    Error::NotNormalisable { direction, .. } => Error::NotNormalisable { order, direction },
                     other => other,
-                })
+                });
             }
-            termination => Err(Error::NoRoot { order: self.order, termination }),
-        }
-    }
-
-    /// The last iterate's exp(Q) cut off at a box of the states, whatever the termination: no solution of the
-    /// Fokker-Planck equation, but the curve that the literature draws where Q turns upwards beyond the figure. With a
-    /// wall the box must not reach below it.
-    ///
-    /// # Errors
-    /// As [`ExpPolynomial::cut_off`].
-    pub fn density_within(&self, region: [[f64; 2]; N]) -> Result<ExpPolynomial<N>> {
-        ExpPolynomial::cut_off(&self.polynomial(), region)
-    }
-
-    fn support(&self) -> Support<N> {
-        self.barrier.map_or(Support::WholeSpace, |barrier| Support::Above(barrier.offset()))
-    }
-
-    /// The relative size of the coefficients' rounding error.
-    fn noise(&self) -> f64 {
-        rounding_noise(self.condition)
+            Termination::NoRoot => "no root of the classical Galerkin equations was found; try another order or basis",
+            Termination::Stalled => "the iterations ran out before a root was found; try another order or basis",
+        };
+        Err(Error::NotClosed { order, reason })
     }
 }
 
 /// κ ε with a factor for the sums behind it, at least 1e-13 and at most 1e-8: beyond that the condition number is a bound
 /// that rounding does not reach, and what would be left out might be seen in the tail.
-fn rounding_noise(condition: f64) -> f64 {
+pub(super) fn rounding_noise(condition: f64) -> f64 {
     (4.0 * f64::EPSILON * condition).clamp(1e-13, 1e-8)
 }
 
-fn significant<const N: usize>(q: &Polynomial<N>, noise: f64) -> Polynomial<N> {
+fn significant(q: &Polynomial, noise: f64) -> Polynomial {
     let least = noise * q.max_coefficient();
     q.filtered(|_, c| c.abs() > least)
 }
 
 /// Whether exp(Q) of an iterate with this condition number falls in every direction.
-pub(super) fn falls<const N: usize>(q: &Polynomial<N>, half_space: bool, condition: f64) -> bool {
+pub(super) fn falls(q: &Polynomial, half_space: bool, condition: f64) -> bool {
     let noise = rounding_noise(condition);
     escape_direction(&significant(q, noise), half_space, noise).is_none()
 }

@@ -1,93 +1,124 @@
 //! Integrals of exp(Q) over many states, by importance sampling on shifted lattices.
 
 use super::SampleClosure;
+use super::copula::{Copula, Sampler};
 use super::products::{LANES, Products, ZERO};
-use super::proposal::{Proposal, Sampler};
-use crate::Estimate;
 use crate::closure::pilot::Pilot;
-use crate::closure::symmetry::Symmetry;
+use crate::closure::space::Polynomials;
+use crate::error::Result;
+use crate::estimate::Estimate;
+use crate::problem::Symmetry;
+use crate::record::{Read, positive, states};
+use crate::states::States;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Random shifts of the lattice: the spread between them is the standard error.
-pub(super) const SHIFTS: usize = 16;
+const SHIFTS: usize = 16;
 /// A section gets this part of the draws that a mean gets: a marginal is asked for at many places.
 const OF_A_SECTION: usize = 8;
 /// Draws that a thread takes at a time.
 const BLOCK: usize = 2048;
+/// The most blocks of draws for each shift: some minutes of work for an integral.
+const MOST_BLOCKS: usize = 1 << 16;
 
 /// Integrates exp(Q) times any function, with standard errors; the same, bit for bit, on any number of threads.
-#[derive(Clone, Debug)]
-pub(in crate::closure) struct ImportanceRule<const N: usize> {
-    pub(super) products: Products<N>,
-    pub(super) coefficients: Vec<f64>,
-    pub(super) proposal: Proposal<N>,
-    /// The random shifts, and what the lattice advances by from point to point, for each state.
-    pub(super) shifts: [[f64; N]; SHIFTS],
-    pub(super) advance: [f64; N],
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ImportanceRule {
+    /// The density that the draws come from, and how far they are trusted.
+    pub(crate) copula: Copula,
+    /// The random shifts, a number for each state.
+    shifts: Vec<Vec<f64>>,
     /// Blocks for each shift.
-    pub(super) blocks: usize,
+    blocks: usize,
     /// Taken off all logarithms, so that no weight overflows.
-    pub(super) shift: f64,
-    pub(super) mass: Estimate,
-    pub(super) effective: f64,
+    shift: f64,
+    /// ∫ exp(Q − shift) dx over the trusted part of the state space, and its standard error.
+    mass: [f64; 2],
+    effective: f64,
+    /// What the lattice advances by from point to point, for each state.
+    #[serde(skip)]
+    advance: Vec<f64>,
+    #[serde(skip)]
+    products: Products,
+    /// Q in the products, constant first.
+    #[serde(skip)]
+    coefficients: Vec<f64>,
 }
 
-/// Σ w, Σ w², and Σ w f for each function f.
-#[derive(Clone, Debug)]
-struct Sums<const J: usize> {
-    weight: f64,
-    square: f64,
-    functions: [f64; J],
+/// Σ w, Σ w² and Σ w g.
+type Sums = [f64; 3];
+
+fn added(sum: Sums, part: &Sums) -> Sums {
+    [0, 1, 2].map(|k| sum[k] + part[k])
 }
 
-impl<const J: usize> Sums<J> {
-    const ZERO: Self = Sums { weight: 0.0, square: 0.0, functions: [0.0; J] };
-
-    fn add(&mut self, other: &Self) {
-        self.weight += other.weight;
-        self.square += other.square;
-        self.functions.iter_mut().zip(other.functions).for_each(|(sum, f)| *sum += f);
-    }
-}
-
-impl<const N: usize> ImportanceRule<N> {
-    /// A rule of about `draws` draws. `None` where the pilot's states lie on a surface, or no weight is finite.
+impl ImportanceRule {
+    /// A rule of about `draws` draws. None where the pilot's states lie on a surface, or no weight is finite.
     pub(in crate::closure) fn new(
-        closure: &SampleClosure<N>,
-        pilot: &Pilot<N>,
-        symmetry: &Symmetry<N>,
+        closure: &SampleClosure,
+        pilot: &Pilot,
+        symmetry: &Symmetry,
         draws: usize,
         seed: u64,
     ) -> Option<Self> {
-        let coefficients = std::iter::once(0.0).chain(closure.exponent.coefficients.iter().copied()).collect();
+        let n = pilot.states.dimension();
         let mut stream = ChaCha8Rng::seed_from_u64(seed);
-        let mut rule = ImportanceRule {
-            products: closure.products.clone(),
-            coefficients,
-            proposal: Proposal::new(pilot, symmetry)?,
-            shifts: std::array::from_fn(|_| std::array::from_fn(|_| stream.random())),
-            advance: square_roots(),
+        let shifts = (0..SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
+        let rule = ImportanceRule {
+            copula: Copula::new(pilot, symmetry)?,
+            shifts,
             blocks: draws.div_ceil(BLOCK * SHIFTS).max(1),
             shift: 0.0,
-            mass: Estimate::exact(1.0),
+            mass: [1.0, 0.0],
             effective: 0.0,
+            advance: Vec::new(),
+            products: Products::default(),
+            coefficients: Vec::new(),
         };
-        let sampler = rule.proposal.sampler(&[])?;
+        let mut rule = rule.over(&closure.polynomials, &closure.exponent.coefficients);
         let mut top = f64::NEG_INFINITY;
-        rule.block(&sampler, 0, 0, |_, logarithm| top = top.max(logarithm));
+        rule.block(&rule.copula.sampler(&[]).ok()?, 0, 0, |_, logarithm| top = top.max(logarithm));
         rule.shift = top;
-        let sums = rule.sums(&rule.proposal.sampler(&[])?, rule.blocks, |_| [0.0; 0]);
-        let mut all = Sums::ZERO;
-        sums.iter().for_each(|part| all.add(part));
-        rule.mass = spread(&sums.each_ref().map(|part| part.weight / draws_in(rule.blocks)));
-        rule.effective = all.weight * all.weight / all.square;
-        (rule.mass.value.is_finite() && rule.mass.value > 0.0).then_some(rule)
+        let sums = rule.sums(&[], rule.blocks, &|_| 0.0).ok()?;
+        let mass = spread(sums.iter().map(|part| part[0] / draws_in(rule.blocks)));
+        let [weight, square, _] = sums.iter().fold([0.0; 3], added);
+        rule.mass = [mass.value, mass.error];
+        rule.effective = weight * weight / square;
+        (mass.value.is_finite() && mass.value > 0.0).then_some(rule)
+    }
+
+    /// The same for Q of these functions and coefficients.
+    fn over(self, functions: &Polynomials, coefficients: &[f64]) -> Self {
+        let products = Products::new(functions);
+        let coefficients = std::iter::once(0.0).chain(coefficients.iter().copied()).collect();
+        ImportanceRule { advance: square_roots(products.dimension()), products, coefficients, ..self }
+    }
+
+    /// The same for Q of these functions and coefficients, once its numbers have been looked at.
+    pub(in crate::closure) fn checked(self, functions: &Polynomials, coefficients: &[f64]) -> Read<Self> {
+        let n = functions.centre().len();
+        if self.shifts.len() != SHIFTS {
+            return Err(format!("there are {} shifts, not {SHIFTS}", self.shifts.len()));
+        }
+        self.shifts.iter().try_for_each(|shift| states("a shift of the draws", shift, n))?;
+        if !(1..=MOST_BLOCKS).contains(&self.blocks) {
+            return Err(format!("{} blocks of draws are not between 1 and {MOST_BLOCKS}", self.blocks));
+        }
+        states("the shift of the weights", &[self.shift], 1)?;
+        states("the mass", &self.mass, 2)?;
+        positive("the mass", self.mass[0])?;
+        positive("the number of effective draws", self.effective)?;
+        let copula = self.copula.checked(n)?;
+        Ok(ImportanceRule { copula, ..self }.over(functions, coefficients))
     }
 
     /// ln ∫ exp(Q) dx over the trusted part of the state space.
     pub(in crate::closure) fn log_mass(&self) -> Estimate {
-        Estimate::new(self.mass.value.ln() + self.shift, self.mass.error / self.mass.value)
+        let [mass, error] = self.mass;
+        Estimate::new(mass.ln() + self.shift, error / mass)
     }
 
     /// How many independent draws from the density itself would do as well.
@@ -96,100 +127,96 @@ impl<const N: usize> ImportanceRule<N> {
     }
 
     /// Whether the density is defined at a state.
-    pub(in crate::closure) fn trusts(&self, x: &[f64; N]) -> bool {
-        self.proposal.trusts(x)
+    pub(in crate::closure) fn trusts(&self, x: &[f64]) -> bool {
+        self.copula.trusts(x)
     }
 
-    /// The means of functions.
-    pub(in crate::closure) fn means<const J: usize>(
-        &self,
-        functions: impl Fn(&[f64; N]) -> [f64; J] + Sync,
-    ) -> Option<[Estimate; J]> {
-        let sums = self.sums(&self.proposal.sampler(&[])?, self.blocks, functions);
-        Some(std::array::from_fn(|j| spread(&sums.each_ref().map(|part| part.functions[j] / part.weight))))
+    /// The mean of a function.
+    pub(in crate::closure) fn mean(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
+        let sums = self.sums(&[], self.blocks, g)?;
+        Ok(spread(sums.iter().map(|part| part[2] / part[0])))
     }
 
     /// All trusted draws with their weights.
-    pub(in crate::closure) fn drawn(&self) -> Option<Vec<([f64; N], f64)>> {
-        let sampler = self.proposal.sampler(&[])?;
+    pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>)> {
+        let n = self.products.dimension();
+        let sampler = self.copula.sampler(&[])?;
         let blocks = (0..SHIFTS * self.blocks).into_par_iter().map(|task| {
-            let mut drawn = Vec::with_capacity(BLOCK);
-            let keep = |x: &[f64; N], logarithm: f64| drawn.push((*x, (logarithm - self.shift).exp()));
-            self.block(&sampler, task / self.blocks, task % self.blocks, keep);
-            drawn
+            let (mut values, mut weights) = (Vec::with_capacity(BLOCK * n), Vec::with_capacity(BLOCK));
+            self.block(&sampler, task / self.blocks, task % self.blocks, |x, logarithm| {
+                values.extend_from_slice(x);
+                weights.push((logarithm - self.shift).exp());
+            });
+            (values, weights)
         });
-        Some(blocks.collect::<Vec<_>>().concat())
+        let (values, weights): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.unzip();
+        Ok((States::from_values(n, values.concat()), weights.concat()))
     }
 
-    /// ∫ f p dx over all other states, those of `held` at their values: the marginal density where f = 1, the flux through
-    /// a level where f is a power of the velocity.
-    pub(in crate::closure) fn section<const J: usize>(
+    /// ∫ g p dx over all other states, those of `held` at their values: the marginal density where g = 1, the flux through
+    /// a level where g is a power of the velocity.
+    pub(in crate::closure) fn section(
         &self,
         held: &[(usize, f64)],
-        functions: impl Fn(&[f64; N]) -> [f64; J] + Sync,
-    ) -> Option<[Estimate; J]> {
+        g: &(dyn Fn(&[f64]) -> f64 + Sync),
+    ) -> Result<Estimate> {
         let blocks = self.blocks.div_ceil(OF_A_SECTION);
-        let sums = self.sums(&self.proposal.sampler(held)?, blocks, functions);
-        let relative = self.mass.error / self.mass.value;
-        Some(std::array::from_fn(|j| {
-            let integral = spread(&sums.each_ref().map(|part| part.functions[j] / draws_in(blocks)));
-            let value = integral.value / self.mass.value;
-            Estimate::new(value, (integral.error / self.mass.value).hypot(value * relative))
-        }))
+        let sums = self.sums(held, blocks, g)?;
+        let [mass, error] = self.mass;
+        let integral = spread(sums.iter().map(|part| part[2] / draws_in(blocks)));
+        let value = integral.value / mass;
+        Ok(Estimate::new(value, (integral.error / mass).hypot(value * (error / mass))))
     }
 
-    /// The sums for each shift, of some of its blocks.
-    fn sums<const J: usize>(
-        &self,
-        sampler: &Sampler<'_, N>,
-        blocks: usize,
-        functions: impl Fn(&[f64; N]) -> [f64; J] + Sync,
-    ) -> [Sums<J>; SHIFTS] {
-        let parts: Vec<Sums<J>> = (0..SHIFTS * blocks)
-            .into_par_iter()
-            .map(|task| {
-                let mut sums = Sums::ZERO;
-                self.block(sampler, task / blocks, task % blocks, |x, logarithm| {
-                    let w = (logarithm - self.shift).exp();
-                    sums.weight += w;
-                    sums.square += w * w;
-                    sums.functions.iter_mut().zip(functions(x)).for_each(|(sum, f)| *sum += w * f);
-                });
-                sums
-            })
-            .collect();
-        std::array::from_fn(|shift| {
-            let mut total = Sums::ZERO;
-            parts[shift * blocks..(shift + 1) * blocks].iter().for_each(|part| total.add(part));
-            total
-        })
+    /// The sums for each shift, of some of its blocks, with some states held.
+    fn sums(&self, held: &[(usize, f64)], blocks: usize, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Vec<Sums>> {
+        let sampler = self.copula.sampler(held)?;
+        let part = |task: usize| {
+            let mut sums = [0.0; 3];
+            self.block(&sampler, task / blocks, task % blocks, |x, logarithm| {
+                let w = (logarithm - self.shift).exp();
+                sums = added(sums, &[w, w * w, w * g(x)]);
+            });
+            sums
+        };
+        let parts: Vec<Sums> = (0..SHIFTS * blocks).into_par_iter().map(part).collect();
+        Ok(parts.chunks(blocks).map(|parts| parts.iter().fold([0.0; 3], added)).collect())
     }
 
     /// The trusted draws of one block, each with the logarithm of its weight.
-    fn block(&self, sampler: &Sampler<'_, N>, shift: usize, block: usize, mut each: impl FnMut(&[f64; N], f64)) {
+    fn block(&self, sampler: &Sampler<'_>, shift: usize, block: usize, mut each: impl FnMut(&[f64], f64)) {
+        let n = self.products.dimension();
         let mut scratch = self.products.scratch();
-        let mut group: Vec<([f64; N], f64)> = Vec::with_capacity(LANES);
-        let mut flush = |group: &mut Vec<([f64; N], f64)>| {
-            let mut x = [ZERO; N];
-            for (l, (point, _)) in group.iter().enumerate() {
-                (0..N).for_each(|i| x[i][l] = point[i]);
+        let mut lanes = vec![ZERO; n];
+        let (mut points, mut logarithms) = (vec![0.0; LANES * n], [0.0; LANES]);
+        let mut flush = |points: &[f64], logarithms: &[f64]| {
+            lanes.fill(ZERO);
+            for (l, point) in points.chunks_exact(n).enumerate() {
+                lanes.iter_mut().zip(point).for_each(|(lane, x)| lane[l] = *x);
             }
-            self.products.place(&x, &mut scratch);
+            self.products.place(&lanes, &mut scratch);
             let q = self.products.sum(&self.coefficients, &scratch);
-            for (l, (point, logarithm)) in group.iter().enumerate() {
-                each(point, q[l] - logarithm);
+            for ((point, logarithm), q) in points.chunks_exact(n).zip(logarithms).zip(q) {
+                each(point, q - logarithm);
             }
-            group.clear();
         };
+        let mut normals = vec![0.0; n];
+        let mut filled = 0;
         for k in block * BLOCK..(block + 1) * BLOCK {
-            let normals =
-                std::array::from_fn(|i| normal_quantile((self.shifts[shift][i] + k as f64 * self.advance[i]).fract()));
-            group.extend(sampler.draw(normals));
-            if group.len() == LANES {
-                flush(&mut group);
+            for ((u, shift), advance) in normals.iter_mut().zip(&self.shifts[shift]).zip(&self.advance) {
+                *u = normal_quantile((shift + k as f64 * advance).fract());
+            }
+            let Some(logarithm) = sampler.draw(&mut normals, &mut points[filled * n..(filled + 1) * n]) else {
+                continue;
+            };
+            logarithms[filled] = logarithm;
+            filled += 1;
+            if filled == LANES {
+                flush(&points, &logarithms);
+                filled = 0;
             }
         }
-        flush(&mut group);
+        flush(&points[..filled * n], &logarithms[..filled]);
     }
 }
 
@@ -199,8 +226,9 @@ fn draws_in(blocks: usize) -> f64 {
 }
 
 /// The mean of independent values, and its standard error.
-fn spread(values: &[f64; SHIFTS]) -> Estimate {
-    let count = SHIFTS as f64;
+fn spread(values: impl Iterator<Item = f64>) -> Estimate {
+    let values: Vec<f64> = values.collect();
+    let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
     Estimate::new(mean, (variance / count).sqrt())
@@ -208,9 +236,9 @@ fn spread(values: &[f64; SHIFTS]) -> Estimate {
 
 /// The square roots of the first primes: no combination of them with small whole numbers is a whole number, so that their
 /// multiples fill the unit cube evenly.
-pub(super) fn square_roots<const N: usize>() -> [f64; N] {
-    let mut primes = (2_u32..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0));
-    std::array::from_fn(|_| primes.next().map_or(0.5, |p| f64::from(p).sqrt().fract()))
+fn square_roots(count: usize) -> Vec<f64> {
+    let primes = (2_u32..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0));
+    primes.take(count).map(|p| f64::from(p).sqrt().fract()).collect()
 }
 
 /// The inverse of the normal distribution, by Acklam's rational approximations: nine digits.

@@ -2,7 +2,7 @@
 
 use super::assembly::Assembly;
 use super::basis::Basis;
-use super::products::{LANES, Lane, ZERO};
+use super::products::{LANES, Lane};
 use faer::Mat;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
@@ -24,19 +24,6 @@ const SHORTEST: f64 = 1.0 / 64.0;
 const STATES_EACH: usize = 24;
 const FEWEST: usize = 8192;
 
-/// One iterate of the closure on samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SampleStep {
-    /// ‖F‖ in the orthonormal functions kept.
-    pub(crate) residual: f64,
-    /// ‖d‖, the change of ln p still asked for.
-    pub(crate) change: f64,
-    /// The share of the change that was made.
-    pub(crate) length: f64,
-    /// Whether the exact Jacobian was computed for this step.
-    pub(crate) refreshed: bool,
-}
-
 /// Where the iteration ended.
 #[derive(Clone, Debug)]
 pub(super) struct Ended {
@@ -47,48 +34,41 @@ pub(super) struct Ended {
     /// The root mean square of the residual at the states.
     pub(super) pointwise: f64,
     pub(super) solved: bool,
-    pub(super) trace: Vec<SampleStep>,
+    pub(super) steps: usize,
 }
 
 /// The matrix of the equations linearised at the stationary density itself, A = ½(C − Cᵀ) − ½S.
 ///
 /// At Q = ln p, E[ψ_k L′ψ_l] = ∫ p ψ_l Gψ_k = C_kl, and C + Cᵀ = −S, S_kl = E[∇ψ_k·B∇ψ_l]. Written so, A is dissipative
 /// whatever the states: their noise cannot make a stable system unstable.
-pub(super) fn dissipative<const N: usize>(assembly: &Assembly<'_, N>) -> Mat<f64> {
-    let sites = assembly.sites;
-    let rates = assembly.images(|site, _| site.generator.clone());
-    let count = (STATES_EACH * assembly.products.len() / sites.noisy.len().max(1)).max(FEWEST);
-    let slopes = assembly.slopes(count, sites.noisy.len(), |site, i| {
-        let mut direction = [ZERO; N];
-        for (state, column) in sites.noisy.iter().zip(root(sites.noisy.as_slice(), &site.generator.second, i)) {
-            direction[*state] = column;
-        }
-        direction
-    });
+pub(super) fn dissipative(assembly: &Assembly<'_>) -> Mat<f64> {
+    let noisy = &assembly.sites.noisy;
+    let rates = assembly.images(|site, scratch| scratch.first.copy_from_slice(&site.drift));
+    let count = (STATES_EACH * assembly.products.len() / noisy.len().max(1)).max(FEWEST);
+    let slopes = assembly.slopes(count, noisy.len(), |site, i, direction| root(noisy, &site.diffusion, i, direction));
     let size = rates.nrows();
     // `rates` holds E[φ_k Gφ_l], the transpose of C.
     Mat::from_fn(size, size, |k, l| 0.5 * (rates[(l, k)] - rates[(k, l)] - slopes[(k, l)]))
 }
 
-/// Column `i` of a lower triangular root of B, among the states with noise.
-fn root<const N: usize>(noisy: &[usize], b: &[[Lane; N]; N], i: usize) -> Vec<Lane> {
-    let size = noisy.len();
-    let mut column = vec![ZERO; size];
+/// Enters column `i` of a lower triangular root of B, among the states with noise.
+fn root(noisy: &[usize], b: &[Lane], i: usize, column: &mut [Lane]) {
+    let (size, n) = (noisy.len(), column.len());
     for l in 0..LANES {
+        let b = |r: usize, c: usize| b[noisy[r] * n + noisy[c]][l];
         let mut lower = vec![vec![0.0_f64; size]; size];
         for c in 0..=i {
-            let left = b[noisy[c]][noisy[c]][l] - (0..c).map(|m| lower[c][m] * lower[c][m]).sum::<f64>();
+            let left = b(c, c) - (0..c).map(|m| lower[c][m] * lower[c][m]).sum::<f64>();
             // A direction without noise of its own adds nothing.
-            let pivot = if left > 1e-12 * b[noisy[c]][noisy[c]][l] { left.sqrt() } else { 0.0 };
+            let pivot = if left > 1e-12 * b(c, c) { left.sqrt() } else { 0.0 };
             lower[c][c] = pivot;
             for r in c + 1..size {
-                let left = b[noisy[r]][noisy[c]][l] - (0..c).map(|m| lower[r][m] * lower[c][m]).sum::<f64>();
+                let left = b(r, c) - (0..c).map(|m| lower[r][m] * lower[c][m]).sum::<f64>();
                 lower[r][c] = if pivot > 0.0 { left / pivot } else { 0.0 };
             }
         }
-        (0..size).for_each(|r| column[r][l] = lower[r][i]);
+        (0..size).for_each(|r| column[noisy[r]][l] = lower[r][i]);
     }
-    column
 }
 
 /// The equations at one Q.
@@ -101,25 +81,25 @@ struct At {
 
 /// The equations E[r ψ_k] = 0 for all functions of an assembly.
 #[derive(Debug)]
-pub(super) struct Iteration<'a, const N: usize> {
-    pub(super) assembly: Assembly<'a, N>,
+pub(super) struct Iteration<'a> {
+    pub(super) assembly: Assembly<'a>,
     pub(super) basis: &'a Basis,
 }
 
-impl<const N: usize> Iteration<'_, N> {
+impl Iteration<'_> {
     /// Newton's method with the matrix `first`, and with the exact one where that does not help or is slow near the end.
     ///
     /// Far from the solution the exact matrix is not the better one: where damping is weak, the chance of the states makes
     /// it indefinite, and its steps lead to spurious roots. A step is taken if the next one, by the same matrix, is
     /// shorter: that test knows no units.
     pub(super) fn run(&self, start: Vec<f64>, first: &Mat<f64>) -> Ended {
-        let mut trace = Vec::new();
+        let mut steps = 0;
         let mut now = self.at(start);
         let mut matrix = self.basis.form(first).partial_piv_lu();
         let mut d = change(&matrix, &now);
         let (mut solved, mut fresh, mut refreshes) = (false, false, 0);
         let most = (MOST_REFRESHES / d.len()).clamp(3, MOST_STEPS);
-        while trace.len() < MOST_STEPS {
+        while steps < MOST_STEPS {
             let size = norm(&d);
             let whole = (LONGEST / size).min(1.0);
             let mut length = whole;
@@ -135,7 +115,6 @@ impl<const N: usize> Iteration<'_, N> {
                 length *= 0.5;
             }
             solved = size < SOLVED;
-            let residual = now.tested.norm_l2();
             let Some((next, left)) = accepted else {
                 if solved || fresh || !size.is_finite() || refreshes == most {
                     break;
@@ -144,7 +123,7 @@ impl<const N: usize> Iteration<'_, N> {
                 d = change(&matrix, &now);
                 continue;
             };
-            trace.push(SampleStep { residual, change: size, length, refreshed: fresh });
+            steps += 1;
             let slow = norm(&left) > size * SLOW;
             (now, d, fresh) = (next, left, false);
             if slow && refreshes < most && norm(&d) < NEAR && norm(&d) > SOLVED {
@@ -152,7 +131,7 @@ impl<const N: usize> Iteration<'_, N> {
                 d = change(&matrix, &now);
             }
         }
-        Ended { residual: now.tested.norm_l2(), pointwise: now.pointwise, a: now.a, solved, trace }
+        Ended { residual: now.tested.norm_l2(), pointwise: now.pointwise, a: now.a, solved, steps }
     }
 
     fn at(&self, a: Vec<f64>) -> At {

@@ -1,5 +1,6 @@
 //! Products of Legendre polynomials at eight points at a time.
 
+use crate::closure::space::Polynomials;
 use std::collections::HashMap;
 
 /// Points that are worked on together.
@@ -10,21 +11,14 @@ pub(super) type Lane = [f64; LANES];
 
 pub(super) const ZERO: Lane = [0.0; LANES];
 
-/// Coefficients of a first- and second-order operator b·∇ + ½ B:∇∇ at eight points.
-#[derive(Clone, Debug)]
-pub(super) struct Symbols<const N: usize> {
-    pub(super) first: [Lane; N],
-    pub(super) second: [[Lane; N]; N],
-}
-
 /// The functions of `Polynomials`, each built from a shorter one by a single multiplication.
 ///
 /// A product P_a(x₁) P_b(x₂) P_c(x₃) needs P_a P_b anyway: the products form a tree, and its sweeps cost a few operations
 /// a function in any number of states. A function that is only there as a part of others has no place in the list.
-#[derive(Clone, Debug)]
-pub(super) struct Products<const N: usize> {
-    centre: [f64; N],
-    half_width: [f64; N],
+#[derive(Clone, Debug, Default)]
+pub(super) struct Products {
+    centre: Vec<f64>,
+    half_width: Vec<f64>,
     /// The root is 1; every other product follows its shorter one.
     steps: Vec<Step>,
     /// Where function k stands in the tree; the constant is function 0.
@@ -43,6 +37,10 @@ struct Step {
 /// Room for the sweeps of one thread.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
+    /// The coefficients b of the first-order part of what [`Products::apply`] applies.
+    pub(super) first: Vec<Lane>,
+    /// What [`Products::gradient`] has found.
+    pub(super) gradient: Vec<Lane>,
     /// P_k, P_k′, P_k″ by state and degree.
     table: Vec<[Lane; 3]>,
     /// b P_k′ + ½ B P_k″.
@@ -55,18 +53,20 @@ pub(super) struct Scratch {
     slopes: Vec<Vec<Lane>>,
 }
 
-impl<const N: usize> Products<N> {
-    /// The same functions as those of `Polynomials::new` with these arguments, after the constant.
-    pub(super) fn new(centre: [f64; N], half_width: [f64; N], exponents: &[[u32; N]]) -> Self {
+impl Products {
+    /// These functions, after the constant.
+    pub(super) fn new(functions: &Polynomials) -> Self {
+        let (centre, half_width) = (functions.centre().to_vec(), functions.half_width().to_vec());
+        let n = centre.len();
         let mut steps = vec![Step { shorter: 0, state: 0, degree: 0 }];
-        let mut known = HashMap::from([([0; N], 0)]);
+        let mut known = HashMap::from([(vec![0; n], 0)]);
         let mut places = vec![0];
-        for alpha in exponents {
-            let mut part = [0; N];
+        for alpha in functions.exponents() {
+            let mut part = vec![0; n];
             let mut place = 0;
-            for state in (0..N).filter(|&i| alpha[i] > 0) {
+            for state in (0..n).filter(|&i| alpha[i] > 0) {
                 part[state] = alpha[state];
-                place = *known.entry(part).or_insert_with(|| {
+                place = *known.entry(part.clone()).or_insert_with(|| {
                     steps.push(Step { shorter: place, state, degree: alpha[state] as usize });
                     steps.len() - 1
                 });
@@ -77,26 +77,34 @@ impl<const N: usize> Products<N> {
         Products { centre, half_width, steps, places, degrees }
     }
 
+    /// The number of states.
+    pub(super) fn dimension(&self) -> usize {
+        self.centre.len()
+    }
+
     /// The number of functions, the constant included.
     pub(super) fn len(&self) -> usize {
         self.places.len()
     }
 
     pub(super) fn scratch(&self) -> Scratch {
-        let (entries, size) = (N * self.degrees, self.steps.len());
+        let (n, size) = (self.dimension(), self.steps.len());
+        let entries = n * self.degrees;
         Scratch {
+            first: vec![ZERO; n],
+            gradient: vec![ZERO; n],
             table: vec![[ZERO; 3]; entries],
             moved: vec![ZERO; entries],
             entries: vec![ZERO; entries],
             values: vec![ZERO; size],
             rates: vec![ZERO; size],
-            slopes: vec![vec![ZERO; size]; N],
+            slopes: vec![vec![ZERO; size]; n],
         }
     }
 
     /// Places eight points: fills the tables and the values.
-    pub(super) fn place(&self, x: &[Lane; N], scratch: &mut Scratch) {
-        for i in 0..N {
+    pub(super) fn place(&self, x: &[Lane], scratch: &mut Scratch) {
+        for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
             rows[0] = [[1.0; LANES], ZERO, ZERO];
@@ -134,13 +142,15 @@ impl<const N: usize> Products<N> {
         &scratch.rates[self.places[k]]
     }
 
-    /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed. `coupled` lists the states i with some B_ij ≠ 0, j ≠ i.
-    pub(super) fn apply(&self, operator: &Symbols<N>, coupled: &[usize], scratch: &mut Scratch) {
-        for i in 0..N {
+    /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed: b is `first` of `scratch`, and B, by rows, is `second`.
+    /// `coupled` lists the states i with some B_ij ≠ 0, j ≠ i.
+    pub(super) fn apply(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
+        let n = self.dimension();
+        for i in 0..n {
             for k in 0..self.degrees {
                 let at = i * self.degrees + k;
                 let [_, d, s] = &scratch.table[at];
-                let (b, c) = (&operator.first[i], &operator.second[i][i]);
+                let (b, c) = (&scratch.first[i], &second[i * n + i]);
                 scratch.moved[at] = std::array::from_fn(|l| b[l] * d[l] + 0.5 * c[l] * s[l]);
             }
         }
@@ -155,7 +165,7 @@ impl<const N: usize> Products<N> {
             let mut sum: Lane = std::array::from_fn(|l| rate[l] * p[l] + value[l] * moved[l]);
             for &c in coupled {
                 let slope = scratch.slopes[c][step.shorter];
-                let mixed = &operator.second[c][step.state];
+                let mixed = &second[c * n + step.state];
                 for l in 0..LANES {
                     // The shorter product does not contain this state, so that each pair is met once.
                     sum[l] += mixed[l] * slope[l] * d[l];
@@ -177,8 +187,9 @@ impl<const N: usize> Products<N> {
         sum
     }
 
-    /// ∇ Σ a_k φ_k at the points placed, by one sweep back through the tree. Overwrites what [`Products::apply`] left.
-    pub(super) fn gradient(&self, a: &[f64], scratch: &mut Scratch) -> [Lane; N] {
+    /// Leaves ∇ Σ a_k φ_k at the points placed in `gradient` of `scratch`, by one sweep back through the tree. Overwrites
+    /// what [`Products::apply`] left.
+    pub(super) fn gradient(&self, a: &[f64], scratch: &mut Scratch) {
         let sensitivity = &mut scratch.rates;
         sensitivity.fill(ZERO);
         scratch.entries.fill(ZERO);
@@ -194,53 +205,52 @@ impl<const N: usize> Products<N> {
                 entry[l] += own[l] * value[l];
             }
         }
-        std::array::from_fn(|i| {
-            let mut sum = ZERO;
+        for (i, sum) in scratch.gradient.iter_mut().enumerate() {
+            *sum = ZERO;
             for at in i * self.degrees..(i + 1) * self.degrees {
                 (0..LANES).for_each(|l| sum[l] += scratch.entries[at][l] * scratch.table[at][1][l]);
             }
-            sum
-        })
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::closure::space::{Local, Polynomials, Space};
+    use crate::closure::space::{Functions, Jet};
 
     /// The tree's sweeps give what the functions one by one give.
     #[test]
     fn sweeps_agree_with_single_functions() {
-        let exponents = vec![[1, 0, 0], [0, 2, 0], [1, 1, 0], [3, 1, 2], [0, 0, 5]];
-        let (centre, half) = ([0.1, -0.2, 0.3], [1.5, 0.7, 2.0]);
-        let products = Products::new(centre, half, &exponents);
-        let space = Polynomials::new(centre, half, exponents);
+        let exponents = [[1, 0, 0], [0, 2, 0], [1, 1, 0], [3, 1, 2], [0, 0, 5]].map(Vec::from).to_vec();
+        let space = Polynomials::new(vec![0.1, -0.2, 0.3], vec![1.5, 0.7, 2.0], exponents);
+        let products = Products::new(&space);
+        let space = Functions::Polynomials(space);
         let mut scratch = products.scratch();
         let x: [Lane; 3] = std::array::from_fn(|i| std::array::from_fn(|l| 0.3 * i as f64 - 0.2 * l as f64 + 0.1));
-        let local = Local { drift: [0.4, -0.9, 1.3], diffusion: [[0.5, 0.1, 0.0], [0.1, 0.8, -0.3], [0.0, -0.3, 1.1]] };
-        let symbols = Symbols {
-            first: local.drift.map(|f| [f; LANES]),
-            second: local.diffusion.map(|row| row.map(|b| [b; LANES])),
-        };
+        let (drift, diffusion) = ([0.4, -0.9, 1.3], [0.5, 0.1, 0.0, 0.1, 0.8, -0.3, 0.0, -0.3, 1.1]);
         let a = [0.7, 0.3, -1.2, 0.5, 0.7, -0.4];
         products.place(&x, &mut scratch);
-        products.apply(&symbols, &[0, 1, 2], &mut scratch);
+        scratch.first = drift.map(|f| [f; LANES]).to_vec();
+        products.apply(&diffusion.map(|b| [b; LANES]), &[0, 1, 2], &mut scratch);
         for l in 0..LANES {
-            let point = std::array::from_fn(|i| x[i][l]);
+            let point = [0, 1, 2].map(|i| x[i][l]);
             let (mut values, mut rates) = ([0.0; 5], [0.0; 5]);
-            space.rates(&point, &local, &mut values, &mut rates);
+            space.rates(&point, (&drift, &diffusion), &mut values, &mut rates);
             for k in 0..5 {
                 assert!((products.value(&scratch, k + 1)[l] - values[k]).abs() < 1e-12 * (1.0 + values[k].abs()));
                 assert!((products.image(&scratch, k + 1)[l] - rates[k]).abs() < 1e-11 * (1.0 + rates[k].abs()));
             }
         }
-        let (sum, gradient) = (products.sum(&a, &scratch), products.gradient(&a, &mut scratch));
+        let sum = products.sum(&a, &scratch);
+        products.gradient(&a, &mut scratch);
         for l in 0..LANES {
-            let jet = space.combination(&std::array::from_fn(|i| x[i][l]), &a[1..]);
+            let mut jet = Jet::zero(3);
+            space.combine(&[0, 1, 2].map(|i| x[i][l]), &a[1..], &mut jet);
             assert!((sum[l] - 0.7 - jet.value).abs() < 1e-12 * (1.0 + jet.value.abs()));
             for i in 0..3 {
-                assert!((gradient[i][l] - jet.gradient[i]).abs() < 1e-11 * (1.0 + jet.gradient[i].abs()));
+                let slope = scratch.gradient[i][l];
+                assert!((slope - jet.gradient[i]).abs() < 1e-11 * (1.0 + jet.gradient[i].abs()));
             }
         }
     }

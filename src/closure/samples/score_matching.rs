@@ -2,7 +2,7 @@
 
 use super::assembly::Assembly;
 use super::basis::Basis;
-use super::products::{LANES, Symbols, ZERO};
+use super::products::{LANES, ZERO};
 use faer::prelude::*;
 use faer::{Mat, Side};
 
@@ -31,19 +31,19 @@ pub(super) struct Score {
 impl Score {
     /// In the first `kept` functions. The fit is that of the density at the pilot's `inflation`, scaled to the density
     /// itself: under a stronger noise it is about as much flatter.
-    pub(super) fn new<const N: usize>(
-        assembly: &Assembly<'_, N>,
+    pub(super) fn new(
+        assembly: &Assembly<'_>,
         basis: &Basis,
-        scale: &[f64; N],
+        scale: &[f64],
         kept: usize,
         inflation: f64,
     ) -> Option<Self> {
         let count = (STATES_EACH * assembly.products.len()).max(FEWEST);
-        let along = |i: usize, j: usize| if i == j { scale[i] } else { 0.0 };
-        let slopes = assembly.slopes(count, N, |_, i| std::array::from_fn(|j| [along(i, j); LANES]));
-        let second = std::array::from_fn(|i| std::array::from_fn(|j| [2.0 * along(i, j).powi(2); LANES]));
-        let laplacian = Symbols { first: [ZERO; N], second };
-        let curvature = basis.tested(&assembly.mean_images(count, |_| laplacian.clone()));
+        let n = scale.len();
+        let slopes = assembly.slopes(count, n, |_, i, direction| direction[i] = [scale[i]; LANES]);
+        let mut laplacian = vec![ZERO; n * n];
+        (0..n).for_each(|i| laplacian[i * n + i] = [2.0 * scale[i].powi(2); LANES]);
+        let curvature = basis.tested(&assembly.curvatures(count, &laplacian));
         let mut matrix = basis.form(&slopes).get(..kept, ..kept).to_owned();
         let trace: f64 = (0..kept).map(|k| matrix[(k, k)]).sum();
         for k in 0..kept {

@@ -1,68 +1,128 @@
-use super::{CornerRecord, Jet, Similarity};
+use super::{Jet, PlaneJet, Similarity, kink, similarity};
+use crate::problem::Wall;
+use crate::record::{Read, positive, positive_states};
+use serde::{Deserialize, Serialize};
 
 /// A rigid wall as the place of the singularity (0, 0) in u ≥ 0, the distance from it, and w = u′.
-#[derive(Clone, Debug)]
-pub(in crate::closure) struct Corner {
-    /// The wall's coordinate.
-    offset: f64,
-    /// 1 for a floor, u = y − b; −1 for a ceiling, u = b − y.
-    side: f64,
-    /// κ/27: the noise intensity, which says at what u ~ w³/D a grazing impact ends.
-    pub(super) intensity: f64,
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Corner {
+    wall: Wall,
+    /// κ/27: the noise intensity, which sets at what u ~ w³/D a grazing impact ends.
+    intensity: f64,
     /// The largest u and |w|, in which the functions are scaled.
-    pub(super) reach: [f64; 2],
-    restitution: f64,
+    reach: [f64; 2],
+    #[serde(skip)]
     similarity: Option<Similarity>,
 }
 
+/// The numbers that the functions next to walls are computed with, wherever they are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbers {
+    /// What keeps A from 0 where it is divided by.
+    pub(crate) smallest: f64,
+    /// A smaller velocity counts as 0.
+    pub(crate) closest: f64,
+    /// Points of the similarity solution's table on either side of 0, and per unit of z.
+    pub(crate) steps: usize,
+    pub(crate) per_unit: usize,
+    /// Terms of its Taylor series.
+    pub(crate) taylor: usize,
+}
+
 impl Corner {
-    /// A floor at `offset` in a domain that reaches as far as u and |w| say.
-    pub(in crate::closure) fn floor(offset: f64, restitution: f64, intensity: f64, reach: [f64; 2]) -> Self {
-        Corner { offset, side: 1.0, intensity, reach, restitution, similarity: Similarity::new(restitution, intensity) }
+    pub(crate) const NUMBERS: Numbers = Numbers {
+        smallest: kink::SMALLEST,
+        closest: similarity::CLOSEST,
+        steps: similarity::STEPS,
+        per_unit: similarity::PER_UNIT,
+        taylor: similarity::TAYLOR,
+    };
+
+    /// A wall in a domain that reaches as far as u and |w| say.
+    pub(in crate::closure) fn new(wall: Wall, intensity: f64, reach: [f64; 2]) -> Self {
+        Corner { wall, intensity, reach, similarity: Similarity::new(wall.restitution(), intensity) }
     }
 
-    /// A ceiling.
-    pub(in crate::closure) fn ceiling(offset: f64, restitution: f64, intensity: f64, reach: [f64; 2]) -> Self {
-        Corner { side: -1.0, ..Corner::floor(offset, restitution, intensity, reach) }
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(in crate::closure) fn checked(self) -> Read<Self> {
+        let make = if self.wall.is_above() { Wall::above } else { Wall::below };
+        let wall = make(self.wall.offset(), self.wall.restitution()).map_err(|error| error.to_string())?;
+        positive("the intensity at a wall", self.intensity)?;
+        positive_states("the reach of a wall's functions", &self.reach, 2)?;
+        Ok(Corner::new(wall, self.intensity, self.reach))
     }
 
-    pub(in crate::closure) fn record(&self) -> CornerRecord {
-        let Corner { offset, side, intensity, reach, restitution, .. } = *self;
-        CornerRecord { offset, ceiling: side < 0.0, restitution, intensity, reach }
+    pub(crate) fn wall(&self) -> &Wall {
+        &self.wall
+    }
+
+    /// 1 where the motion stays above the wall, u = y − b; −1 where it stays below, u = b − y.
+    pub(crate) fn side(&self) -> f64 {
+        if self.wall.is_above() { 1.0 } else { -1.0 }
+    }
+
+    /// The noise intensity at the wall.
+    pub(crate) fn intensity(&self) -> f64 {
+        self.intensity
+    }
+
+    /// The largest u and |w|.
+    pub(crate) fn reach(&self) -> [f64; 2] {
+        self.reach
+    }
+
+    /// The similarity solution of grazing impacts; none where the restitution is too small for one.
+    pub(crate) fn similarity(&self) -> Option<&Similarity> {
+        self.similarity.as_ref()
     }
 
     /// (u, w) of a state.
-    pub(in crate::closure) fn coordinates(&self, [y, v]: [f64; 2]) -> [f64; 2] {
-        [self.side * (y - self.offset), self.side * v]
+    pub(super) fn coordinates(&self, x: &[f64]) -> [f64; 2] {
+        let side = self.side();
+        [side * (x[0] - self.wall.offset()), side * x[1]]
     }
 
     /// The part S of ln p that grazing impacts make singular; 0 where the restitution is too small for such a part.
-    pub(in crate::closure) fn singular_part(&self, x: [f64; 2]) -> Jet<2> {
+    pub(in crate::closure) fn singular_value(&self, x: &[f64]) -> f64 {
+        self.singular_jet(x).value
+    }
+
+    /// Adds S with its derivatives to `sum`.
+    pub(in crate::closure) fn add_singular(&self, x: &[f64], sum: &mut Jet) {
+        sum.add(1.0, &self.singular_jet(x));
+    }
+
+    fn singular_jet(&self, x: &[f64]) -> PlaneJet {
         let [u, w] = self.coordinates(x);
-        self.similarity.as_ref().map_or(Jet::ZERO, |similarity| self.turned(similarity.at(u, w)))
+        self.similarity.as_ref().map_or(PlaneJet::ZERO, |similarity| self.turned(similarity.at(u, w)))
     }
 
     /// Derivatives in (u, w) as derivatives in the state.
-    pub(super) fn turned(&self, mut jet: Jet<2>) -> Jet<2> {
-        jet.gradient = jet.gradient.map(|slope| self.side * slope);
+    pub(super) fn turned(&self, mut jet: PlaneJet) -> PlaneJet {
+        let side = self.side();
+        jet.gradient = jet.gradient.map(|slope| side * slope);
         jet
     }
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
 
-    /// A ceiling is a floor in a mirror, and its singular part holds the wall's condition from the other side.
+    /// A wall above the motion is one below it in a mirror, and its singular part holds the wall's condition from the
+    /// other side.
     #[test]
-    fn a_ceiling_mirrors_a_floor() {
-        let (floor, ceiling) = (Corner::floor(0.3, 0.8, 0.2, [2.0, 3.0]), Corner::ceiling(-0.3, 0.8, 0.2, [2.0, 3.0]));
-        let (below, above) = (floor.singular_part([0.7, -0.4]), ceiling.singular_part([-0.7, 0.4]));
+    fn a_wall_above_mirrors_one_below() {
+        let lower = Corner::new(Wall::above(0.3, 0.8).unwrap(), 0.2, [2.0, 3.0]);
+        let upper = Corner::new(Wall::below(-0.3, 0.8).unwrap(), 0.2, [2.0, 3.0]);
+        let (below, above) = (lower.singular_jet(&[0.7, -0.4]), upper.singular_jet(&[-0.7, 0.4]));
         assert_eq!(below.value, above.value);
         assert_eq!(below.gradient, above.gradient.map(|slope| -slope));
         assert_eq!(below.hessian, above.hessian);
-        let jump = ceiling.singular_part([-0.3, 1.0]).value - ceiling.singular_part([-0.3, -0.8]).value;
+        let jump = upper.singular_value(&[-0.3, 1.0]) - upper.singular_value(&[-0.3, -0.8]);
         assert!((jump - 2.0 * 0.8_f64.ln()).abs() < 1e-13);
-        assert_eq!(ceiling.coordinates([-0.5, -0.1]).map(|c| (c * 1e12).round()), [0.2e12, 0.1e12]);
+        assert_eq!(upper.coordinates(&[-0.5, -0.1]).map(|c| (c * 1e12).round()), [0.2e12, 0.1e12]);
     }
 }

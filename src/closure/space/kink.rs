@@ -1,16 +1,28 @@
 //! Functions with the singularity of grazing impacts.
 
-use super::{Corner, Jet};
+use super::{Corner, PlaneJet};
+use crate::record::Read;
+use serde::{Deserialize, Serialize};
 
 /// What keeps B = w⁶ + (κu)² from 0 where it is divided by.
-pub(crate) const SMALLEST: f64 = 1e-60;
+pub(super) const SMALLEST: f64 = 1e-60;
 
-/// A^power u^i w^j in scaled coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Kink {
-    pub(super) power: i32,
-    pub(super) i: i32,
-    pub(super) j: i32,
+/// The highest power in a kink.
+const HIGHEST_POWER: u32 = 30;
+
+/// A^p u^i w^j in scaled coordinates, by [p, i, j].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub(crate) struct Kink(pub(crate) [i32; 3]);
+
+impl Kink {
+    /// Refuses powers without a meaning.
+    pub(super) fn checked(self) -> Read<Self> {
+        let Kink(powers @ [_, i, j]) = self;
+        if powers.iter().all(|power| power.unsigned_abs() <= HIGHEST_POWER) && i.min(j) >= 0 {
+            return Ok(self);
+        }
+        Err(format!("the powers {powers:?} are none of a kink"))
+    }
 }
 
 /// A at a point, in scaled coordinates, with what its derivatives are made of.
@@ -28,11 +40,12 @@ pub(super) struct Radius {
 }
 
 impl Radius {
-    pub(super) fn new(corner: &Corner, x: &[f64; 2]) -> Self {
-        let unit = corner.reach.map(f64::recip);
-        let [u, w] = corner.coordinates(*x);
+    pub(super) fn new(corner: &Corner, x: &[f64]) -> Self {
+        let reach = corner.reach();
+        let unit = reach.map(f64::recip);
+        let [u, w] = corner.coordinates(x);
         let (u, w) = (u.max(0.0) * unit[0], w * unit[1]);
-        let kappa = 27.0 * corner.intensity * corner.reach[0] * unit[1].powi(3);
+        let kappa = 27.0 * corner.intensity() * reach[0] * unit[1].powi(3);
         let w4 = w.powi(4);
         let b = w4 * w * w + (kappa * u).powi(2) + SMALLEST;
         Radius {
@@ -45,12 +58,12 @@ impl Radius {
         }
     }
 
-    pub(super) fn value(&self, kink: &Kink) -> f64 {
-        self.a.powi(kink.power) * self.u.powi(kink.i) * self.w.powi(kink.j)
+    pub(super) fn value(&self, &Kink([power, i, j]): &Kink) -> f64 {
+        self.a.powi(power) * self.u.powi(i) * self.w.powi(j)
     }
 
     /// The function with its derivatives in (u, w), by the product rule.
-    pub(super) fn jet(&self, &Kink { power, i, j }: &Kink) -> Jet<2> {
+    pub(super) fn jet(&self, &Kink([power, i, j]): &Kink) -> PlaneJet {
         let s = f64::from(power) / 6.0;
         let radial = self.a.powi(power);
         let [du, dw] = self.slope.map(|slope| s * radial * slope);
@@ -59,7 +72,7 @@ impl Radius {
         let ([f, f1, f2], [h, h1, h2]) = (power_jet(self.u, i), power_jet(self.w, j));
         let [p, q] = self.unit;
         let mixed = (second(0, 1) * f * h + du * f * h1 + dw * f1 * h + radial * f1 * h1) * p * q;
-        Jet {
+        PlaneJet {
             value: radial * f * h,
             gradient: [(du * f + radial * f1) * h * p, (dw * h + radial * h1) * f * q],
             hessian: [

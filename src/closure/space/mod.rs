@@ -1,82 +1,114 @@
 //! The functions that ln p and its corrections are combined from.
 
 mod corner;
+mod jet;
 mod kink;
 mod polynomials;
-mod record;
-pub(crate) mod similarity;
+mod similarity;
 mod wall;
 
-pub(super) use corner::Corner;
-pub(crate) use kink::SMALLEST;
-pub(super) use polynomials::Polynomials;
-pub(super) use record::same;
-pub(crate) use record::{CornerRecord, SpaceRecord, StepRecord};
-use similarity::Similarity;
+pub(crate) use corner::Corner;
+pub(super) use jet::Jet;
+use jet::PlaneJet;
+pub(crate) use kink::Kink;
+pub(crate) use polynomials::Polynomials;
+pub(crate) use similarity::Similarity;
 pub(super) use wall::{WallFunctions, WallLevel};
 
-/// A value with its derivatives at a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Jet<const N: usize> {
-    pub(super) value: f64,
-    pub(super) gradient: [f64; N],
-    pub(super) hessian: [[f64; N]; N],
-}
-
-impl<const N: usize> Jet<N> {
-    pub(super) const ZERO: Self = Jet { value: 0.0, gradient: [0.0; N], hessian: [[0.0; N]; N] };
-
-    /// Adds `factor` times another.
-    pub(super) fn add(&mut self, factor: f64, other: &Self) {
-        self.value += factor * other.value;
-        for i in 0..N {
-            self.gradient[i] += factor * other.gradient[i];
-            for j in 0..N {
-                self.hessian[i][j] += factor * other.hessian[i][j];
-            }
-        }
-    }
-}
-
-/// Drift and diffusion at a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Local<const N: usize> {
-    /// f.
-    pub(super) drift: [f64; N],
-    /// B.
-    pub(super) diffusion: [[f64; N]; N],
-}
-
-impl<const N: usize> Local<N> {
-    /// The generator f·∇φ + ½ B:∇∇φ, the mean rate of change of φ.
-    pub(super) fn generator(&self, phi: &Jet<N>) -> f64 {
-        let mut rate = 0.0;
-        for i in 0..N {
-            rate += self.drift[i] * phi.gradient[i];
-            for j in 0..N {
-                rate += 0.5 * self.diffusion[i][j] * phi.hessian[i][j];
-            }
-        }
-        rate
-    }
-}
+use crate::record::Read;
+use serde::{Deserialize, Serialize};
 
 /// A list of functions φ₁ … φ_K of the state, without the constant, in order of rising degree.
 ///
-/// The lists are nested: those of a smaller `degree` come first in the list of a larger one.
-pub(super) trait Space<const N: usize>: Sync {
+/// The lists are nested: those of a smaller degree come first in the list of a larger one.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Functions {
+    /// In any number of states.
+    Polynomials(Polynomials),
+    /// Polynomials of two states, and functions with the singularity of grazing impacts.
+    Walls(WallFunctions),
+}
+
+impl Functions {
     /// K.
-    fn len(&self) -> usize;
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Functions::Polynomials(functions) => functions.len(),
+            Functions::Walls(functions) => functions.len(),
+        }
+    }
+
+    /// The number of states.
+    pub(super) fn dimension(&self) -> usize {
+        match self {
+            Functions::Polynomials(functions) => functions.centre().len(),
+            Functions::Walls(_) => 2,
+        }
+    }
 
     /// φ_k at `x`.
-    fn values(&self, x: &[f64; N], values: &mut [f64]);
+    pub(super) fn values(&self, x: &[f64], values: &mut [f64]) {
+        match self {
+            Functions::Polynomials(functions) => functions.values(x, values),
+            Functions::Walls(functions) => functions.values(x, values),
+        }
+    }
 
-    /// φ_k and their mean rates of change f·∇φ_k + ½ B:∇∇φ_k at `x`.
-    fn rates(&self, x: &[f64; N], local: &Local<N>, values: &mut [f64], rates: &mut [f64]);
+    /// φ_k and their mean rates of change f·∇φ_k + ½ B:∇∇φ_k at `x`, B by rows.
+    pub(super) fn rates(&self, x: &[f64], local: (&[f64], &[f64]), values: &mut [f64], rates: &mut [f64]) {
+        match self {
+            Functions::Polynomials(functions) => functions.rates(x, local, values, rates),
+            Functions::Walls(functions) => functions.rates(x, local, values, rates),
+        }
+    }
 
-    /// Σ a_k φ_k with its derivatives.
-    fn combination(&self, x: &[f64; N], a: &[f64]) -> Jet<N>;
+    /// Σ a_k φ_k over as many functions as there are a_k.
+    pub(super) fn sum(&self, x: &[f64], a: &[f64]) -> f64 {
+        match self {
+            Functions::Polynomials(functions) => functions.added(0.0, x, a),
+            Functions::Walls(functions) => functions.sum(x, a),
+        }
+    }
 
-    /// All that the functions depend on.
-    fn record(&self) -> SpaceRecord;
+    /// Adds Σ a_k φ_k with its derivatives to `sum`.
+    pub(super) fn combine(&self, x: &[f64], a: &[f64], sum: &mut Jet) {
+        match self {
+            Functions::Polynomials(functions) => functions.combine(x, a, sum),
+            Functions::Walls(functions) => functions.combine(x, a, sum),
+        }
+    }
+
+    /// The polynomials alone, where there is no more.
+    pub(crate) fn polynomials(&self) -> Option<&Polynomials> {
+        match self {
+            Functions::Polynomials(functions) => Some(functions),
+            Functions::Walls(_) => None,
+        }
+    }
+
+    /// The walls.
+    pub(crate) fn corners(&self) -> &[Corner] {
+        match self {
+            Functions::Polynomials(_) => &[],
+            Functions::Walls(functions) => functions.corners(),
+        }
+    }
+
+    /// The functions as one list of polynomials and, at each wall, one list of kinks; none where there are several.
+    pub(crate) fn single(&self) -> Option<(&Polynomials, &[Kink])> {
+        match self {
+            Functions::Polynomials(functions) => Some((functions, &[])),
+            Functions::Walls(functions) => functions.single(),
+        }
+    }
+
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(super) fn checked(self, states: usize) -> Read<Self> {
+        Ok(match self {
+            Functions::Polynomials(functions) => Functions::Polynomials(functions.checked(states)?),
+            Functions::Walls(functions) if states == 2 => Functions::Walls(functions.checked()?),
+            Functions::Walls(_) => return Err(format!("walls stand in two states, not in {states}")),
+        })
+    }
 }

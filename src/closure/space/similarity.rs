@@ -1,17 +1,17 @@
-use super::Jet;
+use super::PlaneJet;
 use std::f64::consts::PI;
 
 /// Points of the table per unit of z, on either side of 0.
-pub(crate) const PER_UNIT: usize = 16;
-pub(crate) const STEPS: usize = 60;
+pub(super) const PER_UNIT: usize = 16;
+pub(super) const STEPS: usize = 60;
 /// |z| where the table ends: there the terms of the asymptotic series fall to e^(−z³) = 1e-23 before they grow.
 const EDGE: f64 = STEPS as f64 / PER_UNIT as f64;
 /// Terms of a Taylor series, used up to one step away: the last one is below 1e-18 of the first.
-pub(crate) const TAYLOR: usize = 20;
+pub(super) const TAYLOR: usize = 20;
 /// Terms of the asymptotic series: the last one is below 1e-17 of the first from the edge on.
 const ASYMPTOTIC: usize = 24;
 /// A smaller velocity counts as 0, so that no power of it underflows.
-pub(crate) const CLOSEST: f64 = 1e-90;
+pub(super) const CLOSEST: f64 = 1e-90;
 
 /// The exponent g(r) of p ~ u^g at grazing impacts: the root nearest 0 of r^{−(2+3g)} = 2 sin(π(1/6 − g)).
 ///
@@ -43,7 +43,7 @@ fn grazing_exponent(r: f64) -> Option<f64> {
 /// k″ = 3z² k′ − 9g z k,
 ///
 /// which is Tricomi's U(−g, 2/3, z³) for z > 0, continued through 0. At u = 0 S is finite except at w = 0.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Similarity {
     pub(crate) exponent: f64,
     /// 9D.
@@ -58,7 +58,7 @@ pub(crate) struct Similarity {
 
 impl Similarity {
     /// The solution for a restitution `r` and noise of intensity `intensity` on the velocity, if there is one.
-    pub(crate) fn new(r: f64, intensity: f64) -> Option<Self> {
+    pub(super) fn new(r: f64, intensity: f64) -> Option<Self> {
         let exponent = grazing_exponent(r)?;
         let mut expansion = [1.0; ASYMPTOTIC];
         for n in 1..ASYMPTOTIC {
@@ -80,9 +80,9 @@ impl Similarity {
     }
 
     /// S at the distance `u` from the wall and the velocity `w` away from it, with its derivatives in (u, w).
-    pub(in crate::closure) fn at(&self, u: f64, w: f64) -> Jet<2> {
+    pub(super) fn at(&self, u: f64, w: f64) -> PlaneJet {
         if self.exponent == 0.0 {
-            return Jet::ZERO;
+            return PlaneJet::ZERO;
         }
         // At the singular point itself a large value, not an infinite one.
         let u = if w.abs() < CLOSEST { u.max(f64::MIN_POSITIVE) } else { u.max(0.0) };
@@ -90,14 +90,14 @@ impl Similarity {
     }
 
     /// S where ln k comes from the table.
-    fn near(&self, u: f64, w: f64) -> Jet<2> {
+    fn near(&self, u: f64, w: f64) -> PlaneJet {
         let (g, length) = (self.exponent, (self.scale * u).cbrt());
         let z = -w / length;
         let nearest = ((z + EDGE) * PER_UNIT as f64).round().clamp(0.0, 2.0 * STEPS as f64) as usize;
         let [log, slope, bend] = self.taylor(nearest, z - point(nearest));
         let (z_u, z_w) = (-z / (3.0 * u), -1.0 / length);
         let mixed = bend * z_u * z_w + slope / (3.0 * u * length);
-        Jet {
+        PlaneJet {
             value: g * u.ln() + log,
             gradient: [g / u + slope * z_u, slope * z_w],
             hessian: [
@@ -108,14 +108,14 @@ impl Similarity {
     }
 
     /// S where the asymptotic series serves: written in w and x = 9Du/|w|³, it has no singular term at u = 0.
-    fn far(&self, u: f64, w: f64) -> Jet<2> {
+    fn far(&self, u: f64, w: f64) -> PlaneJet {
         let g = self.exponent;
         let unit = self.scale / w.abs().powi(3);
         let (x, limit) = (unit * u, self.limits[usize::from(w < 0.0)]);
         let [log, slope, bend] = self.asymptotic(x, -w);
         let (x_w, x_ww) = (-3.0 * x / w, 12.0 * x / (w * w));
         let mixed = bend * unit * x_w - slope * 3.0 * unit / w;
-        Jet {
+        PlaneJet {
             value: -g * unit.ln() + limit + log,
             gradient: [slope * unit, 3.0 * g / w + slope * x_w],
             hessian: [[bend * unit * unit, mixed], [mixed, -3.0 * g / (w * w) + bend * x_w * x_w + slope * x_ww]],
@@ -242,7 +242,7 @@ mod tests {
         }
     }
 
-    /// p(0, w) = r⁻² p(0, −w/r). The limit for z → −∞ that says so is where the integration from z = ∞ arrives.
+    /// p(0, w) = r⁻² p(0, −w/r). The limit for z → −∞ that follows is where the integration from z = ∞ arrives.
     #[test]
     fn the_wall_holds_its_condition() {
         for r in RESTITUTIONS {
@@ -263,10 +263,12 @@ mod tests {
             let similarity = Similarity::new(r, 1.0 / 9.0).unwrap();
             for w in [EDGE, -EDGE] {
                 let (near, far) = (similarity.near(1.0, w), similarity.far(1.0, w));
-                let mut difference = near;
-                difference.add(-1.0, &far);
-                let size = difference.gradient.iter().chain(difference.hessian.iter().flatten());
-                assert!(size.fold(difference.value.abs(), |a, b| a.max(b.abs())) < 1e-12, "{r} {w} {difference:?}");
+                let numbers = |jet: PlaneJet| {
+                    let hessian = jet.hessian.concat();
+                    [[jet.value].as_slice(), &jet.gradient, &hessian].concat()
+                };
+                let differences = numbers(near).into_iter().zip(numbers(far)).map(|(near, far)| (near - far).abs());
+                assert!(differences.fold(0.0, f64::max) < 1e-12, "{r} {w} {near:?} {far:?}");
             }
         }
     }
@@ -293,7 +295,7 @@ mod tests {
     /// An elastic wall has no singular part, and the singular point itself no infinite value.
     #[test]
     fn limits() {
-        assert_eq!(Similarity::new(1.0, 0.2).unwrap().at(0.1, 0.3), Jet::ZERO);
+        assert_eq!(Similarity::new(1.0, 0.2).unwrap().at(0.1, 0.3), PlaneJet::ZERO);
         let corner = Similarity::new(0.7, 0.2).unwrap();
         assert!(corner.at(0.0, 0.0).value.is_finite() && corner.at(0.0, 1e-200).value.is_finite());
         assert!(corner.at(0.0, 0.0).value > corner.at(1e-30, 0.0).value);

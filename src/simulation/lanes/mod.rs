@@ -1,40 +1,52 @@
 mod steps;
 
-use super::{
-    random::Random,
-    store::{Reader, Stored},
-};
-use crate::{Error, Result};
+pub(super) use steps::Workspace;
+
+use super::random::Random;
+use crate::problem::{LANES, Lane};
+use crate::{Error, Result, states::States};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// L trajectories advanced in lockstep, the lanes of wide registers.
+/// Sixteen trajectories advanced in lockstep, the lanes of wide registers.
 ///
 /// Trajectory i draws from stream i of the seed and from nothing else, so that its path does not depend on the lanes next
 /// to it, nor on the number of threads. What is random is a function of the stream and of the number of steps taken: the
 /// whole state of a group is in these fields.
-#[derive(Clone, Debug)]
-pub(super) struct Lanes<const N: usize, const L: usize> {
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct Lanes {
     random: Random,
     first: u64,
     /// The number of lanes that hold a trajectory; the others idle along and count for nothing.
     active: usize,
     /// The time steps taken so far.
     taken: u64,
-    x: [[f64; L]; N],
+    x: Vec<Lane>,
 }
 
-impl<const N: usize, const L: usize> Lanes<N, L> {
-    /// The first L of `trajectories`, each begun at `start` of its standard normal numbers.
-    pub(super) fn new(seed: u64, trajectories: Range<u64>, start: impl Fn([f64; N]) -> [f64; N]) -> Self {
+impl Lanes {
+    /// The first sixteen of `trajectories`, each begun where `start` puts its standard normal numbers, one for each of
+    /// the states.
+    pub(super) fn new(seed: u64, trajectories: Range<u64>, states: usize, start: impl Fn(&mut [f64])) -> Self {
         let random = Random::new(seed);
         let first = trajectories.start;
-        let active = (trajectories.end - first).min(L as u64) as usize;
-        let mut x = [[0.0; L]; N];
-        for l in 0..L {
-            let normals = std::array::from_fn(|i| random.start(first + l as u64, i as u64 / 2)[i % 2]);
-            set_lane(&mut x, l, start(normals));
+        let active = (trajectories.end - first).min(LANES as u64) as usize;
+        let mut lanes = Lanes { random, first, active, taken: 0, x: vec![[0.0; LANES]; states] };
+        let mut state = vec![0.0; states];
+        for l in 0..LANES {
+            for (i, z) in state.iter_mut().enumerate() {
+                *z = random.start(first + l as u64, i as u64 / 2)[i % 2];
+            }
+            start(&mut state);
+            lanes.set_state(l, &state);
         }
-        Lanes { random, first, active, taken: 0, x }
+        lanes
+    }
+
+    /// Whether lanes that were read are the first sixteen of `trajectories`.
+    pub(super) fn are(&self, seed: u64, trajectories: Range<u64>, states: usize) -> bool {
+        let Lanes { random, first, active, taken: _, x } = Lanes::new(seed, trajectories, states, |_| ());
+        (random, first, active, x.len()) == (self.random, self.first, self.active, self.x.len())
     }
 
     /// The number of trajectories.
@@ -42,43 +54,45 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
         self.active
     }
 
-    /// Where the lanes are, and how many steps they have taken: all that the future depends on.
-    pub(super) fn write(&self, out: &mut Vec<u8>) {
-        self.x.write(out);
-        self.taken.write(out);
+    /// State i of all lanes.
+    pub(super) fn x(&self) -> &[Lane] {
+        &self.x
     }
 
-    /// The first L of `trajectories`, as they were when their bytes were written.
-    pub(super) fn restored(seed: u64, trajectories: Range<u64>, input: &mut Reader<'_>) -> Option<Self> {
-        let mut lanes = Lanes::new(seed, trajectories, |_| [0.0; N]);
-        lanes.x = Stored::read(input)?;
-        lanes.taken = Stored::read(input)?;
-        Some(lanes)
+    /// The state of one trajectory.
+    pub(super) fn read_state(&self, l: usize, state: &mut [f64]) {
+        for (value, x) in state.iter_mut().zip(&self.x) {
+            *value = x[l];
+        }
     }
 
     /// The states of the trajectories.
-    pub(super) fn states(&self) -> impl Iterator<Item = [f64; N]> + '_ {
-        (0..self.active).map(|l| lane(&self.x, l))
+    pub(super) fn states(&self) -> States {
+        let values = (0..self.active).flat_map(|l| self.x.iter().map(move |x| x[l]));
+        States::from_values(self.x.len(), values.collect())
     }
 
     /// Puts one trajectory somewhere else; it goes on with its own random numbers.
-    pub(super) fn set_state(&mut self, l: usize, state: [f64; N]) {
-        set_lane(&mut self.x, l, state);
+    pub(super) fn set_state(&mut self, l: usize, state: &[f64]) {
+        for (x, value) in self.x.iter_mut().zip(state) {
+            x[l] = *value;
+        }
     }
 
-    /// Normal increments of the standard deviation `scale` for an even number of steps from the last even one on.
+    /// Normal increments of the standard deviation `scale` for an even number of steps from the last even one on, those
+    /// of all processes for each step.
     #[inline(always)]
-    fn draw<const M: usize>(&self, scale: f64, block: &mut [[[f64; L]; M]]) {
-        for (place, w) in block.chunks_exact_mut(2).enumerate() {
+    fn draw(&self, processes: usize, scale: f64, block: &mut [Lane]) {
+        for (place, w) in block.chunks_exact_mut(2 * processes).enumerate() {
             let place = self.taken / 2 + place as u64;
-            for k in 0..M {
-                let mut z = [[0.0; L]; 2];
-                for l in 0..L {
+            for k in 0..processes {
+                let mut z = [[0.0; LANES]; 2];
+                for l in 0..LANES {
                     [z[0][l], z[1][l]] = self.random.normals(self.first + l as u64, k as u64, place);
                 }
                 for s in 0..2 {
-                    for l in 0..L {
-                        w[s][k][l] = scale * z[s][l];
+                    for l in 0..LANES {
+                        w[s * processes + k][l] = scale * z[s][l];
                     }
                 }
             }
@@ -87,11 +101,11 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
 
     /// The increments of steps that are twice as long as those that the random numbers are for: sums of two.
     #[inline(always)]
-    fn draw_merged<const M: usize>(&self, scale: f64, block: &mut [[[f64; L]; M]]) {
-        for (place, w) in block.iter_mut().enumerate() {
+    fn draw_merged(&self, processes: usize, scale: f64, block: &mut [Lane]) {
+        for (place, w) in block.chunks_exact_mut(processes).enumerate() {
             let place = self.taken + place as u64;
-            for k in 0..M {
-                for l in 0..L {
+            for k in 0..processes {
+                for l in 0..LANES {
                     let [first, second] = self.random.normals(self.first + l as u64, k as u64, place);
                     w[k][l] = scale * (first + second);
                 }
@@ -99,27 +113,15 @@ impl<const N: usize, const L: usize> Lanes<N, L> {
         }
     }
 
-    /// Refuses states beyond `bound` or not finite.
-    pub(super) fn check(&self, bound: &[f64; N], time: f64, step: f64) -> Result<()> {
-        for (l, state) in self.states().enumerate() {
-            if (0..N).any(|i| !state[i].is_finite() || state[i].abs() > bound[i]) {
-                let trajectory = self.first + l as u64;
-                return Err(Error::Exploded { trajectory, state: state.to_vec(), time, step });
+    /// Refuses states that are not finite or beyond the moduli `bounds`, if there are any.
+    pub(super) fn check(&self, bounds: &[f64], time: f64, step: f64) -> Result<()> {
+        let beyond = |i: usize, x: f64| !x.is_finite() || bounds.get(i).is_some_and(|&bound| x.abs() > bound);
+        match (0..self.active).find(|&l| self.x.iter().enumerate().any(|(i, x)| beyond(i, x[l]))) {
+            None => Ok(()),
+            Some(l) => {
+                let (trajectory, state) = (self.first + l as u64, self.x.iter().map(|x| x[l]).collect());
+                Err(Error::Exploded { trajectory, state, time, step })
             }
         }
-        Ok(())
-    }
-}
-
-/// The state in one lane.
-#[inline(always)]
-fn lane<const N: usize, const L: usize>(x: &[[f64; L]; N], l: usize) -> [f64; N] {
-    std::array::from_fn(|i| x[i][l])
-}
-
-#[inline(always)]
-fn set_lane<const N: usize, const L: usize>(x: &mut [[f64; L]; N], l: usize, state: [f64; N]) {
-    for i in 0..N {
-        x[i][l] = state[i];
     }
 }

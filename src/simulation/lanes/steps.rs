@@ -1,235 +1,222 @@
 //! The steps of some trajectories in lockstep.
 
-use super::{Lanes, lane, set_lane};
-use crate::PolynomialDrift;
+use super::Lanes;
+use crate::problem::{LANES, Lane};
 use crate::simulation::{
     normal::pair,
     passage::{Course, Passages},
-    scheme::Scheme,
+    scheme::{Scheme, Scratch},
 };
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 
 /// How many steps' random numbers are drawn at a time; even, since they come in pairs of steps.
 const BLOCK: usize = 32;
 
-impl<const N: usize, const L: usize> Lanes<N, L> {
+/// What the steps work on, made once for many of them.
+pub(in crate::simulation) struct Workspace {
+    /// The increments of some steps: those of all processes for each step.
+    increments: Vec<Lane>,
+    /// The states before a drift.
+    kicked: Vec<Lane>,
+    /// The states and the increments of a shorter step.
+    grazed: Vec<Lane>,
+    shorter: Vec<Lane>,
+    pub(in crate::simulation) scratch: Scratch,
+}
+
+impl Workspace {
+    pub(in crate::simulation) fn new(scheme: &Scheme<'_>) -> Self {
+        let lanes = |count: usize| vec![[0.0; LANES]; count];
+        Workspace {
+            increments: lanes(BLOCK * scheme.processes),
+            kicked: lanes(scheme.states),
+            grazed: lanes(scheme.states),
+            shorter: lanes(scheme.processes),
+            scratch: scheme.scratch(),
+        }
+    }
+}
+
+impl Lanes {
     /// Advances all lanes by `steps` time steps, with the widest registers that the processor has. Their width changes
     /// nothing but the speed: every lane goes through the same operations.
-    pub(in crate::simulation) fn advance<T: PolynomialDrift<N, M>, const M: usize>(
+    pub(in crate::simulation) fn advance(
         &mut self,
-        scheme: &Scheme<'_, T, N, M>,
+        scheme: &Scheme<'_>,
         course: &Course,
         steps: usize,
         passages: &mut Passages,
+        work: &mut Workspace,
     ) {
-        // Where the first condition holds, a constant, the other of the two is not even compiled.
-        if const { T::CONSTANT_NOISE } || scheme.straight {
-            Arch::new().dispatch(Advance::<T, N, M, L, true> { lanes: self, scheme, course, steps, passages });
-        } else {
-            Arch::new().dispatch(Advance::<T, N, M, L, false> { lanes: self, scheme, course, steps, passages });
-        }
+        scheme.arch.dispatch(Advance { lanes: self, scheme, course, steps, passages, work });
     }
+
+    /// `lanes`, and those that hold no trajectory.
+    #[inline(always)]
+    fn idle_or(&self, lanes: &[bool; LANES]) -> [bool; LANES] {
+        let mut either = *lanes;
+        for l in 0..LANES {
+            either[l] |= l >= self.active;
+        }
+        either
+    }
+}
+
+/// The steps as a call that is compiled for every width of registers.
+struct Advance<'a, 'b> {
+    lanes: &'a mut Lanes,
+    scheme: &'a Scheme<'b>,
+    course: &'a Course,
+    steps: usize,
+    passages: &'a mut Passages,
+    work: &'a mut Workspace,
+}
+
+impl NullaryFnOnce for Advance<'_, '_> {
+    type Output = ();
 
     /// The half drifts between two steps are joined to a whole one, except near the wall.
     #[inline(always)]
-    fn steps<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
-        &mut self,
-        scheme: &Scheme<'_, T, N, M>,
-        course: &Course,
-        steps: usize,
-        passages: &mut Passages,
-    ) {
-        let h = scheme.step;
-        let mut increments = [[[0.0; L]; M]; BLOCK];
-        // Local arrays alias nothing, so that the compiler may work on several lanes at once.
-        let mut x = self.x;
-        for l in self.active..L {
+    fn call(mut self) {
+        let (scheme, course) = (self.scheme, self.course);
+        let (h, processes) = (scheme.step, scheme.processes);
+        let mut x = std::mem::take(&mut self.lanes.x);
+        for x in &mut x {
             // Idle lanes start afresh beside the first one, so that they neither hit the wall all the time nor explode.
-            set_lane(&mut x, l, lane(&self.x, 0));
+            let first = x[0];
+            x[self.lanes.active..].fill(first);
         }
-        let mut ahead = self.begin::<T, M, STRAIGHT>(&mut x, scheme, course, passages);
+        let mut ahead = self.begin(&mut x);
         let mut any_ahead = ahead.contains(&true);
-        let end = self.taken + steps as u64;
-        while self.taken < end {
+        let end = self.lanes.taken + self.steps as u64;
+        while self.lanes.taken < end {
+            let taken = self.lanes.taken;
             let (offset, length);
+            let increments = &mut self.work.increments;
             if scheme.merged {
-                (offset, length) = (0, BLOCK.min((end - self.taken) as usize));
-                self.draw_merged((h / 2.0).sqrt(), &mut increments[..length]);
+                (offset, length) = (0, BLOCK.min((end - taken) as usize));
+                self.lanes.draw_merged(processes, (h / 2.0).sqrt(), &mut increments[..length * processes]);
             } else {
-                offset = (self.taken % 2) as usize;
-                length = (BLOCK - offset).min((end - self.taken) as usize);
-                self.draw(h.sqrt(), &mut increments[..(offset + length).next_multiple_of(2)]);
+                offset = (taken % 2) as usize;
+                length = (BLOCK - offset).min((end - taken) as usize);
+                let drawn = (offset + length).next_multiple_of(2);
+                self.lanes.draw(processes, h.sqrt(), &mut increments[..drawn * processes]);
             }
-            for w in &increments[offset..offset + length] {
-                let mut coins = [false; L];
-                if !STRAIGHT {
-                    for l in 0..L {
-                        coins[l] = self.random.coin(self.first + l as u64, self.taken);
+            for step in offset..offset + length {
+                let mut coins = [false; LANES];
+                if scheme.curved() && processes > 1 {
+                    for l in 0..LANES {
+                        coins[l] = self.lanes.random.coin(self.lanes.first + l as u64, self.lanes.taken);
                     }
                 }
-                let mut kicked = [[0.0; L]; N];
-                for l in 0..L {
-                    let w = std::array::from_fn(|k| w[k][l]);
-                    let state = scheme.kick::<STRAIGHT>(lane(&x, l), h, w, coins[l]);
-                    for i in 0..N {
-                        kicked[i][l] = state[i];
-                    }
-                }
-                self.taken += 1;
+                let Workspace { increments, kicked, scratch, .. } = &mut *self.work;
+                kicked.copy_from_slice(&x);
+                scheme.kick(kicked, h, &increments[step * processes..][..processes], &coins, scratch);
+                self.lanes.taken += 1;
                 if any_ahead {
-                    for l in (0..L).filter(|&l| ahead[l]) {
-                        set_lane(&mut kicked, l, lane(&x, l));
+                    for l in (0..LANES).filter(|&l| ahead[l]) {
+                        copy_lane(&x, l, kicked);
                     }
                 }
-                x = kicked;
-                if self.taken == end {
+                x.copy_from_slice(kicked);
+                if self.lanes.taken == end {
                     break;
                 }
                 let mut near = course.near(&x, h);
                 let mut any_near = false;
-                for l in 0..L {
+                for l in 0..LANES {
                     near[l] |= ahead[l];
                     any_near |= near[l];
                 }
-                course.drift(&mut x, h, &self.idle_or(&near), 0, passages);
+                course.drift(&mut x, h, &self.lanes.idle_or(&near), self.passages);
                 if any_near {
                     any_ahead = false;
-                    for l in (0..self.active).filter(|&l| near[l]) {
-                        set_lane(&mut x, l, lane(&kicked, l));
+                    for l in (0..self.lanes.active).filter(|&l| near[l]) {
+                        copy_lane(&self.work.kicked, l, &mut x);
                         if !ahead[l] {
-                            drift_lane(&mut x, l, h / 2.0, course, passages);
+                            course.drift_lane(&mut x, l, h / 2.0, self.passages);
                         }
-                        ahead[l] = self.begin_lane::<T, M, STRAIGHT>(&mut x, l, scheme, course, passages);
+                        ahead[l] = self.begin_lane(&mut x, l);
                         any_ahead |= ahead[l];
                     }
                 }
             }
         }
-        let arrived = x;
-        let except = self.idle_or(&ahead);
-        course.drift(&mut x, h / 2.0, &except, 0, passages);
-        for l in (0..L).filter(|&l| ahead[l]) {
-            set_lane(&mut x, l, lane(&arrived, l));
+        self.work.kicked.copy_from_slice(&x);
+        course.drift(&mut x, h / 2.0, &self.lanes.idle_or(&ahead), self.passages);
+        for l in (0..LANES).filter(|&l| ahead[l]) {
+            copy_lane(&self.work.kicked, l, &mut x);
         }
-        self.x = x;
+        self.lanes.x = x;
     }
+}
 
+impl Advance<'_, '_> {
     /// The first half drift of a step, of all lanes together but those that graze the wall, which it returns: they are then
     /// ahead of the others.
     #[inline(always)]
-    fn begin<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
-        &self,
-        x: &mut [[f64; L]; N],
-        scheme: &Scheme<'_, T, N, M>,
-        course: &Course,
-        passages: &mut Passages,
-    ) -> [bool; L] {
-        let before = *x;
-        let mut ahead = course.near(x, 0.0);
-        for l in 0..L {
-            ahead[l] &= l < self.active && course.step_at(&lane(x, l)).is_some();
+    fn begin(&mut self, x: &mut [Lane]) -> [bool; LANES] {
+        let mut ahead = self.course.near(x, 0.0);
+        for l in 0..LANES {
+            ahead[l] &= l < self.lanes.active && self.course.step_at(x, l).is_some();
         }
-        course.drift(x, scheme.step / 2.0, &self.idle_or(&ahead), 0, passages);
-        for l in (0..L).filter(|&l| ahead[l]) {
-            set_lane(x, l, self.graze::<T, M, STRAIGHT>(lane(&before, l), l, scheme, course, passages));
+        self.work.kicked.copy_from_slice(x);
+        self.course.drift(x, self.scheme.step / 2.0, &self.lanes.idle_or(&ahead), self.passages);
+        for l in (0..LANES).filter(|&l| ahead[l]) {
+            copy_lane(&self.work.kicked, l, x);
+            self.graze(x, l);
         }
         ahead
-    }
-
-    /// `lanes`, and those that hold no trajectory.
-    #[inline(always)]
-    fn idle_or(&self, lanes: &[bool; L]) -> [bool; L] {
-        let mut either = *lanes;
-        for l in 0..L {
-            either[l] |= l >= self.active;
-        }
-        either
     }
 
     /// The first half drift of a step of one lane. A trajectory that grazes the wall takes the whole step at once instead,
     /// in shorter ones: it is then ahead of the others.
     #[inline(always)]
-    fn begin_lane<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
-        &self,
-        x: &mut [[f64; L]; N],
-        l: usize,
-        scheme: &Scheme<'_, T, N, M>,
-        course: &Course,
-        passages: &mut Passages,
-    ) -> bool {
-        let state = lane(x, l);
-        let grazing = course.step_at(&state).is_some();
+    fn begin_lane(&mut self, x: &mut [Lane], l: usize) -> bool {
+        let grazing = self.course.step_at(x, l).is_some();
         if grazing {
-            set_lane(x, l, self.graze::<T, M, STRAIGHT>(state, l, scheme, course, passages));
+            self.graze(x, l);
         } else {
-            drift_lane(x, l, scheme.step / 2.0, course, passages);
+            self.course.drift_lane(x, l, self.scheme.step / 2.0, self.passages);
         }
         grazing
     }
 
-    /// A whole time step of one lane in shorter steps, with random numbers that nothing else uses.
+    /// A whole time step of one lane in shorter steps, with random numbers that nothing else uses. A kick is one of all
+    /// lanes, of which this one is kept.
     #[inline(never)]
-    fn graze<T: PolynomialDrift<N, M>, const M: usize, const STRAIGHT: bool>(
-        &self,
-        mut x: [f64; N],
-        l: usize,
-        scheme: &Scheme<'_, T, N, M>,
-        course: &Course,
-        passages: &mut Passages,
-    ) -> [f64; N] {
+    fn graze(&mut self, x: &mut [Lane], l: usize) {
+        let Advance { lanes, scheme, course, passages, work, .. } = self;
+        let Workspace { grazed, shorter, scratch, .. } = &mut **work;
         let mut left = scheme.step;
         let mut draws = 0;
         let mut draw = || {
             draws += 1;
-            self.random.grazing(self.first + l as u64, self.taken, draws - 1)
+            lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
         };
         while left > 0.0 {
-            let step = course.step_at(&x).map_or(left, |step| step.min(left));
+            let step = course.step_at(x, l).map_or(left, |step| step.min(left));
             left -= step;
-            x = course.drifted(x, step / 2.0, l, passages);
-            let mut w = [0.0; M];
-            for two in w.chunks_mut(2) {
+            course.drift_lane(x, l, step / 2.0, passages);
+            for two in shorter.chunks_mut(2) {
                 for (increment, z) in two.iter_mut().zip(pair(draw())) {
-                    *increment = step.sqrt() * z;
+                    *increment = [step.sqrt() * z; LANES];
                 }
             }
-            let reversed = !STRAIGHT && draw()[0] & 1 == 1;
-            x = scheme.kick::<STRAIGHT>(x, step, w, reversed);
-            x = course.drifted(x, step / 2.0, l, passages);
+            let reversed = scheme.curved() && draw()[0] & 1 == 1;
+            grazed.copy_from_slice(x);
+            scheme.kick(grazed, step, shorter, &[reversed; LANES], scratch);
+            copy_lane(grazed, l, x);
+            course.drift_lane(x, l, step / 2.0, passages);
         }
-        x
     }
 }
 
-/// The straight drift of one lane.
+/// One lane of `from`.
 #[inline(always)]
-fn drift_lane<const N: usize, const L: usize>(
-    x: &mut [[f64; L]; N],
-    l: usize,
-    tau: f64,
-    course: &Course,
-    passages: &mut Passages,
-) {
-    set_lane(x, l, course.drifted(lane(x, l), tau, l, passages));
-}
-
-/// [`Lanes::steps`] as a call that is compiled for every width of registers.
-struct Advance<'a, 'b, T, const N: usize, const M: usize, const L: usize, const STRAIGHT: bool> {
-    lanes: &'a mut Lanes<N, L>,
-    scheme: &'a Scheme<'b, T, N, M>,
-    course: &'a Course,
-    steps: usize,
-    passages: &'a mut Passages,
-}
-
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize, const L: usize, const STRAIGHT: bool> NullaryFnOnce
-    for Advance<'_, '_, T, N, M, L, STRAIGHT>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.lanes.steps::<T, M, STRAIGHT>(self.scheme, self.course, self.steps, self.passages);
+fn copy_lane(from: &[Lane], l: usize, to: &mut [Lane]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        to[l] = from[l];
     }
 }
 
@@ -237,47 +224,42 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize, const L: usize, c
 mod tests {
     use super::*;
     use crate::models::{Duffing, VelocityNoise};
-    use crate::system::Amplified;
-    use crate::{Barrier, FokkerPlanck, Result};
+    use crate::problem::{Problem, Wall};
+    use crate::{PolynomialDrift, Result};
+    use pulp::Arch;
     use pulp::x86::{V3, V4};
 
-    type Bits = (Vec<[u64; 2]>, [u64; 3]);
+    type Bits = (Vec<u64>, [u64; 3]);
 
     /// The states after some thousand steps above a wall, and the impacts on the way.
-    fn way<T, const STRAIGHT: bool>(
-        system: &T,
-        advance: impl Fn(Advance<'_, '_, T, 2, 1, 16, STRAIGHT>),
-    ) -> Result<Bits>
-    where
-        T: PolynomialDrift<2, 1>,
-    {
-        let operator = FokkerPlanck::new(system)?;
-        let scheme = Scheme::new(Amplified { system, amplitude: 1.0 }, &operator, 0.04);
-        assert_eq!(scheme.straight, STRAIGHT);
-        let course = Course::for_scheme(&scheme, Some(Barrier::new(0.1, 0.7)?), Vec::new());
-        let mut lanes = Lanes::<2, 16>::new(5, 0..16, |[x, v]| [0.1 + x.abs(), v]);
-        let mut passages = Passages::new(0);
+    fn way(scheme: &Scheme<'_>) -> Result<Bits> {
+        let course = Course::for_scheme(scheme, Some(Wall::above(0.1, 0.7)?), Vec::new());
+        let mut lanes = Lanes::new(5, 0..16, 2, |x| x[0] = 0.1 + x[0].abs());
+        let (mut passages, mut work) = (Passages::new(0), Workspace::new(scheme));
         for steps in [1000, 1, 2500] {
-            advance(Advance { lanes: &mut lanes, scheme: &scheme, course: &course, steps, passages: &mut passages });
+            lanes.advance(scheme, &course, steps, &mut passages, &mut work);
         }
         assert!(passages.impacts[0] > 100.0);
-        Ok((lanes.states().map(|x| x.map(f64::to_bits)).collect(), passages.impacts.map(f64::to_bits)))
+        let states = lanes.states();
+        Ok((states.values().iter().map(|x| x.to_bits()).collect(), passages.impacts.map(f64::to_bits)))
     }
 
-    fn same_bits<T: PolynomialDrift<2, 1>, const STRAIGHT: bool>(system: &T) -> Result<()> {
-        let narrow = way::<T, STRAIGHT>(system, |advance| advance.call())?;
-        if let Some(wider) = V3::try_new() {
-            assert_eq!(narrow, way::<T, STRAIGHT>(system, |advance| wider.vectorize(advance))?);
-        }
-        if let Some(widest) = V4::try_new() {
-            assert_eq!(narrow, way::<T, STRAIGHT>(system, |advance| widest.vectorize(advance))?);
+    fn same_bits(system: impl PolynomialDrift<2, 1> + 'static, curved: bool) -> Result<()> {
+        let problem = Problem::of(system)?;
+        let mut scheme = Scheme::new(&problem, 1.0, 0.04);
+        assert_eq!(scheme.curved(), curved);
+        scheme.arch = Arch::Scalar;
+        let narrow = way(&scheme)?;
+        for wider in [V3::try_new().map(Arch::V3), V4::try_new().map(Arch::V4)].into_iter().flatten() {
+            scheme.arch = wider;
+            assert_eq!(narrow, way(&scheme)?);
         }
         Ok(())
     }
 
     #[test]
     fn every_width_of_registers_makes_the_same_bits() -> Result<()> {
-        same_bits::<_, true>(&Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
-        same_bits::<_, false>(&VelocityNoise::new([0.2, 0.1], [1.0, 0.1], 1.0, 0.3)?)
+        same_bits(Duffing::new(0.2, 1.0, 0.3, 0.2)?, false)?;
+        same_bits(VelocityNoise::new([0.2, 0.1], [1.0, 0.1], 1.0, 0.3)?, true)
     }
 }

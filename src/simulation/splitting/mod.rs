@@ -16,5 +16,5 @@ mod run;
 mod setup;
 mod tally;
 
-pub use result::{SplittingProvenance, Tails};
+pub use result::Tails;
 pub use setup::Splitting;

@@ -1,10 +1,9 @@
 use super::{
     importance::Importance,
-    population::{Motion, Particle, Population},
+    population::{Motion, Particles, Population},
     tally::Levels,
 };
-use crate::simulation::passage::Course;
-use crate::{PolynomialDrift, Result};
+use crate::{error::Result, simulation::passage::Course};
 use std::f64::consts::E;
 
 /// A threshold is set only where so large a share of the weight seen lies beyond it.
@@ -27,8 +26,8 @@ const CELL_ROUNDS: usize = 4;
 const CELL: f64 = 1.0 / 3.0;
 
 /// The run that finds the thresholds, before anything is measured.
-pub(super) struct Pilot<'a, T, const N: usize, const M: usize> {
-    pub(super) motion: &'a Motion<'a, T, N, M>,
+pub(super) struct Pilot<'a> {
+    pub(super) motion: &'a Motion<'a>,
     pub(super) course: &'a Course,
     /// Cycles of one round.
     pub(super) cycles: usize,
@@ -47,10 +46,10 @@ struct Excess {
     below: [f64; 3],
 }
 
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Pilot<'_, T, N, M> {
+impl Pilot<'_> {
     /// Thresholds that each leave a share of e⁻¹ beyond them. A round of some cycles sees a little farther than the last
     /// threshold, and sets the next ones.
-    pub(super) fn thresholds(&self, population: &mut Population<N>, states: &[Particle<N>]) -> Result<Vec<f64>> {
+    pub(super) fn thresholds(&self, population: &mut Population, states: &Particles) -> Result<Vec<f64>> {
         let least = LEAST_STATES / states.len() as f64;
         let mut thresholds = quantiles(values(self.motion.importance, states)?, least, f64::NEG_INFINITY);
         population.set_thresholds(&thresholds);
@@ -62,8 +61,8 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Pilot<'_, T, N, M
                 let states = population.advance(self.motion, self.course, &mut [])?;
                 population.place(self.motion.importance, &states)?;
                 if 2 * cycle >= self.cycles {
-                    let last = population.last();
-                    share += last.iter().map(|&(_, w)| w).sum::<f64>();
+                    let last = population.last(self.motion.scheme.states);
+                    share += last.iter().map(|(_, w)| w).sum::<f64>();
                     beyond.extend(values(self.motion.importance, &last)?);
                 }
             }
@@ -82,13 +81,13 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Pilot<'_, T, N, M
     }
 
     /// The widths of the cells about the levels of each state.
-    pub(super) fn cells(&self, population: &mut Population<N>, asked: &[(usize, Vec<f64>)]) -> Result<Vec<Levels>> {
+    pub(super) fn cells(&self, population: &mut Population, asked: &[(usize, Vec<f64>)]) -> Result<Vec<Levels>> {
         let mut seen: Vec<Vec<Excess>> = asked.iter().map(|(_, y)| vec![Excess::default(); y.len()]).collect();
         for _ in 0..CELL_ROUNDS * self.cycles {
             let states = population.advance(self.motion, self.course, &mut [])?;
             for ((state, levels), seen) in asked.iter().zip(&mut seen) {
                 for (y, excess) in levels.iter().zip(seen) {
-                    states.iter().for_each(|(x, weight)| excess.add(x[*state] - y, *weight));
+                    states.iter().for_each(|(x, weight)| excess.add(x[*state] - y, weight));
                 }
             }
             population.place(self.motion.importance, &states)?;
@@ -124,8 +123,8 @@ fn scales(seen: &[Excess]) -> Vec<f64> {
     (0..seen.len()).map(nearest).collect()
 }
 
-fn values<const N: usize>(importance: &Importance<'_, N>, states: &[Particle<N>]) -> Result<Vec<(f64, f64)>> {
-    states.iter().map(|(x, w)| Ok((importance.at(x)?, *w))).collect()
+fn values(importance: &Importance<'_>, states: &Particles) -> Result<Vec<(f64, f64)>> {
+    states.iter().map(|(x, w)| Ok((importance.at(x)?, w))).collect()
 }
 
 /// The values above `above` that leave the shares e⁻¹, e⁻², ... ≥ `least` of the weight beyond them, rising.

@@ -1,35 +1,11 @@
 use super::tally::{Levels, Tally};
-use crate::simulation::jackknife::jackknife;
-use crate::{Error, Estimate, Result};
+use crate::error::{Error, Result};
+use crate::estimate::Estimate;
+use crate::provenance::Provenance;
+use crate::simulation::{jackknife::jackknife, plan::same_level};
 
 /// A standard error from fewer replicas that saw anything is a guess.
 const LEAST_REPLICAS: usize = 8;
-
-/// How tails were found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SplittingProvenance {
-    /// The seed.
-    pub seed: u64,
-    /// The number of independent replicas.
-    pub replicas: usize,
-    /// The number of particles in each bin, as rounded.
-    pub particles: usize,
-    /// The edges of the bins: values of the importance function.
-    pub thresholds: Vec<f64>,
-    /// The number of time steps of all particles of the replicas together. On top come the burn-in of 128 starting states for
-    /// each, and the pilot, which is as long as one replica at most.
-    pub path_steps: u64,
-    /// The time step h.
-    pub time_step: f64,
-    /// The time between two resamplings, as rounded.
-    pub resampling_interval: f64,
-    /// The time before measuring, as rounded.
-    pub relaxation: f64,
-    /// The time of measuring, as rounded.
-    pub duration: f64,
-    /// The wall-clock time in seconds.
-    pub seconds: f64,
-}
 
 /// The tails of a stationary density: every value with its standard error.
 ///
@@ -42,30 +18,26 @@ pub struct Tails {
     watched: Vec<Levels>,
     /// The levels whose up-crossings were counted.
     crossings: Vec<f64>,
-    provenance: SplittingProvenance,
+    provenance: Provenance,
 }
 
 impl Tails {
-    pub(super) fn new(
-        replicas: Vec<Tally>,
-        watched: Vec<Levels>,
-        crossings: Vec<f64>,
-        provenance: SplittingProvenance,
-    ) -> Self {
+    pub(super) fn new(replicas: Vec<Tally>, watched: Vec<Levels>, crossings: Vec<f64>, provenance: Provenance) -> Self {
         Tails { replicas, watched, crossings, provenance }
     }
 
-    /// Seed, counts, times, thresholds.
-    pub fn provenance(&self) -> &SplittingProvenance {
+    /// Seed, counts, times, thresholds. On top of the path-steps come the burn-in of 128 starting states for each replica,
+    /// and the pilot, which is as long as one replica at most.
+    pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
 
     /// P(X ≥ y) for a state X and one of its levels y.
     ///
     /// # Errors
-    /// [`Error::LevelNotCounted`] if the level was not named before the run; so for every question about a level.
+    /// [`Error::NotKnown`] if the level was not named before the run; so for every question about a level.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
-        let (k, _) = self.find(state, level)?;
+        let (k, (level, _)) = self.find(state, level)?;
         Ok(self.mean(|tally| tally.above(k, &self.watched, level)))
     }
 
@@ -74,7 +46,7 @@ impl Tails {
     /// # Errors
     /// As [`Tails::exceedance`].
     pub fn non_exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
-        let (k, _) = self.find(state, level)?;
+        let (k, (level, _)) = self.find(state, level)?;
         Ok(self.mean(|tally| tally.below(k, &self.watched, level)))
     }
 
@@ -85,12 +57,15 @@ impl Tails {
     /// near 10⁻⁴.
     ///
     /// # Errors
-    /// As [`Tails::exceedance`].
+    /// As [`Tails::exceedance`]; also where the pilot never came near the level, so that no scale of the tail is known.
     pub fn marginal(&self, state: usize, level: f64) -> Result<Estimate> {
-        let (k, width) = self.find(state, level)?;
+        let (k, (level, width)) = self.find(state, level)?;
         if width <= 0.0 {
-            // The pilot never came here, so that no scale of the tail is known.
-            return Ok(Estimate::new(f64::NAN, f64::INFINITY));
+            let what = format!("the density at {level}, since the pilot never came there");
+            return Err(Error::NotKnown {
+                what,
+                remedy: "take more particles, a longer relaxation, or a level that is met",
+            });
         }
         Ok(self.mean(|tally| tally.density(k, &self.watched, (level, width))))
     }
@@ -100,7 +75,7 @@ impl Tails {
     /// # Errors
     /// As [`Tails::exceedance`].
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
-        let k = self.crossings.iter().position(|&y| y == level).ok_or(Error::LevelNotCounted { level })?;
+        let k = self.crossings.iter().position(|&y| same_level(y, level)).ok_or_else(|| unnamed(level))?;
         Ok(self.mean(|tally| tally.crossings[k] / tally.time))
     }
 
@@ -113,7 +88,8 @@ impl Tails {
             let change = jackknife(&self.replicas, change, |[sum, count]| sum / count);
             if change.error > 0.0 { change.value / change.error } else { 0.0 }
         };
-        let changes = (0..=self.provenance.thresholds.len()).flat_map(|bin| [change(bin, 0), change(bin, 1)]);
+        let bins = self.replicas.first().map_or(0, |tally| tally.halves[0].len());
+        let changes = (0..bins).flat_map(|bin| [change(bin, 0), change(bin, 1)]);
         changes.fold(0.0, |worst: f64, t| if t.abs() > worst.abs() { t } else { worst })
     }
 
@@ -124,12 +100,16 @@ impl Tails {
         if met < LEAST_REPLICAS { Estimate::new(mean.value, f64::INFINITY) } else { mean }
     }
 
-    /// The place of a state's levels, and the width of the cells.
-    fn find(&self, state: usize, level: f64) -> Result<(usize, f64)> {
+    /// The place of a state's levels, the level as it was named, and the width of its cells.
+    fn find(&self, state: usize, level: f64) -> Result<(usize, (f64, f64))> {
         let at = |(k, levels): (usize, &Levels)| {
-            let known = levels.levels.iter().find(|&&(y, _)| levels.state == state && y == level)?;
-            Some((k, known.1))
+            let known = levels.levels.iter().find(|&&(y, _)| levels.state == state && same_level(y, level))?;
+            Some((k, *known))
         };
-        self.watched.iter().enumerate().find_map(at).ok_or(Error::LevelNotCounted { level })
+        self.watched.iter().enumerate().find_map(at).ok_or_else(|| unnamed(level))
     }
+}
+
+fn unnamed(level: f64) -> Error {
+    Error::NotKnown { what: format!("the level {level}"), remedy: "name it before the run, by `Splitting::levels`" }
 }

@@ -1,22 +1,22 @@
 use super::{
     importance::Importance,
     pilot::Pilot,
-    population::{Motion, Particle, Population, WIDTH},
-    result::{SplittingProvenance, Tails},
+    population::{Motion, Particles, Population},
+    result::Tails,
     setup::Splitting,
     tally::{Levels, Tally},
 };
-use crate::error::{finite, positive, state_index};
+use crate::error::{Error, Result, finite, positive, state_index};
+use crate::problem::{Problem, Wall};
+use crate::provenance::Provenance;
 use crate::simulation::{
     Simulation,
     control::Control,
-    passage::Course,
+    passage::{Course, single_wall},
+    progress::{Meter, Progress},
     run::at_most,
     scheme::Scheme,
-    setup::{Meter, Progress},
 };
-use crate::system::Amplified;
-use crate::{Error, FokkerPlanck, PolynomialDrift, Result};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -44,92 +44,85 @@ const PILOT: usize = 4;
 /// One round of the pilot, as a share of the relaxation.
 const ROUND: f64 = 0.1;
 
-impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitting<'a, T, N, M> {
+impl Splitting<'_> {
     /// Runs the starting states, the pilot and the replicas.
     ///
     /// # Errors
-    /// - As [`Simulation::run`](crate::Simulation::run) for the system, its wall and its start.
+    /// - As [`Simulation::run`](crate::Simulation::run) for the problem, its walls and the start.
     /// - [`Error::NoSamples`]: no particles, or fewer than 16 replicas.
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning, a level that is not finite or not above
     ///   the wall, an importance function that is not a number somewhere.
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any starting state.
     /// - [`Error::Cancelled`]: the progress callback said so.
-    pub fn run(mut self) -> Result<Tails> {
+    pub fn run(mut self, problem: &Problem) -> Result<Tails> {
         let begin = Instant::now();
-        let plan = self.plan()?;
-        let states = self.plain().states()?;
-        let operator = FokkerPlanck::new(self.system)?;
-        let scheme = Scheme::new(Amplified { system: self.system, amplitude: 1.0 }, &operator, self.time_step);
+        let (n, wall) = (problem.dimension(), single_wall(problem, "splitting")?);
+        let plan = self.plan(n, wall)?;
+        let states = self.plain().states(problem)?;
+        let scheme = Scheme::new(problem, 1.0, self.time_step);
         let importance = match self.importance.take() {
-            Some(function) => Importance::Given(function),
-            None => Importance::natural(&operator, &scheme.pairs, &states)?,
+            Some(given) => given,
+            None => Importance::natural(problem, &states)?,
         };
         let largest = |i: usize| states.iter().map(|x| x[i].abs()).fold(0.0, f64::max);
-        let bound = std::array::from_fn(|i| 1e6 * largest(i));
-        let motion = Motion { scheme: &scheme, importance: &importance, bound, steps: plan.steps };
-        let floor = self.barrier.map_or(f64::NEG_INFINITY, |wall| wall.offset());
-        let velocity = scheme.pairs.iter().find(|&&(i, _)| i == 0).map(|&(_, j)| j);
-        let crossings = plan.levels.iter().filter(|(state, _)| velocity.is_some() && *state == 0);
+        let bounds = (0..n).map(|i| 1e6 * largest(i)).collect();
+        let motion = Motion { scheme: &scheme, importance: &importance, bounds, steps: plan.steps };
+        let displaced = problem.velocity_of(0).is_some();
+        let crossings = plan.levels.iter().filter(|(state, _)| displaced && *state == 0);
         let crossings = crossings.flat_map(|(_, levels)| levels.clone()).collect();
-        let [course, quiet] = [crossings, Vec::new()].map(|y| Course::for_scheme(&scheme, self.barrier, y));
+        let [course, quiet] = [crossings, Vec::new()].map(|y| Course::for_scheme(&scheme, wall, y));
 
+        let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
         let pilot = Pilot { motion: &motion, course: &quiet, cycles: plan.round, rarest: self.rarest, floor };
-        let mut population = Population::new(self.seed, 0, PILOT * plan.particles);
-        let (first, states) = states.split_at(STATES);
-        let thresholds = pilot.thresholds(&mut population, &weighted(first))?;
+        let mut population = Population::new(&scheme, self.seed, 0, PILOT * self.particles);
+        let (first, rest) = states.values().split_at(STATES * n);
+        let thresholds = pilot.thresholds(&mut population, &Particles::equal(n, first))?;
         let watched = pilot.cells(&mut population, &plan.levels)?;
 
         let cycles = plan.relaxing + plan.measuring;
-        let most = (self.replicas * (thresholds.len() + 1) * plan.particles * plan.steps) as u64 * cycles as u64;
-        let meter =
-            self.progress.take().map(|callback| Meter { progress: Progress { done: 0, total: most }, callback });
-        let control = Control::new(meter);
-        let replica = |(index, states): (usize, &[[f64; N]])| -> Result<(Tally, u64)> {
-            let mut population = Population::new(self.seed, 1 + index as u64, plan.particles);
+        let most = (self.replicas * (thresholds.len() + 1) * self.particles * plan.steps) as u64 * cycles as u64;
+        let progress = Progress { done: 0, total: most };
+        let control = Control::new(self.progress.take().map(|callback| Meter { progress, callback }));
+        let replica = |(index, states): (usize, &[f64])| -> Result<(Tally, u64)> {
+            let mut population = Population::new(&scheme, self.seed, 1 + index as u64, self.particles);
             population.set_thresholds(&thresholds);
-            population.place(&importance, &weighted(states))?;
+            population.place(&importance, &Particles::equal(n, states))?;
             let replica =
                 Replica { motion: &motion, quiet: &quiet, course: &course, watched: &watched, control: &control };
             replica.run(&mut population, index, &plan, thresholds.len() + 1).inspect_err(|_| control.fail(index))
         };
-        let results: Vec<Result<(Tally, u64)>> = states.par_chunks(STATES).enumerate().map(replica).collect();
+        let results: Vec<Result<(Tally, u64)>> = rest.par_chunks(STATES * n).enumerate().map(replica).collect();
         let (replicas, steps): (Vec<Tally>, Vec<u64>) =
             results.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
 
         let cycle = plan.steps as f64 * self.time_step;
-        let provenance = SplittingProvenance {
-            seed: self.seed,
-            replicas: self.replicas,
-            particles: plan.particles,
-            thresholds,
-            path_steps: steps.iter().sum(),
-            time_step: self.time_step,
-            resampling_interval: cycle,
-            relaxation: plan.relaxing as f64 * cycle,
-            duration: plan.measuring as f64 * cycle,
+        let provenance = Provenance {
+            method: String::from("splitting"),
+            seed: Some(self.seed),
+            replicas: Some(self.replicas),
+            particles: Some(self.particles),
+            thresholds: Some(thresholds),
+            path_steps: Some(steps.iter().sum()),
+            time_step: Some(self.time_step),
+            resampling_interval: Some(cycle),
+            relaxation: Some(plan.relaxing as f64 * cycle),
+            duration: Some(plan.measuring as f64 * cycle),
             seconds: begin.elapsed().as_secs_f64(),
+            ..Provenance::default()
         };
         Ok(Tails::new(replicas, watched, course.levels, provenance))
     }
 
-    /// A plain simulation of the same system: it makes the starting states, [`STATES`] for the pilot and for each replica.
-    fn plain(&self) -> Simulation<'a, T, N, M> {
+    /// A plain simulation of the same problem: it makes the starting states, [`STATES`] for the pilot and for each replica.
+    fn plain(&self) -> Simulation<'static> {
         let count = STATES * (self.replicas + 1);
-        Simulation {
-            barrier: self.barrier,
-            start: self.start,
-            ..Simulation::new(self.system)
-                .trajectories(count)
-                .samples(count)
-                .time_step(self.time_step)
-                .sampling_interval(self.time_step)
-                .burn_in(self.burn_in)
-                .seed(self.seed)
-        }
+        let simulation = Simulation { start: self.start.clone(), ..Simulation::new() };
+        let simulation = simulation.trajectories(count).samples(count).burn_in(self.burn_in).seed(self.seed);
+        simulation.time_step(self.time_step).sampling_interval(self.time_step)
     }
 
     /// Looks at all options that the starting states do not need.
-    fn plan(&self) -> Result<Plan> {
+    fn plan(&self, states: usize, wall: Option<Wall>) -> Result<Plan> {
         if self.particles == 0 {
             return Err(Error::NoSamples { what: "the number of particles", least: 1 });
         }
@@ -156,8 +149,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
             return Err(Error::OutOfRange { name: "number of path-steps", value: path, remedy });
         }
         Ok(Plan {
-            levels: self.sorted_levels()?,
-            particles: self.particles.next_multiple_of(WIDTH),
+            levels: self.sorted_levels(states, wall)?,
             steps: steps as usize,
             round: cycles(ROUND * relaxation) as usize,
             relaxing: cycles(relaxation) as usize,
@@ -167,12 +159,12 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
     }
 
     /// The levels of each state, rising, each of them once.
-    fn sorted_levels(&self) -> Result<Vec<(usize, Vec<f64>)>> {
+    fn sorted_levels(&self, states: usize, wall: Option<Wall>) -> Result<Vec<(usize, Vec<f64>)>> {
         let mut levels = self.levels.clone();
         for &(state, level) in &levels {
-            state_index::<N>("the state of a level", state)?;
+            state_index("the state of a level", state, states)?;
             finite("level", level)?;
-            if state == 0 && self.barrier.is_some_and(|wall| level <= wall.offset()) {
+            if state == 0 && wall.is_some_and(|wall| level <= wall.offset()) {
                 let remedy = "a level must lie above the wall; there are no states below it";
                 return Err(Error::OutOfRange { name: "level", value: level, remedy });
             }
@@ -192,7 +184,6 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
 struct Plan {
     /// The levels of each state.
     levels: Vec<(usize, Vec<f64>)>,
-    particles: usize,
     /// Time steps of a cycle, from one resampling to the next.
     steps: usize,
     /// Cycles of a round of the pilot, of the relaxation, of the measurement.
@@ -202,8 +193,8 @@ struct Plan {
 }
 
 /// What one replica needs.
-struct Replica<'a, 'c, T, const N: usize, const M: usize> {
-    motion: &'a Motion<'a, T, N, M>,
+struct Replica<'a, 'c> {
+    motion: &'a Motion<'a>,
     /// Without levels and with them.
     quiet: &'a Course,
     course: &'a Course,
@@ -211,9 +202,9 @@ struct Replica<'a, 'c, T, const N: usize, const M: usize> {
     control: &'a Control<'c>,
 }
 
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Replica<'_, '_, T, N, M> {
+impl Replica<'_, '_> {
     /// Relaxes and measures; returns the path-steps too.
-    fn run(&self, population: &mut Population<N>, index: usize, plan: &Plan, bins: usize) -> Result<(Tally, u64)> {
+    fn run(&self, population: &mut Population, index: usize, plan: &Plan, bins: usize) -> Result<(Tally, u64)> {
         let mut tally = Tally::new(self.watched, self.course.levels.len(), bins);
         let (mut path_steps, mut unreported) = (0, 0);
         let last = plan.relaxing + plan.measuring - 1;
@@ -222,7 +213,7 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Replica<'_, '_, T
             let course = if measured.is_some() { self.course } else { self.quiet };
             let states = population.advance(self.motion, course, &mut tally.crossings)?;
             if let Some(measured) = measured {
-                states.iter().for_each(|&particle| tally.observe(self.watched, particle));
+                states.iter().for_each(|particle| tally.observe(self.watched, particle));
                 let half = usize::from(2 * measured >= plan.measuring);
                 tally.occupy(half, population.masses());
             }
@@ -238,9 +229,4 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Replica<'_, '_, T
         tally.time = (plan.measuring * plan.steps) as f64 * self.motion.scheme.step;
         Ok((tally, path_steps))
     }
-}
-
-/// The states with equal weights.
-fn weighted<const N: usize>(states: &[[f64; N]]) -> Vec<Particle<N>> {
-    states.iter().map(|&x| (x, 1.0 / states.len() as f64)).collect()
 }

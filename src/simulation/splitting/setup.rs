@@ -1,11 +1,6 @@
-use super::importance::Function;
-use crate::simulation::setup::Progress;
-use crate::{Barrier, PolynomialDrift};
-use std::fmt;
+use super::importance::Importance;
+use crate::simulation::progress::{Callback, Progress};
 use std::ops::ControlFlow;
-
-/// The progress callback.
-pub(super) type Callback<'a> = Box<dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a>;
 
 /// A simulation of rare states: the tails of the stationary density down to any probability, without bias.
 ///
@@ -22,12 +17,15 @@ pub(super) type Callback<'a> = Box<dyn FnMut(Progress) -> ControlFlow<()> + Send
 /// use expoly::{Density, Splitting, models::{Duffing, Solved}};
 /// let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
 /// // A small run, 3·10⁻⁵ of the peak; the defaults see 10⁻⁸ of it within 5 %.
-/// let tails = Splitting::new(&oscillator).levels([3.0]).rarest(1e-5).particles(8).replicas(16);
-/// let density = tails.burn_in(20.0).relaxation(10.0).duration(10.0).seed(1).run()?.marginal(0, 3.0)?;
+/// let tails = Splitting::new().levels([3.0]).rarest(1e-5).particles(8).replicas(16);
+/// let tails = tails.burn_in(20.0).relaxation(10.0).duration(10.0).seed(1).run(&oscillator.problem()?)?;
+/// let density = tails.marginal(0, 3.0)?;
 /// assert!(density.deviation(oscillator.exact()?.marginal(0, 3.0)?.value) < 4.0);
 /// assert!(density.error < 0.5 * density.value);
 /// # Ok::<(), expoly::Error>(())
 /// ```
+///
+/// It serves one wall, with the motion of state 0 above it.
 ///
 /// The result is the same, bit for bit, on any number of threads: each replica has its own streams of random numbers. It runs
 /// on rayon's current pool.
@@ -37,10 +35,9 @@ pub(super) type Callback<'a> = Box<dyn FnMut(Progress) -> ControlFlow<()> + Send
 /// Journal 70 (1996) 97-110, doi:10.1016/S0006-3495(96)79552-8. That it is unbiased for any bins: B. W. Zhang, D. Jasnow and
 /// D. M. Zuckerman, The "weighted ensemble" path sampling method is statistically exact for a broad class of stochastic
 /// processes and binning procedures, Journal of Chemical Physics 132 (2010) 054107, doi:10.1063/1.3306345.
-pub struct Splitting<'a, T, const N: usize, const M: usize> {
-    pub(super) system: &'a T,
-    pub(super) barrier: Option<Barrier>,
-    pub(super) importance: Option<Box<Function<'a, N>>>,
+#[derive(Debug)]
+pub struct Splitting<'a> {
+    pub(super) importance: Option<Importance<'a>>,
     pub(super) levels: Vec<(usize, f64)>,
     pub(super) rarest: f64,
     pub(super) particles: usize,
@@ -50,17 +47,21 @@ pub struct Splitting<'a, T, const N: usize, const M: usize> {
     pub(super) relaxation: f64,
     pub(super) duration: f64,
     pub(super) resampling_interval: f64,
-    pub(super) start: Option<[f64; N]>,
+    pub(super) start: Option<Vec<f64>>,
     pub(super) seed: u64,
     pub(super) progress: Option<Callback<'a>>,
 }
 
-impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitting<'a, T, N, M> {
-    /// Tails of `system` with the defaults named at each method.
-    pub fn new(system: &'a T) -> Self {
+impl Default for Splitting<'_> {
+    fn default() -> Self {
+        Splitting::new()
+    }
+}
+
+impl<'a> Splitting<'a> {
+    /// Tails with the defaults named at each method.
+    pub fn new() -> Self {
         Splitting {
-            system,
-            barrier: None,
             importance: None,
             levels: Vec::new(),
             rarest: 1e-11,
@@ -77,12 +78,6 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
         }
     }
 
-    /// A wall that state 0 hits; none by default. State 0 must be a displacement.
-    pub fn barrier(mut self, barrier: Barrier) -> Self {
-        self.barrier = Some(barrier);
-        self
-    }
-
     /// The importance function ξ: any function of the state that is larger at rarer states. It may be infinite, but must not
     /// be NaN. The best are those that trajectories rise along without detours: the energy of a weakly damped oscillator,
     /// and not its displacement; −ln p of an approximate density, if that is good in the tail.
@@ -90,8 +85,8 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
     /// By default it is the mechanical energy Σ v²/2 + U where every state is a displacement or a velocity, with
     /// U = −∫₀¹ Σ x_i f_i(s x, v = 0) ds for the drift f_i of the velocity of x_i. For any other system, and where U does not
     /// rise along every axis, it is the squared distance from the mean in units of the covariance of the starting states.
-    pub fn importance(mut self, function: impl Fn(&[f64; N]) -> f64 + Send + Sync + 'a) -> Self {
-        self.importance = Some(Box::new(function));
+    pub fn importance(mut self, function: impl Fn(&[f64]) -> f64 + Send + Sync + 'a) -> Self {
+        self.importance = Some(Importance::Given(Box::new(function)));
         self
     }
 
@@ -114,7 +109,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
         self
     }
 
-    /// The number of particles in each bin of a replica, 16 by default, rounded up to a multiple of 8. What counts is
+    /// The number of particles in each bin of a replica, 16 by default; multiples of 16 are fastest. What counts is
     /// particles × replicas: standard errors fall with its square root.
     pub fn particles(mut self, particles: usize) -> Self {
         self.particles = particles;
@@ -170,8 +165,8 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
     }
 
     /// The state from which the starting states are made. See [`Simulation::start`](crate::Simulation::start).
-    pub fn start(mut self, start: [f64; N]) -> Self {
-        self.start = Some(start);
+    pub fn start(mut self, start: impl Into<Vec<f64>>) -> Self {
+        self.start = Some(start.into());
         self
     }
 
@@ -184,27 +179,7 @@ impl<'a, T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Splitt
     /// A function that is told now and then how far the replicas are, from whichever thread; to stop them, it returns
     /// [`ControlFlow::Break`]. The starting states and the pilot, a small part of the work, are not counted.
     pub fn progress(mut self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
-        self.progress = Some(Box::new(callback));
+        self.progress = Some(Callback(Box::new(callback)));
         self
-    }
-}
-
-impl<T, const N: usize, const M: usize> fmt::Debug for Splitting<'_, T, N, M> {
-    /// All options but the functions and the system, which need not be printable.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Splitting")
-            .field("barrier", &self.barrier)
-            .field("levels", &self.levels)
-            .field("rarest", &self.rarest)
-            .field("particles", &self.particles)
-            .field("replicas", &self.replicas)
-            .field("time_step", &self.time_step)
-            .field("burn_in", &self.burn_in)
-            .field("relaxation", &self.relaxation)
-            .field("duration", &self.duration)
-            .field("resampling_interval", &self.resampling_interval)
-            .field("start", &self.start)
-            .field("seed", &self.seed)
-            .finish_non_exhaustive()
     }
 }

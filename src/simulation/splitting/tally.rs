@@ -1,5 +1,3 @@
-use super::population::Particle;
-
 /// One state and the levels that are looked at, each with the cells around it.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
@@ -58,7 +56,7 @@ impl Tally {
     }
 
     /// Looks at one particle.
-    pub(super) fn observe<const N: usize>(&mut self, watched: &[Levels], (x, weight): Particle<N>) {
+    pub(super) fn observe(&mut self, watched: &[Levels], (x, weight): (&[f64], f64)) {
         for (levels, mass) in watched.iter().zip(&mut self.mass) {
             mass[levels.place(x[levels.state])] += weight;
         }

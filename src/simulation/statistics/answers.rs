@@ -1,20 +1,21 @@
 use super::{FirstPassage, Spectrum, cells::at_centre, questions::Point};
-use crate::error::state_index;
-use crate::simulation::tally::Tally;
-use crate::{Error, Estimate, Histogram, Result, SimulatedDensity};
+use crate::error::{Error, Result, state_index};
+use crate::estimate::Estimate;
+use crate::simulation::{Histogram, SimulatedDensity, plan::same_level, tally::Tally};
 
-impl<const N: usize> SimulatedDensity<N> {
+impl SimulatedDensity {
     /// The spectral density and the autocovariance of one state.
     ///
     /// # Errors
-    /// [`Error::NotRecorded`] if [`Simulation::spectrum`](crate::Simulation::spectrum) did not ask for it, [`Error::OutOfRange`]
+    /// [`Error::NotKnown`] if [`Simulation::spectrum`](crate::Simulation::spectrum) did not ask for it, [`Error::OutOfRange`]
     /// if the run was shorter than a segment, [`Error::Dimension`] if there is no such state.
     pub fn spectrum(&self, state: usize) -> Result<Spectrum> {
-        let state = state_index::<N>("a state's index", state)?;
+        let state = state_index("a state's index", state, self.layout.axes.len())?;
         let spectra = &self.layout.watch.spectra;
-        let place = spectra.iter().position(|&(other, _)| other == state);
-        let place =
-            place.ok_or(Error::NotRecorded { what: "spectrum of this state", option: "Simulation::spectrum" })?;
+        let place = spectra.iter().position(|&(other, _)| other == state).ok_or_else(|| Error::NotKnown {
+            what: format!("the spectrum of state {state}"),
+            remedy: "ask for it by `Simulation::spectrum` before the run",
+        })?;
         let tallies = self.batches.iter().map(|b| b.records.spectra[place].clone()).collect();
         Spectrum::new(spectra[place].1.clone(), tallies)
     }
@@ -22,35 +23,37 @@ impl<const N: usize> SimulatedDensity<N> {
     /// The time that a stationary path takes to pass a level from below.
     ///
     /// # Errors
-    /// [`Error::NotRecorded`] if [`Simulation::first_passage`](crate::Simulation::first_passage) did not ask for it,
+    /// [`Error::NotKnown`] if [`Simulation::first_passage`](crate::Simulation::first_passage) did not ask for it,
     /// [`Error::OutOfRange`] if the run was shorter than a window.
     pub fn first_passage(&self, level: f64) -> Result<FirstPassage> {
         let passages = &self.layout.watch.passages;
-        let what = "first passage of this level";
-        let place = passages.iter().position(|waiting| waiting.level == level);
-        let place = place.ok_or(Error::NotRecorded { what, option: "Simulation::first_passage" })?;
+        let place = passages.iter().position(|waiting| same_level(waiting.level, level));
+        let place = place.ok_or_else(|| Error::NotKnown {
+            what: format!("the first passage of the level {level}"),
+            remedy: "ask for it by `Simulation::first_passage` before the run",
+        })?;
         let tallies = self.batches.iter().map(|b| b.records.passages[place].clone()).collect();
         FirstPassage::new(passages[place].window, tallies)
     }
 
     /// The distribution of the speed of approach at an impact; none without a wall. Its range is that of the velocity's
     /// histogram, and its bins are as many.
-    pub fn impact_speeds(&self) -> Option<Histogram<1>> {
+    pub fn impact_speeds(&self) -> Option<Histogram> {
         let axis = self.plan.impact_speeds()?;
-        Some(Histogram::new([axis], self.batches.iter().map(|b| b.passages.speeds.clone()).collect()))
+        Some(Histogram::new(&[axis], self.batches.iter().map(|b| b.passages.speeds.clone()).collect()))
     }
 
     /// The density at each of the points named in [`Simulation::points`](crate::Simulation::points), in their order.
     ///
-    /// It is measured in a cell of the widths δ_i about the point and in its 2N neighbours, p̄ − Σ_i (p̄₊ᵢ − 2p̄ + p̄₋ᵢ)/24
+    /// It is measured in a cell of the widths δ_i about the point and in its two neighbours along each state, p̄ − Σ_i (p̄₊ᵢ − 2p̄ + p̄₋ᵢ)/24
     /// with the mean densities, in which errors of the order δ² cancel. What remains is
     /// −(3/640) Σ_i δ_i⁴ ∂_i⁴p − (1/576) Σ_(i<j) δ_i²δ_j² ∂_i²∂_j²p: for a normal density and δ a third of each standard
     /// deviation 4·10⁻⁴ of the peak at the peak in two dimensions, and 2·10⁻⁵ for half of that. The standard error, the
     /// other part, grows like (δ₁ ... δ_N)^(−1/2). Cells that nothing has met have the error of one sample.
-    pub fn at_points(&self) -> Vec<([f64; N], Estimate)> {
-        let found = |(k, point): (usize, &Point<N>)| {
-            let count = 2.0 * N as f64;
-            let sums = |b: &Tally<N>| {
+    pub fn at_points(&self) -> Vec<(Vec<f64>, Estimate)> {
+        let found = |(k, point): (usize, &Point)| {
+            let count = 2.0 * point.at.len() as f64;
+            let sums = |b: &Tally| {
                 let counts = b.records.points[k];
                 [b.moments[0], counts.centre as f64, counts.neighbours as f64]
             };
@@ -59,7 +62,7 @@ impl<const N: usize> SimulatedDensity<N> {
             let samples: f64 = self.batches.iter().map(|b| b.moments[0]).sum();
             let never = self.batches.iter().all(|b| sums(b)[1..] == [0.0; 2]);
             let one_sample = Estimate::new(0.0, (samples * point.volume()).recip());
-            (point.at, if never { one_sample } else { density })
+            (point.at.clone(), if never { one_sample } else { density })
         };
         self.layout.watch.points.iter().enumerate().map(found).collect()
     }
@@ -69,21 +72,25 @@ impl<const N: usize> SimulatedDensity<N> {
     /// agree with the direct count, [`Density::upcrossing_rate`](crate::Density::upcrossing_rate), which is the more precise.
     ///
     /// The cells are 1/36 of the range of the displacement's histogram wide, narrower next to a wall, and leave an error of
-    /// order δ⁴ as at [`SimulatedDensity::at_points`]. At a level on the wall there is no cell: the value is not a number.
+    /// order δ⁴ as at [`SimulatedDensity::at_points`].
     ///
     /// # Errors
-    /// [`Error::LevelNotCounted`] if the level was not named before the run.
+    /// [`Error::NotKnown`] if the level was not named before the run, or lies on the wall, where there is no cell.
     ///
     /// # Reference
     /// S. O. Rice, Mathematical analysis of random noise, Bell System Technical Journal 24 (1945) 46-156,
     /// doi:10.1002/j.1538-7305.1945.tb00453.x.
     pub fn upcrossing_rate_by_rice(&self, level: f64) -> Result<Estimate> {
-        let place = self.levels.iter().position(|&y| y == level).ok_or(Error::LevelNotCounted { level })?;
+        let place = self.level(level)?;
         let width = self.layout.watch.slabs[place].width;
         if width <= 0.0 {
-            return Ok(Estimate::new(f64::NAN, f64::INFINITY));
+            let what = format!("the flow through the level {level} by its states");
+            return Err(Error::NotKnown {
+                what,
+                remedy: "the wall leaves no room for a cell about it: ask for another level",
+            });
         }
-        let sums = |b: &Tally<N>| {
+        let sums = |b: &Tally| {
             let [below, centre, above] = b.records.slabs[place];
             [b.moments[0], centre, below + above]
         };

@@ -1,20 +1,19 @@
 use super::questions::Point;
-use crate::simulation::store::stored;
+use serde::{Deserialize, Serialize};
 
 /// Counts in the cell about a point and in its 2N neighbours.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub(in crate::simulation) struct PointCounts {
     pub(in crate::simulation) centre: u64,
     pub(in crate::simulation) neighbours: u64,
 }
-stored!(PointCounts { centre, neighbours });
 
-impl<const N: usize> Point<N> {
+impl Point {
     /// Counts a state, if it lies near the point.
-    pub(super) fn observe(&self, counts: &mut PointCounts, x: &[f64; N]) {
+    pub(super) fn observe(&self, counts: &mut PointCounts, x: &[f64]) {
         let mut beside = 0;
-        for i in 0..N {
-            match cell((x[i] - self.at[i]) / self.widths[i]) {
+        for ((x, at), width) in x.iter().zip(&self.at).zip(&self.widths) {
+            match cell((x - at) / width) {
                 Some(1) => {}
                 Some(_) => beside += 1,
                 None => return,
@@ -44,10 +43,10 @@ pub(in crate::simulation) struct Slab {
 const SHARE: f64 = 1.0 / 36.0;
 
 impl Slab {
-    /// The cells about a level of a state that lies between `lo` and `hi`, above a wall at `floor`. They are empty for a level
+    /// The cells about a level of a state that lies between `lo` and `hi`, above a wall at `wall`. They are empty for a level
     /// on the wall or below it.
-    pub(super) fn new(level: f64, [lo, hi]: [f64; 2], floor: f64) -> Self {
-        Slab { level, width: (SHARE * (hi - lo)).min((level - floor) / 1.5).max(0.0) }
+    pub(super) fn new(level: f64, [lo, hi]: [f64; 2], wall: f64) -> Self {
+        Slab { level, width: (SHARE * (hi - lo)).min((level - wall) / 1.5).max(0.0) }
     }
 
     /// Adds max(v, 0) to the sum over the cell that holds y.
@@ -86,7 +85,7 @@ mod tests {
 
     #[test]
     fn states_are_counted_in_the_cross_of_cells() {
-        let point = Point { at: [1.0, 2.0], widths: [1.0, 0.5] };
+        let point = Point { at: vec![1.0, 2.0], widths: vec![1.0, 0.5] };
         let mut counts = PointCounts::default();
         for x in [[0.5, 1.75], [1.49, 2.2], [1.5, 2.0], [1.0, 1.25], [1.6, 2.3], [2.5, 2.0], [f64::NAN, 2.0]] {
             point.observe(&mut counts, &x);

@@ -1,6 +1,7 @@
-use crate::error::positive;
-use crate::simulation::{jackknife::jackknife, store::stored};
-use crate::{Error, Estimate, Result};
+use crate::error::{Error, Result, positive};
+use crate::estimate::Estimate;
+use crate::simulation::jackknife::jackknife;
+use serde::{Deserialize, Serialize};
 
 /// How a stationary path is cut into windows, each of which begins at a stationary state and waits for the first passage.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,15 +15,14 @@ pub(in crate::simulation) struct PassageWindow {
 }
 
 /// Where one trajectory is in its window.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub(in crate::simulation) struct PassageClock {
     observed: usize,
     passed: bool,
 }
-stored!(PassageClock { observed, passed });
 
 /// The counts of one batch of trajectories.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(in crate::simulation) struct PassageTally {
     /// Windows that have ended.
     windows: f64,
@@ -31,7 +31,6 @@ pub(in crate::simulation) struct PassageTally {
     /// Passages after the k-th share of a window; the first are those of windows that began beyond the level.
     passages: Vec<f64>,
 }
-stored!(PassageTally { windows, waited, passages });
 
 impl PassageWindow {
     /// Windows of the length `length`, observed after each `interval`, with the distribution function at `bins` times that
@@ -61,9 +60,18 @@ impl PassageWindow {
     pub(super) fn tally(&self) -> PassageTally {
         PassageTally { windows: 0.0, waited: 0.0, passages: vec![0.0; self.bins + 1] }
     }
+
+    /// Whether a clock that was read can be that of a trajectory in such a window.
+    pub(super) fn remembers(&self, clock: &PassageClock) -> bool {
+        clock.observed <= self.count
+    }
 }
 
 impl PassageTally {
+    pub(super) fn size(&self) -> usize {
+        self.passages.len()
+    }
+
     /// Takes one observation of a trajectory: whether it lies beyond the level, and whether it has come there since the last
     /// one. The first observation of a window is its beginning; each trajectory has its own clock.
     pub(super) fn push(&mut self, window: &PassageWindow, clock: &mut PassageClock, [beyond, since]: [bool; 2]) {

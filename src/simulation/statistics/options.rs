@@ -1,13 +1,13 @@
 use super::questions::{PassageQuestion, Point};
-use crate::{PolynomialDrift, Simulation};
+use crate::simulation::Simulation;
 
-impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation<'_, T, N, M> {
-    /// Moments to be kept besides those that always are (all degrees up to 4 for N ≤ 3): the exponents of each, of degree 32
-    /// at most. [`Density::moment`](crate::Density::moment) then knows them.
+impl Simulation<'_> {
+    /// Moments to be kept besides those that always are (all degrees up to 4 for up to three states): the exponents of each,
+    /// of degree 32 at most. [`Density::moment`](crate::Density::moment) then knows them.
     ///
     /// High moments live in the tail: the relative standard error of E x^k grows about like 2^(k/2) for a normal density.
-    pub fn moments(mut self, exponents: impl IntoIterator<Item = [u32; N]>) -> Self {
-        self.questions.moments.extend(exponents);
+    pub fn moments(mut self, exponents: impl IntoIterator<Item = impl AsRef<[u32]>>) -> Self {
+        self.questions.moments.extend(exponents.into_iter().map(|exponents| exponents.as_ref().to_vec()));
         self
     }
 
@@ -18,10 +18,10 @@ impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation
     /// `length` × Δ, which should be many relaxation times. The present segment of every trajectory is kept in memory.
     ///
     /// ```
-    /// use expoly::{Simulation, models::Linear};
-    /// let oscillator = Linear::new(0.5, 2.0, 0.3)?;
-    /// let simulation = Simulation::new(&oscillator).sampling_interval(0.1).spectrum(0, 256);
-    /// let result = simulation.trajectories(64).samples(64 * 2048).run()?;
+    /// use expoly::{Problem, Simulation, models::Linear};
+    /// let problem = Problem::of(Linear::new(0.5, 2.0, 0.3)?)?;
+    /// let simulation = Simulation::new().sampling_interval(0.1).spectrum(0, 256);
+    /// let result = simulation.trajectories(64).samples(64 * 2048).run(&problem)?;
     /// let spectrum = result.spectrum(0)?;
     /// // x″ + c x′ + k x = ξ has R(τ) = D/ck exp(−cτ/2) (cos ω_d τ + c/2ω_d sin ω_d τ), ω_d² = k − c²/4: here at 0 and at 1.
     /// assert!(spectrum.autocovariance(0)?.deviation(0.3) < 4.0);
@@ -46,8 +46,9 @@ impl<T: PolynomialDrift<N, M> + Sync, const N: usize, const M: usize> Simulation
 
     /// Points of the state space whose density is to be measured in cells of the given widths about each, for any number of
     /// states. [`SimulatedDensity::at_points`](crate::SimulatedDensity::at_points) gives it, and says what widths do.
-    pub fn points(mut self, points: impl IntoIterator<Item = [f64; N]>, widths: [f64; N]) -> Self {
-        self.questions.points.extend(points.into_iter().map(|at| Point { at, widths }));
+    pub fn points(mut self, points: impl IntoIterator<Item = impl AsRef<[f64]>>, widths: impl AsRef<[f64]>) -> Self {
+        let point = |at: &[f64]| Point { at: at.to_vec(), widths: widths.as_ref().to_vec() };
+        self.questions.points.extend(points.into_iter().map(|at| point(at.as_ref())));
         self
     }
 }

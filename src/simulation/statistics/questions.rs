@@ -1,7 +1,7 @@
 use super::{first_passage::PassageWindow, spectrum::Segments};
-use crate::error::{finite, positive, state_index};
-use crate::simulation::{run::at_most, store::stored};
-use crate::{Error, Result};
+use crate::error::{Error, Result, dimension, finite, positive, state_index};
+use crate::simulation::{plan::same_level, run::at_most};
+use serde::{Deserialize, Serialize};
 
 /// Each moment, point or state that is asked for costs time at every sample.
 const MOST_MOMENTS: usize = 64;
@@ -15,61 +15,63 @@ const HIGHEST_DEGREE: u32 = 32;
 const MOST_KEPT: usize = 1 << 26;
 
 /// What is asked of a simulation beyond the statistics that every one keeps.
-#[derive(Clone, Debug, PartialEq)]
-pub(in crate::simulation) struct Questions<const N: usize> {
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+pub(in crate::simulation) struct Questions {
     /// The exponents of moments.
-    pub(in crate::simulation) moments: Vec<[u32; N]>,
+    pub(in crate::simulation) moments: Vec<Vec<u32>>,
     /// States whose spectra are wanted, each with the number of samples in a segment.
     pub(in crate::simulation) spectra: Vec<(usize, usize)>,
     pub(in crate::simulation) passages: Vec<PassageQuestion>,
-    pub(in crate::simulation) points: Vec<Point<N>>,
+    pub(in crate::simulation) points: Vec<Point>,
 }
-stored!(Questions[N] { moments, spectra, passages, points });
 
 /// A level of state 0, the length of the windows in which its first passage is waited for, and the number of times in one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub(in crate::simulation) struct PassageQuestion {
     pub(in crate::simulation) level: f64,
     pub(in crate::simulation) length: f64,
     pub(in crate::simulation) bins: usize,
 }
-stored!(PassageQuestion { level, length, bins });
 
 /// A point whose density is wanted, and the widths of the cells about it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::simulation) struct Point<const N: usize> {
-    pub(in crate::simulation) at: [f64; N],
-    pub(in crate::simulation) widths: [f64; N],
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub(in crate::simulation) struct Point {
+    pub(in crate::simulation) at: Vec<f64>,
+    pub(in crate::simulation) widths: Vec<f64>,
 }
-stored!(Point[N] { at, widths });
 
-impl<const N: usize> Questions<N> {
-    pub(in crate::simulation) const NONE: Self =
-        Questions { moments: Vec::new(), spectra: Vec::new(), passages: Vec::new(), points: Vec::new() };
-
+impl Questions {
     /// The levels whose up-crossings are to be counted: those named, and those of first passages.
     pub(in crate::simulation) fn with_levels(&self, named: &[f64]) -> Vec<f64> {
         let mut levels = named.to_vec();
         for passage in &self.passages {
-            if !levels.contains(&passage.level) {
+            if !levels.iter().any(|&level| same_level(level, passage.level)) {
                 levels.push(passage.level);
             }
         }
         levels
     }
 
-    /// Looks at all of them, for `trajectories` trajectories that are sampled at `interval` above the wall at `floor`.
-    pub(in crate::simulation) fn validate(&self, trajectories: usize, interval: f64, floor: f64) -> Result<()> {
+    /// Looks at all of them, for `trajectories` trajectories of `states` states that are sampled at `interval` above a wall at
+    /// `wall`.
+    pub(in crate::simulation) fn validate(
+        &self,
+        states: usize,
+        trajectories: usize,
+        interval: f64,
+        wall: f64,
+    ) -> Result<()> {
         at_most("number of moments", self.moments.len(), MOST_MOMENTS, "at most 64 can be named")?;
         at_most("number of points", self.points.len(), MOST_POINTS, "at most 256 can be watched")?;
         at_most("number of first passages", self.passages.len(), MOST_PASSAGES, "at most 16 can be waited for")?;
         for exponents in &self.moments {
+            dimension("the exponents of a moment", exponents.len(), states)?;
             let degree = exponents.iter().fold(0_u32, |sum, &power| sum.saturating_add(power));
             at_most("degree of a moment", degree as usize, HIGHEST_DEGREE as usize, "at most 32")?;
         }
         let mut kept = 0_usize;
         for (k, &(state, length)) in self.spectra.iter().enumerate() {
-            state_index::<N>("the state of a spectrum", state)?;
+            state_index("the state of a spectrum", state, states)?;
             Segments::check(length, interval)?;
             if self.spectra[..k].iter().any(|&(other, _)| other == state) {
                 let remedy = "its spectrum is asked for twice; one segment length can be given for each state";
@@ -81,16 +83,18 @@ impl<const N: usize> Questions<N> {
         for (k, &PassageQuestion { level, length, bins }) in self.passages.iter().enumerate() {
             finite("level", level)?;
             PassageWindow::new(length, interval, bins, false)?;
-            if self.passages[..k].iter().any(|other| other.level == level) {
+            if self.passages[..k].iter().any(|other| same_level(other.level, level)) {
                 let remedy = "its first passage is asked for twice; one window can be given for each level";
                 return Err(Error::OutOfRange { name: "level", value: level, remedy });
             }
         }
         for Point { at, widths } in &self.points {
+            dimension("a point", at.len(), states)?;
+            dimension("the widths of the cells about a point", widths.len(), states)?;
             at.iter().try_for_each(|&x| finite("point", x).map(|_| ()))?;
             let remedy = "the width of the cells about a point must be finite and above zero";
             widths.iter().try_for_each(|&width| positive("width", width, remedy).map(|_| ()))?;
-            if at[0] - 1.5 * widths[0] < floor {
+            if at[0] - 1.5 * widths[0] < wall {
                 let remedy = "the cells about a point reach 1.5 widths to either side and must lie above the wall";
                 return Err(Error::OutOfRange { name: "point", value: at[0], remedy });
             }

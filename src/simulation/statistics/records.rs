@@ -4,14 +4,15 @@ use super::{
     questions::{Point, Questions},
     spectrum::{Segments, SpectralTally},
 };
-use crate::simulation::store::stored;
+use crate::simulation::plan::same_level;
+use serde::{Deserialize, Serialize};
 
 /// How a run looks at its samples to answer [`Questions`].
-#[derive(Clone, Debug)]
-pub(in crate::simulation) struct Watch<const N: usize> {
+#[derive(Clone, Debug, Default)]
+pub(in crate::simulation) struct Watch {
     pub(super) spectra: Vec<(usize, Segments)>,
     pub(super) passages: Vec<Waiting>,
-    pub(super) points: Vec<Point<N>>,
+    pub(super) points: Vec<Point>,
     /// The cells about each level of state 0 whose up-crossings are counted, and the state that is its velocity.
     pub(super) slabs: Vec<Slab>,
     velocity: usize,
@@ -27,7 +28,7 @@ pub(super) struct Waiting {
 }
 
 /// What one batch has found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub(in crate::simulation) struct Records {
     pub(super) spectra: Vec<SpectralTally>,
     pub(super) passages: Vec<PassageTally>,
@@ -35,44 +36,49 @@ pub(in crate::simulation) struct Records {
     /// Σ max(v, 0) in three cells about each level.
     pub(super) slabs: Vec<[f64; 3]>,
 }
-stored!(Records { spectra, passages, points, slabs });
 
 /// What is remembered of the paths of a batch until a segment or a window is whole.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub(in crate::simulation) struct Memory {
     /// For each trajectory the segments of all spectra.
     segments: Vec<Vec<f64>>,
     /// For each trajectory the clocks of all first passages.
     clocks: Vec<PassageClock>,
 }
-stored!(Memory { segments, clocks });
 
 /// One sample of a trajectory.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::simulation) struct Seen<'a, const N: usize> {
+pub(in crate::simulation) struct Seen<'a> {
     /// The trajectory's number in its batch.
     pub(in crate::simulation) trajectory: usize,
-    pub(in crate::simulation) x: [f64; N],
+    pub(in crate::simulation) x: &'a [f64],
     /// For each level the lanes that have crossed it since the last sample, one bit each; and the trajectory's lane.
     pub(in crate::simulation) crossed: &'a [u64],
     pub(in crate::simulation) lane: usize,
 }
 
-impl<const N: usize> Watch<N> {
-    #[cfg(test)]
-    pub(in crate::simulation) const NONE: Self =
-        Watch { spectra: Vec::new(), passages: Vec::new(), points: Vec::new(), slabs: Vec::new(), velocity: 0 };
+impl Records {
+    /// The lengths of all lists.
+    pub(in crate::simulation) fn sizes(&self) -> impl Iterator<Item = usize> {
+        let Records { spectra, passages, points, slabs } = self;
+        let lists = [spectra.len(), passages.len(), points.len(), slabs.len()];
+        let sums = spectra.iter().flat_map(SpectralTally::sizes).chain(passages.iter().map(PassageTally::size));
+        lists.into_iter().chain(sums)
+    }
+}
 
-    /// `levels` are those of state 0, which moves at the rate of `velocity` between `ends`; samples are `interval` apart.
+impl Watch {
+    /// `levels` are those of state 0, which moves at the rate of `velocity` between `ends`, above a wall at `wall`; samples are
+    /// `interval` apart.
     pub(in crate::simulation) fn new(
-        questions: &Questions<N>,
+        questions: &Questions,
         interval: f64,
         (levels, velocity): (&[f64], Option<usize>),
         ends: [f64; 2],
-        floor: f64,
+        wall: f64,
     ) -> Self {
         let segments = |&(state, length): &(usize, usize)| (state, Segments::new(length, interval));
-        let crossing = |level: f64| levels.iter().position(|&y| y == level).filter(|_| velocity.is_some());
+        let crossing = |level: f64| levels.iter().position(|&y| same_level(y, level)).filter(|_| velocity.is_some());
         let waiting = questions.passages.iter().filter_map(|asked| {
             let crossing = crossing(asked.level);
             let window = PassageWindow::new(asked.length, interval, asked.bins, crossing.is_some()).ok()?;
@@ -82,7 +88,7 @@ impl<const N: usize> Watch<N> {
             spectra: questions.spectra.iter().map(segments).collect(),
             passages: waiting.collect(),
             points: questions.points.clone(),
-            slabs: levels.iter().map(|&level| Slab::new(level, ends, floor)).collect(),
+            slabs: levels.iter().map(|&level| Slab::new(level, ends, wall)).collect(),
             velocity: velocity.unwrap_or(0),
         }
     }
@@ -105,8 +111,17 @@ impl<const N: usize> Watch<N> {
         }
     }
 
+    /// Whether a memory that was read is one of so many trajectories.
+    pub(in crate::simulation) fn remembers(&self, memory: &Memory, trajectories: usize) -> bool {
+        let Memory { segments, clocks } = memory;
+        segments.len() == trajectories * self.spectra.len()
+            && clocks.len() == trajectories * self.passages.len()
+            && segments.iter().zip(self.spectra.iter().cycle()).all(|(path, (_, segment))| segment.remembers(path))
+            && clocks.iter().zip(self.passages.iter().cycle()).all(|(clock, waiting)| waiting.window.remembers(clock))
+    }
+
     /// Looks at one sample.
-    pub(in crate::simulation) fn observe(&self, records: &mut Records, memory: &mut Memory, seen: Seen<'_, N>) {
+    pub(in crate::simulation) fn observe(&self, records: &mut Records, memory: &mut Memory, seen: Seen<'_>) {
         let Seen { trajectory, x, crossed, lane } = seen;
         let segments = memory.segments.iter_mut().skip(trajectory * self.spectra.len());
         for (((state, spectrum), tally), path) in self.spectra.iter().zip(&mut records.spectra).zip(segments) {
@@ -118,7 +133,7 @@ impl<const N: usize> Watch<N> {
             tally.push(&waiting.window, clock, [x[0] >= waiting.level, since]);
         }
         for (point, counts) in self.points.iter().zip(&mut records.points) {
-            point.observe(counts, &x);
+            point.observe(counts, x);
         }
         for (slab, sums) in self.slabs.iter().zip(&mut records.slabs) {
             slab.observe(sums, x[0], x[self.velocity]);

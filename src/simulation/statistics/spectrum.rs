@@ -1,7 +1,8 @@
-use crate::error::positive;
-use crate::simulation::{jackknife::jackknife, store::stored};
-use crate::{Error, Estimate, Result};
+use crate::error::{Error, Result, positive};
+use crate::estimate::Estimate;
+use crate::simulation::jackknife::jackknife;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
@@ -23,7 +24,7 @@ pub(in crate::simulation) struct Segments {
 }
 
 /// The sums of one batch of trajectories.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(in crate::simulation) struct SpectralTally {
     segments: f64,
     /// Σ x over the samples of all segments.
@@ -33,7 +34,6 @@ pub(in crate::simulation) struct SpectralTally {
     /// Σ Σ_t x_t x_(t+k) for each lag k.
     products: Vec<f64>,
 }
-stored!(SpectralTally { segments, sum, power, products });
 
 /// The most samples in a segment.
 const LONGEST: usize = 1 << 20;
@@ -78,6 +78,11 @@ impl Segments {
         }
     }
 
+    /// Whether a path that was read can be the beginning of such a segment.
+    pub(super) fn remembers(&self, path: &[f64]) -> bool {
+        path.len() < self.length
+    }
+
     /// |Σ_t y_t exp(−iω_j t)|². The transform fails only for buffers of a wrong length, which these are not.
     fn periodogram(&self, y: &[f64]) -> Vec<f64> {
         let (mut input, mut output) = (y.to_vec(), self.forward.make_output_vec());
@@ -114,6 +119,10 @@ impl fmt::Debug for Segments {
 }
 
 impl SpectralTally {
+    pub(super) fn sizes(&self) -> [usize; 2] {
+        [self.power.len(), self.products.len()]
+    }
+
     /// Takes one sample of a trajectory. `path` holds what its present segment has so far; it is empty at the start, and
     /// each trajectory has its own. Segments overlap by a half.
     pub(super) fn push(&mut self, segments: &Segments, path: &mut Vec<f64>, x: f64) {

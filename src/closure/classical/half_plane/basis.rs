@@ -1,6 +1,6 @@
 use crate::closure::Basis;
-use crate::closure::classical::hermite::{HermiteSeries, hermite_row};
-use crate::{Monomial, Polynomial, monomials};
+use crate::closure::classical::hermite::{combination, hermite_row, standard_normal};
+use crate::polynomial::{Polynomial, monomials, total_degree};
 use nalgebra::{DMatrix, DVector};
 
 /// Polynomials that are orthonormal under the weight on the half plane, and to the constants.
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 /// They are combinations of Hermite products in the scaled coordinates, less their means, lower degrees first.
 #[derive(Clone, Debug)]
 pub(super) struct HalfPlaneBasis {
-    indices: Vec<Monomial<2>>,
+    indices: Vec<Vec<u32>>,
     order: u32,
     /// Columns: the functions as combinations of Hermite products.
     transform: DMatrix<f64>,
@@ -28,8 +28,8 @@ pub(super) struct Values {
 impl HalfPlaneBasis {
     /// The basis of an order: even total degrees in the classical basis, all in the folded one.
     pub(super) fn new(basis: Basis, order: u32, points: &[[f64; 2]], weights: &[f64]) -> Self {
-        let kept = |m: &Monomial<2>| m.degree() > 0 && !(basis == Basis::Classical && m.degree() % 2 == 1);
-        let indices: Vec<Monomial<2>> = monomials(order).into_iter().filter(kept).collect();
+        let mut indices = monomials(2, order).split_off(1);
+        indices.retain(|index| basis == Basis::Folded || total_degree(index).is_multiple_of(2));
         let mut scaled = hermite_products(&indices, order, points).value;
         let weights = DVector::from_column_slice(weights);
         let raw_means = scaled.tr_mul(&weights);
@@ -64,27 +64,24 @@ impl HalfPlaneBasis {
         }
     }
 
-    /// The coefficients of ln f_N = −|z|²/2 = −(h₂(z₁) + h₂(z₂))/√2 + constant.
+    /// The coefficients of ln f_N.
     pub(super) fn gaussian(&self) -> DVector<f64> {
-        let quadratic = |m: &Monomial<2>| if m.0.contains(&2) && m.degree() == 2 { -0.5_f64.sqrt() } else { 0.0 };
-        &self.projection * DVector::from_iterator(self.len(), self.indices.iter().map(quadratic))
+        &self.projection * standard_normal(&self.indices)
     }
 
     /// A combination of the functions as a polynomial in z, without its constant.
-    pub(super) fn polynomial(&self, a: &DVector<f64>) -> Polynomial<2> {
-        let coefficients = &self.transform * a;
-        let series = HermiteSeries(self.indices.iter().copied().zip(coefficients.iter().copied()).collect());
-        series.to_polynomial().filtered(|m, _| m.degree() > 0)
+    pub(super) fn polynomial(&self, a: &DVector<f64>) -> Polynomial {
+        combination(2, &self.indices, &(&self.transform * a))
     }
 }
 
 /// The value of the product of index (i, j) from the rows h₀ … of both coordinates.
 type Entry<'a> = &'a dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64;
 
-fn hermite_products(indices: &[Monomial<2>], order: u32, points: &[[f64; 2]]) -> Values {
+fn hermite_products(indices: &[Vec<u32>], order: u32, points: &[[f64; 2]]) -> Values {
     let rows: Vec<[Vec<f64>; 2]> = points.iter().map(|z| z.map(|z| hermite_row(z, order))).collect();
     let matrix = |entry: Entry<'_>| {
-        DMatrix::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], indices[k].0.map(|j| j as usize)))
+        DMatrix::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], [0, 1].map(|d| indices[k][d] as usize)))
     };
     let slope = |row: &[f64], j: usize| if j > 0 { (j as f64).sqrt() * row[j - 1] } else { 0.0 };
     let bend = |row: &[f64], j: usize| if j > 1 { ((j * (j - 1)) as f64).sqrt() * row[j - 2] } else { 0.0 };

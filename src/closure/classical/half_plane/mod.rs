@@ -11,9 +11,10 @@ pub(super) use weight::Weight;
 
 use super::Basis;
 use super::galerkin::GalerkinEquations;
-use crate::{Barrier, FokkerPlanck, Gaussian, Polynomial};
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::{Gaussian, Polynomial};
 use basis::HalfPlaneBasis;
-use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
+use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 
 /// The equations for the coefficients of Q in polynomials that are orthonormal under the weight.
 #[derive(Clone, Debug)]
@@ -49,14 +50,15 @@ enum WallTerm {
 }
 
 impl HalfPlaneGalerkin {
-    pub(super) fn new(operator: &FokkerPlanck<2>, barrier: Barrier, weight: &Weight, basis: Basis, order: u32) -> Self {
+    /// Above a wall of restitution `r`.
+    pub(super) fn new(operator: &FokkerPlanck, r: f64, weight: &Weight, basis: Basis, order: u32) -> Self {
         let scaled = operator.in_frame(&weight.frame);
         // The integrands are polynomials, of degree 3n − 2 and more with a drift of degree above n.
         let nodes = weight.nodes((3 * order + scaled.degree()) as usize / 2 + 1);
         let functions = HalfPlaneBasis::new(basis, order, &nodes.z, &nodes.weights);
         let psi = functions.at(&nodes.z);
 
-        let at = |p: &Polynomial<2>| DVector::from_iterator(nodes.z.len(), nodes.z.iter().map(|z| p.evaluate(z)));
+        let at = |p: &Polynomial| DVector::from_iterator(nodes.z.len(), nodes.z.iter().map(|z| p.evaluate(z)));
         let spread = scaled.diffusion_divergence();
         let along = [0, 1].map(|p| at(&(&spread[p] - &scaled.drift()[p])));
         let half_diffusion = at(&scaled.diffusion()[1][1]) * 0.5;
@@ -66,10 +68,9 @@ impl HalfPlaneGalerkin {
                 + half_diffusion[i] * psi.curvature[(i, k)]
         });
         let test = DMatrix::from_fn(functions.len(), nodes.z.len(), |k, i| psi.value[(i, k)] * nodes.weights[i]);
-        let mut constant = &test * at(&scaled.residual(&Polynomial::zero()));
+        let mut constant = &test * at(&scaled.residual(&Polynomial::zero(2)));
         let mut linear = &test * r_linear;
 
-        let r = barrier.restitution();
         let at_wall = |speeds: &mut dyn Iterator<Item = f64>| {
             functions.at(&speeds.map(|w| weight.at_wall(w)).collect::<Vec<_>>())
         };
@@ -101,7 +102,7 @@ impl HalfPlaneGalerkin {
     }
 }
 
-impl GalerkinEquations<2> for HalfPlaneGalerkin {
+impl GalerkinEquations for HalfPlaneGalerkin {
     fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let slope = &self.slope * a;
         let half = self.half_diffusion.component_mul(&slope);
@@ -127,16 +128,15 @@ impl GalerkinEquations<2> for HalfPlaneGalerkin {
         self.basis.gaussian()
     }
 
-    fn polynomial(&self, a: &DVector<f64>) -> Polynomial<2> {
+    fn polynomial(&self, a: &DVector<f64>) -> Polynomial {
         self.basis.polynomial(a)
     }
 }
 
 /// The oscillator whose density is `weight` itself where the wall is elastic: linear, with the weight's spring and
 /// damping. It is the start of the homotopy.
-pub(super) fn elastic_linear_oscillator(gaussian: &Gaussian<2>, diffusion: f64) -> FokkerPlanck<2> {
+pub(super) fn elastic_linear_oscillator(gaussian: &Gaussian, diffusion: f64) -> FokkerPlanck {
     let (su, sw) = (gaussian.covariance[(0, 0)], gaussian.covariance[(1, 1)]);
-    let slopes = SMatrix::<f64, 2, 2>::new(0.0, 1.0, -sw / su, -diffusion / (2.0 * sw));
-    let centre = Vector2::new(gaussian.mean[0], 0.0);
-    FokkerPlanck::linear(&slopes, &centre, &SMatrix::<f64, 2, 2>::new(0.0, 0.0, 0.0, diffusion))
+    let slopes = dmatrix![0.0, 1.0; -sw / su, -diffusion / (2.0 * sw)];
+    FokkerPlanck::linear(&slopes, &dvector![gaussian.mean[0], 0.0], &dmatrix![0.0, 0.0; 0.0, diffusion])
 }

@@ -1,5 +1,7 @@
+use crate::density::Frame;
+use crate::error::Result;
+use crate::polynomial::Gaussian;
 use crate::quadrature::Rule;
-use crate::{Barrier, Frame, Gaussian, Result};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
@@ -12,8 +14,8 @@ const CUT: f64 = 60.0;
 
 /// The weight f_N: a Gaussian, of which only y ≥ b counts.
 #[derive(Clone, Debug)]
-pub(in crate::closure) struct Weight {
-    pub(in crate::closure) frame: Frame<2>,
+pub(in crate::closure::classical) struct Weight {
+    pub(in crate::closure::classical) frame: Frame,
     /// The wall's coordinate z₁.
     wall: f64,
 }
@@ -27,9 +29,10 @@ pub(super) struct Nodes {
 }
 
 impl Weight {
-    pub(in crate::closure) fn new(gaussian: &Gaussian<2>, barrier: Barrier) -> Result<Self> {
+    /// Above a wall at `offset`.
+    pub(in crate::closure::classical) fn new(gaussian: &Gaussian, offset: f64) -> Result<Self> {
         let frame = Frame::new(gaussian)?;
-        let wall = (barrier.offset() - frame.origin()[0]) / frame.scale()[(0, 0)];
+        let wall = (offset - frame.origin()[0]) / frame.scale()[(0, 0)];
         Ok(Weight { frame, wall })
     }
 

@@ -1,0 +1,5 @@
+//! Nothing, linked against the library: what every program costs.
+
+use expoly as _;
+
+fn main() {}

@@ -1,0 +1,58 @@
+//! Does the closure give a density for every system, and is it as good as it says?
+//!
+//! Answer: of 150 random oscillators all had one, none with E x² or E v² off by a tenth at n = 8 without a warning, and for nine
+//! in ten of those that the grid knows better the estimated error was right within a factor of three.
+//! 200 random oscillators are closed at several orders, and each density is compared with the solution of the Fokker-Planck
+//! equation on a grid; `--walls` does the same above 100 random walls, `--lattice` above
+//! 40 walls in order, where the literature's closure stands beside it. The tables go to `out/campaign/`. A system is known by
+//! the seed and its index: `--only 17` repeats one.
+
+mod plane;
+mod runner;
+mod statistics;
+mod systems;
+mod walls;
+
+use crate::Outcome;
+use clap::Args;
+use std::path::PathBuf;
+
+/// The closure on random systems, against the grid.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Options {
+    /// How many systems [default: 200, with --walls 100, with --lattice all 40]
+    #[arg(long)]
+    count: Option<usize>,
+    /// Seed of the systems' parameters
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Orders, separated by commas [default: 4,6,8,10, with --walls alone 8]
+    #[arg(long, value_delimiter = ',')]
+    orders: Vec<u32>,
+    /// Random walls instead of the whole plane
+    #[arg(long)]
+    walls: bool,
+    /// Walls on a lattice of offsets, restitutions and cubic stiffnesses (c = 0.2, k = 1, D = 0.2)
+    #[arg(long)]
+    lattice: bool,
+    /// The system of this index alone
+    #[arg(long)]
+    only: Option<usize>,
+    /// Folder for the table
+    #[arg(long, default_value = "out/campaign")]
+    out: PathBuf,
+}
+
+impl Options {
+    fn indices(&self, usual: usize) -> std::ops::Range<usize> {
+        self.only.map_or(0..self.count.unwrap_or(usual), |only| only..only + 1)
+    }
+
+    fn orders(&self, usual: &[u32]) -> Vec<u32> {
+        if self.orders.is_empty() { usual.to_vec() } else { self.orders.clone() }
+    }
+}
+
+pub(crate) fn run(options: &Options) -> Outcome {
+    if options.walls || options.lattice { walls::run(options) } else { plane::run(options) }
+}

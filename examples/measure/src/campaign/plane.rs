@@ -1,0 +1,147 @@
+//! Oscillators on the whole plane.
+
+use super::Options;
+use super::runner::findings;
+use super::statistics::{header, quantile, right, share};
+use super::systems::System;
+use crate::Outcome;
+use expoly::{Closure, Density, Error, Grid, GridDensity, Problem, compare};
+use std::fmt;
+use std::time::Instant;
+use support::file::write_csv;
+
+/// The grid's own L¹ error that counts as the truth, and the meshes and degrees that are tried for it in turn.
+const KNOWN: f64 = 1e-3;
+const GRIDS: [([usize; 2], usize); 3] = [([9, 10], 10), ([14, 14], 10), ([14, 14], 13)];
+/// A density on a smaller domain takes fewer cells, and what lies outside is far below all errors here.
+const EDGE: f64 = 1e-7;
+const OUTSIDE: f64 = 1e-6;
+/// A moment that is off by more than this should come with a warning.
+const WRONG: f64 = 0.1;
+/// The order that the warnings are judged at.
+const JUDGED: u32 = 8;
+
+/// One density against the truth.
+struct Row {
+    index: usize,
+    order: u32,
+    truth_error: f64,
+    l1: f64,
+    estimate: f64,
+    /// Relative errors of E x² and E v².
+    moments: [f64; 2],
+    warning: Option<String>,
+    seconds: f64,
+}
+
+impl Row {
+    fn wrong_unsaid(&self) -> bool {
+        self.warning.is_none() && self.moments.iter().any(|error| error.is_nan() || error.abs() > WRONG)
+    }
+
+    fn right(&self) -> Option<bool> {
+        right(self.estimate, self.l1, self.truth_error)
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let [x, v] = self.moments;
+        let warned = f64::from(u8::from(self.warning.is_some()));
+        let (index, order) = (self.index as f64, f64::from(self.order));
+        vec![index, order, self.truth_error, self.l1, self.estimate, x, v, warned, self.seconds]
+    }
+}
+
+pub(crate) fn run(options: &Options) -> Outcome {
+    let orders = options.orders(&[4, 6, 8, 10]);
+    println!("seed {}; L1 (estimate), errors of E x^2 and E v^2 in %, warning, seconds", options.seed);
+    let system = |index| Ok(System::random(options.seed, index));
+    let findings = findings(options.indices(200), &orders, system, truth, row)?;
+    let rows = &findings.rows;
+    let columns = ["index", "order", "truth_error", "l1", "estimate", "E_x2", "E_v2", "warned", "seconds"];
+    let path = options.out.join("plane.csv");
+    write_csv(&path, &header(&columns), &rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
+    findings.print_missing();
+    for order in orders {
+        summary(order, &rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
+    }
+    for row in rows.iter().filter(|row| row.right() == Some(false) || (row.order == JUDGED && row.wrong_unsaid())) {
+        println!("{:4} {}\n{row}", row.index, System::random(options.seed, row.index));
+    }
+    println!("table: {}", path.display());
+    Ok(())
+}
+
+/// The first grid that knows the density well enough.
+fn truth(problem: &Problem) -> Result<GridDensity, String> {
+    let mut reason = String::new();
+    for (cells, degree) in GRIDS {
+        match Grid::new().edge_level(EDGE).cells(cells).degree(degree).solve(problem) {
+            Ok(density) if density.l1_estimate() <= KNOWN => return Ok(density),
+            Ok(density) => reason = format!("the grid is off by {:.1e}", density.l1_estimate()),
+            Err(error) => reason = error.to_string(),
+        }
+    }
+    Err(reason)
+}
+
+fn row(index: usize, order: u32, problem: &Problem, truth: &GridDensity) -> expoly::Result<Row> {
+    let begin = Instant::now();
+    let density = Closure::new(order).solve(problem)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let off = |powers: &[u32]| Ok::<_, Error>(density.moment(powers)?.value / truth.moment(powers)?.value - 1.0);
+    let moments = [off(&[2, 0])?, off(&[0, 2])?];
+    Ok(Row {
+        index,
+        order,
+        truth_error: truth.l1_estimate().max(OUTSIDE),
+        l1: compare::l1(&density, truth)?.value,
+        estimate: density.l1_estimate(),
+        moments,
+        warning: density.warning().map(str::to_owned),
+        seconds,
+    })
+}
+
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, v] = self.moments.map(|error| 100.0 * error);
+        let judged = match self.right() {
+            Some(true) => " ",
+            Some(false) => "!",
+            None => "?",
+        };
+        write!(
+            f,
+            "       n = {:2}: {:.1e} ({:.1e}){judged} {x:+6.2} {v:+6.2}  {:.2} s  {}",
+            self.order,
+            self.l1,
+            self.estimate,
+            self.seconds,
+            self.warning.as_deref().unwrap_or("")
+        )
+    }
+}
+
+fn summary(order: u32, rows: &[&Row]) {
+    let l1 = |share| quantile(rows.iter().map(|row| row.l1), share);
+    let judged: Vec<bool> = rows.iter().filter_map(|row| row.right()).collect();
+    let ratio =
+        |share| quantile(rows.iter().filter(|row| row.right().is_some()).map(|row| row.estimate / row.l1), share);
+    println!("\nn = {order}: {} densities", rows.len());
+    println!("  L1: median {:.1e}, 90 % {:.1e}, worst {:.1e}", l1(0.5), l1(0.9), l1(1.0));
+    println!(
+        "  estimate within a factor 3: {}; not judged {}; estimate/L1 5 % {:.2}, median {:.2}, 95 % {:.2}",
+        share(judged.iter().filter(|right| **right).count(), judged.len()),
+        rows.len() - judged.len(),
+        ratio(0.05),
+        ratio(0.5),
+        ratio(0.95)
+    );
+    println!("  a mean square off by 10 % without a warning: {}", share(count(rows, Row::wrong_unsaid), rows.len()));
+    println!("  with a warning: {}", share(count(rows, |row| row.warning.is_some()), rows.len()));
+    println!("  seconds: median {:.2}", quantile(rows.iter().map(|row| row.seconds), 0.5));
+}
+
+fn count(rows: &[&Row], which: impl Fn(&Row) -> bool) -> usize {
+    rows.iter().filter(|row| which(row)).count()
+}

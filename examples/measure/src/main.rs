@@ -1,0 +1,61 @@
+//! How accurate is the library, and what does it cost?
+//!
+//! `cargo run --release -p expoly-measure -- --help` lists the questions; each has its own options, as in
+//! `cargo run --release -p expoly-measure -- campaign --count 10`. Figures and tables go to `out/`.
+
+#![allow(clippy::print_stdout, reason = "a program that measures speaks")]
+
+mod campaign;
+mod closure_cost;
+mod grid_convergence;
+mod grid_walls;
+mod memory;
+#[cfg(feature = "mpi")]
+mod ranks;
+mod tails;
+mod time_step;
+mod wall_table;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Measures the library.
+#[derive(Debug, Parser)]
+enum Question {
+    /// Does the closure give a density for every system, and is it as good as it says?
+    Campaign(campaign::Options),
+    /// What does a closure cost, over its order, its nodes and its states?
+    ClosureCost(closure_cost::Options),
+    /// How accurate is the grid, and what does accuracy cost?
+    GridConvergence(grid_convergence::Options),
+    /// How accurate is the grid above a wall that takes energy?
+    GridWalls(grid_walls::Options),
+    /// Does the memory of a simulation depend on its length?
+    Memory(memory::Options),
+    /// One simulation on all ranks of MPI, with all bits of its result
+    #[cfg(feature = "mpi")]
+    Ranks(ranks::Options),
+    /// How far into the tail does splitting see, and how well?
+    Tails(tails::Options),
+    /// Of which order is the simulation's time step?
+    TimeStep(time_step::Options),
+    /// How accurate is the simulation above the walls of a table?
+    WallTable(wall_table::Options),
+}
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+fn main() -> ExitCode {
+    support::exit_code(match Question::parse() {
+        Question::Campaign(options) => campaign::run(&options),
+        Question::ClosureCost(options) => closure_cost::run(&options),
+        Question::GridConvergence(options) => grid_convergence::run(&options),
+        Question::GridWalls(options) => grid_walls::run(&options),
+        Question::Memory(options) => memory::run(&options),
+        #[cfg(feature = "mpi")]
+        Question::Ranks(options) => ranks::run(&options),
+        Question::Tails(options) => tails::run(&options),
+        Question::TimeStep(options) => time_step::run(&options),
+        Question::WallTable(options) => wall_table::run(&options),
+    })
+}

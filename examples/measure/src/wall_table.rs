@@ -1,0 +1,91 @@
+//! The simulation against a table of walls.
+//!
+//! y″ + c y′ + k y + μ y³ = ξ above the walls of `tests/reference/vibro_impact.csv`, each with the time step that the
+//! library chooses, until every standard error is at most a thousandth: for each statistic the value, its standard error in
+//! percent and its distance from the table in standard errors. Errors of E y are relative to the standard deviation, those of
+//! the skewness to 1.
+
+use crate::Outcome;
+use clap::Args;
+use expoly::{Density, Estimate, Simulation};
+use std::time::Instant;
+use support::walls;
+
+/// A table of walls.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Options {
+    /// Standard error, relative, at which a row is done
+    #[arg(long, default_value_t = 1e-3)]
+    error: f64,
+    /// Time step; by default the library chooses it
+    #[arg(long)]
+    step: Option<f64>,
+    /// Offset and restitution of the only wall wanted, as in `--wall 0.5,0.7`
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    wall: Vec<f64>,
+    /// Samples that each row begins with
+    #[arg(long, default_value_t = 1_000_000)]
+    samples: usize,
+    /// Seed of the first row; each row has the next
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+pub(crate) fn run(options: &Options) -> Outcome {
+    let begin = Instant::now();
+    let names = ["E y", "Var y", "E v^2", "skew v", "kurt v", "rate"];
+    println!(
+        "{:>5} {:>5} {:>7} {:>7}  value, standard error in %, deviation in standard errors",
+        "b", "r", "h", "steps"
+    );
+    println!("{:>28}{}", "", names.map(|name| format!("{name:>24}")).concat());
+    let (mut worst, mut squares) = (0.0_f64, Vec::new());
+    for (place, row) in walls::table()?.into_iter().enumerate() {
+        if !options.wall.is_empty() && options.wall != [row.b, row.r] {
+            continue;
+        }
+        let row = row.refined();
+        let truths = [row.mean, row.variance, row.square, row.skewness, row.kurtosis, row.impact_rate];
+        let scales = [row.variance.sqrt(), row.variance, row.square, 1.0, row.kurtosis, row.impact_rate];
+        let problem = row.problem()?;
+        let mut samples = options.samples;
+        let (estimates, result) = loop {
+            let simulation = Simulation::new().samples(samples).seed(options.seed + place as u64);
+            let simulation = options.step.into_iter().fold(simulation, Simulation::time_step);
+            let result = simulation.run(&problem)?.balanced();
+            let estimates = [
+                result.mean(0)?,
+                result.variance(0)?,
+                result.moment(&[0, 2])?,
+                result.skewness_about_zero(1)?,
+                result.kurtosis_about_zero(1)?,
+                result.impact_rate().ok_or("a wall has an impact rate")?,
+            ];
+            let error = estimates.iter().zip(scales).map(|(e, scale)| e.error / scale).fold(0.0, f64::max);
+            if error <= options.error {
+                break (estimates, result);
+            }
+            // A tenth more than the errors ask for, and never less than a half more than there were.
+            let growth = (1.1 * (error / options.error).powi(2)).max(1.5);
+            samples = (samples as f64 * growth) as usize;
+        };
+        let made = result.provenance();
+        let (step, steps) = (made.time_step.unwrap_or_default(), made.path_steps.unwrap_or_default() as f64);
+        let mut text = format!("{:5} {:5} {step:7} {steps:7.0e} ", row.b, row.r);
+        for ((estimate, truth), scale) in estimates.iter().zip(truths).zip(scales) {
+            let deviation = signed(estimate, truth);
+            text += &format!("{:10.6} {:6.3} {deviation:+6.1}", estimate.value, 100.0 * estimate.error / scale);
+            worst = worst.max(deviation.abs());
+            squares.push(deviation * deviation);
+        }
+        println!("{text}");
+    }
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    println!("largest deviation {worst:.1}, root mean square {rms:.2}, {:.0} s", begin.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// The distance from the truth in standard errors, with its sign.
+fn signed(estimate: &Estimate, truth: f64) -> f64 {
+    (estimate.value - truth) / estimate.error
+}

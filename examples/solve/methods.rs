@@ -1,0 +1,103 @@
+//! From a method's name to an answer.
+
+use crate::answer::{Answer, AtPlace, AtState};
+use crate::questions::{Place, Questions};
+use clap::ValueEnum;
+use expoly::statistics::Marginal;
+use expoly::{Closure, Density, Error, Estimate, Grid, Problem, Provenance, Simulation, Splitting};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Method {
+    /// The closure that gives a density at every order
+    Closure,
+    /// The literature's closure
+    Classical,
+    /// The Fokker-Planck equation of two states on a grid
+    Grid,
+    /// Trajectories
+    Simulation,
+    /// Trajectories split towards rare states: densities and exceedances far out
+    Splitting,
+}
+
+/// The answer of a method; `numbers` are the samples and the seed.
+pub(crate) fn solve(
+    method: Method,
+    problem: &Problem,
+    order: u32,
+    [samples, seed]: [u64; 2],
+    questions: &Questions,
+) -> Result<Answer, Box<dyn std::error::Error>> {
+    match method {
+        Method::Closure => match Closure::new(order).seed(seed).solve(problem) {
+            Ok(found) => answered(&found, found.impact_rate(), found.provenance(), problem, questions),
+            Err(error @ Error::NotClosed { .. }) => Ok(refused("closure", order, &error, problem)),
+            Err(error) => Err(error.into()),
+        },
+        Method::Classical => {
+            let solution = Closure::classical(order).solve(problem)?;
+            match solution.density() {
+                Ok(density) => answered(&density, None, solution.provenance(), problem, questions),
+                Err(_) => Ok(Answer::new(solution.provenance(), problem.states())),
+            }
+        }
+        Method::Grid => {
+            let found = Grid::new().solve(problem)?;
+            answered(&found, found.impact_rate(), found.provenance(), problem, questions)
+        }
+        Method::Simulation => {
+            let moments = questions.moments.iter().map(|(_, powers)| powers);
+            let found = Simulation::new().samples(samples as usize).seed(seed).moments(moments).run(problem)?;
+            answered(&found, found.impact_rate(), found.provenance(), problem, questions)
+        }
+        Method::Splitting => {
+            let asked = questions.marginal.iter().chain(&questions.exceedance);
+            let splitting = asked
+                .fold(Splitting::new().seed(seed), |splitting, (state, level)| splitting.levels_of(*state, [*level]));
+            let tails = splitting.run(problem)?;
+            let mut answer = Answer::new(tails.provenance(), problem.states());
+            let at = |places: &[Place], value: &dyn Fn(usize, f64) -> expoly::Result<Estimate>| {
+                places.iter().map(|(state, level)| at_place(problem, *state, *level, value(*state, *level))).collect()
+            };
+            answer.marginal = at(&questions.marginal, &|state, level| tails.marginal(state, level));
+            answer.exceedance = at(&questions.exceedance, &|state, level| tails.exceedance(state, level));
+            Ok(answer)
+        }
+    }
+}
+
+fn at_place(problem: &Problem, state: usize, at: f64, found: expoly::Result<Estimate>) -> AtPlace {
+    AtPlace { state: problem.states()[state].clone(), at, found: found.into() }
+}
+
+/// What a density answers.
+fn answered(
+    density: &dyn Density,
+    impact_rate: Option<Estimate>,
+    provenance: &Provenance,
+    problem: &Problem,
+    questions: &Questions,
+) -> Result<Answer, Box<dyn std::error::Error>> {
+    let mut answer = Answer::new(provenance, problem.states());
+    let moments = questions.moments.iter().map(|(name, powers)| (name.clone(), density.moment(powers).into()));
+    answer.moments = moments.collect();
+    answer.pdf = questions.at.iter().map(|x| AtState { x: x.clone(), found: density.pdf(x).into() }).collect();
+    let marginal = |(state, x): &Place| at_place(problem, *state, *x, density.marginal(*state, *x));
+    answer.marginal = questions.marginal.iter().map(marginal).collect();
+    for (state, level) in &questions.exceedance {
+        let found = Marginal::new(density, *state)?.exceedance(*level);
+        answer.exceedance.push(at_place(problem, *state, *level, found));
+    }
+    answer.impact_rate = impact_rate.map(|rate| Ok(rate).into());
+    Ok(answer)
+}
+
+/// The answer of an order that has no density.
+fn refused(method: &str, order: u32, error: &Error, problem: &Problem) -> Answer {
+    let mut provenance = Provenance::default();
+    provenance.method = method.to_owned();
+    provenance.order = Some(order);
+    provenance.refusal = Some(error.to_string());
+    provenance.termination = Some(String::from("not closed"));
+    Answer::new(&provenance, problem.states())
+}

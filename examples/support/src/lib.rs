@@ -1,0 +1,32 @@
+//! What the examples, tests and benches share: systems, studies of orders, figures, files, numbers in JSON, progress bars,
+//! timings.
+
+pub mod bench;
+pub mod figure;
+pub mod file;
+pub mod json;
+pub mod models;
+pub mod orders;
+pub mod progress;
+pub mod walls;
+
+mod shaken;
+
+pub use shaken::Shaken;
+
+/// Success, or the error on standard error and a failure.
+#[allow(clippy::print_stderr, reason = "this is where a program's error goes")]
+pub fn exit_code(outcome: Result<(), Box<dyn std::error::Error>>) -> std::process::ExitCode {
+    match outcome {
+        Ok(()) => std::process::ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            std::process::ExitCode::FAILURE
+        }
+    }
+}
+
+/// What an answer says of how it came about; a dash where its method has no such thing.
+pub fn shown<T: std::fmt::Display>(known: Option<T>) -> String {
+    known.map_or_else(|| String::from("-"), |value| value.to_string())
+}

@@ -1,0 +1,155 @@
+//! Models as cases of a study of orders, as the command line asks for it.
+
+use crate::models::{About, Exact, Model, models};
+use clap::{Args, ValueEnum};
+use expoly::models::{DuffingChain, Solved};
+use expoly::study::{Case, Truth};
+use expoly::{Closure, Grid, NodeKind, Problem, Simulation, Weight};
+
+/// By which methods models are closed, and what they are compared with.
+#[derive(Clone, Debug, Args)]
+pub struct Setup {
+    /// The closure that gives a density at every order, the literature's, or both
+    #[arg(long, value_enum, default_value = "both")]
+    pub method: Method,
+    /// The weight of the robust closure's fit: auto, density, or the share of the tails between 0 and 1
+    #[arg(long, default_value = "auto", value_parser = weight, allow_negative_numbers = true)]
+    pub weight: Weight,
+    /// The robust closure's nodes
+    #[arg(long, value_enum, default_value = "auto")]
+    pub nodes: Nodes,
+    /// What the orders are compared with [default: the exact density where one is known, else the grid]
+    #[arg(long, value_enum)]
+    pub reference: Option<Reference>,
+    /// Degree of the grid [default: the library's]
+    #[arg(long)]
+    pub degree: Option<usize>,
+    /// Samples of the simulation
+    #[arg(long, default_value_t = 4_000_000)]
+    pub samples: usize,
+    /// Seed of the simulation and of the robust closure's pilot
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// The methods of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// The closure that gives a density at every order
+    Robust,
+    /// The literature's closure
+    Classical,
+    /// Both
+    Both,
+}
+
+/// What is taken for the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Reference {
+    /// The density in closed form
+    Exact,
+    /// The solution on a grid
+    Grid,
+    /// A simulation
+    Simulation,
+}
+
+/// The nodes of the robust closure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Nodes {
+    /// Gauss nodes in two states, samples in more
+    Auto,
+    /// Gauss nodes
+    Tensor,
+    /// The pilot's states
+    Samples,
+}
+
+impl From<Nodes> for NodeKind {
+    fn from(nodes: Nodes) -> Self {
+        match nodes {
+            Nodes::Auto => NodeKind::Automatic,
+            Nodes::Tensor => NodeKind::Tensor,
+            Nodes::Samples => NodeKind::Samples,
+        }
+    }
+}
+
+/// The model of more than two states.
+const CHAIN: About = About {
+    name: "two_degrees_of_freedom",
+    title: "DuffingChain",
+    equation: "x_i″ + c_i x_i′ + k x_i + μ x_i³ + κ (x_i − x_j) = ξ_i, i = 1, 2",
+    parameters: "c₁ = 0.2, c₂ = 0.4, k = 1, μ = 0.3, κ = 0.5, D_i = 0.8 c_i",
+};
+
+impl Setup {
+    /// The models of these names as cases of a study.
+    ///
+    /// # Errors
+    /// For a name that no model has, and a reference that is not to be had.
+    pub fn cases(&self, names: &[String]) -> Result<Vec<(About, Case<'_>)>, Box<dyn std::error::Error>> {
+        let models = models()?;
+        let known: Vec<&str> = models.iter().map(|model| model.about.name).chain([CHAIN.name]).collect();
+        let refused = |name: &str| format!("--model {name}: no such model; there are {}", known.join(", "));
+        let places = names.iter().map(|name| known.iter().position(|known| known == name).ok_or_else(|| refused(name)));
+        let places = places.collect::<Result<Vec<_>, _>>()?;
+        let case = |place: usize| match models.get(place) {
+            Some(model) => Ok((model.about, self.case(model)?)),
+            None => Ok((CHAIN, self.case(&chain()?)?)),
+        };
+        places.into_iter().map(case).collect()
+    }
+
+    fn case(&self, model: &Model) -> Result<Case<'_>, Box<dyn std::error::Error>> {
+        let Model { about, problem, exact, .. } = model;
+        if exact.is_none() && self.reference == Some(Reference::Exact) {
+            return Err(format!("--model {}: no exact density is known", about.name).into());
+        }
+        if about.name == CHAIN.name && self.reference.is_some_and(|reference| reference != Reference::Exact) {
+            let remedy = "it is compared with its exact density; leave --reference out";
+            return Err(format!("--model {}: {remedy}", about.name).into());
+        }
+        let exact = exact.clone();
+        let mut case = Case::new(about.name, problem.clone(), move |problem| self.truth(problem, exact.as_ref()));
+        if self.method != Method::Classical {
+            case = case.method("robust", |problem, order| {
+                let closure = Closure::new(order).weight(self.weight).nodes(self.nodes.into()).seed(self.seed);
+                closure.solve(problem)
+            });
+        }
+        if self.method != Method::Robust {
+            case = case.method("classical", |problem, order| Closure::classical(order).solve(problem));
+        }
+        Ok(case)
+    }
+
+    fn truth(&self, problem: &Problem, exact: Option<&Exact>) -> expoly::Result<Truth> {
+        Ok(match (self.reference, exact) {
+            (None | Some(Reference::Exact), Some(exact)) => exact.truth(),
+            (Some(Reference::Simulation), _) => {
+                Simulation::new().samples(self.samples).seed(self.seed).run(problem)?.into()
+            }
+            _ => self.degree.map_or(Grid::new(), |degree| Grid::new().degree(degree)).solve(problem)?.into(),
+        })
+    }
+}
+
+/// The model of more than two states, whose density is known.
+fn chain() -> expoly::Result<Model> {
+    let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?;
+    let exact = Some(Exact::ExpPolynomial(Box::new(chain.exact()?)));
+    Ok(Model { about: CHAIN, problem: chain.problem()?, order: 4, exact })
+}
+
+/// The weight of the fit as an option.
+///
+/// # Errors
+/// For a word that is none of these.
+pub fn weight(text: &str) -> Result<Weight, String> {
+    match text {
+        "auto" => Ok(Weight::Automatic),
+        "density" => Ok(Weight::Density),
+        share => share.parse().map(Weight::Tails).map_err(|_| String::from("give auto, density or the tails' share")),
+    }
+}

@@ -1,0 +1,101 @@
+use super::choice::{Candidate, Origin};
+use super::exponent::Exponent;
+use super::indicator::Indication;
+use super::reference::Reference;
+use super::samples::ImportanceRule;
+use super::trust_domain::TrustDomain;
+use crate::provenance::Provenance;
+use crate::quadrature::Rule;
+use crate::record::Read;
+use serde::{Deserialize, Serialize};
+
+/// A density above this estimated error is flagged as unreliable.
+const UNRELIABLE: f64 = 0.2;
+/// The most nodes of a rule along one state.
+const MOST_NODES: usize = 2000;
+
+/// All that a closure's density is made of, and all of it that is saved.
+#[derive(Clone, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Content {
+    pub(super) exponent: Exponent,
+    /// Normalised over the nodes; none where the density is exact.
+    pub(super) reference: Option<Reference>,
+    pub(super) domain: TrustDomain,
+    pub(super) integrals: Integrals,
+    pub(super) guarded: bool,
+    /// The chosen one first.
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) indication: Indication,
+    pub(super) provenance: Provenance,
+}
+
+/// How integrals over the trust domain are taken.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum Integrals {
+    /// On Gauss nodes, in one state and in two: products of rules, and rules along the states.
+    Panels { rules: Vec<Rule>, lines: Vec<Rule> },
+    /// By importance sampling, in any number of states.
+    Draws(ImportanceRule),
+}
+
+impl Content {
+    /// The number of states.
+    pub(super) fn dimension(&self) -> usize {
+        self.domain.centre.len()
+    }
+
+    /// Why the density should not be relied on, if there is a reason.
+    pub(super) fn warning(&self) -> Option<&'static str> {
+        let chosen = &self.candidates[0];
+        if self.provenance.stationary == Some(false) {
+            Some("the pilot was not stationary: the system relaxes more slowly than it ran, or not at all")
+        } else if !chosen.accepted && chosen.origin == Origin::Galerkin {
+            Some(
+                "the Galerkin equations were not solved, or by a spurious root: take more pilot states or another order",
+            )
+        } else if !chosen.accepted {
+            Some("the pilot's states are unlikely under this density")
+        } else if chosen.l1_estimate > UNRELIABLE {
+            Some("the estimated error is large: ask for a higher order")
+        } else {
+            None
+        }
+    }
+
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(super) fn checked(self) -> Read<Self> {
+        let states = self.dimension();
+        let domain = self.domain.checked(states)?;
+        let exponent = self.exponent.checked(states)?;
+        let reference = self.reference.map(|reference| reference.checked(states)).transpose()?;
+        let integrals = match (self.integrals, exponent.space.polynomials()) {
+            (Integrals::Panels { rules, lines }, _) => {
+                if !(1..=2).contains(&states) || rules.len() != states || lines.len() != states {
+                    return Err(format!("its rules are none of {states} states"));
+                }
+                rules.iter().chain(&lines).try_for_each(sound)?;
+                Integrals::Panels { rules, lines }
+            }
+            (Integrals::Draws(rule), Some(polynomials)) => {
+                Integrals::Draws(rule.checked(polynomials, &exponent.coefficients)?)
+            }
+            (Integrals::Draws(_), None) => return Err(String::from("draws serve polynomials alone")),
+        };
+        if self.candidates.is_empty() {
+            return Err(String::from("it names no candidate"));
+        }
+        Ok(Content { exponent, reference, domain, integrals, ..self })
+    }
+}
+
+/// Refuses what is no rule.
+fn sound(rule: &Rule) -> Read<()> {
+    let Rule { nodes, weights } = rule;
+    let finite = nodes.iter().chain(weights).all(|value| value.is_finite());
+    if nodes.len() == weights.len() && (1..=MOST_NODES).contains(&nodes.len()) && finite {
+        return Ok(());
+    }
+    Err(format!("{} nodes and {} weights make no rule", nodes.len(), weights.len()))
+}

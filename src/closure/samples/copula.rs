@@ -1,0 +1,191 @@
+//! A density that is easy to draw from and close to the pilot's.
+
+use crate::closure::pilot::Pilot;
+use crate::error::{Error, Result};
+use crate::problem::Symmetry;
+use crate::record::{Read, positive, states};
+use nalgebra::{Cholesky, DMatrix};
+use serde::{Deserialize, Serialize};
+
+/// Normal scores between which a state is a linear function of its score.
+const KNOTS: usize = 13;
+const SPACING: f64 = 0.5;
+/// The variance of the draws relative to the pilot's.
+const WIDENED: f64 = 1.1;
+/// The farthest a draw is trusted, relative to the farthest of the pilot's states.
+const TRUSTED: f64 = 1.1;
+
+/// Normal scores with the pilot's correlations, stretched state by state to the pilot's quantiles: a Gaussian copula.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Copula {
+    /// The distance between the normal scores that belong to the values of `knots`; the middle one's is 0.
+    pub(crate) spacing: f64,
+    /// For each state, its values at the scores.
+    pub(crate) knots: Vec<Vec<f64>>,
+    /// The covariance of the scores, by rows.
+    covariance: Vec<Vec<f64>>,
+    /// L⁻¹ of the covariance L Lᵀ, by rows: for distances.
+    pub(crate) inverse: Vec<Vec<f64>>,
+    /// The square of the farthest trusted distance.
+    pub(crate) farthest: f64,
+}
+
+/// The score of a knot.
+fn score(k: usize) -> f64 {
+    (k as f64 - (KNOTS - 1) as f64 / 2.0) * SPACING
+}
+
+/// The state at a score, and the slope there: linear between knots and beyond them.
+fn state_at(knots: &[f64], z: f64) -> (f64, f64) {
+    let piece = ((z - score(0)) / SPACING).floor().clamp(0.0, (KNOTS - 2) as f64) as usize;
+    let slope = (knots[piece + 1] - knots[piece]) / SPACING;
+    (knots[piece] + slope * (z - score(piece)), slope)
+}
+
+/// The score of a state.
+fn score_of(knots: &[f64], x: f64) -> f64 {
+    let piece = knots[1..KNOTS - 1].partition_point(|v| *v <= x);
+    let slope = (knots[piece + 1] - knots[piece]) / SPACING;
+    score(piece) + (x - knots[piece]) / slope
+}
+
+fn rising(knots: &[f64]) -> bool {
+    knots.windows(2).all(|pair| pair[0] < pair[1])
+}
+
+/// The square of the length of L⁻¹z.
+fn distance(inverse: &[Vec<f64>], z: &[f64]) -> f64 {
+    let along = |row: &Vec<f64>| row.iter().zip(z).map(|(l, z)| l * z).sum::<f64>().powi(2);
+    inverse.iter().map(along).sum()
+}
+
+impl Copula {
+    /// None where the states lie on a surface.
+    pub(super) fn new(pilot: &Pilot, symmetry: &Symmetry) -> Option<Self> {
+        let n = pilot.states.dimension();
+        let images = || pilot.states.iter().flat_map(|x| symmetry.images(x));
+        let quantiles = |i: usize| -> Vec<f64> {
+            let mut all: Vec<f64> = images().map(|x| x[i]).collect();
+            all.sort_by(f64::total_cmp);
+            let quantile = |p: f64| all[((p * all.len() as f64) as usize).min(all.len() - 1)];
+            (0..KNOTS).map(|k| quantile(normal_distribution(score(k)))).collect()
+        };
+        let knots: Vec<Vec<f64>> = (0..n).map(quantiles).collect();
+        if !knots.iter().all(|knots| rising(knots)) {
+            return None;
+        }
+        let scores = |x: &[f64]| -> Vec<f64> { knots.iter().zip(x).map(|(knots, x)| score_of(knots, *x)).collect() };
+        let mut covariance = DMatrix::zeros(n, n);
+        let mut count = 0.0;
+        for x in images() {
+            let z = scores(&x);
+            for i in 0..n {
+                (0..n).for_each(|j| covariance[(i, j)] += z[i] * z[j]);
+            }
+            count += 1.0;
+        }
+        covariance *= WIDENED / count;
+        let rows =
+            |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|row| row.iter().copied().collect()).collect() };
+        let inverse = rows(&Cholesky::new(covariance.clone())?.l().try_inverse()?);
+        let farthest = pilot.states.iter().map(|x| distance(&inverse, &scores(x))).fold(0.0, f64::max);
+        let covariance = rows(&covariance);
+        Some(Copula { spacing: SPACING, knots, covariance, inverse, farthest: farthest * TRUSTED * TRUSTED })
+    }
+
+    /// The same for `n` states, once its numbers have been looked at.
+    pub(super) fn checked(self, n: usize) -> Read<Self> {
+        if self.spacing != SPACING {
+            return Err(format!("the spacing of its scores is {}, not {SPACING}", self.spacing));
+        }
+        if [&self.knots, &self.covariance, &self.inverse].iter().any(|rows| rows.len() != n) {
+            return Err(format!("its knots and scores are not those of {n} states"));
+        }
+        for knots in &self.knots {
+            states("a list of knots", knots, KNOTS)?;
+            if !rising(knots) {
+                return Err(format!("the knots {knots:?} do not rise"));
+            }
+        }
+        self.covariance.iter().try_for_each(|row| states("the covariance of the scores", row, n))?;
+        self.inverse.iter().try_for_each(|row| states("the inverse of the scores' scale", row, n))?;
+        let covariance = DMatrix::from_fn(n, n, |i, j| self.covariance[i][j]);
+        Cholesky::new(covariance).ok_or("the covariance of the scores is not positive definite")?;
+        positive("the farthest distance", self.farthest)?;
+        Ok(self)
+    }
+
+    /// Draws of all states but those given, which are held at their values.
+    pub(super) fn sampler(&self, given: &[(usize, f64)]) -> Result<Sampler<'_>> {
+        let n = self.knots.len();
+        let mut order: Vec<usize> = (0..n).collect();
+        for (place, (state, _)) in given.iter().enumerate() {
+            let from = order.iter().position(|i| i == state).unwrap_or(place);
+            order.swap(place, from);
+        }
+        let permuted = DMatrix::from_fn(n, n, |i, j| self.covariance[order[i]][order[j]]);
+        let lower = Cholesky::new(permuted).map(|factor| factor.l()).ok_or_else(|| Error::NotKnown {
+            what: String::from("integrals over its draws"),
+            remedy: "the scores of the pilot's states are dependent; take more pilot states",
+        })?;
+        let mut held: Vec<(f64, f64)> = Vec::with_capacity(given.len());
+        for (i, &(state, x)) in given.iter().enumerate() {
+            let known: f64 = held.iter().enumerate().map(|(j, (u, _))| lower[(i, j)] * u).sum();
+            held.push(((score_of(&self.knots[state], x) - known) / lower[(i, i)], x));
+        }
+        let lower = (0..n).map(|i| (0..=i).map(|j| lower[(i, j)]).collect()).collect();
+        Ok(Sampler { copula: self, order, lower, held })
+    }
+
+    /// Whether a state lies where the pilot has been, or a little farther out.
+    pub(super) fn trusts(&self, x: &[f64]) -> bool {
+        let z: Vec<f64> = self.knots.iter().zip(x).map(|(knots, x)| score_of(knots, *x)).collect();
+        distance(&self.inverse, &z) <= self.farthest
+    }
+}
+
+/// Draws with some states held fast.
+#[derive(Clone, Debug)]
+pub(super) struct Sampler<'a> {
+    copula: &'a Copula,
+    /// The states in the order in which they are drawn.
+    order: Vec<usize>,
+    /// The rows of the Cholesky factor in that order, up to the diagonal.
+    lower: Vec<Vec<f64>>,
+    /// The states held, as the first normal numbers, and themselves.
+    held: Vec<(f64, f64)>,
+}
+
+impl Sampler<'_> {
+    /// Enters a state from normal numbers, and gives the logarithm of the density with which it is drawn. None where no
+    /// state is trusted: the density there is zero.
+    pub(super) fn draw(&self, u: &mut [f64], x: &mut [f64]) -> Option<f64> {
+        u.iter_mut().zip(&self.held).for_each(|(u, (held, _))| *u = *held);
+        // Distances do not depend on the order of the states.
+        let distance: f64 = u.iter().map(|u| u * u).sum();
+        if distance > self.copula.farthest {
+            return None;
+        }
+        let mut logarithm = 0.0;
+        for (i, (row, &state)) in self.lower.iter().zip(&self.order).enumerate() {
+            let z: f64 = row.iter().zip(&*u).map(|(l, u)| l * u).sum();
+            let (value, slope) = state_at(&self.copula.knots[state], z);
+            x[state] = value;
+            if i >= self.held.len() {
+                logarithm -= 0.5 * u[i] * u[i] + (row[i] * slope).ln() + 0.5 * std::f64::consts::TAU.ln();
+            }
+        }
+        self.order.iter().zip(&self.held).for_each(|(&state, (_, held))| x[state] = *held);
+        Some(logarithm)
+    }
+}
+
+/// Φ(z), by Zelen and Severo's rational approximation: seven digits, which no quantile of a sample needs.
+fn normal_distribution(z: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.231_641_9 * z.abs());
+    let series =
+        t * (0.319_381_530 + t * (-0.356_563_782 + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
+    let tail = (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt() * series;
+    if z > 0.0 { 1.0 - tail } else { tail }
+}

@@ -1,0 +1,194 @@
+//! From a problem and the options to the steps: which nodes, which orders, and what is tried again.
+
+use super::degrees::Degrees;
+use super::density::ClosureDensity;
+use super::exponent::Exponent;
+use super::family::Smooth;
+use super::method::{Closure, HIGHEST_ORDER, Order};
+use super::nodes::NodeKind;
+use super::pilot::{Pilot, Scout};
+use super::reference::Start;
+use super::robust::Workshop;
+use super::sampled::Sampled;
+use super::setting::Setting;
+use super::walled;
+use crate::error::{Error, Result};
+use crate::problem::{Problem, Wall};
+use std::time::Instant;
+
+/// The states of a pilot, without their mirror images.
+const STATES: usize = 20_000;
+/// An estimated L¹ error above this is worth another try with a pilot of less inflation.
+const ASTRAY: f64 = 0.2;
+/// A kurtosis above this is that of a power tail; limit cycles, wells and hardening springs are below 3 or near it.
+const HEAVY: f64 = 8.0;
+/// The pilot's states as nodes: for each coefficient, at least, and at most.
+const STATES_EACH: usize = 130;
+const FEWEST_NODES: usize = 40_000;
+const MOST_NODES: usize = 100_000;
+
+const METHOD: &str = "closure";
+
+impl Closure {
+    /// Closes a problem: on the whole space or, in two states, above a wall, below one, or between two.
+    ///
+    /// Next to a wall, y′₊ = −r y′₋ at y = b, ln p is a polynomial plus kinks and angular functions about the grazing point
+    /// (b, 0), plus the similarity solution of grazing impacts, which carries the wall's condition.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
+    /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for walls in other than two
+    /// states, and for nodes that do not serve the problem; [`Error::Exploded`] where no trajectory stays;
+    /// [`Error::NotClosed`] where the pilot's states allow no density.
+    pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
+        let begin = Instant::now();
+        let walls = problem.walls_of_plane(METHOD)?;
+        if walls.iter().any(Option::is_some) {
+            self.next_to_walls(problem, walls, begin)
+        } else {
+            self.in_open_space(problem, begin)
+        }
+    }
+
+    fn in_open_space(&self, problem: &Problem, begin: Instant) -> Result<ClosureDensity> {
+        let dimension = problem.dimension();
+        self.check(dimension, HIGHEST_ORDER)?;
+        let scout = Scout::new(problem, self.seed)?;
+        if self.nodes == NodeKind::Samples || (self.nodes == NodeKind::Automatic && dimension > 2) {
+            let symmetry = problem.symmetry();
+            let functions = self.degrees.exponents(dimension, self.lowest(), |alpha| symmetry.keeps(alpha)).len();
+            let states = self.states.unwrap_or((STATES_EACH * functions).clamp(FEWEST_NODES, MOST_NODES));
+            let pilot = scout.pilot(states, 1.0)?;
+            let near = self.start.as_ref().map(|start| start.weight.clone());
+            let (problem, degrees) = (problem.clone(), self.degrees.clone());
+            let (guarded, seed) = (self.guard, self.seed);
+            let workshop = Sampled { problem, symmetry, degrees, pilot, near, guarded, seed, begin };
+            return self.at_order(HIGHEST_ORDER, |order| workshop.closed(order));
+        }
+        if dimension > 2 {
+            let (what, remedy) = ("three states and more on tensor nodes", "take the pilot's states as nodes");
+            return Err(Error::NotServed { method: METHOD, what, remedy });
+        }
+        let states = self.states.unwrap_or(STATES);
+        let pilot = scout.pilot(states, 1.0)?;
+        let mut best: Option<ClosureDensity> = None;
+        let mut inflation = self.inflation;
+        loop {
+            let inflated = scout.pilot(states, inflation)?;
+            let last = inflated.inflation <= 1.0;
+            let closed = self.on_panels(problem, [&pilot, &inflated], begin);
+            if let Ok(density) = closed {
+                let least = best.as_ref().map_or(f64::INFINITY, ClosureDensity::l1_estimate);
+                if density.l1_estimate() < least {
+                    best = Some(density);
+                }
+            } else if last && best.is_none() {
+                return closed;
+            }
+            // Where ln p does not scale with the intensity the first guess may lead astray; nearer to the system it is less
+            // wrong.
+            match best {
+                Some(density) if last || density.l1_estimate() <= ASTRAY => return Ok(density),
+                _ => inflation = (inflated.inflation / 2.0).max(1.0),
+            }
+        }
+    }
+
+    /// On Gauss nodes where the inflated pilot has been.
+    fn on_panels(&self, problem: &Problem, pilots: [&Pilot; 2], begin: Instant) -> Result<ClosureDensity> {
+        let [_, inflated] = pilots;
+        // Heavy tails stand little inflation: what the pilot then sees is too wide for any polynomial.
+        let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > HEAVY;
+        let symmetry = problem.symmetry();
+        let (centre, half_width) = inflated.spread(&symmetry);
+        let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
+        let setting = if heavy { None } else { Setting::new(problem, inflated, family, self.highest()) };
+        let workshop = self.workshop(setting, pilots, begin)?;
+        self.at_order(HIGHEST_ORDER, |order| workshop.closed(order))
+    }
+
+    /// The closure of an oscillator next to one wall, or between two.
+    fn next_to_walls(&self, problem: &Problem, walls: [Option<Wall>; 2], begin: Instant) -> Result<ClosureDensity> {
+        self.check(2, walled::HIGHEST_ORDER)?;
+        let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
+        if self.nodes == NodeKind::Samples {
+            return refused("walls with samples as nodes", "nodes are graded towards walls; leave them to the method");
+        }
+        if self.degrees != Degrees::complete() {
+            return refused("walls with some monomials alone", "leave the degrees complete");
+        }
+        // The pilot meets one wall, below the motion: what it does beyond a second one is left out, and a single one above
+        // the motion is met in a mirror.
+        let (met, turned) = match walls {
+            [Some(lower), _] => (problem.without_walls().with_wall(lower)?, false),
+            [None, _] => (problem.mirrored()?, true),
+        };
+        let scout = Scout::new(&met, self.seed)?;
+        let run = |inflation: f64| {
+            let pilot = scout.pilot(self.states.unwrap_or(STATES), inflation)?;
+            Ok(if turned { pilot.mirrored() } else { pilot })
+        };
+        let inflated = run(self.inflation)?;
+        let pilot = run(1.0)?.between([None, walls[1].map(|wall| wall.offset())]);
+        let setting = walled::walled(problem, &inflated, walls);
+        let workshop = self.workshop(setting, [&pilot, &inflated], begin)?;
+        self.at_order(walled::HIGHEST_ORDER, |order| workshop.closed(order))
+    }
+
+    fn workshop(&self, setting: Option<Setting>, [pilot, inflated]: [&Pilot; 2], begin: Instant) -> Result<Workshop> {
+        let reason =
+            "no polynomial fits the pilot's states; they may be too few, or the system has no stationary density";
+        let setting = setting.ok_or(Error::NotClosed { order: self.lowest(), reason })?;
+        // The singular part is this wall's, whatever the similar one's was.
+        let own = |start: &Start| {
+            let weight = Exponent { known: setting.known().to_vec(), ..start.weight.clone() };
+            Start { weight, ..*start }
+        };
+        let start = self.start.as_ref().map(own);
+        let (pilot, inflation) = (pilot.clone(), inflated.inflation);
+        let (weight, guarded, seed) = (self.weight, self.guard, self.seed);
+        Ok(Workshop { setting, start, pilot, inflation, weight, guarded, seed, begin })
+    }
+
+    /// The closure of the order that was asked for: given, or of the lowest even one that meets the target, or the best one
+    /// once the estimate has stopped falling.
+    fn at_order(&self, highest: u32, closed: impl Fn(u32) -> Result<ClosureDensity>) -> Result<ClosureDensity> {
+        let target = match self.order {
+            Order::Fixed(order) => return closed(order),
+            Order::Adaptive(target) => target,
+        };
+        let mut best = closed(2)?;
+        let mut failures = 0;
+        for order in (4..=highest).step_by(2) {
+            if best.l1_estimate() <= target || failures == 2 {
+                break;
+            }
+            match closed(order) {
+                Ok(density) if density.l1_estimate() < best.l1_estimate() => (best, failures) = (density, 0),
+                // A higher order may fail where a lower one did not: too many functions for the pilot's states.
+                _ => failures += 1,
+            }
+        }
+        Ok(best)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop")]
+    use super::*;
+    use crate::density::Density;
+    use crate::models::Duffing;
+
+    /// Below a wall the density is that above one, in a mirror, as far as the orders' own errors allow: trajectories that
+    /// differ by rounding part soon.
+    #[test]
+    fn a_wall_above_the_motion_is_served_as_one_below() {
+        let duffing = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap()).unwrap();
+        let [lower, upper] = [Wall::above(0.1, 0.6), Wall::below(-0.1, 0.6)]
+            .map(|wall| Closure::new(4).solve(&duffing.clone().with_wall(wall.unwrap()).unwrap()).unwrap());
+        let [below, above] = [&lower, &upper].map(|density| density.impact_rate().unwrap());
+        assert!(below.error < 0.01 && (below.value - above.value).abs() < below.error + above.error, "{below} {above}");
+        assert!((lower.l1_estimate() / upper.l1_estimate() - 1.0).abs() < 0.1 && upper.warning().is_none());
+    }
+}

@@ -1,0 +1,37 @@
+use crate::error::Result;
+use crate::estimate::Estimate;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// A distribution that was counted: values with their standard errors.
+pub trait Counted: Debug + Send + Sync {
+    /// The density at `x`.
+    fn density(&self, x: f64) -> Estimate;
+
+    /// P(X ≤ x).
+    fn below(&self, x: f64) -> Estimate;
+
+    /// P(X > x).
+    fn above(&self, x: f64) -> Estimate;
+}
+
+/// What a density made of samples answers from them, with the standard errors that follow from how they vary together.
+pub trait Sampled {
+    /// A function of the raw moments 1, E x, E x², E x³ and E x⁴ of one state.
+    ///
+    /// # Errors
+    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state.
+    fn of_moments(&self, state: usize, statistic: &dyn Fn(&[f64]) -> f64) -> Result<Estimate>;
+
+    /// The distribution of one state.
+    ///
+    /// # Errors
+    /// As [`Sampled::of_moments`].
+    fn distribution(&self, state: usize) -> Result<Arc<dyn Counted>>;
+
+    /// The distribution of the speed of approach at impacts, if there is a wall.
+    fn impact_speeds(&self) -> Option<Arc<dyn Counted>>;
+
+    /// The mean of a power of that speed.
+    fn mean_impact_speed(&self, power: u32) -> Option<Estimate>;
+}

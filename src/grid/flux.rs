@@ -1,0 +1,85 @@
+//! The flux J = F p − ½B∇p with F = f − ½∇·B, by dual numbers from the system's own definition.
+
+use crate::fokker_planck::Local;
+use crate::polynomial::Polynomial;
+use crate::problem::Problem;
+
+/// The coefficients of the flux at a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Value {
+    /// F = f − ½∇·B.
+    pub(super) advection: [f64; 2],
+    /// ½B.
+    pub(super) diffusion: [[f64; 2]; 2],
+}
+
+/// One of the functions F_i and ½B_ij in −∫ J·∇φ dx.
+#[derive(Debug)]
+pub(super) struct Term {
+    /// The state i in which the test function is differentiated.
+    pub(super) tested: usize,
+    /// The state j in which p is differentiated; none for F_i.
+    pub(super) differentiated: Option<usize>,
+    /// The degrees in the two states of the Legendre polynomials that the function is made of, on any element.
+    pub(super) degrees: Vec<[usize; 2]>,
+}
+
+impl Term {
+    fn new(tested: usize, differentiated: Option<usize>, function: &Polynomial) -> Self {
+        let largest: Vec<&[u32]> = function.terms().map(|(powers, _)| powers).collect();
+        let highest = function.degree();
+        let occurs = |a: u32, b: u32| largest.iter().any(|powers| a <= powers[0] && b <= powers[1]);
+        let all = (0..=highest).flat_map(|a| (0..=highest - a).map(move |b| [a, b]));
+        let degrees = all.filter(|[a, b]| occurs(*a, *b)).map(|pair| pair.map(|d| d as usize)).collect();
+        Term { tested, differentiated, degrees }
+    }
+
+    /// The function's own value.
+    pub(super) fn of(&self, value: &Value) -> f64 {
+        match self.differentiated {
+            None => value.advection[self.tested],
+            Some(j) => value.diffusion[self.tested][j],
+        }
+    }
+}
+
+/// The flux in the distances (u₀, u₁) from the axes' origins.
+#[derive(Debug)]
+pub(super) struct Flux<'a> {
+    problem: &'a Problem,
+    origin: [f64; 2],
+    local: Local,
+    pub(super) terms: Vec<Term>,
+    /// The highest total degree of all functions.
+    pub(super) degree: usize,
+}
+
+impl<'a> Flux<'a> {
+    pub(super) fn new(problem: &'a Problem, origin: [f64; 2]) -> Self {
+        let operator = problem.operator();
+        let spread = operator.diffusion_divergence();
+        let mut terms = Vec::new();
+        let mut degree = 0;
+        for i in 0..2 {
+            let advection = &operator.drift()[i] - &(&spread[i] * 0.5);
+            let functions = [(None, &advection), (Some(0), &operator.diffusion()[i][0])];
+            for (differentiated, function) in functions.into_iter().chain([(Some(1), &operator.diffusion()[i][1])]) {
+                degree = degree.max(function.degree() as usize);
+                terms.push(Term::new(i, differentiated, function));
+            }
+        }
+        terms.retain(|term| !term.degrees.is_empty());
+        Flux { problem, origin, local: Local::new(2), terms, degree }
+    }
+
+    /// F and ½B at a point.
+    pub(super) fn at(&mut self, u: [f64; 2]) -> Value {
+        let x = [self.origin[0] + u[0], self.origin[1] + u[1]];
+        self.problem.local(&x, &mut self.local);
+        let Local { drift, diffusion, diffusion_divergence, .. } = &self.local;
+        Value {
+            advection: [0, 1].map(|i| drift[i] - 0.5 * diffusion_divergence[i]),
+            diffusion: [[0, 1], [2, 3]].map(|row| row.map(|k: usize| 0.5 * diffusion[k])),
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The Gaussian closure: the normal distribution whose mean and covariance satisfy the moment equations.
+
+use super::units::natural_units;
+use crate::error::{Error, Result};
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::{Gaussian, Polynomial};
+use nalgebra::{DMatrix, DVector};
+
+/// Pseudo-time steps before the closure gives up; ordinary systems need 10 to 40.
+const MAX_STEPS: usize = 400;
+/// A variance that has grown by this factor is taken to grow for ever.
+const UNBOUNDED: f64 = 1e12;
+
+/// The Gaussian closure of a system.
+///
+/// Stationarity of mean m and covariance S asks for 0 = E[f] and 0 = A S + S Aᵀ + E[B], A = E[∂f/∂x], all means taken
+/// under N(m, S), exactly. The moments' own evolution in time is followed by implicit steps of growing length
+/// (pseudo-transient continuation, C. T. Kelley and D. E. Keyes, 1998, doi:10.1137/S0036142996304796), which keeps S
+/// positive definite, picks an attracting solution and ends as Newton's method. The exact Jacobian uses
+/// ∂E[g]/∂m_k = E[∂_k g] and ∂E[g]/∂S_kl = ½ E[∂_k∂_l g]. It starts from unit variance in the system's natural units.
+///
+/// # Errors
+/// [`Error::NoStationaryDensity`] if a variance grows without bound or does not settle.
+pub(super) fn gaussian_closure(operator: &FokkerPlanck) -> Result<Gaussian> {
+    let (units, time) = natural_units(operator)?;
+    let found = in_natural_units(&operator.in_frame(&units).in_time(time))?;
+    let scale = units.scale();
+    Ok(Gaussian { mean: scale * found.mean, covariance: scale * found.covariance * scale.transpose() })
+}
+
+/// The closure of a system with coefficients of order one.
+fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
+    let n = operator.dimension();
+    let equations = MomentEquations::new(operator);
+    let mut state = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::identity(n, n) };
+    let mut rate = equations.rate(&state);
+    let mut step = 0.1 / rate.norm().max(1e-3);
+    for _ in 0..MAX_STEPS {
+        let jacobian = equations.jacobian(&state);
+        let size = equations.pack(&state).amax();
+        // Converged when a whole Newton step no longer moves the moments.
+        let newton = jacobian.clone().lu().solve(&-&rate);
+        if let Some(newton) = &newton
+            && newton.amax() <= 1e-13 * size
+        {
+            return Ok(state);
+        }
+        let shifted = DMatrix::from_diagonal_element(rate.len(), rate.len(), step.recip()) - &jacobian;
+        let moved = shifted.lu().solve(&rate).map(|change| equations.moved(&state, &change));
+        match moved.filter(|next| next.covariance.clone().cholesky().is_some()) {
+            Some(next) => {
+                let next_rate = equations.rate(&next);
+                let growth = if next_rate.norm() > 0.0 { rate.norm() / next_rate.norm() } else { 10.0 };
+                // Rounding keeps the rate from falling for ever: a rate at the level of its own rounding is zero.
+                if newton.is_some_and(|n| n.amax() <= 1e-11 * size) && growth < 2.0 {
+                    return Ok(next);
+                }
+                step *= growth.clamp(0.3, 10.0).max(1.1_f64.min(growth * 2.0));
+                (state, rate) = (next, next_rate);
+            }
+            None => step *= 0.25,
+        }
+        if let Some(i) = (0..n).find(|&i| state.covariance[(i, i)].is_nan() || state.covariance[(i, i)] >= UNBOUNDED) {
+            return Err(Error::NoStationaryDensity { state: i, behaviour: "grows without bound" });
+        }
+    }
+    let worst = (0..n).max_by(|&i, &j| state.covariance[(i, i)].total_cmp(&state.covariance[(j, j)]));
+    Err(Error::NoStationaryDensity { state: worst.unwrap_or(0), behaviour: "does not settle" })
+}
+
+/// The drift, the diffusion and the derivatives of both that the moment equations need.
+struct MomentEquations {
+    drift: Vec<Polynomial>,
+    slopes: Vec<Vec<Polynomial>>,
+    diffusion: Vec<Vec<Polynomial>>,
+}
+
+impl MomentEquations {
+    fn new(operator: &FokkerPlanck) -> Self {
+        let n = operator.dimension();
+        let slopes = |f: &Polynomial| (0..n).map(|j| f.derivative(j)).collect();
+        MomentEquations {
+            drift: operator.drift().to_vec(),
+            slopes: operator.drift().iter().map(slopes).collect(),
+            diffusion: operator.diffusion().to_vec(),
+        }
+    }
+
+    fn dimension(&self) -> usize {
+        self.drift.len()
+    }
+
+    /// The unknowns in a vector: the mean, then the covariance's lower triangle row by row.
+    fn pack(&self, state: &Gaussian) -> DVector<f64> {
+        let triangle = pairs(self.dimension()).map(|(i, j)| state.covariance[(i, j)]);
+        DVector::from_vec(state.mean.iter().copied().chain(triangle).collect())
+    }
+
+    fn moved(&self, state: &Gaussian, change: &DVector<f64>) -> Gaussian {
+        let n = self.dimension();
+        let mut next = state.clone();
+        for i in 0..n {
+            next.mean[i] += change[i];
+        }
+        for (k, (i, j)) in pairs(n).enumerate() {
+            next.covariance[(i, j)] += change[n + k];
+            next.covariance[(j, i)] = next.covariance[(i, j)];
+        }
+        next
+    }
+
+    fn rate(&self, state: &Gaussian) -> DVector<f64> {
+        let n = self.dimension();
+        let slopes = DMatrix::from_fn(n, n, |i, j| state.expectation(&self.slopes[i][j]));
+        let half = slopes * &state.covariance;
+        let mean = self.drift.iter().map(|f| state.expectation(f));
+        let spread = |(i, j): (usize, usize)| half[(i, j)] + half[(j, i)] + state.expectation(&self.diffusion[i][j]);
+        DVector::from_vec(mean.chain(pairs(n).map(spread)).collect())
+    }
+
+    fn jacobian(&self, state: &Gaussian) -> DMatrix<f64> {
+        let n = self.dimension();
+        let size = n + n * (n + 1) / 2;
+        let mean = |p: &Polynomial| if p.is_zero() { 0.0 } else { state.expectation(p) };
+        let slopes = DMatrix::from_fn(n, n, |i, j| mean(&self.slopes[i][j]));
+        let mut jacobian = DMatrix::zeros(size, size);
+        // Each unknown changes the mean of g by the mean of a derivative of g.
+        let unknowns = (0..n).map(|k| (k, None)).chain(pairs(n).map(|(k, l)| (k, Some(l))));
+        for (column, (k, l)) in unknowns.enumerate() {
+            let change = |g: &Polynomial| match l {
+                None => mean(&g.derivative(k)),
+                // An off-diagonal unknown stands for two equal entries of S.
+                Some(l) => mean(&g.derivative(k).derivative(l)) * if k == l { 0.5 } else { 1.0 },
+            };
+            let mut ds = DMatrix::zeros(n, n);
+            if let Some(l) = l {
+                (ds[(k, l)], ds[(l, k)]) = (1.0, 1.0);
+            }
+            let da = DMatrix::from_fn(n, n, |i, j| change(&self.slopes[i][j]));
+            let half = da * &state.covariance + &slopes * ds;
+            for i in 0..n {
+                jacobian[(i, column)] = change(&self.drift[i]);
+            }
+            for (row, (i, j)) in pairs(n).enumerate() {
+                jacobian[(n + row, column)] = half[(i, j)] + half[(j, i)] + change(&self.diffusion[i][j]);
+            }
+        }
+        jacobian
+    }
+}
+
+/// The index pairs of a lower triangle, row by row.
+fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)))
+}
+
+/// The Gaussian closure's moments at a time after `start`, by the classical Runge-Kutta method; a covariance of zero is a
+/// point. The moments of a linear system are exact, those of another system as long as the Gaussian is narrow.
+pub(crate) fn gaussian_after(operator: &FokkerPlanck, start: &Gaussian, time: f64) -> Gaussian {
+    const STEPS: usize = 64;
+    let equations = MomentEquations::new(operator);
+    let h = time / STEPS as f64;
+    (0..STEPS).fold(start.clone(), |state, _| {
+        let k1 = equations.rate(&state);
+        let k2 = equations.rate(&equations.moved(&state, &(&k1 * (h / 2.0))));
+        let k3 = equations.rate(&equations.moved(&state, &(&k2 * (h / 2.0))));
+        let k4 = equations.rate(&equations.moved(&state, &(&k3 * h)));
+        equations.moved(&state, &((k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)))
+    })
+}

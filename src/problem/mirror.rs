@@ -1,0 +1,48 @@
+use super::text::Written;
+use super::{Problem, Wall};
+use crate::error::Result;
+use crate::polynomial::{Polynomial, total_degree};
+
+impl Problem {
+    /// The same problem in a mirror, x → −x, with its walls: a wall below the motion is one above it there.
+    pub(crate) fn mirrored(&self) -> Result<Self> {
+        let n = self.dimension();
+        let noise = (0..n).map(|i| self.noise().iter().map(|column| turned(&column[i])).collect::<Result<_>>());
+        let system = Written {
+            states: self.states().to_vec(),
+            parameters: self.parameters().to_vec(),
+            drift: self.drift().iter().map(turned).collect::<Result<_>>()?,
+            noise: noise.collect::<Result<_>>()?,
+            interpretation: self.interpretation(),
+        };
+        self.walls().iter().try_fold(Problem::of_system(system)?, |problem, wall| {
+            let make = if wall.is_above() { Wall::below } else { Wall::above };
+            problem.with_wall(make(-wall.offset(), wall.restitution())?.on(wall.state()))
+        })
+    }
+}
+
+/// −p(−x).
+fn turned(p: &Polynomial) -> Result<Polynomial> {
+    let sign = |alpha: &[u32]| if total_degree(alpha) % 2 == 1 { 1.0 } else { -1.0 };
+    Polynomial::from_terms(p.dimension(), p.terms().map(|(alpha, c)| (alpha, sign(alpha) * c)))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop")]
+    use super::*;
+    use crate::models::DuffingVanDerPol;
+
+    #[test]
+    fn a_mirror_turns_drift_and_walls_and_twice_is_the_problem_itself() {
+        let problem = Problem::of(DuffingVanDerPol::van_der_pol(0.5, 0.3).unwrap()).unwrap();
+        let problem = problem.with_wall(Wall::above(-0.5, 0.9).unwrap()).unwrap();
+        let mirrored = problem.mirrored().unwrap();
+        assert_eq!(mirrored.walls(), [Wall::below(0.5, 0.9).unwrap()]);
+        // An odd drift is its own image.
+        assert_eq!(mirrored.drift(), problem.drift());
+        let again = mirrored.mirrored().unwrap();
+        assert_eq!((again.walls(), again.noise()), (problem.walls(), problem.noise()));
+    }
+}

@@ -1,0 +1,98 @@
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::Polynomial;
+
+/// The most states whose sign changes are searched one by one; beyond, only that of all states together.
+const SEARCHED: usize = 12;
+
+/// The sign changes of states that leave the Fokker-Planck equation as it is, x_i → s_i x_i.
+///
+/// A unique stationary density has the symmetries of its equation: only functions that share them are needed, and every
+/// state of a simulation stands for its mirror images too.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Symmetry {
+    /// Which states each change flips; never empty, the first flips none.
+    changes: Vec<Vec<bool>>,
+}
+
+impl Symmetry {
+    /// No symmetry at all.
+    pub(crate) fn none(states: usize) -> Self {
+        Symmetry { changes: vec![vec![false; states]] }
+    }
+
+    /// The symmetries of an operator: f_i(s x) = s_i f_i(x) and B_ij(s x) = s_i s_j B_ij(x), term by term.
+    pub(super) fn of(operator: &FokkerPlanck) -> Self {
+        let n = operator.dimension();
+        let all: Vec<Vec<bool>> = if n <= SEARCHED {
+            (0..1_u32 << n).map(|bits| (0..n).map(|i| bits >> i & 1 == 1).collect()).collect()
+        } else {
+            vec![vec![false; n], vec![true; n]]
+        };
+        let turns = |p: &Polynomial, flip: &[bool], sign: bool| p.terms().all(|(alpha, _)| odd(flip, alpha) == sign);
+        let kept = |flip: &Vec<bool>| {
+            (0..n).all(|i| {
+                turns(&operator.drift()[i], flip, flip[i])
+                    && (0..n).all(|j| turns(&operator.diffusion()[i][j], flip, flip[i] != flip[j]))
+            })
+        };
+        Symmetry { changes: all.into_iter().filter(kept).collect() }
+    }
+
+    /// Whether a monomial is the same at all mirror images.
+    pub(crate) fn keeps(&self, alpha: &[u32]) -> bool {
+        self.changes.iter().all(|flip| !odd(flip, alpha))
+    }
+
+    /// Whether some change flips this state, so that its mean is zero.
+    pub(crate) fn flips(&self, state: usize) -> bool {
+        self.changes.iter().any(|flip| flip[state])
+    }
+
+    /// The number of mirror images of a state, itself included.
+    pub(crate) fn count(&self) -> usize {
+        self.changes.len()
+    }
+
+    /// Mirror image `k` of a state, of which number 0 is the state itself.
+    pub(crate) fn reflect(&self, k: usize, x: &[f64], image: &mut [f64]) {
+        for ((image, x), flipped) in image.iter_mut().zip(x).zip(&self.changes[k]) {
+            *image = if *flipped { -x } else { *x };
+        }
+    }
+
+    /// A state and its mirror images.
+    pub(crate) fn images(&self, x: &[f64]) -> impl Iterator<Item = Vec<f64>> {
+        (0..self.count()).map(move |k| {
+            let mut image = vec![0.0; x.len()];
+            self.reflect(k, x, &mut image);
+            image
+        })
+    }
+}
+
+/// Whether a monomial changes its sign where these states do.
+fn odd(flip: &[bool], alpha: &[u32]) -> bool {
+    flip.iter().zip(alpha).filter(|(flipped, power)| **flipped && **power % 2 == 1).count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::models::{Duffing, DuffingChain};
+    use crate::problem::Problem;
+
+    /// Each of two uncoupled oscillators may be turned on its own, coupled ones only together.
+    #[test]
+    fn oscillators_are_odd_and_uncoupled_ones_twice() {
+        let duffing = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap()).unwrap().symmetry();
+        assert_eq!(duffing.changes, [[false; 2], [true; 2]]);
+        assert!(duffing.keeps(&[1, 1]) && duffing.keeps(&[0, 4]) && !duffing.keeps(&[2, 1]));
+        let chain = |coupling: f64| {
+            let chain = DuffingChain::new(&[0.2, 0.3], 1.0, 0.3, coupling, 1.0).unwrap();
+            Problem::of_system(chain).unwrap().symmetry()
+        };
+        assert_eq!(chain(0.5).changes, [[false; 4], [true; 4]]);
+        assert_eq!(chain(0.0).count(), 4);
+        assert!(chain(0.0).flips(0) && !chain(0.0).keeps(&[1, 0, 1, 0]) && chain(0.5).keeps(&[1, 0, 1, 0]));
+        assert_eq!(duffing.images(&[1.0, -2.0]).collect::<Vec<_>>(), [[1.0, -2.0], [-1.0, 2.0]]);
+    }
+}

@@ -1,0 +1,334 @@
+//! Problems as text.
+
+use super::expression::{RESERVED, is_name, polynomial};
+use super::{Problem, Wall};
+use crate::error::{Error, Result};
+use crate::polynomial::Polynomial;
+use crate::scalar::Scalar;
+use crate::system::{Interpretation, PolynomialSystem};
+use std::borrow::Cow;
+use std::fmt::Write;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A system as its polynomials.
+pub(super) struct Written {
+    pub(super) states: Vec<String>,
+    pub(super) parameters: Vec<(String, f64)>,
+    pub(super) drift: Vec<Polynomial>,
+    /// By rows.
+    pub(super) noise: Vec<Vec<Polynomial>>,
+    pub(super) interpretation: Interpretation,
+}
+
+impl PolynomialSystem for Written {
+    fn states(&self) -> usize {
+        self.drift.len()
+    }
+
+    fn processes(&self) -> usize {
+        self.noise.first().map_or(0, Vec::len)
+    }
+
+    fn drift<S: Scalar>(&self, x: &[S]) -> Vec<S> {
+        self.drift.iter().map(|f| f.evaluate(x)).collect()
+    }
+
+    fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>> {
+        self.noise.iter().map(|row| row.iter().map(|g| g.evaluate(x)).collect()).collect()
+    }
+
+    fn interpretation(&self) -> Interpretation {
+        self.interpretation
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.states.clone()
+    }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        self.parameters.clone()
+    }
+}
+
+type Key<'a> = Spanned<Cow<'a, str>>;
+type Entry<'a> = Spanned<DeValue<'a>>;
+
+/// A document, for the lines of its errors.
+#[derive(Clone, Copy)]
+struct Document<'a>(&'a str);
+
+impl Document<'_> {
+    fn wrong<T>(self, place: usize, name: &str, problem: impl Into<String>) -> Result<T> {
+        let before = self.0.as_bytes().iter().take(place);
+        let line = 1 + before.filter(|byte| **byte == b'\n').count();
+        Err(Error::NotAProblem { line, name: name.to_owned(), problem: problem.into() })
+    }
+
+    fn table<'b, 'c>(self, name: &str, value: &'b Entry<'c>) -> Result<&'b DeTable<'c>> {
+        match value.get_ref() {
+            DeValue::Table(table) => Ok(table),
+            _ => self.wrong(value.span().start, name, "it must be a table"),
+        }
+    }
+
+    /// An expression in states and parameters; a plain number is one.
+    fn expression(self, name: &str, value: &Entry<'_>, written: &Written) -> Result<Polynomial> {
+        let text = match value.get_ref() {
+            DeValue::String(text) => text.to_string(),
+            DeValue::Integer(number) if number.radix() == 10 => format!("({number})"),
+            DeValue::Float(number) => format!("({number})"),
+            _ => return self.wrong(value.span().start, name, "it must be a number, or an expression in quotes"),
+        };
+        let found = polynomial(&text, &written.states, &written.parameters);
+        found.or_else(|problem| self.wrong(value.span().start, name, problem))
+    }
+
+    /// An expression without states.
+    fn number(self, name: &str, value: &Entry<'_>, parameters: &[(String, f64)]) -> Result<f64> {
+        let parameters = parameters.to_vec();
+        let interpretation = Interpretation::Ito;
+        let constants =
+            Written { states: Vec::new(), parameters, drift: Vec::new(), noise: Vec::new(), interpretation };
+        Ok(self.expression(name, value, &constants)?.constant_term())
+    }
+
+    fn known(self, table: &DeTable<'_>, what: &str, names: &[&str]) -> Result<()> {
+        match table.keys().find(|key| !names.contains(&key.get_ref().as_ref())) {
+            Some(key) => {
+                let problem = format!("{what} has no such entry; there are {}", names.join(", "));
+                self.wrong(key.span().start, key.get_ref(), problem)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn states(self, root: &DeTable<'_>) -> Result<Vec<String>> {
+        let problem = "list the states' names: states = [\"x\", \"v\"]";
+        let Some(value) = root.get("states") else { return self.wrong(0, "states", problem) };
+        let DeValue::Array(list) = value.get_ref() else { return self.wrong(value.span().start, "states", problem) };
+        let mut states: Vec<String> = Vec::new();
+        for entry in list.iter() {
+            let place = entry.span().start;
+            let DeValue::String(name) = entry.get_ref() else { return self.wrong(place, "states", problem) };
+            self.sound(place, name)?;
+            if states.iter().any(|state| state == name) {
+                return self.wrong(place, name, "two states have this name");
+            }
+            states.push(name.to_string());
+        }
+        if states.is_empty() { self.wrong(value.span().start, "states", problem) } else { Ok(states) }
+    }
+
+    fn sound(self, place: usize, name: &str) -> Result<()> {
+        if is_name(name) {
+            return Ok(());
+        }
+        let problem = format!("a name is a letter, then letters, digits and _, and none of {}", RESERVED.join(", "));
+        self.wrong(place, name, problem)
+    }
+
+    fn parameters(self, root: &DeTable<'_>, states: &[String]) -> Result<Vec<(String, f64)>> {
+        let mut parameters: Vec<(String, f64)> = Vec::new();
+        let Some(value) = root.get("parameters") else { return Ok(parameters) };
+        let mut entries: Vec<(&Key<'_>, &Entry<'_>)> = self.table("parameters", value)?.iter().collect();
+        // In the order of the text, so that a parameter may be made of those above it.
+        entries.sort_by_key(|(key, _)| key.span().start);
+        for (key, value) in entries {
+            let name = key.get_ref();
+            self.sound(key.span().start, name)?;
+            if states.iter().any(|state| state == name) {
+                return self.wrong(key.span().start, name, "a state has this name");
+            }
+            parameters.push((name.to_string(), self.number(name, value, &parameters)?));
+        }
+        Ok(parameters)
+    }
+
+    /// One entry for each state that a table names.
+    fn by_state(self, table: &DeTable<'_>, what: &str, written: &Written) -> Result<Vec<Option<Polynomial>>> {
+        let names: Vec<&str> = written.states.iter().map(String::as_str).collect();
+        self.known(table, what, &names)?;
+        let entry = |name: &&str| table.get(*name).map(|value| self.expression(name, value, written)).transpose();
+        names.iter().map(entry).collect()
+    }
+
+    fn wall(self, entry: &Entry<'_>, written: &Written) -> Result<Wall> {
+        let place = entry.span().start;
+        let table = self.table("wall", entry)?;
+        self.known(table, "a wall", &["state", "above", "below", "restitution"])?;
+        let state = match table.get("state").map(Spanned::get_ref) {
+            Some(DeValue::String(name)) => written.states.iter().position(|state| state == name),
+            _ => None,
+        };
+        let Some(state) = state else { return self.wrong(place, "wall", "name its state: state = \"x\"") };
+        let number =
+            |name: &str| table.get(name).map(|value| self.number(name, value, &written.parameters)).transpose();
+        let Some(restitution) = number("restitution")? else {
+            return self.wrong(place, "wall", "it has no restitution; 0 < restitution ≤ 1");
+        };
+        let wall = match (number("above")?, number("below")?) {
+            (Some(offset), None) => Wall::above(offset, restitution),
+            (None, Some(offset)) => Wall::below(offset, restitution),
+            _ => return self.wrong(place, "wall", "the motion stays above = b, or below = b: give one of the two"),
+        };
+        wall.map(|wall| wall.on(state)).or_else(|error| self.wrong(place, "wall", error.to_string()))
+    }
+
+    fn problem(self) -> Result<Problem> {
+        let root = match DeTable::parse(self.0) {
+            Ok(root) => root.into_inner(),
+            Err(error) => {
+                let place = error.span().map_or(0, |span| span.start);
+                return self.wrong(place, "the text", format!("it is no TOML: {}", error.message()));
+            }
+        };
+        self.known(&root, "a problem", &["states", "interpretation", "parameters", "drift", "noise", "wall"])?;
+        let states = self.states(&root)?;
+        let parameters = self.parameters(&root, &states)?;
+        let interpretation = match root.get("interpretation").map(|value| (value.span().start, value.get_ref())) {
+            None => Interpretation::Ito,
+            Some((_, DeValue::String(name))) if name == "ito" => Interpretation::Ito,
+            Some((_, DeValue::String(name))) if name == "stratonovich" => Interpretation::Stratonovich,
+            Some((place, _)) => return self.wrong(place, "interpretation", "it is \"ito\" or \"stratonovich\""),
+        };
+        let mut written = Written { states, parameters, drift: Vec::new(), noise: Vec::new(), interpretation };
+        let n = written.states.len();
+        let Some(drift) = root.get("drift") else {
+            return self.wrong(0, "drift", "there is none: write a table [drift] with an entry for each state");
+        };
+        let found = self.by_state(self.table("drift", drift)?, "the drift", &written)?;
+        if let Some(i) = found.iter().position(Option::is_none) {
+            let problem = "the drift has no entry for this state; write 0 where it does not move";
+            return self.wrong(drift.span().start, &written.states[i], problem);
+        }
+        written.drift = found.into_iter().flatten().collect();
+        written.noise = vec![Vec::new(); n];
+        if let Some(noise) = root.get("noise") {
+            let mut processes: Vec<(&Key<'_>, &Entry<'_>)> = self.table("noise", noise)?.iter().collect();
+            processes.sort_by_key(|(key, _)| key.span().start);
+            for (key, process) in processes {
+                let name = format!("noise.{}", key.get_ref());
+                let column = self.by_state(self.table(&name, process)?, &name, &written)?;
+                for (row, entry) in written.noise.iter_mut().zip(column) {
+                    row.push(entry.unwrap_or_else(|| Polynomial::zero(n)));
+                }
+            }
+        }
+        let mut walls = Vec::new();
+        if let Some(list) = root.get("wall") {
+            let DeValue::Array(entries) = list.get_ref() else {
+                return self.wrong(list.span().start, "wall", "each wall is a table [[wall]]");
+            };
+            for entry in entries.iter() {
+                walls.push((entry.span().start, self.wall(entry, &written)?));
+            }
+        }
+        walls.into_iter().try_fold(Problem::of_system(written)?, |problem, (place, wall)| {
+            problem.with_wall(wall).or_else(|error| self.wrong(place, "wall", error.to_string()))
+        })
+    }
+}
+
+impl Problem {
+    /// The problem that a TOML document describes.
+    ///
+    /// Entries are numbers, or expressions in quotes: `+`, `-`, `*`, `/` by a number, `^` with a whole exponent, and of numbers
+    /// and parameters also `sqrt`, `exp`, `ln`, `sin`, `cos` and `pi`. A parameter may be made of those above it. Each table
+    /// `[noise.NAME]` is one Wiener process; states that it does not name are not driven by it.
+    ///
+    /// # Errors
+    /// [`Error::NotAProblem`] with the line, the entry and what to write instead; those of [`Problem::of`].
+    ///
+    /// ```
+    /// use expoly::Problem;
+    /// let problem = Problem::from_toml(r#"
+    /// states = ["x", "v"]
+    /// [parameters]
+    /// c = 0.2
+    /// k = 1.0
+    /// mu = 0.3
+    /// D = 0.2
+    /// [drift]
+    /// x = "v"
+    /// v = "-c*v - k*x - mu*x^3"
+    /// [noise.w]
+    /// v = "sqrt(2*D)"
+    /// [[wall]]
+    /// state = "x"
+    /// above = -0.5
+    /// restitution = 0.9
+    /// "#)?;
+    /// assert_eq!(problem.drift()[1].text(problem.states()).to_string(), "- x - 0.2 v - 0.3 x^3");
+    /// assert_eq!(problem.walls()[0].offset(), -0.5);
+    /// assert_eq!(Problem::from_toml(&problem.to_toml()?)?.operator(), problem.operator());
+    ///
+    /// let error = Problem::from_toml("states = [\"x\"]\n[drift]\nx = \"-y\"").err();
+    /// assert!(error.is_some_and(|error| error.to_string().starts_with("line 3: x: \"y\" is neither a state")));
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn from_toml(text: &str) -> Result<Self> {
+        Document(text).problem()
+    }
+
+    /// The problem as a TOML document that [`Problem::from_toml`] reads back to the same bits.
+    ///
+    /// Drift and noise are written with their coefficients, parameters beside them with their values.
+    ///
+    /// # Errors
+    /// [`Error::NotAName`] where a state's name or a parameter's can be none in an expression.
+    pub fn to_toml(&self) -> Result<String> {
+        let names = self.states().iter().chain(self.parameters().iter().map(|(name, _)| name));
+        if let Some(name) = names.into_iter().find(|name| !is_name(name)) {
+            let problem = "in an expression a name is a letter, then letters, digits and _";
+            return Err(Error::NotAName { name: name.clone(), problem });
+        }
+        let quoted: Vec<String> = self.states().iter().map(|name| format!("{name:?}")).collect();
+        let mut text = format!("states = [{}]\n", quoted.join(", "));
+        if self.interpretation() == Interpretation::Stratonovich {
+            text += "interpretation = \"stratonovich\"\n";
+        }
+        if !self.parameters().is_empty() {
+            text += "\n[parameters]\n";
+            self.parameters().iter().for_each(|(name, value)| line(&mut text, name, &format!("{value:?}")));
+        }
+        text += "\n[drift]\n";
+        for (name, f) in self.states().iter().zip(self.drift()) {
+            line(&mut text, name, &self.expression(f));
+        }
+        for (k, column) in self.noise().iter().enumerate() {
+            text += &format!("\n[noise.w{}]\n", k + 1);
+            let driven = self.states().iter().zip(column).filter(|(_, g)| !g.is_zero());
+            driven.for_each(|(name, g)| line(&mut text, name, &self.expression(g)));
+        }
+        for wall in self.walls() {
+            let side = if wall.is_above() { "above" } else { "below" };
+            text += &format!("\n[[wall]]\nstate = {:?}\n", self.states()[wall.state()]);
+            text += &format!("{side} = {:?}\nrestitution = {:?}\n", wall.offset(), wall.restitution());
+        }
+        Ok(text)
+    }
+
+    /// A polynomial as an expression in quotes, every coefficient with all its digits.
+    fn expression(&self, p: &Polynomial) -> String {
+        let mut text = String::new();
+        for (alpha, c) in p.terms() {
+            match (text.is_empty(), c < 0.0) {
+                (true, false) => {}
+                (true, true) => text.push('-'),
+                (false, false) => text += " + ",
+                (false, true) => text += " - ",
+            }
+            text += &format!("{:?}", c.abs());
+            for (name, power) in self.states().iter().zip(alpha).filter(|(_, power)| **power > 0) {
+                text += &if *power == 1 { format!("*{name}") } else { format!("*{name}^{power}") };
+            }
+        }
+        if text.is_empty() { String::from("\"0\"") } else { format!("\"{text}\"") }
+    }
+}
+
+fn line(text: &mut String, name: &str, value: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{name} = {value}");
+}

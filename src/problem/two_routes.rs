@@ -1,0 +1,128 @@
+//! Dual numbers through the definition against algebra on its polynomials: both are the same operator, to rounding.
+
+use super::{LANES, Lane, Problem};
+use crate::error::Result;
+use crate::fokker_planck::{Local, noise_induced_drift};
+use crate::models::{
+    CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
+    QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing,
+};
+use crate::polynomial::{Polynomial, monomials, power};
+use crate::scalar::Scalar;
+use crate::system::{Interpretation, PolynomialDrift};
+use pulp::Arch;
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+
+/// Three states, two noises that drive every state and depend on all of them.
+#[derive(Clone, Copy)]
+struct Dense(Interpretation);
+
+impl PolynomialDrift<3, 2> for Dense {
+    fn drift<S: Scalar>(&self, [x, y, z]: [S; 3]) -> [S; 3] {
+        [(y - x) * 10.0, x * 28.0 - y - x * z, x * y - z * (8.0 / 3.0)]
+    }
+
+    fn noise<S: Scalar>(&self, [x, y, z]: [S; 3]) -> [[S; 2]; 3] {
+        [[x * y + 1.0, z * 0.5], [z * z, S::from(0.3) - x], [y * 0.2, x * y * z]]
+    }
+
+    fn interpretation(&self) -> Interpretation {
+        self.0
+    }
+}
+
+/// Every model, and what no model has, all at once.
+fn problems() -> Result<Vec<Problem>> {
+    Ok(vec![
+        Problem::of(Linear::new(0.3, 2.0, 0.45)?)?,
+        Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?,
+        Problem::of(QuinticDuffing::new(1.0, 1.0, -1.8, 0.6, 0.3)?)?,
+        Problem::of(VanDerPolRayleigh::new(1.0, 0.15)?)?,
+        Problem::of(EnergyDamping::new(0.2, 0.3, 0.3, 0.2)?)?,
+        Problem::of(ParametricLinear::new(0.1, 1.0, 0.5, 0.2)?)?,
+        Problem::of(DisplacementNoise::new(0.5, 1.0, 0.4, 0.7, 0.5)?)?,
+        Problem::of(VelocityNoise::new([0.7, 0.3], [0.8, 0.0], 1.0, 0.4)?)?,
+        Problem::of(DuffingVanDerPol::van_der_pol(0.5, 0.3)?)?,
+        Problem::of(CubicDamping::rayleigh(1.0, 0.2)?)?,
+        DuffingChain::new(&[0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8)?.problem()?,
+        VibroImpactDuffing::standard([-0.5, 0.9])?.problem()?,
+        Problem::of(Dense(Interpretation::Ito))?,
+        Problem::of(Dense(Interpretation::Stratonovich))?,
+    ])
+}
+
+/// A value against a polynomial's at a point. Both are sums of at most a few dozen products in another order: 1e-13 of the
+/// terms' size is a few hundred rounding errors.
+fn check(what: &str, p: &Polynomial, x: &[f64], value: f64) {
+    let size: f64 = p.terms().map(|(alpha, c)| (c * power(x, alpha)).abs()).sum();
+    let distance = (p.evaluate(x) - value).abs();
+    assert!(distance <= 1e-13 * (1.0 + size), "{what} at {x:?}: off by {distance:e}");
+}
+
+fn both_routes_agree(problem: &Problem) -> Result<()> {
+    let (n, operator) = (problem.dimension(), problem.operator());
+    let spread = operator.diffusion_divergence();
+    let curvature = (0..n).fold(Polynomial::zero(n), |sum, i| sum + spread[i].derivative(i));
+    let slope = |g: &Polynomial, j: usize| g.derivative(j);
+    let squares = problem.noise().iter().flatten().flat_map(|g| (0..n).map(move |j| slope(g, j)));
+    let squares = squares.fold(Polynomial::zero(n), |sum, slope| sum + &slope * &slope);
+    // An arbitrary quartic.
+    let mut stream = ChaCha8Rng::seed_from_u64(7);
+    let terms = monomials(n, 4).into_iter().skip(1).map(|alpha| (alpha, stream.random_range(-0.1..0.1)));
+    let q = Polynomial::from_terms(n, terms.collect::<Vec<_>>())?;
+    let residual = operator.residual(&q);
+    let (mut local, mut jacobian) = (Local::new(n), vec![0.0; n * n]);
+    let (mut drift, mut diffusion) = (vec![0.0; n], vec![0.0; n * n]);
+    for _ in 0..20 {
+        let x: Vec<f64> = (0..n).map(|_| stream.random_range(-2.5..2.5)).collect();
+        problem.local(&x, &mut local);
+        problem.point(&x, &mut drift, &mut diffusion);
+        assert_eq!((&drift, &diffusion), (&local.drift, &local.diffusion));
+        check("divergence", &operator.divergence(), &x, local.divergence);
+        check("curvature", &curvature, &x, local.diffusion_curvature);
+        check("slopes of the noise", &squares, &x, problem.field().slopes(&x, &mut jacobian));
+        for i in 0..n {
+            check("drift", &operator.drift()[i], &x, local.drift[i]);
+            check("spread", &spread[i], &x, local.diffusion_divergence[i]);
+            for j in 0..n {
+                check("diffusion", &operator.diffusion()[i][j], &x, local.diffusion[i * n + j]);
+                check("slope of the drift", &operator.drift()[i].derivative(j), &x, jacobian[i * n + j]);
+            }
+        }
+        let (gradient, hessian) = (q.gradient(&x), q.hessian(&x).concat());
+        check("residual", &residual, &x, local.residual(&gradient, &hessian));
+    }
+    lanes_agree(problem, &mut stream);
+    Ok(())
+}
+
+/// What a simulation asks: drift, noise and induced drift as they were written, at many states at once.
+fn lanes_agree(problem: &Problem, stream: &mut ChaCha8Rng) {
+    let (n, field, arch) = (problem.dimension(), problem.field(), Arch::new());
+    let x: Vec<Lane> = (0..n).map(|_| std::array::from_fn(|_| stream.random_range(-2.5..2.5))).collect();
+    let mut found = vec![[f64::NAN; LANES]; n];
+    let check = |what: &str, polynomials: &[Polynomial], found: &[Lane]| {
+        for l in 0..LANES {
+            let state: Vec<f64> = x.iter().map(|lane| lane[l]).collect();
+            (0..n).for_each(|i| check(what, &polynomials[i], &state, found[i][l]));
+        }
+    };
+    field.drift(arch, &x, &mut found);
+    check("drift on lanes", problem.drift(), &found);
+    for (k, column) in problem.noise().iter().enumerate() {
+        field.noise(arch, k, &x, &mut found);
+        check("noise on lanes", column, &found);
+    }
+    field.induced(arch, &x, &mut found);
+    check("induced drift on lanes", &noise_induced_drift(problem.noise(), n), &found);
+}
+
+/// Each as it was defined, and once more from its text: systems of fixed size and of any.
+#[test]
+fn dual_numbers_and_polynomials_give_the_same_operator_on_every_model() -> Result<()> {
+    for problem in problems()? {
+        both_routes_agree(&problem)?;
+        both_routes_agree(&Problem::from_toml(&problem.to_toml()?)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,81 @@
+use crate::error::{Error, Result, finite};
+use serde::{Deserialize, Serialize};
+
+/// A rigid wall that a displacement y hits: y′₊ = −r y′₋ at y = b.
+///
+/// The motion stays above it, y ≥ b, or below it, y ≤ b. The wall need not stand at the rest position: `offset` is b, in the
+/// unit of the displacement. `restitution` is r, the ratio of rebound to approach speed, 0 < r ≤ 1.
+///
+/// ```
+/// use expoly::{Problem, Wall, models::Duffing};
+/// // Between two walls.
+/// let duffing = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+/// let problem = duffing.with_wall(Wall::above(-0.5, 0.9)?)?.with_wall(Wall::below(1.0, 0.8)?)?;
+/// assert_eq!(problem.walls().len(), 2);
+/// # Ok::<(), expoly::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    state: usize,
+    offset: f64,
+    restitution: f64,
+    above: bool,
+}
+
+impl Wall {
+    /// The wall with the motion above it: y ≥ `offset`, on state 0.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless the offset is finite and 0 < r ≤ 1.
+    pub fn above(offset: f64, restitution: f64) -> Result<Self> {
+        Wall { state: 0, offset, restitution, above: true }.checked()
+    }
+
+    /// The wall with the motion below it: y ≤ `offset`, on state 0.
+    ///
+    /// # Errors
+    /// As [`Wall::above`].
+    pub fn below(offset: f64, restitution: f64) -> Result<Self> {
+        Wall { state: 0, offset, restitution, above: false }.checked()
+    }
+
+    /// The same wall on another state.
+    #[must_use]
+    pub fn on(self, state: usize) -> Self {
+        Wall { state, ..self }
+    }
+
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(crate) fn checked(self) -> Result<Self> {
+        finite("offset of the wall", self.offset)?;
+        if !(self.restitution > 0.0 && self.restitution <= 1.0) {
+            return Err(Error::OutOfRange {
+                name: "restitution r",
+                value: self.restitution,
+                remedy: "it is the ratio of rebound to approach speed and must satisfy 0 < r ≤ 1",
+            });
+        }
+        Ok(self)
+    }
+
+    /// The displacement's state.
+    pub fn state(&self) -> usize {
+        self.state
+    }
+
+    /// The wall's position b.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// The coefficient of restitution r.
+    pub fn restitution(&self) -> f64 {
+        self.restitution
+    }
+
+    /// Whether the motion is above the wall.
+    pub fn is_above(&self) -> bool {
+        self.above
+    }
+}

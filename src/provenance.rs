@@ -1,0 +1,122 @@
+//! How an answer came about.
+
+use crate::record::number;
+use serde::{Deserialize, Serialize};
+
+/// What ended a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Stopped {
+    /// All samples that were asked for are there.
+    Samples,
+    /// Every estimate named in [`Simulation::until`](crate::Simulation::until) is as precise as asked.
+    Precision,
+    /// The time of [`Simulation::time_budget`](crate::Simulation::time_budget) was over.
+    TimeBudget,
+}
+
+/// How an answer came about, whichever method gave it. A field is none where the method has no such thing.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
+pub struct Provenance {
+    /// The method.
+    pub method: String,
+
+    /// The order n of a closure: the degree of Q.
+    pub order: Option<u32>,
+    /// The functions that Q is made of.
+    pub basis: Option<String>,
+    /// How an iteration ended.
+    pub termination: Option<String>,
+    /// Where the chosen density came from.
+    pub origin: Option<String>,
+    /// Why there is no density.
+    pub refusal: Option<String>,
+    /// Why the answer should not be relied on.
+    pub warning: Option<String>,
+    /// The number of unknowns.
+    pub unknowns: Option<usize>,
+    /// The number of nodes that integrals were taken on.
+    pub nodes: Option<usize>,
+    /// The steps of an iteration, or the linear systems that were solved.
+    pub iterations: Option<usize>,
+    /// The estimate of ∫ |p̃ − p| dx, between 0 and 2.
+    #[serde(with = "number::option")]
+    pub l1_estimate: Option<f64>,
+    /// The residual tested against polynomials of a higher degree than Q's, in a norm of p̃.
+    #[serde(with = "number::option")]
+    pub indicator: Option<f64>,
+    /// The size of what is left of the equations that were solved.
+    #[serde(with = "number::option")]
+    pub residual: Option<f64>,
+    /// The condition number of the last linear system.
+    #[serde(with = "number::option")]
+    pub condition: Option<f64>,
+
+    /// The seed of all random numbers; of merged runs the lowest one. Trajectory i of a simulation owns stream i.
+    pub seed: Option<u64>,
+    /// The states of a closure's pilot, without mirror images.
+    pub pilot_states: Option<usize>,
+    /// The factor that the pilot's noise intensities were multiplied by.
+    pub inflation: Option<f64>,
+    /// Whether the pilot's earlier and later samples agree.
+    pub stationary: Option<bool>,
+
+    /// The number of independent runs, each with a seed of its own: 1 unless runs with several seeds are merged.
+    pub runs: Option<usize>,
+    /// The number of independent trajectories.
+    pub trajectories: Option<usize>,
+    /// The number of samples in all.
+    pub samples: Option<usize>,
+    /// The number of time steps of all trajectories together, burn-in and pilot included.
+    pub path_steps: Option<u64>,
+    /// The time step h.
+    pub time_step: Option<f64>,
+    /// The rate ω that the time step was chosen by; none where the time step was given.
+    pub rate: Option<f64>,
+    /// The time before the first sample, as rounded.
+    pub burn_in: Option<f64>,
+    /// The time between two samples of a trajectory, as rounded.
+    pub sampling_interval: Option<f64>,
+    /// What ended a simulation.
+    pub stopped: Option<Stopped>,
+
+    /// The cells of a grid along each state.
+    pub cells: Option<[usize; 2]>,
+    /// The degree of the polynomials within a cell.
+    pub degree: Option<usize>,
+    /// The entries of the matrix that are not zero.
+    pub nonzeros: Option<usize>,
+    /// The limits of each state, lower and upper.
+    pub domain: Option<Vec<[f64; 2]>>,
+    /// The largest density at an open edge of the domain, relative to the peak.
+    #[serde(with = "number::option")]
+    pub edge_level: Option<f64>,
+    /// The probability that leaves the domain per unit time.
+    #[serde(with = "number::option")]
+    pub leak: Option<f64>,
+    /// The most negative density relative to the peak.
+    #[serde(with = "number::option")]
+    pub most_negative: Option<f64>,
+    /// The integral of the density's negative part.
+    #[serde(with = "number::option")]
+    pub negative_mass: Option<f64>,
+
+    /// The independent replicas of a splitting.
+    pub replicas: Option<usize>,
+    /// The particles of each replica.
+    pub particles: Option<usize>,
+    /// The levels that particles are split at.
+    pub thresholds: Option<Vec<f64>>,
+    /// The time between two resamplings.
+    pub resampling_interval: Option<f64>,
+    /// The time before the first statistic of a replica.
+    pub relaxation: Option<f64>,
+    /// The time over which a replica's statistics were taken.
+    pub duration: Option<f64>,
+
+    /// The wall-clock time in seconds; of a resumed run, all its sessions; of merged parts, their sum.
+    pub seconds: f64,
+}

@@ -1,0 +1,111 @@
+//! Lists of states.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::ops::Index;
+use std::slice::ChunksExact;
+
+/// A list of states of one system, each a slice of as many numbers as the system has states.
+///
+/// ```
+/// use expoly::States;
+/// let mut list = States::new(2);
+/// list.push(&[0.5, -1.0]);
+/// assert_eq!((list.len(), &list[0]), (1, &[0.5, -1.0][..]));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct States {
+    dimension: usize,
+    values: Vec<f64>,
+}
+
+impl States {
+    /// An empty list of states of `dimension` numbers each, at least one.
+    pub fn new(dimension: usize) -> Self {
+        States::with_capacity(dimension, 0)
+    }
+
+    pub(crate) fn with_capacity(dimension: usize, count: usize) -> Self {
+        States { dimension: dimension.max(1), values: Vec::with_capacity(dimension * count) }
+    }
+
+    /// The states whose numbers follow one another in `values`; an incomplete last one is left out.
+    pub(crate) fn from_values(dimension: usize, mut values: Vec<f64>) -> Self {
+        let dimension = dimension.max(1);
+        values.truncate(values.len() / dimension * dimension);
+        States { dimension, values }
+    }
+
+    /// The number of numbers in a state.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The number of states.
+    pub fn len(&self) -> usize {
+        self.values.len() / self.dimension
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Appends a state. What `x` has too much is left out, and what it has too little is 0.
+    pub fn push(&mut self, x: &[f64]) {
+        let end = self.values.len() + self.dimension;
+        self.values.extend_from_slice(&x[..x.len().min(self.dimension)]);
+        self.values.resize(end, 0.0);
+    }
+
+    /// Appends all states of another list.
+    pub(crate) fn extend(&mut self, other: &States) {
+        self.values.extend_from_slice(&other.values);
+    }
+
+    pub(crate) fn state(&self, i: usize) -> &[f64] {
+        &self.values[i * self.dimension..(i + 1) * self.dimension]
+    }
+
+    /// The states in order.
+    pub fn iter(&self) -> ChunksExact<'_, f64> {
+        self.values.chunks_exact(self.dimension)
+    }
+
+    pub(crate) fn par_iter(&self) -> rayon::slice::ChunksExact<'_, f64> {
+        self.values.par_chunks_exact(self.dimension)
+    }
+
+    /// Runs of `count` states, the last one perhaps shorter.
+    pub(crate) fn par_chunks(&self, count: usize) -> rayon::slice::Chunks<'_, f64> {
+        self.values.par_chunks(count * self.dimension)
+    }
+
+    /// Leaves out the states that `keep` refuses.
+    pub(crate) fn retain(&mut self, keep: impl Fn(&[f64]) -> bool) {
+        let kept = self.iter().filter(|x| keep(x)).flatten().copied().collect();
+        self.values = kept;
+    }
+
+    /// All numbers, state after state.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+impl Index<usize> for States {
+    type Output = [f64];
+
+    fn index(&self, i: usize) -> &[f64] {
+        self.state(i)
+    }
+}
+
+impl<'a> IntoIterator for &'a States {
+    type Item = &'a [f64];
+    type IntoIter = ChunksExact<'a, f64>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}

@@ -1,0 +1,6 @@
+//! What can be done with a density: statistics, comparisons, studies, and closed forms for other programs.
+
+mod closed_form;
+mod densities;
+mod sampling_errors;
+mod study;

@@ -1,0 +1,6 @@
+//! The closures, the robust one and the literature's, where the truth is known and where a grid knows it.
+
+mod classical_walls;
+mod closed_forms;
+mod robust;
+mod walls;

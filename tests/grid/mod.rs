@@ -1,0 +1,4 @@
+//! The grid: stationary densities, relaxation and transients.
+
+mod dynamics;
+mod stationary;

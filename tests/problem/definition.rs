@@ -1,0 +1,183 @@
+//! What a problem is made of, and what it refuses to be.
+
+use crate::common::*;
+use expoly::models::Solved;
+use expoly::{
+    Closure, Density, Error, Interpretation, PolynomialDrift, PolynomialSystem, Problem, Result, Scalar, Wall,
+};
+
+/// Two masses whose velocities come last; the noise of the second is parametric.
+struct Coupled {
+    names: &'static [&'static str],
+}
+
+impl PolynomialDrift<4, 2> for Coupled {
+    fn drift<S: Scalar>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
+        let spring = (x - y) * 0.5;
+        [u, v, -(u * 0.2) - x - spring, -(v * 0.3) - y - y.powi(3) + spring]
+    }
+    fn noise<S: Scalar>(&self, [_, y, _, _]: [S; 4]) -> [[S; 2]; 4] {
+        let zero = S::from(0.0);
+        [[zero, zero], [zero, zero], [S::from(0.6), zero], [zero, y * 0.1]]
+    }
+    fn interpretation(&self) -> Interpretation {
+        Interpretation::Stratonovich
+    }
+    fn names(&self) -> Vec<String> {
+        self.names.iter().map(ToString::to_string).collect()
+    }
+    fn parameters(&self) -> Vec<(String, f64)> {
+        vec![("kappa".into(), 0.5)]
+    }
+}
+
+#[test]
+fn a_problem_says_what_it_is_made_of() -> Result<()> {
+    let problem = Problem::of(Coupled { names: &["x", "y", "u", "v"] })?;
+    assert_eq!((problem.dimension(), problem.states().join(" ")), (4, String::from("x y u v")));
+    assert_eq!((problem.state("u")?, problem.state("v")?), (2, 3));
+    assert!(matches!(problem.state("w"), Err(Error::NotAName { name, .. }) if name == "w"));
+    assert_eq!(problem.parameters(), [(String::from("kappa"), 0.5)]);
+    assert_eq!(problem.interpretation(), Interpretation::Stratonovich);
+    assert_eq!(problem.displacements(), [(0, 2), (1, 3)]);
+    assert_eq!([0, 1, 2, 3, 4].map(|state| problem.velocity_of(state)), [Some(2), Some(3), None, None, None]);
+    assert_eq!(problem.drift()[2].text(problem.states()).to_string(), "- 1.5 x + 0.5 y - 0.2 u");
+    // By columns: each Wiener process, then the states that it drives.
+    let driven = |k: usize| problem.noise()[k].iter().map(|g| g.text(problem.states()).to_string()).collect::<Vec<_>>();
+    assert_eq!(
+        (driven(0), driven(1)),
+        (["0", "0", "0.6", "0"].map(str::to_owned).into(), ["0", "0", "0", "0.1 y"].map(str::to_owned).into())
+    );
+    assert_eq!((problem.operator().dimension(), problem.walls().len()), (4, 0));
+    // The usual names, where none are given.
+    assert_eq!(Problem::of(Coupled { names: &[] })?.states(), ["x1", "x2", "x3", "x4"]);
+    assert_eq!(crate::common::problem(duffing()).states(), ["x", "v"]);
+    assert_eq!(crate::common::problem(OrnsteinUhlenbeck).states(), ["x1"]);
+    assert_eq!(chain_of_three().problem()?.states(), ["x1", "v1", "x2", "v2", "x3", "v3"]);
+    let parameters = crate::common::problem(duffing()).parameters().to_vec();
+    assert_eq!(parameters, [("c", 0.2), ("k", 1.0), ("mu", 0.3), ("D", 0.2)].map(|(name, c)| (name.to_owned(), c)));
+    // The same statement for every model: names for all states, finite parameters.
+    for (name, problem) in every_model() {
+        assert_eq!(problem.states().len(), problem.dimension(), "{name}");
+        assert!(!problem.parameters().is_empty() && problem.parameters().iter().all(|(_, c)| c.is_finite()), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn names_that_do_not_fit_the_states_are_refused() {
+    let refused = |names: &'static [&'static str]| Problem::of(Coupled { names }).unwrap_err();
+    assert!(matches!(refused(&["x", "y"]), Error::Dimension { expected: 4, found: 2, .. }));
+    for (names, bad) in [(&["x", "y", "x", "v"], "x"), (&["x", "", "u", "v"], ""), (&["x", "y", "u", "v 1"], "v 1")] {
+        assert!(matches!(refused(names), Error::NotAName { name, .. } if name == bad), "{names:?}");
+    }
+}
+
+#[test]
+fn walls_need_a_displacement_and_room() -> Result<()> {
+    let problem = Problem::of(Coupled { names: &["x", "y", "u", "v"] })?;
+    let with = |walls: &[Wall]| walls.iter().try_fold(problem.clone(), |problem, wall| problem.with_wall(*wall));
+    // Each displacement may have one wall on each side.
+    let (low, high) = (Wall::above(-0.5, 0.9)?, Wall::below(0.5, 0.8)?);
+    let all = with(&[low, high.on(1), low.on(1), high])?;
+    assert_eq!(all.walls(), [low, high.on(1), low.on(1), high]);
+    assert_eq!((high.on(1).state(), high.is_above(), low.is_above()), (1, false, true));
+    assert_eq!((high.offset(), high.restitution()), (0.5, 0.8));
+    assert!(all.without_walls().walls().is_empty() && problem.walls().is_empty());
+    for state in [2, 3, 4, usize::MAX] {
+        assert_eq!(with(&[low.on(state)]).unwrap_err(), Error::NotADisplacement { state });
+    }
+    for (walls, value) in [
+        (vec![low, Wall::above(-0.7, 1.0)?], -0.7),
+        (vec![high, Wall::below(0.7, 1.0)?], 0.7),
+        (vec![low, Wall::below(-0.6, 1.0)?], -0.6),
+        (vec![high, Wall::above(0.6, 1.0)?], 0.6),
+        (vec![low, Wall::below(-0.5, 1.0)?], -0.5),
+    ] {
+        let error = with(&walls).unwrap_err();
+        assert!(
+            matches!(error, Error::OutOfRange { name: "offset of the wall", value: v, .. } if v == value),
+            "{error}"
+        );
+    }
+    // The same two walls on different states have nothing to do with each other.
+    assert!(with(&[low, low.on(1)]).is_ok());
+    Ok(())
+}
+
+/// As long as it says it is, or not.
+struct Uneven {
+    drift: usize,
+    rows: usize,
+    columns: usize,
+}
+
+impl PolynomialSystem for Uneven {
+    fn states(&self) -> usize {
+        3
+    }
+    fn processes(&self) -> usize {
+        2
+    }
+    fn drift<S: Scalar>(&self, x: &[S]) -> Vec<S> {
+        (0..self.drift).map(|i| -x[i % 3]).collect()
+    }
+    fn noise<S: Scalar>(&self, _: &[S]) -> Vec<Vec<S>> {
+        vec![vec![S::from(1.0); self.columns]; self.rows]
+    }
+}
+
+#[test]
+fn a_system_of_any_size_is_as_long_as_it_says() {
+    let sound = Uneven { drift: 3, rows: 3, columns: 2 };
+    let problem = Problem::of_system(sound).unwrap();
+    assert_eq!((problem.dimension(), problem.noise().len(), problem.states().len()), (3, 2, 3));
+    for (drift, rows, columns, wrong) in
+        [(2, 3, 2, 2), (4, 3, 2, 4), (3, 2, 2, 2), (3, 4, 2, 4), (3, 3, 1, 1), (3, 3, 3, 3)]
+    {
+        let error = Problem::of_system(Uneven { drift, rows, columns }).unwrap_err();
+        assert!(matches!(error, Error::Dimension { found, .. } if found == wrong), "{error}");
+    }
+}
+
+/// Problems of one, two, three and four states, some with a wall, in one list, on other threads, by one method.
+#[test]
+fn problems_of_several_dimensions_are_solved_in_a_loop() -> Result<()> {
+    struct Filtered;
+    impl PolynomialDrift<3, 1> for Filtered {
+        fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
+            [v, -v - x + z, -z]
+        }
+        fn noise<S: Scalar>(&self, _: [S; 3]) -> [[S; 1]; 3] {
+            [[S::from(0.0)], [S::from(0.0)], [S::from(2.0_f64.sqrt())]]
+        }
+    }
+    // E x₁² of each: closed forms, and for the wall the reference table's Var y + (E y)².
+    let problems: Vec<(Problem, f64)> = vec![
+        (Problem::of(OrnsteinUhlenbeck)?, 1.0),
+        (Problem::of(duffing())?, 0.661_714_969_204),
+        (duffing_above(0.0, 1.0), 0.661_714_969_204),
+        (Problem::of(Filtered)?, 2.0 / 3.0),
+        (chain_of_two().problem()?, chain_of_two().exact()?.moment(&[2, 0, 0, 0])?.value),
+    ];
+    let solve = |(problem, truth): &(Problem, f64)| -> Result<()> {
+        let density = Closure::new(4).solve(problem)?;
+        let square: Vec<u32> = (0..problem.dimension()).map(|i| if i == 0 { 2 } else { 0 }).collect();
+        let moment = density.moment(&square)?;
+        assert_eq!(
+            (density.dimension(), density.impact_rate().is_some()),
+            (problem.dimension(), !problem.walls().is_empty())
+        );
+        assert!((moment.value / truth - 1.0).abs() < 1e-2, "{problem:?}: {moment} instead of {truth}");
+        Ok(())
+    };
+    problems.iter().try_for_each(solve)?;
+    let sent = problems[1].clone();
+    std::thread::spawn(move || solve_alone(&sent)).join().unwrap()
+}
+
+fn solve_alone(asked: &(Problem, f64)) -> Result<()> {
+    let found = Closure::classical(4).solve(&asked.0)?.density()?.moment(&[2, 0])?;
+    assert!((found.value - asked.1).abs() < 1e-10);
+    Ok(())
+}

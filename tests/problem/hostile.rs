@@ -1,0 +1,274 @@
+//! Bad input gets a typed error that names the value and the remedy; nothing panics.
+
+use crate::common::*;
+use expoly::models::{CubicDamping, DisplacementNoise, Duffing, DuffingChain, ParametricLinear, Solved};
+use expoly::{
+    Basis, Closure, Crossing, Density, Error, ExpPolynomial, Frame, Gaussian, Intensity, Oscillator, Polynomial,
+    PolynomialDrift, Problem, Scalar, Support, Termination, Wall,
+};
+use nalgebra::{DMatrix, DVector, dmatrix};
+
+const ODD_NUMBERS: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -1.0];
+
+#[test]
+fn an_intensity_is_finite_and_positive() {
+    for value in ODD_NUMBERS {
+        for make in [
+            Intensity::new,
+            Intensity::from_sigma,
+            Intensity::from_two_sided_density,
+            Intensity::from_one_sided_density,
+        ] {
+            let error = make(value).unwrap_err();
+            assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+            assert!(error.to_string().contains(&value.to_string()), "the message names {value}: {error}");
+        }
+        assert!(Duffing::new(0.2, 1.0, 0.3, value).is_err());
+        assert!(DuffingChain::new(&[0.2, value], 1.0, 0.3, 0.1, 1.0).is_err());
+        assert!(DuffingChain::new(&[0.2, 0.1], 1.0, 0.3, 0.1, value).is_err());
+    }
+    assert!(DuffingChain::new(&[], 1.0, 0.3, 0.1, 1.0).is_err());
+    // 2D = σ² = 2π S₀ = π G₀, all four ways round.
+    let d = Intensity::new(0.37).unwrap();
+    for same in [
+        Intensity::from_sigma(d.amplitude()),
+        Intensity::from_two_sided_density(d.two_sided_density()),
+        Intensity::from_one_sided_density(d.one_sided_density()),
+    ] {
+        assert!((same.unwrap().d() - 0.37).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn a_restitution_lies_between_zero_and_one() {
+    for r in [0.0, -0.3, 1.0 + 1e-12, f64::NAN, f64::INFINITY] {
+        for error in [Wall::above(0.0, r).unwrap_err(), Wall::below(0.0, r).unwrap_err()] {
+            assert!(matches!(error, Error::OutOfRange { name: "restitution r", .. }), "{error}");
+            assert!(error.to_string().contains("0 < r ≤ 1"), "{error}");
+        }
+    }
+    for b in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(Wall::above(b, 1.0), Err(Error::OutOfRange { .. })));
+        assert!(matches!(Wall::below(b, 1.0), Err(Error::OutOfRange { .. })));
+    }
+    assert!(Wall::above(-3.0, 1.0).is_ok());
+}
+
+#[test]
+fn parameters_that_are_not_finite_are_named() {
+    for value in [f64::NAN, f64::INFINITY] {
+        let error = Problem::of(Duffing::new(0.2, value, 0.3, 0.2).unwrap()).unwrap_err();
+        let Error::NotFinite { part, state, exponents, .. } = &error else { panic!("{error}") };
+        assert_eq!((*part, *state, exponents.as_slice()), ("drift", 1, &[1, 0][..]));
+        assert!(error.to_string().contains("finite"), "{error}");
+    }
+    // A negative growth of noise has no real amplitude.
+    let system = DisplacementNoise::new(0.5, 1.0, 0.4, -0.7, 0.5).unwrap();
+    assert!(matches!(Problem::of(system), Err(Error::NotFinite { part: "noise", .. })));
+    // Parametric noise so strong that nothing is stationary.
+    assert!(matches!(ParametricLinear::new(1.0, 1.0, 0.6, 0.2), Err(Error::OutOfRange { name: "δ − 1", .. })));
+}
+
+#[test]
+fn an_order_is_at_least_one() {
+    let (free, walled) = (problem(duffing()), duffing_above(0.0, 1.0));
+    for (error, least) in [
+        (Closure::classical(0).solve(&free).unwrap_err(), "order 1"),
+        (Closure::classical(0).solve(&walled).unwrap_err(), "order 1"),
+        (Closure::classical(0).basis(Basis::Folded).solve(&walled).unwrap_err(), "order 1"),
+        (Closure::classical(1).solve(&walled).unwrap_err(), "order 2"),
+    ] {
+        assert!(matches!(error, Error::OutOfRange { name: "order of the closure", .. }));
+        assert!(error.to_string().contains(least), "{error}");
+    }
+    // An order that would take terabytes.
+    for order in [1000, u32::MAX] {
+        assert!(matches!(Closure::classical(order).solve(&free), Err(Error::OutOfRange { .. })), "{order}");
+    }
+}
+
+/// No damping, negative damping, negative stiffness without a cubic term: nothing is stationary, and it is said.
+#[test]
+fn a_drift_without_a_stationary_density_is_refused() {
+    let unstable = [
+        Duffing::new(-0.2, 1.0, 0.3, 0.2),
+        Duffing::new(0.0, 1.0, 0.3, 0.2),
+        Duffing::new(0.2, -1.0, 0.0, 0.2),
+        Duffing::new(0.2, 1.0, -0.3, 0.2),
+    ];
+    for (k, system) in unstable.into_iter().enumerate() {
+        let system = system.unwrap();
+        let result = Closure::classical(4).solve(&problem(system));
+        match result {
+            Err(error) => {
+                assert!(matches!(error, Error::NoStationaryDensity { .. }), "{k}: {error}");
+                assert!(error.to_string().contains("signs of damping"), "{error}");
+            }
+            // A softening spring has a Gaussian closure; what it closes to is no density.
+            Ok(solution) => assert_ne!(solution.termination(), Termination::Root, "{k}"),
+        }
+        assert!(system.exact().is_err(), "{k}");
+    }
+    let drifting = CubicDamping::new([-0.5, -0.1], 1.0, 0.0, 0.2).unwrap();
+    assert!(matches!(Closure::classical(2).solve(&problem(drifting)), Err(Error::NoStationaryDensity { .. })));
+}
+
+struct Silent;
+
+impl PolynomialDrift<2, 1> for Silent {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -v - x]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 1]; 2] {
+        [[S::from(0.0)]; 2]
+    }
+}
+
+/// One state, no velocity: a wall makes no sense.
+struct Relaxation;
+
+impl PolynomialDrift<1, 1> for Relaxation {
+    fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
+        [-(x + x.powi(3))]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 1]) -> [[S; 1]; 1] {
+        [[S::from(1.0)]]
+    }
+}
+
+/// State 0 is driven by noise: no displacement.
+struct Diffusing;
+
+impl PolynomialDrift<2, 2> for Diffusing {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -(v + x)]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 2]; 2] {
+        let [o, one] = [0.0, 1.0].map(S::from);
+        [[one, o], [o, one]]
+    }
+}
+
+#[test]
+fn systems_without_noise_or_without_a_displacement_are_refused() {
+    assert_eq!(Problem::of(Silent).unwrap_err(), Error::NoNoise);
+    let wall = Wall::above(0.0, 0.9).unwrap();
+    for open in [problem(Diffusing), problem(Relaxation)] {
+        assert_eq!(open.with_wall(wall).unwrap_err(), Error::NotADisplacement { state: 0 });
+    }
+    // Without a wall both have a density.
+    assert!(Closure::classical(4).solve(&problem(Diffusing)).unwrap().density().is_ok());
+    let density = Closure::classical(4).solve(&problem(Relaxation)).unwrap().density().unwrap();
+    // ln p = −2(x²/2 + x⁴/4): one state is closed exactly too.
+    assert!((density.log_polynomial().coefficient(&[4]) + 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn wrong_dimensions_and_indices_are_refused() {
+    let error = Polynomial::from_terms(2, [(&[1, 2, 3][..], 1.0)]).unwrap_err();
+    assert!(matches!(error, Error::Dimension { expected: 2, found: 3, .. }), "{error}");
+    let density = duffing().exact().unwrap();
+    for error in [
+        density.marginal(2, 0.0).unwrap_err(),
+        density.variance(7).unwrap_err(),
+        density.flux(Crossing { displacement: 2, ..Crossing::upward(0.0) }, 1).unwrap_err(),
+        density.flux(Crossing { velocity: 2, ..Crossing::upward(0.0) }, 1).unwrap_err(),
+        density.flux(Crossing { velocity: 0, ..Crossing::upward(0.0) }, 1).unwrap_err(),
+    ] {
+        assert!(matches!(error, Error::Dimension { expected: 2, .. }), "{error}");
+    }
+}
+
+#[test]
+fn densities_need_a_finite_mass_and_a_proper_frame() {
+    let [x, v] = [0, 1].map(|i| Polynomial::variable(2, i));
+    let unit = Gaussian { mean: DVector::zeros(2), covariance: DMatrix::identity(2, 2) };
+    let growing = &x * &x * -1.0 + &v * &v;
+    let error = ExpPolynomial::from_states(&growing, &unit, Support::WholeSpace).unwrap_err();
+    let Error::NotNormalisable { direction, .. } = &error else { panic!("{error}") };
+    assert!(direction[1].abs() > 0.9, "{direction:?}");
+    // A channel that bends: no straight ray grows, but the mass never ends.
+    let bent = &x + &(&v * &v) * -1.0;
+    let channel = &(&bent * &bent) * -1.0;
+    assert!(matches!(
+        ExpPolynomial::from_states(&channel, &unit, Support::WholeSpace),
+        Err(Error::NotNormalisable { .. })
+    ));
+    let falling = &x * &x * -1.0 + &v * &v * -1.0;
+    // Variances that are no variances, none of them followed by an endless search for eigenvalues.
+    for covariance in
+        [dmatrix![1.0, 1.0; 1.0, 1.0], dmatrix![f64::NAN, 0.0; 0.0, 1.0], dmatrix![f64::INFINITY, 0.0; 0.0, 1.0]]
+    {
+        let flat = Gaussian { mean: DVector::zeros(2), covariance };
+        let density = ExpPolynomial::from_states(&falling, &flat, Support::WholeSpace);
+        assert!(matches!(density, Err(Error::OutOfRange { .. })), "{density:?}");
+        assert!(Frame::new(&flat).is_err());
+    }
+    for support in [Support::Above(f64::NAN), Support::Region(vec![[1.0, 0.0], [-1.0, 1.0]])] {
+        let density = ExpPolynomial::from_states(&falling, &unit, support);
+        assert!(matches!(density, Err(Error::OutOfRange { .. })), "{density:?}");
+    }
+    let three = ExpPolynomial::from_states(&falling, &unit, Support::Region(vec![[0.0, 1.0]; 3]));
+    assert!(matches!(three, Err(Error::Dimension { expected: 2, found: 3, .. })), "{three:?}");
+    for region in [
+        [[0.0, 0.0], [-1.0, 1.0]],
+        [[1.0, 0.0], [-1.0, 1.0]],
+        [[0.0, f64::INFINITY], [-1.0, 1.0]],
+        [[f64::NAN, 1.0], [-1.0, 1.0]],
+    ] {
+        assert!(matches!(ExpPolynomial::cut_off(&growing, &region), Err(Error::OutOfRange { .. })));
+    }
+    let cut = ExpPolynomial::cut_off(&growing, &[[-1.0, 1.0], [-1.0, 1.0]]).unwrap();
+    assert!((cut.moment(&[0, 0]).unwrap().value - 1.0).abs() < 1e-12);
+    assert_eq!(cut.pdf(&[0.0, 1.1]).unwrap().value, 0.0);
+}
+
+/// Random oscillators with extreme and odd parameters, some of them with a wall: whatever comes back is an answer or a
+/// typed error, and an answer's density is a density.
+#[test]
+fn nothing_panics_on_random_systems() {
+    struct Random([f64; 8], Intensity);
+    impl Oscillator for Random {
+        fn force<S: Scalar>(&self, x: S, v: S) -> S {
+            let c = self.0;
+            let odd = x.powi(3) * c[2] + x.powi(5) * c[3] + v.powi(3) * c[5];
+            v * c[0] + x * c[1] + odd + x * x * v * c[4] + x * x * c[6] + S::from(c[7])
+        }
+        fn intensity(&self) -> Intensity {
+            self.1
+        }
+    }
+    /// The problem, if its coefficients are finite.
+    fn asked(system: Random, wall: Wall) -> expoly::Result<[Problem; 2]> {
+        let free = Problem::of(system)?;
+        Ok([free.clone(), free.with_wall(wall)?])
+    }
+    let mut points = Points::new(2026);
+    let extreme = [0.0, 1e-8, 1e6, 1e150, f64::NAN, f64::INFINITY, -1e3];
+    let mut densities = 0;
+    for k in 0..150usize {
+        let mut c: [f64; 8] = points.array(1.0);
+        // Two in three are confined, so that there is something to close.
+        if k % 3 > 0 {
+            [c[0], c[2], c[3], c[5]] = [c[0], c[2], c[3], c[5]].map(f64::abs);
+        }
+        if k % 5 == 0 {
+            c[k % 8] = extreme[k % extreme.len()];
+        }
+        let intensity = Intensity::new(0.05 + points.next().abs()).unwrap();
+        for order in [2, 3, 4] {
+            let basis = if k % 2 == 0 { Basis::Classical } else { Basis::Folded };
+            let closure = Closure::classical(order).basis(basis);
+            let wall = Wall::above(points.next(), 0.3 + 0.7 * points.next().abs()).unwrap();
+            let Ok(problems) = asked(Random(c, intensity), wall) else { continue };
+            for solution in problems.iter().flat_map(|problem| closure.solve(problem)) {
+                if let Ok(density) = solution.density() {
+                    let mass = density.moment(&[0, 0]).unwrap();
+                    assert!((mass.value - 1.0).abs() < 1e-6, "{k}, {order}: {mass}");
+                    densities += 1;
+                }
+            }
+        }
+    }
+    assert!(densities > 150, "{densities}");
+}

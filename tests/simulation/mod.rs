@@ -1,0 +1,7 @@
+//! The simulation: its estimates, its time step, its control, and the statistics and tails that it finds.
+
+mod control;
+mod estimates;
+mod statistics;
+mod steps;
+mod tails;
