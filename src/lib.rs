@@ -45,22 +45,21 @@ mod system;
 
 pub use closed_form::ClosedForm;
 pub use closure::{
-    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, NodeKind, Origin, Solution, Termination,
-    Weight,
+    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Solution, Termination, Weight,
 };
-pub use density::{Counted, Crossing, Density, ExpPolynomial, Frame, Sampled, Support};
+pub use density::{Counted, Crossing, Density, ExpPolynomial, Sampled, Support};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::FokkerPlanck;
 pub use grid::{Grid, GridDensity, Relaxation, Start, Transient};
 pub use polynomial::{Gaussian, Polynomial};
-pub use problem::{Problem, Wall, Zhuravlev};
+pub use problem::{Problem, Wall};
 pub use provenance::{Provenance, Stopped};
 pub use scalar::Scalar;
 #[doc(hidden)]
 pub use scalar::Transcendental;
 pub use simulation::{
-    Axis, FirstPassage, Histogram, Progress, SimulatedDensity, Simulation, Spectrum, Splitting, Tails, Tolerance,
+    FirstPassage, Histogram, Progress, SimulatedDensity, Simulation, Spectrum, Splitting, Tails, Tolerance,
 };
 pub use states::States;
 pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift, PolynomialSystem};

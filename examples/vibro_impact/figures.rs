@@ -96,7 +96,7 @@ fn marginals(study: &Study, drawn: &[Drawn], state: usize, scale: Scale) -> Resu
 fn range(study: &Study, drawn: &[Drawn], state: usize) -> [f64; 2] {
     if let Some(histogram) = study.simulated.as_ref().and_then(|(density, _)| density.histogram(state).ok()) {
         let seen = |x: &f64| histogram.density_at(&[*x]).is_ok_and(|p| p.value > 0.0);
-        let hit: Vec<f64> = histogram.edges().filter(seen).collect();
+        let hit: Vec<f64> = histogram.edges(0).filter(seen).collect();
         return [hit.first().copied().unwrap_or(-1.0), hit.last().copied().unwrap_or(1.0)];
     }
     if let Some((grid, _)) = &study.gridded {

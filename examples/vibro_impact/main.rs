@@ -14,7 +14,6 @@ mod study;
 mod table;
 
 use clap::Parser;
-use expoly::Zhuravlev;
 use options::Options;
 use std::process::ExitCode;
 use study::Study;
@@ -35,7 +34,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
             return Ok(());
         }
         let model = parameters.model()?;
-        println!("{}", Zhuravlev::new(model.wall()).text(&model.problem()?)?);
+        println!("{}", model.wall().unfolded_equation(&model.problem()?)?);
         let study = Study::run(parameters, options)?;
         print!("{}", table::table(&study));
         if !options.at.is_empty() {

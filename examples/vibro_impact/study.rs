@@ -70,7 +70,7 @@ impl Judged {
             return Some((density.clone(), false));
         }
         let range = |state: usize| {
-            let edges: Vec<f64> = simulated?.histogram(state).ok()?.edges().collect();
+            let edges: Vec<f64> = simulated?.histogram(state).ok()?.edges(0).collect();
             Some([*edges.first()?, *edges.last()?])
         };
         let solution = self.answer.solution.as_ref()?;

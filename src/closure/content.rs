@@ -37,7 +37,7 @@ pub(super) enum Integrals {
     /// On Gauss nodes, in one state and in two: products of rules, and rules along the states.
     Panels { rules: Vec<Rule>, lines: Vec<Rule> },
     /// By importance sampling, in any number of states.
-    Draws(ImportanceRule),
+    Draws(Box<ImportanceRule>),
 }
 
 impl Content {
@@ -79,7 +79,7 @@ impl Content {
                 Integrals::Panels { rules, lines }
             }
             (Integrals::Draws(rule), Some(polynomials)) => {
-                Integrals::Draws(rule.checked(polynomials, &exponent.coefficients)?)
+                Integrals::Draws(Box::new(rule.checked(polynomials, &exponent.coefficients)?))
             }
             (Integrals::Draws(_), None) => return Err(String::from("draws serve polynomials alone")),
         };

@@ -170,7 +170,7 @@ impl ClosureDensity {
 
     /// The mean number of impacts per unit time at all walls together; none without a wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
-        let walls = self.content.exponent.space.corners().iter().map(|corner| corner.wall());
+        let walls = self.content.exponent.space.corners().iter().map(super::space::Corner::wall);
         let rates = walls.map(|wall| {
             let crossing = if wall.is_above() { Crossing::downward } else { Crossing::upward };
             self.flux(crossing(wall.offset()), 1)

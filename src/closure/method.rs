@@ -3,7 +3,6 @@
 use super::classical::ClassicalClosure;
 use super::degrees::Degrees;
 use super::density::ClosureDensity;
-use super::nodes::NodeKind;
 use super::reference::Start;
 use super::weight::Weight;
 use crate::error::{Error, Result};
@@ -32,7 +31,8 @@ pub struct Closure {
     pub(super) weight: Weight,
     pub(super) guard: bool,
     pub(super) seed: u64,
-    pub(super) nodes: NodeKind,
+    /// Whether the pilot's states are the nodes; none leaves it to the number of states.
+    pub(super) on_samples: Option<bool>,
     /// The defaults depend on the nodes.
     pub(super) states: Option<usize>,
     pub(super) inflation: f64,
@@ -56,7 +56,7 @@ impl Closure {
             weight: Weight::Automatic,
             guard: false,
             seed: 0,
-            nodes: NodeKind::Automatic,
+            on_samples: None,
             states: None,
             inflation: INFLATION,
             degrees: Degrees::complete(),
@@ -91,9 +91,10 @@ impl Closure {
         Closure { seed, ..self }
     }
 
-    /// The points that stand for integrals.
-    pub fn nodes(self, nodes: NodeKind) -> Self {
-        Closure { nodes, ..self }
+    /// Whether the pilot's states are the nodes of all integrals; by default they are in three states and more. Without, the
+    /// nodes are products of Gauss nodes on the trust domain, which serve one state and two; walls allow no other.
+    pub fn on_samples(self, on_samples: bool) -> Self {
+        Closure { on_samples: Some(on_samples), ..self }
     }
 
     /// The number of the pilot's states: 20 000 by default; where they are the nodes, 130 for each coefficient, but at

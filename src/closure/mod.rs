@@ -56,7 +56,6 @@ pub use classical::{Basis, ClassicalClosure, Solution, Termination};
 pub use degrees::Degrees;
 pub use density::ClosureDensity;
 pub use method::Closure;
-pub use nodes::NodeKind;
 pub(crate) use samples::Copula;
 pub(crate) use space::{Corner, Similarity};
 pub(crate) use trust_domain::TrustDomain;

@@ -1,29 +1,6 @@
 use super::trust_domain::TrustDomain;
 use crate::quadrature::Rule;
 use crate::states::States;
-use std::fmt;
-
-/// The points that stand for integrals while the equations are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum NodeKind {
-    /// Gauss nodes in one state and in two, the pilot's states in more.
-    #[default]
-    Automatic,
-    /// Products of Gauss nodes on the trust domain: one state or two.
-    Tensor,
-    /// The pilot's own states: any number of states, no walls.
-    Samples,
-}
-
-impl fmt::Display for NodeKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            NodeKind::Automatic => "automatic",
-            NodeKind::Tensor => "tensor",
-            NodeKind::Samples => "samples",
-        })
-    }
-}
 
 /// Points of the state space with weights: sums over them stand for integrals over the trust domain.
 #[derive(Clone, Debug)]

@@ -75,7 +75,7 @@ impl Sampled {
             exponent,
             reference: None,
             domain: TrustDomain::new(pilot, symmetry, centre, [None, None], WIDENING),
-            integrals: Integrals::Draws(rule),
+            integrals: Integrals::Draws(Box::new(rule)),
             guarded: self.guarded,
             candidates: vec![candidate],
             indication: Indication { indicator: found.pointwise, residual: found.residual },

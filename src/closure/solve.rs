@@ -5,7 +5,6 @@ use super::density::ClosureDensity;
 use super::exponent::Exponent;
 use super::family::Smooth;
 use super::method::{Closure, HIGHEST_ORDER, Order};
-use super::nodes::NodeKind;
 use super::pilot::{Pilot, Scout};
 use super::reference::Start;
 use super::robust::Workshop;
@@ -54,7 +53,7 @@ impl Closure {
         let dimension = problem.dimension();
         self.check(dimension, HIGHEST_ORDER)?;
         let scout = Scout::new(problem, self.seed)?;
-        if self.nodes == NodeKind::Samples || (self.nodes == NodeKind::Automatic && dimension > 2) {
+        if self.on_samples.unwrap_or(dimension > 2) {
             let symmetry = problem.symmetry();
             let functions = self.degrees.exponents(dimension, self.lowest(), |alpha| symmetry.keeps(alpha)).len();
             let states = self.states.unwrap_or((STATES_EACH * functions).clamp(FEWEST_NODES, MOST_NODES));
@@ -111,7 +110,7 @@ impl Closure {
     fn next_to_walls(&self, problem: &Problem, walls: [Option<Wall>; 2], begin: Instant) -> Result<ClosureDensity> {
         self.check(2, walled::HIGHEST_ORDER)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
-        if self.nodes == NodeKind::Samples {
+        if self.on_samples == Some(true) {
             return refused("walls with samples as nodes", "nodes are graded towards walls; leave them to the method");
         }
         if self.degrees != Degrees::complete() {
@@ -177,7 +176,6 @@ impl Closure {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
-    use crate::density::Density;
     use crate::models::Duffing;
 
     /// Below a wall the density is that above one, in a mirror, as far as the orders' own errors allow: trajectories that

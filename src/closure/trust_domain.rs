@@ -51,7 +51,7 @@ impl TrustDomain {
         };
         let mut scale = vec![0.0_f64; centre.len()];
         for_images(&mut |x| {
-            scale.iter_mut().zip(x.iter().zip(&centre)).for_each(|(s, (x, c))| *s = s.max((x - c).abs()))
+            scale.iter_mut().zip(x.iter().zip(&centre)).for_each(|(s, (x, c))| *s = s.max((x - c).abs()));
         });
         let reach = vec![0.0; sectors(centre.len())];
         let mut domain = TrustDomain { centre: centre.clone(), scale, reach, walls };

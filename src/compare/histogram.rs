@@ -22,7 +22,7 @@ pub struct HistogramDistance {
 /// # Errors
 /// As [`Density::marginal`]; as [`Histogram::bin`].
 pub fn with_histogram(density: &dyn Density, state: usize, histogram: &Histogram) -> Result<HistogramDistance> {
-    let edges: Vec<f64> = histogram.edges().collect();
+    let edges: Vec<f64> = histogram.edges(0).collect();
     let peak = (0..histogram.len()).try_fold(0.0_f64, |peak, k| Ok(peak.max(histogram.bin(k)?.value)))?;
     let mut distance = HistogramDistance { l1: 0.0, noise: 0.0, tail: 0.0, tail_level: 1.0 };
     // Three nodes leave an error of sixth order in a bin's width.

@@ -30,20 +30,14 @@ impl ExpPolynomial {
     /// The density exp(Q) for `q` in the coordinates z of `frame`.
     ///
     /// `noise` is the relative size below which a value says nothing about the sign of Q far away.
-    ///
-    /// # Errors
-    /// [`Error::NotNormalisable`] if Q does not fall in every direction that `support` leaves open; [`Error::OutOfRange`] for
-    /// a support that is NaN or reversed; [`Error::NotServed`] where the quadrature would need too many nodes.
-    pub fn new(q: Polynomial, frame: Frame, support: Support, noise: f64) -> Result<Self> {
+    pub(crate) fn new(q: Polynomial, frame: Frame, support: Support, noise: f64) -> Result<Self> {
         dimension("a polynomial", q.dimension(), frame.dimension())?;
         let half_space = match &support {
             Support::WholeSpace => Some(false),
             Support::Above(bound) => finite("lower limit of state 0", *bound).map(|_| Some(true))?,
             Support::Region(limits) => {
                 dimension("the limits of a region", limits.len(), frame.dimension())?;
-                for [low, high] in limits {
-                    positive("side of a region", high - low, "give finite lower and upper limits in this order")?;
-                }
+                check_sides(limits)?;
                 None
             }
         };
@@ -61,7 +55,9 @@ impl ExpPolynomial {
     /// The density exp(Q) for `q` in the states themselves; `scale` is a Gaussian of roughly its location and width.
     ///
     /// # Errors
-    /// As [`ExpPolynomial::new`]; [`Error::OutOfRange`] if the covariance of `scale` is not positive definite.
+    /// [`Error::NotNormalisable`] if Q does not fall in every direction that `support` leaves open; [`Error::OutOfRange`] for
+    /// a support that is NaN or reversed, and if the covariance of `scale` is not positive definite; [`Error::NotServed`]
+    /// where the quadrature would need too many nodes.
     pub fn from_states(q: &Polynomial, scale: &Gaussian, support: Support) -> Result<Self> {
         let frame = Frame::new(scale)?;
         ExpPolynomial::new(in_frame(q, &frame), frame, support, 1e-13)
@@ -76,9 +72,7 @@ impl ExpPolynomial {
     /// [`Error::OutOfRange`] if a side of the box is not finite and positive.
     pub fn cut_off(q: &Polynomial, region: &[[f64; 2]]) -> Result<Self> {
         let n = region.len();
-        for [low, high] in region {
-            positive("side of a region", high - low, "give finite lower and upper limits in this order")?;
-        }
+        check_sides(region)?;
         // In this frame the box is the cube [−1, 1]^n.
         let mean = DVector::from_fn(n, |i, _| (region[i][0] + region[i][1]) / 2.0);
         let half_width = |i: usize| (region[i][1] - region[i][0]) / 2.0;
@@ -135,6 +129,11 @@ impl ExpPolynomial {
         }
         self.q.evaluate(&self.frame.coordinates(x)) - self.log_mass.value
     }
+}
+
+fn check_sides(region: &[[f64; 2]]) -> Result<()> {
+    let remedy = "give finite lower and upper limits in this order";
+    region.iter().try_for_each(|[low, high]| positive("side of a region", high - low, remedy).map(|_| ()))
 }
 
 /// Q in the coordinates of `frame`, without its constant.

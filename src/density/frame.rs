@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 /// A polynomial of high order has coefficients of ordinary size only in coordinates like these; and because L is
 /// triangular, a bound on the first state stays a bound on the first coordinate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub(crate) struct Frame {
     origin: DVector<f64>,
     scale: DMatrix<f64>,
     inverse: DMatrix<f64>,
@@ -18,7 +18,7 @@ impl Frame {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if its covariance is not positive definite.
-    pub fn new(gaussian: &Gaussian) -> Result<Self> {
+    pub(crate) fn new(gaussian: &Gaussian) -> Result<Self> {
         let unsound = Error::OutOfRange {
             name: "smallest scale of the covariance",
             value: 0.0,
@@ -40,17 +40,17 @@ impl Frame {
     }
 
     /// m, the state at z = 0.
-    pub fn origin(&self) -> &[f64] {
+    pub(crate) fn origin(&self) -> &[f64] {
         self.origin.as_slice()
     }
 
     /// L.
-    pub fn scale(&self) -> &DMatrix<f64> {
+    pub(crate) fn scale(&self) -> &DMatrix<f64> {
         &self.scale
     }
 
     /// L⁻¹.
-    pub fn inverse(&self) -> &DMatrix<f64> {
+    pub(crate) fn inverse(&self) -> &DMatrix<f64> {
         &self.inverse
     }
 
@@ -59,19 +59,19 @@ impl Frame {
     }
 
     /// The state at z; both have one number for each state.
-    pub fn state(&self, z: &[f64]) -> Vec<f64> {
+    pub(crate) fn state(&self, z: &[f64]) -> Vec<f64> {
         let row = |i: usize| (0..=i).map(|j| self.scale[(i, j)] * z[j]).sum::<f64>() + self.origin[i];
         (0..self.dimension()).map(row).collect()
     }
 
     /// The coordinates z of a state; both have one number for each state.
-    pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn coordinates(&self, x: &[f64]) -> Vec<f64> {
         let row = |i: usize| (0..=i).map(|j| self.inverse[(i, j)] * (x[j] - self.origin[j])).sum();
         (0..self.dimension()).map(row).collect()
     }
 
     /// ln |det L|, the logarithm of the volume of a unit cube in z.
-    pub fn log_volume(&self) -> f64 {
+    pub(crate) fn log_volume(&self) -> f64 {
         (0..self.dimension()).map(|i| self.scale[(i, i)].ln()).sum()
     }
 

@@ -10,7 +10,7 @@ mod tensor;
 
 pub(crate) use cell::{Cell, lines as cell_lines};
 pub use exp_polynomial::ExpPolynomial;
-pub use frame::Frame;
+pub(crate) use frame::Frame;
 pub(crate) use leading_form::escape_direction;
 pub use sampled::{Counted, Sampled};
 pub use support::Support;

@@ -17,7 +17,7 @@ pub(super) fn pilot(problem: &Problem, walls: [Option<Wall>; 2]) -> Result<[[f64
     let mut limits = [[0.0; 2]; 2];
     for (state, limit) in limits.iter_mut().enumerate() {
         let histogram = result.histogram(state)?;
-        let edges: Vec<f64> = histogram.edges().collect();
+        let edges: Vec<f64> = histogram.edges(0).collect();
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         for k in 0..histogram.len() {
             if histogram.bin(k)?.value > 0.0 {

@@ -8,7 +8,7 @@ use super::relaxation::{Relaxation, slowest};
 use super::solver::difference;
 use super::space::Space;
 use crate::density::{Density, Frame};
-use crate::error::{Error, Result, finite, positive};
+use crate::error::{Error, Result, dimension, finite, positive};
 use crate::estimate::Estimate;
 use crate::polynomial::Gaussian;
 use crate::problem::gaussian_after;
@@ -74,7 +74,7 @@ impl GridDensity {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if times do not rise, a time lies before the first one that the mesh resolves, the tolerance is
-    /// not positive, or the start lies (partly) outside the domain.
+    /// not positive, or the start lies (partly) outside the domain; [`Error::Dimension`] for a start in other than two states.
     pub fn transient(&self, start: &Start, times: &[f64], tolerance: f64) -> Result<Vec<Transient>> {
         positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
         let (begin, gaussian) = self.resolved(start)?;
@@ -104,6 +104,7 @@ impl GridDensity {
     fn resolved(&self, start: &Start) -> Result<(f64, Gaussian)> {
         let x = match start {
             Start::Gaussian(gaussian) => {
+                dimension("the start of a transient", gaussian.mean.len(), 2)?;
                 Frame::new(gaussian)?;
                 return Ok((0.0, gaussian.clone()));
             }

@@ -18,7 +18,6 @@ pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use symmetry::Symmetry;
 pub(crate) use units::natural_units;
 pub use wall::Wall;
-pub use zhuravlev::Zhuravlev;
 
 use crate::error::{Error, Result, dimension};
 use crate::fokker_planck::{FokkerPlanck, Local, noise_induced_drift};

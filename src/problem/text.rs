@@ -108,7 +108,7 @@ impl Document<'_> {
         let Some(value) = root.get("states") else { return self.wrong(0, "states", problem) };
         let DeValue::Array(list) = value.get_ref() else { return self.wrong(value.span().start, "states", problem) };
         let mut states: Vec<String> = Vec::new();
-        for entry in list.iter() {
+        for entry in list {
             let place = entry.span().start;
             let DeValue::String(name) = entry.get_ref() else { return self.wrong(place, "states", problem) };
             self.sound(place, name)?;
@@ -220,7 +220,7 @@ impl Document<'_> {
             let DeValue::Array(entries) = list.get_ref() else {
                 return self.wrong(list.span().start, "wall", "each wall is a table [[wall]]");
             };
-            for entry in entries.iter() {
+            for entry in entries {
                 walls.push((entry.span().start, self.wall(entry, &written)?));
             }
         }

@@ -3,7 +3,8 @@ use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, twelve_digits};
 
 /// Zhuravlev's transformation y = |x| + b, y′ = x′ sgn x (V. F. Zhuravlev, 1976; M. F. Dimentberg and D. V. Iourtchenko,
-/// 2004, doi:10.1023/B:NODY.0000045510.93602.ca): it unfolds the half plane above a wall into a plane.
+/// 2004, doi:10.1023/B:NODY.0000045510.93602.ca): it unfolds the half plane above a wall into a plane. Below a wall, take
+/// the mirror image.
 ///
 /// With an elastic wall x passes zero smoothly; the loss at impacts becomes the impulse of a damper there,
 ///
@@ -11,45 +12,35 @@ use crate::polynomial::{Polynomial, twelve_digits};
 ///
 /// with the same white noise ξ. The point (x, x′) and its reflection (−x, −x′) stand for the same state, so that the
 /// density on the plane is symmetric and p_{Y,Y′}(y, v) = p_X(y − b, v) + p_X(b − y, −v) = 2 p_X(y − b, v).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Zhuravlev {
-    wall: Wall,
-}
-
-impl Zhuravlev {
-    /// The transformation of an oscillator above `wall`; one below a wall is its mirror image.
-    pub fn new(wall: Wall) -> Self {
-        Zhuravlev { wall }
-    }
-
+impl Wall {
     /// The state (y, y′) that a point (x, x′) of the transformed plane stands for.
     ///
     /// ```
-    /// use expoly::{Wall, Zhuravlev};
-    /// let transformation = Zhuravlev::new(Wall::above(0.5, 0.9)?);
-    /// assert_eq!(transformation.state([-1.0, 2.0]), [1.5, -2.0]);
-    /// assert_eq!(transformation.plane([1.5, -2.0]), [[1.0, -2.0], [-1.0, 2.0]]);
+    /// use expoly::Wall;
+    /// let wall = Wall::above(0.5, 0.9)?;
+    /// assert_eq!(wall.unfolded_state([-1.0, 2.0]), [1.5, -2.0]);
+    /// assert_eq!(wall.unfolded_points([1.5, -2.0]), [[1.0, -2.0], [-1.0, 2.0]]);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn state(&self, [x, slope]: [f64; 2]) -> [f64; 2] {
+    pub fn unfolded_state(&self, [x, slope]: [f64; 2]) -> [f64; 2] {
         let sign = if x < 0.0 { -1.0 } else { 1.0 };
-        [x.abs() + self.wall.offset(), sign * slope]
+        [x.abs() + self.offset(), sign * slope]
     }
 
     /// The two points of the plane that stand for the state (y, y′), the one with x ≥ 0 first.
-    pub fn plane(&self, [y, v]: [f64; 2]) -> [[f64; 2]; 2] {
-        let x = y - self.wall.offset();
+    pub fn unfolded_points(&self, [y, v]: [f64; 2]) -> [[f64; 2]; 2] {
+        let x = y - self.offset();
         [[x, v], [-x, -v]]
     }
 
     /// The density p_X at a point of the transformed plane that belongs to a density of (y, y′), a function of the state.
-    pub fn forward(&self, density: impl Fn([f64; 2]) -> f64, point: [f64; 2]) -> f64 {
-        density(self.state(point)) / 2.0
+    pub fn unfolded_density(&self, density: impl Fn([f64; 2]) -> f64, point: [f64; 2]) -> f64 {
+        density(self.unfolded_state(point)) / 2.0
     }
 
     /// The back-transformation: the density of (y, y′) at `state` that belongs to the density `plane` of (x, x′).
-    pub fn back(&self, plane: impl Fn([f64; 2]) -> f64, state: [f64; 2]) -> f64 {
-        if state[0] < self.wall.offset() { 0.0 } else { self.plane(state).map(plane).iter().sum() }
+    pub fn folded_density(&self, plane: impl Fn([f64; 2]) -> f64, state: [f64; 2]) -> f64 {
+        if state[0] < self.offset() { 0.0 } else { self.unfolded_points(state).map(plane).iter().sum() }
     }
 
     /// The transformed oscillator's equation as text.
@@ -58,23 +49,23 @@ impl Zhuravlev {
     /// [`Error::NotServed`](crate::Error::NotServed) unless the problem is one of a displacement and its velocity.
     ///
     /// ```
-    /// use expoly::{Problem, Wall, Zhuravlev, models::Duffing};
+    /// use expoly::{Problem, Wall, models::Duffing};
     /// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.25, 0.2)?)?;
-    /// let transformation = Zhuravlev::new(Wall::above(2.0, 0.75)?);
+    /// let wall = Wall::above(2.0, 0.75)?;
     /// assert_eq!(
-    ///     transformation.text(&problem)?,
+    ///     wall.unfolded_equation(&problem)?,
     ///     "x'' + 4 sgn(x) + 4 x + 0.2 x' + 1.5 |x| x + 0.25 x^3 + 0.25 x' |x'| delta(x) = noise"
     /// );
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn text(&self, problem: &Problem) -> Result<String> {
+    pub fn unfolded_equation(&self, problem: &Problem) -> Result<String> {
         if problem.dimension() != 2 || problem.displacements() != [(0, 1)] {
             let (what, remedy) =
                 ("other than a displacement and its velocity", "write these two states, in this order");
             return Err(Error::NotServed { method: "transformation of Zhuravlev", what, remedy });
         }
         let [u, w] = [0, 1].map(|i| Polynomial::variable(2, i));
-        let force = (&problem.operator().drift()[1] * -1.0).compose(&[u + self.wall.offset(), w]);
+        let force = (&problem.operator().drift()[1] * -1.0).compose(&[u + self.offset(), w]);
         let mut text = String::from("x''");
         for (alpha, coefficient) in force.terms() {
             let (i, j) = (alpha[0], alpha[1]);
@@ -92,7 +83,7 @@ impl Zhuravlev {
                 if coefficient.abs() == 1.0 { String::new() } else { format!("{} ", twelve_digits(coefficient.abs())) };
             text += &format!(" {sign} {size}{}", factors.join(" "));
         }
-        let loss = twelve_digits(1.0 - self.wall.restitution());
+        let loss = twelve_digits(1.0 - self.restitution());
         if loss > 0.0 {
             text += &format!(" + {loss} x' |x'| delta(x)");
         }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Equal bins on an interval.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-pub struct Axis {
+pub(super) struct Axis {
     lo: f64,
     width: f64,
     bins: usize,
@@ -16,7 +16,7 @@ impl Axis {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless lo < hi, both finite, and there are at least three bins.
-    pub fn new(lo: f64, hi: f64, bins: usize) -> Result<Self> {
+    pub(super) fn new(lo: f64, hi: f64, bins: usize) -> Result<Self> {
         let length = hi - lo;
         if !(length.is_finite() && length > 0.0) {
             let remedy = "the upper end must lie above the lower one, both finite";
@@ -35,28 +35,28 @@ impl Axis {
     }
 
     /// The number of bins.
-    pub fn bins(&self) -> usize {
+    pub(super) fn bins(&self) -> usize {
         self.bins
     }
 
     /// The width of one bin, in the unit of the state.
-    pub fn width(&self) -> f64 {
+    pub(super) fn width(&self) -> f64 {
         self.width
     }
 
     /// The edge below bin `k`; `edge(bins())` is the upper end.
-    pub fn edge(&self, k: usize) -> f64 {
+    pub(super) fn edge(&self, k: usize) -> f64 {
         self.lo + self.width * k as f64
     }
 
     /// All edges, from the lower end to the upper one: one more than bins.
-    pub fn edges(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(super) fn edges(&self) -> impl Iterator<Item = f64> + '_ {
         (0..=self.bins).map(|k| self.edge(k))
     }
 
     /// The bin that holds x.
     #[inline]
-    pub fn bin(&self, x: f64) -> Option<usize> {
+    pub(super) fn bin(&self, x: f64) -> Option<usize> {
         let k = (x - self.lo) / self.width;
         (k >= 0.0 && k < self.bins as f64).then_some(k as usize)
     }
@@ -152,7 +152,7 @@ impl Histogram {
     }
 
     /// The bins along each state.
-    pub fn axes(&self) -> &[Axis] {
+    pub(super) fn axes(&self) -> &[Axis] {
         &self.axes
     }
 
@@ -211,8 +211,7 @@ impl Histogram {
     /// is estimated by the change against the cells' centres, and samples outside the range count as if they had the
     /// largest |g| found inside.
     pub(super) fn mean(&self, g: impl Fn(&[f64]) -> f64) -> Estimate {
-        let volume: f64 = self.axes.iter().map(Axis::width).product();
-        let cells: usize = self.axes.iter().map(Axis::bins).product();
+        let volume = self.volume();
         let corners = 1_u32 << self.axes.len();
         let mut x = vec![0.0; self.axes.len()];
         let mut at = |cell: usize, shift: &dyn Fn(usize) -> f64| {
@@ -228,8 +227,8 @@ impl Histogram {
             (0..corners).map(|k| at(cell, &|d| if k >> d & 1 == 0 { -node } else { node })).sum()
         };
         let spread: Vec<(usize, f64)> =
-            (0..cells).map(|cell| (cell, over_corners(cell) / f64::from(corners) * volume)).collect();
-        let central: Vec<(usize, f64)> = (0..cells).map(|cell| (cell, at(cell, &|_| 0.0) * volume)).collect();
+            (0..self.len()).map(|cell| (cell, over_corners(cell) / f64::from(corners) * volume)).collect();
+        let central: Vec<(usize, f64)> = (0..self.len()).map(|cell| (cell, at(cell, &|_| 0.0) * volume)).collect();
         let largest = spread.iter().fold(0.0_f64, |most, (_, g)| most.max(g.abs() / volume));
         let outside = self.outliers() as f64 / self.samples().max(1) as f64 * largest;
         let mean = self.functional(&spread);
@@ -239,7 +238,7 @@ impl Histogram {
 
     /// Σ weight · mean density over cells.
     fn functional(&self, terms: &[(usize, f64)]) -> Estimate {
-        let volume: f64 = self.axes.iter().map(Axis::width).product();
+        let volume = self.volume();
         let counted = |b: &Counts| terms.iter().map(|&(index, w)| w * b.cells[index] as f64).sum::<f64>();
         let totals: Vec<[f64; 2]> = self.batches.iter().map(|b| [counted(b), b.samples() as f64]).collect();
         let estimate = jackknife(&totals, |&t| t, |[count, samples]| count / samples / volume);
@@ -249,7 +248,12 @@ impl Histogram {
 
     /// The density that one sample makes in one cell.
     fn one_sample(&self) -> f64 {
-        1.0 / (self.samples() as f64 * self.axes.iter().map(Axis::width).product::<f64>())
+        1.0 / (self.samples() as f64 * self.volume())
+    }
+
+    /// The volume of a cell.
+    fn volume(&self) -> f64 {
+        self.axes.iter().map(Axis::width).product()
     }
 
     /// The number of cells: of bins, for a single state.
@@ -262,9 +266,10 @@ impl Histogram {
         self.samples() == self.outliers()
     }
 
-    /// All edges along the first state, one more than bins.
-    pub fn edges(&self) -> impl Iterator<Item = f64> + '_ {
-        self.axes.iter().take(1).flat_map(Axis::edges)
+    /// The edges of the bins along the histogram's state `along`, one more than bins: 0 for the first or only one, and none
+    /// where there is no such state.
+    pub fn edges(&self, along: usize) -> impl Iterator<Item = f64> + '_ {
+        self.axes.get(along).into_iter().flat_map(Axis::edges)
     }
 
     /// The number of samples of each batch, and how many of those in the range lie below each edge of a single state's bins.
@@ -304,7 +309,7 @@ mod tests {
     fn edges_belong_to_the_bin_above() -> Result<()> {
         let h = counted([Axis::new(0.0, 4.0, 4)?], &[&[[0.0], [1.0], [3.999]], &[[4.0], [-0.1], [f64::NAN]]]);
         assert_eq!((h.len(), h.samples(), h.outliers()), (4, 6, 3));
-        assert_eq!(h.edges().collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(h.edges(0).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0]);
         let values: Vec<f64> = (0..4).map(|k| h.bin(k).map(|e| e.value)).collect::<Result<_>>()?;
         assert_eq!(values, [1.0 / 6.0, 1.0 / 6.0, 0.0, 1.0 / 6.0]);
         assert!(h.bin(4).is_err() && h.bin(2)?.error > 0.0);

@@ -54,7 +54,7 @@ mod time_step;
 mod timetable;
 mod trend;
 
-pub use histogram::{Axis, Histogram};
+pub use histogram::Histogram;
 pub use progress::Progress;
 pub use result::SimulatedDensity;
 pub use setup::Simulation;

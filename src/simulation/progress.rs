@@ -1,11 +1,12 @@
 use std::{fmt, ops::ControlFlow};
 
-/// How far a simulation has come.
+/// How far a simulation or a study has come, in steps or rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Path-steps taken: time steps times trajectories.
+    /// Path-steps taken, time steps times trajectories; or the rows that are there, those of an earlier run included.
     pub done: u64,
-    /// Path-steps in all, burn-in and pilot included: the most, where precision or time may end the run before.
+    /// Path-steps in all, burn-in and pilot included: the most, where precision or time may end the run before; or the
+    /// rows of the whole study.
     pub total: u64,
 }
 

@@ -46,8 +46,8 @@ pub use entropy::entropy;
 pub use impacts::Impacts;
 pub use marginal::Marginal;
 pub use maximum::Maximum;
-pub use modes::{Mode, modes};
-pub use samples::{Samples, samples};
+pub use modes::modes;
+pub use samples::samples;
 
 use crate::density::Crossing;
 use crate::error::{Error, Result};

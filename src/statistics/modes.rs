@@ -9,16 +9,7 @@ const STARTS: usize = 24;
 /// Two climbs that end this close, in units of the bounds, found one maximum.
 const SAME: f64 = 1e-3;
 
-/// A local maximum of a density.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mode {
-    /// Where it is.
-    pub at: Vec<f64>,
-    /// ln p there.
-    pub log_pdf: f64,
-}
-
-/// The local maxima of a density, the highest first.
+/// The local maxima of a density with ln p there, the highest first.
 ///
 /// A coarse scan of the bounds gives the starts; each is climbed by a pattern search, and finished by Newton's method with
 /// differences of fourth order. In one state and in two the scan has 61 points along each, and a maximum narrower than its
@@ -32,27 +23,26 @@ pub struct Mode {
 /// use expoly::{models::{Duffing, Solved}, statistics::modes};
 /// let wells = modes(&Duffing::new(1.0, -1.0, 1.0, 0.3)?.exact()?)?;
 /// assert_eq!(wells.len(), 2);
-/// assert!((wells[0].at[0].abs() - 1.0).abs() < 1e-9 && wells[0].at[1].abs() < 1e-9);
+/// assert!((wells[0].0[0].abs() - 1.0).abs() < 1e-9 && wells[0].0[1].abs() < 1e-9);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn modes(density: &dyn Density) -> Result<Vec<Mode>> {
+pub fn modes(density: &dyn Density) -> Result<Vec<(Vec<f64>, f64)>> {
     let bounds = density.bounds();
-    let mut found: Vec<Mode> = Vec::new();
+    let mut found: Vec<(Vec<f64>, f64)> = Vec::new();
     for start in starts(density, &bounds)? {
-        let mode = finished(density, climbed(density, start, &bounds)?, &bounds)?;
-        let near = |other: &Mode| {
-            let places = other.at.iter().zip(&mode.at).zip(&bounds);
-            places.into_iter().all(|((a, b), [low, high])| (a - b).abs() < SAME * (high - low))
+        let (at, log_pdf) = finished(density, climbed(density, start, &bounds)?, &bounds)?;
+        let near = |(other, _): &(Vec<f64>, f64)| {
+            other.iter().zip(&at).zip(&bounds).all(|((a, b), [low, high])| (a - b).abs() < SAME * (high - low))
         };
-        if mode.log_pdf.is_finite() && !found.iter().any(near) {
-            found.push(mode);
+        if log_pdf.is_finite() && !found.iter().any(near) {
+            found.push((at, log_pdf));
         }
     }
     if found.is_empty() {
         let remedy = "in more than two states ask a closure, or for the modes of single states";
         return Err(Error::NotKnown { what: "its maxima".into(), remedy });
     }
-    found.sort_by(|a, b| b.log_pdf.total_cmp(&a.log_pdf));
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
     Ok(found)
 }
 
@@ -122,13 +112,12 @@ fn climbed(density: &dyn Density, start: Vec<f64>, bounds: &[[f64; 2]]) -> Resul
 }
 
 /// Newton's steps along each state in turn, which near a maximum converge; kept only if they do not lead down.
-fn finished(density: &dyn Density, start: Vec<f64>, bounds: &[[f64; 2]]) -> Result<Mode> {
+fn finished(density: &dyn Density, mut at: Vec<f64>, bounds: &[[f64; 2]]) -> Result<(Vec<f64>, f64)> {
     /// The step of the differences, in units of the bounds: ln p is a smooth function of ordinary width.
     const STEP: f64 = 1e-3;
-    let log_pdf = density.log_pdf(&start)?;
-    let mut mode = Mode { at: start, log_pdf };
+    let mut highest = density.log_pdf(&at)?;
     for _ in 0..20 {
-        let mut next = mode.at.clone();
+        let mut next = at.clone();
         for (i, [low, high]) in bounds.iter().enumerate() {
             let h = STEP * (high - low);
             let here = next[i];
@@ -136,19 +125,19 @@ fn finished(density: &dyn Density, start: Vec<f64>, bounds: &[[f64; 2]]) -> Resu
                 next[i] = here + shift * h;
                 density.log_pdf(&next)
             };
-            let [far_below, below, at, above, far_above] =
+            let [far_below, below, middle, above, far_above] =
                 [value(-2.0)?, value(-1.0)?, value(0.0)?, value(1.0)?, value(2.0)?];
             let slope = (8.0 * (above - below) - (far_above - far_below)) / (12.0 * h);
-            let curvature = (16.0 * (above + below) - (far_above + far_below) - 30.0 * at) / (12.0 * h * h);
+            let curvature = (16.0 * (above + below) - (far_above + far_below) - 30.0 * middle) / (12.0 * h * h);
             let step = -slope / curvature;
             next[i] = if curvature < 0.0 && step.abs() < h { here + step } else { here };
         }
         let log_pdf = density.log_pdf(&next)?;
         // Rounding of ln p decides nothing here.
-        if next == mode.at || log_pdf.is_nan() || log_pdf < mode.log_pdf - 1e-12 * mode.log_pdf.abs().max(1.0) {
+        if next == at || log_pdf.is_nan() || log_pdf < highest - 1e-12 * highest.abs().max(1.0) {
             break;
         }
-        mode = Mode { at: next, log_pdf };
+        (at, highest) = (next, log_pdf);
     }
-    Ok(mode)
+    Ok((at, highest))
 }

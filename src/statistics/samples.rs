@@ -26,24 +26,16 @@ const DRAWS: usize = 1 << 17;
 /// The proposal's standard deviations relative to the density's.
 const WIDENED: f64 = 1.25;
 
-/// Independent states drawn from a density.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Samples {
-    /// The states.
-    pub states: States,
-    /// Where the states are drawn again from weighted ones: how many independent ones those are worth, (Σw)²/Σw². States
-    /// repeat themselves when more than a fraction of that many are drawn. None where all are independent.
-    pub effective: Option<f64>,
-}
-
 /// Draws `count` states from a density: the same bits for the same `seed` on any number of threads.
 ///
 /// In one state and in two the states are independent and exact, by rejection from a piecewise constant envelope: cells
 /// are halved until the density varies little on each, and an envelope that a draw finds too low is raised, and all draws
 /// begin anew. Only a peak that is narrower than a cell and never met would be missed. In more states they are drawn again from
 /// weighted ones: those that the density was integrated on, [`Density::weighted_states`], or draws from a normal density
-/// with the same mean and covariance; [`Samples::effective`] says what that is worth, and tails beyond these states are not
-/// there.
+/// with the same mean and covariance; tails beyond these states are not there.
+///
+/// The number beside the states is how many independent ones the weighted ones are worth, (Σw)²/Σw², and none where all are
+/// independent. States repeat themselves when more than a fraction of that many are drawn.
 ///
 /// # Errors
 /// [`Error::NoSamples`] for a `count` of zero; [`Error::NotKnown`] if the density does not know its values, as a simulation
@@ -52,19 +44,19 @@ pub struct Samples {
 /// ```
 /// use expoly::{models::{Duffing, Solved}, statistics::samples};
 /// let exact = Duffing::new(0.2, 1.0, 0.3, 0.2)?.exact()?;
-/// let states = samples(&exact, 10_000, 1)?.states;
+/// let (states, _) = samples(&exact, 10_000, 1)?;
 /// let square = states.iter().map(|x| x[0] * x[0]).sum::<f64>() / 1e4;
 /// // The standard error is 0.008.
 /// assert!((square - 0.6617).abs() < 0.032);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn samples(density: &dyn Density, count: usize, seed: u64) -> Result<Samples> {
+pub fn samples(density: &dyn Density, count: usize, seed: u64) -> Result<(States, Option<f64>)> {
     if count == 0 {
         return Err(Error::NoSamples { what: "the number of states to draw", least: 1 });
     }
     let dimension = density.dimension();
     if dimension <= 2 {
-        return Ok(Samples { states: by_rejection(density, count, seed)?, effective: None });
+        return Ok((by_rejection(density, count, seed)?, None));
     }
     let (states, weights) = density.weighted_states().map_or_else(|| proposed(density, seed), Ok)?;
     let [sum, squares] = weights.iter().fold([0.0; 2], |[sum, squares], w| [sum + w, squares + w * w]);
@@ -76,7 +68,7 @@ pub fn samples(density: &dyn Density, count: usize, seed: u64) -> Result<Samples
         drawn.extend_from_slice(states.state(chosen(&cumulative, stream.random())));
         Ok(())
     };
-    Ok(Samples { states: in_blocks(dimension, count, seed, draw)?, effective: Some(sum * sum / squares) })
+    Ok((in_blocks(dimension, count, seed, draw)?, Some(sum * sum / squares)))
 }
 
 fn unknown_values() -> Error {

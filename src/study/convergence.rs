@@ -1,6 +1,7 @@
 //! How fast errors fall with the order, and how far that is worth while.
 
 use super::row::OrderRow;
+use crate::estimate::Estimate;
 use std::fmt;
 
 /// An error is the method's own while it is above the truth's by this factor.
@@ -10,17 +11,6 @@ const WORTH: f64 = 2.0;
 /// A line through fewer points says nothing.
 const FEWEST: usize = 3;
 
-/// A straight line through ln L¹ by least squares.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slope {
-    /// The slope, and its standard error from the scatter about the line.
-    pub value: f64,
-    /// The standard error of the slope; infinite for as many points as the line has parameters.
-    pub error: f64,
-    /// The root mean square distance of the points from the line, in ln L¹.
-    pub scatter: f64,
-}
-
 /// What a system's rows of one method say together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
@@ -28,10 +18,15 @@ pub struct Convergence {
     pub system: String,
     /// The method.
     pub method: String,
-    /// The slope of ln L¹ against n: L¹ ~ e^(slope n), geometric convergence.
-    pub geometric: Option<Slope>,
-    /// The slope of ln L¹ against ln n: L¹ ~ n^slope, algebraic convergence.
-    pub algebraic: Option<Slope>,
+    /// The slope of ln L¹ against n by least squares: L¹ ~ e^(slope n), geometric convergence. Its standard error is from
+    /// the scatter about the line.
+    pub geometric: Option<Estimate>,
+    /// The slope of ln L¹ against ln n in the same way: L¹ ~ n^slope, algebraic convergence.
+    pub algebraic: Option<Estimate>,
+    /// The root mean square distance from the first line in ln L¹; infinite where there is none.
+    pub geometric_scatter: f64,
+    /// That from the second line.
+    pub algebraic_scatter: f64,
     /// The order at which the indicator stops paying: the first at which no higher order of the study has an indicator below
     /// half of its own. None if the highest order is still the first of that kind, so that higher ones may pay, or if
     /// there is no indicator.
@@ -55,13 +50,22 @@ impl Convergence {
             .find(|&k| indicators[k + 1..].iter().all(|(_, later)| WORTH * later >= indicators[k].1))
             .filter(|k| k + 1 < indicators.len())
             .map(|k| indicators[k].0);
-        let (geometric, algebraic) = (line(&points), line(&logarithmic));
-        Some(Convergence { system: first.system.clone(), method: first.method.clone(), geometric, algebraic, enough })
+        let [geometric, algebraic] = [line(&points), line(&logarithmic)];
+        let scatter = |line: Option<(Estimate, f64)>| line.map_or(f64::INFINITY, |(_, scatter)| scatter);
+        Some(Convergence {
+            system: first.system.clone(),
+            method: first.method.clone(),
+            geometric: geometric.map(|(slope, _)| slope),
+            algebraic: algebraic.map(|(slope, _)| slope),
+            geometric_scatter: scatter(geometric),
+            algebraic_scatter: scatter(algebraic),
+            enough,
+        })
     }
 }
 
-/// The line of least squares.
-fn line(points: &[[f64; 2]]) -> Option<Slope> {
+/// The slope of the line of least squares, and the root mean square distance of the points from it.
+fn line(points: &[[f64; 2]]) -> Option<(Estimate, f64)> {
     let count = points.len() as f64;
     if points.len() < FEWEST {
         return None;
@@ -71,8 +75,8 @@ fn line(points: &[[f64; 2]]) -> Option<Slope> {
     let spread: f64 = points.iter().map(|p| (p[0] - x).powi(2)).sum();
     let value = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / spread;
     let left: f64 = points.iter().map(|p| (p[1] - y - value * (p[0] - x)).powi(2)).sum();
-    let slope = Slope { value, error: (left / (count - 2.0) / spread).sqrt(), scatter: (left / count).sqrt() };
-    value.is_finite().then_some(slope)
+    let slope = Estimate::new(value, (left / (count - 2.0) / spread).sqrt());
+    value.is_finite().then_some((slope, (left / count).sqrt()))
 }
 
 impl fmt::Display for Convergence {
@@ -85,7 +89,7 @@ impl fmt::Display for Convergence {
                 let by_order =
                     format!("{:.2} ± {:.2} per order", geometric.value.exp(), geometric.error * geometric.value.exp());
                 let by_power = format!("n^({:.1} ± {:.1})", algebraic.value, algebraic.error);
-                if geometric.scatter <= algebraic.scatter {
+                if self.geometric_scatter <= self.algebraic_scatter {
                     write!(f, "geometric, L1 times {by_order} (algebraic: {by_power})")?;
                 } else {
                     write!(f, "algebraic, L1 ~ {by_power} (geometric: times {by_order})")?;
@@ -118,14 +122,14 @@ mod tests {
             [4, 6, 8, 10].map(|n| row(n, 0.3 * 0.7_f64.powi(n as i32), 0.5_f64.powi(n as i32))).to_vec();
         let found = convergence(&geometric);
         let slope = found.geometric.unwrap();
-        assert!((slope.value - 0.7_f64.ln()).abs() < 1e-13 && slope.scatter < 1e-13 && slope.error < 1e-13);
+        assert!((slope.value - 0.7_f64.ln()).abs() < 1e-13 && found.geometric_scatter < 1e-13 && slope.error < 1e-13);
         // The other law misses by its curvature: n ln 0.7 is off the best line in ln n by 0.07 in the mean square.
-        assert!(found.algebraic.unwrap().scatter > 1e-2);
+        assert!(found.algebraic_scatter > 1e-2);
         assert_eq!(found.enough, None, "each order divides the indicator by four");
         let algebraic: Vec<OrderRow> =
             [4, 6, 8, 10].map(|n| row(n, f64::from(n).powi(-3), 1.0 / f64::from(n))).to_vec();
         let found = convergence(&algebraic);
-        assert!((found.algebraic.unwrap().value + 3.0).abs() < 1e-12 && found.algebraic.unwrap().scatter < 1e-12);
+        assert!((found.algebraic.unwrap().value + 3.0).abs() < 1e-12 && found.algebraic_scatter < 1e-12);
         // 1/4 is halved by 1/10, 1/6 is not.
         assert_eq!(found.enough, Some(6));
     }

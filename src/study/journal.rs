@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::file;
 use crate::record::checksum;
+use crate::simulation::Progress;
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use std::fs::{File, OpenOptions};
@@ -11,19 +12,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// How far a study has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StudyProgress<'a> {
-    /// Rows that are there, those of an earlier run included.
-    pub done: usize,
-    /// Rows of the whole study.
-    pub total: usize,
-    /// The row that has just finished, as it stands in the file, without its number.
-    pub row: &'a str,
-}
-
 /// What a study calls after each row, one row at a time; `Break` ends the study.
-pub(super) type Callback<'a> = Box<dyn FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a>;
+pub(super) type Callback<'a> = Box<dyn FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a>;
 
 /// A table that is filled row by row.
 ///
@@ -171,8 +161,8 @@ impl Shared<'_> {
             && !self.cancelled
         {
             let row = text(computed, false)?;
-            let verdict = progress(StudyProgress { done: self.done, total, row: row.trim_end() });
-            self.cancelled = verdict == ControlFlow::Break(());
+            let come = Progress { done: self.done as u64, total: total as u64 };
+            self.cancelled = progress(come, row.trim_end()).is_break();
         }
         Ok(())
     }

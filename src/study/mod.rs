@@ -17,8 +17,7 @@ mod truth;
 
 pub use answer::Answer;
 pub use case::Case;
-pub use convergence::{Convergence, Slope};
-pub use journal::StudyProgress;
+pub use convergence::Convergence;
 pub use order::OrderStudy;
 pub use row::OrderRow;
 pub use sweep::{Sweep, SweepTable};

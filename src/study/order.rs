@@ -1,9 +1,10 @@
 use super::case::Case;
-use super::journal::{Callback, Journal, StudyProgress, columns};
+use super::journal::{Callback, Journal, columns};
 use super::row::OrderRow;
 use super::table::OrderTable;
 use super::truth::Truth;
 use crate::error::{Error, Result};
+use crate::simulation::Progress;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -59,9 +60,10 @@ impl<'a> OrderStudy<'a> {
         OrderStudy { file: Some(path.as_ref().to_owned()), ..self }
     }
 
-    /// Calls back after each row, one at a time; `Break` ends the study, and rows that have begun are still finished. The
-    /// callback must not start parallel work of its own: its thread could be given a row, and wait for itself.
-    pub fn progress(self, callback: impl FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
+    /// Calls back after each row, one at a time, with the row as it stands in the file, without its number; `Break` ends the
+    /// study, and rows that have begun are still finished. Rows of an earlier run count as done. The callback must not start
+    /// parallel work of its own: its thread could be given a row, and wait for itself.
+    pub fn progress(self, callback: impl FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a) -> Self {
         OrderStudy { progress: Some(Box::new(callback)), ..self }
     }
 

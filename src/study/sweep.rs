@@ -1,5 +1,6 @@
-use super::journal::{Callback, Journal, StudyProgress};
+use super::journal::{Callback, Journal};
 use crate::error::{Error, Result};
+use crate::simulation::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -83,7 +84,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Calls back after each row, as [`OrderStudy::progress`](super::OrderStudy::progress).
-    pub fn progress(self, callback: impl FnMut(StudyProgress<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
+    pub fn progress(self, callback: impl FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a) -> Self {
         Sweep { progress: Some(Box::new(callback)), ..self }
     }
 

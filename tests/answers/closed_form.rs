@@ -291,15 +291,16 @@ fn a_corrupt_document_is_refused_by_name() {
     }
     for (from, to, said) in [
         ("expoly closed form", "something else", "format"),
-        ("\"version\":1", "\"version\":2", "version 2"),
+        ("\"version\":2", "\"version\":3", "version 3"),
         ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\"]", "1 states"),
         ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\",\"x\"]", "another state"),
         ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\",\"1\"]", "letter"),
         ("\"guarded\":false", "\"guarded\":false,\"extra\":1", "extra"),
         ("\"guarded\":false", "\"guarded\":7", "boolean"),
-        ("\"walls\":[[0.0,0.9],null]", "\"walls\":[[0.0,9.0],null]", "restitution"),
+        ("\"walls\":[0.0,null]", "\"walls\":[0.0]", "invalid length 1"),
+        ("\"restitution\":0.9", "\"restitution\":9.0", "restitution"),
         ("\"restitution\":0.9", "\"restitution\":-0.9", "restitution"),
-        ("\"reach\":[", "\"reach\":[1.0,", "column"),
+        ("\"reach\":[", "\"reach\":[1.0,", "trust domain reaches"),
         ("\"coefficients\":[", "\"coefficients\":[1.0,", "coefficients for"),
         ("\"exponents\":[[1,0]", "\"exponents\":[[1,99]", "99"),
         ("\"exponents\":[[1,0]", "\"exponents\":[[1]", "exponents [1]"),
@@ -307,6 +308,7 @@ fn a_corrupt_document_is_refused_by_name() {
         ("\"constant\":", "\"constant\":1e999,\"was\":", "number out of range"),
         ("\"half_width\":[", "\"half_width\":[-1.0,", "half width"),
         ("\"nodes\":[", "\"nodes\":[0.5,", "no rule"),
+        ("{\"panels\":", "{\"draws\":", "unknown field"),
         ("\"candidates\":[{", "\"candidates\":[],\"unknown\":[{", "unknown"),
     ] {
         assert!(text.contains(from), "{from}");
@@ -314,10 +316,11 @@ fn a_corrupt_document_is_refused_by_name() {
         assert!(found.contains(said), "{to}: {found}");
     }
     for (from, to, said) in [
-        ("\"origin\":[", "\"origin\":[0.0,", "for 2 states"),
+        ("\"origin\":[", "\"origin\":[0.0,", "3 rows"),
         ("\"scale\":[[", "\"scale\":[[-", "triangle"),
         ("\"terms\":[[[", "\"terms\":[[[3,0],1.0],[[", "normalised"),
-        ("\"support\":\"whole_space\"", "\"support\":{\"region\":[[1.0,0.0],[0.0,1.0]]}", "box"),
+        ("\"support\":\"whole_space\"", "\"support\":{\"region\":[[1.0,0.0],[0.0,1.0]]}", "side of a region"),
+        ("\"support\":\"whole_space\"", "\"support\":{\"region\":[[0.0,1.0]]}", "limits of a region"),
         ("\"support\":\"whole_space\"", "\"support\":\"elsewhere\"", "elsewhere"),
     ] {
         assert!(exact.contains(from), "{from}: {exact}");

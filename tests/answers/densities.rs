@@ -5,8 +5,8 @@
 
 use crate::common::*;
 use expoly::models::{Linear, Solved};
-use expoly::statistics::{Crossings, Cumulants, Impacts, Marginal, Samples, energy_balance, entropy, modes, samples};
-use expoly::{Closure, Density, Error, Estimate, Simulation, Wall, compare};
+use expoly::statistics::{Crossings, Cumulants, Impacts, Marginal, energy_balance, entropy, modes, samples};
+use expoly::{Closure, Density, Error, Estimate, Simulation, States, Wall, compare};
 use std::f64::consts::{E, PI, TAU};
 
 /// exp of a formula on a lattice, normalised.
@@ -209,7 +209,7 @@ fn a_power_tail() {
     // −E ln p = −ln C + δ (ln κ + 1/(δ − 1)), since ln(1 + ρ²/κ) is exponential with the rate δ − 1.
     let truth = -(4.5 * core.powf(4.5) / PI).ln() + 5.5 * (core.ln() + 1.0 / 4.5);
     assert!((entropy(&exact).unwrap().value - truth).abs() < 1e-8, "{:.12} and {truth:.12}", entropy(&exact).unwrap());
-    assert!(modes(&exact).unwrap()[0].at.iter().all(|x| x.abs() < 1e-8));
+    assert!(modes(&exact).unwrap()[0].0.iter().all(|x| x.abs() < 1e-8));
 }
 
 /// E x² = 1, E v² = Ω² for the linear oscillator: everything in closed form, but for the maximum's mean, whose integral is
@@ -281,7 +281,7 @@ fn maxima_are_where_the_force_vanishes() {
     let found = modes(&three_wells().exact().unwrap()).unwrap();
     assert_eq!(found.len(), 3);
     for place in [-outer, 0.0, outer] {
-        assert!(found.iter().any(|mode| (mode.at[0] - place).abs() < 1e-8 && mode.at[1].abs() < 1e-8), "{found:?}");
+        assert!(found.iter().any(|mode| (mode.0[0] - place).abs() < 1e-8 && mode.0[1].abs() < 1e-8), "{found:?}");
     }
     let marginal = Marginal::new(&three_wells().exact().unwrap(), 0).unwrap();
     let places: Vec<f64> = marginal.modes().iter().map(|(x, _)| *x).collect();
@@ -289,23 +289,23 @@ fn maxima_are_where_the_force_vanishes() {
     // Above a wall on the far side of the well the most likely place is the wall.
     let above = duffing().exact_above(0.5).unwrap();
     let found = modes(&above).unwrap();
-    assert!(found.len() == 1 && found[0].at[0] == 0.5 && found[0].at[1].abs() < 1e-8, "{found:?}");
+    assert!(found.len() == 1 && found[0].0[0] == 0.5 && found[0].0[1].abs() < 1e-8, "{found:?}");
     assert_eq!(Marginal::new(&above, 0).unwrap().modes()[0].0, 0.5);
     // The limit cycle's marginal has two maxima, and every point of the cycle is a maximum.
     let cycle = van_der_pol_rayleigh().exact().unwrap();
     assert_eq!(Marginal::new(&cycle, 1).unwrap().modes().len(), 2);
-    for mode in modes(&cycle).unwrap() {
-        assert!((mode.at[0].hypot(mode.at[1]) - 1.0).abs() < 1e-6, "{mode:?}");
+    for (at, _) in modes(&cycle).unwrap() {
+        assert!((at[0].hypot(at[1]) - 1.0).abs() < 1e-6, "{at:?}");
     }
 }
 
 /// Means of draws, within four standard errors of the exact ones.
-fn drawn(name: &str, density: &dyn Density, samples: &Samples) {
-    let count = samples.effective.unwrap_or(f64::INFINITY).min(samples.states.len() as f64);
+fn drawn(name: &str, density: &dyn Density, (samples, effective): &(States, Option<f64>)) {
+    let count = effective.unwrap_or(f64::INFINITY).min(samples.len() as f64);
     let check = |what: &str, g: &dyn Fn(&[f64]) -> f64, truth: f64| {
-        let total = samples.states.len() as f64;
-        let mean = samples.states.iter().map(g).sum::<f64>() / total;
-        let variance = samples.states.iter().map(|x| (g(x) - mean).powi(2)).sum::<f64>() / total;
+        let total = samples.len() as f64;
+        let mean = samples.iter().map(g).sum::<f64>() / total;
+        let variance = samples.iter().map(|x| (g(x) - mean).powi(2)).sum::<f64>() / total;
         let z = (mean - truth) / (variance / count).sqrt();
         println!("{name}: {what} {mean:.5}, exact {truth:.5}, {z:.1} standard errors");
         assert!(z.abs() < 4.0, "{name}, {what}: {mean} instead of {truth}, {z:.1} standard errors");
@@ -330,20 +330,20 @@ fn draws_have_the_density() {
         ("E10", duffing().exact_above(0.5).unwrap()),
     ] {
         let found = samples(&density, 40_000, 5).unwrap();
-        assert_eq!(found.effective, None);
+        assert_eq!(found.1, None);
         drawn(name, &density, &found);
         // A tail that one draw in a hundred reaches, and the middle.
         let marginal = Marginal::new(&density, 0).unwrap();
         for q in [0.01, 0.5] {
             let level = marginal.upper_quantile(q).unwrap().value;
-            let share = found.states.iter().filter(|x| x[0] > level).count() as f64 / 4e4;
+            let share = found.0.iter().filter(|x| x[0] > level).count() as f64 / 4e4;
             let z = (share - q) / (q * (1.0 - q) / 4e4).sqrt();
             assert!(z.abs() < 4.0, "{name}: {share} above the quantile {q}");
         }
     }
     let power = parametric_linear().exact();
     let found = samples(&power, 20_000, 5).unwrap();
-    let fast = found.states.iter().filter(|x| x[1] > 5.0).count() as f64 / 2e4;
+    let fast = found.0.iter().filter(|x| x[1] > 5.0).count() as f64 / 2e4;
     let truth = Marginal::new(&power, 1).unwrap().exceedance(5.0).unwrap().value;
     assert!((fast - truth).abs() < 4.0 * (truth / 2e4).sqrt(), "{fast} and {truth}");
     // No thread from another, no seed like another.
@@ -380,12 +380,12 @@ fn four_states() {
     let joint = closed.joint_marginal([3, 1], [0.4, -0.9]).unwrap();
     assert!(joint.deviation(normal(0.4) * normal(0.9)) < 4.0, "{joint}");
     assert!((exact.joint_marginal([3, 1], [0.4, -0.9]).unwrap().value / normal(0.4) / normal(0.9) - 1.0).abs() < 1e-10);
-    assert!(modes(&exact).unwrap()[0].at.iter().all(|x| x.abs() < 1e-6));
+    assert!(modes(&exact).unwrap()[0].0.iter().all(|x| x.abs() < 1e-6));
     let found = entropy(closed).unwrap();
     assert!(found.deviation(entropy(&exact).unwrap().value) < 4.0, "{found}");
     for (name, density) in [("closure, 4 states", closed as &dyn Density), ("exact, 4 states", &exact)] {
         let found = samples(density, 10_000, 3).unwrap();
-        assert!(found.effective.unwrap() > 20_000.0, "{:?}", found.effective);
+        assert!(found.1.unwrap() > 20_000.0, "{:?}", found.1);
         drawn(name, &exact, &found);
     }
     let apart = compare::distances(closed, &exact).unwrap();
@@ -457,7 +457,7 @@ fn three_methods_agree_within_their_errors() {
     assert!(matches!(Crossings::new(&simulated, [0, 1]), Err(Error::NotKnown { .. })));
     // What the methods share to draw from.
     drawn("closure", &*grid, &samples(&*closed, 20_000, 4).unwrap());
-    assert_eq!(samples(&simulated, 1000, 4).unwrap().states.len(), 1000);
+    assert_eq!(samples(&simulated, 1000, 4).unwrap().0.len(), 1000);
     // A problem has an impact rate where it has a wall, and none otherwise, by every method.
     assert_eq!([grid.impact_rate(), closed.impact_rate(), simulated.impact_rate()], [None; 3]);
 }

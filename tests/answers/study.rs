@@ -3,9 +3,7 @@
 use crate::common::*;
 use expoly::models::{CubicDamping, DuffingVanDerPol, Solved};
 use expoly::study::{Case, OrderRow, OrderStudy, OrderTable, Sweep};
-use expoly::{
-    Closure, ClosureDensity, Density, Error, ExpPolynomial, Gaussian, NodeKind, Polynomial, Problem, Support, Wall,
-};
+use expoly::{Closure, ClosureDensity, Density, Error, ExpPolynomial, Gaussian, Polynomial, Problem, Support, Wall};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -54,10 +52,10 @@ fn timeless(table: &OrderTable) -> Vec<OrderRow> {
     table.rows().iter().cloned().map(timeless).collect()
 }
 
-fn cancelled(study: OrderStudy<'_>, after: usize) {
+fn cancelled(study: OrderStudy<'_>, after: u64) {
     let error = study
         .progress(
-            move |progress| if progress.done >= after { ControlFlow::Break(()) } else { ControlFlow::Continue(()) },
+            move |progress, _| if progress.done >= after { ControlFlow::Break(()) } else { ControlFlow::Continue(()) },
         )
         .run()
         .unwrap_err();
@@ -95,7 +93,7 @@ fn an_interrupted_study_goes_on_to_the_same_table() {
     let kept = lines(&path) - 2;
     // Each thread may finish what it has begun.
     assert!((2..9).contains(&kept) && solved.swap(0, Ordering::Relaxed) == kept, "{kept}");
-    cancelled(study(&solved, &orders).file(&path), kept + 1);
+    cancelled(study(&solved, &orders).file(&path), kept as u64 + 1);
     // A run that was killed in the middle of a line: the row is computed again.
     let content = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, &content[..content.len() - 9]).unwrap();
@@ -153,7 +151,7 @@ fn a_sweep_starts_near_and_goes_on_to_the_same_table() {
     assert_eq!(whole.column("square").unwrap(), values.map(|r| r * r));
     assert_eq!((cold.swap(0, Ordering::Relaxed), warm.swap(0, Ordering::Relaxed)), (2, 3));
     let path = scratch("sweep.csv");
-    let stop = sweep().file(&path).progress(|_| ControlFlow::Break(())).run(solve).unwrap_err();
+    let stop = sweep().file(&path).progress(|_, _| ControlFlow::Break(())).run(solve).unwrap_err();
     assert!(matches!(stop, Error::StudyCancelled { rows: 5, .. }), "{stop}");
     assert_eq!(sweep().file(&path).run(solve).unwrap(), whole);
     assert_eq!(sweep().file(&path).run(solve).unwrap(), whole);
@@ -199,7 +197,7 @@ fn a_warm_start_comes_to_the_same_density() {
 #[test]
 fn a_warm_start_on_samples_comes_to_the_same_root() {
     let damped = |cubic| problem(CubicDamping::new([0.1, cubic], 1.0, 1.0, 0.5).unwrap());
-    let closure = Closure::new(4).nodes(NodeKind::Samples).pilot_states(20_000);
+    let closure = Closure::new(4).on_samples(true).pilot_states(20_000);
     let near = closure.solve(&damped(0.25)).unwrap();
     let cold = closure.solve(&damped(0.3)).unwrap();
     let warm = closure.clone().starting_from(&near).solve(&damped(0.3)).unwrap();

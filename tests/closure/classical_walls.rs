@@ -6,9 +6,7 @@
 use crate::common::*;
 use expoly::models::{Duffing, EnergyAveraged, Solved, VibroImpactDuffing};
 use expoly::statistics::energy_balance;
-use expoly::{
-    Basis, Closure, Crossing, Density, Error, ExpPolynomial, Problem, Solution, Termination, Wall, Zhuravlev, compare,
-};
+use expoly::{Basis, Closure, Crossing, Density, Error, ExpPolynomial, Problem, Solution, Termination, Wall, compare};
 use support::walls;
 
 fn solve(order: u32, basis: Basis, offset: f64, restitution: f64) -> Solution {
@@ -159,17 +157,17 @@ fn the_folded_closure_has_the_right_statistics() {
 fn the_back_transformation_inverts_the_forward_one() {
     let model = VibroImpactDuffing::new(duffing(), 0.2, 0.98).unwrap();
     let density = Closure::classical(2).solve(&model.problem().unwrap()).unwrap().density().unwrap();
-    let transformation = Zhuravlev::new(model.wall());
-    let plane = |point: [f64; 2]| transformation.forward(|state| density.pdf(&state).unwrap().value, point);
+    let wall = model.wall();
+    let plane = |point: [f64; 2]| wall.unfolded_density(|state| density.pdf(&state).unwrap().value, point);
     let mut points = Points::new(17);
     for _ in 0..20 {
         let point = points.array(1.5);
         assert_eq!(plane(point), plane(point.map(|c| -c)));
-        let state = transformation.state(point);
+        let state = wall.unfolded_state(point);
         let p = density.pdf(&state).unwrap().value;
-        assert!((transformation.back(plane, state) / p - 1.0).abs() < 1e-12);
+        assert!((wall.folded_density(plane, state) / p - 1.0).abs() < 1e-12);
     }
-    assert_eq!(transformation.back(plane, [0.1, 0.3]), 0.0);
+    assert_eq!(wall.folded_density(plane, [0.1, 0.3]), 0.0);
 }
 
 /// Everything that a density says about itself fits together: marginals integrate to one and to the moments.

@@ -3,7 +3,7 @@
 use crate::common::*;
 use expoly::models::{DuffingVanDerPol, Solved};
 use expoly::{
-    Closure, ClosureDensity, Degrees, Density, Error, ExpPolynomial, Grid, GridDensity, Intensity, NodeKind, Origin,
+    Closure, ClosureDensity, Degrees, Density, Error, ExpPolynomial, Grid, GridDensity, Intensity, Origin,
     PolynomialDrift, Problem, Scalar, Simulation, Weight, compare,
 };
 use std::sync::Arc;
@@ -180,12 +180,12 @@ fn second_moments_of_the_reference_table() {
 #[test]
 fn a_power_tail_is_flagged() {
     let (exact, problem) = (parametric_linear().exact(), problem(parametric_linear()));
-    for order in [2, 4, 6, 8] {
+    // Measured: 0.147, 0.045, 0.045, 0.062.
+    for (order, limit) in [(2, 0.2), (4, 0.06), (6, 0.06), (8, 0.08)] {
         let density = Closure::new(order).solve(&problem).unwrap();
         let l1 = compare::l1(&density, &exact).unwrap().value;
         println!("n = {order}: L1 {l1:.2e}, estimate {:.2e}, {:?}", density.l1_estimate(), density.warning());
-        // Measured: 0.08 to 0.13.
-        assert!(l1 < 0.2, "n = {order}: {l1:e}");
+        assert!(l1 < limit, "n = {order}: {l1:e}");
         assert!(density.l1_estimate() > l1 && density.warning().is_some());
     }
 }
@@ -196,8 +196,8 @@ fn a_power_tail_is_flagged() {
 fn seeds_decide_and_threads_do_not() {
     let problem = problem(cubic_damping());
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    for nodes in [NodeKind::Tensor, NodeKind::Samples] {
-        let solve = |seed| Closure::new(6).nodes(nodes).seed(seed).solve(&problem).unwrap();
+    for on_samples in [false, true] {
+        let solve = |seed| Closure::new(6).on_samples(on_samples).seed(seed).solve(&problem).unwrap();
         let (one, two) = (pool(1).install(|| solve(3)), pool(2).install(|| solve(3)));
         assert_eq!(one.coefficients(), two.coefficients());
         assert_eq!(one.moment(&[2, 2]).unwrap(), two.moment(&[2, 2]).unwrap());
@@ -215,7 +215,7 @@ fn states_as_nodes_do_as_well_where_the_density_is_smooth() {
     let problem = problem(cubic_damping());
     let truth = truth_of("cubic damping", &problem);
     for (order, limit) in [(4, 4.6e-2), (6, 3.6e-3), (8, 1.03e-3)] {
-        let density = Closure::new(order).nodes(NodeKind::Samples).solve(&problem).unwrap();
+        let density = Closure::new(order).on_samples(true).solve(&problem).unwrap();
         let l1 = compare::l1(&density, &*truth).unwrap().value;
         println!("n = {order}: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());
         assert!(l1 < limit, "n = {order}: {l1:e}");
@@ -390,7 +390,7 @@ fn bad_input_is_refused_by_name() {
     for system in [unstable([-0.5, 0.0], 1.0, 1.0), unstable([0.5, 0.0], -1.0, -1.0)] {
         assert!(matches!(Closure::new(4).solve(&problem(system)), Err(Error::Exploded { .. })));
     }
-    let chain = Closure::new(4).nodes(NodeKind::Tensor).solve(&chain_of_two().problem().unwrap());
+    let chain = Closure::new(4).on_samples(false).solve(&chain_of_two().problem().unwrap());
     assert!(matches!(chain, Err(Error::NotServed { method: "closure", .. })), "{chain:?}");
     // A start from a density of another number of states.
     let near = closed_chain();

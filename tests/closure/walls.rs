@@ -2,9 +2,7 @@
 
 use crate::common::*;
 use expoly::models::Solved;
-use expoly::{
-    Closure, ClosureDensity, Crossing, Degrees, Density, Error, Grid, NodeKind, Origin, Problem, Wall, compare,
-};
+use expoly::{Closure, ClosureDensity, Crossing, Degrees, Density, Error, Grid, Origin, Problem, Wall, compare};
 use std::sync::Arc;
 use support::walls;
 
@@ -30,8 +28,7 @@ fn elastic_walls_are_exact() {
     }
 }
 
-/// All rows of the reference table at n = 8: E Y and E Y′² within 1e-3, the impact rate within 2e-3 for r ≥ 0.7; and
-/// E Y′ = 0. The table's rates at r ≤ 0.7 are up to 0.6 % low, by the grid; those rows take the grid's.
+/// All rows of the reference table at n = 8: E Y and E Y′² within 1e-3, the impact rate within 2e-3; and E Y′ = 0. The table's rates at r ≤ 0.7 are up to 0.6 % low, by the grid; those rows take the grid's.
 #[test]
 fn moments_and_impact_rates_of_the_reference_table() {
     for row in walls::table().unwrap() {
@@ -48,7 +45,7 @@ fn moments_and_impact_rates_of_the_reference_table() {
             density.l1_estimate()
         );
         assert!((mean / row.mean - 1.0).abs() < 1e-3 && (square / row.square - 1.0).abs() < 1e-3, "b = {b}, r = {r}");
-        assert!(r < 0.7 || (rate / expected - 1.0).abs() < 2e-3, "b = {b}, r = {r}: {rate} and {expected}");
+        assert!((rate / expected - 1.0).abs() < 2e-3, "b = {b}, r = {r}: {rate} and {expected}");
         assert!(density.moment(&[0, 1]).unwrap().value.abs() < 1e-3 * square.sqrt());
         assert!(density.warning().is_none(), "{:?}", density.warning());
     }
@@ -57,7 +54,7 @@ fn moments_and_impact_rates_of_the_reference_table() {
 /// The joint L¹ distance to the grid falls from level to level, and is far below the classical closure's.
 #[test]
 fn the_error_falls_from_level_to_level() {
-    for (b, r, limit) in [(0.0, 0.98, 2e-4), (-0.5, 0.9, 3e-4), (0.5, 0.5, 5e-3)] {
+    for (b, r, limit) in [(0.0, 0.98, 4e-5), (-0.5, 0.9, 2.5e-4), (0.5, 0.5, 4.5e-3)] {
         let truth = on_grid_above(b, r);
         let classical = Closure::classical(4).solve(&duffing_above(b, r)).unwrap().density();
         let classical = classical.map_or(f64::NAN, |density| compare::l1(&density, &*truth).unwrap().value);
@@ -69,12 +66,12 @@ fn the_error_falls_from_level_to_level() {
                 "b = {b}, r = {r}, n = {order}: L1 {l1:.2e}, estimate {:.2e}, classical at n = 4 {classical:.1e}",
                 density.l1_estimate()
             );
-            // The grid's own error, 1e-5 to 5e-3 next to the grazing point, bounds what can be seen.
-            assert!(l1 < last + truth.l1_estimate(), "b = {b}, r = {r}, n = {order}");
+            assert!(l1 < last, "b = {b}, r = {r}, n = {order}: {l1:e} after {last:e}");
             last = l1;
         }
         assert!(last < limit, "b = {b}, r = {r}: {last:e}");
-        assert!(classical.is_nan() || last < 0.1 * classical);
+        // The classical closure has no density at strong loss.
+        assert!(if r == 0.5 { classical.is_nan() } else { last < 0.1 * classical }, "b = {b}, r = {r}: {classical:e}");
     }
 }
 
@@ -141,9 +138,7 @@ fn bad_input_is_refused_by_name() {
     let problem = duffing_above(0.0, 0.9);
     let high = Closure::new(11).solve(&problem);
     assert!(matches!(high, Err(Error::OutOfRange { name: "order of the closure", .. })), "{high:?}");
-    for closure in
-        [Closure::new(4).nodes(NodeKind::Samples), Closure::new(4).degrees(Degrees::complete().at_most(0, 2))]
-    {
+    for closure in [Closure::new(4).on_samples(true), Closure::new(4).degrees(Degrees::complete().at_most(0, 2))] {
         let refused = closure.solve(&problem);
         assert!(matches!(refused, Err(Error::NotServed { method: "closure", .. })), "{refused:?}");
     }

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use expoly::models::{DuffingChain, Solved};
-use expoly::{Gaussian, Oscillator, Polynomial, Wall, Zhuravlev};
+use expoly::{Gaussian, Oscillator, Polynomial, Wall};
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use num_dual::{Dual2_64, Dual64, DualNum, HyperDual64};
 
@@ -155,14 +155,14 @@ fn equations_print_as_text_and_latex() {
 /// The transformed oscillator's force sgn(x) h(|x| + b, sgn(x) x′), read back from the polynomial on the half plane.
 #[test]
 fn zhuravlevs_transformation_goes_there_and_back() {
-    let transformation = Zhuravlev::new(Wall::above(-0.3, 0.8).unwrap());
+    let wall = Wall::above(-0.3, 0.8).unwrap();
     let mut points = Points::new(13);
     for _ in 0..50 {
         let [x, slope] = points.array(2.0);
-        let state = transformation.state([x, slope]);
+        let state = wall.unfolded_state([x, slope]);
         assert!(state[0] >= -0.3);
         // The two images differ by the reflection, and one of them is the point, up to the rounding of |x| + b − b.
-        let images = transformation.plane(state);
+        let images = wall.unfolded_points(state);
         assert_eq!(images[0].map(|c| -c), images[1]);
         let nearest = images.iter().map(|p| (p[0] - x).abs() + (p[1] - slope).abs()).fold(f64::MAX, f64::min);
         assert!(nearest < 1e-15);

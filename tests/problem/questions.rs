@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use expoly::models::{EnergyAveraged, Solved, VibroImpactDuffing};
-use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, NodeKind, Simulation};
+use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Simulation};
 
 /// Asks a density of n states everything with lengths and states that are not its own.
 fn all_doors(name: &str, density: &dyn Density) {
@@ -62,7 +62,7 @@ fn a_wrong_length_is_refused_at_every_door() {
     closures_doors("closure, one state", &Closure::new(4).solve(&problem(OrnsteinUhlenbeck)).unwrap());
     closures_doors("closure above a wall", &Closure::new(4).solve(&duffing_above(0.0, 0.9)).unwrap());
     closures_doors("closure, four states", &closed_chain());
-    let samples = Closure::new(2).nodes(NodeKind::Samples).pilot_states(5000).solve(&problem(duffing())).unwrap();
+    let samples = Closure::new(2).on_samples(true).pilot_states(5000).solve(&problem(duffing())).unwrap();
     closures_doors("closure on samples", &samples);
     all_doors("closed form", &ClosedForm::new(samples, &["x", "v"]).unwrap());
     for (name, problem) in [

@@ -24,7 +24,7 @@ fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
         values.extend([result.histogram(0)?.bin(k)?, result.histogram(1)?.bin(k)?]);
     }
     if let Some(joint) = result.joint() {
-        let [rows, columns] = [0, 1].map(|k| joint.axes()[k].bins());
+        let [rows, columns] = [0, 1].map(|k| joint.edges(k).count() - 1);
         for cell in 0..rows * columns {
             values.push(joint.cell(&[cell / columns, cell % columns])?);
         }
@@ -33,7 +33,7 @@ fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
     values.extend([result.energy_balance(), result.mean_impact_speed(), result.impact_rate()].into_iter().flatten());
     let mut bits: Vec<u64> = values.iter().flat_map(|e| [e.value.to_bits(), e.error.to_bits()]).collect();
     bits.extend(result.stationarity().into_iter().map(f64::to_bits));
-    bits.extend((0..2).flat_map(|i| result.histogram(i)).flat_map(|h| h.edges().map(f64::to_bits)));
+    bits.extend((0..2).flat_map(|i| result.histogram(i)).flat_map(|h| h.edges(0).map(f64::to_bits)));
     let made = result.provenance();
     let counts = [made.trajectories, made.samples].map(|count| count.map(|count| count as u64));
     bits.extend([made.seed, counts[0], counts[1], made.path_steps].into_iter().flatten());

@@ -4,7 +4,7 @@ use crate::models::{About, Exact, Model, models};
 use clap::{Args, ValueEnum};
 use expoly::models::{DuffingChain, Solved};
 use expoly::study::{Case, Truth};
-use expoly::{Closure, Grid, NodeKind, Problem, Simulation, Weight};
+use expoly::{Closure, Grid, Problem, Simulation, Weight};
 
 /// By which methods models are closed, and what they are compared with.
 #[derive(Clone, Debug, Args)]
@@ -65,16 +65,6 @@ pub enum Nodes {
     Samples,
 }
 
-impl From<Nodes> for NodeKind {
-    fn from(nodes: Nodes) -> Self {
-        match nodes {
-            Nodes::Auto => NodeKind::Automatic,
-            Nodes::Tensor => NodeKind::Tensor,
-            Nodes::Samples => NodeKind::Samples,
-        }
-    }
-}
-
 /// The model of more than two states.
 const CHAIN: About = About {
     name: "two_degrees_of_freedom",
@@ -114,8 +104,12 @@ impl Setup {
         let mut case = Case::new(about.name, problem.clone(), move |problem| self.truth(problem, exact.as_ref()));
         if self.method != Method::Classical {
             case = case.method("robust", |problem, order| {
-                let closure = Closure::new(order).weight(self.weight).nodes(self.nodes.into()).seed(self.seed);
-                closure.solve(problem)
+                let closure = Closure::new(order).weight(self.weight).seed(self.seed);
+                match self.nodes {
+                    Nodes::Auto => closure,
+                    nodes => closure.on_samples(nodes == Nodes::Samples),
+                }
+                .solve(problem)
             });
         }
         if self.method != Method::Robust {

@@ -23,13 +23,13 @@ pub fn simulation_bar(name: &str) -> (ProgressBar, impl FnMut(expoly::Progress) 
 }
 
 /// A bar for a study, and the callback that moves it and prints each row above it.
-pub fn study_bar() -> (ProgressBar, impl FnMut(expoly::study::StudyProgress<'_>) -> ControlFlow<()> + Send + use<>) {
+pub fn study_bar() -> (ProgressBar, impl FnMut(expoly::Progress, &str) -> ControlFlow<()> + Send + use<>) {
     let bar = bar("rows");
     let handle = bar.clone();
-    let callback = move |progress: expoly::study::StudyProgress<'_>| {
-        handle.set_length(progress.total as u64);
-        handle.set_position(progress.done as u64);
-        handle.println(progress.row);
+    let callback = move |progress: expoly::Progress, row: &str| {
+        handle.set_length(progress.total);
+        handle.set_position(progress.done);
+        handle.println(row);
         ControlFlow::Continue(())
     };
     (bar, callback)

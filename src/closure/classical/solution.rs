@@ -33,6 +33,7 @@ impl fmt::Display for Termination {
 #[derive(Clone, Debug)]
 pub struct Solution {
     pub(super) order: u32,
+    /// The scaled coordinates z of the weight f_N.
     pub(super) frame: Frame,
     pub(super) q: Polynomial,
     pub(super) support: Support,
@@ -54,11 +55,6 @@ impl Solution {
     /// κ ε of rounding error; where J is singular, there is no κ.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
-    }
-
-    /// The scaled coordinates z of the weight f_N.
-    pub fn frame(&self) -> &Frame {
-        &self.frame
     }
 
     /// The last iterate's Q in the states themselves, without its constant, whatever the termination.
