@@ -17,14 +17,16 @@ pub(crate) type Lane = [f64; LANES];
 /// What the methods ask of a system. First derivatives come from [`Dual64`], second ones from [`HyperDual64`], and the
 /// derivatives of the noise-induced drift from dual numbers over those, so that nothing is ever differenced.
 pub(crate) trait Field: Send + Sync {
-    /// The drift as it was written at [`LANES`] states: `x[i][l]` is state i of lane l.
-    fn drift(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]);
-
-    /// Column k of G.
+    /// Column k of G at [`LANES`] states: `x[i][l]` is state i of lane l.
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]);
 
-    /// ½ Σ_k (G_k·∇)G_k, what Stratonovich's mean rate of change has beyond the drift.
-    fn induced(&self, arch: Arch, x: &[Lane], induced: &mut [Lane]);
+    /// The flow of column k of G over the times `s`, by the classical Runge-Kutta rule.
+    fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]);
+
+    /// The flow of the drift as it was written over the time `tau`, by the explicit midpoint rule. It takes with it `induced`
+    /// times ½ Σ_k (G_k·∇)G_k, what Stratonovich's mean rate of change has beyond the drift, and states whose factor in
+    /// `moved` is 1, not those whose factor is 0.
+    fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]);
 
     /// The Itô drift f at a point.
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]);
@@ -75,19 +77,61 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Fixed<T, N, M> {
     }
 }
 
+/// The explicit midpoint rule.
+#[inline(always)]
+fn midpoint<S, X>(x: X, tau: f64, moved: &[f64], drift: impl Fn(&X) -> X) -> X
+where
+    S: Scalar,
+    X: AsRef<[S]> + AsMut<[S]> + Clone,
+{
+    let middle = ahead(x.clone(), drift(&x), |i| S::from(moved[i] * (tau / 2.0)));
+    let slope = drift(&middle);
+    ahead(x, slope, |i| S::from(moved[i] * tau))
+}
+
+/// The classical Runge-Kutta rule.
+#[inline(always)]
+fn runge_kutta<S, X>(x: X, s: S, field: impl Fn(&X) -> X) -> X
+where
+    S: Scalar,
+    X: AsRef<[S]> + AsMut<[S]> + Clone,
+{
+    let first = field(&x);
+    let second = field(&ahead(x.clone(), first.clone(), |_| s / 2.0));
+    let third = field(&ahead(x.clone(), second.clone(), |_| s / 2.0));
+    let mut mean = field(&ahead(x.clone(), third.clone(), |_| s));
+    for (i, last) in mean.as_mut().iter_mut().enumerate() {
+        *last = first.as_ref()[i] + (second.as_ref()[i] + third.as_ref()[i]) * 2.0 + *last;
+    }
+    ahead(x, mean, |_| s / 6.0)
+}
+
+/// x_i + τ_i × slope_i.
+#[inline(always)]
+fn ahead<S, X>(mut x: X, slope: X, tau: impl Fn(usize) -> S) -> X
+where
+    S: Scalar,
+    X: AsRef<[S]> + AsMut<[S]>,
+{
+    for (i, (x, slope)) in x.as_mut().iter_mut().zip(slope.as_ref()).enumerate() {
+        *x = *x + *slope * tau(i);
+    }
+    x
+}
+
 /// A slice as the array that it is.
 fn array<const N: usize>(x: &[f64]) -> [f64; N] {
     std::array::from_fn(|i| x[i])
 }
 
-/// A function of one state at all lanes, with the registers that the call is compiled for.
+/// A function of one state and its lane at all lanes, with the registers that the call is compiled for.
 struct OnLanes<'a, F, const N: usize> {
     x: &'a [Lane],
     values: &'a mut [Lane],
     function: F,
 }
 
-impl<F: Fn([f64; N]) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, F, N> {
+impl<F: Fn([f64; N], usize) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, F, N> {
     type Output = ();
 
     #[inline(always)]
@@ -97,7 +141,7 @@ impl<F: Fn([f64; N]) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, 
         x.copy_from_slice(&self.x[..N]);
         let mut values = [[0.0; LANES]; N];
         for l in 0..LANES {
-            let value = (self.function)(std::array::from_fn(|i| x[i][l]));
+            let value = (self.function)(std::array::from_fn(|i| x[i][l]), l);
             for i in 0..N {
                 values[i][l] = value[i];
             }
@@ -107,17 +151,28 @@ impl<F: Fn([f64; N]) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, 
 }
 
 impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T, N, M> {
-    fn drift(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
-        arch.dispatch(OnLanes { x, values: drift, function: |x| self.system.drift(x) });
-    }
-
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
-        let entries = |x| self.system.noise(x).map(|row| row[k]);
+        let entries = |x, _| self.system.noise(x).map(|row| row[k]);
         arch.dispatch(OnLanes { x, values: column, function: entries });
     }
 
-    fn induced(&self, arch: Arch, x: &[Lane], induced: &mut [Lane]) {
-        arch.dispatch(OnLanes { x, values: induced, function: |x| self.along(x) });
+    fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
+        let column = |x: &[f64; N]| self.system.noise(*x).map(|row| row[k]);
+        arch.dispatch(OnLanes { x, values: to, function: |x, l| runge_kutta(x, s[l], column) });
+    }
+
+    fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
+        let moved: [f64; N] = array(moved);
+        let drift = |x: &[f64; N]| self.system.drift(*x);
+        if induced == 0.0 {
+            arch.dispatch(OnLanes { x, values: to, function: |x, _| midpoint(x, tau, &moved, drift) });
+        } else {
+            let both = |x: &[f64; N]| {
+                let (drift, more) = (drift(x), self.along(*x));
+                std::array::from_fn(|i| drift[i] + induced * more[i])
+            };
+            arch.dispatch(OnLanes { x, values: to, function: |x, _| midpoint(x, tau, &moved, both) });
+        }
     }
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {
@@ -206,24 +261,36 @@ impl<F: FnOnce()> NullaryFnOnce for OnPacks<F> {
     }
 }
 
+/// Lanes as packs, and packs as lanes.
+fn packed(x: &[Lane]) -> Vec<Pack> {
+    x.iter().copied().map(Pack).collect()
+}
+
+fn unpacked(packs: impl IntoIterator<Item = Pack>, lanes: &mut [Lane]) {
+    lanes.iter_mut().zip(packs).for_each(|(lane, pack)| *lane = pack.0);
+}
+
 impl<T: PolynomialSystem> Field for AnySize<T> {
-    fn drift(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
-        let x: Vec<Pack> = x.iter().copied().map(Pack).collect();
-        let call = || drift.iter_mut().zip(self.system.drift(&x)).for_each(|(f, pack)| *f = pack.0);
-        arch.dispatch(OnPacks(call));
-    }
-
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
-        let x: Vec<Pack> = x.iter().copied().map(Pack).collect();
-        let call = || column.iter_mut().zip(self.system.noise(&x)).for_each(|(g, row)| *g = row[k].0);
+        let call = || unpacked(self.system.noise(&packed(x)).iter().map(|row| row[k]), column);
         arch.dispatch(OnPacks(call));
     }
 
-    fn induced(&self, _: Arch, x: &[Lane], induced: &mut [Lane]) {
-        for l in 0..LANES {
-            let state: Vec<f64> = x.iter().map(|lane| lane[l]).collect();
-            induced.iter_mut().zip(self.along(&state)).for_each(|(lane, value)| lane[l] = value);
-        }
+    fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
+        let column = |x: &Vec<Pack>| self.system.noise(x).iter().map(|row| row[k]).collect();
+        arch.dispatch(OnPacks(|| unpacked(runge_kutta(packed(x), Pack(*s), column), to)));
+    }
+
+    fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
+        let drift = |x: &Vec<Pack>| {
+            let mut drift = self.system.drift(x);
+            for l in (0..LANES).filter(|_| induced != 0.0) {
+                let state: Vec<f64> = x.iter().map(|pack| pack.0[l]).collect();
+                drift.iter_mut().zip(self.along(&state)).for_each(|(f, more)| f.0[l] += induced * more);
+            }
+            drift
+        };
+        arch.dispatch(OnPacks(|| unpacked(midpoint(packed(x), tau, moved, drift), to)));
     }
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {

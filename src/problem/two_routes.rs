@@ -96,25 +96,42 @@ fn both_routes_agree(problem: &Problem) -> Result<()> {
     Ok(())
 }
 
-/// What a simulation asks: drift, noise and induced drift as they were written, at many states at once.
+/// What a simulation asks: the noise, and short flows of the drift and of the noise, at many states at once.
 fn lanes_agree(problem: &Problem, stream: &mut ChaCha8Rng) {
-    let (n, field, arch) = (problem.dimension(), problem.field(), Arch::new());
+    let (n, field, arch, tau) = (problem.dimension(), problem.field(), Arch::new(), 0.01);
     let x: Vec<Lane> = (0..n).map(|_| std::array::from_fn(|_| stream.random_range(-2.5..2.5))).collect();
     let mut found = vec![[f64::NAN; LANES]; n];
-    let check = |what: &str, polynomials: &[Polynomial], found: &[Lane]| {
+    let at = |polynomials: &[Polynomial], x: &[f64]| polynomials.iter().map(|p| p.evaluate(x)).collect::<Vec<_>>();
+    let ahead = |x: &[f64], slope: &[f64], tau: f64| x.iter().zip(slope).map(|(x, f)| x + tau * f).collect::<Vec<_>>();
+    let check = |what: &str, expected: &dyn Fn(&[f64]) -> Vec<f64>, found: &[Lane]| {
         for l in 0..LANES {
             let state: Vec<f64> = x.iter().map(|lane| lane[l]).collect();
-            (0..n).for_each(|i| check(what, &polynomials[i], &state, found[i][l]));
+            for (i, value) in expected(&state).into_iter().enumerate() {
+                let distance = (found[i][l] - value).abs();
+                assert!(distance <= 1e-11 * (1.0 + value.abs()), "{what} at {state:?}: off by {distance:e}");
+            }
         }
     };
-    field.drift(arch, &x, &mut found);
-    check("drift on lanes", problem.drift(), &found);
     for (k, column) in problem.noise().iter().enumerate() {
         field.noise(arch, k, &x, &mut found);
-        check("noise on lanes", column, &found);
+        check("noise", &|x| at(column, x), &found);
+        field.noise_flow(arch, k, &x, &[tau; LANES], &mut found);
+        let flow = |x: &[f64]| {
+            let first = at(column, x);
+            let second = at(column, &ahead(x, &first, tau / 2.0));
+            let third = at(column, &ahead(x, &second, tau / 2.0));
+            let fourth = at(column, &ahead(x, &third, tau));
+            (0..n).map(|i| x[i] + tau / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + fourth[i])).collect()
+        };
+        check("flow of the noise", &flow, &found);
     }
-    field.induced(arch, &x, &mut found);
-    check("induced drift on lanes", &noise_induced_drift(problem.noise(), n), &found);
+    let induced = noise_induced_drift(problem.noise(), n);
+    for times in [0.0, -1.0] {
+        field.drift_flow(arch, &x, tau, &vec![1.0; n], times, &mut found);
+        let drift = |x: &[f64]| ahead(&at(problem.drift(), x), &at(&induced, x), times);
+        let flow = |x: &[f64]| ahead(x, &drift(&ahead(x, &drift(x), tau / 2.0)), tau);
+        check("flow of the drift", &flow, &found);
+    }
 }
 
 /// Each as it was defined, and once more from its text: systems of fixed size and of any.

@@ -142,11 +142,10 @@ impl<'a> Ensemble<'a> {
             passages.crossed.fill(0);
             lanes.advance(self.scheme, self.course, steps, passages, work);
             lanes.check(bounds, time, h)?;
-            let power = self.velocity.map(|v| self.scheme.power(v, lanes.x(), &mut work.scratch));
             for lane in 0..lanes.trajectories() {
                 lanes.read_state(lane, &mut x);
-                let seen = Seen { trajectory: first + lane, x: &x, crossed: &passages.crossed, lane };
-                observe(seen, power.map_or([0.0; 2], |[given, taken]| [given[lane], taken[lane]]));
+                let power = self.velocity.map_or([0.0; 2], |v| self.scheme.power(v, &x, &mut work.scratch));
+                observe(Seen { trajectory: first + lane, x: &x, crossed: &passages.crossed, lane }, power);
             }
             first += lanes.trajectories();
         }

@@ -27,8 +27,8 @@ pub(super) fn single_wall(problem: &Problem, method: &'static str) -> Result<Opt
 /// What the straight drift of the displacements meets: a wall, and levels to watch.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
-    /// The displacements, each with its velocity. The wall and the levels belong to the first pair if there are any.
-    pub(super) pairs: Vec<(usize, usize)>,
+    /// The velocity of each state that is a displacement. The wall and the levels belong to state 0 if there are any.
+    velocities: Vec<Option<usize>>,
     /// The wall's position, or −∞.
     floor: f64,
     restitution: f64,
@@ -62,28 +62,43 @@ impl Passages {
             speeds: Counts::default(),
         }
     }
+
+    /// Counts an up-crossing of level number `k` by a lane, if its straight piece is one.
+    fn count(&mut self, k: usize, level: f64, lane: usize, [before, after]: [f64; 2], speed: f64) {
+        if before < level && after >= level {
+            add_powers(&mut self.crossings[k], speed);
+            self.crossed[k] |= 1 << lane;
+        }
+    }
 }
 
 impl Course {
     /// `diffusion` is ½B_vv at rest on the wall.
     pub(super) fn new(
-        pairs: Vec<(usize, usize)>,
+        velocities: Vec<Option<usize>>,
         wall: Option<Wall>,
         levels: Vec<f64>,
         diffusion: f64,
         step: f64,
     ) -> Self {
         let (floor, restitution) = wall.map_or((f64::NEG_INFINITY, 1.0), |b| (b.offset(), b.restitution()));
-        Course { pairs, floor, restitution, grazing: Grazing::new(restitution, diffusion, step), levels, speeds: None }
+        Course {
+            velocities,
+            floor,
+            restitution,
+            grazing: Grazing::new(restitution, diffusion, step),
+            levels,
+            speeds: None,
+        }
     }
 
     /// The course of a system's trajectories: the noise that rules grazing is that at rest on the wall.
     pub(super) fn for_scheme(scheme: &Scheme<'_>, wall: Option<Wall>, levels: Vec<f64>) -> Self {
-        let mut at_rest = vec![[0.0; LANES]; scheme.states];
-        at_rest[0] = [wall.map_or(0.0, |b| b.offset()); LANES];
-        let velocity = scheme.pairs.iter().find(|&&(i, _)| i == 0);
-        let diffusion = velocity.map_or(0.0, |&(_, v)| scheme.power(v, &at_rest, &mut scheme.scratch())[0][0]);
-        Course::new(scheme.pairs.to_vec(), wall, levels, diffusion, scheme.step)
+        let mut at_rest = vec![0.0; scheme.states];
+        at_rest[0] = wall.map_or(0.0, |b| b.offset());
+        let velocity = |i: usize| scheme.pairs.iter().find(|&&(x, _)| x == i).map(|&(_, v)| v);
+        let diffusion = velocity(0).map_or(0.0, |v| scheme.power(v, &at_rest, &mut scheme.scratch())[0]);
+        Course::new((0..scheme.states).map(velocity).collect(), wall, levels, diffusion, scheme.step)
     }
 
     /// The same course, on which the crossings of `levels` and the `speeds` of impacts are counted.
@@ -99,92 +114,123 @@ impl Course {
 
     /// The state that moves state 0.
     #[inline(always)]
-    fn velocity(&self) -> usize {
-        self.pairs.first().map_or(0, |&(_, j)| j)
+    pub(super) fn velocity(&self) -> usize {
+        self.velocities[0].unwrap_or(0)
     }
 
-    /// Whether a lane meets the wall within the time `tau`, or may need shorter steps after half of it.
+    /// Whether any lane is near the wall.
+    #[inline(always)]
+    pub(super) fn any_near(&self, x: &[Lane], tau: f64) -> bool {
+        // A loop and no closure, so that it is compiled for the widest registers, together with the caller's.
+        let (y, v) = (x[0], x[self.velocity()]);
+        let mut any = false;
+        for l in 0..LANES {
+            any |= self.is_near(y[l], v[l], tau);
+        }
+        any
+    }
+
+    /// Which lanes are.
     #[inline(always)]
     pub(super) fn near(&self, x: &[Lane], tau: f64) -> [bool; LANES] {
-        // A loop and no closure, so that it is compiled for the widest registers, together with the caller's.
         let (y, v) = (x[0], x[self.velocity()]);
         let mut near = [false; LANES];
         for l in 0..LANES {
-            let u = y[l] - self.floor;
-            near[l] = (u + tau * v[l] < 0.0) | self.grazing.concerns(u + tau / 2.0 * v[l], v[l]);
+            near[l] = self.is_near(y[l], v[l], tau);
         }
         near
     }
 
-    /// The length of the step that the state of a lane needs: the whole one, or a shorter one where it grazes the wall.
-    #[inline]
-    pub(super) fn step_at(&self, x: &[Lane], l: usize) -> Option<f64> {
-        self.grazing.step_at(x[0][l] - self.floor, x[self.velocity()][l])
+    /// Whether a trajectory meets the wall within the time `tau`, or may need shorter steps after half of it.
+    #[inline(always)]
+    fn is_near(&self, y: f64, v: f64, tau: f64) -> bool {
+        let u = y - self.floor;
+        (u + tau * v < 0.0) | self.grazing.concerns(u + tau / 2.0 * v, v)
     }
 
-    /// Every displacement straight on for the time `tau`, its velocity frozen. Lanes of `except` count nothing and may be
-    /// left anywhere.
+    /// The length of the step that a trajectory needs: the whole one, or a shorter one where it grazes the wall.
+    #[inline]
+    pub(super) fn step_at(&self, y: f64, v: f64) -> Option<f64> {
+        self.grazing.step_at(y - self.floor, v)
+    }
+
+    /// Every displacement straight on for the time `tau`, its velocity frozen. Only the lanes of `counted` count passages; the
+    /// others may be left anywhere.
     ///
     /// The path is a straight line, so that the time of contact with the wall is exact. After the rebound the velocity
     /// points away from the wall and nothing turns it within the straight piece: there is at most one contact in it. An
     /// infinite sequence of ever shorter rebounds is thereby cut at one contact per step; rebounds lower than about
     /// (force × h²) are not resolved, and the next kick ends them.
     #[inline(always)]
-    pub(super) fn drift(&self, x: &mut [Lane], tau: f64, except: &[bool; LANES], passages: &mut Passages) {
-        let before = x[0];
-        for &(i, j) in &self.pairs {
-            let v = x[j];
-            for l in 0..LANES {
-                x[i][l] += tau * v[l];
+    pub(super) fn drift(
+        &self,
+        from: &[Lane],
+        tau: f64,
+        counted: impl Fn(usize) -> bool,
+        x: &mut [Lane],
+        passages: &mut Passages,
+    ) {
+        for (i, velocity) in self.velocities.iter().enumerate() {
+            x[i] = from[i];
+            if let Some(v) = *velocity {
+                for l in 0..LANES {
+                    x[i][l] += tau * from[v][l];
+                }
             }
         }
+        let mut before = from[0];
         let mut contact = false;
         for y in x[0] {
             contact |= y < self.floor;
         }
-        if contact || !self.levels.is_empty() {
-            self.pass(x, &before, tau, except, passages);
-        }
-    }
-
-    /// The same for one lane.
-    pub(super) fn drift_lane(&self, x: &mut [Lane], l: usize, tau: f64, passages: &mut Passages) {
-        let before = x[0][l];
-        for &(i, j) in &self.pairs {
-            x[i][l] += tau * x[j][l];
-        }
-        self.pass_lane(x, l, before, tau, passages);
-    }
-
-    #[inline(never)]
-    fn pass(&self, x: &mut [Lane], before: &Lane, tau: f64, except: &[bool; LANES], passages: &mut Passages) {
-        for l in (0..LANES).filter(|&l| !except[l]) {
-            self.pass_lane(x, l, before[l], tau, passages);
-        }
-    }
-
-    /// Impacts and level crossings of the straight piece that took state 0 of a lane from `before` to where it is now.
-    fn pass_lane(&self, x: &mut [Lane], l: usize, mut before: f64, tau: f64, passages: &mut Passages) {
-        let velocity = self.velocity();
-        if x[0][l] < self.floor {
-            let approach = -x[velocity][l];
-            add_powers(&mut passages.impacts, approach);
-            if let Some(axis) = self.speeds {
-                passages.speeds.add(&[axis], &[approach]);
-            }
-            // Rounding may put the contact a hair after the end of the piece.
-            let rest = (tau - (before - self.floor) / approach).max(0.0);
-            x[velocity][l] = self.restitution * approach;
-            x[0][l] = self.floor + x[velocity][l] * rest;
-            before = self.floor;
-        }
-        let Passages { crossings, crossed, .. } = passages;
-        for ((level, sums), crossed) in self.levels.iter().zip(crossings).zip(crossed) {
-            if before < *level && x[0][l] >= *level {
-                add_powers(sums, x[velocity][l]);
-                *crossed |= 1 << l;
+        let v = self.velocity();
+        if contact {
+            for l in (0..LANES).filter(|&l| counted(l)) {
+                if x[0][l] < self.floor {
+                    [before[l], x[0][l], x[v][l]] = self.rebound([before[l], x[v][l]], tau, passages);
+                }
             }
         }
+        for (k, &level) in self.levels.iter().enumerate() {
+            let after = x[0];
+            let mut any = false;
+            for l in 0..LANES {
+                any |= (before[l] < level) & (after[l] >= level);
+            }
+            for l in (0..LANES).filter(|&l| any && counted(l)) {
+                passages.count(k, level, l, [before[l], after[l]], x[v][l]);
+            }
+        }
+    }
+
+    /// The same for the state of one lane.
+    pub(super) fn drift_lane(&self, x: &mut [f64], lane: usize, tau: f64, passages: &mut Passages) {
+        let (mut before, v) = (x[0], self.velocity());
+        for (i, velocity) in self.velocities.iter().enumerate() {
+            if let Some(v) = *velocity {
+                x[i] += tau * x[v];
+            }
+        }
+        if x[0] < self.floor {
+            [before, x[0], x[v]] = self.rebound([before, x[v]], tau, passages);
+        }
+        for (k, &level) in self.levels.iter().enumerate() {
+            passages.count(k, level, lane, [before, x[0]], x[v]);
+        }
+    }
+
+    /// The impact in a straight piece from a place with a velocity: the wall, where the piece begins anew, and place and
+    /// velocity at its end.
+    fn rebound(&self, [before, v]: [f64; 2], tau: f64, passages: &mut Passages) -> [f64; 3] {
+        let approach = -v;
+        add_powers(&mut passages.impacts, approach);
+        if let Some(axis) = self.speeds {
+            passages.speeds.add(&[axis], &[approach]);
+        }
+        // Rounding may put the contact a hair after the end of the piece.
+        let rest = (tau - (before - self.floor) / approach).max(0.0);
+        let v = self.restitution * approach;
+        [self.floor, self.floor + v * rest, v]
     }
 }
 
@@ -199,7 +245,7 @@ mod tests {
     use super::*;
 
     fn course(levels: Vec<f64>) -> Result<Course> {
-        Ok(Course::new(vec![(0, 1)], Some(Wall::above(0.5, 0.5)?), levels, 0.2, 0.1))
+        Ok(Course::new(vec![Some(1), None], Some(Wall::above(0.5, 0.5)?), levels, 0.2, 0.1))
     }
 
     /// Every other lane in one of two states.
@@ -212,9 +258,9 @@ mod tests {
     #[test]
     fn an_impact_is_exact() -> Result<()> {
         let mut passages = Passages::new(2);
-        let mut x = lanes([[0.75, 1.0], [-1.0, -0.25]]);
-        let except = std::array::from_fn(|l| l >= 2);
-        course(vec![0.625, 2.0])?.drift(&mut x, 1.0, &except, &mut passages);
+        let mut x = [[0.0; LANES]; 2];
+        let from = lanes([[0.75, 1.0], [-1.0, -0.25]]);
+        course(vec![0.625, 2.0])?.drift(&from, 1.0, |l| l < 2, &mut x, &mut passages);
         assert_eq!([&x[0][..2], &x[1][..2]], [[0.875, 0.75], [0.5, -0.25]]);
         assert_eq!(passages.impacts, [1.0, 1.0, 1.0]);
         assert_eq!(passages.crossings, [[1.0, 0.5, 0.25], [0.0; 3]]);
@@ -225,15 +271,15 @@ mod tests {
     /// Whatever the state, the wall holds, and a non-finite state ends the piece as well.
     #[test]
     fn no_state_is_below_the_wall() -> Result<()> {
-        let mut passages = Passages::new(0);
+        let (mut x, mut passages) = ([[0.0; LANES]; 2], Passages::new(0));
         for k in 0..1000 {
             let v = -1.3_f64.powi(k - 500);
-            let mut x = lanes([[0.5, 0.5 + f64::EPSILON], [v, v]]);
-            course(vec![])?.drift(&mut x, 0.1, &[false; LANES], &mut passages);
+            let from = lanes([[0.5, 0.5 + f64::EPSILON], [v, v]]);
+            course(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
             assert!(x[0].iter().all(|&y| y >= 0.5));
         }
-        let mut x = lanes([[0.5, f64::NAN], [f64::NEG_INFINITY, f64::NAN]]);
-        course(vec![])?.drift(&mut x, 0.1, &[false; LANES], &mut passages);
+        let from = lanes([[0.5, f64::NAN], [f64::NEG_INFINITY, f64::NAN]]);
+        course(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
         Ok(())
     }
 }

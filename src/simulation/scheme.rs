@@ -26,8 +26,8 @@ pub(super) struct Scheme<'a> {
     pub(super) merged: bool,
     /// The displacements, each with its velocity.
     pub(super) pairs: &'a [(usize, usize)],
-    /// The states that F moves: all but the displacements.
-    moved: Vec<usize>,
+    /// 1 for a state that F moves, 0 for a displacement.
+    moved: Vec<f64>,
     /// The number of states.
     pub(super) states: usize,
     /// The number of Wiener processes.
@@ -35,8 +35,8 @@ pub(super) struct Scheme<'a> {
     /// A factor of all noises.
     amplitude: f64,
     noise: Noise,
-    /// How many times the noise-induced drift makes the Stratonovich drift, and the Itô drift, of the drift as written.
-    induced: [f64; 2],
+    /// How many times the noise-induced drift makes the Stratonovich drift of the drift as written.
+    induced: f64,
 }
 
 /// How the noise acts.
@@ -49,12 +49,11 @@ enum Noise {
     Curved,
 }
 
-/// Lanes that a step works on, made once for many of them.
+/// What a step works on, made once for many of them.
 pub(super) struct Scratch {
-    slope: Vec<Lane>,
-    middle: Vec<Lane>,
-    /// What only noise needs whose fields change along one another.
-    extra: [Vec<Lane>; 5],
+    lanes: [Vec<Lane>; 2],
+    drift: Vec<f64>,
+    diffusion: Vec<f64>,
 }
 
 impl<'a> Scheme<'a> {
@@ -78,27 +77,20 @@ impl<'a> Scheme<'a> {
         } else {
             Noise::Curved
         };
-        let induced = if noise_induced_drift(problem.noise(), states).iter().all(Polynomial::is_zero) {
-            [0.0; 2]
-        } else {
-            let square = amplitude * amplitude;
-            match problem.interpretation() {
-                Interpretation::Ito => [-square, 0.0],
-                Interpretation::Stratonovich => [0.0, square],
-            }
-        };
+        let induced = noise_induced_drift(problem.noise(), states);
+        let corrected = problem.interpretation() == Interpretation::Ito && !induced.iter().all(Polynomial::is_zero);
         Scheme {
             field,
             arch,
             step,
             merged: false,
-            moved: (0..states).filter(|i| pairs.iter().all(|(x, _)| x != i)).collect(),
+            moved: (0..states).map(|i| f64::from(pairs.iter().all(|&(x, _)| x != i))).collect(),
             pairs,
             states,
             processes: problem.noise().len(),
             amplitude,
             noise,
-            induced,
+            induced: if corrected { -amplitude * amplitude } else { 0.0 },
         }
     }
 
@@ -109,157 +101,73 @@ impl<'a> Scheme<'a> {
     }
 
     pub(super) fn scratch(&self) -> Scratch {
-        let lanes = || vec![[0.0; LANES]; self.states];
-        let extra = if self.curved() { [(); 5].map(|()| lanes()) } else { Default::default() };
-        Scratch { slope: lanes(), middle: lanes(), extra }
-    }
-
-    /// The drift as written and so many times the noise-induced one.
-    #[inline(always)]
-    fn drift(&self, x: &[Lane], times: f64, drift: &mut [Lane], induced: &mut [Lane]) {
-        self.field.drift(self.arch, x, drift);
-        if times != 0.0 {
-            self.field.induced(self.arch, x, induced);
-            for (f, more) in drift.iter_mut().zip(induced) {
-                *f = ahead(f, times, more);
-            }
-        }
-    }
-
-    /// F(h/2).
-    #[inline(always)]
-    fn flow(&self, x: &mut [Lane], h: f64, Scratch { slope, middle, extra: [induced, ..] }: &mut Scratch) {
-        self.drift(x, self.induced[0], slope, induced);
-        middle.copy_from_slice(x);
-        for &i in &self.moved {
-            middle[i] = ahead(&x[i], h / 4.0, &slope[i]);
-        }
-        self.drift(middle, self.induced[0], slope, induced);
-        for &i in &self.moved {
-            x[i] = ahead(&x[i], h / 2.0, &slope[i]);
-        }
+        let n = self.states;
+        let lanes = [(); 2].map(|()| vec![[0.0; LANES]; n]);
+        Scratch { lanes, drift: vec![0.0; n], diffusion: vec![0.0; n * n] }
     }
 
     /// F(h/2) W(h) F(h/2) for the increments √h Z = `w` of each process; `reversed` is the order of the fields.
     #[inline(always)]
-    pub(super) fn kick(&self, x: &mut [Lane], h: f64, w: &[Lane], reversed: &[bool; LANES], scratch: &mut Scratch) {
-        self.flow(x, h, scratch);
+    pub(super) fn kick(
+        &self,
+        x: &[Lane],
+        h: f64,
+        w: &[Lane],
+        reversed: &[bool; LANES],
+        to: &mut [Lane],
+        Scratch { lanes: [middle, other], .. }: &mut Scratch,
+    ) {
+        self.field.drift_flow(self.arch, x, h / 2.0, &self.moved, self.induced, middle);
         match &self.noise {
             Noise::Constant(entries) => {
                 for &(k, i, g) in entries {
-                    x[i] = ahead(&x[i], g, &w[k]);
+                    for l in 0..LANES {
+                        middle[i][l] += g * w[k][l];
+                    }
                 }
             }
             Noise::Straight => {
-                scratch.middle.copy_from_slice(x);
+                to.copy_from_slice(middle);
                 for (k, w) in w.iter().enumerate() {
-                    self.column(k, &scratch.middle, &mut scratch.slope);
-                    for (x, g) in x.iter_mut().zip(&scratch.slope) {
+                    self.field.noise(self.arch, k, to, other);
+                    for (x, g) in middle.iter_mut().zip(&*other) {
                         for l in 0..LANES {
-                            x[l] += g[l] * w[l];
+                            x[l] += g[l] * self.amplitude * w[l];
                         }
                     }
                 }
             }
-            Noise::Curved => self.along_fields(x, w, reversed, scratch),
-        }
-        self.flow(x, h, scratch);
-    }
-
-    /// The flow of all fields, one after another, from the first to the last or the other way round.
-    #[inline(always)]
-    fn along_fields(&self, x: &mut [Lane], w: &[Lane], reversed: &[bool; LANES], scratch: &mut Scratch) {
-        let Scratch { slope: to, middle, extra: [other, stages @ ..] } = scratch;
-        let [any, all] = [reversed.contains(&true), !reversed.contains(&false)];
-        for k in 0..w.len() {
-            let back = w.len() - 1 - k;
-            let first = if all { back } else { k };
-            self.along_field(x, first, &w[first], middle, stages, to);
-            if any && !all && k != back {
-                self.along_field(x, back, &w[back], middle, stages, other);
-                for (to, other) in to.iter_mut().zip(&*other) {
-                    for l in 0..LANES {
-                        to[l] = if reversed[l] { other[l] } else { to[l] };
+            Noise::Curved => {
+                let [any, all] = [reversed.contains(&true), !reversed.contains(&false)];
+                for k in 0..w.len() {
+                    let back = w.len() - 1 - k;
+                    self.along_field(if all { back } else { k }, middle, w, other);
+                    if any && !all && k != back {
+                        self.along_field(back, middle, w, to);
+                        for (x, reversed_x) in other.iter_mut().zip(&*to) {
+                            for l in 0..LANES {
+                                x[l] = if reversed[l] { reversed_x[l] } else { x[l] };
+                            }
+                        }
                     }
+                    std::mem::swap(middle, other);
                 }
             }
-            x.copy_from_slice(to);
         }
+        self.field.drift_flow(self.arch, middle, h / 2.0, &self.moved, self.induced, to);
     }
 
-    /// The flow of the field G_k over the times `s`, by the classical Runge-Kutta rule.
-    #[inline(always)]
-    fn along_field(
-        &self,
-        x: &[Lane],
-        k: usize,
-        s: &Lane,
-        at: &mut [Lane],
-        [k1, k2, k3, k4]: &mut [Vec<Lane>; 4],
-        to: &mut [Lane],
-    ) {
-        self.column(k, x, k1);
-        stage(x, s, 0.5, k1, at);
-        self.column(k, at, k2);
-        stage(x, s, 0.5, k2, at);
-        self.column(k, at, k3);
-        stage(x, s, 1.0, k3, at);
-        self.column(k, at, k4);
-        for i in 0..x.len() {
-            for l in 0..LANES {
-                to[i][l] = x[i][l] + s[l] / 6.0 * (k1[i][l] + 2.0 * (k2[i][l] + k3[i][l]) + k4[i][l]);
-            }
-        }
-    }
-
-    /// Column k of G.
-    #[inline(always)]
-    fn column(&self, k: usize, x: &[Lane], column: &mut [Lane]) {
-        self.field.noise(self.arch, k, x, column);
-        for g in column {
-            *g = g.map(|g| g * self.amplitude);
-        }
+    /// The flow of the field G_k.
+    fn along_field(&self, k: usize, x: &[Lane], w: &[Lane], to: &mut [Lane]) {
+        self.field.noise_flow(self.arch, k, x, &w[k].map(|s| s * self.amplitude), to);
     }
 
     /// The power that noise puts into state `v` and the power that the drift takes from it: ½B_vv and −v f_v, with the
     /// Itô drift f.
-    pub(super) fn power(&self, v: usize, x: &[Lane], scratch: &mut Scratch) -> [Lane; 2] {
-        let Scratch { slope, extra: [induced, ..], .. } = scratch;
-        self.drift(x, self.induced[1], slope, induced);
-        let taken = std::array::from_fn(|l| -x[v][l] * slope[v][l]);
-        let mut injected = [0.0; LANES];
-        if let Noise::Constant(entries) = &self.noise {
-            let given: f64 = entries.iter().filter(|&&(_, i, _)| i == v).map(|(.., g)| g * g / 2.0).sum();
-            injected = [given; LANES];
-        } else {
-            for k in 0..self.processes {
-                self.column(k, x, slope);
-                for (sum, g) in injected.iter_mut().zip(&slope[v]) {
-                    *sum += g * g / 2.0;
-                }
-            }
-        }
-        [injected, taken]
-    }
-}
-
-/// x + τ × slope.
-#[inline(always)]
-fn ahead(x: &Lane, tau: f64, slope: &Lane) -> Lane {
-    let mut y = *x;
-    for l in 0..LANES {
-        y[l] += tau * slope[l];
-    }
-    y
-}
-
-/// x + part × s × slope, to where a stage of the Runge-Kutta rule is taken.
-#[inline(always)]
-fn stage(x: &[Lane], s: &Lane, part: f64, slope: &[Lane], at: &mut [Lane]) {
-    for ((at, x), slope) in at.iter_mut().zip(x).zip(slope) {
-        for l in 0..LANES {
-            at[l] = x[l] + s[l] * part * slope[l];
-        }
+    pub(super) fn power(&self, v: usize, x: &[f64], Scratch { drift, diffusion, .. }: &mut Scratch) -> [f64; 2] {
+        self.field.ito_drift(x, drift);
+        self.field.diffusion(x, diffusion);
+        [diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0, -x[v] * drift[v]]
     }
 }
 

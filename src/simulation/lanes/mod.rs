@@ -1,6 +1,7 @@
 mod steps;
 
 pub(super) use steps::Workspace;
+use steps::{read_lane, write_lane};
 
 use super::random::Random;
 use crate::problem::{LANES, Lane};
@@ -54,16 +55,9 @@ impl Lanes {
         self.active
     }
 
-    /// State i of all lanes.
-    pub(super) fn x(&self) -> &[Lane] {
-        &self.x
-    }
-
     /// The state of one trajectory.
     pub(super) fn read_state(&self, l: usize, state: &mut [f64]) {
-        for (value, x) in state.iter_mut().zip(&self.x) {
-            *value = x[l];
-        }
+        read_lane(&self.x, l, state);
     }
 
     /// The states of the trajectories.
@@ -74,9 +68,7 @@ impl Lanes {
 
     /// Puts one trajectory somewhere else; it goes on with its own random numbers.
     pub(super) fn set_state(&mut self, l: usize, state: &[f64]) {
-        for (x, value) in self.x.iter_mut().zip(state) {
-            x[l] = *value;
-        }
+        write_lane(state, l, &mut self.x);
     }
 
     /// Normal increments of the standard deviation `scale` for an even number of steps from the last even one on, those

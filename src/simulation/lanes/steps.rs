@@ -9,17 +9,20 @@ use crate::simulation::{
 };
 use pulp::NullaryFnOnce;
 
-/// How many steps' random numbers are drawn at a time; even, since they come in pairs of steps.
-const BLOCK: usize = 32;
+/// How many steps' random numbers are drawn at a time; even, since they come in pairs of steps, and few, so that a processor
+/// draws some while it waits for the numbers of the steps before.
+const BLOCK: usize = 4;
 
 /// What the steps work on, made once for many of them.
 pub(in crate::simulation) struct Workspace {
     /// The increments of some steps: those of all processes for each step.
     increments: Vec<Lane>,
-    /// The states before a drift.
+    /// The states after a kick, before a drift.
     kicked: Vec<Lane>,
-    /// The states and the increments of a shorter step.
-    grazed: Vec<Lane>,
+    /// The state of one lane, and what a shorter step makes of it.
+    state: Vec<f64>,
+    before: Vec<Lane>,
+    after: Vec<Lane>,
     shorter: Vec<Lane>,
     pub(in crate::simulation) scratch: Scratch,
 }
@@ -30,7 +33,9 @@ impl Workspace {
         Workspace {
             increments: lanes(BLOCK * scheme.processes),
             kicked: lanes(scheme.states),
-            grazed: lanes(scheme.states),
+            state: vec![0.0; scheme.states],
+            before: lanes(scheme.states),
+            after: lanes(scheme.states),
             shorter: lanes(scheme.processes),
             scratch: scheme.scratch(),
         }
@@ -49,16 +54,6 @@ impl Lanes {
         work: &mut Workspace,
     ) {
         scheme.arch.dispatch(Advance { lanes: self, scheme, course, steps, passages, work });
-    }
-
-    /// `lanes`, and those that hold no trajectory.
-    #[inline(always)]
-    fn idle_or(&self, lanes: &[bool; LANES]) -> [bool; LANES] {
-        let mut either = *lanes;
-        for l in 0..LANES {
-            either[l] |= l >= self.active;
-        }
-        either
     }
 }
 
@@ -79,12 +74,13 @@ impl NullaryFnOnce for Advance<'_, '_> {
     #[inline(always)]
     fn call(mut self) {
         let (scheme, course) = (self.scheme, self.course);
-        let (h, processes) = (scheme.step, scheme.processes);
+        let (h, processes, active) = (scheme.step, scheme.processes, self.lanes.active);
+        let velocity = course.velocity();
         let mut x = std::mem::take(&mut self.lanes.x);
         for x in &mut x {
             // Idle lanes start afresh beside the first one, so that they neither hit the wall all the time nor explode.
             let first = x[0];
-            x[self.lanes.active..].fill(first);
+            x[active..].fill(first);
         }
         let mut ahead = self.begin(&mut x);
         let mut any_ahead = ahead.contains(&true);
@@ -110,84 +106,75 @@ impl NullaryFnOnce for Advance<'_, '_> {
                     }
                 }
                 let Workspace { increments, kicked, scratch, .. } = &mut *self.work;
-                kicked.copy_from_slice(&x);
-                scheme.kick(kicked, h, &increments[step * processes..][..processes], &coins, scratch);
+                scheme.kick(&x, h, &increments[step * processes..][..processes], &coins, kicked, scratch);
                 self.lanes.taken += 1;
-                if any_ahead {
-                    for l in (0..LANES).filter(|&l| ahead[l]) {
-                        copy_lane(&x, l, kicked);
-                    }
+                for l in (0..LANES).filter(|&l| any_ahead && ahead[l]) {
+                    kicked.iter_mut().zip(&x).for_each(|(kicked, x)| kicked[l] = x[l]);
                 }
-                x.copy_from_slice(kicked);
                 if self.lanes.taken == end {
                     break;
                 }
-                let mut near = course.near(&x, h);
-                let mut any_near = false;
+                if !(any_ahead || course.any_near(kicked, h)) {
+                    course.drift(kicked, h, |l| l < active, &mut x, self.passages);
+                    continue;
+                }
+                let mut near = course.near(kicked, h);
                 for l in 0..LANES {
                     near[l] |= ahead[l];
-                    any_near |= near[l];
                 }
-                course.drift(&mut x, h, &self.lanes.idle_or(&near), self.passages);
-                if any_near {
-                    any_ahead = false;
-                    for l in (0..self.lanes.active).filter(|&l| near[l]) {
-                        copy_lane(&self.work.kicked, l, &mut x);
-                        if !ahead[l] {
-                            course.drift_lane(&mut x, l, h / 2.0, self.passages);
-                        }
-                        ahead[l] = self.begin_lane(&mut x, l);
-                        any_ahead |= ahead[l];
+                course.drift(kicked, h, |l| l < active && !near[l], &mut x, self.passages);
+                for l in (0..active).filter(|&l| near[l]) {
+                    let Workspace { kicked, state, .. } = &mut *self.work;
+                    read_lane(kicked, l, state);
+                    if !ahead[l] {
+                        course.drift_lane(state, l, h / 2.0, self.passages);
                     }
+                    ahead[l] = course.step_at(state[0], state[velocity]).is_some();
+                    if ahead[l] {
+                        self.graze(l);
+                    } else {
+                        course.drift_lane(state, l, h / 2.0, self.passages);
+                    }
+                    write_lane(&self.work.state, l, &mut x);
                 }
+                any_ahead = ahead.contains(&true);
             }
         }
-        self.work.kicked.copy_from_slice(&x);
-        course.drift(&mut x, h / 2.0, &self.lanes.idle_or(&ahead), self.passages);
+        let Workspace { kicked, state, .. } = &mut *self.work;
+        course.drift(kicked, h / 2.0, |l| l < active && !ahead[l], &mut x, self.passages);
         for l in (0..LANES).filter(|&l| ahead[l]) {
-            copy_lane(&self.work.kicked, l, &mut x);
+            read_lane(kicked, l, state);
+            write_lane(state, l, &mut x);
         }
         self.lanes.x = x;
     }
 }
 
 impl Advance<'_, '_> {
-    /// The first half drift of a step, of all lanes together but those that graze the wall, which it returns: they are then
-    /// ahead of the others.
+    /// The first half drift of a step. A trajectory that grazes the wall takes the whole step at once instead, in shorter
+    /// ones; returned is which do and are then ahead of the others.
     #[inline(always)]
     fn begin(&mut self, x: &mut [Lane]) -> [bool; LANES] {
-        let mut ahead = self.course.near(x, 0.0);
-        for l in 0..LANES {
-            ahead[l] &= l < self.lanes.active && self.course.step_at(x, l).is_some();
-        }
+        let (course, active, velocity) = (self.course, self.lanes.active, self.course.velocity());
+        let ahead = std::array::from_fn(|l| l < active && course.step_at(x[0][l], x[velocity][l]).is_some());
         self.work.kicked.copy_from_slice(x);
-        self.course.drift(x, self.scheme.step / 2.0, &self.lanes.idle_or(&ahead), self.passages);
+        let half = self.scheme.step / 2.0;
+        course.drift(&self.work.kicked, half, |l| l < active && !ahead[l], x, self.passages);
         for l in (0..LANES).filter(|&l| ahead[l]) {
-            copy_lane(&self.work.kicked, l, x);
-            self.graze(x, l);
+            read_lane(&self.work.kicked, l, &mut self.work.state);
+            self.graze(l);
+            write_lane(&self.work.state, l, x);
         }
         ahead
     }
 
-    /// The first half drift of a step of one lane. A trajectory that grazes the wall takes the whole step at once instead,
-    /// in shorter ones: it is then ahead of the others.
-    #[inline(always)]
-    fn begin_lane(&mut self, x: &mut [Lane], l: usize) -> bool {
-        let grazing = self.course.step_at(x, l).is_some();
-        if grazing {
-            self.graze(x, l);
-        } else {
-            self.course.drift_lane(x, l, self.scheme.step / 2.0, self.passages);
-        }
-        grazing
-    }
-
-    /// A whole time step of one lane in shorter steps, with random numbers that nothing else uses. A kick is one of all
-    /// lanes, of which this one is kept.
+    /// A whole time step of the state of one lane in shorter steps, with random numbers that nothing else uses. A kick is one
+    /// of sixteen lanes in the same state.
     #[inline(never)]
-    fn graze(&mut self, x: &mut [Lane], l: usize) {
+    fn graze(&mut self, l: usize) {
         let Advance { lanes, scheme, course, passages, work, .. } = self;
-        let Workspace { grazed, shorter, scratch, .. } = &mut **work;
+        let Workspace { state, before, after, shorter, scratch, .. } = &mut **work;
+        let velocity = course.velocity();
         let mut left = scheme.step;
         let mut draws = 0;
         let mut draw = || {
@@ -195,29 +182,32 @@ impl Advance<'_, '_> {
             lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
         };
         while left > 0.0 {
-            let step = course.step_at(x, l).map_or(left, |step| step.min(left));
+            let step = course.step_at(state[0], state[velocity]).map_or(left, |step| step.min(left));
             left -= step;
-            course.drift_lane(x, l, step / 2.0, passages);
+            course.drift_lane(state, l, step / 2.0, passages);
             for two in shorter.chunks_mut(2) {
                 for (increment, z) in two.iter_mut().zip(pair(draw())) {
                     *increment = [step.sqrt() * z; LANES];
                 }
             }
             let reversed = scheme.curved() && draw()[0] & 1 == 1;
-            grazed.copy_from_slice(x);
-            scheme.kick(grazed, step, shorter, &[reversed; LANES], scratch);
-            copy_lane(grazed, l, x);
-            course.drift_lane(x, l, step / 2.0, passages);
+            before.iter_mut().zip(&*state).for_each(|(lanes, x)| *lanes = [*x; LANES]);
+            scheme.kick(before, step, shorter, &[reversed; LANES], after, scratch);
+            read_lane(after, l, state);
+            course.drift_lane(state, l, step / 2.0, passages);
         }
     }
 }
 
-/// One lane of `from`.
+/// The state of one lane.
 #[inline(always)]
-fn copy_lane(from: &[Lane], l: usize, to: &mut [Lane]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        to[l] = from[l];
-    }
+pub(super) fn read_lane(x: &[Lane], l: usize, state: &mut [f64]) {
+    state.iter_mut().zip(x).for_each(|(value, x)| *value = x[l]);
+}
+
+#[inline(always)]
+pub(super) fn write_lane(state: &[f64], l: usize, x: &mut [Lane]) {
+    x.iter_mut().zip(state).for_each(|(x, value)| x[l] = *value);
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]
