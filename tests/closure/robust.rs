@@ -1,12 +1,11 @@
 //! The robust closure: exact where the truth is a polynomial, close to the grid where it is not, at every order.
 
 use crate::common::*;
-use expoly::models::{DuffingVanDerPol, Solved};
+use expoly::models::{DuffingChain, DuffingVanDerPol, Solved};
 use expoly::{
-    Closure, ClosureDensity, Degrees, Density, Error, ExpPolynomial, Grid, GridDensity, Intensity, Origin,
-    PolynomialDrift, Problem, Scalar, Simulation, Weight, compare,
+    Closure, ClosureDensity, Degrees, Density, Error, GridDensity, Intensity, Origin, PolynomialDrift, Problem, Scalar,
+    Simulation, Weight, compare,
 };
-use std::sync::Arc;
 
 fn duffing_van_der_pol() -> Problem {
     problem(DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5).unwrap())
@@ -14,12 +13,6 @@ fn duffing_van_der_pol() -> Problem {
 
 fn bistable_damping() -> Problem {
     problem(DuffingVanDerPol::new([0.3, 0.3], -1.0, 1.0, 0.3).unwrap())
-}
-
-/// The density of a named problem, by a grid that knows those here to 1e-8 of the peak.
-fn truth_of(name: &'static str, problem: &Problem) -> Arc<GridDensity> {
-    static SOLVED: Shared<&str, GridDensity> = Shared::new();
-    SOLVED.get(name, || Grid::new().degree(10).cells([14, 14]).solve(problem).unwrap())
 }
 
 /// A density is exact to 1e-8 at each order; measured are 1e-12 to 5e-9, what the quadratures of both sides leave.
@@ -51,26 +44,38 @@ fn closed_forms_are_exact_at_their_order_and_above() {
 /// nothing, and few of them do as well as many. ln p to 1e-8 over five standard deviations.
 #[test]
 fn coupled_oscillators_in_equilibrium_are_exact() {
-    fn check(model: &impl Solved, orders: &[u32]) {
-        let (truth, problem) = (model.exact().unwrap(), model.problem().unwrap());
-        orders.iter().for_each(|order| check_order(&problem, *order, &truth));
-    }
-    fn check_order(problem: &Problem, order: u32, truth: &ExpPolynomial) {
-        let density = Closure::new(order).pilot_states(20_000).solve(problem).unwrap();
+    let check = |chain: &DuffingChain, order: u32| {
+        let problem = chain.problem().unwrap();
+        let density = Closure::new(order).pilot_states(20_000).solve(&problem).unwrap();
         let (states, mut points) = (problem.dimension(), Points::new(5));
-        let rest = vec![0.0; states];
-        let constant = density.log_pdf(&rest).unwrap() - truth.log_pdf(&rest).unwrap();
+        let distance = |x: &[f64]| density.log_pdf(x).unwrap() - chain.log_density(x);
         for _ in 0..200 {
             let x = points.state(states, 1.2);
-            let error = density.log_pdf(&x).unwrap() - truth.log_pdf(&x).unwrap() - constant;
+            let error = distance(&x) - distance(&vec![0.0; states]);
             assert!(error.abs() < 1e-8, "{error:e} at {x:?}");
         }
+        let constant = distance(&vec![0.0; states]) + log_mass(chain, states / 2);
         // The constant is an integral by importance sampling: right within its standard error of some 1e-3.
         assert!(constant.abs() < 1e-2, "{constant}");
         assert!(density.warning().is_none(), "{:?}", density.warning());
+    };
+    check(&chain_of_two(), 4);
+    check(&chain_of_two(), 6);
+    check(&chain_of_three(), 4);
+}
+
+/// ln ∫ exp(−E/T): velocities are normal with the variance T = 0.8; the trapezoidal rule along the displacements, whose error
+/// with these steps is far below rounding.
+fn log_mass(chain: &DuffingChain, oscillators: usize) -> f64 {
+    const SIDE: usize = 33;
+    const STEP: f64 = 0.3;
+    let place = |k: usize| STEP * (k as f64 - (SIDE / 2) as f64);
+    let mut sum = 0.0;
+    for node in 0..SIDE.pow(oscillators as u32) {
+        let state = |i: usize| if i.is_multiple_of(2) { place(node / SIDE.pow(i as u32 / 2) % SIDE) } else { 0.0 };
+        sum += chain.log_density(&(0..2 * oscillators).map(state).collect::<Vec<f64>>()).exp();
     }
-    check(&chain_of_two(), &[4, 6]);
-    check(&chain_of_three(), &[4]);
+    sum.ln() + oscillators as f64 * (STEP.ln() + 0.5 * (0.8 * std::f64::consts::TAU).ln())
 }
 
 /// The five systems for which no polynomial is exact, with the joint L¹ error that each order may have.
@@ -98,15 +103,14 @@ fn tail(density: &ClosureDensity, truth: &GridDensity) -> f64 {
 
 impl Case {
     fn check(&self) {
-        let truth = truth_of(self.name, &self.problem);
+        let truth = on_grid(self.name, &self.problem);
         for seed in [0, 1, 2] {
             let mut best = f64::INFINITY;
             for (order, limit) in ORDERS.into_iter().zip(self.limits) {
                 let density = closed(self.name, &self.problem, order, seed);
-                let (l1, estimate) = (compare::l1(&*density, &*truth).unwrap().value, density.l1_estimate());
-                let tail = tail(&density, &truth);
+                let (l1, estimate) = (l1_from(&truth, &*density), density.l1_estimate());
                 println!(
-                    "{}, seed {seed}, n = {order}: L1 {l1:.2e} (estimate {estimate:.2e}, eta {:.1e}), tail {tail:.2}",
+                    "{}, seed {seed}, n = {order}: L1 {l1:.2e} (estimate {estimate:.2e}, eta {:.1e})",
                     self.name,
                     density.indicator()
                 );
@@ -120,6 +124,8 @@ impl Case {
                 // 0.25 decades are asked for. Van der Pol's oscillator misses it for some seeds, with up to 0.28: the reference
                 // that the choice rests on is itself off by a tenth of a decade there.
                 if order == 12 {
+                    let tail = tail(&density, &truth);
+                    println!("{}, seed {seed}, n = {order}: tail {tail:.2}", self.name);
                     assert!(tail <= self.tail, "{}, seed {seed}: {tail}", self.name);
                 }
             }
@@ -213,10 +219,10 @@ fn seeds_decide_and_threads_do_not() {
 #[test]
 fn states_as_nodes_do_as_well_where_the_density_is_smooth() {
     let problem = problem(cubic_damping());
-    let truth = truth_of("cubic damping", &problem);
+    let truth = on_grid("cubic damping", &problem);
     for (order, limit) in [(4, 4.6e-2), (6, 3.6e-3), (8, 1.03e-3)] {
         let density = Closure::new(order).on_samples(true).solve(&problem).unwrap();
-        let l1 = compare::l1(&density, &*truth).unwrap().value;
+        let l1 = l1_from(&truth, &density);
         println!("n = {order}: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());
         assert!(l1 < limit, "n = {order}: {l1:e}");
         assert!(density.effective_draws().unwrap() > 1e5);
@@ -239,10 +245,10 @@ fn the_order_adapts_to_the_target() {
 #[test]
 fn the_weight_trades_the_middle_for_the_tails() {
     let problem = problem(van_der_pol());
-    let truth = truth_of("van der Pol", &problem);
+    let truth = on_grid("van der Pol", &problem);
     let solve = |weight| Closure::new(8).weight(weight).solve(&problem).unwrap();
     let (middle, tails) = (solve(Weight::Density), solve(Weight::Tails(0.2)));
-    let l1 = |density: &ClosureDensity| compare::l1(density, &*truth).unwrap().value;
+    let l1 = |density: &ClosureDensity| l1_from(&truth, density);
     assert!(l1(&middle) < l1(&tails) && l1(&tails) < 2.0 * l1(&middle));
     let near_the_peak = |density: &ClosureDensity| {
         // Where the middle's weight lets go: between 1e-3 and 1e-4 of the peak on the displacement's axis.

@@ -57,11 +57,11 @@ fn the_error_falls_from_level_to_level() {
     for (b, r, limit) in [(0.0, 0.98, 4e-5), (-0.5, 0.9, 2.5e-4), (0.5, 0.5, 4.5e-3)] {
         let truth = on_grid_above(b, r);
         let classical = Closure::classical(4).solve(&duffing_above(b, r)).unwrap().density();
-        let classical = classical.map_or(f64::NAN, |density| compare::l1(&density, &*truth).unwrap().value);
+        let classical = classical.map_or(f64::NAN, |density| l1_from(&truth, &density));
         let mut last = f64::INFINITY;
         for order in [4, 6, 8] {
             let density = above(order, b, r);
-            let l1 = compare::l1(&*density, &*truth).unwrap().value;
+            let l1 = l1_from(&truth, &*density);
             println!(
                 "b = {b}, r = {r}, n = {order}: L1 {l1:.2e}, estimate {:.2e}, classical at n = 4 {classical:.1e}",
                 density.l1_estimate()
@@ -106,7 +106,7 @@ fn a_strip_between_two_walls() {
     let truth = Grid::new().degree(5).solve(&problem).unwrap();
     assert!(truth.l1_estimate() < 1e-3, "{:?}", truth.provenance());
     let density = Closure::new(8).solve(&problem).unwrap();
-    let l1 = compare::l1(&density, &truth).unwrap().value;
+    let l1 = l1_from(&truth, &density);
     println!("two walls: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());
     // Twice what was measured.
     assert!(l1 < 1e-2, "{l1:e}");

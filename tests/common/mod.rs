@@ -4,7 +4,7 @@ use expoly::models::{
     CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
     QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise,
 };
-use expoly::{Closure, ClosureDensity, Grid, GridDensity, PolynomialDrift, Problem, Scalar, Wall};
+use expoly::{Closure, ClosureDensity, Density, Grid, GridDensity, PolynomialDrift, Problem, Scalar, Wall};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -48,6 +48,15 @@ pub(crate) fn on_grid_above(offset: f64, restitution: f64) -> Arc<GridDensity> {
     static SOLVED: Shared<[u64; 2], GridDensity> = Shared::new();
     let solve = || Grid::new().solve(&duffing_above(offset, restitution)).unwrap();
     SOLVED.get([offset, restitution].map(f64::to_bits), solve)
+}
+
+/// ∫ |p̃ − p| dx of a density from a grid's, on the grid's own nodes.
+pub(crate) fn l1_from(truth: &GridDensity, density: &dyn Density) -> f64 {
+    let relative = |x: &[f64]| {
+        let log = truth.log_pdf(x).unwrap();
+        if log.is_finite() { (density.log_pdf(x).unwrap().exp() / log.exp() - 1.0).abs() } else { 0.0 }
+    };
+    truth.expectation(&relative).unwrap().value
 }
 
 /// The closure of a named problem.

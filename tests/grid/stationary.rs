@@ -5,7 +5,7 @@ use expoly::models::{Duffing, DuffingVanDerPol, Solved};
 use expoly::statistics::energy_balance;
 use expoly::{
     Crossing, Density, Error, Grid, GridDensity, Intensity, Oscillator, Polynomial, PolynomialDrift, Problem, Scalar,
-    Simulation, Wall, compare,
+    Simulation, Wall,
 };
 use support::walls;
 
@@ -22,7 +22,7 @@ fn walls_at([low, high]: [f64; 2], [lower, upper]: [f64; 2]) -> [Wall; 2] {
 /// so that it must not be below the true error.
 fn check_smooth(name: &str, density: &GridDensity, system: &impl Solved, tolerance: f64) {
     let (made, estimate) = (density.provenance(), density.l1_estimate());
-    let distance = compare::l1(density, &system.exact().unwrap()).unwrap().value;
+    let distance = l1_from(density, &system.exact().unwrap());
     println!("{name}: {distance:.1e}, estimate {estimate:.1e}");
     assert!(distance < tolerance, "{name}: {distance:e}");
     assert!(distance < estimate, "{name}: {distance:e} and an estimate of {estimate:e}");
@@ -63,7 +63,7 @@ fn the_error_falls_exponentially_with_the_degree() {
     let grid = Grid::new().cells([8, 8]).domain([[-4.1, 4.1], [-7.1, 7.1]]);
     let error = |degree: usize| {
         let density = grid.degree(degree).edge_level(0.1).solve(&problem(duffing())).unwrap();
-        compare::l1(&density, &exact).unwrap().value
+        l1_from(&density, &exact)
     };
     let errors = [3, 5, 7, 9].map(error);
     for pair in errors.windows(2) {
@@ -164,7 +164,7 @@ fn an_elastic_wall_is_exact() {
     for offset in [-0.5, 0.0, 0.5] {
         let density = on_grid_above(offset, 1.0);
         let exact = duffing().exact_above(offset).unwrap();
-        let distance = compare::l1(&*density, &exact).unwrap().value;
+        let distance = l1_from(&density, &exact);
         assert!(distance < 1e-7, "b = {offset}: {distance:e}");
         let rate = exact.marginal(0, offset).unwrap().value / std::f64::consts::TAU.sqrt();
         assert!((density.impact_rate().unwrap().value - rate).abs() < 1e-8);
@@ -204,7 +204,7 @@ fn check_row(row: &walls::Row) {
 #[test]
 fn the_vibro_impact_reference_table_is_reproduced() {
     let rows = walls::table().unwrap();
-    for chosen in [[0.0, 0.95], [0.5, 0.7], [-0.5, 0.5]] {
+    for chosen in [[0.0, 0.98], [0.5, 0.7], [-0.5, 0.5]] {
         check_row(rows.iter().find(|row| [row.b, row.r] == chosen).unwrap());
     }
 }

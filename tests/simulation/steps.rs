@@ -152,7 +152,7 @@ fn chattering_ends_and_leaves_no_bias() -> Result<()> {
             let simulation = Simulation::new().samples(samples).time_step(h).burn_in(20.0);
             Ok(simulation.sampling_interval(0.4).seed(4).run(&problem)?.impact_rate().unwrap())
         };
-        let (coarse, fine) = (rate(0.04, 1_400_000)?, rate(0.01, 700_000)?);
+        let (coarse, fine) = (rate(0.04, 1_000_000)?, rate(0.01, 550_000)?);
         println!("b = {b}, r = {r}: {coarse} and {fine}");
         assert!(coarse.error.hypot(fine.error) < 4e-3 * fine.value, "{coarse} and {fine}");
         assert!((coarse.value - fine.value).abs() < 8e-3 * fine.value + 3.0 * coarse.error.hypot(fine.error));
