@@ -91,8 +91,8 @@ impl ExpPolynomial {
     /// ```
     /// use expoly::models::{Linear, Solved};
     /// let log_p = Linear::new(0.5, 1.0, 0.5)?.exact()?.log_polynomial(); // −ln 2π − (x² + v²)/2
-    /// assert!((log_p.evaluate(&[0.0, 0.0]) + 1.8378770664).abs() < 1e-10);
-    /// assert!((log_p.evaluate(&[1.0, 2.0]) + 1.8378770664 + 2.5).abs() < 1e-10);
+    /// assert!((log_p.evaluate(&[0.0_f64, 0.0]) + 1.8378770664).abs() < 1e-10);
+    /// assert!((log_p.evaluate(&[1.0_f64, 2.0]) + 1.8378770664 + 2.5).abs() < 1e-10);
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn log_polynomial(&self) -> Polynomial {
