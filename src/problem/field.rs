@@ -1,12 +1,12 @@
 //! The user's own definition as what can be evaluated: the only code that is compiled for a user's type.
 
+use super::flow::{Kicks, kick, midpoint, runge_kutta};
+use super::pack::Pack;
 use crate::fokker_planck::Local;
-use crate::scalar::Scalar;
 use crate::system::{PolynomialDrift, PolynomialSystem};
 use num_dual::{Dual, Dual64, DualNum, HyperDual64};
-use num_traits::{One, Zero};
+use num_traits::Zero;
 use pulp::{Arch, NullaryFnOnce};
-use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// States that are advanced in lockstep.
 pub(crate) const LANES: usize = 16;
@@ -27,6 +27,12 @@ pub(crate) trait Field: Send + Sync {
     /// times ½ Σ_k (G_k·∇)G_k, what Stratonovich's mean rate of change has beyond the drift, and states whose factor in
     /// `moved` is 1, not those whose factor is 0.
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]);
+
+    /// Takes the states `x` through [`Kicks::run`] for the increments `w`.
+    fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool);
+
+    /// The first of `kicks` of one state for the increments `w` of all processes, without the straight piece after it.
+    fn kick(&self, x: &mut [f64], w: &[f64], kicks: &Kicks<'_>);
 
     /// The Itô drift f at a point.
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]);
@@ -77,48 +83,6 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Fixed<T, N, M> {
     }
 }
 
-/// The explicit midpoint rule.
-#[inline(always)]
-fn midpoint<S, X>(x: X, tau: f64, moved: &[f64], drift: impl Fn(&X) -> X) -> X
-where
-    S: Scalar,
-    X: AsRef<[S]> + AsMut<[S]> + Clone,
-{
-    let middle = ahead(x.clone(), drift(&x), |i| S::from(moved[i] * (tau / 2.0)));
-    let slope = drift(&middle);
-    ahead(x, slope, |i| S::from(moved[i] * tau))
-}
-
-/// The classical Runge-Kutta rule.
-#[inline(always)]
-fn runge_kutta<S, X>(x: X, s: S, field: impl Fn(&X) -> X) -> X
-where
-    S: Scalar,
-    X: AsRef<[S]> + AsMut<[S]> + Clone,
-{
-    let first = field(&x);
-    let second = field(&ahead(x.clone(), first.clone(), |_| s / 2.0));
-    let third = field(&ahead(x.clone(), second.clone(), |_| s / 2.0));
-    let mut mean = field(&ahead(x.clone(), third.clone(), |_| s));
-    for (i, last) in mean.as_mut().iter_mut().enumerate() {
-        *last = first.as_ref()[i] + (second.as_ref()[i] + third.as_ref()[i]) * 2.0 + *last;
-    }
-    ahead(x, mean, |_| s / 6.0)
-}
-
-/// x_i + τ_i × slope_i.
-#[inline(always)]
-fn ahead<S, X>(mut x: X, slope: X, tau: impl Fn(usize) -> S) -> X
-where
-    S: Scalar,
-    X: AsRef<[S]> + AsMut<[S]>,
-{
-    for (i, (x, slope)) in x.as_mut().iter_mut().zip(slope.as_ref()).enumerate() {
-        *x = *x + *slope * tau(i);
-    }
-    x
-}
-
 /// A slice as the array that it is.
 fn array<const N: usize>(x: &[f64]) -> [f64; N] {
     std::array::from_fn(|i| x[i])
@@ -150,6 +114,38 @@ impl<F: Fn([f64; N], usize) -> [f64; N], const N: usize> NullaryFnOnce for OnLan
     }
 }
 
+/// Kicks at all lanes, likewise.
+struct OnKicks<'a, D, const N: usize, const M: usize> {
+    x: &'a mut [Lane],
+    w: &'a [Lane],
+    kicks: &'a Kicks<'a>,
+    drift: D,
+}
+
+impl<D: Fn(&[f64; N]) -> [f64; N], const N: usize, const M: usize> NullaryFnOnce for OnKicks<'_, D, N, M> {
+    type Output = (usize, bool);
+
+    #[inline(always)]
+    fn call(self) -> (usize, bool) {
+        let Kicks { step, moved, noise, .. } = *self.kicks;
+        let (moved, noise): ([f64; N], [[f64; M]; N]) = (array(moved), std::array::from_fn(|i| array(&noise[i * M..])));
+        let mut states = [[0.0; LANES]; N];
+        states.copy_from_slice(&self.x[..N]);
+        let kicks = self.kicks.run(&mut states, self.w, M, |x, w| {
+            for l in 0..LANES {
+                let (state, w): ([f64; N], [f64; M]) =
+                    (std::array::from_fn(|i| x[i][l]), std::array::from_fn(|k| w[k][l]));
+                let state = kick(state, step / 2.0, &moved, |i, k| noise[i][k], &w, &self.drift);
+                for i in 0..N {
+                    x[i][l] = state[i];
+                }
+            }
+        });
+        self.x[..N].copy_from_slice(&states);
+        kicks
+    }
+}
+
 impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T, N, M> {
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
         let entries = |x, _| self.system.noise(x).map(|row| row[k]);
@@ -173,6 +169,16 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T
             };
             arch.dispatch(OnLanes { x, values: to, function: |x, _| midpoint(x, tau, &moved, both) });
         }
+    }
+
+    fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
+        let drift = |x: &[f64; N]| self.system.drift(*x);
+        arch.dispatch(OnKicks::<_, N, M> { x, w, kicks, drift })
+    }
+
+    fn kick(&self, x: &mut [f64], w: &[f64], Kicks { step, moved, noise, .. }: &Kicks<'_>) {
+        let noise = |i: usize, k: usize| noise[i * M + k];
+        x.copy_from_slice(&kick(array::<N>(x), step / 2.0, moved, noise, w, |x| self.system.drift(*x)));
     }
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {
@@ -252,12 +258,12 @@ impl<T: PolynomialSystem> AnySize<T> {
 /// A call on packs, with the registers that it is compiled for.
 struct OnPacks<F>(F);
 
-impl<F: FnOnce()> NullaryFnOnce for OnPacks<F> {
-    type Output = ();
+impl<R, F: FnOnce() -> R> NullaryFnOnce for OnPacks<F> {
+    type Output = R;
 
     #[inline(always)]
-    fn call(self) {
-        (self.0)();
+    fn call(self) -> R {
+        (self.0)()
     }
 }
 
@@ -291,6 +297,21 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
             drift
         };
         arch.dispatch(OnPacks(|| unpacked(midpoint(packed(x), tau, moved, drift), to)));
+    }
+
+    fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
+        let processes = self.system.processes();
+        let noise = |i: usize, k: usize| kicks.noise[i * processes + k];
+        let drift = |x: &Vec<Pack>| self.system.drift(x);
+        let kick = |x: &mut [Lane], w: &[Lane]| {
+            unpacked(kick(packed(x), kicks.step / 2.0, kicks.moved, noise, &packed(w), drift), x);
+        };
+        arch.dispatch(OnPacks(|| kicks.run(x, w, processes, kick)))
+    }
+
+    fn kick(&self, x: &mut [f64], w: &[f64], Kicks { step, moved, noise, .. }: &Kicks<'_>) {
+        let noise = |i: usize, k: usize| noise[i * w.len() + k];
+        x.copy_from_slice(&kick(x.to_vec(), step / 2.0, moved, noise, w, |x| self.system.drift(x)));
     }
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {
@@ -333,87 +354,3 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
         squares
     }
 }
-
-/// One number for each lane, which a drift of any length runs on.
-#[derive(Clone, Copy, Debug)]
-struct Pack(Lane);
-
-impl Pack {
-    #[inline(always)]
-    fn each(self, f: impl Fn(f64) -> f64) -> Self {
-        Pack(self.0.map(f))
-    }
-
-    #[inline(always)]
-    fn with(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        for l in 0..LANES {
-            self.0[l] = f(self.0[l], other.0[l]);
-        }
-        self
-    }
-}
-
-impl From<f64> for Pack {
-    #[inline(always)]
-    fn from(value: f64) -> Self {
-        Pack([value; LANES])
-    }
-}
-
-impl Neg for Pack {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.each(|x| -x)
-    }
-}
-
-macro_rules! lane_by_lane {
-    ($($operation:ident $method:ident $sign:tt),*) => {$(
-        impl $operation for Pack {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                self.with(other, |a, b| a $sign b)
-            }
-        }
-        impl $operation<f64> for Pack {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: f64) -> Self {
-                self.each(|a| a $sign other)
-            }
-        }
-    )*};
-}
-lane_by_lane!(Add add +, Sub sub -, Mul mul *);
-
-impl Div<f64> for Pack {
-    type Output = Self;
-
-    #[inline(always)]
-    fn div(self, divisor: f64) -> Self {
-        self.each(|x| x / divisor)
-    }
-}
-
-impl Zero for Pack {
-    #[inline(always)]
-    fn zero() -> Self {
-        Pack::from(0.0)
-    }
-
-    fn is_zero(&self) -> bool {
-        self.0.iter().all(|x| *x == 0.0)
-    }
-}
-
-impl One for Pack {
-    #[inline(always)]
-    fn one() -> Self {
-        Pack::from(1.0)
-    }
-}
-
-impl Scalar for Pack {}

@@ -2,8 +2,10 @@
 
 mod expression;
 mod field;
+mod flow;
 mod gaussian_closure;
 mod mirror;
+mod pack;
 mod symmetry;
 mod text;
 #[cfg(test)]
@@ -14,6 +16,7 @@ mod zhuravlev;
 
 use field::{AnySize, Fixed};
 pub(crate) use field::{Field, LANES, Lane};
+pub(crate) use flow::{Kicks, Nearness};
 pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use symmetry::Symmetry;
 pub(crate) use units::natural_units;

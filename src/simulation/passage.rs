@@ -4,7 +4,7 @@ use super::{
     scheme::Scheme,
 };
 use crate::error::{Error, Result};
-use crate::problem::{LANES, Lane, Problem, Wall};
+use crate::problem::{LANES, Lane, Nearness, Problem, Wall};
 use serde::{Deserialize, Serialize};
 
 /// The powers 0, 1, 2 of the speed at a passage: enough for the flux moments 1, 2, 3.
@@ -29,10 +29,10 @@ pub(super) fn single_wall(problem: &Problem, method: &'static str) -> Result<Opt
 pub(super) struct Course {
     /// The velocity of each state that is a displacement. The wall and the levels belong to state 0 if there are any.
     velocities: Vec<Option<usize>>,
-    /// The wall's position, or −∞.
-    floor: f64,
+    /// Where the wall is, at −∞ if there is none, and what is near it.
+    pub(super) wall: Nearness,
     restitution: f64,
-    /// Where the steps must be shorter.
+    /// How short the steps must be there.
     pub(super) grazing: Grazing,
     /// The levels whose up-crossings by state 0 are counted.
     pub(super) levels: Vec<f64>,
@@ -82,14 +82,10 @@ impl Course {
         step: f64,
     ) -> Self {
         let (floor, restitution) = wall.map_or((f64::NEG_INFINITY, 1.0), |b| (b.offset(), b.restitution()));
-        Course {
-            velocities,
-            floor,
-            restitution,
-            grazing: Grazing::new(restitution, diffusion, step),
-            levels,
-            speeds: None,
-        }
+        let grazing = Grazing::new(restitution, diffusion, step);
+        let velocity = velocities[0].unwrap_or(0);
+        let wall = Nearness { velocity, floor, height: grazing.height, speed: grazing.speed };
+        Course { velocities, wall, restitution, grazing, levels, speeds: None }
     }
 
     /// The course of a system's trajectories: the noise that rules grazing is that at rest on the wall.
@@ -115,43 +111,14 @@ impl Course {
     /// The state that moves state 0.
     #[inline(always)]
     pub(super) fn velocity(&self) -> usize {
-        self.velocities[0].unwrap_or(0)
-    }
-
-    /// Whether any lane is near the wall.
-    #[inline(always)]
-    pub(super) fn any_near(&self, x: &[Lane], tau: f64) -> bool {
-        // A loop and no closure, so that it is compiled for the widest registers, together with the caller's.
-        let (y, v) = (x[0], x[self.velocity()]);
-        let mut any = false;
-        for l in 0..LANES {
-            any |= self.is_near(y[l], v[l], tau);
-        }
-        any
-    }
-
-    /// Which lanes are.
-    #[inline(always)]
-    pub(super) fn near(&self, x: &[Lane], tau: f64) -> [bool; LANES] {
-        let (y, v) = (x[0], x[self.velocity()]);
-        let mut near = [false; LANES];
-        for l in 0..LANES {
-            near[l] = self.is_near(y[l], v[l], tau);
-        }
-        near
-    }
-
-    /// Whether a trajectory meets the wall within the time `tau`, or may need shorter steps after half of it.
-    #[inline(always)]
-    fn is_near(&self, y: f64, v: f64, tau: f64) -> bool {
-        let u = y - self.floor;
-        (u + tau * v < 0.0) | self.grazing.concerns(u + tau / 2.0 * v, v)
+        self.wall.velocity
     }
 
     /// The length of the step that a trajectory needs: the whole one, or a shorter one where it grazes the wall.
     #[inline]
     pub(super) fn step_at(&self, y: f64, v: f64) -> Option<f64> {
-        self.grazing.step_at(y - self.floor, v)
+        let u = y - self.wall.floor;
+        self.wall.grazes(u, v).then(|| self.grazing.step_at(u, v)).flatten()
     }
 
     /// Every displacement straight on for the time `tau`, its velocity frozen. Only the lanes of `counted` count passages; the
@@ -181,12 +148,12 @@ impl Course {
         let mut before = from[0];
         let mut contact = false;
         for y in x[0] {
-            contact |= y < self.floor;
+            contact |= y < self.wall.floor;
         }
         let v = self.velocity();
         if contact {
             for l in (0..LANES).filter(|&l| counted(l)) {
-                if x[0][l] < self.floor {
+                if x[0][l] < self.wall.floor {
                     [before[l], x[0][l], x[v][l]] = self.rebound([before[l], x[v][l]], tau, passages);
                 }
             }
@@ -211,7 +178,7 @@ impl Course {
                 x[i] += tau * x[v];
             }
         }
-        if x[0] < self.floor {
+        if x[0] < self.wall.floor {
             [before, x[0], x[v]] = self.rebound([before, x[v]], tau, passages);
         }
         for (k, &level) in self.levels.iter().enumerate() {
@@ -228,9 +195,9 @@ impl Course {
             passages.speeds.add(&[axis], &[approach]);
         }
         // Rounding may put the contact a hair after the end of the piece.
-        let rest = (tau - (before - self.floor) / approach).max(0.0);
+        let rest = (tau - (before - self.wall.floor) / approach).max(0.0);
         let v = self.restitution * approach;
-        [self.floor, self.floor + v * rest, v]
+        [self.wall.floor, self.wall.floor + v * rest, v]
     }
 }
 

@@ -1,5 +1,5 @@
 use crate::fokker_planck::noise_induced_drift;
-use crate::problem::{Field, LANES, Lane, Problem};
+use crate::problem::{Field, Kicks, LANES, Lane, Nearness, Problem};
 use crate::{polynomial::Polynomial, system::Interpretation};
 use pulp::Arch;
 
@@ -41,8 +41,8 @@ pub(super) struct Scheme<'a> {
 
 /// How the noise acts.
 enum Noise {
-    /// G is the same everywhere: process, state and value of its entries that are not zero, process by process.
-    Constant(Vec<(usize, usize, f64)>),
+    /// G and G Gᵀ are the same everywhere, by rows, the first times the amplitude.
+    Constant { noise: Vec<f64>, diffusion: Vec<f64> },
     /// No field changes along any field.
     Straight,
     /// The order of the fields matters.
@@ -64,14 +64,12 @@ impl<'a> Scheme<'a> {
         let field = problem.field();
         let arch = Arch::new();
         let noise = if problem.constant_noise() {
-            let (origin, mut column) = (vec![[0.0; LANES]; states], vec![[0.0; LANES]; states]);
-            let mut entries = Vec::new();
-            for k in 0..problem.noise().len() {
-                field.noise(arch, k, &origin, &mut column);
-                let columns = column.iter().enumerate().map(|(i, g)| (k, i, g[0] * amplitude));
-                entries.extend(columns.filter(|&(.., g)| g != 0.0));
-            }
-            Noise::Constant(entries)
+            let columns = problem.noise();
+            let entry = |(i, k): (usize, usize)| columns[k][i].evaluate(&vec![0.0; states]) * amplitude;
+            let entries = (0..states).flat_map(|i| (0..columns.len()).map(move |k| (i, k)));
+            let mut diffusion = vec![0.0; states * states];
+            field.diffusion(&vec![0.0; states], &mut diffusion);
+            Noise::Constant { noise: entries.map(entry).collect(), diffusion }
         } else if unchanged_along_itself(problem.noise()) {
             Noise::Straight
         } else {
@@ -108,53 +106,69 @@ impl<'a> Scheme<'a> {
 
     /// F(h/2) W(h) F(h/2) for the increments √h Z = `w` of each process; `reversed` is the order of the fields.
     #[inline(always)]
-    pub(super) fn kick(
-        &self,
-        x: &[Lane],
-        h: f64,
-        w: &[Lane],
-        reversed: &[bool; LANES],
-        to: &mut [Lane],
-        Scratch { lanes: [middle, other], .. }: &mut Scratch,
-    ) {
+    pub(super) fn kick(&self, x: &mut [Lane], h: f64, w: &[Lane], reversed: &[bool; LANES], scratch: &mut Scratch) {
+        if let Noise::Constant { noise, .. } = &self.noise {
+            self.field.kicks(self.arch, x, w, &self.through(noise, h, Nearness::EVERYWHERE));
+            return;
+        }
+        let Scratch { lanes: [middle, other], .. } = scratch;
         self.field.drift_flow(self.arch, x, h / 2.0, &self.moved, self.induced, middle);
-        match &self.noise {
-            Noise::Constant(entries) => {
-                for &(k, i, g) in entries {
-                    for l in 0..LANES {
-                        middle[i][l] += g * w[k][l];
-                    }
-                }
-            }
-            Noise::Straight => {
-                to.copy_from_slice(middle);
-                for (k, w) in w.iter().enumerate() {
-                    self.field.noise(self.arch, k, to, other);
-                    for (x, g) in middle.iter_mut().zip(&*other) {
+        if self.curved() {
+            let [any, all] = [reversed.contains(&true), !reversed.contains(&false)];
+            for k in 0..w.len() {
+                let back = w.len() - 1 - k;
+                self.along_field(if all { back } else { k }, middle, w, other);
+                if any && !all && k != back {
+                    self.along_field(back, middle, w, x);
+                    for (forth, back) in other.iter_mut().zip(&*x) {
                         for l in 0..LANES {
-                            x[l] += g[l] * self.amplitude * w[l];
+                            forth[l] = if reversed[l] { back[l] } else { forth[l] };
                         }
                     }
                 }
+                std::mem::swap(middle, other);
             }
-            Noise::Curved => {
-                let [any, all] = [reversed.contains(&true), !reversed.contains(&false)];
-                for k in 0..w.len() {
-                    let back = w.len() - 1 - k;
-                    self.along_field(if all { back } else { k }, middle, w, other);
-                    if any && !all && k != back {
-                        self.along_field(back, middle, w, to);
-                        for (x, reversed_x) in other.iter_mut().zip(&*to) {
-                            for l in 0..LANES {
-                                x[l] = if reversed[l] { reversed_x[l] } else { x[l] };
-                            }
-                        }
+        } else {
+            x.copy_from_slice(middle);
+            for (k, w) in w.iter().enumerate() {
+                self.field.noise(self.arch, k, x, other);
+                for (x, g) in middle.iter_mut().zip(&*other) {
+                    for l in 0..LANES {
+                        x[l] += g[l] * self.amplitude * w[l];
                     }
-                    std::mem::swap(middle, other);
                 }
             }
         }
-        self.field.drift_flow(self.arch, middle, h / 2.0, &self.moved, self.induced, to);
+        self.field.drift_flow(self.arch, middle, h / 2.0, &self.moved, self.induced, x);
+    }
+
+    /// The same for one state.
+    pub(super) fn kick_alone(&self, x: &mut [f64], h: f64, w: &[f64], reversed: bool, scratch: &mut Scratch) {
+        if let Noise::Constant { noise, .. } = &self.noise {
+            self.field.kick(x, w, &self.through(noise, h, Nearness::EVERYWHERE));
+            return;
+        }
+        let [mut lanes, w] = [&*x, w].map(|values| values.iter().map(|&value| [value; LANES]).collect::<Vec<_>>());
+        self.kick(&mut lanes, h, &w, &[reversed; LANES], scratch);
+        x.iter_mut().zip(&lanes).for_each(|(x, lanes)| *x = lanes[0]);
+    }
+
+    /// A kick for each of the increments `w`, and every displacement straight on after it, until a kick leaves a trajectory
+    /// near the wall. Returned is the number of kicks, and whether they ended so; `None` where there is no increment, or the
+    /// noise depends on the state.
+    #[inline(always)]
+    pub(super) fn kicks(&self, x: &mut [Lane], w: &[Lane], wall: Nearness) -> Option<(usize, bool)> {
+        match &self.noise {
+            Noise::Constant { noise, .. } if !w.is_empty() => {
+                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, wall)))
+            }
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn through<'b>(&'b self, noise: &'b [f64], step: f64, wall: Nearness) -> Kicks<'b> {
+        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, wall }
     }
 
     /// The flow of the field G_k.
@@ -166,7 +180,13 @@ impl<'a> Scheme<'a> {
     /// Itô drift f.
     pub(super) fn power(&self, v: usize, x: &[f64], Scratch { drift, diffusion, .. }: &mut Scratch) -> [f64; 2] {
         self.field.ito_drift(x, drift);
-        self.field.diffusion(x, diffusion);
+        let diffusion = match &self.noise {
+            Noise::Constant { diffusion, .. } => diffusion,
+            _ => {
+                self.field.diffusion(x, diffusion);
+                diffusion
+            }
+        };
         [diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0, -x[v] * drift[v]]
     }
 }

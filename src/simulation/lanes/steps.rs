@@ -19,11 +19,9 @@ pub(in crate::simulation) struct Workspace {
     increments: Vec<Lane>,
     /// The states after a kick, before a drift.
     kicked: Vec<Lane>,
-    /// The state of one lane, and what a shorter step makes of it.
+    /// The state of one lane, and the increments of a shorter step.
     state: Vec<f64>,
-    before: Vec<Lane>,
-    after: Vec<Lane>,
-    shorter: Vec<Lane>,
+    shorter: Vec<f64>,
     pub(in crate::simulation) scratch: Scratch,
 }
 
@@ -34,9 +32,7 @@ impl Workspace {
             increments: lanes(BLOCK * scheme.processes),
             kicked: lanes(scheme.states),
             state: vec![0.0; scheme.states],
-            before: lanes(scheme.states),
-            after: lanes(scheme.states),
-            shorter: lanes(scheme.processes),
+            shorter: vec![0.0; scheme.processes],
             scratch: scheme.scratch(),
         }
     }
@@ -98,27 +94,45 @@ impl NullaryFnOnce for Advance<'_, '_> {
                 let drawn = (offset + length).next_multiple_of(2);
                 self.lanes.draw(processes, h.sqrt(), &mut increments[..drawn * processes]);
             }
-            for step in offset..offset + length {
-                let mut coins = [false; LANES];
-                if scheme.curved() && processes > 1 {
-                    for l in 0..LANES {
-                        coins[l] = self.lanes.random.coin(self.lanes.first + l as u64, self.lanes.taken);
+            let (mut step, stop) = (offset, offset + length);
+            while step < stop {
+                let Workspace { increments, kicked, scratch, .. } = &mut *self.work;
+                // Levels are looked at after each step, lanes that are ahead wait for the others, and the last step ends with
+                // half a drift.
+                let free = (stop - step).min((end - 1 - self.lanes.taken) as usize);
+                let free = if any_ahead || !course.levels.is_empty() { 0 } else { free };
+                if let Some((kicks, near)) =
+                    scheme.kicks(&mut x, &increments[step * processes..][..free * processes], course.wall)
+                {
+                    step += kicks;
+                    self.lanes.taken += kicks as u64;
+                    if !near {
+                        continue;
+                    }
+                    kicked.copy_from_slice(&x);
+                } else {
+                    let mut coins = [false; LANES];
+                    if scheme.curved() && processes > 1 {
+                        for l in 0..LANES {
+                            coins[l] = self.lanes.random.coin(self.lanes.first + l as u64, self.lanes.taken);
+                        }
+                    }
+                    kicked.copy_from_slice(&x);
+                    scheme.kick(kicked, h, &increments[step * processes..][..processes], &coins, scratch);
+                    step += 1;
+                    self.lanes.taken += 1;
+                    for l in (0..LANES).filter(|&l| any_ahead && ahead[l]) {
+                        kicked.iter_mut().zip(&x).for_each(|(kicked, x)| kicked[l] = x[l]);
+                    }
+                    if self.lanes.taken == end {
+                        break;
+                    }
+                    if !(any_ahead || course.wall.any(kicked, h)) {
+                        course.drift(kicked, h, |l| l < active, &mut x, self.passages);
+                        continue;
                     }
                 }
-                let Workspace { increments, kicked, scratch, .. } = &mut *self.work;
-                scheme.kick(&x, h, &increments[step * processes..][..processes], &coins, kicked, scratch);
-                self.lanes.taken += 1;
-                for l in (0..LANES).filter(|&l| any_ahead && ahead[l]) {
-                    kicked.iter_mut().zip(&x).for_each(|(kicked, x)| kicked[l] = x[l]);
-                }
-                if self.lanes.taken == end {
-                    break;
-                }
-                if !(any_ahead || course.any_near(kicked, h)) {
-                    course.drift(kicked, h, |l| l < active, &mut x, self.passages);
-                    continue;
-                }
-                let mut near = course.near(kicked, h);
+                let mut near = course.wall.lanes(kicked, h);
                 for l in 0..LANES {
                     near[l] |= ahead[l];
                 }
@@ -168,12 +182,11 @@ impl Advance<'_, '_> {
         ahead
     }
 
-    /// A whole time step of the state of one lane in shorter steps, with random numbers that nothing else uses. A kick is one
-    /// of sixteen lanes in the same state.
+    /// A whole time step of the state of one lane in shorter steps, with random numbers that nothing else uses.
     #[inline(never)]
     fn graze(&mut self, l: usize) {
         let Advance { lanes, scheme, course, passages, work, .. } = self;
-        let Workspace { state, before, after, shorter, scratch, .. } = &mut **work;
+        let Workspace { state, shorter, scratch, .. } = &mut **work;
         let velocity = course.velocity();
         let mut left = scheme.step;
         let mut draws = 0;
@@ -186,14 +199,10 @@ impl Advance<'_, '_> {
             left -= step;
             course.drift_lane(state, l, step / 2.0, passages);
             for two in shorter.chunks_mut(2) {
-                for (increment, z) in two.iter_mut().zip(pair(draw())) {
-                    *increment = [step.sqrt() * z; LANES];
-                }
+                two.iter_mut().zip(pair(draw())).for_each(|(increment, z)| *increment = step.sqrt() * z);
             }
             let reversed = scheme.curved() && draw()[0] & 1 == 1;
-            before.iter_mut().zip(&*state).for_each(|(lanes, x)| *lanes = [*x; LANES]);
-            scheme.kick(before, step, shorter, &[reversed; LANES], after, scratch);
-            read_lane(after, l, state);
+            scheme.kick_alone(state, step, shorter, reversed, scratch);
             course.drift_lane(state, l, step / 2.0, passages);
         }
     }

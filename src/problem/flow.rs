@@ -1,0 +1,163 @@
+//! Flows of fields over short times, and steps that are made of them.
+
+use super::{LANES, Lane};
+use crate::scalar::Scalar;
+
+/// Time steps under noise that is the same everywhere: kicks F(h/2) W(h) F(h/2), between them every displacement straight on.
+pub(crate) struct Kicks<'a> {
+    /// The time step h.
+    pub(crate) step: f64,
+    /// 1 for a state that F moves, 0 for a displacement.
+    pub(crate) moved: &'a [f64],
+    /// Each displacement with its velocity.
+    pub(crate) pairs: &'a [(usize, usize)],
+    /// G, by rows.
+    pub(crate) noise: &'a [f64],
+    /// What interrupts the steps.
+    pub(crate) wall: Nearness,
+}
+
+/// Where a trajectory of state 0 and its velocity is near a wall below the motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearness {
+    /// The state that moves state 0.
+    pub(crate) velocity: usize,
+    /// The wall's position, or −∞.
+    pub(crate) floor: f64,
+    /// The height and the speed below which a trajectory may graze the wall.
+    pub(crate) height: f64,
+    pub(crate) speed: f64,
+}
+
+impl Nearness {
+    /// A wall that every trajectory is near.
+    pub(crate) const EVERYWHERE: Self = Nearness { velocity: 0, floor: f64::INFINITY, height: 0.0, speed: 0.0 };
+
+    /// Whether a trajectory meets the wall within the time `tau`, or may graze it after half of that.
+    #[inline(always)]
+    fn is_near(&self, y: f64, v: f64, tau: f64) -> bool {
+        let u = y - self.floor;
+        (u + tau * v < 0.0) | self.grazes(u + tau / 2.0 * v, v)
+    }
+
+    /// Whether a trajectory at the height `u` above the wall may graze it.
+    #[inline(always)]
+    pub(crate) fn grazes(&self, u: f64, v: f64) -> bool {
+        (u < self.height) & (v.abs() < self.speed)
+    }
+
+    /// Which lanes are near.
+    #[inline(always)]
+    pub(crate) fn lanes(&self, x: &[Lane], tau: f64) -> [bool; LANES] {
+        let (y, v) = (x[0], x[self.velocity]);
+        let mut near = [false; LANES];
+        for l in 0..LANES {
+            near[l] = self.is_near(y[l], v[l], tau);
+        }
+        near
+    }
+
+    /// Whether any lane is near, or below the wall by rounding alone after a straight piece.
+    #[inline(always)]
+    pub(crate) fn any(&self, x: &[Lane], tau: f64) -> bool {
+        // A loop and no closure, so that it is compiled for the widest registers, together with the caller's.
+        let (y, v) = (x[0], x[self.velocity]);
+        let mut any = false;
+        for l in 0..LANES {
+            any |= self.is_near(y[l], v[l], tau) | (y[l] + tau * v[l] < self.floor);
+        }
+        any
+    }
+}
+
+impl Kicks<'_> {
+    /// A kick for each of the increments `w`, which are those of all processes, and every displacement straight on after it;
+    /// `kick` takes the states through the first part. They end after a kick that leaves a trajectory near the wall. Returned
+    /// is their number, and whether they ended so.
+    #[inline(always)]
+    pub(super) fn run(
+        &self,
+        x: &mut [Lane],
+        w: &[Lane],
+        processes: usize,
+        kick: impl Fn(&mut [Lane], &[Lane]),
+    ) -> (usize, bool) {
+        for (before, w) in w.chunks_exact(processes).enumerate() {
+            kick(x, w);
+            if self.wall.any(x, self.step) {
+                return (before + 1, true);
+            }
+            for &(i, v) in self.pairs {
+                for l in 0..LANES {
+                    x[i][l] += self.step * x[v][l];
+                }
+            }
+        }
+        (w.len() / processes, false)
+    }
+}
+
+/// F W F: the flow of the drift over the time `half`, G w with the entries `noise` of G, and the flow once more.
+#[inline(always)]
+pub(super) fn kick<S, X>(
+    x: X,
+    half: f64,
+    moved: &[f64],
+    noise: impl Fn(usize, usize) -> f64,
+    w: &[S],
+    drift: impl Fn(&X) -> X,
+) -> X
+where
+    S: Scalar,
+    X: AsRef<[S]> + AsMut<[S]> + Clone,
+{
+    let mut x = midpoint(x, half, moved, &drift);
+    for (i, x) in x.as_mut().iter_mut().enumerate() {
+        for (k, w) in w.iter().enumerate() {
+            *x = *x + *w * noise(i, k);
+        }
+    }
+    midpoint(x, half, moved, drift)
+}
+
+/// The explicit midpoint rule.
+#[inline(always)]
+pub(super) fn midpoint<S, X>(x: X, tau: f64, moved: &[f64], drift: impl Fn(&X) -> X) -> X
+where
+    S: Scalar,
+    X: AsRef<[S]> + AsMut<[S]> + Clone,
+{
+    let middle = ahead(x.clone(), drift(&x), |i| S::from(moved[i] * (tau / 2.0)));
+    let slope = drift(&middle);
+    ahead(x, slope, |i| S::from(moved[i] * tau))
+}
+
+/// The classical Runge-Kutta rule.
+#[inline(always)]
+pub(super) fn runge_kutta<S, X>(x: X, s: S, field: impl Fn(&X) -> X) -> X
+where
+    S: Scalar,
+    X: AsRef<[S]> + AsMut<[S]> + Clone,
+{
+    let first = field(&x);
+    let second = field(&ahead(x.clone(), first.clone(), |_| s / 2.0));
+    let third = field(&ahead(x.clone(), second.clone(), |_| s / 2.0));
+    let mut mean = field(&ahead(x.clone(), third.clone(), |_| s));
+    for (i, last) in mean.as_mut().iter_mut().enumerate() {
+        *last = first.as_ref()[i] + (second.as_ref()[i] + third.as_ref()[i]) * 2.0 + *last;
+    }
+    ahead(x, mean, |_| s / 6.0)
+}
+
+/// x_i + τ_i × slope_i.
+#[inline(always)]
+fn ahead<S, X>(mut x: X, slope: X, tau: impl Fn(usize) -> S) -> X
+where
+    S: Scalar,
+    X: AsRef<[S]> + AsMut<[S]>,
+{
+    for (i, (x, slope)) in x.as_mut().iter_mut().zip(slope.as_ref()).enumerate() {
+        *x = *x + *slope * tau(i);
+    }
+    x
+}
