@@ -294,18 +294,19 @@ pub enum Error {
 /// The result of a question to this library.
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// Refuses a number unless what is asked of it `holds`.
+pub(crate) fn require(holds: bool, name: &'static str, value: f64, remedy: &'static str) -> Result<f64> {
+    if holds { Ok(value) } else { Err(Error::OutOfRange { name, value, remedy }) }
+}
+
 /// Refuses a number that is not finite and positive.
 pub(crate) fn positive(name: &'static str, value: f64, remedy: &'static str) -> Result<f64> {
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(Error::OutOfRange { name, value, remedy }) }
+    require(value.is_finite() && value > 0.0, name, value, remedy)
 }
 
 /// Refuses a number that is NaN or infinite.
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(Error::OutOfRange { name, value, remedy: "it must be a finite number" })
-    }
+    require(value.is_finite(), name, value, "it must be a finite number")
 }
 
 /// Refuses the index of a state that does not exist.

@@ -1,4 +1,4 @@
-use crate::error::{Error, Result, finite, state_index};
+use crate::error::{Result, finite, require, state_index};
 
 /// Which monomials Q is made of: those whose weighted degree Σ_i w_i α_i is at most the order, with α_i ≤ m_i.
 ///
@@ -44,8 +44,8 @@ impl Degrees {
     /// The number of monomials of an order in so many states, the constant left out.
     ///
     /// # Errors
-    /// [`Error::Dimension`] if a state that is limited or weighted is none of them, [`Error::OutOfRange`] unless every
-    /// weight is at least 0.5.
+    /// [`Error::Dimension`](crate::Error::Dimension) if a state that is limited or weighted is none of them,
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every weight is at least 0.5.
     pub fn count(&self, states: usize, order: u32) -> Result<usize> {
         self.check(states)?;
         Ok(self.exponents(states, order, |_| true).len())
@@ -58,10 +58,9 @@ impl Degrees {
             state_index("the state of a degree", state, states)?;
         }
         for &(_, weight) in &self.weights {
-            if finite("weight of a degree", weight)? < 0.5 {
-                let remedy = "a power must count at least half a degree, or too many are left";
-                return Err(Error::OutOfRange { name: "weight of a degree", value: weight, remedy });
-            }
+            finite("weight of a degree", weight)?;
+            let remedy = "a power must count at least half a degree, or too many are left";
+            require(weight >= 0.5, "weight of a degree", weight, remedy)?;
         }
         Ok(())
     }
@@ -101,6 +100,7 @@ fn extend(found: &mut Vec<Vec<u32>>, alpha: &mut Vec<u32>, limits: (&[u32], &[f6
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
+    use crate::error::Error;
 
     #[test]
     fn limits_and_weights_leave_fewer_monomials() {

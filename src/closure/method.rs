@@ -5,7 +5,7 @@ use super::degrees::Degrees;
 use super::density::ClosureDensity;
 use super::reference::Start;
 use super::weight::Weight;
-use crate::error::{Error, Result};
+use crate::error::{Result, positive, require};
 
 /// The factor on the pilot's noise intensities that shows the tails.
 const INFLATION: f64 = 3.0;
@@ -139,34 +139,23 @@ impl Closure {
 
     /// Refuses options without a meaning for a problem of so many states.
     pub(super) fn check(&self, states: usize, highest: u32) -> Result<()> {
-        let refuse = |name, value, remedy| Err(Error::OutOfRange { name, value, remedy });
         match self.order {
-            Order::Fixed(0) => {
-                refuse(
-                    "order of the closure",
-                    0.0,
-                    "at this order there is no coefficient to find; ask for order 1 or more",
-                )?;
-            }
-            Order::Fixed(order) if order > highest => {
+            Order::Fixed(order) => {
+                let remedy = "at this order there is no coefficient to find; ask for order 1 or more";
+                require(order > 0, "order of the closure", 0.0, remedy)?;
                 let remedy = "orders up to 16 are supported, and up to 10 next to walls";
-                refuse("order of the closure", f64::from(order), remedy)?;
+                require(order <= highest, "order of the closure", f64::from(order), remedy)?;
             }
-            Order::Adaptive(target) if !(target > 0.0 && target.is_finite()) => {
-                refuse("target of the L1 error", target, "it must be finite and above zero; 1e-2 is a usual choice")?;
+            Order::Adaptive(target) => {
+                positive("target of the L1 error", target, "it must be finite and above zero; 1e-2 is a usual choice")?;
             }
-            _ => {}
         }
-        if let Some(states) = self.states.filter(|states| *states < 1000) {
-            refuse(
-                "number of the pilot's states",
-                states as f64,
-                "at least 1000 are needed to see where the density is",
-            )?;
+        if let Some(states) = self.states {
+            let remedy = "at least 1000 are needed to see where the density is";
+            require(states >= 1000, "number of the pilot's states", states as f64, remedy)?;
         }
-        if !(1.0..=100.0).contains(&self.inflation) {
-            refuse("inflation of the pilot's intensity", self.inflation, "it must lie between 1 and 100")?;
-        }
+        let (inflation, remedy) = (self.inflation, "it must lie between 1 and 100");
+        require((1.0..=100.0).contains(&inflation), "inflation of the pilot's intensity", inflation, remedy)?;
         if let Some(start) = &self.start {
             start.check(states)?;
         }

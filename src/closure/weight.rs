@@ -1,5 +1,5 @@
 use super::projection::tempered;
-use crate::error::{Error, Result, finite};
+use crate::error::{Result, finite, require};
 use std::fmt;
 
 /// The power of the density that stands for its tails.
@@ -25,11 +25,10 @@ pub enum Weight {
 impl Weight {
     /// Refuses a share that is none.
     pub(super) fn check(self) -> Result<()> {
-        if let Weight::Tails(share) = self
-            && !(0.0..=1.0).contains(&finite("share of the tails", share)?)
-        {
+        if let Weight::Tails(share) = self {
             let remedy = "it is the share of the weight that the tails get, between 0 and 1";
-            return Err(Error::OutOfRange { name: "share of the tails", value: share, remedy });
+            finite("share of the tails", share)?;
+            require((0.0..=1.0).contains(&share), "share of the tails", share, remedy)?;
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 use super::distances::of_one_dimension;
 use crate::density::Density;
-use crate::error::{Error, Result, positive};
+use crate::error::{Error, Result, require};
 use crate::estimate::Estimate;
 use rayon::prelude::*;
 
@@ -51,8 +51,7 @@ pub fn log_ratio(density: &dyn Density, reference: &dyn Density, level: f64) -> 
 
 pub(super) fn checked(level: f64) -> Result<f64> {
     let remedy = "give the level relative to the peak, above 0 and at most 1";
-    positive("level", level, remedy)?;
-    if level > 1.0 { Err(Error::OutOfRange { name: "level", value: level, remedy }) } else { Ok(level) }
+    require(level > 0.0 && level <= 1.0, "level", level, remedy)
 }
 
 /// The error of log₁₀ q.

@@ -1,7 +1,7 @@
 use super::field::Field;
 use super::space::Side;
 use crate::density::{Crossing, Density};
-use crate::error::{Error, Result, dimension, state_index};
+use crate::error::{Result, dimension, require, state_index};
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
@@ -135,7 +135,8 @@ impl Density for GridDensity {
     /// The raw moment; its error is the difference of the two degrees and what lies beyond the domain.
     ///
     /// # Errors
-    /// [`Error::Dimension`] unless there are two powers, [`Error::OutOfRange`] for powers above 200.
+    /// [`Error::Dimension`](crate::Error::Dimension) unless there are two powers,
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("the powers of a moment", powers.len(), 2)?;
         let powers = [moderate(powers[0])?, moderate(powers[1])?];
@@ -149,7 +150,8 @@ impl Density for GridDensity {
     /// The flux moment of one state's passages with the other as velocity.
     ///
     /// # Errors
-    /// [`Error::Dimension`] for states that do not exist or are the same, [`Error::OutOfRange`] for powers above 200.
+    /// [`Error::Dimension`](crate::Error::Dimension) for states that do not exist or are the same,
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
         crossing.states(2)?;
         moderate(power)?;
@@ -165,11 +167,8 @@ fn plane(x: &[f64]) -> Result<[f64; 2]> {
 }
 
 fn moderate(power: u32) -> Result<u32> {
-    if power <= HIGHEST_POWER {
-        return Ok(power);
-    }
     let remedy = "a grid integrates powers up to 200";
-    Err(Error::OutOfRange { name: "power of a moment", value: f64::from(power), remedy })
+    require(power <= HIGHEST_POWER, "power of a moment", f64::from(power), remedy).map(|_| power)
 }
 
 /// ∫ g(x_state) h(x_other) p dx from the integrals of g and h with the basis.

@@ -32,7 +32,7 @@ pub use density::GridDensity;
 pub use relaxation::Relaxation;
 pub use transient::{Start, Transient};
 
-use crate::error::{Error, Result, finite, positive};
+use crate::error::{Error, Result, finite, positive, require};
 use crate::problem::{Problem, Wall};
 use std::time::Instant;
 
@@ -150,21 +150,14 @@ impl Grid {
         let grazed = walls.iter().flatten().any(|wall| wall.restitution() < 1.0);
         let (degree, cells) = if grazed { (6, [8, 10]) } else { (10, [9, 10]) };
         let (degree, cells) = (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells));
-        let range = |name, value: usize, least: usize, most: usize, remedy| {
-            if (least..=most).contains(&value) {
-                return Ok(());
-            }
-            Err(Error::OutOfRange { name, value: value as f64, remedy })
-        };
-        range("degree of the grid", degree, 2, 24, "it must lie between 2 and 24")?;
+        require((2..=24).contains(&degree), "degree of the grid", degree as f64, "it must lie between 2 and 24")?;
         for cells in cells {
-            range("number of cells", cells, 2, 1000, "take between 2 and 1000 along each state")?;
+            let remedy = "take between 2 and 1000 along each state";
+            require((2..=1000).contains(&cells), "number of cells", cells as f64, remedy)?;
         }
         let share = "it is a share and must lie between 0 and 1, both excluded";
         for (name, value) in [("edge level", self.edge_level), ("smallest cell at a grazing point", self.grazing)] {
-            if !(value > 0.0 && value < 1.0) {
-                return Err(Error::OutOfRange { name, value, remedy: share });
-            }
+            require(value > 0.0 && value < 1.0, name, value, share)?;
         }
         for [low, high] in self.domain.into_iter().flatten() {
             finite("limit of the domain", low)?;

@@ -5,6 +5,7 @@ use super::domain::Profile;
 use super::field::Field;
 use super::legendre::Axis;
 use super::space::{Side, Space};
+use super::sparse::too_large;
 use super::{Grid, mesh, stationary};
 use crate::error::{Error, Result, positive};
 use crate::problem::{Problem, Wall};
@@ -148,14 +149,8 @@ impl Solver<'_> {
         let axes = [Axis { origin, lines: first }, Axis { origin: 0.0, lines: second }];
         let sides = self.walls.map(|wall| wall.map_or(Side::Open, |w| Side::Wall(w.restitution())));
         let space = Space { axes, degree, sides };
-        if space.unknowns() > MOST_UNKNOWNS {
-            return Err(Error::OutOfRange {
-                name: "number of unknowns",
-                value: space.unknowns() as f64,
-                remedy: "the factors do not fit into memory; take fewer cells or a lower degree",
-            });
-        }
-        Ok(space)
+        let unknowns = space.unknowns();
+        if unknowns > MOST_UNKNOWNS { Err(too_large(unknowns)) } else { Ok(space) }
     }
 
     /// The largest density at an open edge relative to the peak, refused if above `accepted`.

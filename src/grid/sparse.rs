@@ -95,7 +95,7 @@ impl Ordering {
             supernodal::factorize_supernodal_symbolic_lu_scratch::<usize>(n, n),
             colamd::order_scratch::<usize>(n, n, matrix.rows.len()),
         ]);
-        let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(matrix))?;
+        let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(n))?;
         let stack = MemStack::new(&mut memory);
         let (mut tree, mut post) = (vec![0; n], vec![0; n]);
         let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
@@ -103,7 +103,7 @@ impl Ordering {
             Some(columns) => (forward, inverse) = (columns.to_vec(), inverted(columns)),
             None => {
                 colamd::order(&mut forward, &mut inverse, matrix.symbolic(), Default::default(), stack)
-                    .map_err(|_| too_large(matrix))?;
+                    .map_err(|_| too_large(n))?;
             }
         }
         // Columns in postorder of their own elimination tree, so that those that are eliminated together are neighbours.
@@ -128,7 +128,7 @@ impl Ordering {
             stack,
             Default::default(),
         )
-        .map_err(|_| too_large(matrix))?;
+        .map_err(|_| too_large(n))?;
         Ok(Ordering { symbolic, forward, inverse })
     }
 
@@ -138,7 +138,7 @@ impl Ordering {
         let transposed = matrix.transposed();
         let parameters = Default::default();
         let request = supernodal::factorize_supernodal_numeric_lu_scratch::<usize, f64>(&self.symbolic, parameters);
-        let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(matrix))?;
+        let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(n))?;
         let (mut row_forward, mut row_inverse) = (vec![0; n], vec![0; n]);
         let mut lu = supernodal::SupernodalLu::new();
         supernodal::factorize_supernodal_numeric_lu(
@@ -153,7 +153,7 @@ impl Ordering {
             MemStack::new(&mut memory),
             parameters,
         )
-        .map_err(|_| too_large(matrix))?;
+        .map_err(|_| too_large(n))?;
         let columns = (self.forward.clone(), self.inverse.clone());
         Ok(Factors { lu, rows: (row_forward, row_inverse), columns, size: n })
     }
@@ -198,12 +198,10 @@ impl Factors {
     }
 }
 
-fn too_large(matrix: &SparseMatrix) -> Error {
-    Error::OutOfRange {
-        name: "number of unknowns",
-        value: matrix.size as f64,
-        remedy: "the factors do not fit into memory; take fewer cells or a lower degree",
-    }
+/// The factors of so many unknowns are too large.
+pub(super) fn too_large(unknowns: usize) -> Error {
+    let remedy = "the factors do not fit into memory; take fewer cells or a lower degree";
+    Error::OutOfRange { name: "number of unknowns", value: unknowns as f64, remedy }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::relaxation::{Relaxation, slowest};
 use super::solver::difference;
 use super::space::Space;
 use crate::density::{Density, Frame};
-use crate::error::{Error, Result, dimension, finite, positive};
+use crate::error::{Error, Result, dimension, finite, positive, require};
 use crate::estimate::Estimate;
 use crate::polynomial::Gaussian;
 use crate::problem::gaussian_after;
@@ -79,11 +79,8 @@ impl GridDensity {
         positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
         let (begin, gaussian) = self.resolved(start)?;
         let first = times.first().copied().unwrap_or(begin);
-        if first < begin {
-            let remedy =
-                "before that time the density is narrower than the mesh resolves: take more cells or a later time";
-            return Err(Error::OutOfRange { name: "first time of a transient", value: first, remedy });
-        }
+        let remedy = "before that time the density is narrower than the mesh resolves: take more cells or a later time";
+        require(first >= begin, "first time of a transient", first, remedy)?;
         for pair in times.windows(2) {
             positive("time to the next density", pair[1] - pair[0], "give times in rising order")?;
         }
@@ -155,10 +152,8 @@ impl GridDensity {
         };
         let start = Field::projected(space, density);
         let mass = start.mass();
-        if (mass - 1.0).abs() > 1e-3 {
-            let remedy = "the start must lie inside the domain, away from walls, and be wider than the mesh resolves";
-            return Err(Error::OutOfRange { name: "mass of the start on the mesh", value: mass, remedy });
-        }
+        let remedy = "the start must lie inside the domain, away from walls, and be wider than the mesh resolves";
+        require((mass - 1.0).abs() <= 1e-3, "mass of the start on the mesh", mass, remedy)?;
         let span = times.last().copied().unwrap_or(begin) - begin;
         let mut march = March::new(&operator, (begin, start.coefficients), span / 400.0, tolerance);
         let mut fields = Vec::new();

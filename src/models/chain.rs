@@ -1,5 +1,5 @@
 use super::{Solved, listed};
-use crate::error::{Error, Result, positive};
+use crate::error::{Result, positive, require};
 use crate::problem::Problem;
 use crate::scalar::Scalar;
 use crate::system::PolynomialSystem;
@@ -26,8 +26,8 @@ impl DuffingChain {
     /// Damping c_i of each oscillator, stiffness k, cubic stiffness μ, coupling κ, temperature T = D_i/c_i.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless there is an oscillator and T and every c_i are finite and positive; the other
-    /// parameters are checked where the system is used.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless there is an oscillator and T and every c_i are finite and
+    /// positive; the other parameters are checked where the system is used.
     ///
     /// ```
     /// use expoly::{Density, models::{DuffingChain, Solved}};
@@ -39,10 +39,7 @@ impl DuffingChain {
         for &c in damping {
             positive("damping", c, "the noise is tied to the damping, which must be finite and above zero")?;
         }
-        if damping.is_empty() {
-            let remedy = "give the damping of one oscillator at least";
-            return Err(Error::OutOfRange { name: "length of the chain", value: 0.0, remedy });
-        }
+        require(!damping.is_empty(), "length of the chain", 0.0, "give the damping of one oscillator at least")?;
         positive("temperature T", temperature, "it must be finite and above zero")?;
         Ok(DuffingChain { damping: damping.to_vec(), stiffness, cubic, coupling, temperature })
     }

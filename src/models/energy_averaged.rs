@@ -1,6 +1,6 @@
 use super::VibroImpactDuffing;
 use crate::density::{Crossing, Density};
-use crate::error::{Error, Result, dimension, positive, state_index};
+use crate::error::{Error, Result, dimension, positive, require, state_index};
 use crate::estimate::Estimate;
 use crate::quadrature::Rule;
 use crate::system::Oscillator;
@@ -45,13 +45,8 @@ impl EnergyAveraged {
         let [damping, stiffness, cubic] = model.oscillator().coefficients();
         positive("damping", damping, "without damping nothing is stationary")?;
         for (name, value) in [("stiffness k", stiffness), ("cubic stiffness μ", cubic)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::OutOfRange {
-                    name,
-                    value,
-                    remedy: "averaging needs a single well: k ≥ 0 and μ ≥ 0",
-                });
-            }
+            let remedy = "averaging needs a single well: k ≥ 0 and μ ≥ 0";
+            require(value.is_finite() && value >= 0.0, name, value, remedy)?;
         }
         positive("k + μ", stiffness + cubic, "without a spring nothing is stationary")?;
         let (offset, d) = (model.wall().offset(), model.oscillator().intensity().d());

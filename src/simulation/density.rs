@@ -2,7 +2,7 @@ use super::{
     SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level, result::central, tally::Tally,
 };
 use crate::density::{Counted, Crossing, Density, Sampled, pair};
-use crate::error::{Error, Result, dimension, state_index};
+use crate::error::{Error, Result, dimension, require, state_index};
 use crate::estimate::Estimate;
 use std::sync::Arc;
 
@@ -96,10 +96,8 @@ impl Density for SimulatedDensity {
         if displacement != 0 || self.plan.velocity != Some(velocity) {
             return Err(Error::NotADisplacement { state: displacement });
         }
-        if !(1..=POWERS as u32).contains(&power) {
-            let remedy = "passages are counted with the powers 1, 2 and 3 of the velocity";
-            return Err(Error::OutOfRange { name: "power of a flux", value: f64::from(power), remedy });
-        }
+        let remedy = "passages are counted with the powers 1, 2 and 3 of the velocity";
+        require((1..=POWERS as u32).contains(&power), "power of a flux", f64::from(power), remedy)?;
         if let Some(wall) = self.plan.wall.filter(|wall| same_level(wall.offset(), level)) {
             let impacts = self.rate(power as usize, |b| b.passages.impacts);
             let slowed = wall.restitution().powi(power as i32 - 1);

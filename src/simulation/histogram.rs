@@ -1,5 +1,5 @@
 use super::jackknife::jackknife;
-use crate::error::{Error, Result, dimension};
+use crate::error::{Error, Result, dimension, positive, require};
 use crate::estimate::Estimate;
 use serde::{Deserialize, Serialize};
 
@@ -18,14 +18,9 @@ impl Axis {
     /// [`Error::OutOfRange`] unless lo < hi, both finite, and there are at least three bins.
     pub(super) fn new(lo: f64, hi: f64, bins: usize) -> Result<Self> {
         let length = hi - lo;
-        if !(length.is_finite() && length > 0.0) {
-            let remedy = "the upper end must lie above the lower one, both finite";
-            return Err(Error::OutOfRange { name: "length of a histogram's range", value: length, remedy });
-        }
-        if bins < 3 {
-            let remedy = "the reconstruction of a density needs at least three bins";
-            return Err(Error::OutOfRange { name: "number of bins", value: bins as f64, remedy });
-        }
+        positive("length of a histogram's range", length, "the upper end must lie above the lower one, both finite")?;
+        let remedy = "the reconstruction of a density needs at least three bins";
+        require(bins >= 3, "number of bins", bins as f64, remedy)?;
         Ok(Axis { lo, width: length / bins as f64, bins })
     }
 

@@ -16,7 +16,7 @@ use super::{
     time_step::{StepChooser, TimeScale},
     timetable::{BURN_IN_STRETCHES, Timetable},
 };
-use crate::error::{Error, Result, dimension, finite, positive, state_index};
+use crate::error::{Error, Result, dimension, finite, positive, require, state_index};
 use crate::problem::{Problem, Wall};
 use crate::states::States;
 use std::{ops::Range, time::Instant};
@@ -215,10 +215,8 @@ impl<'a> Simulation<'a> {
         let (part, parts) = self.part;
         let batches = deal(self.trajectories).len();
         at_most("number of parts", parts, batches, "each part needs a batch of its own, of at most 64")?;
-        if part >= parts {
-            let remedy = "parts are numbered from 0 and there must be at least one";
-            return Err(Error::OutOfRange { name: "number of the part", value: part as f64, remedy });
-        }
+        let remedy = "parts are numbered from 0 and there must be at least one";
+        require(part < parts, "number of the part", part as f64, remedy)?;
         Ok(part * batches / parts..(part + 1) * batches / parts)
     }
 
@@ -237,18 +235,14 @@ impl<'a> Simulation<'a> {
         at_most("number of bins", self.bins, MOST_BINS, "at most 1024 keep the joint histogram in memory")?;
         self.levels.iter().try_for_each(|&level| finite("level", level).map(|_| ()))?;
         self.targets.iter().try_for_each(|target| target.tolerance.validate())?;
-        if !(self.burn_in.is_finite() && self.burn_in >= 0.0) {
-            let remedy = "it must be finite and not negative";
-            return Err(Error::OutOfRange { name: "burn-in", value: self.burn_in, remedy });
-        }
+        let sound = self.burn_in.is_finite() && self.burn_in >= 0.0;
+        require(sound, "burn-in", self.burn_in, "it must be finite and not negative")?;
         positive("sampling interval", self.sampling_interval, "it must be finite and above zero")?;
         if let Some(start) = &self.start {
             dimension("the start", start.len(), states)?;
             start.iter().try_for_each(|&x| finite("start", x).map(|_| ()))?;
-            if wall.is_some_and(|wall| start[0] < wall.offset()) {
-                let remedy = "a trajectory must start above the wall";
-                return Err(Error::OutOfRange { name: "start of state 0", value: start[0], remedy });
-            }
+            let above = wall.is_none_or(|wall| start[0] >= wall.offset());
+            require(above, "start of state 0", start[0], "a trajectory must start above the wall")?;
         }
         Ok(())
     }
@@ -262,11 +256,8 @@ impl<'a> Simulation<'a> {
         let interval = unit * (self.sampling_interval / (unit * step)).round().max(1.0);
         let path = self.trajectories as f64 * (burn_in * BURN_IN_STRETCHES as f64 + interval * count as f64);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
-        if path > 2.0_f64.powi(53) {
-            let remedy =
-                "a simulation of more than 2^53 path-steps never ends: take a longer time step or fewer samples";
-            return Err(Error::OutOfRange { name: "number of path-steps", value: path, remedy });
-        }
+        let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or fewer samples";
+        require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
         Ok((Timetable { burn_in_steps: burn_in as usize, interval_steps: interval as usize }, count))
     }
 
@@ -302,6 +293,6 @@ struct Prepared<'a> {
     start: Start,
 }
 
-pub(super) fn at_most(name: &'static str, number: usize, most: usize, remedy: &'static str) -> Result<()> {
-    if number <= most { Ok(()) } else { Err(Error::OutOfRange { name, value: number as f64, remedy }) }
+pub(super) fn at_most(name: &'static str, number: usize, most: usize, remedy: &'static str) -> Result<f64> {
+    require(number <= most, name, number as f64, remedy)
 }

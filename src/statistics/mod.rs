@@ -50,18 +50,14 @@ pub use modes::modes;
 pub use samples::samples;
 
 use crate::density::Crossing;
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 use crate::estimate::Estimate;
 use crate::problem::Wall;
 
 /// Refuses what is no probability strictly between 0 and 1.
 fn probability(value: f64) -> Result<f64> {
-    if value > 0.0 && value < 1.0 {
-        Ok(value)
-    } else {
-        let remedy = "a probability here must lie strictly between 0 and 1";
-        Err(Error::OutOfRange { name: "probability", value, remedy })
-    }
+    let remedy = "a probability here must lie strictly between 0 and 1";
+    require(value > 0.0 && value < 1.0, "probability", value, remedy)
 }
 
 /// The powers of the mean of one state.

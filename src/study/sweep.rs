@@ -1,5 +1,5 @@
 use super::journal::{Callback, Journal};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, dimension, finite, require};
 use crate::simulation::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -100,23 +100,19 @@ impl<'a> Sweep<'a> {
         solve: impl Fn(f64, Option<&W>) -> Result<(Vec<f64>, W)> + Sync,
     ) -> Result<SweepTable> {
         let Sweep { parameter, values, columns, segment, settings, file, progress } = self;
-        if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
-            return Err(Error::OutOfRange { name: "value of the sweep", value, remedy: "it must be a finite number" });
+        for &value in &values {
+            finite("value of the sweep", value)?;
         }
         for (name, count) in [("number of values of the sweep", values.len()), ("length of a segment", segment)] {
-            if count == 0 {
-                return Err(Error::OutOfRange { name, value: 0.0, remedy: "it must be one at least" });
-            }
+            require(count > 0, name, 0.0, "it must be one at least")?;
         }
         let settings = format!("{parameter:?} {values:?} {columns:?} {segment} {settings:?}");
         let all: Vec<String> = std::iter::once(parameter).chain(columns).collect();
         let journal = Journal { columns: all.clone(), rows: values.len(), settings, path: file, progress };
         let count = all.len() - 1;
         let checked = |(numbers, state): (Vec<f64>, W)| {
-            let found = numbers.len();
-            let complete = found == count;
-            let error = Error::Dimension { what: "the numbers of a row of the sweep", expected: count, found };
-            if complete { Ok((numbers, state)) } else { Err(error) }
+            dimension("the numbers of a row of the sweep", numbers.len(), count)?;
+            Ok((numbers, state))
         };
         // The middle of a row's segment.
         let middle = |row: usize| {

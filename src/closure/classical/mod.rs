@@ -22,7 +22,7 @@ mod solution;
 pub use solution::{Solution, Termination};
 
 use crate::density::{Frame, Support};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::problem::{Problem, Wall};
@@ -201,20 +201,18 @@ impl ClassicalClosure {
 
     /// Refuses orders that leave no coefficient to find, and those that ask for too many.
     fn check(&self, problem: &Problem) -> Result<()> {
-        let refuse = |name, value, remedy| Err(Error::OutOfRange { name, value, remedy });
         let (name, order) = ("order of the closure", f64::from(self.order));
-        if self.order == 0 {
-            return refuse(name, order, "at this order there is no coefficient to find; ask for order 1 or more");
-        }
-        if self.order == 1 && self.basis == Basis::Classical && !problem.walls().is_empty() {
-            return refuse(name, order, "above a wall the classical basis begins at order 2; ask for that or more");
-        }
+        let remedy = "at this order there is no coefficient to find; ask for order 1 or more";
+        require(self.order > 0, name, order, remedy)?;
+        let even_only = self.basis == Basis::Classical && !problem.walls().is_empty();
+        let remedy = "above a wall the classical basis begins at order 2; ask for that or more";
+        require(self.order > 1 || !even_only, name, order, remedy)?;
         let monomials = (1..=problem.dimension()).map(|i| (order + i as f64) / i as f64).product::<f64>().round();
-        if monomials - 1.0 > MOST_COEFFICIENTS {
-            let remedy = "at most 20 000 can be solved for; ask for a lower order";
-            return refuse("number of coefficients of the classical closure", monomials - 1.0, remedy);
-        }
-        Ok(())
+        let (name, remedy) = (
+            "number of coefficients of the classical closure",
+            "at most 20 000 can be solved for; ask for a lower order",
+        );
+        require(monomials - 1.0 <= MOST_COEFFICIENTS, name, monomials - 1.0, remedy).map(|_| ())
     }
 }
 

@@ -1,4 +1,4 @@
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::polynomial::{Polynomial, total_degree};
 use crate::{problem::Problem, states::States};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -50,11 +50,8 @@ impl Importance<'_> {
             }
             Importance::Given(function) => function(x),
         };
-        if value.is_nan() {
-            let remedy = "it must be a number at every state that trajectories reach; infinities are welcome";
-            return Err(Error::OutOfRange { name: "importance function", value, remedy });
-        }
-        Ok(value)
+        let remedy = "it must be a number at every state that trajectories reach; infinities are welcome";
+        require(!value.is_nan(), "importance function", value, remedy)
     }
 }
 

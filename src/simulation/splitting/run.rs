@@ -6,7 +6,7 @@ use super::{
     setup::Splitting,
     tally::{Levels, Tally},
 };
-use crate::error::{Error, Result, finite, positive, state_index};
+use crate::error::{Error, Result, finite, positive, require, state_index};
 use crate::problem::{Problem, Wall};
 use crate::provenance::Provenance;
 use crate::simulation::{
@@ -131,10 +131,8 @@ impl Splitting<'_> {
         }
         at_most("number of replicas", self.replicas, MOST_REPLICAS, "at most 2048; take more particles instead")?;
         at_most("number of particles", self.particles, MOST_PARTICLES, "at most 4096; take more replicas instead")?;
-        if !(self.rarest > 0.0 && self.rarest < 1.0) {
-            let remedy = "the probability of the rarest states lies between 0 and 1";
-            return Err(Error::OutOfRange { name: "rarest", value: self.rarest, remedy });
-        }
+        let remedy = "the probability of the rarest states lies between 0 and 1";
+        require(self.rarest > 0.0 && self.rarest < 1.0, "rarest", self.rarest, remedy)?;
         let above_zero = "it must be finite and above zero";
         let h = positive("time step", self.time_step, above_zero)?;
         let interval = positive("resampling interval", self.resampling_interval, above_zero)?;
@@ -144,10 +142,8 @@ impl Splitting<'_> {
         let cycles = |time: f64| (time / (steps * h)).ceil().max(2.0);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
         let path = (self.replicas * self.particles) as f64 * steps * cycles(relaxation + duration);
-        if path > 2.0_f64.powi(53) {
-            let remedy = "more than 2^53 path-steps never end: take a longer time step or a shorter duration";
-            return Err(Error::OutOfRange { name: "number of path-steps", value: path, remedy });
-        }
+        let remedy = "more than 2^53 path-steps never end: take a longer time step or a shorter duration";
+        require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
         Ok(Plan {
             levels: self.sorted_levels(states, wall)?,
             steps: steps as usize,
@@ -164,10 +160,8 @@ impl Splitting<'_> {
         for &(state, level) in &levels {
             state_index("the state of a level", state, states)?;
             finite("level", level)?;
-            if state == 0 && wall.is_some_and(|wall| level <= wall.offset()) {
-                let remedy = "a level must lie above the wall; there are no states below it";
-                return Err(Error::OutOfRange { name: "level", value: level, remedy });
-            }
+            let remedy = "a level must lie above the wall; there are no states below it";
+            require(state > 0 || wall.is_none_or(|wall| level > wall.offset()), "level", level, remedy)?;
         }
         levels.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         levels.dedup();

@@ -1,4 +1,4 @@
-use crate::error::{Error, Result, positive};
+use crate::error::{Result, positive, require};
 use crate::estimate::Estimate;
 use crate::simulation::jackknife::jackknife;
 use serde::{Deserialize, Serialize};
@@ -37,15 +37,14 @@ impl PassageWindow {
     /// divide it equally.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless length and interval are finite and positive, and there are from 1 to 4096 bins, none
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless length and interval are finite and positive, and there are from 1 to 4096 bins, none
     /// shorter than an interval.
     pub(super) fn new(length: f64, interval: f64, bins: usize, continuous: bool) -> Result<Self> {
         let remedy = "it must be finite and above zero";
         let count = positive("length of a window", length, remedy)? / positive("interval", interval, remedy)?;
-        if !(1..=4096).contains(&bins) || count.round() < bins as f64 || count > 2.0_f64.powi(53) {
-            let remedy = "there must be from 1 to 4096, each at least as long as the interval between observations";
-            return Err(Error::OutOfRange { name: "number of bins", value: bins as f64, remedy });
-        }
+        let holds = (1..=4096).contains(&bins) && count.round() >= bins as f64 && count <= 2.0_f64.powi(53);
+        let remedy = "there must be from 1 to 4096, each at least as long as the interval between observations";
+        require(holds, "number of bins", bins as f64, remedy)?;
         // Whole observations in each bin.
         let each = (count / bins as f64).round();
         Ok(PassageWindow { count: each as usize * bins, interval, bins, continuous })
@@ -111,13 +110,11 @@ impl FirstPassage {
     /// From the tallies of batches that are independent of each other.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if fewer than two batches have a window that has ended.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if fewer than two batches have a window that has ended.
     pub(super) fn new(window: PassageWindow, mut batches: Vec<PassageTally>) -> Result<Self> {
         batches.retain(|batch| batch.windows > 0.0);
-        if batches.len() < 2 {
-            let remedy = "too few trajectories were watched for so long; ask for more samples or a shorter window";
-            return Err(Error::OutOfRange { name: "window of a first passage", value: window.length(), remedy });
-        }
+        let remedy = "too few trajectories were watched for so long; ask for more samples or a shorter window";
+        require(batches.len() >= 2, "window of a first passage", window.length(), remedy)?;
         Ok(FirstPassage { window, batches })
     }
 

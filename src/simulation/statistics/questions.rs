@@ -1,5 +1,5 @@
 use super::{first_passage::PassageWindow, spectrum::Segments};
-use crate::error::{Error, Result, dimension, finite, positive, state_index};
+use crate::error::{Result, dimension, finite, positive, require, state_index};
 use crate::simulation::{plan::same_level, run::at_most};
 use serde::{Deserialize, Serialize};
 
@@ -73,20 +73,16 @@ impl Questions {
         for (k, &(state, length)) in self.spectra.iter().enumerate() {
             state_index("the state of a spectrum", state, states)?;
             Segments::check(length, interval)?;
-            if self.spectra[..k].iter().any(|&(other, _)| other == state) {
-                let remedy = "its spectrum is asked for twice; one segment length can be given for each state";
-                return Err(Error::OutOfRange { name: "state", value: state as f64, remedy });
-            }
+            let remedy = "its spectrum is asked for twice; one segment length can be given for each state";
+            require(self.spectra[..k].iter().all(|&(other, _)| other != state), "state", state as f64, remedy)?;
             kept += length * trajectories;
         }
         at_most("number of samples in all segments", kept, MOST_KEPT, "take shorter segments or fewer trajectories")?;
         for (k, &PassageQuestion { level, length, bins }) in self.passages.iter().enumerate() {
             finite("level", level)?;
             PassageWindow::new(length, interval, bins, false)?;
-            if self.passages[..k].iter().any(|other| same_level(other.level, level)) {
-                let remedy = "its first passage is asked for twice; one window can be given for each level";
-                return Err(Error::OutOfRange { name: "level", value: level, remedy });
-            }
+            let remedy = "its first passage is asked for twice; one window can be given for each level";
+            require(self.passages[..k].iter().all(|other| !same_level(other.level, level)), "level", level, remedy)?;
         }
         for Point { at, widths } in &self.points {
             dimension("a point", at.len(), states)?;
@@ -94,10 +90,8 @@ impl Questions {
             at.iter().try_for_each(|&x| finite("point", x).map(|_| ()))?;
             let remedy = "the width of the cells about a point must be finite and above zero";
             widths.iter().try_for_each(|&width| positive("width", width, remedy).map(|_| ()))?;
-            if at[0] - 1.5 * widths[0] < wall {
-                let remedy = "the cells about a point reach 1.5 widths to either side and must lie above the wall";
-                return Err(Error::OutOfRange { name: "point", value: at[0], remedy });
-            }
+            let remedy = "the cells about a point reach 1.5 widths to either side and must lie above the wall";
+            require(at[0] - 1.5 * widths[0] >= wall, "point", at[0], remedy)?;
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-use crate::error::{Error, Result, positive};
+use crate::error::{Result, positive, require};
 use crate::estimate::Estimate;
 use crate::simulation::jackknife::jackknife;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex};
@@ -42,11 +42,8 @@ impl Segments {
     /// Refuses intervals that are not finite and positive, and lengths that do not lie between 8 and 2²⁰.
     pub(super) fn check(length: usize, interval: f64) -> Result<()> {
         positive("sampling interval", interval, "it must be finite and above zero")?;
-        if !(8..=LONGEST).contains(&length) {
-            let remedy = "a segment holds from 8 to 2^20 samples";
-            return Err(Error::OutOfRange { name: "length of a segment", value: length as f64, remedy });
-        }
-        Ok(())
+        let remedy = "a segment holds from 8 to 2^20 samples";
+        require((8..=LONGEST).contains(&length), "length of a segment", length as f64, remedy).map(|_| ())
     }
 
     /// Segments of `length` samples that are `interval` apart.
@@ -162,13 +159,11 @@ impl Spectrum {
     /// From the tallies of batches that are independent of each other.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if fewer than two batches have a whole segment.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if fewer than two batches have a whole segment.
     pub(super) fn new(segments: Segments, mut batches: Vec<SpectralTally>) -> Result<Self> {
         batches.retain(|batch| batch.segments > 0.0);
-        if batches.len() < 2 {
-            let remedy = "too few trajectories have so many samples; ask for more samples or a shorter segment";
-            return Err(Error::OutOfRange { name: "length of a segment", value: segments.length as f64, remedy });
-        }
+        let remedy = "too few trajectories have so many samples; ask for more samples or a shorter segment";
+        require(batches.len() >= 2, "length of a segment", segments.length as f64, remedy)?;
         Ok(Spectrum { segments, batches })
     }
 
@@ -182,7 +177,7 @@ impl Spectrum {
     /// ω = 0 and next to it that costs precision.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if there is no such frequency.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if there is no such frequency.
     pub fn density(&self, j: usize) -> Result<Estimate> {
         let segments = &self.segments;
         known("index of a frequency", j, segments.of_mean.len())?;
@@ -199,7 +194,7 @@ impl Spectrum {
     /// segment.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a longer lag.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a longer lag.
     pub fn autocovariance(&self, k: usize) -> Result<Estimate> {
         let length = self.segments.length as f64;
         known("lag", k, self.segments.length / 2 + 1)?;
@@ -211,9 +206,9 @@ impl Spectrum {
     }
 }
 
-fn known(name: &'static str, index: usize, count: usize) -> Result<()> {
+fn known(name: &'static str, index: usize, count: usize) -> Result<f64> {
     let remedy = "the segments are too short for it: frequencies and lags go up to half their length";
-    if index < count { Ok(()) } else { Err(Error::OutOfRange { name, value: index as f64, remedy }) }
+    require(index < count, name, index as f64, remedy)
 }
 
 #[cfg(test)]
