@@ -1,10 +1,34 @@
-use super::progress::{Meter, Progress};
 use crate::error::{Error, Result};
-use std::ops::ControlFlow;
 use std::sync::{
-    Mutex, PoisonError,
+    Mutex, MutexGuard, PoisonError,
     atomic::{AtomicBool, AtomicUsize, Ordering},
 };
+use std::{fmt, ops::ControlFlow};
+
+/// How far a simulation or a study has come, in steps or rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Path-steps taken, time steps times trajectories; or the rows that are there, those of an earlier run included.
+    pub done: u64,
+    /// Path-steps in all, burn-in and pilot included: the most, where precision or time may end the run before; or the
+    /// rows of the whole study.
+    pub total: u64,
+}
+
+/// What a user does about it.
+pub(super) struct Callback<'a>(pub(super) Box<dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a>);
+
+impl fmt::Debug for Callback<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Callback")
+    }
+}
+
+/// The progress callback and what it was told last.
+struct Meter<'a> {
+    progress: Progress,
+    callback: Callback<'a>,
+}
 
 /// How batches report, and how they learn that they need not go on.
 pub(super) struct Control<'a> {
@@ -16,12 +40,14 @@ pub(super) struct Control<'a> {
 }
 
 impl<'a> Control<'a> {
-    pub(super) fn new(meter: Option<Meter<'a>>) -> Self {
-        Control {
-            meter: meter.map(Mutex::new),
-            cancelled: AtomicBool::new(false),
-            failed: AtomicUsize::new(usize::MAX),
-        }
+    /// Nothing of `total` path-steps has been done.
+    pub(super) fn new(callback: Option<Callback<'a>>, total: u64) -> Self {
+        let meter = |callback| Mutex::new(Meter { progress: Progress { done: 0, total }, callback });
+        Control { meter: callback.map(meter), cancelled: AtomicBool::new(false), failed: AtomicUsize::new(usize::MAX) }
+    }
+
+    fn meter(&self) -> Option<MutexGuard<'_, Meter<'a>>> {
+        Some(self.meter.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     pub(super) fn fail(&self, place: usize) {
@@ -30,22 +56,19 @@ impl<'a> Control<'a> {
 
     /// Sets what has been done and what there is to do.
     pub(super) fn set(&self, done: u64, total: u64) {
-        if let Some(meter) = &self.meter {
-            let mut meter = meter.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(mut meter) = self.meter() {
             meter.progress = Progress { done, total };
         }
     }
 
     /// Reports `steps` more path-steps.
     pub(super) fn report(&self, steps: u64) {
-        if let Some(meter) = &self.meter {
-            let mut meter = meter.lock().unwrap_or_else(PoisonError::into_inner);
-            if !self.cancelled.load(Ordering::Relaxed) {
-                meter.progress.done += steps;
-                let progress = meter.progress;
-                let verdict = (meter.callback.0)(progress);
-                self.cancelled.store(verdict == ControlFlow::Break(()), Ordering::Relaxed);
-            }
+        let Some(mut meter) = self.meter() else { return };
+        if !self.cancelled.load(Ordering::Relaxed) {
+            meter.progress.done += steps;
+            let progress = meter.progress;
+            let verdict = (meter.callback.0)(progress);
+            self.cancelled.store(verdict == ControlFlow::Break(()), Ordering::Relaxed);
         }
     }
 
@@ -57,6 +80,6 @@ impl<'a> Control<'a> {
 
     /// The path-steps that the callback was told of.
     pub(super) fn done(&self) -> u64 {
-        self.meter.as_ref().map_or(0, |meter| meter.lock().unwrap_or_else(PoisonError::into_inner).progress.done)
+        self.meter().map_or(0, |meter| meter.progress.done)
     }
 }

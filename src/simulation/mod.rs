@@ -14,7 +14,7 @@
 //! - `tally`, `histogram`, `trend`: what a batch keeps of its samples;
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: what decides which numbers are found, and when;
-//! - `session`: rounds until a limit is reached, with `progress`, `control` (cancellation), `target` (precision),
+//! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
 //!   `checkpoint` (the state in a file), `peers` and `ranks` (several processes);
 //! - `splitting`: rare states;
 //! - `statistics`: what is kept beside the standard statistics, on request;
@@ -36,7 +36,6 @@ mod passage;
 mod peers;
 mod pilot;
 mod plan;
-mod progress;
 mod random;
 #[cfg(feature = "mpi")]
 mod ranks;
@@ -54,8 +53,8 @@ mod time_step;
 mod timetable;
 mod trend;
 
+pub use control::Progress;
 pub use histogram::Histogram;
-pub use progress::Progress;
 pub use result::SimulatedDensity;
 pub use setup::Simulation;
 pub use splitting::{Splitting, Tails};

@@ -8,12 +8,10 @@ use super::{
     peers::{Alone, Peers, agree},
     pilot::Pilot,
     plan::{MOST_BINS, MOST_TRAJECTORIES, Plan, equations},
-    progress::{Meter, Progress},
     result::SimulatedDensity,
     scheme::Scheme,
     session::{Limits, Session},
     start::Start,
-    time_step::{StepChooser, TimeScale},
     timetable::{BURN_IN_STRETCHES, Timetable},
 };
 use crate::error::{Error, Result, dimension, finite, positive, require, state_index};
@@ -155,7 +153,7 @@ impl<'a> Simulation<'a> {
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
-                let TimeScale { rate, step } = self.time_scale(problem, wall)?;
+                let (step, rate) = self.chosen_step(problem, wall)?;
                 (step, Some(rate))
             }
         };
@@ -169,23 +167,8 @@ impl<'a> Simulation<'a> {
         Ok(Prepared { wall, velocity, scheme, rate, timetable, samples, start })
     }
 
-    /// The choice of a time step.
-    fn time_scale(&self, problem: &Problem, wall: Option<Wall>) -> Result<TimeScale> {
-        // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
-        let burn_in = if self.burn_in > 0.0 { self.burn_in / 640.0 } else { f64::INFINITY };
-        let chooser = StepChooser {
-            problem,
-            amplitude: self.amplitude,
-            wall,
-            seed: self.seed,
-            time: self.burn_in.max(32.0 * self.sampling_interval),
-            longest: (self.sampling_interval / 20.0).min(burn_in),
-        };
-        chooser.choose(|step| self.starts(problem, wall, step))
-    }
-
     /// Where trajectories begin.
-    fn starts(&self, problem: &Problem, wall: Option<Wall>, step: f64) -> Start {
+    pub(super) fn starts(&self, problem: &Problem, wall: Option<Wall>, step: f64) -> Start {
         Start::new(problem, self.amplitude, wall, self.start.clone(), step)
     }
 
@@ -199,9 +182,8 @@ impl<'a> Simulation<'a> {
     where
         'a: 'b,
     {
-        let progress = Progress { done: 0, total: self.path_steps(&timetable) };
-        let meter = self.progress.take().map(|callback| Meter { progress, callback });
-        Ensemble { scheme, course, timetable, velocity, control: Control::new(meter) }
+        let control = Control::new(self.progress.take(), self.path_steps(&timetable));
+        Ensemble { scheme, course, timetable, velocity, control }
     }
 
     /// The path-steps of the whole simulation.

@@ -1,7 +1,7 @@
 use super::{
     SimulatedDensity,
     checkpoint::Checkpoint,
-    progress::{Callback, Progress},
+    control::{Callback, Progress},
     statistics::Questions,
     target::{Target, Tolerance},
 };

@@ -1,8 +1,8 @@
 use super::{
+    Simulation,
     lanes::{Lanes, Workspace},
     passage::{Course, Passages},
     scheme::Scheme,
-    start::Start,
 };
 use crate::error::Result;
 use crate::problem::{LANES, Problem, Wall};
@@ -25,52 +25,35 @@ const STRETCHES: usize = 64;
 /// The most steps tried. Each is at most half the one before.
 const ATTEMPTS: usize = 12;
 
-/// How fast a system is: the rate ω, and the time step that was chosen by it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TimeScale {
-    pub(super) rate: f64,
-    pub(super) step: f64,
-}
-
-/// Chooses the time step from the system's own time scales, where the trajectories are.
-///
-/// The rate of a state is the largest modulus of the eigenvalues of ∂f/∂x, with the Itô drift f, and the square of
-/// ∂G/∂x, by which noise of its own strength grows; both from dual numbers. ω² is the mean of its square along the way
-/// of some trajectories, and of (πν)² for ν impacts per unit time: a wall that is hit twice as often as the force alone
-/// turns the motion round is another time scale. The step is 0.04/ω, or 0.03/ω beside a wall with r < 1, shorter where
-/// some state is more than six times faster, rounded down to two digits. Where the step that was tried turns out to be
-/// too long, the trajectories go again with a shorter one.
-pub(super) struct StepChooser<'a> {
-    pub(super) problem: &'a Problem,
-    /// A factor of all noises.
-    pub(super) amplitude: f64,
-    pub(super) wall: Option<Wall>,
-    pub(super) seed: u64,
-    /// The time that is looked at, at least.
-    pub(super) time: f64,
-    /// The longest step that makes sense whatever the system.
-    pub(super) longest: f64,
-}
-
-impl StepChooser<'_> {
-    /// The choice, of trajectories that begin where `start` says for each step.
+impl Simulation<'_> {
+    /// Chooses the time step from the system's own time scales, where the trajectories are. Returns the rate ω too.
+    ///
+    /// The rate of a state is the largest modulus of the eigenvalues of ∂f/∂x, with the Itô drift f, and the square of
+    /// ∂G/∂x, by which noise of its own strength grows; both from dual numbers. ω² is the mean of its square along the way
+    /// of some trajectories, and of (πν)² for ν impacts per unit time: a wall that is hit twice as often as the force alone
+    /// turns the motion round is another time scale. The step is 0.04/ω, or 0.03/ω beside a wall with r < 1, shorter where
+    /// some state is more than six times faster, rounded down to two digits. Where the step that was tried turns out to be
+    /// too long, the trajectories go again with a shorter one.
     ///
     /// # Errors
     /// [`Error::Exploded`](crate::Error::Exploded) if they explode with the shortest step too.
-    pub(super) fn choose(&self, start: impl Fn(f64) -> Start) -> Result<TimeScale> {
-        let lossy = self.wall.is_some_and(|wall| wall.restitution() < 1.0);
+    pub(super) fn chosen_step(&self, problem: &Problem, wall: Option<Wall>) -> Result<(f64, f64)> {
+        let lossy = wall.is_some_and(|wall| wall.restitution() < 1.0);
         let resolution = if lossy { BESIDE_LOSSY_WALL } else { RESOLUTION };
-        let mut step = self.longest;
+        // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
+        let burn_in = if self.burn_in > 0.0 { self.burn_in / 640.0 } else { f64::INFINITY };
+        let longest = (self.sampling_interval / 20.0).min(burn_in);
+        let mut step = longest;
         let mut attempt = 0;
         loop {
             attempt += 1;
-            match self.rates(step, &start(step)) {
+            match self.rates(problem, wall, step) {
                 Err(error) if attempt == ATTEMPTS => return Err(error),
                 Err(_) => step /= 4.0,
                 Ok((rate, largest)) => {
-                    let fits = (resolution / rate).min(LARGEST / largest).min(self.longest);
+                    let fits = (resolution / rate).min(LARGEST / largest).min(longest);
                     if fits >= step / 2.0 || attempt == ATTEMPTS {
-                        return Ok(TimeScale { rate, step: two_digits(fits) });
+                        return Ok((two_digits(fits), rate));
                     }
                     step = fits;
                 }
@@ -79,11 +62,13 @@ impl StepChooser<'_> {
     }
 
     /// The root mean square of the rate and the largest one along the way with this step.
-    fn rates(&self, step: f64, start: &Start) -> Result<(f64, f64)> {
-        let scheme = Scheme::new(self.problem, self.amplitude, step);
-        let course = Course::for_scheme(&scheme, self.wall, Vec::new());
+    fn rates(&self, problem: &Problem, wall: Option<Wall>, step: f64) -> Result<(f64, f64)> {
+        let scheme = Scheme::new(problem, self.amplitude, step);
+        let course = Course::for_scheme(&scheme, wall, Vec::new());
+        let start = self.starts(problem, wall, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
-        let steps = (self.time / step / STRETCHES as f64).ceil().max(1.0) as usize;
+        let time = self.burn_in.max(32.0 * self.sampling_interval);
+        let steps = (time / step / STRETCHES as f64).ceil().max(1.0) as usize;
         let (mut passages, mut work) = (Passages::new(0), Workspace::new(&scheme));
         let (mut squares, mut largest, mut count) = (0.0, 0.0_f64, 0.0);
         for stretch in 0..STRETCHES {
@@ -94,7 +79,7 @@ impl StepChooser<'_> {
             lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
             if stretch >= STRETCHES / 2 {
                 for x in &lanes.states() {
-                    let rate = self.rate(x);
+                    let rate = rate(problem, self.amplitude, x);
                     squares += rate * rate;
                     largest = largest.max(rate);
                     count += 1.0;
@@ -104,18 +89,18 @@ impl StepChooser<'_> {
         let impacts = passages.impacts[0] / (count * steps as f64 * step);
         Ok(((squares / count + (std::f64::consts::PI * impacts).powi(2)).sqrt(), largest))
     }
+}
 
-    /// The rate of a state: the spectral radius of ∂f/∂x, and Σ|∂G/∂x|².
-    fn rate(&self, x: &[f64]) -> f64 {
-        let mut jacobian = vec![0.0; x.len() * x.len()];
-        let noise_rate = self.problem.field().slopes(x, &mut jacobian) * self.amplitude * self.amplitude;
-        // The search for the eigenvalues of numbers that are not finite would never end.
-        if !jacobian.iter().all(|entry| entry.is_finite()) {
-            return f64::INFINITY;
-        }
-        let eigenvalues = DMatrix::from_row_slice(x.len(), x.len(), &jacobian).complex_eigenvalues();
-        noise_rate + eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
+/// The rate of a state: the spectral radius of ∂f/∂x, and Σ|∂G/∂x|² with all noises times `amplitude`.
+fn rate(problem: &Problem, amplitude: f64, x: &[f64]) -> f64 {
+    let mut jacobian = vec![0.0; x.len() * x.len()];
+    let noise_rate = problem.field().slopes(x, &mut jacobian) * amplitude * amplitude;
+    // The search for the eigenvalues of numbers that are not finite would never end.
+    if !jacobian.iter().all(|entry| entry.is_finite()) {
+        return f64::INFINITY;
     }
+    let eigenvalues = DMatrix::from_row_slice(x.len(), x.len(), &jacobian).complex_eigenvalues();
+    noise_rate + eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
 /// The number rounded down to two decimal digits.

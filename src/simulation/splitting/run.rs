@@ -13,7 +13,6 @@ use crate::simulation::{
     Simulation,
     control::Control,
     passage::{Course, single_wall},
-    progress::{Meter, Progress},
     run::at_most,
     scheme::Scheme,
 };
@@ -81,8 +80,7 @@ impl Splitting<'_> {
 
         let cycles = plan.relaxing + plan.measuring;
         let most = (self.replicas * (thresholds.len() + 1) * self.particles * plan.steps) as u64 * cycles as u64;
-        let progress = Progress { done: 0, total: most };
-        let control = Control::new(self.progress.take().map(|callback| Meter { progress, callback }));
+        let control = Control::new(self.progress.take(), most);
         let replica = |(index, states): (usize, &[f64])| -> Result<(Tally, u64)> {
             let mut population = Population::new(&scheme, self.seed, 1 + index as u64, self.particles);
             population.set_thresholds(&thresholds);

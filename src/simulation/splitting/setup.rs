@@ -1,5 +1,5 @@
 use super::importance::Importance;
-use crate::simulation::progress::{Callback, Progress};
+use crate::simulation::control::{Callback, Progress};
 use std::ops::ControlFlow;
 
 /// A simulation of rare states: the tails of the stationary density down to any probability, without bias.
