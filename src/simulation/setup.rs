@@ -101,22 +101,19 @@ impl<'a> Simulation<'a> {
     }
 
     /// Multiplies the noise by a factor, the intensities by its square.
-    pub(crate) fn amplified(mut self, amplitude: f64) -> Self {
-        self.amplitude = amplitude;
-        self
+    pub(crate) fn amplified(self, amplitude: f64) -> Self {
+        Simulation { amplitude, ..self }
     }
 
     /// The number of independent trajectories, 1024 by default; at least 2, since standard errors come from their spread.
     /// Groups of sixteen run in lockstep, so that multiples of 1024 are fastest.
-    pub fn trajectories(mut self, trajectories: usize) -> Self {
-        self.trajectories = trajectories;
-        self
+    pub fn trajectories(self, trajectories: usize) -> Self {
+        Simulation { trajectories, ..self }
     }
 
     /// The number of samples in all, 1 000 000 by default, rounded up to the same number for each trajectory.
-    pub fn samples(mut self, samples: usize) -> Self {
-        self.samples = samples;
-        self
+    pub fn samples(self, samples: usize) -> Self {
+        Simulation { samples, ..self }
     }
 
     /// The time step h, in the system's unit of time. By default the library chooses it, and
@@ -139,9 +136,8 @@ impl<'a> Simulation<'a> {
     /// r < 1 slow impacts break that rule and add a term of lower order. There trajectories take shorter steps of themselves,
     /// and what is left in the impact rate at b = 0.5, r = 0.7 was 0.05 ± 0.05 % at h = 0.08, 0.08 ± 0.04 % at 0.04 and −0.017
     /// ± 0.018 % at the chosen 0.015, where plain steps miss 2.0 and 1.0 % at the longer two.
-    pub fn time_step(mut self, time_step: f64) -> Self {
-        self.time_step = Some(time_step);
-        self
+    pub fn time_step(self, time_step: f64) -> Self {
+        Simulation { time_step: Some(time_step), ..self }
     }
 
     /// Runs with twice the time step as well, along the same Brownian paths, so that the change from one to the other tells
@@ -163,9 +159,8 @@ impl<'a> Simulation<'a> {
     /// assert!(square.deviation(1.0) < 4.0);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn two_steps(mut self) -> Self {
-        self.two_steps = true;
-        self
+    pub fn two_steps(self) -> Self {
+        Simulation { two_steps: true, ..self }
     }
 
     /// The time that each trajectory runs before its first sample, 50 by default, rounded up to a multiple of 64 steps.
@@ -173,42 +168,36 @@ impl<'a> Simulation<'a> {
     /// It should be several times the slowest relaxation time, which for a weakly damped oscillator is 1/c: by 10/c the
     /// energy has forgotten its start to e⁻¹⁰. No choice is safe for every system; whether it sufficed,
     /// [`SimulatedDensity::stationarity`](crate::SimulatedDensity::stationarity) tells.
-    pub fn burn_in(mut self, burn_in: f64) -> Self {
-        self.burn_in = burn_in;
-        self
+    pub fn burn_in(self, burn_in: f64) -> Self {
+        Simulation { burn_in, ..self }
     }
 
     /// The time between two samples of a trajectory, 1 by default, rounded to whole steps. Samples closer than the
     /// relaxation time are correlated; they then add little, but no standard error is wrong for it.
-    pub fn sampling_interval(mut self, sampling_interval: f64) -> Self {
-        self.sampling_interval = sampling_interval;
-        self
+    pub fn sampling_interval(self, sampling_interval: f64) -> Self {
+        Simulation { sampling_interval, ..self }
     }
 
     /// The seed of all random numbers, 0 by default.
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
+    pub fn seed(self, seed: u64) -> Self {
+        Simulation { seed, ..self }
     }
 
     /// Levels of state 0 whose up-crossings are counted; none by default. State 0 must be a displacement.
-    pub fn levels(mut self, levels: impl IntoIterator<Item = f64>) -> Self {
-        self.levels = levels.into_iter().collect();
-        self
+    pub fn levels(self, levels: impl IntoIterator<Item = f64>) -> Self {
+        Simulation { levels: levels.into_iter().collect(), ..self }
     }
 
     /// The state that all trajectories start from. By default they start near 0, or near the wall if that stands above 0,
     /// each with a Gaussian spread: what the noise at 0 does to the state within four steps, or 0.1 where it vanishes there.
-    pub fn start(mut self, start: impl Into<Vec<f64>>) -> Self {
-        self.start = Some(start.into());
-        self
+    pub fn start(self, start: impl Into<Vec<f64>>) -> Self {
+        Simulation { start: Some(start.into()), ..self }
     }
 
     /// The number of bins of each state's histogram, 128 by default. The joint histogram of states 0 and 1 has half as
     /// many along each, but at least 3.
-    pub fn bins(mut self, bins: usize) -> Self {
-        self.bins = bins;
-        self
+    pub fn bins(self, bins: usize) -> Self {
+        Simulation { bins, ..self }
     }
 
     /// The range of one state's histogram. By default a pilot of 64 trajectories finds it in the second half of its own
@@ -221,9 +210,8 @@ impl<'a> Simulation<'a> {
 
     /// A function that is told now and then how far the simulation is, from whichever thread; to stop it, it returns
     /// [`ControlFlow::Break`].
-    pub fn progress(mut self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
-        self.progress = Some(Callback(Box::new(callback)));
-        self
+    pub fn progress(self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
+        Simulation { progress: Some(Callback(Box::new(callback))), ..self }
     }
 
     /// Ends the run before all samples are taken, once the standard error of `statistic` is within `tolerance`; called
@@ -257,9 +245,8 @@ impl<'a> Simulation<'a> {
 
     /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over. How far it
     /// comes then depends on the machine; what it found is, bit for bit, what a run of that many samples finds.
-    pub fn time_budget(mut self, budget: Duration) -> Self {
-        self.time_budget = Some(budget);
-        self
+    pub fn time_budget(self, budget: Duration) -> Self {
+        Simulation { time_budget: Some(budget), ..self }
     }
 
     /// Keeps the state of the run in a file, written whole or not at all: between rounds whenever the time `every` has
@@ -270,16 +257,14 @@ impl<'a> Simulation<'a> {
     /// interruptions. More samples, a narrower tolerance or another time budget continue a run that was over; any other
     /// change of the problem or the options is refused. The file takes about 40 kB for each of the 64 batches, and some
     /// hundred bytes for each trajectory, more with [`Simulation::spectrum`]. It also holds the result: see [`SimulatedDensity::from_checkpoint`].
-    pub fn checkpoint(mut self, path: impl Into<PathBuf>, every: Duration) -> Self {
-        self.checkpoint = Some(Checkpoint { path: path.into(), every });
-        self
+    pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
+        Simulation { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
     }
 
     /// Runs only part `part` (from 0) of `parts` equal ones, on this machine: each is some of the 64 batches of
     /// trajectories. [`SimulatedDensity::merge`] makes one result of all parts. The errors of a part's own result
     /// come from its own batches; with a single batch they are not a number. Each part needs a checkpoint file of its own.
-    pub fn part(mut self, part: usize, parts: usize) -> Self {
-        self.part = (part, parts);
-        self
+    pub fn part(self, part: usize, parts: usize) -> Self {
+        Simulation { part: (part, parts), ..self }
     }
 }

@@ -85,9 +85,8 @@ impl<'a> Splitting<'a> {
     /// By default it is the mechanical energy Σ v²/2 + U where every state is a displacement or a velocity, with
     /// U = −∫₀¹ Σ x_i f_i(s x, v = 0) ds for the drift f_i of the velocity of x_i. For any other system, and where U does not
     /// rise along every axis, it is the squared distance from the mean in units of the covariance of the starting states.
-    pub fn importance(mut self, function: impl Fn(&[f64]) -> f64 + Send + Sync + 'a) -> Self {
-        self.importance = Some(Importance::Given(Box::new(function)));
-        self
+    pub fn importance(self, function: impl Fn(&[f64]) -> f64 + Send + Sync + 'a) -> Self {
+        Splitting { importance: Some(Importance::Given(Box::new(function))), ..self }
     }
 
     /// Levels of state 0 at which exceedance, density and, if it is a displacement, the rate of up-crossings are measured;
@@ -104,23 +103,20 @@ impl<'a> Splitting<'a> {
 
     /// Where the tail ends: thresholds are set until the probability of the states beyond the last one is at most this, 10⁻¹¹
     /// by default. States rarer than that are met by chance only, as in a plain simulation.
-    pub fn rarest(mut self, probability: f64) -> Self {
-        self.rarest = probability;
-        self
+    pub fn rarest(self, probability: f64) -> Self {
+        Splitting { rarest: probability, ..self }
     }
 
     /// The number of particles in each bin of a replica, 16 by default; multiples of 16 are fastest. What counts is
     /// particles × replicas: standard errors fall with its square root.
-    pub fn particles(mut self, particles: usize) -> Self {
-        self.particles = particles;
-        self
+    pub fn particles(self, particles: usize) -> Self {
+        Splitting { particles, ..self }
     }
 
     /// The number of independent replicas, 64 by default, from 16 to 2048: their spread gives the standard errors, known to
     /// 1/√(2 replicas) of themselves.
-    pub fn replicas(mut self, replicas: usize) -> Self {
-        self.replicas = replicas;
-        self
+    pub fn replicas(self, replicas: usize) -> Self {
+        Splitting { replicas, ..self }
     }
 
     /// The time step h, 0.02 by default, as in [`Simulation::time_step`](crate::Simulation::time_step), but for the tail.
@@ -129,57 +125,49 @@ impl<'a> Splitting<'a> {
     /// E v² = T, its density at a displacement y is off by the relative amount −h² G′(y)²/24T or so, of which standard errors
     /// know nothing. For x″ + 0.2 x′ + x + 0.3 x³ = ξ with D = 0.2 and h = 0.08 the density was measured 4.1 ± 1.3 % too low
     /// at y = 3 and 7.6 ± 1.2 % at y = 3.5, which is 3·10⁻⁸ of the peak; for h = 0.02 that makes half a percent.
-    pub fn time_step(mut self, time_step: f64) -> Self {
-        self.time_step = time_step;
-        self
+    pub fn time_step(self, time_step: f64) -> Self {
+        Splitting { time_step, ..self }
     }
 
     /// The time that each starting state takes to become stationary, 50 by default. See
     /// [`Simulation::burn_in`](crate::Simulation::burn_in).
-    pub fn burn_in(mut self, burn_in: f64) -> Self {
-        self.burn_in = burn_in;
-        self
+    pub fn burn_in(self, burn_in: f64) -> Self {
+        Splitting { burn_in, ..self }
     }
 
     /// The time that the particles take to fill the bins before they are measured, 50 by default. Nothing is biased if it is
     /// too short, but then few particles have arrived, and their weights differ so much that the standard errors of the
     /// rarest states cannot be trusted. [`Tails::stationarity`](crate::Tails::stationarity) tells. A tenth of it is one round
     /// of the pilot that finds the thresholds.
-    pub fn relaxation(mut self, relaxation: f64) -> Self {
-        self.relaxation = relaxation;
-        self
+    pub fn relaxation(self, relaxation: f64) -> Self {
+        Splitting { relaxation, ..self }
     }
 
     /// The time over which every replica is measured, 50 by default.
-    pub fn duration(mut self, duration: f64) -> Self {
-        self.duration = duration;
-        self
+    pub fn duration(self, duration: f64) -> Self {
+        Splitting { duration, ..self }
     }
 
     /// The time between two resamplings, 0.1 by default, rounded to whole time steps: so short that few particles pass more
     /// than one threshold in it. For the oscillator named at [`Splitting::time_step`] the variances with 0.04, 0.08, 0.2, 0.4
     /// and 0.8 are 1.0, 1.0, 1.4, 2.5 and 10 times as large.
-    pub fn resampling_interval(mut self, interval: f64) -> Self {
-        self.resampling_interval = interval;
-        self
+    pub fn resampling_interval(self, interval: f64) -> Self {
+        Splitting { resampling_interval: interval, ..self }
     }
 
     /// The state from which the starting states are made. See [`Simulation::start`](crate::Simulation::start).
-    pub fn start(mut self, start: impl Into<Vec<f64>>) -> Self {
-        self.start = Some(start.into());
-        self
+    pub fn start(self, start: impl Into<Vec<f64>>) -> Self {
+        Splitting { start: Some(start.into()), ..self }
     }
 
     /// The seed of all random numbers, 0 by default.
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
+    pub fn seed(self, seed: u64) -> Self {
+        Splitting { seed, ..self }
     }
 
     /// A function that is told now and then how far the replicas are, from whichever thread; to stop them, it returns
     /// [`ControlFlow::Break`]. The starting states and the pilot, a small part of the work, are not counted.
-    pub fn progress(mut self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
-        self.progress = Some(Callback(Box::new(callback)));
-        self
+    pub fn progress(self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
+        Splitting { progress: Some(Callback(Box::new(callback))), ..self }
     }
 }
