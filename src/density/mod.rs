@@ -12,6 +12,7 @@ pub(crate) use cell::{Cell, lines as cell_lines};
 pub use exp_polynomial::ExpPolynomial;
 pub(crate) use frame::Frame;
 pub(crate) use leading_form::escape_direction;
+pub(crate) use sampled::central;
 pub use sampled::{Counted, Sampled};
 pub use support::Support;
 

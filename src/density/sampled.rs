@@ -35,3 +35,12 @@ pub trait Sampled {
     /// The mean of a power of that speed.
     fn mean_impact_speed(&self, power: u32) -> Option<Estimate>;
 }
+
+/// The central moments 2, 3 and 4 from the raw moments 0 to 4.
+pub(crate) fn central(raw: &[f64]) -> [f64; 3] {
+    let [m, m2, m3, m4] = [raw[1], raw[2], raw[3], raw[4]];
+    let variance = m2 - m * m;
+    let third = m3 - 3.0 * m * m2 + 2.0 * m.powi(3);
+    let fourth = m4 - 4.0 * m * m3 + 6.0 * m * m * m2 - 3.0 * m.powi(4);
+    [variance, third, fourth]
+}

@@ -1,7 +1,5 @@
-use super::{
-    SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level, result::central, tally::Tally,
-};
-use crate::density::{Counted, Crossing, Density, Sampled, pair};
+use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level, tally::Tally};
+use crate::density::{Counted, Crossing, Density, Sampled, central, pair};
 use crate::error::{Error, Result, dimension, require, state_index};
 use crate::estimate::Estimate;
 use std::sync::Arc;

@@ -7,7 +7,7 @@ use super::{
     tally::{Layout, Tally},
     timetable::BURN_IN_STRETCHES,
 };
-use crate::density::Sampled;
+use crate::density::{Sampled, central};
 use crate::error::{Error, Result, state_index};
 use crate::estimate::Estimate;
 use crate::provenance::{Provenance, Stopped};
@@ -254,13 +254,4 @@ fn provenance(batches: &[Tally], plan: &Plan, seconds: f64, stopped: Stopped) ->
 /// 1 − (power taken by the drift and by impacts)/(power put in).
 fn missing_power([count, injected, drift, impacts, time]: [f64; 5]) -> f64 {
     1.0 - (drift / count + impacts / time) * count / injected
-}
-
-/// The central moments 2, 3, 4 from the raw moments 0 to 4.
-pub(super) fn central(raw: &[f64]) -> [f64; 3] {
-    let [m, m2, m3, m4] = [raw[1], raw[2], raw[3], raw[4]];
-    let variance = m2 - m * m;
-    let third = m3 - 3.0 * m * m2 + 2.0 * m.powi(3);
-    let fourth = m4 - 4.0 * m * m3 + 6.0 * m * m * m2 - 3.0 * m.powi(4);
-    [variance, third, fourth]
 }

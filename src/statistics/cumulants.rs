@@ -1,5 +1,5 @@
 use super::first_power;
-use crate::density::{Density, Sampled};
+use crate::density::{Density, Sampled, central};
 use crate::error::{Result, state_index};
 use crate::estimate::Estimate;
 
@@ -87,13 +87,4 @@ fn standardised(cumulant: Estimate, variance: Estimate, order: f64) -> Estimate 
     let value = cumulant.value / scale;
     let relative = order / 2.0 * variance.error / variance.value;
     Estimate::new(value, cumulant.error / scale + value.abs() * relative)
-}
-
-/// The central moments 2, 3 and 4 from the raw moments 0 to 4.
-fn central(raw: &[f64]) -> [f64; 3] {
-    let (m, m2, m3, m4) = (raw[1], raw[2], raw[3], raw[4]);
-    let variance = m2 - m * m;
-    let third = m3 - 3.0 * m * m2 + 2.0 * m.powi(3);
-    let fourth = m4 - 4.0 * m * m3 + 6.0 * m * m * m2 - 3.0 * m.powi(4);
-    [variance, third, fourth]
 }
