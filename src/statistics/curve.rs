@@ -97,7 +97,7 @@ impl Curve {
             }
         }
         panels.sort_by(|a, b| a.low.total_cmp(&b.low));
-        let parts: Vec<Estimate> = panels.iter().map(|panel| panel.above(-1.0)).collect();
+        let parts: Vec<Estimate> = panels.iter().map(Panel::whole).collect();
         let mut below = vec![Estimate::new(0.0, 0.0); parts.len()];
         let mut above = below.clone();
         // What a function that falls on has beyond the interval is neglected, and belongs to the error.
@@ -123,7 +123,10 @@ impl Curve {
 
     /// The value; 0 outside.
     pub(super) fn value(&self, x: f64) -> Estimate {
-        let Some((k, t)) = self.locate(x) else { return Estimate::new(0.0, self.end(x).error()) };
+        let Some((k, t)) = self.locate(x) else {
+            let end = if x < self.range()[0] { 0 } else { self.panels.len() - 1 };
+            return Estimate::new(0.0, self.panels[end].error());
+        };
         Estimate::new(self.panels[k].value(t), self.panels[k].error())
     }
 
@@ -140,7 +143,7 @@ impl Curve {
     /// ∫ from the lower end to `x`.
     pub(super) fn below(&self, x: f64) -> Estimate {
         match self.locate(x) {
-            Some((k, t)) => sum(self.below[k], self.panels[k].below(t)),
+            Some((k, t)) => sum(self.below[k], self.panels[k].beside(t, -1.0)),
             None if x < self.range()[0] => Estimate::new(0.0, self.below[0].error + self.panels[0].whole_error()),
             None => self.total(),
         }
@@ -149,7 +152,7 @@ impl Curve {
     /// ∫ from `x` to the upper end, without the detour over the whole.
     pub(super) fn above(&self, x: f64) -> Estimate {
         match self.locate(x) {
-            Some((k, t)) => sum(self.above[k], self.panels[k].above(t)),
+            Some((k, t)) => sum(self.above[k], self.panels[k].beside(t, 1.0)),
             None if x < self.range()[0] => self.total(),
             None => {
                 let last = self.panels.len() - 1;
@@ -160,7 +163,7 @@ impl Curve {
 
     /// The integral.
     pub(super) fn total(&self) -> Estimate {
-        let whole = sum(self.above[0], self.panels[0].above(-1.0));
+        let whole = sum(self.above[0], self.panels[0].whole());
         Estimate::new(whole.value, whole.error + self.below[0].error)
     }
 
@@ -173,10 +176,6 @@ impl Curve {
         let k = self.panels.partition_point(|panel| panel.high < x).min(self.panels.len() - 1);
         let panel = &self.panels[k];
         Some((k, ((x - panel.low) - (panel.high - x)) / (panel.high - panel.low)))
-    }
-
-    fn end(&self, x: f64) -> &Panel {
-        &self.panels[if x < self.range()[0] { 0 } else { self.panels.len() - 1 }]
     }
 }
 
@@ -208,21 +207,19 @@ impl Panel {
         self.stated + self.truncation
     }
 
-    /// ∫ from the place `t` to the panel's end: ∫_t^1 P_k = (P_(k−1)(t) − P_(k+1)(t))/(2k + 1).
-    fn above(&self, t: f64) -> Estimate {
+    /// ∫ from the place `t` to the panel's end on one `side`, −1 or 1: ±∫_t^±1 P_k = ±(P_(k−1)(t) − P_(k+1)(t))/(2k + 1).
+    fn beside(&self, t: f64, side: f64) -> Estimate {
         let (p, half) = (legendre(t), (self.high - self.low) / 2.0);
         let higher: f64 = (1..self.coefficients.len())
-            .map(|k| self.coefficients[k] * (p[k - 1] - p[k + 1]) / (2 * k + 1) as f64)
+            .map(|k| self.coefficients[k] * (side * (p[k - 1] - p[k + 1])) / (2 * k + 1) as f64)
             .sum();
-        Estimate::new(half * (self.coefficients[0] * (1.0 - t) + higher), half * (1.0 - t) * self.error())
+        let length = 1.0 - side * t;
+        Estimate::new(half * (self.coefficients[0] * length + higher), half * length * self.error())
     }
 
-    fn below(&self, t: f64) -> Estimate {
-        let (p, half) = (legendre(t), (self.high - self.low) / 2.0);
-        let higher: f64 = (1..self.coefficients.len())
-            .map(|k| self.coefficients[k] * (p[k + 1] - p[k - 1]) / (2 * k + 1) as f64)
-            .sum();
-        Estimate::new(half * (self.coefficients[0] * (1.0 + t) + higher), half * (1.0 + t) * self.error())
+    /// ∫ over the panel.
+    fn whole(&self) -> Estimate {
+        self.beside(-1.0, 1.0)
     }
 
     fn value(&self, t: f64) -> f64 {

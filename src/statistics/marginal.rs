@@ -165,19 +165,23 @@ impl Marginal {
 
     /// Where a monotone integral has a value.
     fn level(&self, target: f64, integral: impl Fn(f64) -> Estimate, rising: bool) -> Estimate {
-        let solve = |target: f64| crossing(|x| integral(x).value - target, self.range(), rising);
-        let x = solve(target);
-        let error = integral(x).error;
-        if error.is_nan() || error >= target {
-            return Estimate::new(x, f64::INFINITY);
-        }
-        let moved = [target - error, target + error].map(|target| (solve(target) - x).abs());
-        Estimate::new(x, moved[0].max(moved[1]) + f64::EPSILON * x.abs())
+        let found = inverse(&integral, self.range(), target, rising);
+        let known = integral(found.value).error < target;
+        if known { found } else { Estimate::new(found.value, f64::INFINITY) }
     }
 }
 
+/// Where a monotone function has a value; the error is how far that moves if the function moves by its own.
+pub(super) fn inverse(f: impl Fn(f64) -> Estimate, range: [f64; 2], target: f64, rising: bool) -> Estimate {
+    let solve = |target: f64| crossing(|x| f(x).value - target, range, rising);
+    let x = solve(target);
+    let error = f(x).error;
+    let moved = [target - error, target + error].map(|target| (solve(target) - x).abs());
+    Estimate::new(x, moved[0].max(moved[1]) + f64::EPSILON * x.abs())
+}
+
 /// Where a monotone function has its zero, by bisection; the nearer end if it has none.
-pub(super) fn crossing(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], rising: bool) -> f64 {
+fn crossing(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], rising: bool) -> f64 {
     while low < high {
         let middle = low + (high - low) / 2.0;
         if middle <= low || middle >= high {

@@ -1,5 +1,5 @@
 use super::curve::{Curve, Effort};
-use super::marginal::crossing;
+use super::marginal::inverse;
 use super::probability;
 use crate::error::{Result, finite};
 use crate::estimate::Estimate;
@@ -60,11 +60,7 @@ impl Maximum {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless 0 < p < 1.
     pub fn quantile(&self, p: f64) -> Result<Estimate> {
         let target = 1.0 - probability(p)?;
-        let solve = |target: f64| crossing(|y| self.passage.value(y).value - target, self.passage.range(), false);
-        let level = solve(target);
-        let error = self.passage.value(level).error;
-        let moved = [target - error, target + error].map(|target| (solve(target) - level).abs());
-        Ok(Estimate::new(level, moved[0].max(moved[1]) + f64::EPSILON * level.abs()))
+        Ok(inverse(|y| self.passage.value(y), self.passage.range(), target, false))
     }
 
     /// The expected maximum, low + ∫ (1 − F) dy from the lower end of the range.
