@@ -2,10 +2,10 @@
 
 use crate::error::{Error, Result};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::perm::PermRef;
+use faer::perm::{Perm, PermRef};
 use faer::sparse::linalg::lu::supernodal;
 use faer::sparse::linalg::{colamd, qr};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::{SparseColMatRef, SparseRowMat, SymbolicSparseColMatRef};
 use faer::{Conj, Par};
 
 /// A square matrix by columns. Every diagonal entry is stored, so that a shift keeps the pattern.
@@ -53,26 +53,14 @@ impl SparseMatrix {
         self.values.iter().fold(0.0, |a: f64, v| a.max(v.abs()))
     }
 
-    fn transposed(&self) -> Self {
-        let mut columns = vec![0; self.size + 1];
-        self.rows.iter().for_each(|row| columns[row + 1] += 1);
-        for k in 0..self.size {
-            columns[k + 1] += columns[k];
-        }
-        let mut next = columns.clone();
-        let (mut rows, mut values) = (vec![0; self.rows.len()], vec![0.0; self.rows.len()]);
-        for column in 0..self.size {
-            for k in self.columns[column]..self.columns[column + 1] {
-                let place = &mut next[self.rows[k]];
-                (rows[*place], values[*place]) = (column, self.values[k]);
-                *place += 1;
-            }
-        }
-        SparseMatrix { size: self.size, columns, rows, values }
+    fn view(&self) -> SparseColMatRef<'_, usize, f64> {
+        let pattern = SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.columns, None, &self.rows);
+        SparseColMatRef::new(pattern, &self.values)
     }
 
-    fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
-        SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.columns, None, &self.rows)
+    /// The same by rows, which are the columns of the transpose.
+    fn by_rows(&self) -> Result<SparseRowMat<usize, f64>> {
+        self.view().to_row_major().map_err(|_| too_large(self.size))
     }
 }
 
@@ -80,16 +68,15 @@ impl SparseMatrix {
 #[derive(Clone, Debug)]
 pub(crate) struct Ordering {
     symbolic: supernodal::SymbolicSupernodalLu<usize>,
-    forward: Vec<usize>,
-    inverse: Vec<usize>,
+    columns: Perm<usize>,
 }
 
 impl Ordering {
     /// The analysis of the pattern of `matrix`, with its columns eliminated in the order `columns` or, if none is given, in
     /// one of approximately minimum degree.
     pub(crate) fn new(matrix: &SparseMatrix, columns: Option<&[usize]>) -> Result<Self> {
-        let n = matrix.size;
-        let transposed = matrix.transposed();
+        let (n, pattern) = (matrix.size, matrix.view().symbolic());
+        let by_rows = matrix.by_rows()?;
         let request = StackReq::all_of(&[
             StackReq::new::<usize>(n).array(12),
             supernodal::factorize_supernodal_symbolic_lu_scratch::<usize>(n, n),
@@ -102,26 +89,28 @@ impl Ordering {
         match columns {
             Some(columns) => (forward, inverse) = (columns.to_vec(), inverted(columns)),
             None => {
-                colamd::order(&mut forward, &mut inverse, matrix.symbolic(), Default::default(), stack)
+                colamd::order(&mut forward, &mut inverse, pattern, Default::default(), stack)
                     .map_err(|_| too_large(n))?;
             }
         }
         // Columns in postorder of their own elimination tree, so that those that are eliminated together are neighbours.
         {
             let permutation = PermRef::new_checked(&forward, &inverse, n);
-            let tree = qr::col_etree(matrix.symbolic(), Some(permutation), &mut tree, stack);
+            let tree = qr::col_etree(pattern, Some(permutation), &mut tree, stack);
             qr::postorder(&mut post, tree, stack);
         }
         forward = post.iter().map(|k| forward[*k]).collect();
         inverse = inverted(&forward);
-        let permutation = PermRef::new_checked(&forward, &inverse, n);
-        let tree = qr::col_etree(matrix.symbolic(), Some(permutation), &mut tree, stack);
+        let columns = Perm::new_checked(forward.into(), inverse.into(), n);
+        let permutation = Some(columns.as_ref());
+        let tree = qr::col_etree(pattern, permutation, &mut tree, stack);
         qr::postorder(&mut post, tree, stack);
         let (mut counts, mut first) = (vec![0; n], vec![0; n]);
-        qr::column_counts_ata(&mut counts, &mut first, transposed.symbolic(), Some(permutation), tree, &post, stack);
+        let rows = by_rows.transpose().symbolic();
+        qr::column_counts_ata(&mut counts, &mut first, rows, permutation, tree, &post, stack);
         let symbolic = supernodal::factorize_supernodal_symbolic_lu(
-            matrix.symbolic(),
-            Some(permutation),
+            pattern,
+            permutation,
             &first,
             tree,
             &counts,
@@ -129,13 +118,13 @@ impl Ordering {
             Default::default(),
         )
         .map_err(|_| too_large(n))?;
-        Ok(Ordering { symbolic, forward, inverse })
+        Ok(Ordering { symbolic, columns })
     }
 
     /// The LU factors of `matrix`, which must have the pattern that the ordering was made for.
     pub(crate) fn factorise(&self, matrix: &SparseMatrix) -> Result<Factors> {
         let n = matrix.size;
-        let transposed = matrix.transposed();
+        let by_rows = matrix.by_rows()?;
         let parameters = Default::default();
         let request = supernodal::factorize_supernodal_numeric_lu_scratch::<usize, f64>(&self.symbolic, parameters);
         let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(n))?;
@@ -145,17 +134,17 @@ impl Ordering {
             &mut row_forward,
             &mut row_inverse,
             &mut lu,
-            SparseColMatRef::new(matrix.symbolic(), &matrix.values),
-            SparseColMatRef::new(transposed.symbolic(), &transposed.values),
-            PermRef::new_checked(&self.forward, &self.inverse, n),
+            matrix.view(),
+            by_rows.transpose(),
+            self.columns.as_ref(),
             &self.symbolic,
             Par::Seq,
             MemStack::new(&mut memory),
             parameters,
         )
         .map_err(|_| too_large(n))?;
-        let columns = (self.forward.clone(), self.inverse.clone());
-        Ok(Factors { lu, rows: (row_forward, row_inverse), columns, size: n })
+        let rows = Perm::new_checked(row_forward.into(), row_inverse.into(), n);
+        Ok(Factors { lu, rows, columns: self.columns.clone(), size: n })
     }
 }
 
@@ -169,8 +158,8 @@ fn inverted(order: &[usize]) -> Vec<usize> {
 #[derive(Debug)]
 pub(crate) struct Factors {
     lu: supernodal::SupernodalLu<usize, f64>,
-    rows: (Vec<usize>, Vec<usize>),
-    columns: (Vec<usize>, Vec<usize>),
+    rows: Perm<usize>,
+    columns: Perm<usize>,
     size: usize,
 }
 
@@ -186,8 +175,8 @@ impl Factors {
         let mut memory = MemBuffer::try_new(request).map_err(|_| singular.clone())?;
         let mut x = faer::Mat::from_fn(n, 1, |i, _| right[i]);
         self.lu.solve_in_place_with_conj(
-            PermRef::new_checked(&self.rows.0, &self.rows.1, n),
-            PermRef::new_checked(&self.columns.0, &self.columns.1, n),
+            self.rows.as_ref(),
+            self.columns.as_ref(),
             Conj::No,
             x.as_mut(),
             Par::Seq,
