@@ -155,18 +155,10 @@ impl Mul for Symbol<'_> {
 impl Symbol<'_> {
     /// `operation(self, other)` for an operation whose order does not matter; at least one of the two is stored.
     fn with(self, other: Self, operation: impl Fn(&Polynomial, &Polynomial) -> Polynomial) -> Self {
-        match (self.0, other.0) {
-            (Inner::Stored { arena, index }, Inner::Stored { arena: others, index: place }) => {
-                let result = operation(&arena.stored.borrow()[index], &others.stored.borrow()[place]);
-                arena.symbol(result)
-            }
-            (Inner::Stored { arena, index }, Inner::Constant(value))
-            | (Inner::Constant(value), Inner::Stored { arena, index }) => {
-                let result = operation(&arena.stored.borrow()[index], &Polynomial::constant(arena.states, value));
-                arena.symbol(result)
-            }
-            (Inner::Constant(_), Inner::Constant(_)) => self,
-        }
+        let ((Inner::Stored { arena, .. }, _) | (_, Inner::Stored { arena, .. })) = (self.0, other.0) else {
+            return self;
+        };
+        arena.symbol(operation(&self.polynomial(arena.states), &other.polynomial(arena.states)))
     }
 }
 
