@@ -12,18 +12,12 @@ use crate::estimate::Estimate;
 #[derive(Clone, Debug)]
 pub(super) struct Distribution {
     axis: Axis,
-    batches: Vec<Batch>,
+    /// Of each batch the samples, and those in the range below each edge.
+    batches: Vec<(f64, Vec<f64>)>,
     /// The share of the samples outside the range.
     outside: f64,
     /// The same with twice the time step, and the share of the change from there that is counted as an error.
     coarse: Option<(Box<Distribution>, f64)>,
-}
-
-#[derive(Clone, Debug)]
-struct Batch {
-    samples: f64,
-    /// The samples in the range below each edge.
-    below: Vec<f64>,
 }
 
 impl Distribution {
@@ -31,8 +25,8 @@ impl Distribution {
     pub(super) fn new(histogram: &Histogram, coarse: Option<(Self, f64)>) -> Self {
         let axis = histogram.axes()[0];
         let outside = histogram.outliers() as f64 / histogram.samples().max(1) as f64;
-        let batches = histogram.cumulated().map(|(samples, below)| Batch { samples, below }).collect();
-        Distribution { axis, batches, outside, coarse: coarse.map(|(coarse, share)| (Box::new(coarse), share)) }
+        let coarse = coarse.map(|(coarse, share)| (Box::new(coarse), share));
+        Distribution { axis, batches: histogram.cumulated().collect(), outside, coarse }
     }
 
     fn probability(&self, count: impl Fn(&[f64]) -> f64) -> Estimate {
@@ -49,8 +43,8 @@ impl Distribution {
 
     /// A linear function of the samples below the edges, over the number of all samples.
     fn estimate(&self, count: impl Fn(&[f64]) -> f64) -> Estimate {
-        let share =
-            |of: &Self| jackknife(&of.batches, |b| [count(&b.below), b.samples], |[count, samples]| count / samples);
+        let sums = |(samples, below): &(f64, Vec<f64>)| [count(below), *samples];
+        let share = |of: &Self| jackknife(&of.batches, sums, |[count, samples]| count / samples);
         let fine = share(self);
         // What was never met has the error that one sample would have made.
         let chance = if fine.value == 0.0 { self.one_sample() } else { fine.error };
@@ -59,7 +53,7 @@ impl Distribution {
     }
 
     fn one_sample(&self) -> f64 {
-        self.batches.iter().map(|b| b.samples).sum::<f64>().recip()
+        self.batches.iter().map(|(samples, _)| samples).sum::<f64>().recip()
     }
 }
 

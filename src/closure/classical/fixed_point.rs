@@ -14,12 +14,18 @@ const TOLERANCE: f64 = 1e-12;
 /// Returns the last iterate where `map` gives nothing or the iterations run out: as a weight any Gaussian will do, a
 /// fixed one only makes it definite.
 pub(super) fn fixed_point(start: Gaussian, map: impl Fn(&Gaussian) -> Option<Gaussian>) -> Gaussian {
-    let coordinates = Coordinates::new(&start);
+    // The mean in units of `start`'s deviations, so that a map which keeps the mean has it kept by every combination.
+    let unit = [0, 1].map(|i| start.covariance[(i, i)].sqrt());
+    let pack = |gaussian: &Gaussian| -> Option<DVector<f64>> {
+        let scale = gaussian.scale().ok()?;
+        let mean = [0, 1].map(|i| gaussian.mean[i] / unit[i]);
+        Some(dvector![mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / unit[1]])
+    };
     let mut gaussian = start;
     let mut history: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
     for _ in 0..MAX_ITERATIONS {
-        let mapped = map(&gaussian).and_then(|next| coordinates.pack(&next));
-        let Some((x, y)) = coordinates.pack(&gaussian).zip(mapped) else { break };
+        let mapped = map(&gaussian).and_then(|next| pack(&next));
+        let Some((x, y)) = pack(&gaussian).zip(mapped) else { break };
         let change = &y - &x;
         if change.amax() < TOLERANCE {
             break;
@@ -28,7 +34,10 @@ pub(super) fn fixed_point(start: Gaussian, map: impl Fn(&Gaussian) -> Option<Gau
         if history.len() > MEMORY {
             history.remove(0);
         }
-        gaussian = coordinates.unpack(&accelerated(&history));
+        let x = accelerated(&history);
+        let scale = dmatrix![x[2].exp(), 0.0; x[4] * unit[1], x[3].exp()];
+        let mean = dvector![x[0] * unit[0], x[1] * unit[1]];
+        gaussian = Gaussian { mean, covariance: &scale * scale.transpose() };
     }
     gaussian
 }
@@ -49,27 +58,4 @@ fn accelerated(history: &[(DVector<f64>, DVector<f64>)]) -> DVector<f64> {
     }
     // A combination that leaps is worse than the plain step.
     if (&next - x).amax() < 2.0 { next } else { plain }
-}
-
-/// The mean in units of `start`'s deviations, so that a map which keeps the mean has it kept by every combination.
-struct Coordinates {
-    unit: [f64; 2],
-}
-
-impl Coordinates {
-    fn new(start: &Gaussian) -> Self {
-        Coordinates { unit: [0, 1].map(|i| start.covariance[(i, i)].sqrt()) }
-    }
-
-    fn pack(&self, gaussian: &Gaussian) -> Option<DVector<f64>> {
-        let scale = gaussian.scale().ok()?;
-        let mean = [0, 1].map(|i| gaussian.mean[i] / self.unit[i]);
-        Some(dvector![mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / self.unit[1]])
-    }
-
-    fn unpack(&self, x: &DVector<f64>) -> Gaussian {
-        let scale = dmatrix![x[2].exp(), 0.0; x[4] * self.unit[1], x[3].exp()];
-        let mean = dvector![x[0] * self.unit[0], x[1] * self.unit[1]];
-        Gaussian { mean, covariance: &scale * scale.transpose() }
-    }
 }
