@@ -32,6 +32,11 @@ impl Estimate {
         (self.value - truth).abs() / self.error
     }
 
+    /// The sum with another whose error may have the same source.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Estimate::new(self.value + other.value, self.error + other.error)
+    }
+
     /// The value times a number known exactly.
     pub fn scaled(&self, factor: f64) -> Self {
         Estimate::new(self.value * factor, self.error * factor)

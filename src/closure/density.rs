@@ -175,8 +175,7 @@ impl ClosureDensity {
             let crossing = if wall.is_above() { Crossing::downward } else { Crossing::upward };
             self.flux(crossing(wall.offset()), 1)
         });
-        let sum = |a: Estimate, b: Estimate| Estimate::new(a.value + b.value, a.error + b.error);
-        rates.filter_map(Result::ok).reduce(sum)
+        rates.filter_map(Result::ok).reduce(Estimate::plus)
     }
 
     /// Where a similar system's reference may start.

@@ -1,6 +1,7 @@
 //! The start: the exponential polynomial under which the pilot's states are most likely.
 
 use super::projection::tempered;
+use super::reference::scaled_mass;
 use faer::prelude::*;
 use faer::{Mat, MatRef, Side};
 
@@ -18,8 +19,7 @@ pub(super) fn most_likely(values: MatRef<'_, f64>, fixed: &[f64], weights: &[f64
     let at = |a: &Mat<f64>| -> (f64, Vec<f64>) {
         let product = values * a;
         let q: Vec<f64> = (0..rows).map(|i| fixed[i] + product[(i, 0)]).collect();
-        let top = q.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mass: f64 = q.iter().zip(weights).map(|(q, w)| w * (q - top).exp()).sum();
+        let (top, mass) = scaled_mass(&q, weights);
         let likelihood = (0..columns).map(|k| a[(k, 0)] * mean[k]).sum::<f64>() - mass.ln() - top;
         (likelihood, tempered(&q, weights, 1.0))
     };

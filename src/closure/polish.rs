@@ -4,6 +4,7 @@ use super::exponent::Exponent;
 use super::kept::Kept;
 use super::orthonormal::Orthonormal;
 use super::projection::tempered;
+use super::reference::scaled_mass;
 use super::setting::Setting;
 use super::space::Jet;
 use super::table;
@@ -81,8 +82,8 @@ pub(super) fn polished(setting: &Setting, exponent: &Exponent, kept: &Kept) -> O
         let mut system = basis.weighted.transpose() * &images;
         if !ends.is_empty() {
             let impacts = setting.passages.len();
-            let density: Vec<f64> =
-                ends.iter().map(|x| (current.value(x) - peak(&log)).exp() / mass(&log, weights)).collect();
+            let (top, mass) = scaled_mass(&log, weights);
+            let density: Vec<f64> = ends.iter().map(|x| (current.value(x) - top).exp() / mass).collect();
             let after = Mat::from_fn(impacts, count + 1, |i, k| walls[(2 * i + 1, k)]);
             let tests = basis.transformed(after.as_ref());
             let missing = Mat::from_fn(impacts, count + 1, |i, k| {
@@ -106,13 +107,4 @@ pub(super) fn polished(setting: &Setting, exponent: &Exponent, kept: &Kept) -> O
         }
     }
     None
-}
-
-fn peak(log: &[f64]) -> f64 {
-    log.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
-fn mass(log: &[f64], weights: &[f64]) -> f64 {
-    let top = peak(log);
-    log.iter().zip(weights).map(|(q, w)| w * (q - top).exp()).sum()
 }

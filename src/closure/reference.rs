@@ -152,10 +152,9 @@ impl Reference {
         let mut strikes = 0;
         for solved in 1..=RENEWALS {
             let measure = tempered(&log, &nodes.weights, 1.0);
-            let top_log = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let mass: f64 = log.iter().zip(&nodes.weights).map(|(q, w)| w * (q - top_log).exp()).sum();
+            let (top, mass) = scaled_mass(&log, &nodes.weights);
             let passages: Vec<f64> =
-                setting.passages.iter().map(|p| p.weight * (weight.value(&p.before) - top_log).exp() / mass).collect();
+                setting.passages.iter().map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass).collect();
             // Where there are impacts the residual is not all that is left of the equations.
             let r = setting.passages.is_empty().then(|| residuals(setting, &weight));
             let Some(found) = resolve(table, &measure, &passages, r.as_deref(), band) else { break };
@@ -243,10 +242,15 @@ fn residuals(setting: &Setting, q: &Exponent) -> Vec<f64> {
     points.map_init(|| Jet::zero(states), residual).collect()
 }
 
+/// The highest of some logarithms, and the sum over the nodes of their exponentials relative to it.
+pub(super) fn scaled_mass(log: &[f64], weights: &[f64]) -> (f64, f64) {
+    let top = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (top, log.iter().zip(weights).map(|(q, w)| w * (q - top).exp()).sum())
+}
+
 /// A logarithm with the constant that makes its exponential's sum over the nodes 1.
 pub(super) fn normalised(log: &[f64], weights: &[f64]) -> Vec<f64> {
-    let top = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mass: f64 = log.iter().zip(weights).map(|(q, w)| w * (q - top).exp()).sum();
+    let (top, mass) = scaled_mass(log, weights);
     let shift = top + mass.ln();
     log.iter().map(|q| q - shift).collect()
 }

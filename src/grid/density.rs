@@ -52,7 +52,7 @@ impl GridDensity {
             let crossing = Crossing { upward: side == 1, ..Crossing::upward(offset?) };
             Some(self.estimate(|field| flux(field, crossing, 1)))
         });
-        rates.reduce(|a, b| Estimate::new(a.value + b.value, a.error + b.error))
+        rates.reduce(Estimate::plus)
     }
 
     /// Where the walls are, below the motion and above it.

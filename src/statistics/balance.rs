@@ -1,4 +1,4 @@
-use super::{crossing_of, sum};
+use super::crossing_of;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
@@ -28,7 +28,7 @@ pub fn energy_balance(problem: &Problem, density: &dyn Density) -> Result<Estima
     let velocity = problem.velocity_of(0).ok_or(Error::NotADisplacement { state: 0 })?;
     let operator = problem.operator();
     let mean = |p: &Polynomial| -> Result<Estimate> {
-        p.terms().try_fold(Estimate::new(0.0, 0.0), |all, (powers, c)| Ok(sum(all, density.moment(powers)?.scaled(c))))
+        p.terms().try_fold(Estimate::new(0.0, 0.0), |all, (powers, c)| Ok(all.plus(density.moment(powers)?.scaled(c))))
     };
     let v = &Polynomial::variable(problem.dimension(), velocity);
     let injected = mean(&(&operator.diffusion()[velocity][velocity] * 0.5))?;
@@ -36,7 +36,7 @@ pub fn energy_balance(problem: &Problem, density: &dyn Density) -> Result<Estima
     let mut lost = Estimate::new(0.0, 0.0);
     for wall in problem.walls().iter().filter(|wall| wall.state() == 0) {
         let share = (1.0 - wall.restitution().powi(2)) / 2.0;
-        lost = sum(lost, density.flux(crossing_of(wall, velocity), 3)?.scaled(share));
+        lost = lost.plus(density.flux(crossing_of(wall, velocity), 3)?.scaled(share));
     }
     let residual = injected.value + drained.value - lost.value;
     let error = injected.error + drained.error + lost.error;

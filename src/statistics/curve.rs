@@ -1,6 +1,5 @@
 //! A function of one variable as piecewise polynomials, and its integrals.
 
-use super::sum;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::quadrature::Rule;
@@ -104,9 +103,9 @@ impl Curve {
         below[0].error = panels[0].beyond(-1.0, peak);
         above[parts.len() - 1].error = panels[parts.len() - 1].beyond(1.0, peak);
         for k in 1..parts.len() {
-            below[k] = sum(below[k - 1], parts[k - 1]);
+            below[k] = below[k - 1].plus(parts[k - 1]);
             let back = parts.len() - k;
-            above[back - 1] = sum(above[back], parts[back]);
+            above[back - 1] = above[back].plus(parts[back]);
         }
         Ok(Curve { panels, below, above })
     }
@@ -143,7 +142,7 @@ impl Curve {
     /// ∫ from the lower end to `x`.
     pub(super) fn below(&self, x: f64) -> Estimate {
         match self.locate(x) {
-            Some((k, t)) => sum(self.below[k], self.panels[k].beside(t, -1.0)),
+            Some((k, t)) => self.below[k].plus(self.panels[k].beside(t, -1.0)),
             None if x < self.range()[0] => Estimate::new(0.0, self.below[0].error + self.panels[0].whole_error()),
             None => self.total(),
         }
@@ -152,7 +151,7 @@ impl Curve {
     /// ∫ from `x` to the upper end, without the detour over the whole.
     pub(super) fn above(&self, x: f64) -> Estimate {
         match self.locate(x) {
-            Some((k, t)) => sum(self.above[k], self.panels[k].beside(t, 1.0)),
+            Some((k, t)) => self.above[k].plus(self.panels[k].beside(t, 1.0)),
             None if x < self.range()[0] => self.total(),
             None => {
                 let last = self.panels.len() - 1;
@@ -163,7 +162,7 @@ impl Curve {
 
     /// The integral.
     pub(super) fn total(&self) -> Estimate {
-        let whole = sum(self.above[0], self.panels[0].whole());
+        let whole = self.above[0].plus(self.panels[0].whole());
         Estimate::new(whole.value, whole.error + self.below[0].error)
     }
 

@@ -1,5 +1,5 @@
 use super::curve::{Curve, Effort};
-use super::{crossing_of, ratio, sum};
+use super::{crossing_of, ratio};
 use crate::density::{Counted, Crossing, Density};
 use crate::error::{Error, Result, dimension, finite};
 use crate::estimate::Estimate;
@@ -64,9 +64,9 @@ impl Impacts {
         for (crossing, share) in &walls {
             for (all, exponent) in fluxes.iter_mut().zip(1..) {
                 let flux = density.flux(*crossing, exponent)?;
-                *all = sum(*all, flux);
+                *all = all.plus(flux);
                 if exponent == 3 {
-                    power = sum(power, flux.scaled(*share));
+                    power = power.plus(flux.scaled(*share));
                 }
             }
         }
@@ -85,7 +85,7 @@ impl Impacts {
             walls.iter().try_fold(nothing, |all, (crossing, _)| {
                 let Crossing { displacement, velocity, level, upward } = *crossing;
                 let v = if upward { w } else { -w };
-                Ok(sum(all, density.joint_marginal([displacement, velocity], [level, v])?.scaled(w)))
+                Ok(all.plus(density.joint_marginal([displacement, velocity], [level, v])?.scaled(w)))
             })
         };
         let fastest = walls.iter().map(|(crossing, _)| {

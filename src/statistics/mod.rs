@@ -70,11 +70,6 @@ fn crossing_of(wall: &Wall, velocity: usize) -> Crossing {
     Crossing { displacement: wall.state(), velocity, level: wall.offset(), upward: !wall.is_above() }
 }
 
-/// The sum of two estimates whose errors may have one source.
-fn sum(a: Estimate, b: Estimate) -> Estimate {
-    Estimate::new(a.value + b.value, a.error + b.error)
-}
-
 /// A quotient with both errors.
 fn ratio(a: Estimate, b: Estimate) -> Estimate {
     let value = a.value / b.value;
