@@ -97,56 +97,38 @@ fn hull(pilot: &Pilot, offsets: [Option<f64>; 2]) -> TrustDomain {
 }
 
 /// The rule across the displacement, graded towards each wall.
-fn across(bounds: [f64; 2], offsets: [Option<f64>; 2]) -> Rule {
-    let width = bounds[1] - bounds[0];
+fn across([low, high]: [f64; 2], offsets: [Option<f64>; 2]) -> Rule {
     // From a wall at 0 to 1.
-    let graded = || {
-        let cubed = CUBED_NODES.iter().enumerate().flat_map(|(k, &count)| {
-            let rule = Rule::legendre(count).on(CUBED[k].cbrt(), CUBED[k + 1].cbrt());
-            rule.iter().map(|(s, w)| (s.powi(3), 3.0 * s * s * w)).collect::<Vec<_>>()
-        });
-        let plain = PLAIN_NODES
-            .iter()
-            .enumerate()
-            .flat_map(|(k, &count)| Rule::legendre(count).on(PLAIN[k], PLAIN[k + 1]).iter().collect::<Vec<_>>());
-        cubed.chain(plain).collect::<Vec<_>>()
+    let cubed = panels(&CUBED.map(f64::cbrt), &CUBED_NODES).into_iter().map(|(s, w)| (s.powi(3), 3.0 * s * s * w));
+    let graded: Vec<(f64, f64)> = cubed.chain(panels(&PLAIN, &PLAIN_NODES)).collect();
+    let from = |wall: f64, length: f64| graded.iter().map(move |(t, w)| (wall + length * t, length.abs() * w));
+    let width = high - low;
+    let (nodes, weights) = match offsets {
+        [Some(_), Some(_)] => from(low, width / 2.0).chain(from(high, -width / 2.0)).unzip(),
+        [None, Some(_)] => from(high, -width).unzip(),
+        _ => from(low, width).unzip(),
     };
-    let pairs: Vec<(f64, f64)> = match offsets {
-        [Some(_), Some(_)] => {
-            let half = width / 2.0;
-            let low = graded().into_iter().map(|(t, w)| (bounds[0] + half * t, half * w));
-            let high = graded().into_iter().map(|(t, w)| (bounds[1] - half * t, half * w));
-            low.chain(high).collect()
-        }
-        [None, Some(_)] => graded().into_iter().map(|(t, w)| (bounds[1] - width * t, width * w)).collect(),
-        _ => graded().into_iter().map(|(t, w)| (bounds[0] + width * t, width * w)).collect(),
-    };
-    let (nodes, weights) = pairs.into_iter().unzip();
     Rule { nodes, weights }
 }
 
 /// The rule across the velocity, graded towards 0 from both sides.
 fn speeds(reach: f64) -> Rule {
-    let half = speed_panels(reach, |k| SPEED_NODES[k]);
-    let pairs = half.iter().flat_map(|&(w, q)| [(w, q), (-w, q)]);
-    let (nodes, weights) = pairs.unzip();
+    let half = panels(&SPEEDS.map(|speed| reach * speed), &SPEED_NODES);
+    let (nodes, weights) = half.iter().flat_map(|&(w, q)| [(w, q), (-w, q)]).unzip();
     Rule { nodes, weights }
 }
 
-fn speed_panels(reach: f64, count: impl Fn(usize) -> usize) -> Vec<(f64, f64)> {
-    (0..SPEED_NODES.len())
-        .flat_map(|k| {
-            let rule = Rule::legendre(count(k)).on(reach * SPEEDS[k], reach * SPEEDS[k + 1]);
-            rule.iter().collect::<Vec<_>>()
-        })
-        .collect()
+/// The nodes and weights of Gauss rules between neighbouring lines.
+fn panels(lines: &[f64], counts: &[usize]) -> Vec<(f64, f64)> {
+    let rules = lines.windows(2).zip(counts).map(|(ends, &count)| Rule::legendre(count).on(ends[0], ends[1]));
+    rules.flat_map(|rule| rule.iter().collect::<Vec<_>>()).collect()
 }
 
 /// The impacts at a wall, by their speed.
 fn impacts(wall: &Wall, reach: f64) -> impl Iterator<Item = Passage> {
     let (b, r) = (wall.offset(), wall.restitution());
     let side = if wall.is_above() { 1.0 } else { -1.0 };
-    speed_panels(reach, |_| WALL_NODES).into_iter().map(move |(speed, weight)| Passage {
+    panels(&SPEEDS.map(|speed| reach * speed), &[WALL_NODES; 6]).into_iter().map(move |(speed, weight)| Passage {
         before: [b, -side * speed],
         after: [b, side * r * speed],
         weight: speed * weight,

@@ -124,8 +124,7 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
 
     fn residual(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let spread = self.operator.diffusion_divergence();
-        let constant =
-            (0..self.states()).fold(&self.operator.divergence() * -1.0, |sum, i| sum + spread[i].derivative(i) * 0.5);
+        let constant = self.operator.residual(&Polynomial::zero(self.states()));
         let (open, close) = if self.latex { (r"\left(", r"\right)") } else { ("(", ")") };
         write!(f, "r = {}", self.polynomial(f, &constant))?;
         for i in 0..self.states() {

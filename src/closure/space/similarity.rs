@@ -70,8 +70,7 @@ impl Similarity {
         let table = vec![[0.0; 2]; 2 * STEPS + 1];
         let mut similarity = Similarity { exponent, scale: 9.0 * intensity, table, expansion, limits };
         // From z = ∞ downwards every other solution decays faster, so that errors die out; below 0 all but one do.
-        let [log, slope, _] = similarity.outer(EDGE);
-        similarity.table[2 * STEPS] = [log, slope];
+        similarity.table[2 * STEPS] = similarity.outer(EDGE);
         for i in (0..2 * STEPS).rev() {
             let [log, slope, _] = similarity.taylor(i + 1, -1.0 / PER_UNIT as f64);
             similarity.table[i] = [log, slope];
@@ -122,16 +121,12 @@ impl Similarity {
         }
     }
 
-    /// ln k and its derivatives in z from the asymptotic series.
-    fn outer(&self, z: f64) -> [f64; 3] {
+    /// ln k and its derivative in z from the asymptotic series.
+    fn outer(&self, z: f64) -> [f64; 2] {
         let (g, x) = (self.exponent, z.abs().powi(-3));
-        let [log, slope, bend] = self.asymptotic(x, z);
-        let (x_z, x_zz) = (-3.0 * x / z, 12.0 * x / (z * z));
-        [
-            3.0 * g * z.abs().ln() + self.limits[usize::from(z > 0.0)] + log,
-            3.0 * g / z + slope * x_z,
-            -3.0 * g / (z * z) + bend * x_z * x_z + slope * x_zz,
-        ]
+        let [log, slope, _] = self.asymptotic(x, z);
+        let limit = self.limits[usize::from(z > 0.0)];
+        [3.0 * g * z.abs().ln() + limit + log, 3.0 * g / z + slope * (-3.0 * x / z)]
     }
 
     /// The logarithm of the asymptotic series on the side of z's sign, with two derivatives in x = |z|⁻³.
