@@ -178,17 +178,3 @@ impl OperatorSeries {
         weighted
     }
 }
-
-/// The equations (1 − s) `easy` + s `hard`, in which the second system replaces the first as s goes from 0 to 1.
-pub(super) struct Blend<'a, E> {
-    pub(super) easy: &'a E,
-    pub(super) hard: &'a E,
-}
-
-impl<E: GalerkinEquations> Blend<'_, E> {
-    /// F, ∂F/∂a and ∂F/∂s at (a, s).
-    pub(super) fn evaluate(&self, a: &DVector<f64>, s: f64) -> (DVector<f64>, DMatrix<f64>, DVector<f64>) {
-        let ((f0, j0), (f1, j1)) = (self.easy.evaluate(a), self.hard.evaluate(a));
-        (&f0 * (1.0 - s) + &f1 * s, j0 * (1.0 - s) + j1 * s, f1 - f0)
-    }
-}
