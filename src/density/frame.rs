@@ -19,11 +19,8 @@ impl Frame {
     /// # Errors
     /// [`Error::OutOfRange`] if its covariance is not positive definite.
     pub(crate) fn new(gaussian: &Gaussian) -> Result<Self> {
-        let unsound = Error::OutOfRange {
-            name: "smallest scale of the covariance",
-            value: 0.0,
-            remedy: "a covariance must be symmetric and positive definite",
-        };
+        let remedy = "a covariance must be symmetric and positive definite";
+        let unsound = Error::OutOfRange { name: "smallest scale of the covariance", value: 0.0, remedy };
         Frame::of(gaussian.mean.clone(), gaussian.scale()?).ok_or(unsound)
     }
 

@@ -67,11 +67,8 @@ impl<'a> March<'a> {
                 self.step = step * CHANGE;
             }
         }
-        Err(Error::OutOfRange {
-            name: "time",
-            value: end,
-            remedy: "too many steps are needed to get there: ask for an earlier time or a larger tolerance",
-        })
+        let remedy = "too many steps are needed to get there: ask for an earlier time or a larger tolerance";
+        Err(Error::OutOfRange { name: "time", value: end, remedy })
     }
 
     /// One step and its error, relative to ‖p‖.

@@ -182,14 +182,10 @@ impl<'a> Simulation<'a> {
     where
         'a: 'b,
     {
-        let control = Control::new(self.progress.take(), self.path_steps(&timetable));
-        Ensemble { scheme, course, timetable, velocity, control }
-    }
-
-    /// The path-steps of the whole simulation.
-    fn path_steps(&self, timetable: &Timetable) -> u64 {
         let stretches = BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
-        Pilot::path_steps(timetable) + (self.trajectories * timetable.steps(stretches)) as u64
+        let path_steps = Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64;
+        let control = Control::new(self.progress.take(), path_steps);
+        Ensemble { scheme, course, timetable, velocity, control }
     }
 
     /// The numbers of the batches to be run here.

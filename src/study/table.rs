@@ -39,22 +39,9 @@ impl fmt::Display for OrderTable {
         let width = longest(|row| &row.system).max(6);
         writeln!(
             f,
-            "{:width$} {:9} {:>2} {:>8} {:end$} {:>5} {:>9} {:>9} {:>9} {:>6} {:>9} {:>9} {:>9} {:>9} {:>6}",
-            "system",
-            "method",
-            "n",
-            "unknowns",
-            "termination",
-            "iter",
-            "indicator",
-            "estimate",
-            "L1",
-            "tail",
-            "E x1^2",
-            "E x2^2",
-            "rate",
-            "balance",
-            "s"
+            "{:width$} method     n unknowns {:end$}  iter indicator  estimate        L1   tail    \
+             E x1^2    E x2^2      rate   balance      s",
+            "system", "termination"
         )?;
         for row in &self.rows {
             let count = |value: Option<usize>| value.map_or_else(|| String::from("-"), |value| value.to_string());

@@ -62,10 +62,8 @@ impl Tails {
         let (k, (level, width)) = self.find(state, level)?;
         if width <= 0.0 {
             let what = format!("the density at {level}, since the pilot never came there");
-            return Err(Error::NotKnown {
-                what,
-                remedy: "take more particles, a longer relaxation, or a level that is met",
-            });
+            let remedy = "take more particles, a longer relaxation, or a level that is met";
+            return Err(Error::NotKnown { what, remedy });
         }
         Ok(self.mean(|tally| tally.density(k, &self.watched, (level, width))))
     }

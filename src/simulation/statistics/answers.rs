@@ -85,10 +85,8 @@ impl SimulatedDensity {
         let width = self.layout.watch.slabs[place].width;
         if width <= 0.0 {
             let what = format!("the flow through the level {level} by its states");
-            return Err(Error::NotKnown {
-                what,
-                remedy: "the wall leaves no room for a cell about it: ask for another level",
-            });
+            let remedy = "the wall leaves no room for a cell about it: ask for another level";
+            return Err(Error::NotKnown { what, remedy });
         }
         let sums = |b: &Tally| {
             let [below, centre, above] = b.records.slabs[place];
