@@ -13,6 +13,11 @@ pub(super) fn ordered(alpha: &[u32], beta: &[u32]) -> Ordering {
     total_degree(alpha).cmp(&total_degree(beta)).then_with(|| beta.cmp(alpha))
 }
 
+/// The exponents of x_i to a power alone.
+pub(crate) fn of_one(states: usize, i: usize, power: u32) -> Vec<u32> {
+    (0..states).map(|j| if i == j { power } else { 0 }).collect()
+}
+
 /// x^α.
 #[inline]
 pub(crate) fn power<S: Scalar>(x: &[S], alpha: &[u32]) -> S {

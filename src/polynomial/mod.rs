@@ -8,7 +8,7 @@ mod symbol;
 mod text;
 
 use exponents::ordered;
-pub(crate) use exponents::{monomials, power, total_degree};
+pub(crate) use exponents::{monomials, of_one, power, total_degree};
 pub use gaussian::Gaussian;
 pub(crate) use symbol::{Arena, Symbol};
 pub(crate) use text::twelve_digits;
@@ -56,9 +56,7 @@ impl Polynomial {
     pub fn variable(states: usize, i: usize) -> Self {
         let mut p = Self::zero(states);
         if i < states {
-            let mut alpha = vec![0; states];
-            alpha[i] = 1;
-            p.add_term(&alpha, 1.0);
+            p.add_term(&of_one(states, i, 1), 1.0);
         }
         p
     }

@@ -2,6 +2,7 @@ use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan:
 use crate::density::{Counted, Crossing, Density, Sampled, central, pair};
 use crate::error::{Error, Result, dimension, require, state_index};
 use crate::estimate::Estimate;
+use crate::polynomial::of_one;
 use std::sync::Arc;
 
 /// The density below a wall.
@@ -127,11 +128,7 @@ impl Sampled for SimulatedDensity {
     fn of_moments(&self, state: usize, statistic: &dyn Fn(&[f64]) -> f64) -> Result<Estimate> {
         let states = self.dimension();
         let state = state_index("a state's index", state, states)?;
-        let places: [Option<usize>; 5] = std::array::from_fn(|power| {
-            let mut powers = vec![0; states];
-            powers[state] = power as u32;
-            self.tracked(&powers)
-        });
+        let places = [0, 1, 2, 3, 4].map(|power| self.tracked(&of_one(states, state, power)));
         let sums = |b: &Tally| places.map(|place| place.map_or(f64::NAN, |k| b.moments[k]));
         Ok(self.estimate(sums, |sums| statistic(&sums.map(|sum| sum / sums[0]))))
     }

@@ -4,7 +4,7 @@ use super::{
     statistics::{Records, Watch},
     trend::Trend,
 };
-use crate::polynomial::monomials;
+use crate::polynomial::{monomials, of_one};
 use serde::{Deserialize, Serialize};
 use std::slice;
 
@@ -59,7 +59,7 @@ impl Layout {
         let mut tracked = monomials(states, if states <= 3 { 4 } else { 2 });
         if states > 3 {
             for power in [3, 4] {
-                tracked.extend((0..states).map(|i| (0..states).map(|j| if i == j { power } else { 0 }).collect()));
+                tracked.extend((0..states).map(|i| of_one(states, i, power)));
             }
         }
         for exponents in moments {

@@ -1,8 +1,9 @@
 use super::curve::{Curve, Effort};
-use super::{Marginal, Maximum, first_power, ratio};
+use super::{Marginal, Maximum, ratio};
 use crate::density::{Crossing, Density};
 use crate::error::{Result, finite, positive};
 use crate::estimate::Estimate;
+use crate::polynomial::of_one;
 
 /// How often a displacement crosses a level from below, for every level: S. O. Rice's ν⁺(y) = ∫₀^∞ v p(y, v) dv per unit
 /// time (1944, doi:10.1002/j.1538-7305.1944.tb00874.x), and what follows from it.
@@ -31,7 +32,7 @@ impl Crossings {
         at(0.0).states(states)?;
         let effort = Effort::of_states(states);
         let rate = Curve::new(|level| density.flux(at(level), 1), density.bounds()[displacement], effort)?;
-        let mean = density.moment(&first_power(displacement, states))?.value;
+        let mean = density.moment(&of_one(states, displacement, 1))?.value;
         Ok(Crossings { displacement: Marginal::new(density, displacement)?, rate, mean })
     }
 

@@ -1,7 +1,7 @@
-use super::first_power;
 use crate::density::{Density, Sampled, central};
 use crate::error::{Result, state_index};
 use crate::estimate::Estimate;
+use crate::polynomial::of_one;
 
 /// The first four cumulants of one state: mean, variance, κ₃ = E(x − m)³ and κ₄ = E(x − m)⁴ − 3 Var².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl Cumulants {
         if let Some(sampled) = density.sampled() {
             return Cumulants::sampled(sampled, state);
         }
-        let mean = density.moment(&first_power(state, states))?;
+        let mean = density.moment(&of_one(states, state, 1))?;
         let variance = density.variance(state)?;
         let central = |power: i32| density.expectation(&|x| (x[state] - mean.value).powi(power));
         let (third, fourth) = (central(3)?, central(4)?);

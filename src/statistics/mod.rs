@@ -60,11 +60,6 @@ fn probability(value: f64) -> Result<f64> {
     require(value > 0.0 && value < 1.0, "probability", value, remedy)
 }
 
-/// The powers of the mean of one state.
-fn first_power(state: usize, states: usize) -> Vec<u32> {
-    (0..states).map(|i| u32::from(i == state)).collect()
-}
-
 /// The passages towards a wall, with state `velocity` as the velocity of the wall's state.
 fn crossing_of(wall: &Wall, velocity: usize) -> Crossing {
     Crossing { displacement: wall.state(), velocity, level: wall.offset(), upward: !wall.is_above() }

@@ -1,6 +1,6 @@
-use super::first_power;
 use crate::density::{Cell, Density, cell_lines};
 use crate::error::{Error, Result};
+use crate::polynomial::of_one;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -197,7 +197,7 @@ fn proposed(density: &dyn Density, seed: u64) -> Result<(States, Vec<f64>)> {
     let n = density.dimension();
     let mut mean = DVector::zeros(n);
     for i in 0..n {
-        mean[i] = density.moment(&first_power(i, n))?.value;
+        mean[i] = density.moment(&of_one(n, i, 1))?.value;
     }
     let mut covariance = DMatrix::zeros(n, n);
     for i in 0..n {

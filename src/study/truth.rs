@@ -4,6 +4,7 @@ use crate::density::{Crossing, Density, ExpPolynomial};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::grid::GridDensity;
+use crate::polynomial::of_one;
 use crate::simulation::SimulatedDensity;
 use std::fmt;
 
@@ -93,15 +94,13 @@ impl Truth {
         let (truth, states) = (self.density(), answer.dimension());
         // ln p is known between samples too.
         let smooth = !matches!(self.0, Kind::Simulation(_));
-        let power =
-            |state: usize, power: u32| (0..states).map(|i| if i == state { power } else { 0 }).collect::<Vec<_>>();
         let relative = |of: &dyn Fn(&dyn Density) -> Result<Estimate>| {
             let error = of(answer).ok()?.value / of(truth).ok()?.value - 1.0;
             error.is_finite().then_some(error)
         };
-        let mean_square = |state: usize| relative(&|density| density.moment(&power(state, 2)));
+        let mean_square = |state: usize| relative(&|density| density.moment(&of_one(states, state, 2)));
         // A simulation has counted only the levels that it was asked to.
-        let level = if smooth { truth.moment(&power(0, 1))?.value } else { 0.0 };
+        let level = if smooth { truth.moment(&of_one(states, 0, 1))?.value } else { 0.0 };
         let l1 = Some(self.l1(answer)?).filter(|l1| l1.value.is_finite());
         row.l1 = l1.map(|l1| l1.value);
         row.l1_error = l1.map(|l1| l1.error);
