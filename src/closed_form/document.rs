@@ -2,7 +2,6 @@
 
 use super::{ClosedDensity, ClosedForm, names};
 use crate::density::Density;
-use crate::error::{Error, Result};
 use crate::record::{Read, checksum};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -31,11 +30,7 @@ struct Heading {
     version: u32,
 }
 
-pub(super) fn write(form: &ClosedForm) -> Result<String> {
-    written(form).map_err(|problem| Error::NotAClosedForm { problem })
-}
-
-fn written(form: &ClosedForm) -> Read<String> {
+pub(super) fn write(form: &ClosedForm) -> Read<String> {
     let density = serde_json::to_value(&form.density).map_err(|error| error.to_string())?;
     // A number that JSON has no sign for has become a gap, which no reader takes for a number.
     ClosedDensity::deserialize(&density).map_err(|error| format!("a number is not finite: {error}"))?;
@@ -46,11 +41,7 @@ fn written(form: &ClosedForm) -> Read<String> {
     serde_json::to_string(&document).map_err(|error| error.to_string())
 }
 
-pub(super) fn read(text: &str) -> Result<ClosedForm> {
-    parsed(text).map_err(|problem| Error::NotAClosedForm { problem })
-}
-
-fn parsed(text: &str) -> Read<ClosedForm> {
+pub(super) fn read(text: &str) -> Read<ClosedForm> {
     let heading: Heading = serde_json::from_str(text).map_err(|error| error.to_string())?;
     if heading.format != FORMAT {
         return Err(format!("its format is {:?}, not {FORMAT:?}", heading.format));

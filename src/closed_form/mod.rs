@@ -152,7 +152,7 @@ impl ClosedForm {
     /// # Errors
     /// [`Error::NotAClosedForm`] if a number that must be finite is not.
     pub fn to_json(&self) -> Result<String> {
-        document::write(self)
+        document::write(self).map_err(|problem| Error::NotAClosedForm { problem })
     }
 
     /// The density that [`ClosedForm::to_json`] wrote. Values, moments, errors and provenance have the bits that they
@@ -161,7 +161,7 @@ impl ClosedForm {
     /// # Errors
     /// [`Error::NotAClosedForm`] names what is wrong with a text that is cut off, altered, or of another version.
     pub fn from_json(text: &str) -> Result<Self> {
-        document::read(text)
+        document::read(text).map_err(|problem| Error::NotAClosedForm { problem })
     }
 
     /// Writes the JSON to a file, whole or not at all.
@@ -192,52 +192,28 @@ impl ClosedForm {
     }
 }
 
+/// Questions that the density inside answers.
+macro_rules! forwarded {
+    ($(fn $question:ident(&self $(, $argument:ident: $kind:ty)*) -> $answer:ty;)*) => {$(
+        fn $question(&self $(, $argument: $kind)*) -> $answer {
+            self.inner().$question($($argument),*)
+        }
+    )*};
+}
+
 impl Density for ClosedForm {
-    fn dimension(&self) -> usize {
-        self.inner().dimension()
-    }
-
-    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        self.inner().pdf(x)
-    }
-
-    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
-        self.inner().log_pdf(x)
-    }
-
-    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        self.inner().marginal(state, x)
-    }
-
-    fn bounds(&self) -> Vec<[f64; 2]> {
-        self.inner().bounds()
-    }
-
-    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
-        self.inner().expectation(g)
-    }
-
-    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        self.inner().joint_marginal(states, x)
-    }
-
-    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
-        self.inner().weighted_states()
-    }
-
-    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        self.inner().moment(powers)
-    }
-
-    fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        self.inner().flux(crossing, power)
-    }
-
-    fn variance(&self, state: usize) -> Result<Estimate> {
-        self.inner().variance(state)
-    }
-
-    fn sampled(&self) -> Option<&dyn Sampled> {
-        self.inner().sampled()
+    forwarded! {
+        fn dimension(&self) -> usize;
+        fn pdf(&self, x: &[f64]) -> Result<Estimate>;
+        fn log_pdf(&self, x: &[f64]) -> Result<f64>;
+        fn marginal(&self, state: usize, x: f64) -> Result<Estimate>;
+        fn bounds(&self) -> Vec<[f64; 2]>;
+        fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate>;
+        fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate>;
+        fn weighted_states(&self) -> Option<(States, Vec<f64>)>;
+        fn moment(&self, powers: &[u32]) -> Result<Estimate>;
+        fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;
+        fn variance(&self, state: usize) -> Result<Estimate>;
+        fn sampled(&self) -> Option<&dyn Sampled>;
     }
 }
