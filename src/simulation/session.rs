@@ -17,15 +17,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// When a run is over, besides when it fails.
-#[derive(Debug)]
-pub(super) struct Limits<'a> {
-    /// The most samples of each trajectory.
-    pub(super) samples: usize,
-    pub(super) targets: Vec<Target<'a>>,
-    pub(super) time_budget: Option<Duration>,
-}
-
 /// A run in progress: the batches of this process, and the others that it shares the work with.
 pub(super) struct Session<'a, P> {
     pub(super) ensemble: Ensemble<'a>,
@@ -34,22 +25,15 @@ pub(super) struct Session<'a, P> {
     pub(super) layout: Layout,
     /// Beyond these moduli a trajectory has exploded.
     pub(super) bounds: Vec<f64>,
-    pub(super) limits: Limits<'a>,
+    /// When the run is over, besides when it fails: the most samples of each trajectory, precision, and time.
+    pub(super) samples: usize,
+    pub(super) targets: Vec<Target<'a>>,
+    pub(super) time_budget: Option<Duration>,
     pub(super) checkpoint: Option<Checkpoint>,
     pub(super) batches: Vec<Batch>,
     pub(super) begin: Instant,
     /// The time that earlier sessions of the run took, in seconds.
     pub(super) seconds_before: f64,
-}
-
-/// What processes tell one another after each round.
-#[derive(Clone, Copy, Default)]
-struct Word {
-    cancelled: bool,
-    /// Whether the time budget is used up.
-    late: bool,
-    /// Whether it is time to write a checkpoint.
-    due: bool,
 }
 
 impl<P: Peers> Session<'_, P> {
@@ -59,16 +43,16 @@ impl<P: Peers> Session<'_, P> {
     /// uneven, and a resumed one therefore begins with making its batches even. At least one round is run whatever the
     /// time budget, so that many short sessions come to an end as well.
     pub(super) fn run(mut self, part: Range<usize>, start: &Start) -> Result<SimulatedDensity> {
-        let end = BURN_IN_STRETCHES + self.limits.samples;
+        let end = BURN_IN_STRETCHES + self.samples;
         let mut done = self.begin(part, start)?;
         let trajectories = self.batches.iter().map(|b| b.trajectories.count()).sum();
-        self.ensemble.control.set(self.path_steps(), self.plan.path_steps(trajectories, self.limits.samples));
+        self.ensemble.control.set(self.path_steps(), self.plan.path_steps(trajectories, self.samples));
         let (mut saved, mut rounds) = (Instant::now(), 0);
         let mut look = next_look(samples(done).saturating_sub(1));
         let mut outcome = self.advance(done, end);
         let stopped = loop {
-            let word = self.agree(outcome, saved)?;
-            if word.cancelled {
+            let [cancelled, late, due] = self.agree(outcome, saved)?;
+            if cancelled {
                 self.save(None)?;
                 return Err(Error::Cancelled { steps: self.path_steps() });
             }
@@ -81,15 +65,15 @@ impl<P: Peers> Session<'_, P> {
             if done >= end {
                 break Stopped::Samples;
             }
-            if word.late && rounds > 0 {
+            if late && rounds > 0 {
                 break Stopped::TimeBudget;
             }
-            if word.due {
+            if due {
                 self.save(None)?;
                 saved = Instant::now();
             }
             let round = self.plan.timetable.next_round(done, self.plan.trajectories);
-            let next = if self.limits.targets.is_empty() { end } else { BURN_IN_STRETCHES + look };
+            let next = if self.targets.is_empty() { end } else { BURN_IN_STRETCHES + look };
             done = round.min(next).min(end);
             outcome = self.advance(done, end);
             rounds += 1;
@@ -142,8 +126,8 @@ impl<P: Peers> Session<'_, P> {
             return Err(Error::OtherSimulation { what: "part", found, expected });
         }
         let done = state.batches.iter().map(|b| b.done).max().unwrap_or(0);
-        if samples(done) > self.limits.samples {
-            let [found, expected] = [samples(done), self.limits.samples].map(|n| n.to_string());
+        if samples(done) > self.samples {
+            let [found, expected] = [samples(done), self.samples].map(|n| n.to_string());
             return Err(Error::OtherSimulation { what: "number of samples per trajectory", found, expected });
         }
         self.batches = state.batches.into_iter().filter(|b| mine.contains(&b.index)).collect();
@@ -173,12 +157,12 @@ impl<P: Peers> Session<'_, P> {
         share(self.peers, written.map(|()| Vec::new())).map(|_| ())
     }
 
-    /// What the processes have to say after a round, or the error of one of them.
-    fn agree(&self, outcome: Result<()>, saved: Instant) -> Result<Word> {
-        let late = self.limits.time_budget.is_some_and(|budget| self.begin.elapsed() >= budget);
+    /// Whether any process was cancelled after a round, is out of time, or is due to write a checkpoint; or the error of one
+    /// of them.
+    fn agree(&self, outcome: Result<()>, saved: Instant) -> Result<[bool; 3]> {
+        let late = self.time_budget.is_some_and(|budget| self.begin.elapsed() >= budget);
         let due = self.checkpoint.as_ref().is_some_and(|c| saved.elapsed() >= c.every);
-        let [cancelled, late, due] = agree(self.peers, outcome, [late, due])?;
-        Ok(Word { cancelled, late, due })
+        agree(self.peers, outcome, [late, due])
     }
 
     /// The tallies of all processes, in the order of the batches.
@@ -188,11 +172,11 @@ impl<P: Peers> Session<'_, P> {
 
     /// Whether there are targets and all are met.
     fn on_target(&self) -> Result<bool> {
-        if self.limits.targets.is_empty() {
+        if self.targets.is_empty() {
             return Ok(false);
         }
         let result = SimulatedDensity::new(self.tallies()?, self.plan.clone(), 0.0, Stopped::Precision);
-        let mut targets = self.limits.targets.iter();
+        let mut targets = self.targets.iter();
         targets.try_fold(true, |met, target| Ok(met && target.tolerance.holds((target.statistic)(&result)?)))
     }
 }
