@@ -89,14 +89,13 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
     }
 
     fn equation(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (open, close) = if self.latex { (r"\left[\left(", r"\right) p\right]") } else { ("[(", ") p]") };
         f.write_str("0 =")?;
         for i in 0..self.states() {
             let (name, drift) = (self.name(i), self.polynomial(f, &self.operator.drift[i]));
-            if self.latex {
-                write!(f, r" - \frac{{\partial}}{{\partial {name}}}\left[\left({drift}\right) p\right]")?;
-            } else {
-                write!(f, " - d/d{name}[({drift}) p]")?;
-            }
+            let slope =
+                if self.latex { format!(r"\frac{{\partial}}{{\partial {name}}}") } else { format!("d/d{name}") };
+            write!(f, " - {slope}{open}{drift}{close}")?;
         }
         for i in 0..self.states() {
             for j in i..self.states() {
@@ -105,18 +104,14 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                 if b.is_zero() {
                     continue;
                 }
-                let (x, y, b) = (self.name(i), self.name(j), self.polynomial(f, &b));
-                match (self.latex, i == j) {
-                    (false, true) => write!(f, " + d2/d{x}2[({b}) p]")?,
-                    (false, false) => write!(f, " + d2/d{x}d{y}[({b}) p]")?,
-                    (true, true) => {
-                        write!(f, r" + \frac{{\partial^2}}{{\partial {x}^2}}\left[\left({b}\right) p\right]")?;
-                    }
-                    (true, false) => write!(
-                        f,
-                        r" + \frac{{\partial^2}}{{\partial {x}\,\partial {y}}}\left[\left({b}\right) p\right]"
-                    )?,
-                }
+                let (x, y) = (self.name(i), self.name(j));
+                let curvature = match (self.latex, i == j) {
+                    (false, true) => format!("d2/d{x}2"),
+                    (false, false) => format!("d2/d{x}d{y}"),
+                    (true, true) => format!(r"\frac{{\partial^2}}{{\partial {x}^2}}"),
+                    (true, false) => format!(r"\frac{{\partial^2}}{{\partial {x}\,\partial {y}}}"),
+                };
+                write!(f, " + {curvature}{open}{}{close}", self.polynomial(f, &b))?;
             }
         }
         Ok(())
