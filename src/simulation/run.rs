@@ -165,13 +165,8 @@ impl<'a> Simulation<'a> {
         let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
         let interval = timetable.interval_steps as f64 * step;
         self.questions.validate(problem.dimension(), self.trajectories, interval, floor)?;
-        let start = self.starts(problem, wall, step / if merged { 2.0 } else { 1.0 });
+        let start = Start::new(self, problem, wall, step / if merged { 2.0 } else { 1.0 });
         Ok(Prepared { wall, velocity, scheme, rate, timetable, samples, start })
-    }
-
-    /// Where trajectories begin.
-    pub(super) fn starts(&self, problem: &Problem, wall: Option<Wall>, step: f64) -> Start {
-        Start::new(problem, self.amplitude, wall, self.start.clone(), step)
     }
 
     fn ensemble<'b>(

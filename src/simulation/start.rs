@@ -1,3 +1,4 @@
+use super::Simulation;
 use crate::problem::{Problem, Wall};
 
 /// The noise of so many steps spreads the default start: enough to tell trajectories apart, too little to leave the rest.
@@ -12,18 +13,12 @@ pub(super) struct Start {
 }
 
 impl Start {
-    /// At `fixed`, or near 0 where there is no wall above: each state as far off as noise of the given amplitude at 0 takes
-    /// it in four steps.
-    pub(super) fn new(
-        problem: &Problem,
-        amplitude: f64,
-        wall: Option<Wall>,
-        fixed: Option<Vec<f64>>,
-        step: f64,
-    ) -> Self {
+    /// Where the simulation says, or near 0 where there is no wall above: each state as far off as the noise at 0 takes it in
+    /// four steps.
+    pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, wall: Option<Wall>, step: f64) -> Self {
         let time = SPREAD_STEPS * step;
         let variance = |i: usize| {
-            let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * amplitude);
+            let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * simulation.amplitude);
             at_rest.map(|g| g * g).sum::<f64>() * time
         };
         let deviation = |variance: f64| if variance > 0.0 { variance.sqrt() } else { 0.1 };
@@ -31,7 +26,7 @@ impl Start {
         for &(i, j) in problem.displacements() {
             spread[i] = spread[j] * time;
         }
-        Start { fixed, spread, wall }
+        Start { fixed: simulation.start.clone(), spread, wall }
     }
 
     /// The number of states.

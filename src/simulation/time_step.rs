@@ -3,6 +3,7 @@ use super::{
     lanes::{Lanes, Workspace},
     passage::{Course, Passages},
     scheme::Scheme,
+    start::Start,
 };
 use crate::error::Result;
 use crate::problem::{LANES, Problem, Wall};
@@ -65,7 +66,7 @@ impl Simulation<'_> {
     fn rates(&self, problem: &Problem, wall: Option<Wall>, step: f64) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let course = Course::for_scheme(&scheme, wall, Vec::new());
-        let start = self.starts(problem, wall, step);
+        let start = Start::new(self, problem, wall, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = self.burn_in.max(32.0 * self.sampling_interval);
         let steps = (time / step / STRETCHES as f64).ceil().max(1.0) as usize;
