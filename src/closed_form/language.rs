@@ -1,7 +1,7 @@
 //! What the languages have in common but for their punctuation.
 
 use super::formula::{Coordinates, CornerFormula, Domain, Formula};
-use crate::closure::Corner;
+use crate::closure::{CLOSEST, PER_UNIT, SMALLEST, STEPS, TAYLOR};
 
 /// How a language writes functions of numbers.
 pub(super) struct Language {
@@ -197,10 +197,9 @@ pub(super) fn tuples(corner: &CornerFormula<'_>) -> String {
 
 /// A text for walls with the numbers that the library uses.
 fn with_numbers(text: &str) -> String {
-    let numbers = Corner::NUMBERS;
-    text.replace("TERMS", &numbers.taylor.to_string())
-        .replace("STEPS", &numbers.steps.to_string())
-        .replace("PER_UNIT", &numbers.per_unit.to_string())
-        .replace("CLOSEST", &format!("{:e}", numbers.closest))
-        .replace("TINY", &format!("{:e}", numbers.smallest))
+    text.replace("TERMS", &TAYLOR.to_string())
+        .replace("STEPS", &STEPS.to_string())
+        .replace("PER_UNIT", &PER_UNIT.to_string())
+        .replace("CLOSEST", &format!("{CLOSEST:e}"))
+        .replace("TINY", &format!("{SMALLEST:e}"))
 }

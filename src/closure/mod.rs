@@ -57,6 +57,6 @@ pub use degrees::Degrees;
 pub use density::ClosureDensity;
 pub use method::Closure;
 pub(crate) use samples::Copula;
-pub(crate) use space::{Corner, Similarity};
+pub(crate) use space::{CLOSEST, Corner, PER_UNIT, SMALLEST, STEPS, Similarity, TAYLOR};
 pub(crate) use trust_domain::TrustDomain;
 pub use weight::Weight;

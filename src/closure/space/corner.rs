@@ -1,4 +1,4 @@
-use super::{Jet, PlaneJet, Similarity, kink, similarity};
+use super::{Jet, PlaneJet, Similarity};
 use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
 use serde::{Deserialize, Serialize};
@@ -16,29 +16,7 @@ pub(crate) struct Corner {
     similarity: Option<Similarity>,
 }
 
-/// The numbers that the functions next to walls are computed with, wherever they are.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Numbers {
-    /// What keeps A from 0 where it is divided by.
-    pub(crate) smallest: f64,
-    /// A smaller velocity counts as 0.
-    pub(crate) closest: f64,
-    /// Points of the similarity solution's table on either side of 0, and per unit of z.
-    pub(crate) steps: usize,
-    pub(crate) per_unit: usize,
-    /// Terms of its Taylor series.
-    pub(crate) taylor: usize,
-}
-
 impl Corner {
-    pub(crate) const NUMBERS: Numbers = Numbers {
-        smallest: kink::SMALLEST,
-        closest: similarity::CLOSEST,
-        steps: similarity::STEPS,
-        per_unit: similarity::PER_UNIT,
-        taylor: similarity::TAYLOR,
-    };
-
     /// A wall in a domain that reaches as far as u and |w| say.
     pub(in crate::closure) fn new(wall: Wall, intensity: f64, reach: [f64; 2]) -> Self {
         Corner { wall, intensity, reach, similarity: Similarity::new(wall.restitution(), intensity) }

@@ -5,7 +5,7 @@ use crate::record::Read;
 use serde::{Deserialize, Serialize};
 
 /// What keeps B = w⁶ + (κu)² from 0 where it is divided by.
-pub(super) const SMALLEST: f64 = 1e-60;
+pub(crate) const SMALLEST: f64 = 1e-60;
 
 /// The highest power in a kink.
 const HIGHEST_POWER: u32 = 30;

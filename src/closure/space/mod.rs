@@ -10,9 +10,9 @@ mod wall;
 pub(crate) use corner::Corner;
 pub(super) use jet::Jet;
 use jet::PlaneJet;
-pub(crate) use kink::Kink;
+pub(crate) use kink::{Kink, SMALLEST};
 pub(crate) use polynomials::Polynomials;
-pub(crate) use similarity::Similarity;
+pub(crate) use similarity::{CLOSEST, PER_UNIT, STEPS, Similarity, TAYLOR};
 pub(super) use wall::{WallFunctions, WallLevel};
 
 use crate::record::Read;

@@ -2,16 +2,16 @@ use super::PlaneJet;
 use std::f64::consts::PI;
 
 /// Points of the table per unit of z, on either side of 0.
-pub(super) const PER_UNIT: usize = 16;
-pub(super) const STEPS: usize = 60;
+pub(crate) const PER_UNIT: usize = 16;
+pub(crate) const STEPS: usize = 60;
 /// |z| where the table ends: there the terms of the asymptotic series fall to e^(−z³) = 1e-23 before they grow.
 const EDGE: f64 = STEPS as f64 / PER_UNIT as f64;
 /// Terms of a Taylor series, used up to one step away: the last one is below 1e-18 of the first.
-pub(super) const TAYLOR: usize = 20;
+pub(crate) const TAYLOR: usize = 20;
 /// Terms of the asymptotic series: the last one is below 1e-17 of the first from the edge on.
 const ASYMPTOTIC: usize = 24;
 /// A smaller velocity counts as 0, so that no power of it underflows.
-pub(super) const CLOSEST: f64 = 1e-90;
+pub(crate) const CLOSEST: f64 = 1e-90;
 
 /// The exponent g(r) of p ~ u^g at grazing impacts: the root nearest 0 of r^{−(2+3g)} = 2 sin(π(1/6 − g)).
 ///
