@@ -10,18 +10,42 @@
 //! the mass matrix is the identity: ∂p/∂t = −K p.
 
 use super::blocks::{Blocks, without_rounding};
+use super::dissection::elimination_order;
 use super::face::Face;
 use super::flux::Flux;
 use super::legendre::Table;
 use super::space::{Side, Space};
-use super::sparse::SparseMatrix;
+use super::sparse::{Factors, Ordering, SparseMatrix};
 use super::wall;
+use crate::error::Result;
 use crate::problem::Problem;
 use crate::quadrature::Rule;
 use nalgebra::DMatrix;
 
+/// A problem's operator on a mesh, ∂p/∂t = −K p. The basis is orthonormal, so that the mass matrix is the identity.
+#[derive(Debug)]
+pub(super) struct Discretisation {
+    /// K.
+    pub(super) matrix: SparseMatrix,
+    /// For the factors of every matrix with the pattern of K.
+    pub(super) ordering: Ordering,
+}
+
+impl Discretisation {
+    pub(super) fn new(problem: &Problem, space: &Space) -> Result<Self> {
+        let matrix = assemble(problem, space);
+        let ordering = Ordering::new(&matrix, elimination_order(space).as_deref())?;
+        Ok(Discretisation { matrix, ordering })
+    }
+
+    /// The factors of K + `shift`·I.
+    pub(super) fn shifted(&self, shift: f64) -> Result<Factors> {
+        self.ordering.factorise(&self.matrix.shifted(shift))
+    }
+}
+
 /// The matrix K on `space`.
-pub(super) fn assemble(problem: &Problem, space: &Space) -> SparseMatrix {
+fn assemble(problem: &Problem, space: &Space) -> SparseMatrix {
     let mut flux = Flux::new(problem, space.axes.each_ref().map(|axis| axis.origin));
     let mut blocks = Blocks::default();
     volume(&mut blocks, &mut flux, space);

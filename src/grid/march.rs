@@ -1,6 +1,6 @@
 //! Steps in time for ∂p/∂t = −K p.
 
-use super::discretisation::Discretisation;
+use super::assembly::Discretisation;
 use super::sparse::Factors;
 use crate::error::{Error, Result};
 

@@ -3,15 +3,14 @@
 //! - `legendre`, `space`, `mesh`: polynomials, elements, mesh lines;
 //! - `flux`: the operator at a point; `blocks`, `assembly`, `face`, `wall`: the matrix: volumes, faces between elements,
 //!   rebounds;
-//! - `sparse`: LU factors; `stationary`: the null vector of the matrix;
+//! - `sparse`, `dissection`: LU factors; `stationary`: the null vector of the matrix;
 //! - `domain`: where the density is; `solver`: domain, mesh and two degrees for an error estimate;
 //! - `field`, `density`: the piecewise polynomial and what it answers;
-//! - `discretisation`, `relaxation`, `march`, `transient`: the spectrum next to zero and p(x, t) on the same matrix.
+//! - `relaxation`, `march`, `transient`: the spectrum next to zero and p(x, t) on the same matrix.
 
 mod assembly;
 mod blocks;
 mod density;
-mod discretisation;
 mod dissection;
 mod domain;
 mod face;

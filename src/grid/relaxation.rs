@@ -1,6 +1,6 @@
 //! The slowest relaxation rates: the spectrum next to zero.
 
-use super::discretisation::Discretisation;
+use super::assembly::Discretisation;
 use crate::error::Result;
 use nalgebra::{Complex, DMatrix, DVector};
 

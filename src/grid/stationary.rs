@@ -1,6 +1,6 @@
 //! The null vector of the matrix: the stationary density.
 
-use super::discretisation::Discretisation;
+use super::assembly::Discretisation;
 use super::field::Field;
 use super::space::Space;
 use super::sparse::SparseMatrix;

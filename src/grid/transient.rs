@@ -1,7 +1,7 @@
 //! Transient densities p(x, t) and the rates at which transients die.
 
+use super::assembly::Discretisation;
 use super::density::GridDensity;
-use super::discretisation::Discretisation;
 use super::field::Field;
 use super::march::March;
 use super::relaxation::{Relaxation, slowest};
