@@ -157,8 +157,8 @@ impl<P: Peers> Session<'_, P> {
         share(self.peers, written.map(|()| Vec::new())).map(|_| ())
     }
 
-    /// Whether any process was cancelled after a round, is out of time, or is due to write a checkpoint; or the error of one
-    /// of them.
+    /// Whether any process was cancelled after a round, is out of time, or is due to write a checkpoint; or the error
+    /// of one of them.
     fn agree(&self, outcome: Result<()>, saved: Instant) -> Result<[bool; 3]> {
         let late = self.time_budget.is_some_and(|budget| self.begin.elapsed() >= budget);
         let due = self.checkpoint.as_ref().is_some_and(|c| saved.elapsed() >= c.every);

@@ -13,8 +13,8 @@ pub(super) struct Start {
 }
 
 impl Start {
-    /// Where the simulation says, or near 0 where there is no wall above: each state as far off as the noise at 0 takes it in
-    /// four steps.
+    /// Where the simulation says, or near 0 where there is no wall above: each state as far off as the noise at 0 takes
+    /// it in four steps.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, wall: Option<Wall>, step: f64) -> Self {
         let time = SPREAD_STEPS * step;
         let variance = |i: usize| {

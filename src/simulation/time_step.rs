@@ -30,11 +30,11 @@ impl Simulation<'_> {
     /// Chooses the time step from the system's own time scales, where the trajectories are. Returns the rate ω too.
     ///
     /// The rate of a state is the largest modulus of the eigenvalues of ∂f/∂x, with the Itô drift f, and the square of
-    /// ∂G/∂x, by which noise of its own strength grows; both from dual numbers. ω² is the mean of its square along the way
-    /// of some trajectories, and of (πν)² for ν impacts per unit time: a wall that is hit twice as often as the force alone
-    /// turns the motion round is another time scale. The step is 0.04/ω, or 0.03/ω beside a wall with r < 1, shorter where
-    /// some state is more than six times faster, rounded down to two digits. Where the step that was tried turns out to be
-    /// too long, the trajectories go again with a shorter one.
+    /// ∂G/∂x, by which noise of its own strength grows; both from dual numbers. ω² is the mean of its square along the
+    /// way of some trajectories, and of (πν)² for ν impacts per unit time: a wall that is hit twice as often as the
+    /// force alone turns the motion round is another time scale. The step is 0.04/ω, or 0.03/ω beside a wall with r <
+    /// 1, shorter where some state is more than six times faster, rounded down to two digits. Where the step that was
+    /// tried turns out to be too long, the trajectories go again with a shorter one.
     ///
     /// # Errors
     /// [`Error::Exploded`](crate::Error::Exploded) if they explode with the shortest step too.

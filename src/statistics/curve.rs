@@ -206,7 +206,8 @@ impl Panel {
         self.stated + self.truncation
     }
 
-    /// ∫ from the place `t` to the panel's end on one `side`, −1 or 1: ±∫_t^±1 P_k = ±(P_(k−1)(t) − P_(k+1)(t))/(2k + 1).
+    /// ∫ from the place `t` to the panel's end on one `side`, by ∫_t^1 P_k = (P_(k−1)(t) − P_(k+1)(t))/(2k + 1): above for a
+    /// side of 1, below for −1.
     fn beside(&self, t: f64, side: f64) -> Estimate {
         let (p, half) = (legendre(t), (self.high - self.low) / 2.0);
         let higher: f64 = (1..self.coefficients.len())

@@ -37,8 +37,8 @@ impl PassageWindow {
     /// divide it equally.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless length and interval are finite and positive, and there are from 1 to 4096 bins, none
-    /// shorter than an interval.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless length and interval are finite and positive, and there
+    /// are from 1 to 4096 bins, none shorter than an interval.
     pub(super) fn new(length: f64, interval: f64, bins: usize, continuous: bool) -> Result<Self> {
         let remedy = "it must be finite and above zero";
         let count = positive("length of a window", length, remedy)? / positive("interval", interval, remedy)?;
