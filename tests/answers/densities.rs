@@ -465,8 +465,8 @@ fn three_methods_agree_within_their_errors() {
 /// A wall that takes energy: what the noise puts in, D, is c E v² and what the impacts take.
 #[test]
 fn impacts_take_what_the_damper_leaves() {
-    let problem = duffing_above(0.2, 0.9);
-    let grid = on_grid_above(0.2, 0.9);
+    let problem = duffing_above(-0.5, 0.9);
+    let grid = on_grid_above(-0.5, 0.9);
     let closed = Closure::new(8).solve(&problem).unwrap();
     for (name, density) in [("grid", &*grid as &dyn Density), ("closure", &closed)] {
         let impacts = Impacts::new(density, &problem).unwrap();

@@ -180,17 +180,17 @@ fn a_warm_start_comes_to_the_same_density() {
         assert!(estimates[1] < 1.1 * estimates[0], "{what}");
     };
     // A problem, and one that is similar to it.
-    let check = |what: &str, order: u32, problem: &Problem, similar: &Problem| {
-        let solve = |near: Option<&ClosureDensity>| Closure::new(order).starting_from(near).solve(problem).unwrap();
+    let check = |what: &'static str, order: u32, problem: &Problem, similar: &Problem| {
+        let cold = closed(what, problem, order, 0);
         let near = Closure::new(order).solve(similar).unwrap();
-        agree(what, &solve(None), &solve(Some(&near)));
+        agree(what, &cold, &Closure::new(order).starting_from(&near).solve(problem).unwrap());
     };
     let wall = |r: f64| duffing_above(-0.5, r);
     check("wall", 4, &wall(0.8), &wall(0.85));
     let walls = |r: f64| wall(r).with_wall(Wall::below(1.0, 0.8).unwrap()).unwrap();
     check("two walls", 4, &walls(0.8), &walls(0.85));
-    let vdp = |strength| problem(DuffingVanDerPol::van_der_pol(strength, 0.3).unwrap());
-    check("van der Pol", 8, &vdp(0.5), &vdp(0.45));
+    let weaker = DuffingVanDerPol::van_der_pol(0.45, 0.3).unwrap();
+    check("van der Pol", 8, &problem(van_der_pol()), &problem(weaker));
 }
 
 /// With the pilot's states as nodes both starts come to the same root of the same equations, the near one sooner.

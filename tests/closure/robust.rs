@@ -7,14 +7,6 @@ use expoly::{
     Simulation, Weight, compare,
 };
 
-fn duffing_van_der_pol() -> Problem {
-    problem(DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5).unwrap())
-}
-
-fn bistable_damping() -> Problem {
-    problem(DuffingVanDerPol::new([0.3, 0.3], -1.0, 1.0, 0.3).unwrap())
-}
-
 /// A density is exact to 1e-8 at each order; measured are 1e-12 to 5e-9, what the quadratures of both sides leave.
 fn exact(name: &str, model: &impl Solved, orders: &[u32]) {
     let (truth, problem) = (model.exact().unwrap(), model.problem().unwrap());

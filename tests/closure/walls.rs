@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use expoly::models::Solved;
-use expoly::{Closure, ClosureDensity, Crossing, Degrees, Density, Error, Grid, Origin, Problem, Wall, compare};
+use expoly::{Closure, ClosureDensity, Crossing, Degrees, Density, Error, Origin, compare};
 use std::sync::Arc;
 use support::walls;
 
@@ -96,16 +96,14 @@ fn the_tail_of_the_displacement() {
 /// Between two walls: exact where both are elastic, and at the grid's moments where they are not.
 #[test]
 fn a_strip_between_two_walls() {
-    let density = Closure::new(4).solve(&strip([-0.8, 1.0], [1.2, 1.0]).unwrap()).unwrap();
+    let density = Closure::new(4).solve(&between(walls_at([-0.8, 1.2], [1.0, 1.0]))).unwrap();
     let truth = duffing().exact().unwrap();
     let ratio = |x: [f64; 2]| density.log_pdf(&x).unwrap() - truth.log_pdf(&x).unwrap();
     assert!((ratio([0.9, 0.7]) - ratio([-0.7, -1.1])).abs() < 1e-7);
 
-    let problem = strip([-0.8, 0.8], [1.2, 0.6]).unwrap();
-    // A degree below the default's: its error is a tenth of what is asked of the closure.
-    let truth = Grid::new().degree(5).solve(&problem).unwrap();
+    let truth = on_grid_between_walls();
     assert!(truth.l1_estimate() < 1e-3, "{:?}", truth.provenance());
-    let density = Closure::new(8).solve(&problem).unwrap();
+    let density = Closure::new(8).solve(&between(inelastic())).unwrap();
     let l1 = l1_from(&truth, &density);
     println!("two walls: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());
     // Twice what was measured.
@@ -121,27 +119,23 @@ fn a_strip_between_two_walls() {
     let upper = Crossing::upward(1.2);
     for (all, lower, density) in [
         (density.impact_rate(), rates[0], &density as &dyn Density),
-        (truth.impact_rate(), rates[1], &truth as &dyn Density),
+        (truth.impact_rate(), rates[1], &*truth as &dyn Density),
     ] {
         let sum = lower + density.flux(upper, 1).unwrap().value;
         assert!((all.unwrap().value / sum - 1.0).abs() < 1e-12, "{all:?} and {sum}");
     }
 }
 
-/// Duffing's oscillator between a wall below the motion and one above it, each with offset and restitution.
-fn strip(lower: [f64; 2], upper: [f64; 2]) -> expoly::Result<Problem> {
-    problem(duffing()).with_wall(Wall::above(lower[0], lower[1])?)?.with_wall(Wall::below(upper[0], upper[1])?)
-}
-
 #[test]
 fn bad_input_is_refused_by_name() {
-    let problem = duffing_above(0.0, 0.9);
-    let high = Closure::new(11).solve(&problem);
+    let above = duffing_above(0.0, 0.9);
+    let high = Closure::new(11).solve(&above);
     assert!(matches!(high, Err(Error::OutOfRange { name: "order of the closure", .. })), "{high:?}");
     for closure in [Closure::new(4).on_samples(true), Closure::new(4).degrees(Degrees::complete().at_most(0, 2))] {
-        let refused = closure.solve(&problem);
+        let refused = closure.solve(&above);
         assert!(matches!(refused, Err(Error::NotServed { method: "closure", .. })), "{refused:?}");
     }
-    let upside_down = strip([0.0, 0.9], [-1.0, 0.9]);
+    let [lower, upper] = walls_at([0.0, -1.0], [0.9, 0.9]);
+    let upside_down = problem(duffing()).with_wall(lower).and_then(|problem| problem.with_wall(upper));
     assert!(matches!(upside_down, Err(Error::OutOfRange { name: "offset of the wall", .. })), "{upside_down:?}");
 }

@@ -43,6 +43,26 @@ pub(crate) fn on_grid(name: &'static str, problem: &Problem) -> Arc<GridDensity>
     SOLVED.get(name, || Grid::new().solve(problem).unwrap())
 }
 
+/// Duffing's oscillator of all reference tables between two walls.
+pub(crate) fn between(walls: [Wall; 2]) -> Problem {
+    walls.into_iter().fold(problem(duffing()), |problem, wall| problem.with_wall(wall).unwrap())
+}
+
+/// A wall below the motion and one above it, at these offsets and with these restitutions.
+pub(crate) fn walls_at([low, high]: [f64; 2], [lower, upper]: [f64; 2]) -> [Wall; 2] {
+    [Wall::above(low, lower).unwrap(), Wall::below(high, upper).unwrap()]
+}
+
+/// Two walls that take energy.
+pub(crate) fn inelastic() -> [Wall; 2] {
+    walls_at([-0.8, 1.2], [0.8, 0.6])
+}
+
+/// The density between them.
+pub(crate) fn on_grid_between_walls() -> Arc<GridDensity> {
+    on_grid("two inelastic walls", &between(inelastic()))
+}
+
 /// That of [`duffing_above`].
 pub(crate) fn on_grid_above(offset: f64, restitution: f64) -> Arc<GridDensity> {
     static SOLVED: Shared<[u64; 2], GridDensity> = Shared::new();
@@ -117,6 +137,15 @@ pub(crate) fn velocity_noise() -> VelocityNoise {
 
 pub(crate) fn van_der_pol() -> DuffingVanDerPol {
     DuffingVanDerPol::van_der_pol(0.5, 0.3).unwrap()
+}
+
+pub(crate) fn duffing_van_der_pol() -> Problem {
+    problem(DuffingVanDerPol::new([-0.5, 1.0], 1.0, 1.0, 0.5).unwrap())
+}
+
+/// Two wells, and a damping that grows with the displacement: no closed form.
+pub(crate) fn bistable_damping() -> Problem {
+    problem(DuffingVanDerPol::new([0.3, 0.3], -1.0, 1.0, 0.3).unwrap())
 }
 
 pub(crate) fn rayleigh() -> CubicDamping {

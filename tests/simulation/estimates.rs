@@ -13,6 +13,7 @@ const LIMIT: f64 = 4.0;
 
 /// Within four standard errors of the truth, and precise enough to mean something.
 fn assert_close(what: &str, estimate: Estimate, truth: f64, most: f64) {
+    println!("{what}: {estimate}, exact {truth}, at most ± {most:.2e}");
     assert!(estimate.error <= most, "{what}: {estimate} is not precise to {most}");
     assert!(estimate.deviation(truth) < LIMIT, "{what}: {estimate} is not {truth}");
 }
@@ -86,10 +87,6 @@ impl Parametric {
     }
 }
 
-fn simulated(problem: &Problem) -> Result<SimulatedDensity> {
-    Simulation::new().samples(2_000_000).sampling_interval(4.0).time_step(0.04).seed(5).run(problem)
-}
-
 /// Damping c(1 + g x²)v and noise D(1 + g x²): the density is that of constant damping and noise.
 struct Modulated {
     g: f64,
@@ -145,24 +142,34 @@ fn parametric_noise_has_its_closed_forms_and_both_interpretations_agree() -> Res
         let difference: f64 = s.drift()[1].evaluate(&x) - i.drift()[1].evaluate(&x);
         assert!(difference.abs() < 1e-14);
     }
-    let (s, i) = (simulated(&stratonovich)?, simulated(&ito)?);
+    // One process under the same noise: its paths are the same up to rounding, and with them every sum.
+    let paths = |problem: &Problem| Simulation::new().samples(50_000).time_step(0.04).seed(5).run(problem);
+    let (s, i) = (paths(&stratonovich)?, paths(&ito)?);
+    for powers in [[2, 0], [0, 2], [1, 1], [4, 0], [2, 2], [0, 4]] {
+        let [s, i] = [s.moment(&powers)?.value, i.moment(&powers)?.value];
+        println!("{powers:?}: {s} and {i}, {:.1e} apart", i / s - 1.0);
+        assert!((i / s - 1.0).abs() < 1e-9, "{powers:?}: {s} and {i}");
+    }
+    // The step's bias of 0.1 % is half a standard error.
+    let s = Simulation::new().samples(2_000_000).sampling_interval(4.0).time_step(0.05).seed(5).run(&stratonovich)?;
     for powers in [[2, 0], [0, 2]] {
         // C(κ + v² + x²)^−δ with κ = 10, δ = 5.5: E v² = E x² = κ/(2δ − 4).
         assert_relative("second moment", s.moment(&powers)?, 10.0 / 7.0);
-        assert_relative("second moment", i.moment(&powers)?, 10.0 / 7.0);
     }
     // E (x² + v²)² = 2κ²/((δ − 2)(δ − 3)); a heavy tail, so that 3 % is what the samples give.
     let radial = |r: &SimulatedDensity| -> Result<f64> {
         Ok(r.moment(&[4, 0])?.value + r.moment(&[0, 4])?.value + 2.0 * r.moment(&[2, 2])?.value)
     };
     let truth = 200.0 / (3.5 * 2.5);
-    assert!((radial(&s)? / truth - 1.0).abs() < 0.03 && (radial(&i)? / truth - 1.0).abs() < 0.03);
+    assert!((radial(&s)? / truth - 1.0).abs() < 0.03);
     Ok(())
 }
 
 #[test]
 fn noise_that_depends_on_the_displacement_leaves_the_duffing_density() -> Result<()> {
-    let result = Simulation::new().samples(4_000_000).seed(3).run(&Problem::of(Modulated { g: 0.8 })?)?;
+    // The bias of this step, 0.4 h², is 0.1 %: below the standard errors of 0.13 % and more.
+    let simulation = Simulation::new().samples(1_800_000).time_step(0.05).seed(3);
+    let result = simulation.run(&Problem::of(Modulated { g: 0.8 })?)?;
     assert_relative("E x²", result.moment(&[2, 0])?, 0.661714969204);
     assert_relative("E x⁴", result.moment(&[4, 0])?, 1.12761676932);
     assert_relative("E v²", result.moment(&[0, 2])?, 1.0);
@@ -192,7 +199,10 @@ fn walls_match_the_reference() -> Result<()> {
         if !WALLS.contains(&[b, r]) {
             continue;
         }
-        let result = Simulation::new().samples(4_000_000).seed(seed).run(&row.problem()?)?;
+        // Losses at the wall make the memory shorter. Half a time unit between samples: what is odd in the velocity
+        // changes its sign with every swing, and is known the better the more often it is looked at.
+        let samples = if r < 0.9 { 2_600_000 } else { 5_000_000 };
+        let result = Simulation::new().samples(samples).sampling_interval(0.5).seed(seed).run(&row.problem()?)?;
         // The scale of E y is the standard deviation; a skewness may be zero: its scale is one.
         let (spread, rate, uncertainty) = (row.variance.sqrt(), row.refined().impact_rate, row.refined().of_rate);
         let rows = [

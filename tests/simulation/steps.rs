@@ -164,7 +164,7 @@ fn chattering_ends_and_leaves_no_bias() -> Result<()> {
 #[test]
 fn a_pressed_wall_agrees_with_the_grid() -> Result<()> {
     let grid = on_grid_above(1.5, 0.7);
-    let simulation = Simulation::new().samples(1_500_000).burn_in(20.0).seed(1);
+    let simulation = Simulation::new().samples(1_600_000).sampling_interval(0.5).burn_in(20.0).seed(1);
     let found = simulation.run(&duffing_above(1.5, 0.7))?.balanced();
     let [rate, truth] = [found.impact_rate(), grid.impact_rate()].map(Option::unwrap);
     for (what, found, truth) in [("impact rate", rate, truth), ("E v^2", found.moment(&[0, 2])?, grid.moment(&[0, 2])?)]
