@@ -94,8 +94,8 @@ impl FokkerPlanck {
     /// The residual r(x; Q) = L exp(Q) / exp(Q) as a polynomial. It vanishes identically if exp(Q) is stationary.
     ///
     /// ```
-    /// use expoly::{Polynomial, Problem, models::Linear};
-    /// let problem = Problem::of(Linear::new(0.5, 1.0, 0.5)?)?;
+    /// use expoly::{Polynomial, models::{Linear, Solved}};
+    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
     /// let [x, v] = [0, 1].map(|i| Polynomial::variable(2, i));
     /// let q = &x * &x * -0.5 + &v * &v * -0.5; // −(c/D)(v² + k x²)/2
     /// assert!(problem.operator().residual(&q).is_zero());

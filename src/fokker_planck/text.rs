@@ -23,8 +23,8 @@ impl FokkerPlanck {
     /// The stationary equation in plain text. A state without a name is a question mark.
     ///
     /// ```
-    /// use expoly::{Problem, models::Duffing};
-    /// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+    /// use expoly::models::{Duffing, Solved};
+    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     /// assert_eq!(
     ///     problem.operator().text(problem.states()).to_string(),
     ///     "0 = - d/dx[(v) p] - d/dv[(- x - 0.2 v - 0.3 x^3) p] + d2/dv2[(0.2) p]"
@@ -43,8 +43,8 @@ impl FokkerPlanck {
     /// The residual of exp(Q) in plain text, in derivatives of Q.
     ///
     /// ```
-    /// use expoly::{Problem, models::Linear};
-    /// let problem = Problem::of(Linear::new(0.5, 1.0, 0.5)?)?;
+    /// use expoly::models::{Linear, Solved};
+    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
     /// assert_eq!(
     ///     problem.operator().residual_text(&["x", "v"]).to_string(),
     ///     "r = 0.5 + (- v) Q_x + (x + 0.5 v) Q_v + (0.5) (Q_vv + Q_v Q_v)"

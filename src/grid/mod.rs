@@ -41,8 +41,8 @@ use std::time::Instant;
 /// a smooth density the error falls exponentially with the degree.
 ///
 /// ```
-/// use expoly::{Density, Grid, Problem, models::Duffing};
-/// let density = Grid::new().solve(&Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?)?;
+/// use expoly::{Density, Grid, models::{Duffing, Solved}};
+/// let density = Grid::new().solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
 /// let second = density.moment(&[2, 0])?;
 /// assert!((second.value - 0.661714969204).abs() < 1e-7);
 /// assert!(second.error < 1e-9 && density.l1_estimate() < 1e-7);
@@ -120,8 +120,8 @@ impl Grid {
     /// - [`Error::SingularSystem`]: more than one density is stationary, or none.
     ///
     /// ```
-    /// use expoly::{Density, Grid, Problem, Wall, models::Duffing};
-    /// let duffing = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+    /// use expoly::{Density, Grid, Wall, models::{Duffing, Solved}};
+    /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     /// let density = Grid::new().degree(4).solve(&duffing.with_wall(Wall::above(0.0, 0.9)?)?)?;
     /// assert!((density.moment(&[1, 0])?.value - 0.58490541).abs() < 1e-4);    // 2e-6 by the default degree
     /// # Ok::<(), expoly::Error>(())

@@ -49,8 +49,8 @@ impl GridDensity {
     /// [`Error::SingularSystem`] if the shifted matrix is singular.
     ///
     /// ```
-    /// use expoly::{Grid, Problem, models::Linear};
-    /// let problem = Problem::of(Linear::new(0.5, 1.0, 0.5)?)?;
+    /// use expoly::{Grid, models::{Linear, Solved}};
+    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
     /// let modes = Grid::new().degree(7).solve(&problem)?.relaxation(3)?;
     /// // The eigenvalues of a linear oscillator: c/2 ± √(c²/4 − k).
     /// assert!(modes[0].rate.abs() < 1e-8);

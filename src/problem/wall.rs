@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// unit of the displacement. `restitution` is r, the ratio of rebound to approach speed, 0 < r ≤ 1.
 ///
 /// ```
-/// use expoly::{Problem, Wall, models::Duffing};
+/// use expoly::{Wall, models::{Duffing, Solved}};
 /// // Between two walls.
-/// let duffing = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+/// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
 /// let problem = duffing.with_wall(Wall::above(-0.5, 0.9)?)?.with_wall(Wall::below(1.0, 0.8)?)?;
 /// assert_eq!(problem.walls().len(), 2);
 /// # Ok::<(), expoly::Error>(())

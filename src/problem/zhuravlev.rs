@@ -49,8 +49,8 @@ impl Wall {
     /// [`Error::NotServed`](crate::Error::NotServed) unless the problem is one of a displacement and its velocity.
     ///
     /// ```
-    /// use expoly::{Problem, Wall, models::Duffing};
-    /// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.25, 0.2)?)?;
+    /// use expoly::{Wall, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.2, 1.0, 0.25, 0.2)?.problem()?;
     /// let wall = Wall::above(2.0, 0.75)?;
     /// assert_eq!(
     ///     wall.unfolded_equation(&problem)?,

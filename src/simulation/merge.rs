@@ -38,8 +38,8 @@ impl SimulatedDensity {
     /// [`Error::MissingPart`], [`Error::RepeatedPart`].
     ///
     /// ```
-    /// use expoly::{Density, Problem, SimulatedDensity, Simulation, models::Duffing};
-    /// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+    /// use expoly::{Density, SimulatedDensity, Simulation, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     /// let simulation = || Simulation::new().samples(20_000);
     /// let halves = [simulation().part(1, 2).run(&problem)?, simulation().part(0, 2).run(&problem)?];
     /// assert_eq!(SimulatedDensity::merge(halves)?.moment(&[2, 0])?, simulation().run(&problem)?.moment(&[2, 0])?);

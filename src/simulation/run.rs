@@ -131,8 +131,8 @@ impl<'a> Simulation<'a> {
     /// As [`Simulation::run`].
     ///
     /// ```
-    /// use expoly::{Problem, Simulation, models::Duffing};
-    /// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+    /// use expoly::{Simulation, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     /// let states = Simulation::new().trajectories(64).samples(640).states(&problem)?;
     /// assert_eq!(states.len(), 640);
     /// # Ok::<(), expoly::Error>(())

@@ -11,8 +11,8 @@ use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 /// A Monte Carlo simulation: independent trajectories, sampled at equal times once they are stationary.
 ///
 /// ```
-/// use expoly::{Density, Problem, Simulation, Wall, models::Duffing};
-/// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.with_wall(Wall::above(0.0, 0.9)?)?;
+/// use expoly::{Density, Simulation, Wall, models::{Duffing, Solved}};
+/// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(0.0, 0.9)?)?;
 /// let result = Simulation::new().samples(100_000).seed(1).run(&problem)?;
 /// // The Fokker-Planck equation of this wall has E y = 0.58491 and 0.35958 impacts per unit time.
 /// assert!(result.moment(&[1, 0])?.deviation(0.58491) < 4.0);
@@ -32,9 +32,9 @@ use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 /// fall between *rounds* of about two million path-steps.
 ///
 /// ```
-/// use expoly::{Density, Error, Problem, Simulation, models::Duffing};
+/// use expoly::{Density, Error, Simulation, models::{Duffing, Solved}};
 /// use std::{ops::ControlFlow, time::Duration};
-/// let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+/// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
 /// let file = std::env::temp_dir().join(format!("expoly-{}.state", std::process::id()));
 /// let simulation = || Simulation::new().samples(100_000);
 /// let kept = || simulation().checkpoint(&file, Duration::from_secs(60));
@@ -150,8 +150,8 @@ impl<'a> Simulation<'a> {
     /// The second run follows the first without progress reports, and a checkpoint holds the first one only.
     ///
     /// ```
-    /// use expoly::{Density, Problem, Simulation, models::Duffing};
-    /// let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
+    /// use expoly::{Density, Simulation, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.5, 1.0, 0.3, 0.5)?.problem()?;
     /// let result = Simulation::new().time_step(0.2).two_steps().samples(50_000).run(&problem)?;
     /// let square = result.moment(&[0, 2])?;
     /// assert_eq!(result.coarse().and_then(|c| c.provenance().time_step), Some(0.4));
@@ -222,8 +222,8 @@ impl<'a> Simulation<'a> {
     /// itself uncertain by 9 %, and a run tends to end where it came out low: by 2 % on average, where it was measured.
     ///
     /// ```
-    /// use expoly::{Density, Problem, Simulation, Stopped, Tolerance, models::Duffing};
-    /// let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
+    /// use expoly::{Density, Simulation, Stopped, Tolerance, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.5, 1.0, 0.3, 0.5)?.problem()?;
     /// let result = Simulation::new()
     ///     .until(Tolerance::Relative(0.02), |found| found.moment(&[2, 0]))
     ///     .until(Tolerance::Absolute(0.02), |found| found.kurtosis(0))

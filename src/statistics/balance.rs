@@ -18,8 +18,8 @@ use crate::problem::Problem;
 /// [`Density::flux`].
 ///
 /// ```
-/// use expoly::{Closure, Problem, models::Duffing, statistics::energy_balance};
-/// let duffing = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
+/// use expoly::{Closure, models::{Duffing, Solved}, statistics::energy_balance};
+/// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
 /// let density = Closure::classical(4).solve(&duffing)?.density()?;
 /// assert!(energy_balance(&duffing, &density)?.value.abs() < 1e-11);
 /// # Ok::<(), expoly::Error>(())

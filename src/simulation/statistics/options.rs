@@ -18,8 +18,8 @@ impl Simulation<'_> {
     /// `length` × Δ, which should be many relaxation times. The present segment of every trajectory is kept in memory.
     ///
     /// ```
-    /// use expoly::{Problem, Simulation, models::Linear};
-    /// let problem = Problem::of(Linear::new(0.5, 2.0, 0.3)?)?;
+    /// use expoly::{Simulation, models::{Linear, Solved}};
+    /// let problem = Linear::new(0.5, 2.0, 0.3)?.problem()?;
     /// let simulation = Simulation::new().sampling_interval(0.1).spectrum(0, 256);
     /// let result = simulation.trajectories(64).samples(64 * 2048).run(&problem)?;
     /// let spectrum = result.spectrum(0)?;
