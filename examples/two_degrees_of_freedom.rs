@@ -2,8 +2,9 @@
 //!
 //! A structure x″ + c x′ + x + s = ξ₁ carries an absorber of the mass m, m y″ = s + m ξ₂, by a hardening spring and a damper,
 //! s = k (x − y) + μ (x − y)³ + γ (x′ − y′). Answer, by `cargo run --release --example two_degrees_of_freedom`: 61 % of
-//! the power, on which orders 2 to 6 agree within 1 %; second moments are off by 5 % at order 2, by 3 % at 4, and 6 is no
-//! better. The table stands beside a simulation, and a figure goes to `out/two_degrees_of_freedom/`.
+//! the power. Second moments belong to every order's functions, so that they are the calibrated ones of the pilot, ten times more
+//! precise than the simulation's beside them; the density itself is right to 0.2 in L¹ at order 2, and to 0.05 at order 4. A figure
+//! of its marginals goes to `out/two_degrees_of_freedom/`.
 
 #![allow(clippy::print_stdout, reason = "an example speaks")]
 

@@ -63,6 +63,11 @@ pub struct Provenance {
     pub inflation: Option<f64>,
     /// Whether the pilot's earlier and later samples agree.
     pub stationary: Option<bool>,
+    /// The degree of the polynomials whose moment equations the pilot's calibrated means obey.
+    pub calibration_degree: Option<u32>,
+    /// The smallest weight that calibration gave to a state, where 1 is the plain one; below −2 the pilot has not mixed.
+    #[serde(with = "number::option")]
+    pub smallest_weight: Option<f64>,
 
     /// The number of independent runs, each with a seed of its own: 1 unless runs with several seeds are merged.
     pub runs: Option<usize>,

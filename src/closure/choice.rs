@@ -37,10 +37,9 @@ pub enum Origin {
     },
     /// A root of the Galerkin equations at which the residual vanishes everywhere.
     Exact,
-    /// The pilot's states fitted by maximum likelihood: only as good as their number.
+    /// The most likely density for the pilot's states, whose means the moment equations have calibrated in three states and
+    /// more: as good as their number.
     MaximumLikelihood,
-    /// The Galerkin equations on the pilot's states as nodes.
-    Galerkin,
 }
 
 impl fmt::Display for Origin {
@@ -49,7 +48,6 @@ impl fmt::Display for Origin {
             Origin::MomentEquations { tails } => f.pad(&format!("moment equations, tails {tails:.3}")),
             Origin::Exact => f.pad("exact"),
             Origin::MaximumLikelihood => f.pad("maximum likelihood"),
-            Origin::Galerkin => f.pad("Galerkin on the pilot's states"),
         }
     }
 }

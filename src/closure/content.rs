@@ -1,12 +1,13 @@
-use super::choice::{Candidate, Origin};
+use super::choice::Candidate;
+use super::degrees::HIGHEST;
 use super::exponent::Exponent;
 use super::indicator::Indication;
 use super::reference::Reference;
-use super::samples::ImportanceRule;
+use super::samples::{ImportanceRule, Moment};
 use super::trust_domain::TrustDomain;
 use crate::provenance::Provenance;
 use crate::quadrature::Rule;
-use crate::record::Read;
+use crate::record::{Read, exponents};
 use serde::{Deserialize, Serialize};
 
 /// A density above this estimated error is flagged as unreliable.
@@ -23,6 +24,9 @@ pub(crate) struct Content {
     pub(super) reference: Option<Reference>,
     pub(super) domain: TrustDomain,
     pub(super) integrals: Integrals,
+    /// Moments that are known better than the density's own; none on Gauss nodes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) moments: Vec<Moment>,
     pub(super) guarded: bool,
     /// The chosen one first.
     pub(super) candidates: Vec<Candidate>,
@@ -51,10 +55,8 @@ impl Content {
         let chosen = &self.candidates[0];
         if self.provenance.stationary == Some(false) {
             Some("the pilot was not stationary: the system relaxes more slowly than it ran, or not at all")
-        } else if !chosen.accepted && chosen.origin == Origin::Galerkin {
-            Some(
-                "the Galerkin equations were not solved, or by a spurious root: take more pilot states or another order",
-            )
+        } else if !chosen.accepted && matches!(self.integrals, Integrals::Draws(_)) {
+            Some("the pilot's states do not carry this density: it has not mixed, or they are too few")
         } else if !chosen.accepted {
             Some("the pilot's states are unlikely under this density")
         } else if chosen.l1_estimate > UNRELIABLE {
@@ -83,6 +85,9 @@ impl Content {
             }
             (Integrals::Draws(_), None) => return Err(String::from("draws serve polynomials alone")),
         };
+        for moment in &self.moments {
+            exponents(&moment.powers, states, HIGHEST)?;
+        }
         if self.candidates.is_empty() {
             return Err(String::from("it names no candidate"));
         }

@@ -8,7 +8,7 @@ use super::trust_domain::TrustDomain;
 use crate::density::{Crossing, Density, escape_direction, pair, placed};
 use crate::error::{Result, dimension, state_index};
 use crate::estimate::Estimate;
-use crate::polynomial::Polynomial;
+use crate::polynomial::{Polynomial, power};
 use crate::provenance::Provenance;
 use crate::states::States;
 use rayon::prelude::*;
@@ -307,6 +307,15 @@ impl Density for ClosureDensity {
             square += value * value * masses[1];
         }
         Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt()))
+    }
+
+    /// In three states and more those of Q's own functions are the pilot's calibrated ones, with their standard errors.
+    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+        dimension("a list of powers", powers.len(), self.dimension())?;
+        match self.content.moments.iter().find(|moment| moment.powers == powers) {
+            Some(moment) => Ok(Estimate::new(moment.value, moment.error)),
+            None => self.expectation(&|x| power(x, powers)),
+        }
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {

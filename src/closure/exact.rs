@@ -72,6 +72,7 @@ impl Workshop {
             exponent,
             reference: None,
             domain,
+            moments: Vec::new(),
             integrals: Integrals::Panels { rules: nodes.rules, lines },
             guarded: self.guarded,
             candidates: vec![candidate],

@@ -31,7 +31,7 @@ pub struct Closure {
     pub(super) weight: Weight,
     pub(super) guard: bool,
     pub(super) seed: u64,
-    /// Whether the pilot's states are the nodes; none leaves it to the number of states.
+    /// Whether the pilot's states carry the density; none leaves it to the number of states.
     pub(super) on_samples: Option<bool>,
     /// The defaults depend on the nodes.
     pub(super) states: Option<usize>,
@@ -91,20 +91,20 @@ impl Closure {
         Closure { seed, ..self }
     }
 
-    /// Whether the pilot's states are the nodes of all integrals; by default they are in three states and more. Without, the
-    /// nodes are products of Gauss nodes on the trust domain, which serve one state and two; walls allow no other.
+    /// Whether Q is the most likely density for the calibrated means of the pilot's states; by default it is in three states
+    /// and more. Without, integrals are taken on products of Gauss nodes on the trust domain, which serve one state and two;
+    /// walls allow no other.
     pub fn on_samples(self, on_samples: bool) -> Self {
         Closure { on_samples: Some(on_samples), ..self }
     }
 
-    /// The number of the pilot's states: 20 000 by default; where they are the nodes, 130 for each coefficient, but at
-    /// least 40 000 and at most 100 000.
+    /// The number of the pilot's states: 20 000 by default, and 102 400 where they carry the density.
     pub fn pilot_states(self, states: usize) -> Self {
         Closure { states: Some(states), ..self }
     }
 
     /// The factor on the intensities of the pilot that finds the tails, 3 by default; less where the system does not stand
-    /// it. Without effect where the pilot's states are the nodes.
+    /// it. Without effect on samples.
     pub fn inflation(self, inflation: f64) -> Self {
         Closure { inflation, ..self }
     }
@@ -116,9 +116,8 @@ impl Closure {
 
     /// Starts from the density of a similar problem, or from none.
     ///
-    /// What the closure is measured against starts there, and settles after about half as many linear systems; where the
-    /// pilot's states are the nodes, the iteration starts there, and no lower order is solved before. Where that does not
-    /// settle, nothing is changed by it.
+    /// What the closure is measured against starts there, and settles after about half as many linear systems. Where that does
+    /// not settle, nothing is changed by it; in three states and more, where the search has one end, nothing is either.
     pub fn starting_from<'a>(self, similar: impl Into<Option<&'a ClosureDensity>>) -> Self {
         Closure { start: similar.into().map(ClosureDensity::start), ..self }
     }

@@ -17,7 +17,8 @@
 //! 7. `content`, `density`: the answer with its trust domain and its errors.
 //!
 //! `method` holds the options, and `solve` the way from a problem to the steps: Gauss nodes in one and two states, also next
-//! to walls, or the pilot's states as nodes in any number of them.
+//! to walls. In three and more, `samples` and `sampled`, the pilot's states take the place of the reference: their means, made
+//! precise by the moment equations, have one most likely exponential polynomial.
 //!
 //! `classical` is the literature's method.
 

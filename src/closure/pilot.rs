@@ -9,7 +9,7 @@ use crate::states::States;
 use nalgebra::{DMatrix, DVector};
 
 /// Path-steps are cheapest in multiples of this many trajectories.
-const TRAJECTORIES: usize = 512;
+pub(super) const TRAJECTORIES: usize = 512;
 /// Groups of trajectories, whose spread is the error.
 const GROUPS: usize = 32;
 /// The time step times the fastest rate. A pilot need not be exact: its moments are off by some tenths of a percent.
@@ -57,6 +57,11 @@ impl<'a> Scout<'a> {
         let unit = fastest.recip();
         let burn_in = (5.0 / slowest).clamp(60.0 * unit, 2000.0 * unit);
         Ok(Scout { problem, seed, step: STEP * unit, burn_in, interval: 4.0 * unit })
+    }
+
+    /// The same with `factor` times the time between states, and before the first.
+    pub(super) fn slower(self, factor: f64) -> Self {
+        Scout { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.
@@ -117,6 +122,21 @@ impl Pilot {
         let mean =
             |i: usize, power: i32| self.states.iter().map(|x| x[i].powi(power)).sum::<f64>() / self.states.len() as f64;
         (0..self.states.dimension()).map(|i| mean(i, 4) / mean(i, 2).powi(2)).fold(0.0, f64::max)
+    }
+
+    /// How many consecutive states of a trajectory are worth one, at least 1: the square of the standard error of E x_i² between
+    /// trajectories over that of independent states, for the slowest state.
+    pub(super) fn slowness(&self) -> f64 {
+        let samples = self.states.len() / TRAJECTORIES;
+        let slowness = |i: usize| -> f64 {
+            let squares: Vec<f64> = self.states.iter().map(|x| x[i] * x[i]).collect();
+            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            let alone =
+                squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (squares.len() * squares.len()) as f64;
+            let paths = squares.chunks_exact(samples).map(|path| path.iter().sum::<f64>() / samples as f64);
+            paths.map(|m| (m - mean).powi(2)).sum::<f64>() / (TRAJECTORIES * TRAJECTORIES) as f64 / alone
+        };
+        (0..self.states.dimension()).map(slowness).fold(1.0, f64::max)
     }
 
     /// Centre and standard deviations of the states and their mirror images.

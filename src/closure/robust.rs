@@ -85,6 +85,7 @@ impl Workshop {
             exponent,
             reference: Some(reference),
             domain: kept.domain,
+            moments: Vec::new(),
             integrals: Integrals::Panels { rules: setting.nodes.rules.clone(), lines: setting.lines.clone() },
             guarded: self.guarded,
             candidates,

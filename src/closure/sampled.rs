@@ -4,7 +4,6 @@ use super::choice::{Candidate, Origin};
 use super::content::{Content, Integrals};
 use super::degrees::Degrees;
 use super::density::ClosureDensity;
-use super::exponent::Exponent;
 use super::indicator::Indication;
 use super::pilot::Pilot;
 use super::samples::{ImportanceRule, close_on_samples};
@@ -25,8 +24,6 @@ pub(super) struct Sampled {
     pub(super) symmetry: Symmetry,
     pub(super) degrees: Degrees,
     pub(super) pilot: Pilot,
-    /// A similar system's Q.
-    pub(super) near: Option<Exponent>,
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
@@ -40,24 +37,22 @@ impl Sampled {
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
         let failed = |reason| Error::NotClosed { order, reason };
         let Sampled { problem, symmetry, degrees, pilot, .. } = self;
-        let found =
-            close_on_samples(problem, pilot, degrees, order, symmetry, self.near.as_ref()).ok_or_else(|| {
-                failed("the pilot's states are too few to tell its functions apart: ask for more of them")
-            })?;
-        let rule = ImportanceRule::new(&found, pilot, symmetry, DRAWS, self.seed)
+        let found = close_on_samples(problem, pilot, degrees, order, symmetry, self.seed).ok_or_else(|| {
+            failed("the pilot's states are too few to tell its functions apart: ask for more of them")
+        })?;
+        let coefficients = &found.exponent.coefficients;
+        let rule = ImportanceRule::new(&found.polynomials, coefficients, pilot, symmetry, DRAWS, self.seed)
             .ok_or_else(|| failed("the pilot's states lie on a surface: the noise may not reach every state"))?;
         let mut exponent = found.exponent;
         exponent.constant -= rule.log_mass().value;
-        let (centre, deviation) = pilot.spread(symmetry);
+        let (centre, _) = pilot.spread(symmetry);
         let candidate = Candidate {
-            origin: Origin::Galerkin,
+            origin: if found.exact { Origin::Exact } else { Origin::MaximumLikelihood },
             // The domain's edge cuts off what no state has seen.
-            l1_estimate: (found.indicator.unwrap_or_else(|| self.relaxed(found.pointwise, order, &deviation))
-                + (pilot.states.len() as f64).recip())
-            .min(2.0),
+            l1_estimate: (found.l1_estimate + (pilot.states.len() as f64).recip()).min(2.0),
             tail_estimate: f64::INFINITY,
-            likelihood_loss: found.excess,
-            accepted: found.solved && !found.suspect,
+            likelihood_loss: 0.0,
+            accepted: found.carried,
         };
         let provenance = Provenance {
             order: Some(order),
@@ -68,6 +63,8 @@ impl Sampled {
             inflation: Some(pilot.inflation),
             stationary: Some(pilot.stationary),
             iterations: Some(found.steps),
+            calibration_degree: found.calibrated.0,
+            smallest_weight: Some(found.calibrated.1),
             seconds: self.begin.elapsed().as_secs_f64(),
             ..Provenance::default()
         };
@@ -78,22 +75,9 @@ impl Sampled {
             integrals: Integrals::Draws(Box::new(rule)),
             guarded: self.guarded,
             candidates: vec![candidate],
-            indication: Indication { indicator: found.pointwise, residual: found.residual },
+            moments: found.moments,
+            indication: Indication { indicator: found.residual[0], residual: found.residual[1] },
             provenance,
         }))
-    }
-
-    /// The correction of ln p that a residual of root mean square `r` asks for, if it is made of functions of degree
-    /// n + 1 that decay as fast as those of a linear system do: n + 1 times the mean rate B/2σ² of the driven states.
-    fn relaxed(&self, r: f64, order: u32, deviation: &[f64]) -> f64 {
-        let states = &self.pilot.states;
-        let rate = |i: usize| -> f64 {
-            let b = &self.problem.operator().diffusion()[i][i];
-            let mean: f64 = states.iter().map(|x| b.evaluate(x)).sum::<f64>() / states.len() as f64;
-            mean / (2.0 * deviation[i] * deviation[i])
-        };
-        let rates: Vec<f64> = (0..deviation.len()).map(rate).filter(|rate| *rate > 0.0).collect();
-        let mean = rates.iter().sum::<f64>() / rates.len() as f64;
-        r / (f64::from(order + 1) * mean)
     }
 }

@@ -21,10 +21,11 @@ const STATES: usize = 20_000;
 const ASTRAY: f64 = 0.2;
 /// A kurtosis above this is that of a power tail; limit cycles, wells and hardening springs are below 3 or near it.
 const HEAVY: f64 = 8.0;
-/// The pilot's states as nodes: for each coefficient, at least, and at most.
-const STATES_EACH: usize = 130;
-const FEWEST_NODES: usize = 40_000;
-const MOST_NODES: usize = 100_000;
+/// The same where they carry the density themselves.
+const STATES_IN_MANY: usize = 102_400;
+/// Where more consecutive states than this are worth one, they are taken farther apart, up to so many times.
+const CORRELATED: f64 = 3.0;
+const LONGER: f64 = 64.0;
 
 const METHOD: &str = "closure";
 
@@ -55,17 +56,19 @@ impl Closure {
         let scout = Scout::new(problem, self.seed)?;
         if self.on_samples.unwrap_or(dimension > 2) {
             let symmetry = problem.symmetry();
-            let functions = self.degrees.exponents(dimension, self.lowest(), |alpha| symmetry.keeps(alpha)).len();
-            let states = self.states.unwrap_or((STATES_EACH * functions).clamp(FEWEST_NODES, MOST_NODES));
-            let pilot = scout.pilot(states, 1.0)?;
-            let near = self.start.as_ref().map(|start| start.weight.clone());
+            let states = self.states.unwrap_or(STATES_IN_MANY);
+            let mut pilot = scout.pilot(states, 1.0)?;
+            if pilot.slowness() > CORRELATED {
+                pilot = scout.slower(pilot.slowness().min(LONGER)).pilot(states, 1.0)?;
+            }
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
             let (guarded, seed) = (self.guard, self.seed);
-            let workshop = Sampled { problem, symmetry, degrees, pilot, near, guarded, seed, begin };
+            let workshop = Sampled { problem, symmetry, degrees, pilot, guarded, seed, begin };
             return self.at_order(HIGHEST_ORDER, |order| workshop.closed(order));
         }
         if dimension > 2 {
-            let (what, remedy) = ("three states and more on tensor nodes", "take the pilot's states as nodes");
+            let (what, remedy) =
+                ("three states and more on tensor nodes", "take the pilot's states, as is the default");
             return Err(Error::NotServed { method: METHOD, what, remedy });
         }
         let states = self.states.unwrap_or(STATES);
@@ -111,7 +114,7 @@ impl Closure {
         self.check(2, walled::HIGHEST_ORDER)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
         if self.on_samples == Some(true) {
-            return refused("walls with samples as nodes", "nodes are graded towards walls; leave them to the method");
+            return refused("walls on samples", "nodes are graded towards walls; leave them to the method");
         }
         if self.degrees != Degrees::complete() {
             return refused("walls with some monomials alone", "leave the degrees complete");

@@ -2,5 +2,6 @@
 
 mod classical_walls;
 mod closed_forms;
+mod many_states;
 mod robust;
 mod walls;

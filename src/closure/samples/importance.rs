@@ -1,6 +1,5 @@
 //! Integrals of exp(Q) over many states, by importance sampling on shifted lattices.
 
-use super::SampleClosure;
 use super::copula::{Copula, Sampler};
 use super::products::{LANES, Products, ZERO};
 use crate::closure::pilot::Pilot;
@@ -56,9 +55,10 @@ fn added(sum: Sums, part: &Sums) -> Sums {
 }
 
 impl ImportanceRule {
-    /// A rule of about `draws` draws. None where the pilot's states lie on a surface, or no weight is finite.
+    /// A rule of about `draws` draws for Q of these functions and coefficients. None where the pilot's states lie on a surface, or no weight is finite.
     pub(in crate::closure) fn new(
-        closure: &SampleClosure,
+        functions: &Polynomials,
+        coefficients: &[f64],
         pilot: &Pilot,
         symmetry: &Symmetry,
         draws: usize,
@@ -78,7 +78,7 @@ impl ImportanceRule {
             products: Products::default(),
             coefficients: Vec::new(),
         };
-        let mut rule = rule.over(&closure.polynomials, &closure.exponent.coefficients);
+        let mut rule = rule.over(functions, coefficients);
         let mut top = f64::NEG_INFINITY;
         rule.block(&rule.copula.sampler(&[]).ok()?, 0, 0, |_, logarithm| top = top.max(logarithm));
         rule.shift = top;

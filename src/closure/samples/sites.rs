@@ -1,14 +1,12 @@
-//! The Fokker-Planck operator at the pilot's states.
+//! The Fokker-Planck operator at eight states at a time.
 
 use super::products::{LANES, Lane, ZERO};
 use crate::fokker_planck::Local;
 use crate::problem::Problem;
-use crate::states::States;
-use rayon::prelude::*;
 
-/// Eight states and what the residual needs of the operator there.
+/// Eight states and what the closure needs of the operator there.
 #[derive(Clone, Debug)]
-pub(super) struct Site {
+pub(super) struct Sites {
     pub(super) x: Vec<Lane>,
     /// f.
     pub(super) drift: Vec<Lane>,
@@ -18,46 +16,39 @@ pub(super) struct Site {
     pub(super) backward: Vec<Lane>,
     /// −∇·f + ½ ∂∂B.
     pub(super) source: Lane,
-}
-
-/// All states, in groups of eight, with equal weights.
-#[derive(Clone, Debug)]
-pub(super) struct Sites {
-    pub(super) groups: Vec<Site>,
     /// The states i with some B_ij ≠ 0, j ≠ i.
     pub(super) coupled: Vec<usize>,
     /// The states with noise.
     pub(super) noisy: Vec<usize>,
+    local: Local,
 }
 
 impl Sites {
-    /// The operator at the states; up to seven of them are left out, so that groups are full.
-    pub(super) fn new(problem: &Problem, states: &States) -> Self {
+    pub(super) fn new(problem: &Problem) -> Self {
         let n = problem.dimension();
-        let site = |local: &mut Local, states: &[f64]| {
-            let [x, drift, backward] = [(); 3].map(|()| vec![ZERO; n]);
-            let mut site = Site { x, drift, backward, diffusion: vec![ZERO; n * n], source: ZERO };
-            for (l, x) in states.chunks_exact(n).enumerate() {
-                problem.local(x, local);
-                for i in 0..n {
-                    site.x[i][l] = x[i];
-                    site.drift[i][l] = local.drift[i];
-                    site.backward[i][l] = local.diffusion_divergence[i] - local.drift[i];
-                }
-                site.diffusion.iter_mut().zip(&local.diffusion).for_each(|(lane, b)| lane[l] = *b);
-                site.source[l] = 0.5 * local.diffusion_curvature - local.divergence;
-            }
-            site
-        };
-        let groups = states.values().par_chunks_exact(LANES * n).map_init(|| Local::new(n), site).collect();
+        let [x, drift, backward] = [(); 3].map(|()| vec![ZERO; n]);
         let b = problem.operator().diffusion();
         let coupled = (0..n).filter(|&i| (0..n).any(|j| j != i && !b[i][j].is_zero())).collect();
         let noisy = (0..n).filter(|&i| !b[i][i].is_zero()).collect();
-        Sites { groups, coupled, noisy }
+        let (diffusion, local) = (vec![ZERO; n * n], Local::new(n));
+        Sites { x, drift, diffusion, backward, source: ZERO, coupled, noisy, local }
     }
 
-    /// The number of states.
-    pub(super) fn len(&self) -> usize {
-        self.groups.len() * LANES
+    /// Up to eight states, one after the other in `states`; the last stands in for those that are missing.
+    pub(super) fn place(&mut self, problem: &Problem, states: &[f64]) {
+        let n = problem.dimension();
+        let count = states.len() / n;
+        for l in 0..LANES {
+            let x = &states[l.min(count - 1) * n..][..n];
+            problem.local(x, &mut self.local);
+            let Local { drift, diffusion, divergence, diffusion_divergence, diffusion_curvature } = &self.local;
+            for i in 0..n {
+                self.x[i][l] = x[i];
+                self.drift[i][l] = drift[i];
+                self.backward[i][l] = diffusion_divergence[i] - drift[i];
+            }
+            self.diffusion.iter_mut().zip(diffusion).for_each(|(lane, b)| lane[l] = *b);
+            self.source[l] = 0.5 * diffusion_curvature - divergence;
+        }
     }
 }

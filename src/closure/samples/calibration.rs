@@ -1,0 +1,248 @@
+//! Means over the pilot's states under which the moment equations hold.
+
+use super::products::{LANES, Products, Scratch};
+use super::sites::Sites;
+use crate::closure::degrees::Degrees;
+use crate::closure::pilot::{Pilot, TRAJECTORIES};
+use crate::closure::space::Polynomials;
+use crate::problem::{Problem, Symmetry};
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::Solve;
+use faer::{Accum, Mat, MatRef, Par, Side};
+use rayon::prelude::*;
+
+/// The degrees of the functions ψ that may be tested, and blocks of states that each of them needs.
+const DEGREES: [u32; 4] = [8, 6, 4, 2];
+const BLOCKS_EACH: usize = 60;
+/// Added to the diagonal of a covariance whose diagonal is one.
+const RIDGE: f64 = 1e-11;
+/// The most blocks that a trajectory may have fewer of than states.
+const LONGEST: usize = 5;
+/// Trajectories are summed in so many lots, of which every other one makes the first half.
+const LOTS: usize = 16;
+
+/// Means of functions φ under the stationary density, from the pilot's states and the moment equations together.
+///
+/// E\[𝓖ψ\] = 0 holds for every ψ, so that the mean of 𝓖ψ over the states is chance alone; what is correlated with it is taken
+/// off the mean of φ, Eφ = φ̄ − β·𝓖ψ̄ with β the regression of φ on 𝓖ψ over blocks of consecutive states: control variates (A. Mira,
+/// R. Solgi and D. Imparato, 2013, doi:10.1007/s11222-012-9344-6). The same weights on the states give all means, so that
+/// these are the means of one signed measure. The generator is exact, and with it the bias of the time step goes.
+#[derive(Clone, Debug)]
+pub(super) struct Calibration {
+    /// E φ_k.
+    pub(super) means: Vec<f64>,
+    /// The same from either half of the trajectories alone.
+    pub(super) halves: [Vec<f64>; 2],
+    /// How far the mean of φ_k over each trajectory, with the regression of the other half taken off, is from that of its half.
+    residuals: Mat<f64>,
+    /// The degree of ψ; none where the states are too few for any.
+    pub(super) degree: Option<u32>,
+    /// The smallest weight of a block of states, where 1 is the plain one.
+    pub(super) smallest_weight: f64,
+}
+
+/// Sums over blocks: their number, R = 𝓖ψ, φ, RRᵀ and Rφᵀ.
+struct Sums {
+    blocks: f64,
+    first: [Vec<f64>; 2],
+    square: Mat<f64>,
+    mixed: Mat<f64>,
+}
+
+impl Sums {
+    fn new(tests: usize, functions: usize) -> Self {
+        let (square, mixed) = (Mat::zeros(tests, tests), Mat::zeros(tests, functions));
+        Sums { blocks: 0.0, first: [vec![0.0; tests], vec![0.0; functions]], square, mixed }
+    }
+
+    fn add(&mut self, other: &Sums) {
+        self.blocks += other.blocks;
+        for (sum, part) in self.first.iter_mut().zip(&other.first) {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        }
+        self.square += &other.square;
+        self.mixed += &other.mixed;
+    }
+
+    fn means(&self) -> [Vec<f64>; 2] {
+        self.first.each_ref().map(|sums| sums.iter().map(|sum| sum / self.blocks).collect())
+    }
+
+    /// β, with a column for each φ and one for λ = Cov(R)⁻¹ R̄. None where the tests are dependent on each other.
+    fn regression(&self) -> Option<Mat<f64>> {
+        let [r, phi] = self.means();
+        let tests = r.len();
+        let covariance = |k: usize, l: usize| self.square[(k, l)] / self.blocks - r[k] * r[l];
+        let scale: Vec<f64> = (0..tests).map(|k| covariance(k, k).sqrt().recip()).collect();
+        if !scale.iter().all(|s| s.is_finite()) {
+            return None;
+        }
+        let ridge = |k: usize, l: usize| if k == l { RIDGE } else { 0.0 };
+        let matrix = Mat::from_fn(tests, tests, |k, l| covariance(k, l) * scale[k] * scale[l] + ridge(k, l));
+        let right = Mat::from_fn(tests, phi.len() + 1, |k, l| {
+            let own = if l < phi.len() { self.mixed[(k, l)] / self.blocks - r[k] * phi[l] } else { r[k] };
+            scale[k] * own
+        });
+        let solved = matrix.llt(Side::Lower).ok()?.solve(right);
+        Some(Mat::from_fn(tests, phi.len() + 1, |k, l| scale[k] * solved[(k, l)]))
+    }
+
+    /// The calibrated means of φ.
+    fn calibrated(&self, regression: &Mat<f64>) -> Vec<f64> {
+        let [r, phi] = self.means();
+        let taken = |l: usize| (0..r.len()).map(|k| regression[(k, l)] * r[k]).sum::<f64>();
+        phi.iter().enumerate().map(|(l, mean)| mean - taken(l)).collect()
+    }
+}
+
+impl Calibration {
+    /// Of the functions φ = `functions`, whose box is that of ψ as well. None where the pilot's states are fewer than its
+    /// trajectories, or lie on a surface.
+    pub(super) fn new(problem: &Problem, pilot: &Pilot, symmetry: &Symmetry, functions: &Polynomials) -> Option<Self> {
+        let samples = pilot.states.len() / TRAJECTORIES;
+        let length = (pilot.slowness().ceil() as usize).min((samples / LONGEST).max(1));
+        let blocks = (samples / length) * TRAJECTORIES;
+        let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
+        let tested = DEGREES.iter().map(|&degree| (degree, exponents(degree)));
+        let (degree, exponents) = tested.clone().find(|(_, tests)| tests.len() * BLOCKS_EACH <= blocks).unzip();
+        let exponents: Vec<Vec<u32>> = exponents.unwrap_or_default();
+        let (centre, half_width) = (functions.centre().to_vec(), functions.half_width().to_vec());
+        let products = [Products::new(&Polynomials::new(centre, half_width, exponents)), Products::new(functions)];
+        let [tests, count] = products.each_ref().map(|products| products.len() - 1);
+        let paths = Paths { problem, pilot, products: &products, samples, length };
+
+        let lots: Vec<(Sums, Vec<[Vec<f64>; 2]>)> = (0..LOTS).into_par_iter().map(|lot| paths.lot(lot)).collect();
+        let mut halves = [Sums::new(tests, count), Sums::new(tests, count)];
+        lots.iter().enumerate().for_each(|(lot, (sums, _))| halves[lot % 2].add(sums));
+        let mut all = Sums::new(tests, count);
+        halves.iter().for_each(|half| all.add(half));
+        if all.blocks == 0.0 {
+            return None;
+        }
+        let regressions = [all.regression()?, halves[0].regression()?, halves[1].regression()?];
+        // The mean of each trajectory less the regression that the other half found.
+        let mut residuals = Mat::zeros(TRAJECTORIES, count);
+        for half in 0..2 {
+            let beta = &regressions[2 - half];
+            let members: Vec<usize> = (0..TRAJECTORIES).filter(|t| t % LOTS % 2 == half).collect();
+            let mean = |t: usize, kind: usize| &lots[t % LOTS].1[t / LOTS][kind];
+            let r = Mat::from_fn(members.len(), tests, |i, k| mean(members[i], 0)[k]);
+            let mut left = Mat::from_fn(members.len(), count, |i, l| mean(members[i], 1)[l]);
+            matmul(left.as_mut(), Accum::Add, r.as_ref(), beta.get(.., ..count), -1.0, Par::Seq);
+            for l in 0..count {
+                let mean = (0..members.len()).map(|i| left[(i, l)]).sum::<f64>() / members.len() as f64;
+                (0..members.len()).for_each(|i| residuals[(members[i], l)] = left[(i, l)] - mean);
+            }
+        }
+        let lambda: Vec<f64> = (0..tests).map(|k| regressions[0][(k, count)]).collect();
+        let [r, _] = all.means();
+        let offset = 1.0 + r.iter().zip(&lambda).map(|(r, l)| r * l).sum::<f64>();
+        Some(Calibration {
+            means: all.calibrated(&regressions[0]),
+            halves: [0, 1].map(|half| halves[half].calibrated(&regressions[half + 1])),
+            residuals,
+            degree,
+            smallest_weight: offset - paths.largest(&lambda),
+        })
+    }
+
+    /// The standard error of E Σ c_k φ_k, by the spread between trajectories.
+    pub(super) fn error(&self, c: &[(usize, f64)]) -> f64 {
+        let along = |t: usize| c.iter().map(|&(k, c)| c * self.residuals[(t, k)]).sum::<f64>();
+        let square: f64 = (0..TRAJECTORIES).map(|t| along(t).powi(2)).sum();
+        // Two means have been taken off.
+        (square / (TRAJECTORIES - 2) as f64 / TRAJECTORIES as f64).sqrt()
+    }
+}
+
+/// The pilot's trajectories, cut into blocks.
+struct Paths<'a> {
+    problem: &'a Problem,
+    pilot: &'a Pilot,
+    /// ψ and φ.
+    products: &'a [Products; 2],
+    /// States of a trajectory, and of a block.
+    samples: usize,
+    length: usize,
+}
+
+impl Paths<'_> {
+    /// The sums over the trajectories of a lot, and the means of R and φ over each of them.
+    fn lot(&self, lot: usize) -> (Sums, Vec<[Vec<f64>; 2]>) {
+        let sizes = self.products.each_ref().map(|products| products.len() - 1);
+        let mut sums = Sums::new(sizes[0], sizes[1]);
+        let mut scratch = self.products.each_ref().map(Products::scratch);
+        let blocks = self.samples / self.length;
+        let mut tables = sizes.map(|size| Mat::<f64>::zeros(blocks, size));
+        let mut means = Vec::new();
+        for t in (lot..TRAJECTORIES).step_by(LOTS) {
+            tables.iter_mut().for_each(|table| table.fill(0.0));
+            self.each(t, &mut scratch, |used, at, scratch| {
+                for (kind, table) in tables.iter_mut().enumerate() {
+                    for k in 0..sizes[kind] {
+                        let column = table.col_as_slice_mut(k);
+                        let values = if kind == 0 {
+                            self.products[0].image(&scratch[0], k + 1)
+                        } else {
+                            self.products[1].value(&scratch[1], k + 1)
+                        };
+                        for l in 0..used {
+                            column[(at + l) / self.length] += values[l] / self.length as f64;
+                        }
+                    }
+                }
+            });
+            let [r, phi] = &tables;
+            matmul(sums.square.as_mut(), Accum::Add, r.transpose(), r.as_ref(), 1.0, Par::Seq);
+            matmul(sums.mixed.as_mut(), Accum::Add, r.transpose(), phi.as_ref(), 1.0, Par::Seq);
+            let total = |table: MatRef<'_, f64>| -> Vec<f64> {
+                (0..table.ncols()).map(|k| (0..blocks).map(|b| table[(b, k)]).sum()).collect()
+            };
+            let totals = [total(r.as_ref()), total(phi.as_ref())];
+            for (sum, total) in sums.first.iter_mut().zip(&totals) {
+                sum.iter_mut().zip(total).for_each(|(sum, total)| *sum += total);
+            }
+            sums.blocks += blocks as f64;
+            means.push(totals.map(|total| total.iter().map(|sum| sum / blocks as f64).collect()));
+        }
+        (sums, means)
+    }
+
+    /// Places both kinds of functions at the states of trajectory `t`, eight at a time: how many there are, and the first of them.
+    fn each(&self, t: usize, scratch: &mut [Scratch; 2], mut look: impl FnMut(usize, usize, &[Scratch; 2])) {
+        let n = self.problem.dimension();
+        let used = self.samples / self.length * self.length;
+        let first = t * self.samples;
+        let mut sites = Sites::new(self.problem);
+        for at in (0..used).step_by(LANES) {
+            let count = LANES.min(used - at);
+            let states = &self.pilot.states.values()[(first + at) * n..(first + at + count) * n];
+            sites.place(self.problem, states);
+            for (products, scratch) in self.products.iter().zip(scratch.iter_mut()) {
+                products.place(&sites.x, scratch);
+            }
+            scratch[0].first.copy_from_slice(&sites.drift);
+            self.products[0].apply(&sites.diffusion, &sites.coupled, &mut scratch[0]);
+            look(count, at, scratch);
+        }
+    }
+
+    /// The largest mean of λ·R over a block.
+    fn largest(&self, lambda: &[f64]) -> f64 {
+        let blocks = self.samples / self.length;
+        let one = |t: usize| {
+            let mut scratch = self.products.each_ref().map(Products::scratch);
+            let mut sums = vec![0.0; blocks];
+            self.each(t, &mut scratch, |used, at, scratch| {
+                let mut along = [0.0; LANES];
+                for (k, c) in lambda.iter().enumerate() {
+                    let image = self.products[0].image(&scratch[0], k + 1);
+                    (0..LANES).for_each(|l| along[l] += c * image[l]);
+                }
+                (0..used).for_each(|l| sums[(at + l) / self.length] += along[l] / self.length as f64);
+            });
+            sums.into_iter().fold(f64::NEG_INFINITY, f64::max)
+        };
+        (0..TRAJECTORIES).into_par_iter().map(one).collect::<Vec<_>>().into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
