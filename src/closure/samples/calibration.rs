@@ -16,8 +16,8 @@ const DEGREES: [u32; 4] = [8, 6, 4, 2];
 const BLOCKS_EACH: usize = 60;
 /// Added to the diagonal of a covariance whose diagonal is one.
 const RIDGE: f64 = 1e-11;
-/// The most blocks that a trajectory may have fewer of than states.
-const LONGEST: usize = 5;
+/// A trajectory has at least so many blocks, if it has as many states.
+const LEAST_BLOCKS: usize = 5;
 /// Trajectories are summed in so many lots, of which every other one makes the first half.
 const LOTS: usize = 16;
 
@@ -100,7 +100,7 @@ impl Calibration {
     /// trajectories, or lie on a surface.
     pub(super) fn new(problem: &Problem, pilot: &Pilot, symmetry: &Symmetry, functions: &Polynomials) -> Option<Self> {
         let samples = pilot.states.len() / TRAJECTORIES;
-        let length = (pilot.slowness().ceil() as usize).min((samples / LONGEST).max(1));
+        let length = (pilot.slowness().ceil() as usize).min((samples / LEAST_BLOCKS).max(1));
         let blocks = (samples / length) * TRAJECTORIES;
         let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
         let tested = DEGREES.iter().map(|&degree| (degree, exponents(degree)));
