@@ -56,7 +56,9 @@ impl Content {
         if self.provenance.stationary == Some(false) {
             Some("the pilot was not stationary: the system relaxes more slowly than it ran, or not at all")
         } else if !chosen.accepted && matches!(self.integrals, Integrals::Draws(_)) {
-            Some("the pilot's states do not carry this density: it has not mixed, or they are too few")
+            Some(
+                "the pilot's states do not carry this density: it has not mixed, they are too few, or the search did not end",
+            )
         } else if !chosen.accepted {
             Some("the pilot's states are unlikely under this density")
         } else if chosen.l1_estimate > UNRELIABLE {

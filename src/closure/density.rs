@@ -330,7 +330,7 @@ impl Density for ClosureDensity {
     fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
         match &self.content.integrals {
             Integrals::Panels { .. } => None,
-            Integrals::Draws(rule) => rule.drawn().ok(),
+            Integrals::Draws(rule) => rule.drawn().ok().map(|(states, weights, _)| (states, weights)),
         }
     }
 

@@ -6,7 +6,7 @@ use super::degrees::Degrees;
 use super::density::ClosureDensity;
 use super::indicator::Indication;
 use super::pilot::Pilot;
-use super::samples::{ImportanceRule, close_on_samples};
+use super::samples::{Copula, ImportanceRule, close_on_samples};
 use super::trust_domain::TrustDomain;
 use crate::error::{Error, Result};
 use crate::problem::{Problem, Symmetry};
@@ -37,12 +37,19 @@ impl Sampled {
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
         let failed = |reason| Error::NotClosed { order, reason };
         let Sampled { problem, symmetry, degrees, pilot, .. } = self;
-        let found = close_on_samples(problem, pilot, degrees, order, symmetry, self.seed).ok_or_else(|| {
-            failed("the pilot's states are too few to tell its functions apart: ask for more of them")
-        })?;
+        let surface = "the pilot's states lie on a surface: the noise may not reach every state";
+        let copula = Copula::new(pilot, symmetry).ok_or_else(|| failed(surface))?;
+        let found =
+            close_on_samples(problem, pilot, (degrees, order), symmetry, &copula, self.seed).ok_or_else(|| {
+                failed("the pilot's states are too few to tell its functions apart: ask for more of them")
+            })?;
         let coefficients = &found.exponent.coefficients;
-        let rule = ImportanceRule::new(&found.polynomials, coefficients, pilot, symmetry, DRAWS, self.seed)
-            .ok_or_else(|| failed("the pilot's states lie on a surface: the noise may not reach every state"))?;
+        let rule = ImportanceRule::new(&found.polynomials, coefficients, &copula, DRAWS, self.seed)
+            .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: ask for another order"))?;
+        let rule = match found.log_mass {
+            Some(log_mass) => rule.with_log_mass(log_mass),
+            None => rule,
+        };
         let mut exponent = found.exponent;
         exponent.constant -= rule.log_mass().value;
         let (centre, _) = pilot.spread(symmetry);

@@ -393,9 +393,8 @@ fn four_states() {
         "4 states: L1 {:.5}, Hellinger {:.5}, divergence {:.1e}",
         apart.l1, apart.hellinger, apart.kullback_leibler.value
     );
-    // They differ by the closure's constant, an integral over draws that is good to some 1e-5, and by what its trusted part
-    // leaves out, a few millionths.
-    assert!(apart.l1.value < 1e-4 && apart.kullback_leibler.value < 5e-5);
+    // What the closure's trusted part leaves out, a few millionths, is all that they differ by.
+    assert!(apart.l1.value < 1e-4 && apart.kullback_leibler.value < 2e-5);
     assert!(compare::log_ratio(closed, &exact, 1e-4).unwrap().value < 0.01);
 }
 

@@ -46,7 +46,7 @@ impl PolynomialSystem for Lorenz {
 }
 
 /// Second and fourth moments within 0.3 % of a simulation's, on top of its own standard errors of 0.2 to 0.6 %; the closure's
-/// own are a tenth of a percent and less.
+/// own are 0.04 % and less.
 #[test]
 fn noise_on_one_mass_is_closed_as_well_as_on_both() {
     let problem = Problem::of_system(Absorber).unwrap();
@@ -59,7 +59,7 @@ fn noise_on_one_mass_is_closed_as_well_as_on_both() {
             let (p, q) = (density.moment(&powers).unwrap(), simulated.moment(&powers).unwrap());
             println!("{powers:?}: {p:.5} and {q:.5}");
             assert!((p.value - q.value).abs() < 3e-3 * q.value + 3.0 * q.error, "{powers:?}: {p} and {q}");
-            assert!(p.error < 1e-3 * p.value, "{powers:?}: {p}");
+            assert!(p.error < 6e-4 * p.value, "{powers:?}: {p}");
         }
     }
     assert!(density.warning().is_none() && density.l1_estimate() < 0.15, "{}", density.l1_estimate());

@@ -212,7 +212,7 @@ fn seeds_decide_and_threads_do_not() {
 fn samples_do_as_well_where_the_density_is_smooth() {
     let problem = problem(cubic_damping());
     let truth = on_grid("cubic damping", &problem);
-    for (order, limit) in [(4, 4.6e-2), (6, 4.9e-3), (8, 5e-3)] {
+    for (order, limit) in [(4, 4.6e-2), (6, 3.6e-3), (8, 1.03e-3)] {
         let density = Closure::new(order).on_samples(true).solve(&problem).unwrap();
         let l1 = l1_from(&truth, &density);
         println!("n = {order}: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());

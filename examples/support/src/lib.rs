@@ -2,6 +2,7 @@
 //! timings.
 
 pub mod bench;
+pub mod exact;
 pub mod figure;
 pub mod file;
 pub mod json;

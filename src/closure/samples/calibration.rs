@@ -11,9 +11,15 @@ use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatRef, Par, Side};
 use rayon::prelude::*;
 
-/// The degrees of the functions ψ that may be tested, and blocks of states that each of them needs.
-const DEGREES: [u32; 4] = [8, 6, 4, 2];
+/// The degrees of the functions ψ that may be tested, blocks of states that each of them needs, and how many are worth their time
+/// beyond the sixth degree.
+const DEGREES: [u32; 6] = [2, 4, 6, 8, 10, 12];
 const BLOCKS_EACH: usize = 60;
+const AFFORDED: usize = 300;
+/// A smaller weight of a state means that the pilot has not mixed.
+pub(super) const LEAST_WEIGHT: f64 = -2.0;
+/// The covariance of more means than this is not worth its time.
+pub(super) const COVARIANT: usize = 300;
 /// Added to the diagonal of a covariance whose diagonal is one.
 const RIDGE: f64 = 1e-11;
 /// A trajectory has at least so many blocks, if it has as many states.
@@ -33,6 +39,8 @@ pub(super) struct Calibration {
     pub(super) means: Vec<f64>,
     /// The same from either half of the trajectories alone.
     pub(super) halves: [Vec<f64>; 2],
+    /// The covariance of the means of the first functions, at most [`COVARIANT`].
+    pub(super) covariance: Mat<f64>,
     /// How far the mean of φ_k over each trajectory, with the regression of the other half taken off, is from that of its half.
     residuals: Mat<f64>,
     /// The degree of ψ; none where the states are too few for any.
@@ -41,18 +49,20 @@ pub(super) struct Calibration {
     pub(super) smallest_weight: f64,
 }
 
-/// Sums over blocks: their number, R = 𝓖ψ, φ, RRᵀ and Rφᵀ.
+/// Sums over blocks: their number, R = 𝓖ψ, φ, RRᵀ, Rφᵀ and, of the first functions φ, φφᵀ.
 struct Sums {
     blocks: f64,
     first: [Vec<f64>; 2],
     square: Mat<f64>,
     mixed: Mat<f64>,
+    own: Mat<f64>,
 }
 
 impl Sums {
     fn new(tests: usize, functions: usize) -> Self {
         let (square, mixed) = (Mat::zeros(tests, tests), Mat::zeros(tests, functions));
-        Sums { blocks: 0.0, first: [vec![0.0; tests], vec![0.0; functions]], square, mixed }
+        let own = Mat::zeros(functions.min(COVARIANT), functions.min(COVARIANT));
+        Sums { blocks: 0.0, first: [vec![0.0; tests], vec![0.0; functions]], square, mixed, own }
     }
 
     fn add(&mut self, other: &Sums) {
@@ -62,16 +72,16 @@ impl Sums {
         }
         self.square += &other.square;
         self.mixed += &other.mixed;
+        self.own += &other.own;
     }
 
     fn means(&self) -> [Vec<f64>; 2] {
         self.first.each_ref().map(|sums| sums.iter().map(|sum| sum / self.blocks).collect())
     }
 
-    /// β, with a column for each φ and one for λ = Cov(R)⁻¹ R̄. None where the tests are dependent on each other.
-    fn regression(&self) -> Option<Mat<f64>> {
+    /// The regression on the first `tests` functions ψ. None where these are dependent on each other.
+    fn regression(&self, tests: usize) -> Option<Regression> {
         let [r, phi] = self.means();
-        let tests = r.len();
         let covariance = |k: usize, l: usize| self.square[(k, l)] / self.blocks - r[k] * r[l];
         let scale: Vec<f64> = (0..tests).map(|k| covariance(k, k).sqrt().recip()).collect();
         if !scale.iter().all(|s| s.is_finite()) {
@@ -84,28 +94,71 @@ impl Sums {
             scale[k] * own
         });
         let solved = matrix.llt(Side::Lower).ok()?.solve(right);
-        Some(Mat::from_fn(tests, phi.len() + 1, |k, l| scale[k] * solved[(k, l)]))
+        let beta = Mat::from_fn(tests, phi.len(), |k, l| scale[k] * solved[(k, l)]);
+        let lambda = (0..tests).map(|k| scale[k] * solved[(k, phi.len())]).collect();
+        Some(Regression { beta, lambda })
     }
 
     /// The calibrated means of φ.
-    fn calibrated(&self, regression: &Mat<f64>) -> Vec<f64> {
+    fn calibrated(&self, Regression { beta, .. }: &Regression) -> Vec<f64> {
         let [r, phi] = self.means();
-        let taken = |l: usize| (0..r.len()).map(|k| regression[(k, l)] * r[k]).sum::<f64>();
+        let taken = |l: usize| (0..beta.nrows()).map(|k| beta[(k, l)] * r[k]).sum::<f64>();
         phi.iter().enumerate().map(|(l, mean)| mean - taken(l)).collect()
+    }
+
+    /// The covariance of what the regression leaves of the first functions φ, block by block, in their mean.
+    fn covariance(&self, Regression { beta, .. }: &Regression) -> Mat<f64> {
+        let [r, phi] = self.means();
+        let size = self.own.nrows();
+        let mut left = Mat::from_fn(size, size, |k, l| self.own[(k, l)] / self.blocks - phi[k] * phi[l]);
+        let mixed = Mat::from_fn(beta.nrows(), size, |k, l| self.mixed[(k, l)] / self.blocks - r[k] * phi[l]);
+        matmul(left.as_mut(), Accum::Add, mixed.transpose(), beta.get(.., ..size), -1.0, Par::Seq);
+        Mat::from_fn(size, size, |k, l| 0.5 * (left[(k, l)] + left[(l, k)]) / self.blocks)
     }
 }
 
+/// β, with a column for each φ, and λ = Cov(R)⁻¹ R̄.
+struct Regression {
+    beta: Mat<f64>,
+    lambda: Vec<f64>,
+}
+
+/// The calibration by tests up to one degree.
+struct Tested {
+    degree: Option<u32>,
+    /// By all states and by either half of them.
+    regressions: [Regression; 3],
+    residuals: Mat<f64>,
+    /// The variances that are left of the means, relative to the plain ones.
+    left: f64,
+}
+
 impl Calibration {
-    /// Of the functions φ = `functions`, whose box is that of ψ as well. None where the pilot's states are fewer than its
-    /// trajectories, or lie on a surface.
-    pub(super) fn new(problem: &Problem, pilot: &Pilot, symmetry: &Symmetry, functions: &Polynomials) -> Option<Self> {
+    /// Of the functions φ = `functions`, whose box is that of ψ as well; the degree of ψ is that which leaves the least of the
+    /// variances of the first `judged`. None where the pilot's states are fewer than its trajectories, or lie on a surface.
+    pub(super) fn new(
+        problem: &Problem,
+        pilot: &Pilot,
+        symmetry: &Symmetry,
+        functions: &Polynomials,
+        judged: usize,
+    ) -> Option<Self> {
         let samples = pilot.states.len() / TRAJECTORIES;
         let length = (pilot.slowness().ceil() as usize).min((samples / LEAST_BLOCKS).max(1));
         let blocks = (samples / length) * TRAJECTORIES;
         let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
+        // From below, so that the many functions of a high degree in many states are not listed in vain.
         let tested = DEGREES.iter().map(|&degree| (degree, exponents(degree)));
-        let (degree, exponents) = tested.clone().find(|(_, tests)| tests.len() * BLOCKS_EACH <= blocks).unzip();
-        let exponents: Vec<Vec<u32>> = exponents.unwrap_or_default();
+        let allowed = tested.take_while(|(degree, tests)| {
+            tests.len() * BLOCKS_EACH <= blocks && (*degree <= 6 || tests.len() <= AFFORDED)
+        });
+        let (mut degrees, mut exponents) = (vec![(None, 0)], Vec::new());
+        for (degree, tests) in allowed {
+            degrees.push((Some(degree), tests.len()));
+            exponents = tests;
+        }
+        // The tests of a lower degree come first.
+        exponents.sort_by_key(|alpha| alpha.iter().sum::<u32>());
         let (centre, half_width) = (functions.centre().to_vec(), functions.half_width().to_vec());
         let products = [Products::new(&Polynomials::new(centre, half_width, exponents)), Products::new(functions)];
         let [tests, count] = products.each_ref().map(|products| products.len() - 1);
@@ -119,31 +172,47 @@ impl Calibration {
         if all.blocks == 0.0 {
             return None;
         }
-        let regressions = [all.regression()?, halves[0].regression()?, halves[1].regression()?];
-        // The mean of each trajectory less the regression that the other half found.
-        let mut residuals = Mat::zeros(TRAJECTORIES, count);
-        for half in 0..2 {
-            let beta = &regressions[2 - half];
-            let members: Vec<usize> = (0..TRAJECTORIES).filter(|t| t % LOTS % 2 == half).collect();
-            let mean = |t: usize, kind: usize| &lots[t % LOTS].1[t / LOTS][kind];
-            let r = Mat::from_fn(members.len(), tests, |i, k| mean(members[i], 0)[k]);
-            let mut left = Mat::from_fn(members.len(), count, |i, l| mean(members[i], 1)[l]);
-            matmul(left.as_mut(), Accum::Add, r.as_ref(), beta.get(.., ..count), -1.0, Par::Seq);
-            for l in 0..count {
-                let mean = (0..members.len()).map(|i| left[(i, l)]).sum::<f64>() / members.len() as f64;
-                (0..members.len()).for_each(|i| residuals[(members[i], l)] = left[(i, l)] - mean);
+        let mean = |t: usize, kind: usize| lots[t % LOTS].1[t / LOTS][kind].as_slice();
+        // By what is left of the functions' variances between trajectories, where no test leaves all.
+        let mut plain = Vec::new();
+        let mut found: Vec<Tested> = Vec::new();
+        for (degree, tests) in degrees {
+            let regressed =
+                || Some([all.regression(tests)?, halves[0].regression(tests)?, halves[1].regression(tests)?]);
+            let Some(regressions) = regressed() else { break };
+            let residuals = residuals(&mean, [&regressions[1].beta, &regressions[2].beta]);
+            let variances = |l: usize| residuals.col(l).squared_norm_l2();
+            if degree.is_none() {
+                plain = (0..judged).map(variances).collect();
             }
+            let left = (0..judged).map(|l| variances(l) / plain[l].max(f64::MIN_POSITIVE)).sum();
+            found.push(Tested { degree, regressions, residuals, left });
         }
-        let lambda: Vec<f64> = (0..tests).map(|k| regressions[0][(k, count)]).collect();
+        found.sort_by(|a, b| a.left.total_cmp(&b.left));
         let [r, _] = all.means();
-        let offset = 1.0 + r.iter().zip(&lambda).map(|(r, l)| r * l).sum::<f64>();
-        Some(Calibration {
+        let weight = |tested: &Tested| {
+            let lambda = &tested.regressions[0].lambda;
+            1.0 + r.iter().zip(lambda).map(|(r, l)| r * l).sum::<f64>() - paths.largest(lambda)
+        };
+        // A few far states must not carry a high degree alone; where they carry all, the pilot has not mixed.
+        let sound = found.iter().position(|tested| weight(tested) > LEAST_WEIGHT).unwrap_or(0);
+        let smallest_weight = weight(found.get(sound)?);
+        let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
+        let mut calibration = Calibration {
             means: all.calibrated(&regressions[0]),
             halves: [0, 1].map(|half| halves[half].calibrated(&regressions[half + 1])),
+            covariance: all.covariance(&regressions[0]),
             residuals,
             degree,
-            smallest_weight: offset - paths.largest(&lambda),
-        })
+            smallest_weight,
+        };
+        // States of one trajectory are not independent, and β was found on the same states: as wide as between trajectories.
+        let wider: Vec<f64> = (0..calibration.covariance.nrows())
+            .map(|k| (calibration.error(&[(k, 1.0)]) / calibration.covariance[(k, k)].sqrt()).max(1.0))
+            .collect();
+        let size = wider.len();
+        calibration.covariance = Mat::from_fn(size, size, |k, l| calibration.covariance[(k, l)] * wider[k] * wider[l]);
+        Some(calibration)
     }
 
     /// The standard error of E Σ c_k φ_k, by the spread between trajectories.
@@ -153,6 +222,23 @@ impl Calibration {
         // Two means have been taken off.
         (square / (TRAJECTORIES - 2) as f64 / TRAJECTORIES as f64).sqrt()
     }
+}
+
+/// How far the mean of φ_k over each trajectory, with the regression β of the other half taken off, is from that of its half.
+fn residuals<'a>(mean: &impl Fn(usize, usize) -> &'a [f64], betas: [&Mat<f64>; 2]) -> Mat<f64> {
+    let (tests, count) = (betas[0].nrows(), betas[0].ncols());
+    let mut residuals = Mat::zeros(TRAJECTORIES, count);
+    for half in 0..2 {
+        let members: Vec<usize> = (0..TRAJECTORIES).filter(|t| t % LOTS % 2 == half).collect();
+        let r = Mat::from_fn(members.len(), tests, |i, k| mean(members[i], 0)[k]);
+        let mut left = Mat::from_fn(members.len(), count, |i, l| mean(members[i], 1)[l]);
+        matmul(left.as_mut(), Accum::Add, r.as_ref(), betas[1 - half].as_ref(), -1.0, Par::Seq);
+        for l in 0..count {
+            let mean = (0..members.len()).map(|i| left[(i, l)]).sum::<f64>() / members.len() as f64;
+            (0..members.len()).for_each(|i| residuals[(members[i], l)] = left[(i, l)] - mean);
+        }
+    }
+    residuals
 }
 
 /// The pilot's trajectories, cut into blocks.
@@ -195,6 +281,8 @@ impl Paths<'_> {
             let [r, phi] = &tables;
             matmul(sums.square.as_mut(), Accum::Add, r.transpose(), r.as_ref(), 1.0, Par::Seq);
             matmul(sums.mixed.as_mut(), Accum::Add, r.transpose(), phi.as_ref(), 1.0, Par::Seq);
+            let own = phi.get(.., ..sums.own.nrows());
+            matmul(sums.own.as_mut(), Accum::Add, own.transpose(), own, 1.0, Par::Seq);
             let total = |table: MatRef<'_, f64>| -> Vec<f64> {
                 (0..table.ncols()).map(|k| (0..blocks).map(|b| table[(b, k)]).sum()).collect()
             };

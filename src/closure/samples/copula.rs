@@ -62,7 +62,7 @@ fn distance(inverse: &[Vec<f64>], z: &[f64]) -> f64 {
 
 impl Copula {
     /// None where the states lie on a surface.
-    pub(super) fn new(pilot: &Pilot, symmetry: &Symmetry) -> Option<Self> {
+    pub(in crate::closure) fn new(pilot: &Pilot, symmetry: &Symmetry) -> Option<Self> {
         let n = pilot.states.dimension();
         let images = || pilot.states.iter().flat_map(|x| symmetry.images(x));
         let quantiles = |i: usize| -> Vec<f64> {

@@ -2,11 +2,9 @@
 
 use super::copula::{Copula, Sampler};
 use super::products::{LANES, Products, ZERO};
-use crate::closure::pilot::Pilot;
 use crate::closure::space::Polynomials;
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::problem::Symmetry;
 use crate::record::{Read, positive, states};
 use crate::states::States;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -55,20 +53,19 @@ fn added(sum: Sums, part: &Sums) -> Sums {
 }
 
 impl ImportanceRule {
-    /// A rule of about `draws` draws for Q of these functions and coefficients. None where the pilot's states lie on a surface, or no weight is finite.
+    /// A rule of about `draws` draws for Q of these functions and coefficients. None where no weight is finite.
     pub(in crate::closure) fn new(
         functions: &Polynomials,
         coefficients: &[f64],
-        pilot: &Pilot,
-        symmetry: &Symmetry,
+        copula: &Copula,
         draws: usize,
         seed: u64,
     ) -> Option<Self> {
-        let n = pilot.states.dimension();
+        let n = copula.knots.len();
         let mut stream = ChaCha8Rng::seed_from_u64(seed);
         let shifts = (0..SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
         let rule = ImportanceRule {
-            copula: Copula::new(pilot, symmetry)?,
+            copula: copula.clone(),
             shifts,
             blocks: draws.div_ceil(BLOCK * SHIFTS).max(1),
             shift: 0.0,
@@ -121,6 +118,12 @@ impl ImportanceRule {
         Estimate::new(mass.ln() + self.shift, error / mass)
     }
 
+    /// The same with a value of ln ∫ exp(Q) dx that is known better.
+    pub(in crate::closure) fn with_log_mass(self, log_mass: Estimate) -> Self {
+        let mass = (log_mass.value - self.shift).exp();
+        ImportanceRule { mass: [mass, mass * log_mass.error], ..self }
+    }
+
     /// How many independent draws from the density itself would do as well.
     pub(in crate::closure) fn effective(&self) -> f64 {
         self.effective
@@ -137,8 +140,8 @@ impl ImportanceRule {
         Ok(spread(sums.iter().map(|part| part[2] / part[0])))
     }
 
-    /// All trusted draws with their weights.
-    pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>)> {
+    /// All trusted draws with their weights, and where each shift's end.
+    pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>, Vec<usize>)> {
         let n = self.products.dimension();
         let sampler = self.copula.sampler(&[])?;
         let blocks = (0..SHIFTS * self.blocks).into_par_iter().map(|task| {
@@ -150,7 +153,11 @@ impl ImportanceRule {
             (values, weights)
         });
         let (values, weights): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.unzip();
-        Ok((States::from_values(n, values.concat()), weights.concat()))
+        let mut ends = Vec::with_capacity(SHIFTS);
+        for blocks in weights.chunks(self.blocks) {
+            ends.push(ends.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
+        }
+        Ok((States::from_values(n, values.concat()), weights.concat(), ends))
     }
 
     /// ∫ g p dx over all other states, those of `held` at their values: the marginal density where g = 1, the flux through

@@ -3,14 +3,19 @@
 //! Where the density is no exponential polynomial, no exp(Q) obeys the moment equations, and equations that are tested on the
 //! pilot's fixed states do not know about mass that leaves them. What the states do know is a list of means, and the moment
 //! equations make these ten times more precise; of all densities with these means exp(Q) is the one of largest entropy, it
-//! always exists, and is found by a concave maximisation.
+//! always exists, and is found by a concave maximisation. A step that serves both the means and the moment equations under
+//! exp(Q) itself, each as far as it is known, then takes off what is left of the pilot's noise.
 
 mod calibration;
 mod copula;
+mod estimate;
 mod importance;
+mod lattice;
 mod likelihood;
 mod moments;
 mod products;
+mod reconciliation;
+mod root;
 mod sites;
 
 pub(crate) use copula::Copula;
@@ -21,27 +26,33 @@ use super::degrees::Degrees;
 use super::exponent::Exponent;
 use super::pilot::Pilot;
 use super::space::{Functions, Polynomials};
+use crate::estimate::Estimate;
 use crate::problem::{Problem, Symmetry};
-use calibration::Calibration;
-use likelihood::{Draws, Fit, Likelihood, Search, distance};
+use calibration::{COVARIANT, Calibration, LEAST_WEIGHT};
+use estimate::l1_estimate;
+use lattice::lattice;
+use likelihood::{Fit, Likelihood, Nodes, Search, effective};
 use moments::moments;
 use products::Products;
 
 /// The density is judged by one two degrees higher, of at most so many functions; of more, only those of one and of two states
 /// are taken beyond the order.
 const MOST_FUNCTIONS: usize = 700;
-/// Draws of the maximisation: for each function, at least, and at most.
-const DRAWS_EACH: usize = 300;
-const FEWEST_DRAWS: usize = 1 << 16;
-const MOST_DRAWS: usize = 1 << 18;
-/// A density is found once the next step, in standard deviations of ln p, is so short; one that only judges, or starts another,
-/// may be rougher.
+/// Nodes of the maximisation: for each function, at least, and at most.
+const NODES_EACH: usize = 300;
+const FEWEST_NODES: usize = 1 << 16;
+const MOST_NODES: usize = 1 << 18;
+/// A lattice resolves a density if no mean by one half of its nodes is farther from that by the other, in standard deviations.
+const UNEVEN: f64 = 0.02;
+/// A density is found once the next step, in standard deviations of ln p, is so short; one that starts another may be rougher.
 const FOUND: Search = Search { tolerance: 1e-6, most: 80 };
 const ROUGH: Search = Search { tolerance: 3e-3, most: 24 };
-/// Of so many draws one must count.
+/// How often the pilot's means and the equations are reconciled.
+const RECONCILED: usize = 3;
+/// A change of ln p, by its standard deviation, is made if it is at most so large, relative to 1 and to the one before.
+const FALLING: f64 = 0.5;
+/// Of so many nodes one must count.
 const LEAST_EFFECTIVE: f64 = 1e-3;
-/// A smaller weight of a state means that the pilot has not mixed.
-const LEAST_WEIGHT: f64 = -2.0;
 
 /// ln p up to a constant, as found on samples.
 #[derive(Clone, Debug)]
@@ -50,6 +61,8 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) exponent: Exponent,
     /// The functions of Q.
     pub(in crate::closure) polynomials: Polynomials,
+    /// ln ∫ exp(Q) dx over what the copula trusts, where a lattice gave it.
+    pub(in crate::closure) log_mass: Option<Estimate>,
     /// The calibrated moments that Q was made of.
     pub(in crate::closure) moments: Vec<Moment>,
     /// Whether Q solves the Fokker-Planck equation.
@@ -58,7 +71,8 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) l1_estimate: f64,
     /// The root mean square of the residual, and the same relative to its parts.
     pub(in crate::closure) residual: [f64; 2],
-    /// Whether the states carry the density: enough effective draws, and no state with a large negative weight.
+    /// Whether the states carry the density: the search ended, with enough effective draws and no state of a large negative
+    /// weight.
     pub(in crate::closure) carried: bool,
     /// The degree of the functions whose moment equations the means obey, and the smallest weight that this gives a state.
     pub(in crate::closure) calibrated: (Option<u32>, f64),
@@ -66,13 +80,14 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) steps: usize,
 }
 
-/// Closes at one order on the pilot's states. None where they are too few to tell its functions apart, or lie on a surface.
+/// Closes at one order on the pilot's states, by integrals over a lattice where that resolves the density, and over draws from
+/// the states' copula otherwise. None where they are too few to tell its functions apart.
 pub(in crate::closure) fn close_on_samples(
     problem: &Problem,
     pilot: &Pilot,
-    degrees: &Degrees,
-    order: u32,
+    (degrees, order): (&Degrees, u32),
     symmetry: &Symmetry,
+    copula: &Copula,
     seed: u64,
 ) -> Option<SampleClosure> {
     let n = problem.dimension();
@@ -87,46 +102,45 @@ pub(in crate::closure) fn close_on_samples(
     let (centre, _) = pilot.spread(symmetry);
     let half_width = reach(pilot, &centre);
     let functions = |exponents: &[Vec<u32>]| Polynomials::new(centre.clone(), half_width.clone(), exponents.to_vec());
-    let calibration = Calibration::new(problem, pilot, symmetry, &functions(&higher))?;
+    let calibration = Calibration::new(problem, pilot, symmetry, &functions(&higher), kept.len())?;
 
     let polynomials = functions(&kept);
-    let flat = vec![0.0; kept.len()];
-    let draws = (DRAWS_EACH * kept.len()).max(DRAWS_EACH / 2 * higher.len()).clamp(FEWEST_DRAWS, MOST_DRAWS);
-    let rule = ImportanceRule::new(&polynomials, &flat, pilot, symmetry, draws, seed ^ FITTED)?;
-    let (points, weights) = rule.drawn().ok()?;
-    let draws = Draws { points, base: weights.iter().map(|w| w.ln()).collect() };
-    let fitted = |products: &Products, start: &[f64], search: Search| -> Option<Fit> {
-        let count = products.len();
-        let likelihood = Likelihood { draws: &draws, products };
-        let start = start.iter().copied().chain(std::iter::repeat(0.0)).take(count).collect();
-        likelihood.most_likely(&calibration.means[..count - 1], start, search)
-    };
-    // Order by order, each from the one before.
-    let mut steps = 0;
-    let mut start = vec![0.0];
-    for below in (2..order).step_by(2) {
-        let fit = fitted(&Products::new(&functions(&exponents(below))), &start, ROUGH)?;
-        steps += fit.steps;
-        start = fit.a;
-    }
     let products = Products::new(&polynomials);
-    let fit = fitted(&products, &start, FOUND)?;
-    let likelihood = Likelihood { draws: &draws, products: &products };
+    let most = (NODES_EACH * kept.len()).max(NODES_EACH / 2 * higher.len()).clamp(FEWEST_NODES, MOST_NODES);
+    // Order by order, each from the one before.
+    let lower: Vec<Products> =
+        (2..order).step_by(2).map(|order| Products::new(&functions(&exponents(order)))).collect();
+    let fitted = |nodes: Nodes| -> Option<(Nodes, Fit)> {
+        let (mut steps, mut start) = (0, Vec::new());
+        let mut fitted = |products: &Products, search| {
+            start.resize(products.len(), 0.0);
+            let means = &calibration.means[..products.len() - 1];
+            let fit = Likelihood { nodes: &nodes, products }.most_likely(means, start.clone(), search)?;
+            steps += fit.steps;
+            start.clone_from(&fit.a);
+            Some(Fit { steps, ..fit })
+        };
+        lower.iter().try_for_each(|products| fitted(products, ROUGH).map(|_| ()))?;
+        let fit = fitted(&products, FOUND)?;
+        Some((nodes, fit))
+    };
+    let resolved =
+        |(nodes, fit): &(Nodes, Fit)| Likelihood { nodes, products: &products }.unevenness(&fit.masses) < UNEVEN;
+    let drawn = || {
+        let rule = ImportanceRule::new(&polynomials, &vec![0.0; kept.len()], copula, most, seed ^ FITTED)?;
+        let (points, weights, parts) = rule.drawn().ok()?;
+        fitted(Nodes { points, base: weights.iter().map(|w| w.ln()).collect(), parts, measured: false })
+    };
+    let on_lattice = lattice(pilot, symmetry, copula, most).and_then(fitted).filter(resolved);
+    let (nodes, fit) = on_lattice.or_else(drawn)?;
+    let likelihood = Likelihood { nodes: &nodes, products: &products };
     let polished = likelihood.polished(problem, &fit);
     let exact = polished.is_some();
     let (l1_estimate, fit) = match polished {
         Some(root) => (0.0, root),
         None => {
-            let products = Products::new(&functions(&higher));
-            let above = fitted(&products, &fit.a, ROUGH);
-            let found = above.as_ref().map_or(2.0, |above| distance(&fit.masses, &above.masses));
-            // Half of what the two halves of the states make of the higher order is the noise of both together.
-            let floor = above.map_or(0.0, |above| {
-                let halves = calibration.halves.each_ref().map(Vec::as_slice);
-                let change = Likelihood { draws: &draws, products: &products }.change(&above, halves);
-                0.5 * change.unwrap_or(2.0)
-            });
-            ((found * found - floor * floor).max(0.0).sqrt() + 0.5 * floor, fit)
+            let fit = reconciled(problem, &likelihood, fit, &calibration);
+            (l1_estimate(problem, &nodes, &Products::new(&functions(&higher)), &fit, &calibration), fit)
         }
     };
     let residual = likelihood.residual(problem, &fit);
@@ -134,15 +148,39 @@ pub(in crate::closure) fn close_on_samples(
     let space = Functions::Polynomials(polynomials.clone());
     Some(SampleClosure {
         exponent: Exponent { known: Vec::new(), space, constant: 0.0, coefficients },
+        log_mass: likelihood.log_mass(&fit),
         moments: moments(&polynomials, &calibration),
         polynomials,
         exact,
         l1_estimate,
         residual,
-        carried: fit.effective > LEAST_EFFECTIVE && calibration.smallest_weight > LEAST_WEIGHT,
+        carried: fit.converged && fit.effective > LEAST_EFFECTIVE && calibration.smallest_weight > LEAST_WEIGHT,
         calibrated: (calibration.degree, calibration.smallest_weight),
-        steps: steps + fit.steps,
+        steps: fit.steps,
     })
+}
+
+/// The most likely density whose means serve the pilot's and the equations, as far as either is known.
+fn reconciled(problem: &Problem, likelihood: &Likelihood<'_>, fit: Fit, calibration: &Calibration) -> Fit {
+    let size = likelihood.products.len() - 1;
+    let mut fit = fit;
+    if size > COVARIANT {
+        return fit;
+    }
+    let (means, covariance) = (&calibration.means[..size], calibration.covariance.get(..size, ..size));
+    let mut last = 1.0;
+    for _ in 0..RECONCILED {
+        let Some(found) = likelihood.reconciled(problem, &fit, means, covariance) else { break };
+        if found.size > FALLING * last {
+            break;
+        }
+        last = found.size;
+        let mut a: Vec<f64> = fit.a.iter().zip(&found.change).map(|(a, change)| a + change).collect();
+        a[0] = 0.0;
+        let Some((_, masses)) = likelihood.value(&a, means) else { break };
+        fit = Fit { a, effective: effective(&masses), steps: fit.steps + 1, masses, ..fit };
+    }
+    fit
 }
 
 /// Tells the draws of the maximisation from those of the answers, which are independent of them.

@@ -72,7 +72,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
 }
 
 /// The first grid that knows the density well enough.
-fn truth(problem: &Problem) -> Result<GridDensity, String> {
+fn truth(_: usize, problem: &Problem) -> Result<GridDensity, String> {
     let mut reason = String::new();
     for (cells, degree) in GRIDS {
         match Grid::new().edge_level(EDGE).cells(cells).degree(degree).solve(problem) {

@@ -21,7 +21,7 @@ pub(crate) fn findings<S: Named, T, R: Display>(
     indices: impl Iterator<Item = usize>,
     orders: &[u32],
     system: impl Fn(usize) -> expoly::Result<S>,
-    truth: impl Fn(&Problem) -> Result<T, String>,
+    truth: impl Fn(usize, &Problem) -> Result<T, String>,
     row: impl Fn(usize, u32, &Problem, &T) -> expoly::Result<R>,
 ) -> expoly::Result<Findings<R>> {
     let mut findings = Findings { rows: Vec::new(), unknown: Vec::new(), failures: Vec::new() };
@@ -29,7 +29,7 @@ pub(crate) fn findings<S: Named, T, R: Display>(
         let system = system(index)?;
         println!("{index:4} {system}");
         let problem = system.problem()?;
-        let truth = match truth(&problem) {
+        let truth = match truth(index, &problem) {
             Ok(truth) => truth,
             Err(reason) => {
                 println!("       no truth: {reason}");

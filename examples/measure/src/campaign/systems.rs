@@ -5,6 +5,7 @@ use expoly::models::{Duffing, VibroImpactDuffing};
 use expoly::{Interpretation, PolynomialDrift, Problem, Scalar};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use std::fmt;
+use support::exact::Exact;
 
 /// x″ + h(x, x′) = (1 + βx + γx′) ξ.
 #[derive(Clone, Debug)]
@@ -40,6 +41,12 @@ impl PolynomialDrift<2, 1> for System {
 
     fn interpretation(&self) -> Interpretation {
         self.interpretation
+    }
+}
+
+impl Named for Exact {
+    fn problem(&self) -> expoly::Result<Problem> {
+        Problem::of_system(self.clone())
     }
 }
 

@@ -75,7 +75,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
 }
 
 /// The grid's density; what the literature's closure makes of the wall is printed beside it.
-fn truth(problem: &Problem) -> Result<GridDensity, String> {
+fn truth(_: usize, problem: &Problem) -> Result<GridDensity, String> {
     let truth = Grid::new().solve(problem).map_err(|error| error.to_string())?;
     let shown = [Basis::Classical, Basis::Folded].map(|basis| {
         let l1 = classical(basis, problem, &truth).unwrap_or_else(|error| error.to_string());

@@ -1,0 +1,135 @@
+//! Random systems of three to six states whose density is known.
+
+use super::Options;
+use super::runner::findings;
+use super::statistics::{header, quantile, share};
+use crate::Outcome;
+use expoly::{Closure, ClosureDensity, Density, Problem};
+use std::fmt;
+use std::time::Instant;
+use support::{exact::Exact, file::write_csv};
+
+/// Draws from the exact density.
+const DRAWS: usize = 40_000;
+/// ln ∫ exp(−U) by those draws and by the closure's own are the same but for chance, or the closure misses a part.
+const SAME: f64 = 0.03;
+/// States of the pilot whose closure is as good as its order can be.
+const BEST: usize = 1_638_400;
+
+/// One density against the truth.
+struct Row {
+    index: usize,
+    states: usize,
+    order: u32,
+    l1: f64,
+    estimate: f64,
+    /// Of the closure of this order on many more states.
+    best: Option<f64>,
+    warning: Option<String>,
+    seconds: f64,
+}
+
+impl Row {
+    fn ratio(&self) -> f64 {
+        self.estimate / self.l1
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let warned = f64::from(u8::from(self.warning.is_some()));
+        let (index, order) = (self.index as f64, f64::from(self.order));
+        let best = self.best.unwrap_or(f64::NAN);
+        vec![index, self.states as f64, order, self.l1, self.estimate, best, warned, self.seconds]
+    }
+}
+
+/// The exact density by its draws.
+struct Truth {
+    draws: Vec<Vec<f64>>,
+    log_mass: f64,
+}
+
+/// ∫ |p̃ − p| dx: by the closure's own draws where these cover p, and by the exact ones otherwise.
+fn l1(density: &ClosureDensity, system: &Exact, truth: &Truth) -> expoly::Result<f64> {
+    let log_ratio = |x: &[f64]| density.log_pdf(x).map_or(f64::NAN, |log| system.log_density(x) - log);
+    let log_mass = density.expectation(&|x| log_ratio(x).exp())?.value.ln();
+    if (log_mass - truth.log_mass).abs() < SAME {
+        Ok(density.expectation(&|x| 2.0 * (1.0 - (log_ratio(x) - log_mass).exp()).max(0.0))?.value)
+    } else {
+        let part = |x: &Vec<f64>| 2.0 * (1.0 - (truth.log_mass - log_ratio(x)).exp()).max(0.0);
+        Ok(truth.draws.iter().map(part).sum::<f64>() / truth.draws.len() as f64)
+    }
+}
+
+pub(crate) fn run(options: &Options) -> Outcome {
+    let orders = options.orders(&[2, 4]);
+    println!("seed {}; L1 (estimate), best of its order, warning, seconds", options.seed);
+    let system = |index| Ok(Exact::random(options.seed, index));
+    let truth = |index: usize, _: &Problem| {
+        let (draws, log_mass) = Exact::random(options.seed, index).draws(DRAWS, options.seed);
+        Ok(Truth { draws, log_mass })
+    };
+    let row = |index: usize, order: u32, problem: &Problem, truth: &Truth| {
+        let system = Exact::random(options.seed, index);
+        let begin = Instant::now();
+        let density = Closure::new(order).solve(problem)?;
+        let seconds = begin.elapsed().as_secs_f64();
+        let best = |states| l1(&Closure::new(order).pilot_states(states).solve(problem)?, &system, truth);
+        Ok(Row {
+            index,
+            states: problem.dimension(),
+            order,
+            l1: l1(&density, &system, truth)?,
+            estimate: density.l1_estimate(),
+            best: options.best.then_some(BEST).map(best).transpose()?,
+            warning: density.warning().map(str::to_owned),
+            seconds,
+        })
+    };
+    let findings = findings(options.indices(60), &orders, system, truth, row)?;
+    let columns = ["index", "states", "order", "l1", "estimate", "best", "warned", "seconds"];
+    let path = options.out.join("exact.csv");
+    write_csv(&path, &header(&columns), &findings.rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
+    findings.print_missing();
+    for order in orders {
+        summary(order, &findings.rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
+    }
+    println!("table: {}", path.display());
+    Ok(())
+}
+
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let best = self.best.map_or_else(String::new, |best| format!(", best {best:.1e}"));
+        write!(
+            f,
+            "       n = {:2}: {:.2e} ({:.2e}) {:5.2}{best}  {:.1} s  {}",
+            self.order,
+            self.l1,
+            self.estimate,
+            self.ratio(),
+            self.seconds,
+            self.warning.as_deref().unwrap_or("")
+        )
+    }
+}
+
+fn summary(order: u32, rows: &[&Row]) {
+    let plain: Vec<&&Row> = rows.iter().filter(|row| row.warning.is_none()).collect();
+    let l1 = |share| quantile(plain.iter().map(|row| row.l1), share);
+    let ratio = |share| quantile(plain.iter().map(|row| row.ratio()), share);
+    let within = |factor: f64| {
+        let count = plain.iter().filter(|row| (factor.recip()..=factor).contains(&row.ratio())).count();
+        share(count, plain.len())
+    };
+    println!("\nn = {order}: {} densities, {} with a warning", rows.len(), rows.len() - plain.len());
+    println!("  without a warning: L1 median {:.1e}, 90 % {:.1e}, worst {:.1e}", l1(0.5), l1(0.9), l1(1.0));
+    println!("  estimate within a factor 1.5: {}; 3: {}", within(1.5), within(3.0));
+    println!("  estimate/L1: 5 % {:.2}, median {:.2}, 95 % {:.2}", ratio(0.05), ratio(0.5), ratio(0.95));
+    let best = |share| quantile(plain.iter().filter_map(|row| row.best.map(|best| row.l1 / best)), share);
+    println!("  L1/best of its order: median {:.2}, worst {:.2}", best(0.5), best(1.0));
+    println!("  seconds: median {:.1}, worst {:.1}", seconds(rows, 0.5), seconds(rows, 1.0));
+}
+
+fn seconds(rows: &[&Row], share: f64) -> f64 {
+    quantile(rows.iter().map(|row| row.seconds), share)
+}

@@ -1,0 +1,47 @@
+//! How far the most likely density is from the density: by one two degrees higher.
+
+use super::calibration::{COVARIANT, Calibration};
+use super::likelihood::{Fit, Likelihood, Nodes, Search, distance};
+use super::products::Products;
+use crate::problem::Problem;
+
+/// A density that only judges is found to this part of its distance.
+const FINE: f64 = 0.02;
+const MOST: usize = 24;
+/// The distance where nothing has been said about it.
+const UNKNOWN: f64 = 0.15;
+
+/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit`, of which the first of `higher` are the functions: the distance to what the
+/// pilot's means and the moment equations of all of `higher` make of it, less what chance makes of that; 2 where nothing can be
+/// found.
+pub(super) fn l1_estimate(
+    problem: &Problem,
+    nodes: &Nodes,
+    higher: &Products,
+    fit: &Fit,
+    calibration: &Calibration,
+) -> f64 {
+    let likelihood = Likelihood { nodes, products: higher };
+    let size = higher.len() - 1;
+    let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(size + 1).collect();
+    let apart = |means: &[f64], size: f64| {
+        let above = likelihood.most_likely(means, start.clone(), Search { tolerance: FINE * size, most: MOST })?;
+        Some((distance(&fit.masses, &above.masses), above))
+    };
+    let reconciled = if size <= COVARIANT {
+        let begin = Fit { a: start.clone(), ..fit.clone() };
+        likelihood.reconciled(problem, &begin, &calibration.means, calibration.covariance.as_ref())
+    } else {
+        None
+    };
+    let found = match reconciled {
+        Some(found) => apart(&found.means, found.size.min(1.0))
+            .map(|(distance, _)| (distance, distance * (found.noise / found.size).min(1.0))),
+        // Half of what the two halves of the states make of the higher order is the noise of both together.
+        None => apart(&calibration.means, UNKNOWN).map(|(distance, above)| {
+            let change = likelihood.change(&above, calibration.halves.each_ref().map(Vec::as_slice));
+            (distance, 0.5 * change.unwrap_or(2.0))
+        }),
+    };
+    found.map_or(2.0, |(found, noise)| (found * found - noise * noise).max(0.0).sqrt() + 0.5 * noise)
+}

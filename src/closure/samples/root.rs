@@ -1,0 +1,208 @@
+//! The root of the Galerkin equations under exp(Q) itself, where there is one.
+
+use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, effective};
+use super::products::{LANES, Lane, Scratch, ZERO};
+use super::sites::Sites;
+use crate::problem::Problem;
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::Solve;
+use faer::{Accum, Mat, Par};
+use rayon::prelude::*;
+
+/// The size of the residual, relative to its parts, at which the Fokker-Planck equation is solved; what must follow from
+/// step to step; and the steps at most.
+const SOLVED: f64 = 1e-9;
+const HALVED: f64 = 0.5;
+const POLISHES: usize = 12;
+const FEWEST: usize = 1 << 14;
+/// Nodes for each function that a root is sought on: where there is one, few find it as well as many.
+const ROOT_EACH: usize = 80;
+
+impl Likelihood<'_> {
+    /// The root of E\[r φ_k\] = 0 under exp(Q) itself near `fit`, where the residual r vanishes at every draw: Q is then exact,
+    /// whatever the draws. None where there is none.
+    pub(super) fn polished(&self, problem: &Problem, fit: &Fit) -> Option<Fit> {
+        let size = self.products.len() - 1;
+        let zeros = vec![0.0; size];
+        let enough = (ROOT_EACH * size).max(FEWEST);
+        let parts = &self.nodes.parts;
+        let count = parts.iter().copied().find(|end| *end >= enough).unwrap_or(fit.masses.len());
+        let first = |masses: &[f64]| -> Vec<f64> {
+            let sum: f64 = masses[..count].iter().sum();
+            masses[..count].iter().map(|p| p / sum).collect()
+        };
+        let (mut a, mut all, mut last) = (fit.a.clone(), fit.masses.clone(), f64::INFINITY);
+        for steps in 0..POLISHES {
+            let masses = first(&all);
+            let found = self.means(&masses);
+            let equations = self.equations(problem, &a, &masses, Columns::Linearised);
+            if equations.size < SOLVED {
+                return Some(Fit {
+                    a,
+                    effective: effective(&all),
+                    steps: fit.steps + steps,
+                    converged: true,
+                    masses: all,
+                });
+            }
+            if equations.size.is_nan() || equations.size >= HALVED * last {
+                return None;
+            }
+            last = equations.size;
+            // Of ψ = φ − Eφ.
+            let matrix = Mat::from_fn(size, size, |k, l| {
+                equations.matrix[(k + 1, l + 1)] - found[k] * equations.matrix[(0, l + 1)]
+            });
+            let right = Mat::from_fn(size, 1, |k, _| found[k] * equations.tested[0] - equations.tested[k + 1]);
+            let scale: Vec<f64> = (0..size).map(|k| matrix.col(k).norm_l2().max(f64::MIN_POSITIVE).recip()).collect();
+            let scaled = Mat::from_fn(size, size, |k, l| matrix[(k, l)] * scale[l]);
+            let step = scaled.partial_piv_lu().solve(&right);
+            (0..size).for_each(|k| a[k + 1] += scale[k] * step[(k, 0)]);
+            all = self.value(&a, &zeros)?.1;
+        }
+        None
+    }
+
+    /// How far Q is from what the equations under exp(Q) ask for: the root mean square of the residual, and its size relative to
+    /// its parts.
+    pub(super) fn residual(&self, problem: &Problem, fit: &Fit) -> [f64; 2] {
+        let Equations { root, size, .. } = self.equations(problem, &fit.a, &fit.masses, Columns::None);
+        [root, size]
+    }
+
+    /// The equations under exp(Q).
+    pub(super) fn equations(&self, problem: &Problem, a: &[f64], masses: &[f64], columns: Columns) -> Equations {
+        let size = if columns == Columns::None { 0 } else { self.products.len() };
+        let stretches = (ROOM / (size * size).max(1)).clamp(2, 64);
+        let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).collect();
+        let stretch = |blocks: &[usize]| {
+            let mut sum = Equations::new(size);
+            let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem));
+            let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(BLOCK, size));
+            for &block in blocks {
+                let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
+                for at in (0..p.len()).step_by(LANES) {
+                    let count = LANES.min(p.len() - at);
+                    let n = problem.dimension();
+                    let first = block * BLOCK + at;
+                    sites.place(problem, &self.nodes.points.values()[first * n..(first + count) * n]);
+                    self.products.place(&sites.x, &mut scratch);
+                    let (r, parts) = self.residual_at(a, &sites, &mut scratch);
+                    match columns {
+                        Columns::Linearised => linearised(&sites, &mut scratch),
+                        Columns::Generator => scratch.first.copy_from_slice(&sites.drift),
+                        Columns::None => {}
+                    }
+                    if columns != Columns::None {
+                        self.products.apply(&sites.diffusion, &sites.coupled, &mut scratch);
+                    }
+                    for l in 0..count {
+                        sum.root += p[at + l] * r[l] * r[l];
+                        sum.size += p[at + l] * parts[l];
+                    }
+                    for k in 0..size {
+                        let value = self.products.value(&scratch, k);
+                        let image = self.products.image(&scratch, k);
+                        let (left, right) = (left.col_as_slice_mut(k), right.col_as_slice_mut(k));
+                        let noise = noise.col_as_slice_mut(k);
+                        for l in 0..count {
+                            left[at + l] = p[at + l] * value[l];
+                            right[at + l] = image[l];
+                            noise[at + l] = r[l] * left[at + l];
+                            sum.tested[k] += noise[at + l];
+                        }
+                    }
+                }
+                let [left, right, noise] = [&left, &right, &noise].map(|table| table.get(..p.len(), ..));
+                matmul(sum.matrix.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
+                if columns == Columns::Generator {
+                    matmul(sum.noise.as_mut(), Accum::Add, noise.transpose(), noise, 1.0, Par::Seq);
+                    matmul(sum.spread.as_mut(), Accum::Add, left.transpose(), left, 1.0, Par::Seq);
+                }
+            }
+            sum
+        };
+        let parts: Vec<Equations> = blocks.par_chunks(blocks.len().div_ceil(stretches).max(1)).map(stretch).collect();
+        let mut all = Equations::new(size);
+        for part in &parts {
+            all.matrix += &part.matrix;
+            all.noise += &part.noise;
+            all.spread += &part.spread;
+            all.tested.iter_mut().zip(&part.tested).for_each(|(sum, part)| *sum += part);
+            all.root += part.root;
+            all.size += part.size;
+        }
+        let root = all.root.sqrt();
+        Equations { size: root / all.size.sqrt().max(f64::MIN_POSITIVE), root, ..all }
+    }
+
+    /// The residual of Q at the sites where the products are placed, and the sum of the squares of the parts f_i ∂_iQ.
+    fn residual_at(&self, a: &[f64], sites: &Sites, scratch: &mut Scratch) -> (Lane, Lane) {
+        scratch.first.copy_from_slice(&sites.backward);
+        self.products.apply(&sites.diffusion, &sites.coupled, scratch);
+        let mut r = sites.source;
+        for (k, a) in a.iter().enumerate() {
+            let image = self.products.image(scratch, k);
+            (0..LANES).for_each(|l| r[l] += a * image[l]);
+        }
+        self.products.gradient(a, scratch);
+        let slope = &scratch.gradient;
+        for &i in &sites.noisy {
+            for &j in &sites.noisy {
+                let b = &sites.diffusion[i * slope.len() + j];
+                (0..LANES).for_each(|l| r[l] += 0.5 * b[l] * slope[i][l] * slope[j][l]);
+            }
+        }
+        let mut parts = ZERO;
+        for (f, slope) in sites.drift.iter().zip(slope) {
+            (0..LANES).for_each(|l| parts[l] += (f[l] * slope[l]).powi(2));
+        }
+        (r, parts)
+    }
+}
+
+/// The first-order part −f + ∂B + B∇Q of the linearised residual L′δ = (−f + ∂B + B∇Q)·∇δ + ½ B:∇∇δ.
+fn linearised(sites: &Sites, scratch: &mut Scratch) {
+    scratch.first.copy_from_slice(&sites.backward);
+    let n = sites.drift.len();
+    for &i in &sites.noisy {
+        for &j in &sites.noisy {
+            let (b, slope) = (&sites.diffusion[i * n + j], &scratch.gradient[j]);
+            (0..LANES).for_each(|l| scratch.first[i][l] += b[l] * slope[l]);
+        }
+    }
+}
+
+/// What the columns of the matrix are the images under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Columns {
+    /// There is no matrix: only the size of the residual is asked for.
+    None,
+    /// The linearised residual L′.
+    Linearised,
+    /// The generator 𝓖 = f·∇ + ½ B:∇∇.
+    Generator,
+}
+
+/// The Galerkin equations under exp(Q), the constant among the functions.
+pub(super) struct Equations {
+    /// E\[φ_k L′φ_l\] or E\[φ_k 𝓖φ_l\].
+    pub(super) matrix: Mat<f64>,
+    /// E\[r φ_k\].
+    pub(super) tested: Vec<f64>,
+    /// The sums of (p r)² φ_k φ_l and of p² φ_k φ_l over the draws, where the generator is asked for: the covariances of
+    /// E\[r φ\] and of E φ by independent draws.
+    pub(super) noise: Mat<f64>,
+    pub(super) spread: Mat<f64>,
+    /// √E r².
+    root: f64,
+    /// The same relative to its parts.
+    size: f64,
+}
+
+impl Equations {
+    fn new(size: usize) -> Self {
+        let [matrix, noise, spread] = [(); 3].map(|()| Mat::zeros(size, size));
+        Equations { matrix, tested: vec![0.0; size], noise, spread, root: 0.0, size: 0.0 }
+    }
+}
