@@ -99,6 +99,8 @@ pub(super) struct Counts {
 pub struct Histogram {
     axes: Vec<Axis>,
     batches: Vec<Counts>,
+    /// The samples of each batch: sums over all cells, which are too many to be added up for every place that is asked for.
+    samples: Vec<u64>,
 }
 
 impl Counts {
@@ -138,7 +140,8 @@ fn flat_index<'a>(mut bins: impl Iterator<Item = (&'a Axis, Option<usize>)>) -> 
 
 impl Histogram {
     pub(super) fn new(axes: &[Axis], batches: Vec<Counts>) -> Self {
-        Histogram { axes: axes.to_vec(), batches }
+        let samples = batches.iter().map(Counts::samples).collect();
+        Histogram { axes: axes.to_vec(), batches, samples }
     }
 
     /// What each batch counted.
@@ -153,7 +156,7 @@ impl Histogram {
 
     /// The number of samples, those outside the range included.
     pub fn samples(&self) -> u64 {
-        self.batches.iter().map(Counts::samples).sum()
+        self.samples.iter().sum()
     }
 
     /// The number of samples outside the range.
@@ -235,7 +238,8 @@ impl Histogram {
     fn functional(&self, terms: &[(usize, f64)]) -> Estimate {
         let volume = self.volume();
         let counted = |b: &Counts| terms.iter().map(|&(index, w)| w * b.cells[index] as f64).sum::<f64>();
-        let totals: Vec<[f64; 2]> = self.batches.iter().map(|b| [counted(b), b.samples() as f64]).collect();
+        let batches = self.batches.iter().zip(&self.samples);
+        let totals: Vec<[f64; 2]> = batches.map(|(b, samples)| [counted(b), *samples as f64]).collect();
         let estimate = jackknife(&totals, |&t| t, |[count, samples]| count / samples / volume);
         let empty = terms.iter().all(|&(index, _)| self.batches.iter().all(|b| b.cells[index] == 0));
         if empty { Estimate::new(0.0, self.one_sample()) } else { estimate }
@@ -269,12 +273,12 @@ impl Histogram {
 
     /// The number of samples of each batch, and how many of those in the range lie below each edge of a single state's bins.
     pub(super) fn cumulated(&self) -> impl Iterator<Item = (f64, Vec<f64>)> + '_ {
-        self.batches.iter().map(|b| {
+        self.batches.iter().zip(&self.samples).map(|(b, samples)| {
             let sums = b.cells.iter().scan(0, |sum, count| {
                 *sum += count;
                 Some(*sum as f64)
             });
-            (b.samples() as f64, std::iter::once(0.0).chain(sums).collect())
+            (*samples as f64, std::iter::once(0.0).chain(sums).collect())
         })
     }
 
