@@ -88,14 +88,14 @@ fn array<const N: usize>(x: &[f64]) -> [f64; N] {
     std::array::from_fn(|i| x[i])
 }
 
-/// A function of one state and its lane at all lanes, with the registers that the call is compiled for.
+/// A function of one state at all lanes, with the registers that the call is compiled for.
 struct OnLanes<'a, F, const N: usize> {
     x: &'a [Lane],
     values: &'a mut [Lane],
     function: F,
 }
 
-impl<F: Fn([f64; N], usize) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, F, N> {
+impl<F: Fn([f64; N]) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, F, N> {
     type Output = ();
 
     #[inline(always)]
@@ -105,12 +105,56 @@ impl<F: Fn([f64; N], usize) -> [f64; N], const N: usize> NullaryFnOnce for OnLan
         x.copy_from_slice(&self.x[..N]);
         let mut values = [[0.0; LANES]; N];
         for l in 0..LANES {
-            let value = (self.function)(std::array::from_fn(|i| x[i][l]), l);
+            let value = (self.function)(std::array::from_fn(|i| x[i][l]));
             for i in 0..N {
                 values[i][l] = value[i];
             }
         }
         self.values[..N].copy_from_slice(&values);
+    }
+}
+
+/// The flow of column k of G at all lanes, likewise. Four evaluations of the user's noise are too long for a closure to become
+/// part of the call: it would take one lane after another.
+struct OnFlow<'a, T, const N: usize, const M: usize> {
+    system: &'a T,
+    k: usize,
+    x: &'a [Lane],
+    s: &'a Lane,
+    to: &'a mut [Lane],
+}
+
+impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> OnFlow<'_, T, N, M> {
+    /// Column k: chosen and not looked up, so that the other columns need no memory.
+    #[inline(always)]
+    fn column(&self, x: &[f64; N]) -> [f64; N] {
+        let noise = self.system.noise(*x);
+        let mut column = [0.0; N];
+        for i in 0..N {
+            for k in 0..M {
+                column[i] = if k == self.k { noise[i][k] } else { column[i] };
+            }
+        }
+        column
+    }
+}
+
+impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> NullaryFnOnce for OnFlow<'_, T, N, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let mut x = [[0.0; LANES]; N];
+        x.copy_from_slice(&self.x[..N]);
+        let (s, mut to) = (*self.s, [[0.0; LANES]; N]);
+        for l in 0..LANES {
+            let state: [f64; N] = std::array::from_fn(|i| x[i][l]);
+            let end = runge_kutta(state, s[l], |x| self.column(x));
+            for i in 0..N {
+                to[i][l] = end[i];
+            }
+        }
+        self.to[..N].copy_from_slice(&to);
     }
 }
 
@@ -148,26 +192,25 @@ impl<D: Fn(&[f64; N]) -> [f64; N], const N: usize, const M: usize> NullaryFnOnce
 
 impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T, N, M> {
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
-        let entries = |x, _| self.system.noise(x).map(|row| row[k]);
+        let entries = |x| self.system.noise(x).map(|row| row[k]);
         arch.dispatch(OnLanes { x, values: column, function: entries });
     }
 
     fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
-        let column = |x: &[f64; N]| self.system.noise(*x).map(|row| row[k]);
-        arch.dispatch(OnLanes { x, values: to, function: |x, l| runge_kutta(x, s[l], column) });
+        arch.dispatch(OnFlow { system: &self.system, k, x, s, to });
     }
 
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
         let moved: [f64; N] = array(moved);
         let drift = |x: &[f64; N]| self.system.drift(*x);
         if induced == 0.0 {
-            arch.dispatch(OnLanes { x, values: to, function: |x, _| midpoint(x, tau, &moved, drift) });
+            arch.dispatch(OnLanes { x, values: to, function: |x| midpoint(x, tau, &moved, drift) });
         } else {
             let both = |x: &[f64; N]| {
                 let (drift, more) = (drift(x), self.along(*x));
                 std::array::from_fn(|i| drift[i] + induced * more[i])
             };
-            arch.dispatch(OnLanes { x, values: to, function: |x, _| midpoint(x, tau, &moved, both) });
+            arch.dispatch(OnLanes { x, values: to, function: |x| midpoint(x, tau, &moved, both) });
         }
     }
 
