@@ -21,7 +21,7 @@ fn linear() -> &'static GridDensity {
 fn duffing() -> &'static GridDensity {
     static DENSITY: OnceLock<GridDensity> = OnceLock::new();
     DENSITY.get_or_init(|| {
-        let grid = Grid::new().degree(7).cells([10, 10]).domain([[-3.9, 3.9], [-6.2, 6.2]]).edge_level(1e-6);
+        let grid = Grid::new().degree(6).cells([10, 10]).domain([[-3.9, 3.9], [-6.2, 6.2]]).edge_level(1e-6);
         grid.solve(&problem(crate::common::duffing())).unwrap()
     })
 }
@@ -47,7 +47,7 @@ fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
 fn a_linear_oscillator_keeps_its_gaussian() {
     let stationary = linear();
     let start = Gaussian { mean: dvector![0.8, -0.5], covariance: dmatrix![0.3, 0.05; 0.05, 0.4] };
-    let times = [0.5, 1.0, 2.0, 4.0, 8.0];
+    let times = [0.5, 1.0, 2.0, 4.0];
     let densities = stationary.transient(&Start::Gaussian(start), &times, 1e-5).unwrap();
     for transient in &densities {
         let flow = (matrix![0.0, 1.0; -1.0, -0.5] * transient.time).exp();
@@ -90,15 +90,15 @@ fn a_smaller_tolerance_gives_a_smaller_error() {
     assert!(errors[1] < 0.1 * errors[0], "{errors:?}");
 }
 
-/// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at five times, within four standard errors.
+/// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at four times, within four standard errors.
 #[test]
 fn a_point_start_agrees_with_a_simulation() {
     const PATHS: usize = 200_000;
     const STEP: f64 = 0.032;
-    let times = [0.8, 1.6, 3.2, 6.4, 12.8];
+    let times = [0.8, 1.6, 3.2, 6.4];
     let densities = duffing().transient(&Start::Point([1.0, 0.0]), &times, 1e-4).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let mut sums = [[0.0; 10]; 5];
+    let mut sums = [[0.0; 10]; 4];
     let kick = (2.0 * 0.2 * STEP).sqrt();
     for _ in 0..PATHS {
         let (mut x, mut v) = (1.0_f64, 0.0_f64);
@@ -136,7 +136,7 @@ fn a_point_start_agrees_with_a_simulation() {
 /// After many relaxation times a transient is the stationary density, and on the way it decays at the slowest rate.
 #[test]
 fn a_transient_ends_in_the_stationary_density_at_the_slowest_rate() {
-    let grid = Grid::new().degree(7).cells([10, 8]).domain([[-2.6, 2.6], [-2.6, 2.6]]).edge_level(1e-5);
+    let grid = Grid::new().degree(6).cells([10, 8]).domain([[-2.6, 2.6], [-2.6, 2.6]]).edge_level(1e-5);
     let bistable = grid.solve(&problem(Duffing::new(0.5, -1.0, 1.0, 0.1).unwrap())).unwrap();
     let rate = bistable.relaxation(2).unwrap()[1].rate;
     let start = Start::Gaussian(Gaussian { mean: dvector![1.0, 0.0], covariance: dmatrix![0.1, 0.0; 0.0, 0.2] });

@@ -32,7 +32,7 @@ fn smooth_densities_are_exact_to_the_tolerance_of_the_defaults() {
     check("velocity noise", &velocity_noise());
     check("linear", &linear());
     // Ridges and wells that are narrower than the domain by more than a Gaussian is ask for more cells.
-    let finer = Grid::new().cells([11, 12]);
+    let finer = Grid::new().cells([10, 11]);
     let solve = |problem: Problem| finer.solve(&problem).unwrap();
     check_smooth("two wells", &solve(problem(bistable())), &bistable(), 1e-7);
     let system = van_der_pol_rayleigh();
@@ -148,7 +148,7 @@ fn the_smooth_reference_table_is_reproduced() {
 /// r = 1 only cuts the density off; 1e-7 as without a wall.
 #[test]
 fn an_elastic_wall_is_exact() {
-    for offset in [-0.5, 0.0, 0.5] {
+    for offset in [-0.5, 0.5] {
         let density = on_grid_above(offset, 1.0);
         let exact = duffing().exact_above(offset).unwrap();
         let distance = l1_from(&density, &exact);
@@ -215,7 +215,8 @@ fn the_impact_rate_settles_as_the_grazing_point_is_resolved() {
 fn two_elastic_walls_are_exact() {
     let (low, high) = (-0.4, 0.9);
     let [lower, upper] = walls_at([low, high], [1.0, 1.0]);
-    let density = Grid::new().solve(&between([lower, upper])).unwrap();
+    // The strip is a quarter as wide as the density without walls.
+    let density = Grid::new().cells([4, 10]).solve(&between([lower, upper])).unwrap();
     // p = exp(−v²/2 − G(x)) on the strip: the mass of x by Simpson's rule, whose error with 2000 steps is below 1e-14.
     let weight = |x: f64| (-0.5 * x * x - 0.075 * x.powi(4)).exp();
     let steps = 2000;
@@ -326,7 +327,7 @@ fn a_system_with_noise_in_both_states_is_normal() {
             [[S::from(1.0), S::from(0.0)], [S::from(0.6), S::from(0.8)]]
         }
     }
-    let density = Grid::new().solve(&problem(Gradient)).unwrap();
+    let density = Grid::new().degree(8).solve(&problem(Gradient)).unwrap();
     let [xx, xy, yy] = [[2, 0], [1, 1], [0, 2]].map(|powers| density.moment(&powers).unwrap().value);
     let balance = [-2.0 * xx - xy + 1.0, -3.0 * xy + 0.25 * xx - 0.5 * yy + 0.6, 0.5 * xy - 4.0 * yy + 1.0];
     assert!(balance.iter().all(|b| b.abs() < 1e-8), "{balance:?}");
