@@ -1,6 +1,5 @@
 //! The simulation against closed forms, a reference table, and itself.
 
-use crate::common::threads_of;
 use expoly::{
     Crossing, Density, Error, Estimate, Interpretation, PolynomialDrift, Problem, Result, Scalar, SimulatedDensity,
     Simulation, Wall,
@@ -392,8 +391,7 @@ fn explosions_name_the_trajectory() -> Result<()> {
     // A pilot's trajectory, since the pilot runs first.
     assert!((1 << 32..(1 << 32) + 64).contains(&trajectory) && step == 0.02);
     let growing = Problem::of(Linear::new(-0.1, 1.0, 0.2)?)?;
-    let run = || Simulation::new().burn_in(1.0).run(&growing);
-    assert!(matches!(run(), Err(Error::Exploded { state, .. }) if state.len() == 2));
-    assert_eq!(run().err(), threads_of(5).install(run).err());
+    let found = Simulation::new().burn_in(1.0).run(&growing);
+    assert!(matches!(found, Err(Error::Exploded { state, .. }) if state.len() == 2));
     Ok(())
 }

@@ -143,10 +143,10 @@ fn the_power_balance_takes_errors_away() -> Result<()> {
 
 #[test]
 fn chattering_ends_and_leaves_no_bias() -> Result<()> {
-    // A wall pressed against, far above the rest position, and one with strong losses: the impact rate does not change with
-    // the step. Of the impacts at h = 0.04 those in shorter steps are a tenth; plain steps would miss 2 to 5 % of all.
+    // A wall pressed against, and one far above the rest position with strong losses: the impact rate does not change with the
+    // step. Of the impacts at h = 0.04 those in shorter steps are a tenth; plain steps would miss 2 to 5 % of all.
     // 0.8 % is what the remainder of first order may make.
-    for (b, r) in [(0.5, 0.5), (1.0, 0.5), (1.0, 0.3)] {
+    for (b, r) in [(0.5, 0.5), (1.0, 0.3)] {
         let problem = duffing_above(b, r);
         let rate = |h: f64, samples: usize| -> Result<Estimate> {
             let simulation = Simulation::new().samples(samples).time_step(h).burn_in(20.0);
