@@ -31,7 +31,7 @@ fn forms() -> &'static [(&'static str, ClosedForm)] {
 fn solved() -> Vec<(&'static str, ClosedForm)> {
     let names = ["x", "v"];
     let low = ClosureDensity::clone(&closed("van der Pol", &problem(van_der_pol()), 8, 0));
-    let wall = Closure::new(4).solve(&duffing_above(-0.5, 0.7)).unwrap();
+    let wall = ClosureDensity::clone(&closed_above(4, -0.5, 0.9));
     let chain = ClosureDensity::clone(&closed_chain());
     let forms = [
         ("low", ClosedForm::new(low, &names)),

@@ -6,7 +6,7 @@
 use crate::common::*;
 use expoly::models::{Linear, Solved};
 use expoly::statistics::{Crossings, Cumulants, Impacts, Marginal, energy_balance, entropy, modes, samples};
-use expoly::{Closure, Density, Error, Estimate, Simulation, States, Wall, compare};
+use expoly::{Density, Error, Estimate, Simulation, States, Wall, compare};
 use std::f64::consts::{E, PI, TAU};
 
 /// exp of a formula on a lattice, normalised.
@@ -467,8 +467,8 @@ fn three_methods_agree_within_their_errors() {
 fn impacts_take_what_the_damper_leaves() {
     let problem = duffing_above(-0.5, 0.9);
     let grid = on_grid_above(-0.5, 0.9);
-    let closed = Closure::new(8).solve(&problem).unwrap();
-    for (name, density) in [("grid", &*grid as &dyn Density), ("closure", &closed)] {
+    let closed = closed_above(8, -0.5, 0.9);
+    for (name, density) in [("grid", &*grid as &dyn Density), ("closure", &*closed)] {
         let impacts = Impacts::new(density, &problem).unwrap();
         let square = density.moment(&[0, 2]).unwrap();
         let left = 0.2 - 0.2 * square.value - impacts.power().value;

@@ -179,16 +179,15 @@ fn a_warm_start_comes_to_the_same_density() {
         // The warm start is no worse: its own estimate says so, within a tenth.
         assert!(estimates[1] < 1.1 * estimates[0], "{what}");
     };
-    // A problem, and one that is similar to it.
-    let check = |what: &'static str, order: u32, problem: &Problem, similar: &Problem| {
-        let cold = closed(what, problem, order, 0);
-        let near = Closure::new(order).solve(similar).unwrap();
-        agree(what, &cold, &Closure::new(order).starting_from(&near).solve(problem).unwrap());
+    // A problem with its closure, and the closure of one that is similar to it.
+    let check = |what: &str, order: u32, (problem, cold): (&Problem, &ClosureDensity), near: &ClosureDensity| {
+        agree(what, cold, &Closure::new(order).starting_from(near).solve(problem).unwrap());
     };
+    let solve = |order: u32, problem: &Problem| Closure::new(order).solve(problem).unwrap();
     let wall = |r: f64| duffing_above(-0.5, r);
-    check("wall", 4, &wall(0.8), &wall(0.85));
-    let walls = |r: f64| wall(r).with_wall(Wall::below(1.0, 0.8).unwrap()).unwrap();
-    check("two walls", 4, &walls(0.8), &walls(0.85));
-    let weaker = DuffingVanDerPol::van_der_pol(0.45, 0.3).unwrap();
-    check("van der Pol", 8, &problem(van_der_pol()), &problem(weaker));
+    check("wall", 4, (&wall(0.9), &closed_above(4, -0.5, 0.9)), &solve(4, &wall(0.95)));
+    let [walls, near] = [0.8, 0.85].map(|r| wall(r).with_wall(Wall::below(1.0, 0.8).unwrap()).unwrap());
+    check("two walls", 4, (&walls, &solve(4, &walls)), &solve(4, &near));
+    let (cycle, weaker) = (problem(van_der_pol()), DuffingVanDerPol::van_der_pol(0.45, 0.3).unwrap());
+    check("van der Pol", 8, (&cycle, &closed("van der Pol", &cycle, 8, 0)), &solve(8, &problem(weaker)));
 }

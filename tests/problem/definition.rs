@@ -153,15 +153,15 @@ fn problems_of_several_dimensions_are_solved_in_a_loop() -> Result<()> {
         }
     }
     // E x₁² of each: closed forms, and for the wall the reference table's Var y + (E y)².
-    let problems: Vec<(Problem, f64)> = vec![
-        (Problem::of(OrnsteinUhlenbeck)?, 1.0),
-        (Problem::of(duffing())?, 0.661_714_969_204),
-        (duffing_above(0.0, 1.0), 0.661_714_969_204),
-        (Problem::of(Filtered)?, 2.0 / 3.0),
-        (chain_of_two().problem()?, chain_of_two().exact()?.moment(&[2, 0, 0, 0])?.value),
+    let problems: Vec<(&str, Problem, f64)> = vec![
+        ("Ornstein-Uhlenbeck", Problem::of(OrnsteinUhlenbeck)?, 1.0),
+        ("Duffing", Problem::of(duffing())?, 0.661_714_969_204),
+        ("elastic wall", duffing_above(0.0, 1.0), 0.661_714_969_204),
+        ("filtered", Problem::of(Filtered)?, 2.0 / 3.0),
+        ("chain of 2", chain_of_two().problem()?, chain_of_two().exact()?.moment(&[2, 0, 0, 0])?.value),
     ];
-    let solve = |(problem, truth): &(Problem, f64)| -> Result<()> {
-        let density = Closure::new(4).solve(problem)?;
+    let solve = |(name, problem, truth): &(&'static str, Problem, f64)| -> Result<()> {
+        let density = closed(name, problem, 4, 0);
         let square: Vec<u32> = (0..problem.dimension()).map(|i| if i == 0 { 2 } else { 0 }).collect();
         let moment = density.moment(&square)?;
         assert_eq!(
@@ -172,12 +172,12 @@ fn problems_of_several_dimensions_are_solved_in_a_loop() -> Result<()> {
         Ok(())
     };
     problems.iter().try_for_each(solve)?;
-    let sent = problems[1].clone();
-    std::thread::spawn(move || solve_alone(&sent)).join().unwrap()
+    let (_, sent, truth) = problems[1].clone();
+    std::thread::spawn(move || solve_alone(&sent, truth)).join().unwrap()
 }
 
-fn solve_alone(asked: &(Problem, f64)) -> Result<()> {
-    let found = Closure::classical(4).solve(&asked.0)?.density()?.moment(&[2, 0])?;
-    assert!((found.value - asked.1).abs() < 1e-10);
+fn solve_alone(problem: &Problem, truth: f64) -> Result<()> {
+    let found = Closure::classical(4).solve(problem)?.density()?.moment(&[2, 0])?;
+    assert!((found.value - truth).abs() < 1e-10);
     Ok(())
 }

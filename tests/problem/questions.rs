@@ -60,7 +60,7 @@ fn a_wrong_length_is_refused_at_every_door() {
     all_doors("averaged over the energy", &EnergyAveraged::new(&model).unwrap());
     closures_doors("closure", &closed("Duffing", &problem(duffing()), 4, 0));
     closures_doors("closure, one state", &Closure::new(4).solve(&problem(OrnsteinUhlenbeck)).unwrap());
-    closures_doors("closure above a wall", &Closure::new(4).solve(&duffing_above(0.0, 0.9)).unwrap());
+    closures_doors("closure above a wall", &closed_above(4, -0.5, 0.9));
     closures_doors("closure, four states", &closed_chain());
     let samples = Closure::new(2).on_samples(true).pilot_states(5000).solve(&problem(duffing())).unwrap();
     closures_doors("closure on samples", &samples);
