@@ -321,7 +321,7 @@ fn coloured_noise_prints_moments_beside_a_simulation() {
 
 #[test]
 fn many_states_takes_a_chain_of_any_length() {
-    let output = run("many_states", &["--oscillators", "7", "--order", "2", "--samples", "20000"]);
+    let output = run("many_states", &["--oscillators", "5", "--order", "2", "--samples", "20000"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let output = run("many_states", &["--oscillators", "1"]);
     assert!(!output.status.success() && String::from_utf8(output.stderr).unwrap().contains("two at least"));
