@@ -20,31 +20,12 @@ fn elastic_walls_are_exact() {
     }
 }
 
-/// The walls of the reference table that are closed: for each offset the least and the largest loss, and some between.
-const WALLS: [[f64; 2]; 13] = [
-    [0.0, 1.0],
-    [0.0, 0.98],
-    [0.0, 0.9],
-    [0.0, 0.7],
-    [-0.5, 1.0],
-    [-0.5, 0.95],
-    [-0.5, 0.9],
-    [-0.5, 0.7],
-    [-0.5, 0.5],
-    [0.2, 0.98],
-    [0.2, 0.7],
-    [0.5, 1.0],
-    [0.5, 0.7],
-];
-
-/// These rows at n = 8: E Y and E Y′² within 1e-3, the impact rate within 2e-3; and E Y′ = 0. The table's rates at r ≤ 0.7 are
-/// up to 0.6 % low, by the grid; those rows take the grid's.
+/// All rows of the reference table at n = 8: E Y and E Y′² within 1e-3, the impact rate within 2e-3; and E Y′ = 0. The table's
+/// rates at r ≤ 0.7 are up to 0.6 % low, by the grid; those rows take the grid's.
 #[test]
 fn moments_and_impact_rates_of_the_reference_table() {
-    let rows = walls::table().unwrap();
-    for [b, r] in WALLS {
-        let row = rows.iter().find(|row| [row.b, row.r] == [b, r]).unwrap();
-        let expected = row.refined().impact_rate;
+    for row in walls::table().unwrap() {
+        let (b, r, expected) = (row.b, row.r, row.refined().impact_rate);
         let density = closed_above(8, b, r);
         let mean = density.moment(&[1, 0]).unwrap().value;
         let square = density.moment(&[0, 2]).unwrap().value;
@@ -63,11 +44,10 @@ fn moments_and_impact_rates_of_the_reference_table() {
     }
 }
 
-/// The joint L¹ distance to the grid falls from level to level, and is far below the classical closure's. The losses are small
-/// and moderate ones, and great ones on both sides of the rest position.
+/// The joint L¹ distance to the grid falls from level to level, and is far below the classical closure's.
 #[test]
 fn the_error_falls_from_level_to_level() {
-    for (b, r, limit) in [(0.0, 0.98, 4e-5), (-0.5, 0.9, 2.5e-4), (-0.5, 0.5, 1.3e-3), (0.5, 0.7, 6e-4)] {
+    for (b, r, limit) in [(0.0, 0.98, 4e-5), (-0.5, 0.9, 2.5e-4), (0.5, 0.5, 4.5e-3)] {
         let truth = on_grid_above(b, r);
         let classical = Closure::classical(4).solve(&duffing_above(b, r)).unwrap().density();
         let classical = classical.map_or(f64::NAN, |density| l1_from(&truth, &density));
@@ -83,8 +63,8 @@ fn the_error_falls_from_level_to_level() {
             last = l1;
         }
         assert!(last < limit, "b = {b}, r = {r}: {last:e}");
-        // The classical closure has no density at great losses.
-        assert!(if r < 0.8 { classical.is_nan() } else { last < 0.1 * classical }, "b = {b}, r = {r}: {classical:e}");
+        // The classical closure has no density at strong loss.
+        assert!(if r == 0.5 { classical.is_nan() } else { last < 0.1 * classical }, "b = {b}, r = {r}: {classical:e}");
     }
 }
 

@@ -265,7 +265,7 @@ fn standard_errors_of_runs_that_were_ended_by_precision_cover() -> Result<()> {
     let (mut by_precision, mut by_samples) = (Vec::new(), Vec::new());
     for seed in 0..RUNS {
         let run = || Simulation::new().time_step(0.04).seed(seed);
-        let result = run().until(Tolerance::Relative(0.01), |found| found.moment(&[2, 0])).run(&problem)?;
+        let result = run().until(Tolerance::Relative(0.02), |found| found.moment(&[2, 0])).run(&problem)?;
         assert_eq!(result.provenance().stopped, Some(Stopped::Precision));
         by_precision.push(result.moment(&[2, 0])?);
         by_samples.push(run().samples(samples(&result)).seed(seed + 1000).run(&problem)?.moment(&[2, 0])?);
@@ -279,7 +279,7 @@ fn standard_errors_of_runs_that_were_ended_by_precision_cover() -> Result<()> {
         ratios.push(ratio);
     }
     // The root mean square of 100 deviations is known to 1/√200 = 7 %: three of that, and the few percent by which a run
-    // ends too soon. With 400 it was 0.984 ± 0.035, and 1.034 for runs of equal length.
+    // ends too soon. Measured are 1.04, and 0.94 for runs of equal length.
     assert!(ratios.iter().all(|ratio| (0.78..1.25).contains(ratio)));
     Ok(())
 }

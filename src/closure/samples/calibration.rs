@@ -306,9 +306,8 @@ impl Paths<'_> {
             let count = LANES.min(used - at);
             let states = &self.pilot.states.values()[(first + at) * n..(first + at + count) * n];
             sites.place(self.problem, states);
-            for (products, scratch) in self.products.iter().zip(scratch.iter_mut()) {
-                products.place(&sites.x, scratch);
-            }
+            self.products[0].place(&sites.x, &mut scratch[0]);
+            self.products[1].place_values(&sites.x, &mut scratch[1]);
             scratch[0].first.copy_from_slice(&sites.drift);
             self.products[0].apply(&sites.diffusion, &sites.coupled, &mut scratch[0]);
             look(count, at, scratch);

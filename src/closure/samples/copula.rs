@@ -36,11 +36,11 @@ fn score(k: usize) -> f64 {
     (k as f64 - (KNOTS - 1) as f64 / 2.0) * SPACING
 }
 
-/// The state at a score, and the slope there: linear between knots and beyond them.
-fn state_at(knots: &[f64], z: f64) -> (f64, f64) {
+/// The state at a score, and the piece that it is on: linear between knots and beyond them.
+fn state_at(knots: &[f64], z: f64) -> (f64, usize) {
     let piece = ((z - score(0)) / SPACING).floor().clamp(0.0, (KNOTS - 2) as f64) as usize;
     let slope = (knots[piece + 1] - knots[piece]) / SPACING;
-    (knots[piece] + slope * (z - score(piece)), slope)
+    (knots[piece] + slope * (z - score(piece)), piece)
 }
 
 /// The score of a state.
@@ -134,8 +134,13 @@ impl Copula {
             let known: f64 = held.iter().enumerate().map(|(j, (u, _))| lower[(i, j)] * u).sum();
             held.push(((score_of(&self.knots[state], x) - known) / lower[(i, i)], x));
         }
+        let logarithms = |i: usize| -> Vec<f64> {
+            let diagonal = lower[(i, i)].ln() + 0.5 * std::f64::consts::TAU.ln();
+            self.knots[order[i]].windows(2).map(|pair| ((pair[1] - pair[0]) / SPACING).ln() + diagonal).collect()
+        };
+        let steepness = (0..n).map(logarithms).collect();
         let lower = (0..n).map(|i| (0..=i).map(|j| lower[(i, j)]).collect()).collect();
-        Ok(Sampler { copula: self, order, lower, held })
+        Ok(Sampler { copula: self, order, lower, steepness, held })
     }
 
     /// Whether a state lies where the pilot has been, or a little farther out.
@@ -153,6 +158,8 @@ pub(super) struct Sampler<'a> {
     order: Vec<usize>,
     /// The rows of the Cholesky factor in that order, up to the diagonal.
     lower: Vec<Vec<f64>>,
+    /// For each of these states the logarithm of the slope of each of its pieces and of the factor's diagonal.
+    steepness: Vec<Vec<f64>>,
     /// The states held, as the first normal numbers, and themselves.
     held: Vec<(f64, f64)>,
 }
@@ -170,10 +177,10 @@ impl Sampler<'_> {
         let mut logarithm = 0.0;
         for (i, (row, &state)) in self.lower.iter().zip(&self.order).enumerate() {
             let z: f64 = row.iter().zip(&*u).map(|(l, u)| l * u).sum();
-            let (value, slope) = state_at(&self.copula.knots[state], z);
+            let (value, piece) = state_at(&self.copula.knots[state], z);
             x[state] = value;
             if i >= self.held.len() {
-                logarithm -= 0.5 * u[i] * u[i] + (row[i] * slope).ln() + 0.5 * std::f64::consts::TAU.ln();
+                logarithm -= 0.5 * u[i] * u[i] + self.steepness[i][piece];
             }
         }
         self.order.iter().zip(&self.held).for_each(|(&state, (_, held))| x[state] = *held);

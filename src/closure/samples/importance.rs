@@ -201,7 +201,7 @@ impl ImportanceRule {
             for (l, point) in points.chunks_exact(n).enumerate() {
                 lanes.iter_mut().zip(point).for_each(|(lane, x)| lane[l] = *x);
             }
-            self.products.place(&lanes, &mut scratch);
+            self.products.place_values(&lanes, &mut scratch);
             let q = self.products.sum(&self.coefficients, &scratch);
             for ((point, logarithm), q) in points.chunks_exact(n).zip(logarithms).zip(q) {
                 each(point, q - logarithm);

@@ -297,7 +297,7 @@ impl Likelihood<'_> {
                 let x = self.nodes.points.state(first + at + l.min(used - 1));
                 lanes.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);
             }
-            self.products.place(&lanes, scratch);
+            self.products.place_values(&lanes, scratch);
             look(at, used, scratch);
         }
     }

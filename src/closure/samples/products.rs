@@ -34,6 +34,12 @@ struct Step {
     degree: usize,
 }
 
+/// The coefficients of (k+1) P_{k+1} = (2k+1) t P_k − k P_{k−1}, divided by k+1.
+fn rule(k: usize) -> (f64, f64) {
+    let n = k as f64;
+    ((2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0))
+}
+
 /// Room for the sweeps of one thread.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
@@ -104,24 +110,41 @@ impl Products {
 
     /// Places eight points: fills the tables and the values.
     pub(super) fn place(&self, x: &[Lane], scratch: &mut Scratch) {
+        self.place_values(x, scratch);
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
             rows[0] = [[1.0; LANES], ZERO, ZERO];
-            if self.degrees > 1 {
-                rows[1] = [x[i].map(|x| (x - self.centre[i]) * scale), [scale; LANES], ZERO];
+            if let Some(row) = rows.get_mut(1) {
+                (row[1], row[2]) = ([scale; LANES], ZERO);
             }
             let t = rows.get(1).map_or(ZERO, |row| row[0]);
-            // (k+1) P_{k+1} = (2k+1) t P_k − k P_{k−1}, and the same rule differentiated.
+            // The rule of the polynomials, differentiated.
             for k in 1..self.degrees - 1 {
-                let n = k as f64;
-                let (a, b) = ((2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0));
+                let (a, b) = rule(k);
                 for l in 0..LANES {
-                    let ([p, d, s], [p0, d0, s0]) = (rows[k].map(|r| r[l]), rows[k - 1].map(|r| r[l]));
-                    rows[k + 1][0][l] = a * t[l] * p - b * p0;
+                    let ([p, d, s], [_, d0, s0]) = (rows[k].map(|r| r[l]), rows[k - 1].map(|r| r[l]));
                     rows[k + 1][1][l] = a * (t[l] * d + scale * p) - b * d0;
                     rows[k + 1][2][l] = a * (t[l] * s + 2.0 * scale * d) - b * s0;
                 }
+            }
+        }
+    }
+
+    /// Places eight points where only values are asked for.
+    pub(super) fn place_values(&self, x: &[Lane], scratch: &mut Scratch) {
+        for i in 0..self.dimension() {
+            let scale = self.half_width[i].recip();
+            let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
+            rows[0][0] = [1.0; LANES];
+            if let Some(row) = rows.get_mut(1) {
+                row[0] = x[i].map(|x| (x - self.centre[i]) * scale);
+            }
+            let t = rows.get(1).map_or(ZERO, |row| row[0]);
+            for k in 1..self.degrees - 1 {
+                let (a, b) = rule(k);
+                let (p, p0) = (rows[k][0], rows[k - 1][0]);
+                rows[k + 1][0] = std::array::from_fn(|l| a * t[l] * p[l] - b * p0[l]);
             }
         }
         scratch.values[0] = [1.0; LANES];
