@@ -18,8 +18,19 @@ fn run() -> Result<()> {
         let inexact = &inexact;
         robust = robust.task(&format!("cubic damping, n = {order}"), move || Closure::new(order).solve(inexact));
     }
-    let robust = robust.task("a wall, n = 8", || Closure::new(8).solve(&walled));
-    robust.task("4 states, n = 4, on samples", || Closure::new(4).solve(&chain)).run()?;
+    robust.task("a wall, n = 8", || Closure::new(8).solve(&walled)).run()?;
+
+    let [filtered, absorber] =
+        [include_str!("../examples/solve/filtered.toml"), include_str!("../examples/solve/absorber.toml")]
+            .map(Problem::from_toml);
+    let (filtered, absorber) = (filtered?, absorber?);
+    Group::new("closure, more states", 5)
+        .task("3 states, n = 4", || Closure::new(4).solve(&filtered))
+        .task("3 states, n = 6", || Closure::new(6).solve(&filtered))
+        .task("4 states, n = 4", || Closure::new(4).solve(&absorber))
+        .task("4 states in equilibrium, n = 4", || Closure::new(4).solve(&chain))
+        .task("6 states in equilibrium, n = 4", || Closure::new(4).solve(&long))
+        .run()?;
 
     let mut classical = Group::new("classical, two states", 31);
     for order in [2, 4, 6, 8] {

@@ -390,8 +390,8 @@ fn four_states() {
     }
     let apart = compare::distances(closed, &exact).unwrap();
     println!(
-        "4 states: L1 {:.5}, Hellinger {:.5}, divergence {:.1e}",
-        apart.l1, apart.hellinger, apart.kullback_leibler.value
+        "4 states: L1 {:.1e}, Hellinger {:.1e}, divergence {:.1e}",
+        apart.l1.value, apart.hellinger.value, apart.kullback_leibler.value
     );
     // What the closure's trusted part leaves out, a few millionths, is all that they differ by.
     assert!(apart.l1.value < 1e-4 && apart.kullback_leibler.value < 2e-5);

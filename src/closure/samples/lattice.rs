@@ -12,6 +12,8 @@ const FINEST: f64 = 0.12;
 const COARSEST: f64 = 1.2;
 /// A lattice with too many nodes gives way to one that is so much wider.
 const WIDER: f64 = 1.04;
+/// The places of the lattice in a ball around the density, for each node that there may be.
+const SEARCHED: f64 = 64.0;
 /// The farthest a node is from the centre, relative to the farthest state.
 const BEYOND: f64 = 1.1;
 
@@ -35,6 +37,11 @@ pub(super) fn lattice(pilot: &Pilot, symmetry: &Symmetry, copula: &Copula, most:
     };
     let radius = BEYOND * pilot.states.iter().map(length).fold(0.0, f64::max);
     let region = Region { symmetry, copula, centre: &centre, axes: &axes, radius, most };
+    // A ball of so many more places is not searched.
+    let ball = (1..=n).rev().step_by(2).map(|k| if k == 1 { 2.0 } else { std::f64::consts::TAU / k as f64 });
+    if ball.product::<f64>() * (radius / COARSEST).powi(n as i32) > SEARCHED * most as f64 {
+        return None;
+    }
     // The volume by a coarse lattice, then the finest that there is room for.
     let coarse = region.nodes(COARSEST)?;
     let room = most as f64 / coarse.points.len().max(1) as f64;

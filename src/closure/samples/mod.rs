@@ -42,8 +42,11 @@ const MOST_FUNCTIONS: usize = 700;
 const NODES_EACH: usize = 300;
 const FEWEST_NODES: usize = 1 << 16;
 const MOST_NODES: usize = 1 << 18;
-/// A lattice resolves a density if no mean by one half of its nodes is farther from that by the other, in standard deviations.
+/// A lattice resolves a density if no mean by one half of its nodes is farther from that by the other, in standard deviations;
+/// one of so many times fewer nodes does if they are as close as this.
 const UNEVEN: f64 = 0.02;
+const EVEN: f64 = 1e-5;
+const FEWER: usize = 4;
 /// A density is found once the next step, in standard deviations of ln p, is so short; one that starts another may be rougher.
 const FOUND: Search = Search { tolerance: 1e-6, most: 80 };
 const ROUGH: Search = Search { tolerance: 3e-3, most: 24 };
@@ -124,15 +127,19 @@ pub(in crate::closure) fn close_on_samples(
         let fit = fitted(&products, FOUND)?;
         Some((nodes, fit))
     };
-    let resolved =
-        |(nodes, fit): &(Nodes, Fit)| Likelihood { nodes, products: &products }.unevenness(&fit.masses) < UNEVEN;
+    let unevenness = |(nodes, fit): &(Nodes, Fit)| Likelihood { nodes, products: &products }.unevenness(&fit.masses);
+    // Fewer nodes where they are as good as more.
+    let on_lattice = || {
+        let on = |most| lattice(pilot, symmetry, copula, most).and_then(fitted);
+        let few = on(most / FEWER).filter(|found| unevenness(found) < EVEN);
+        few.or_else(|| on(most).filter(|found| unevenness(found) < UNEVEN))
+    };
     let drawn = || {
         let rule = ImportanceRule::new(&polynomials, &vec![0.0; kept.len()], copula, most, seed ^ FITTED)?;
         let (points, weights, parts) = rule.drawn().ok()?;
         fitted(Nodes { points, base: weights.iter().map(|w| w.ln()).collect(), parts, measured: false })
     };
-    let on_lattice = lattice(pilot, symmetry, copula, most).and_then(fitted).filter(resolved);
-    let (nodes, fit) = on_lattice.or_else(drawn)?;
+    let (nodes, fit) = on_lattice().or_else(drawn)?;
     let likelihood = Likelihood { nodes: &nodes, products: &products };
     let polished = likelihood.polished(problem, &fit);
     let exact = polished.is_some();

@@ -4,15 +4,14 @@ use super::Options;
 use super::runner::findings;
 use super::statistics::{header, quantile, share};
 use crate::Outcome;
-use expoly::{Closure, ClosureDensity, Density, Problem};
+use expoly::{Closure, Problem};
 use std::fmt;
 use std::time::Instant;
-use support::{exact::Exact, file::write_csv};
+use support::exact::{Exact, Truth};
+use support::file::write_csv;
 
 /// Draws from the exact density.
 const DRAWS: usize = 40_000;
-/// ln ∫ exp(−U) by those draws and by the closure's own are the same but for chance, or the closure misses a part.
-const SAME: f64 = 0.03;
 /// States of the pilot whose closure is as good as its order can be.
 const BEST: usize = 1_638_400;
 
@@ -42,43 +41,22 @@ impl Row {
     }
 }
 
-/// The exact density by its draws.
-struct Truth {
-    draws: Vec<Vec<f64>>,
-    log_mass: f64,
-}
-
-/// ∫ |p̃ − p| dx: by the closure's own draws where these cover p, and by the exact ones otherwise.
-fn l1(density: &ClosureDensity, system: &Exact, truth: &Truth) -> expoly::Result<f64> {
-    let log_ratio = |x: &[f64]| density.log_pdf(x).map_or(f64::NAN, |log| system.log_density(x) - log);
-    let log_mass = density.expectation(&|x| log_ratio(x).exp())?.value.ln();
-    if (log_mass - truth.log_mass).abs() < SAME {
-        Ok(density.expectation(&|x| 2.0 * (1.0 - (log_ratio(x) - log_mass).exp()).max(0.0))?.value)
-    } else {
-        let part = |x: &Vec<f64>| 2.0 * (1.0 - (truth.log_mass - log_ratio(x)).exp()).max(0.0);
-        Ok(truth.draws.iter().map(part).sum::<f64>() / truth.draws.len() as f64)
-    }
-}
-
 pub(crate) fn run(options: &Options) -> Outcome {
     let orders = options.orders(&[2, 4]);
     println!("seed {}; L1 (estimate), best of its order, warning, seconds", options.seed);
     let system = |index| Ok(Exact::random(options.seed, index));
-    let truth = |index: usize, _: &Problem| {
-        let (draws, log_mass) = Exact::random(options.seed, index).draws(DRAWS, options.seed);
-        Ok(Truth { draws, log_mass })
-    };
+    let truth = |index: usize, _: &Problem| Ok(Exact::random(options.seed, index).truth(DRAWS, options.seed));
     let row = |index: usize, order: u32, problem: &Problem, truth: &Truth| {
         let system = Exact::random(options.seed, index);
         let begin = Instant::now();
         let density = Closure::new(order).solve(problem)?;
         let seconds = begin.elapsed().as_secs_f64();
-        let best = |states| l1(&Closure::new(order).pilot_states(states).solve(problem)?, &system, truth);
+        let best = |states| system.l1(&Closure::new(order).pilot_states(states).solve(problem)?, truth);
         Ok(Row {
             index,
             states: problem.dimension(),
             order,
-            l1: l1(&density, &system, truth)?,
+            l1: system.l1(&density, truth)?,
             estimate: density.l1_estimate(),
             best: options.best.then_some(BEST).map(best).transpose()?,
             warning: density.warning().map(str::to_owned),
