@@ -6,6 +6,7 @@ use crate::closure::pilot::Pilot;
 use crate::problem::Symmetry;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
+use rand::{SeedableRng, rngs::ChaCha8Rng, seq::SliceRandom};
 
 /// The lattice's spacing in standard deviations: what no density needs finer, and what no density forgives coarser.
 const FINEST: f64 = 0.12;
@@ -91,12 +92,17 @@ impl Region<'_> {
             halves[0].1.len() + halves[1].1.len() <= self.most
         })
         .then(|| {
-            let [(mut points, mut base), (white, white_base)] = halves;
-            let parts = vec![base.len(), base.len() + white_base.len()];
-            points.extend(white);
-            base.extend(white_base);
             let log_volume = n as f64 * spacing.ln() + self.axes.diagonal().iter().map(|side| side.ln()).sum::<f64>();
-            base.iter_mut().for_each(|base| *base += log_volume);
+            let (mut points, mut base, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+            let mut stream = ChaCha8Rng::seed_from_u64(0);
+            for (half, weights) in &halves {
+                // In no order, so that a few of them lie everywhere.
+                let mut order: Vec<usize> = (0..weights.len()).collect();
+                order.shuffle(&mut stream);
+                points.extend(order.iter().flat_map(|k| &half[k * n..(k + 1) * n]));
+                base.extend(order.iter().map(|k| weights[*k] + log_volume));
+                parts.push(base.len());
+            }
             Nodes { points: States::from_values(n, points), base, parts, measured: true }
         })
     }

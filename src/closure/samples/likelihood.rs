@@ -47,6 +47,13 @@ pub(super) struct Fit {
     pub(super) masses: Vec<f64>,
 }
 
+/// Over a part of the nodes Σ p, and Σ p (φ_k − E φ_k) and Σ p (φ_k − E φ_k)² for each function.
+struct Part {
+    mass: f64,
+    sums: Vec<f64>,
+    squares: Vec<f64>,
+}
+
 /// When a search ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
@@ -197,14 +204,15 @@ impl Likelihood<'_> {
     /// The largest difference of a mean by one part of the nodes from the mean by all, in standard deviations.
     pub(super) fn unevenness(&self, masses: &[f64]) -> f64 {
         let means = self.means(masses);
-        let covariance = self.covariance(masses, &means);
         let parts = self.parts(masses, &means);
         let count = parts.len() as f64;
-        let off = |(sums, _): &(Vec<f64>, f64)| {
-            sums.iter().enumerate().map(|(k, sum)| count * sum.abs() / covariance[(k, k)].sqrt()).fold(0.0, f64::max)
+        let deviations: Vec<f64> =
+            (0..means.len()).map(|k| parts.iter().map(|part| part.squares[k]).sum::<f64>().sqrt()).collect();
+        let off = |part: &Part| {
+            let of_means = part.sums.iter().zip(&deviations).map(|(sum, deviation)| count * sum.abs() / deviation);
+            of_means.fold((count * part.mass - 1.0).abs(), f64::max)
         };
-        let mass = |(_, mass): &(Vec<f64>, f64)| (count * mass - 1.0).abs();
-        parts.iter().map(|part| off(part).max(mass(part))).fold(0.0, f64::max)
+        parts.iter().map(off).fold(0.0, f64::max)
     }
 
     /// ln ∫ exp(Q) dx, where the nodes' weights are volumes.
@@ -213,7 +221,7 @@ impl Likelihood<'_> {
         let (value, _) = self.value(&fit.a, &zeros).filter(|_| self.nodes.measured)?;
         let parts = self.parts(&fit.masses, &zeros);
         let count = parts.len() as f64;
-        let square: f64 = parts.iter().map(|(_, mass)| (count * mass - 1.0).powi(2)).sum();
+        let square: f64 = parts.iter().map(|part| (count * part.mass - 1.0).powi(2)).sum();
         Some(Estimate::new(-value, (square / count / (count - 1.0)).sqrt()))
     }
 
@@ -221,26 +229,30 @@ impl Likelihood<'_> {
     pub(super) fn variances(&self, masses: &[f64], means: &[f64]) -> Vec<f64> {
         let parts = self.parts(masses, means);
         let count = parts.len() as f64;
-        let square = |k: usize| parts.iter().map(|(sums, _)| sums[k] * sums[k]).sum::<f64>();
+        let square = |k: usize| parts.iter().map(|part| part.sums[k] * part.sums[k]).sum::<f64>();
         (0..means.len()).map(|k| square(k) * count / (count - 1.0)).collect()
     }
 
-    /// Σ p (φ_k − E φ_k) and Σ p over each part of the nodes.
-    fn parts(&self, masses: &[f64], means: &[f64]) -> Vec<(Vec<f64>, f64)> {
+    fn parts(&self, masses: &[f64], means: &[f64]) -> Vec<Part> {
         let ends = &self.nodes.parts;
         let starts = std::iter::once(0).chain(ends.iter().copied());
         let part = |(start, end): (usize, usize)| {
-            let (mut sums, mut mass) = (vec![0.0; means.len()], 0.0);
+            let [sums, squares] = [(); 2].map(|()| vec![0.0; means.len()]);
+            let mut part = Part { mass: 0.0, sums, squares };
             let mut scratch = self.products.scratch();
             self.each(start, end - start, &mut scratch, |at, count, scratch| {
                 let p = &masses[start + at..start + at + count];
-                mass += p.iter().sum::<f64>();
-                for (k, sum) in sums.iter_mut().enumerate() {
+                part.mass += p.iter().sum::<f64>();
+                for (k, mean) in means.iter().enumerate() {
                     let value = self.products.value(scratch, k + 1);
-                    *sum += (0..count).map(|l| p[l] * (value[l] - means[k])).sum::<f64>();
+                    for l in 0..count {
+                        let off = value[l] - mean;
+                        part.sums[k] += p[l] * off;
+                        part.squares[k] += p[l] * off * off;
+                    }
                 }
             });
-            (sums, mass)
+            part
         };
         starts.zip(ends.iter().copied()).collect::<Vec<_>>().into_par_iter().map(part).collect()
     }

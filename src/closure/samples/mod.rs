@@ -108,7 +108,7 @@ pub(in crate::closure) fn close_on_samples(
     let calibration = Calibration::new(problem, pilot, symmetry, &functions(&higher), kept.len())?;
 
     let polynomials = functions(&kept);
-    let products = Products::new(&polynomials);
+    let [products, judging] = [&polynomials, &functions(&higher)].map(Products::new);
     let most = (NODES_EACH * kept.len()).max(NODES_EACH / 2 * higher.len()).clamp(FEWEST_NODES, MOST_NODES);
     // Order by order, each from the one before.
     let lower: Vec<Products> =
@@ -127,7 +127,7 @@ pub(in crate::closure) fn close_on_samples(
         let fit = fitted(&products, FOUND)?;
         Some((nodes, fit))
     };
-    let unevenness = |(nodes, fit): &(Nodes, Fit)| Likelihood { nodes, products: &products }.unevenness(&fit.masses);
+    let unevenness = |(nodes, fit): &(Nodes, Fit)| Likelihood { nodes, products: &judging }.unevenness(&fit.masses);
     // Fewer nodes where they are as good as more.
     let on_lattice = || {
         let on = |most| lattice(pilot, symmetry, copula, most).and_then(fitted);
@@ -147,7 +147,7 @@ pub(in crate::closure) fn close_on_samples(
         Some(root) => (0.0, root),
         None => {
             let fit = reconciled(problem, &likelihood, fit, &calibration);
-            (l1_estimate(problem, &nodes, &Products::new(&functions(&higher)), &fit, &calibration), fit)
+            (l1_estimate(problem, &nodes, &judging, &fit, &calibration), fit)
         }
     };
     let residual = likelihood.residual(problem, &fit);
