@@ -88,15 +88,17 @@ struct Operators;
 
 impl MakeOperators<Value> for Operators {
     fn make<'a>() -> Vec<Operator<'a, Value>> {
-        let binary = |sign, prio, is_commutative, apply: fn(Value, Value) -> Value| {
-            Operator::make_bin(sign, BinOp { apply, prio, is_commutative })
+        // Two numbers beside a commutative operator would be taken together before what stands to the left of them:
+        // a − x^3 + 2 x as a − (x^3 + 2 x). None is said to be commutative, so that equals go from left to right.
+        let binary = |sign, prio, apply: fn(Value, Value) -> Value| {
+            Operator::make_bin(sign, BinOp { apply, prio, is_commutative: false })
         };
         vec![
-            binary("+", 0, true, |a, b| a.with(b, |a, b| Ok(a + b))),
-            binary("-", 0, false, |a, b| a.with(b, |a, b| Ok(a + -b))),
-            binary("*", 1, true, |a, b| a.with(b, product)),
-            binary("/", 1, false, |a, b| a.with(b, quotient)),
-            binary("^", 2, false, |a, b| a.with(b, power)),
+            binary("+", 0, |a, b| a.with(b, |a, b| Ok(a + b))),
+            binary("-", 0, |a, b| a.with(b, |a, b| Ok(a + -b))),
+            binary("*", 1, |a, b| a.with(b, product)),
+            binary("/", 1, |a, b| a.with(b, quotient)),
+            binary("^", 2, |a, b| a.with(b, power)),
             Operator::make_unary("sqrt", |a| a.on_number("sqrt", f64::sqrt)),
             Operator::make_unary("exp", |a| a.on_number("exp", f64::exp)),
             Operator::make_unary("ln", |a| a.on_number("ln", f64::ln)),
@@ -200,6 +202,9 @@ mod tests {
             ("-x - -1", "--: put a signed number or product in parentheses"),
             ("x - x", "0"),
             ("2 - 3 - 4", "- 5"),
+            ("-x^3 + 2*x", "2 x - x^3"),
+            ("v - 1 + 2", "1 + v"),
+            ("x/2*4 - v^2*0.5 + 3*v", "2 x + 3 v - 0.5 v^2"),
         ] {
             assert_eq!(text(expression), expected, "{expression}");
         }
