@@ -13,10 +13,17 @@
 //! | [`DuffingChain`] | coupled Duffing oscillators at one temperature | exp(−energy/T) |
 //! | [`DuffingVanDerPol`] | x″ + (α + β x²) x′ + k x + μ x³ = ξ | none |
 //! | [`CubicDamping`] | x″ + α x′ + γ x′³ + k x + μ x³ = ξ | none |
+//! | [`BistableHarvester`] | x″ + c x′ + k x + μ x³ + κ₁ V = ξ, V′ = κ₂ x′ − λ V | none |
+//! | [`ViscoelasticIsolator`] | x″ + c x′ + k x + μ x³ + f = ξ, f′ = k₁ x′ − f/τ | none |
+//! | [`TunedAbsorber`] | x″ + c x′ + k x + μ x³ + s = ξ, m y″ = s = κ (x − y) + γ (x′ − y′) | none |
+//! | [`NonlinearEnergySink`] | the same with s = ν (x − y)³ + γ (x′ − y′) | none |
+//! | [`FilteredDuffing`] | Duffing under z, z′ = a (ξ − z) or z″ + 2ζω z′ + ω² z = ω² ξ | none |
 //! | [`VibroImpactDuffing`] | Duffing above a wall that need not stand at the rest position | for r = 1; for r near 1 the asymptotic [`EnergyAveraged`] |
 //!
 //! Every D is an intensity as in [`Intensity`](crate::Intensity); H = x′²/2 + G(x) is the energy per unit mass, G′ the restoring force.
 
+mod attachment;
+mod bistable_harvester;
 mod chain;
 mod cubic_damping;
 mod displacement_noise;
@@ -24,13 +31,19 @@ mod duffing;
 mod duffing_van_der_pol;
 mod energy_averaged;
 mod energy_damping;
+mod filtered_duffing;
+mod follower;
 mod linear;
+mod nonlinear_energy_sink;
 mod parametric_linear;
 mod quintic_duffing;
+mod tuned_absorber;
 mod van_der_pol_rayleigh;
 mod velocity_noise;
 mod vibro_impact;
+mod viscoelastic_isolator;
 
+pub use bistable_harvester::BistableHarvester;
 pub use chain::DuffingChain;
 pub use cubic_damping::CubicDamping;
 pub use displacement_noise::DisplacementNoise;
@@ -38,12 +51,16 @@ pub use duffing::Duffing;
 pub use duffing_van_der_pol::DuffingVanDerPol;
 pub use energy_averaged::EnergyAveraged;
 pub use energy_damping::EnergyDamping;
+pub use filtered_duffing::FilteredDuffing;
 pub use linear::Linear;
+pub use nonlinear_energy_sink::NonlinearEnergySink;
 pub use parametric_linear::{ParametricLinear, PowerLaw};
 pub use quintic_duffing::QuinticDuffing;
+pub use tuned_absorber::TunedAbsorber;
 pub use van_der_pol_rayleigh::VanDerPolRayleigh;
 pub use velocity_noise::VelocityNoise;
 pub use vibro_impact::VibroImpactDuffing;
+pub use viscoelastic_isolator::ViscoelasticIsolator;
 
 use crate::density::{ExpPolynomial, Support};
 use crate::error::Result;

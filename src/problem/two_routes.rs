@@ -4,8 +4,9 @@ use super::{LANES, Lane, Problem};
 use crate::error::Result;
 use crate::fokker_planck::{Local, noise_induced_drift};
 use crate::models::{
-    CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
-    QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing,
+    BistableHarvester, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping,
+    FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, Solved, TunedAbsorber,
+    VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing, ViscoelasticIsolator,
 };
 use crate::polynomial::{Polynomial, monomials, power};
 use crate::scalar::Scalar;
@@ -33,9 +34,10 @@ impl PolynomialDrift<3, 2> for Dense {
 
 /// Every model, and what no model has, all at once.
 fn problems() -> Result<Vec<Problem>> {
+    let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     Ok(vec![
         Problem::of(Linear::new(0.3, 2.0, 0.45)?)?,
-        Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?,
+        Problem::of(duffing)?,
         Problem::of(QuinticDuffing::new(1.0, 1.0, -1.8, 0.6, 0.3)?)?,
         Problem::of(VanDerPolRayleigh::new(1.0, 0.15)?)?,
         Problem::of(EnergyDamping::new(0.2, 0.3, 0.3, 0.2)?)?,
@@ -46,6 +48,12 @@ fn problems() -> Result<Vec<Problem>> {
         Problem::of(CubicDamping::rayleigh(1.0, 0.2)?)?,
         DuffingChain::new(&[0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8)?.problem()?,
         VibroImpactDuffing::standard([-0.5, 0.9])?.problem()?,
+        BistableHarvester::new(Duffing::new(0.1, -1.0, 1.0, 0.04)?, [0.5, 0.8], 0.2)?.problem()?,
+        ViscoelasticIsolator::new(duffing, 0.5, 2.0)?.problem()?,
+        TunedAbsorber::new(duffing, 0.1, 0.09, 0.03)?.problem()?,
+        NonlinearEnergySink::new(duffing, 0.15, 0.4, 0.05)?.problem()?,
+        FilteredDuffing::first_order(duffing, 4.0)?.problem()?,
+        FilteredDuffing::second_order(duffing, 1.5, 0.2)?.problem()?,
         Problem::of(Dense(Interpretation::Ito))?,
         Problem::of(Dense(Interpretation::Stratonovich))?,
     ])

@@ -2,29 +2,8 @@
 
 use crate::common::*;
 use expoly::models::Solved;
-use expoly::{Closure, Density, PolynomialSystem, Problem, Scalar, Simulation};
+use expoly::{Closure, Density, Estimate, PolynomialSystem, Problem, Scalar, Simulation};
 use support::exact::Exact;
-
-/// A structure with a hardening spring, x″ + 0.04 x′ + x + 0.8 x³ + s = 0.25 Ẇ, and a tuned absorber of a tenth of its mass,
-/// s = 0.09 (x − y) + 0.03 (x′ − y′): noise on one mass alone, which the other feels through two springs.
-struct Absorber;
-
-impl PolynomialSystem for Absorber {
-    fn states(&self) -> usize {
-        4
-    }
-    fn processes(&self) -> usize {
-        1
-    }
-    fn drift<S: Scalar>(&self, state: &[S]) -> Vec<S> {
-        let [x, y, u, v] = [state[0], state[1], state[2], state[3]];
-        let between = (x - y) * 0.09 + (u - v) * 0.03;
-        vec![u, v, -(u * 0.04) - x - x.powi(3) * 0.8 - between, between * 10.0]
-    }
-    fn noise<S: Scalar>(&self, _: &[S]) -> Vec<Vec<S>> {
-        [0.0, 0.0, 0.25, 0.0].map(|g| vec![S::from(g)]).to_vec()
-    }
-}
 
 /// Lorenz's system at 10, 28, 8/3 with noise on every state: two wings, and no density that a quartic could hold.
 struct Lorenz;
@@ -46,11 +25,11 @@ impl PolynomialSystem for Lorenz {
     }
 }
 
-/// Second and fourth moments within 0.3 % of a simulation's, on top of its own standard errors of 0.2 to 0.6 %; the closure's
-/// own are 0.04 % and less.
+/// Second and fourth moments within 0.3 % of a simulation's, on top of its own standard errors of 0.2 to 0.6 %; the
+/// closure's own are 0.04 % and less.
 #[test]
 fn noise_on_one_mass_is_closed_as_well_as_on_both() {
-    let problem = Problem::of_system(Absorber).unwrap();
+    let problem = absorber().problem().unwrap();
     let density = Closure::new(4).solve(&problem).unwrap();
     let simulated = Simulation::new().samples(2_000_000).seed(1).run(&problem).unwrap();
     for state in 0..4 {
@@ -67,8 +46,9 @@ fn noise_on_one_mass_is_closed_as_well_as_on_both() {
     assert!(density.provenance().smallest_weight.is_some_and(|least| least > -2.0));
 }
 
-/// Calibrated means of a chain in equilibrium against its exact ones: deviations have the root mean square of one standard
-/// error. Of 12 seeds and three statistics, which go together in part, 1 ± 0.13 is chance; 0.7 and 1.35 are more than twice that.
+/// Calibrated means of a chain in equilibrium against its exact ones: deviations have the root mean square of one
+/// standard error. Of 12 seeds and three statistics, which go together in part, 1 ± 0.13 is chance; 0.7 and 1.35 are
+/// more than twice that.
 #[test]
 fn calibrated_errors_cover() {
     let chain = chain_of_two();
@@ -106,6 +86,24 @@ fn the_estimate_is_the_distance_from_exact_densities() {
             last = l1;
         }
     }
+}
+
+/// The noise's power D is what the dampers take: two identities between second moments, each with its calibrated error.
+/// The errors of several moments are added as if they had one source, and are 1 % of the power all the same.
+#[test]
+fn dampers_and_loads_take_the_power_of_the_noise() {
+    let balance =
+        |what: &str, density: &dyn Density, taken: Estimate, (damping, velocity): (f64, &[u32]), power: f64| {
+            let own = density.moment(velocity).unwrap().scaled(damping);
+            let (value, error) = ((taken.value + own.value) / power, (taken.error + own.error) / power);
+            println!("{what}: {taken} of {power}, balance {value:.6} ± {error:.1e}");
+            assert!(taken.value > 0.2 * power && error < 1e-2, "{what}: {taken} of {power}, and {own}");
+            assert!((value - 1.0).abs() < 3.0 * error, "{what}: {value} ± {error}");
+        };
+    let density = Closure::new(2).solve(&harvester().problem().unwrap()).unwrap();
+    balance("harvester", &density, harvester().power(&density).unwrap(), (0.1, &[0, 2, 0]), 0.04);
+    let density = Closure::new(2).solve(&energy_sink().problem().unwrap()).unwrap();
+    balance("energy sink", &density, energy_sink().absorbed_power(&density).unwrap(), (0.02, &[0, 0, 2, 0]), 0.05);
 }
 
 /// What no quartic can hold is said.

@@ -1,10 +1,11 @@
 //! What several tests need.
 
 use expoly::models::{
-    CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
-    QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise,
+    BistableHarvester, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping,
+    FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, Solved, TunedAbsorber,
+    VanDerPolRayleigh, VelocityNoise, ViscoelasticIsolator,
 };
-use expoly::{Closure, ClosureDensity, Density, Grid, GridDensity, PolynomialDrift, Problem, Scalar, Wall};
+use expoly::{Closure, ClosureDensity, Density, Grid, GridDensity, Intensity, PolynomialDrift, Problem, Scalar, Wall};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -179,6 +180,22 @@ pub(crate) fn closed_chain() -> Arc<ClosureDensity> {
     closed("chain of 2", &chain_of_two().problem().unwrap(), 4, 0)
 }
 
+pub(crate) fn harvester() -> BistableHarvester {
+    BistableHarvester::new(Duffing::new(0.1, -1.0, 1.0, 0.04).unwrap(), [0.5, 0.5], 0.2).unwrap()
+}
+
+/// A structure with a hardening spring, x″ + 0.04 x′ + x + 0.8 x³ + s = 0.25 Ẇ, and a tuned absorber of a tenth of its mass,
+/// s = 0.09 (x − y) + 0.03 (x′ − y′): noise on one mass alone, which the other feels through two springs.
+pub(crate) fn absorber() -> TunedAbsorber {
+    let intensity = Intensity::from_sigma(0.25).unwrap().d();
+    TunedAbsorber::new(Duffing::new(0.04, 1.0, 0.8, intensity).unwrap(), 0.1, 0.09, 0.03).unwrap()
+}
+
+/// A linear structure with a nonlinear energy sink.
+pub(crate) fn energy_sink() -> NonlinearEnergySink {
+    NonlinearEnergySink::new(Duffing::new(0.02, 1.0, 0.0, 0.05).unwrap(), 0.15, 0.4, 0.05).unwrap()
+}
+
 /// Every model once, as problems: systems of fixed and of any size, of both interpretations.
 pub(crate) fn every_model() -> Vec<(&'static str, Problem)> {
     vec![
@@ -194,6 +211,12 @@ pub(crate) fn every_model() -> Vec<(&'static str, Problem)> {
         ("Rayleigh", problem(rayleigh())),
         ("chain of 3", chain_of_three().problem().unwrap()),
         ("vibro-impact", duffing_above(-0.5, 0.9)),
+        ("harvester", harvester().problem().unwrap()),
+        ("isolator", ViscoelasticIsolator::new(duffing(), 0.5, 2.0).unwrap().problem().unwrap()),
+        ("absorber", absorber().problem().unwrap()),
+        ("energy sink", energy_sink().problem().unwrap()),
+        ("first-order filter", FilteredDuffing::first_order(duffing(), 4.0).unwrap().problem().unwrap()),
+        ("second-order filter", FilteredDuffing::second_order(duffing(), 1.5, 0.2).unwrap().problem().unwrap()),
     ]
 }
 
