@@ -1,17 +1,19 @@
 //! How does the answer change when the noise is not white?
 //!
-//! Noise with a memory is white noise behind a filter, and the filter is one more state: x″ + h(x, x′) = z, z′ = a (ξ − z),
-//! where a is the filter's bandwidth. Answer, by `cargo run --release --example coloured_noise`: noise that is slower than the
-//! oscillator does much less, E x² falls by 42 % at a = 0.5; but from a = 4 on E x² is some 2 % above its white limit, and the
-//! simulation agrees. A table of the closure in three states beside a simulation, and a figure in `out/coloured_noise/`.
+//! Noise with a memory is white noise behind a filter, and the filter is one more state: x″ + h(x, x′) = z,
+//! z′ = a (ξ − z), where a is the filter's bandwidth. Answer, by `cargo run --release --example coloured_noise`: noise
+//! that is slower than the oscillator does much less, E x² falls by 42 % at a = 0.5; but from a = 4 on E x² is some 2 %
+//! above its white limit, and the simulation agrees. A table of the closure in three states beside a simulation, each
+//! with its standard error, and a figure in `out/coloured_noise/`. A Duffing oscillator behind such a filter, or one of
+//! second order, is a model: `models::FilteredDuffing`.
 
 #![allow(clippy::print_stdout, reason = "an example speaks")]
 
 use clap::Parser;
 use expoly::models::CubicDamping;
-use expoly::{Closure, Density, Grid, Intensity, PolynomialDrift, Problem, Scalar, Simulation};
+use expoly::{Closure, Density, Estimate, Grid, Intensity, PolynomialDrift, Problem, Scalar, Simulation};
 use std::{path::PathBuf, process::ExitCode};
-use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
+use support::figure::{Panel, Scale, Style, View, band, between, curve, error_bars, values, write_figure};
 
 /// An oscillator under filtered noise, over the bandwidth of the filter.
 #[derive(Clone, Debug, Parser)]
@@ -50,7 +52,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let white = Grid::new().solve(&Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?)?;
     let limit = white.moment(&[2, 0])?.value;
     println!("white noise, by the grid: E x^2 = {limit:.5}, E x^4 = {:.5}\n", white.moment(&[4, 0])?.value);
-    println!("        a     E x^2          simulation     E x^4          simulation  to white  estimated L1");
+    println!(
+        "        a       E x^2: closure         simulation       E x^4: closure         simulation  to white      L1"
+    );
     let (mut squares, mut simulated, mut densities) = (Vec::new(), Vec::new(), Vec::new());
     let x = between([-2.5, 2.5], 61);
     for (k, &bandwidth) in options.bandwidths.iter().enumerate() {
@@ -59,10 +63,12 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         let judge = Simulation::new().samples(options.samples).seed(1).run(&problem)?;
         let both = |power| Ok::<_, expoly::Error>((density.moment(&[power, 0, 0])?, judge.moment(&[power, 0, 0])?));
         let (square, fourth) = (both(2)?, both(4)?);
-        print!("{bandwidth:9} {:9.5} {:19.5} {:9.5} {:19.5}", square.0.value, square.1, fourth.0.value, fourth.1);
-        println!(" {:7.1} % {:13.1e}", 100.0 * (square.0.value / limit - 1.0), density.l1_estimate());
+        let cell = |estimate: Estimate| format!(" {:>18}", format!("{estimate:.5}"));
+        let cells = [square.0, square.1, fourth.0, fourth.1].map(cell);
+        print!("{bandwidth:9}{}", cells.concat());
+        println!(" {:7.1} % {:7.0e}", 100.0 * (square.0.value / limit - 1.0), density.l1_estimate());
         squares.push([bandwidth, square.0.value, square.0.error]);
-        simulated.push([bandwidth, square.1.value]);
+        simulated.push([bandwidth, square.1.value, square.1.error]);
         let marginal = values(&x, |x| density.marginal(0, x))?;
         densities.push(curve(&format!("a = {bandwidth}"), Style::Solid, k + 1, &marginal));
     }
@@ -71,13 +77,15 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let curves = vec![
         curve("closure", Style::Solid, 1, &squares),
         curve("simulation", Style::Points, 2, &simulated),
+        error_bars(2, &simulated),
         curve("white limit", Style::Dashed, 0, &ends),
     ];
     let first = Panel::new(["bandwidth a [1/T]", "mean square E x² [L²]"], Scale::LogAbscissa, curves);
+    let first = first.with_bands([band(1, &squares)]);
     let second = Panel::new(["displacement x [L]", "density p(x) [1/L]"], Scale::Linear, densities);
     let caption = format!(
         "x″ + 0.1 x′ + 0.3 x′³ + x + x³ = z, z′ = a (ξ − z), D = 0.5; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Closure of order {ORDER}, seed 0; \
-         simulation: {} samples, seed 1; white limit by the grid.",
+         simulation: {} samples, seed 1; white limit by the grid. Bars: one standard error.",
         options.samples
     );
     let path = options.out.join("bandwidth.svg");

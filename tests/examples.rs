@@ -310,13 +310,37 @@ fn coloured_noise_prints_moments_beside_a_simulation() {
     let text = String::from_utf8(output.stdout).unwrap();
     let row = text.lines().find(|line| line.trim_start().starts_with("2 ")).unwrap();
     let numbers: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    // Second and fourth moments: 20 000 samples know the latter to some percent.
-    for [closed, sampled] in [[numbers[1], numbers[2]], [numbers[4], numbers[5]]] {
-        assert!((closed / sampled - 1.0).abs() < 0.15, "{text}");
+    // Second and fourth moments with their standard errors: 20 000 samples know the latter to some percent, the closure's are
+    // ten times as precise.
+    for moment in [&numbers[1..5], &numbers[5..9]] {
+        let [closed, error, sampled, spread] = [0, 1, 2, 3].map(|k| moment[k]);
+        assert!((closed - sampled).abs() < 4.0 * spread && error < 0.2 * spread && spread < 0.04 * sampled, "{text}");
     }
     // The figure's numbers are beside it.
     let table = std::fs::read_to_string(out.join("bandwidth.svg.csv")).unwrap();
     assert!(table.starts_with("title,abscissa,ordinate,series,x,y,low,high,value\n") && table.contains("a = 2,"));
+}
+
+/// Where the motion crosses between the wells, more than twice the linear harvester's share: by the closure, and by a
+/// simulation within four of its standard errors.
+#[test]
+fn a_harvester_with_two_wells_delivers_more_than_a_linear_one() {
+    let out = scratch("harvester_power");
+    let output =
+        run("harvester_power", &["--intensities", "0.04", "--samples", "20000", "--out", out.to_str().unwrap()]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    // 0.25 / (0.25 + 0.1 (0.1 + 0.2 + 2.25/0.2)).
+    assert!(text.starts_with("a linear harvester of the wells' frequency takes 17.79 % of"), "{text}");
+    let row = text.lines().find(|line| line.trim_start().starts_with("0.04 ")).unwrap();
+    let numbers: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let [power, error, sampled, spread, share, ratio] = [1, 2, 3, 4, 5, 6].map(|k| numbers[k]);
+    assert!((power - sampled).abs() < 4.0 * spread && error < 0.2 * spread, "{text}");
+    // The share from a simulation of 20 million samples is 41.0 %.
+    assert!((share - 41.0).abs() < 0.5 && (ratio - 2.31).abs() < 0.03, "{text}");
+    let table = std::fs::read_to_string(out.join("power.svg.csv")).unwrap();
+    assert!(
+        table.starts_with("title,abscissa,ordinate,series,x,y,low,high,value\n") && table.contains(",closure,0.04,")
+    );
 }
 
 #[test]

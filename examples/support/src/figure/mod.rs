@@ -163,6 +163,12 @@ pub fn band(colour: usize, points: &[[f64; 3]]) -> Band {
     Band { label: String::new(), colour, points }
 }
 
+/// The bars of one error around abscissae, values and errors: a line for each.
+pub fn error_bars(colour: usize, points: &[[f64; 3]]) -> Curve {
+    let bar = |&[x, y, error]: &[f64; 3]| [[x, y - error], [x, y + error], [f64::NAN; 2]];
+    curve("", Style::Solid, colour, &points.iter().flat_map(bar).collect::<Vec<_>>())
+}
+
 /// What a histogram knows at the places x: points where the standard error is below a third of the value.
 pub fn clear(histogram: &Histogram, x: &[f64]) -> Result<Vec<[f64; 2]>> {
     let mut known = values(x, |x| histogram.density_at(&[x]))?;
