@@ -67,12 +67,15 @@ fn run(options: &Options) -> std::result::Result<(), Box<dyn std::error::Error>>
     let closed = options.orders.iter().map(close).collect::<Result<Vec<_>>>()?;
     let columns = closed.iter().map(|density| answers(density)).collect::<Result<Vec<_>>>()?;
     let row = |name: &str, cells: Vec<String>| println!("{name:>12}{}", cells.concat());
-    row("order", options.orders.iter().map(|order| format!("{order:>10}")).chain(["  simulation".into()]).collect());
+    let cell = |estimate: &Estimate| format!("{:>20}", format!("{estimate:.5}"));
+    row(
+        "order",
+        options.orders.iter().map(|order| format!("{order:>20}")).chain([format!("{:>20}", "simulation")]).collect(),
+    );
     for (k, (name, sampled)) in NAMES.iter().zip(answers(&simulated)?).enumerate() {
-        let cells = columns.iter().map(|column| format!("{:10.5}", column[k].value));
-        row(name, cells.chain([format!("  {sampled:.5}")]).collect());
+        row(name, columns.iter().map(|column| &column[k]).chain([&sampled]).map(cell).collect());
     }
-    row("estimated L1", closed.iter().map(|density| format!("{:10.1e}", density.l1_estimate())).collect());
+    row("estimated L1", closed.iter().map(|density| format!("{:20.1e}", density.l1_estimate())).collect());
     let best = closed.last().ok_or("--orders: name at least one")?;
     let mut views = Vec::new();
     for (state, labels) in LABELS.into_iter().enumerate() {
