@@ -2,7 +2,7 @@
 //!
 //! Noise with a memory is white noise behind a filter, and the filter is one more state: x″ + h(x, x′) = z,
 //! z′ = a (ξ − z), where a is the filter's bandwidth. Answer, by `cargo run --release --example coloured_noise`: noise
-//! that is slower than the oscillator does much less, E x² falls by 42 % at a = 0.5; but from a = 4 on E x² is some 2 %
+//! that is slower than the oscillator does much less, E x² falls by 43 % at a = 0.5; but from a = 4 on E x² is some 2 %
 //! above its white limit, and the simulation agrees. A table of the closure in three states beside a simulation, each
 //! with its standard error, and a figure in `out/coloured_noise/`. A Duffing oscillator behind such a filter, or one of
 //! second order, is a model: `models::FilteredDuffing`.
