@@ -47,7 +47,7 @@ fn coupled_oscillators_in_equilibrium_are_exact() {
             assert!(error.abs() < 1e-8, "{error:e} at {x:?}");
         }
         let constant = distance(&vec![0.0; states]) + log_mass(chain, states / 2);
-        // The constant is an integral by importance sampling: right within its standard error of some 1e-3.
+        println!("{states} states, n = {order}: the constant is off by {constant:.1e}");
         assert!(constant.abs() < 1e-2, "{constant}");
         assert!(density.warning().is_none(), "{:?}", density.warning());
     };

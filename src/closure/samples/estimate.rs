@@ -12,8 +12,8 @@ const MOST: usize = 24;
 const UNKNOWN: f64 = 0.15;
 
 /// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit`, of which the first of `higher` are the functions: the distance to what the
-/// pilot's means and the moment equations of all of `higher` make of it, less what chance makes of that; 2 where nothing can be
-/// found.
+/// pilot's means and the moment equations of all of `higher` make of it, less what chance makes of that, and what a search that
+/// did not end leaves open; 2 where nothing can be found.
 pub(super) fn l1_estimate(
     problem: &Problem,
     nodes: &Nodes,
@@ -35,13 +35,18 @@ pub(super) fn l1_estimate(
         None
     };
     let found = match reconciled {
-        Some(found) => apart(&found.means, found.size.min(1.0))
-            .map(|(distance, _)| (distance, distance * (found.noise / found.size).min(1.0))),
+        Some(found) => apart(&found.means, found.size.min(1.0)).map(|(distance, above)| {
+            let noise = distance * (found.noise / found.size).min(1.0);
+            (distance, noise, above.next)
+        }),
         // Half of what the two halves of the states make of the higher order is the noise of both together.
         None => apart(&calibration.means, UNKNOWN).map(|(distance, above)| {
             let change = likelihood.change(&above, calibration.halves.each_ref().map(Vec::as_slice));
-            (distance, 0.5 * change.unwrap_or(2.0))
+            (distance, 0.5 * change.unwrap_or(2.0), above.next)
         }),
     };
-    found.map_or(2.0, |(found, noise)| (found * found - noise * noise).max(0.0).sqrt() + 0.5 * noise)
+    found.map_or(2.0, |(found, noise, open)| {
+        let beyond_noise = (found * found - noise * noise).max(0.0).sqrt();
+        (beyond_noise + 0.5 * noise).hypot(open).min(2.0)
+    })
 }

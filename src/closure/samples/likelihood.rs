@@ -41,8 +41,9 @@ pub(super) struct Fit {
     /// The share of the draws that independent draws from exp(Q) itself would need.
     pub(super) effective: f64,
     pub(super) steps: usize,
-    /// Whether the search came to its end.
+    /// Whether the search came to its end, and the step that would come next, in standard deviations of ln p.
     pub(super) converged: bool,
+    pub(super) next: f64,
     /// The mass of each draw.
     pub(super) masses: Vec<f64>,
 }
@@ -80,7 +81,7 @@ impl Likelihood<'_> {
     ) -> Option<Fit> {
         let size = self.products.len() - 1;
         let mut a = start;
-        let (mut steps, mut converged) = (0, false);
+        let (mut steps, mut converged, mut next) = (0, false, f64::INFINITY);
         let (mut value, mut masses) = self.value(&a, means)?;
         let mut curvature: Option<Llt<f64>> = None;
         let mut last = f64::INFINITY;
@@ -94,6 +95,7 @@ impl Likelihood<'_> {
             };
             let step = factor.solve(&gradient);
             let decrement = (0..size).map(|k| step[(k, 0)] * gradient[(k, 0)]).sum::<f64>().max(0.0).sqrt();
+            next = decrement;
             converged = decrement < tolerance;
             if converged {
                 break;
@@ -103,14 +105,14 @@ impl Likelihood<'_> {
             }
             let mut length = (LONGEST / decrement).min(1.0);
             let moved = loop {
-                let next: Vec<f64> = a
+                let trial: Vec<f64> = a
                     .iter()
                     .enumerate()
                     .map(|(k, a)| if k == 0 { 0.0 } else { a + length * step[(k - 1, 0)] })
                     .collect();
-                match self.value(&next, means) {
+                match self.value(&trial, means) {
                     Some((new, p)) if new >= value + 1e-4 * length * decrement * decrement - 1e-13 * value.abs() => {
-                        (a, value, masses) = (next, new, p);
+                        (a, value, masses) = (trial, new, p);
                         break true;
                     }
                     _ => length *= 0.5,
@@ -130,7 +132,8 @@ impl Likelihood<'_> {
             // A full step of a curvature that is nearly right is followed by another.
             curvature = (length == 1.0 && decrement < 0.3).then_some(factor);
         }
-        a.iter().all(|a| a.is_finite()).then(|| Fit { a, effective: effective(&masses), steps, converged, masses })
+        let finite = a.iter().all(|a| a.is_finite());
+        finite.then(|| Fit { a, effective: effective(&masses), steps, converged, next, masses })
     }
 
     /// E|δ| of the first-order change δ of ln p that a change of the means makes.

@@ -42,6 +42,7 @@ impl Likelihood<'_> {
                     effective: effective(&all),
                     steps: fit.steps + steps,
                     converged: true,
+                    next: 0.0,
                     masses: all,
                 });
             }
