@@ -1,7 +1,7 @@
 //! What is the stationary density of a system that stands in a file?
 //!
 //! Answer: name the file and a method. `cargo run --release --example solve -- examples/solve/duffing.toml` prints moments by
-//! the closure of order 6; `--method grid`, `simulation`, `classical` or `splitting` ask another method, `--orders 4,6,8` several
+//! the closure of order 6; `--method reference`, `grid`, `simulation`, `classical` or `splitting` ask another, `--orders 4,6,8` several
 //! orders, and `--json` gives one object for other programs. `--moments`, `--at`, `--marginal` and `--exceedance` say what is
 //! asked. No line of Rust is written for the system, and nothing is compiled.
 

@@ -3,7 +3,7 @@ use super::degrees::HIGHEST;
 use super::exponent::Exponent;
 use super::indicator::Indication;
 use super::reference::Reference;
-use super::samples::{ImportanceRule, Moment};
+use super::samples::{ImportanceRule, Lattice, Moment};
 use super::trust_domain::TrustDomain;
 use crate::provenance::Provenance;
 use crate::quadrature::Rule;
@@ -24,6 +24,9 @@ pub(crate) struct Content {
     pub(super) reference: Option<Reference>,
     pub(super) domain: TrustDomain,
     pub(super) integrals: Integrals,
+    /// Where means are taken instead of on draws, in three states and four.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) lattice: Option<Lattice>,
     /// Moments that are known better than the density's own; none on Gauss nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) moments: Vec<Moment>,
@@ -87,13 +90,14 @@ impl Content {
             }
             (Integrals::Draws(_), None) => return Err(String::from("draws serve polynomials alone")),
         };
+        let lattice = self.lattice.map(|lattice| lattice.checked(states)).transpose()?;
         for moment in &self.moments {
             exponents(&moment.powers, states, HIGHEST)?;
         }
         if self.candidates.is_empty() {
             return Err(String::from("it names no candidate"));
         }
-        Ok(Content { exponent, reference, domain, integrals, ..self })
+        Ok(Content { exponent, reference, domain, integrals, lattice, ..self })
     }
 }
 

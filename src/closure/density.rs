@@ -1,9 +1,9 @@
-use super::choice::{Candidate, ENOUGH};
+use super::choice::{Candidate, ENOUGH, Origin};
 use super::content::{Content, Integrals};
 use super::exponent::Exponent;
 use super::nodes::Nodes;
 use super::reference::Start;
-use super::samples::Copula;
+use super::samples::{Copula, ImportanceRule, Moment};
 use super::trust_domain::TrustDomain;
 use crate::density::{Crossing, Density, escape_direction, pair, placed};
 use crate::error::{Result, dimension, state_index};
@@ -17,6 +17,8 @@ use std::fmt;
 
 /// The relative error of integrals over an exact density.
 const ROUNDING: f64 = 1e-12;
+/// The same where it was found on a lattice.
+const SOLVED: f64 = 1e-9;
 /// The relative size below which a leading coefficient is taken for rounding.
 const ROUNDING_OF_FORM: f64 = 1e-9;
 /// ‖F‖ below which all Galerkin equations hold to rounding.
@@ -31,7 +33,7 @@ const ROOT: f64 = 1e-8;
 #[serde(try_from = "Content")]
 pub struct ClosureDensity {
     content: Content,
-    /// Gauss nodes, and p̃ and p̂ there times the quadrature weights; none where integrals are taken on draws.
+    /// Gauss nodes or those of a lattice, and p̃ and p̂ there times the weights; none where integrals are taken on draws.
     nodes: States,
     masses: Vec<[f64; 2]>,
 }
@@ -64,11 +66,14 @@ impl ClosureDensity {
             residual: Some(content.indication.residual),
             ..content.provenance
         };
-        let Integrals::Panels { rules, .. } = &content.integrals else {
-            let nodes = States::new(content.dimension());
-            return ClosureDensity { content, nodes, masses: Vec::new() };
+        let (points, weights) = match (&content.integrals, &content.lattice) {
+            (Integrals::Panels { rules, .. }, _) => {
+                let Nodes { points, weights, .. } = Nodes::tensor(&content.domain, rules.clone());
+                (points, weights)
+            }
+            (Integrals::Draws(rule), Some(lattice)) => lattice.all(&rule.copula),
+            (Integrals::Draws(_), None) => (States::new(content.dimension()), Vec::new()),
         };
-        let Nodes { points, weights, .. } = Nodes::tensor(&content.domain, rules.clone());
         let mass = |(x, w): (&[f64], &f64)| {
             let log = content.exponent.value(x);
             [log, content.reference.as_ref().map_or(log, |reference| reference.value(x))].map(|log| w * log.exp())
@@ -222,8 +227,39 @@ impl ClosureDensity {
         }
     }
 
+    /// Moments that are known better than by the density.
+    pub(super) fn moments(&self) -> &[Moment] {
+        &self.content.moments
+    }
+
+    /// The same, which the pilot's moments do not contradict, with those of them that are known better than its own.
+    pub(super) fn confirmed(mut self, others: &[Moment]) -> Self {
+        self.content.candidates[0].accepted = true;
+        for own in &mut self.content.moments {
+            if let Some(better) = others.iter().find(|other| other.powers == own.powers && other.error < own.error) {
+                own.clone_from(better);
+            }
+        }
+        ClosureDensity::new(self.content)
+    }
+
     fn reference_error(&self) -> f64 {
-        self.content.reference.as_ref().map_or(ROUNDING, |reference| reference.error)
+        let exact = if self.content.lattice.is_some() { SOLVED } else { ROUNDING };
+        self.content.reference.as_ref().map_or(exact, |reference| reference.error)
+    }
+
+    /// ∫ g p dx over all states but those held, on draws: with its distance from that of the reference, if there is one.
+    fn drawn_section(
+        &self,
+        rule: &ImportanceRule,
+        held: &[(usize, f64)],
+        g: &(dyn Fn(&[f64]) -> f64 + Sync),
+    ) -> Result<Estimate> {
+        let section = rule.section(held, g)?;
+        let Some(reference) = &self.content.reference else { return Ok(section) };
+        let beyond = |x: &[f64]| g(x) * ((reference.value(x) - self.content.exponent.value(x)).exp() - 1.0);
+        let distance = rule.section(held, &beyond)?.value.abs() + reference.error * section.value.abs();
+        Ok(Estimate::new(section.value, section.error.hypot(distance)))
     }
 
     /// ∫ g p dx over all states but one, which is `x`.
@@ -231,7 +267,7 @@ impl ClosureDensity {
         let Content { exponent, reference, domain, integrals, .. } = &self.content;
         let lines = match integrals {
             Integrals::Panels { lines, .. } => lines,
-            Integrals::Draws(rule) => return rule.section(&[(state, x)], &g),
+            Integrals::Draws(rule) => return self.drawn_section(rule, &[(state, x)], &g),
         };
         let mut point = vec![0.0; lines.len()];
         point[state] = x;
@@ -296,7 +332,7 @@ impl Density for ClosureDensity {
     }
 
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
-        if let Integrals::Draws(rule) = &self.content.integrals {
+        if let (Integrals::Draws(rule), true) = (&self.content.integrals, self.nodes.is_empty()) {
             return rule.mean(g);
         }
         let (mut sums, mut square) = ([0.0; 2], 0.0);
@@ -312,9 +348,14 @@ impl Density for ClosureDensity {
     /// In three states and more those of Q's own functions are the pilot's calibrated ones, with their standard errors.
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.dimension())?;
+        let own = || self.expectation(&|x| power(x, powers));
         match self.content.moments.iter().find(|moment| moment.powers == powers) {
-            Some(moment) => Ok(Estimate::new(moment.value, moment.error)),
-            None => self.expectation(&|x| power(x, powers)),
+            Some(moment) => {
+                let known = Estimate::new(moment.value, moment.error);
+                let exact = self.content.candidates[0].origin == Origin::Exact;
+                Ok(if exact { own().ok().filter(|own| own.error < known.error).unwrap_or(known) } else { known })
+            }
+            None => own(),
         }
     }
 
@@ -322,7 +363,7 @@ impl Density for ClosureDensity {
         let states = pair(states, self.dimension())?;
         match &self.content.integrals {
             Integrals::Panels { .. } => self.pdf(&placed(states, x, self.dimension())),
-            Integrals::Draws(rule) => rule.section(&[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),
+            Integrals::Draws(rule) => self.drawn_section(rule, &[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
 
 use super::choice::{Candidate, Fitted, Judge, Origin, mean_logarithm};
-use super::content::{Content, Integrals};
+use super::content::Content;
 use super::density::ClosureDensity;
 use super::exponent::Exponent;
 use super::indicator::Indication;
@@ -45,10 +45,10 @@ impl Workshop {
         lower.or_else(|| (chosen.candidate.l1_estimate <= polishable).then(|| solution(&chosen.exponent))?)
     }
 
-    /// An exact density: it is its own reference, and trusted as far as it falls.
-    pub(super) fn exact(&self, order: u32, mut exponent: Exponent, reference: &Reference) -> ClosureDensity {
+    /// An exact density: it is its own reference, and trusted as far as it falls. None where it has no integral there.
+    pub(super) fn exact(&self, order: u32, mut exponent: Exponent, reference: &Reference) -> Option<ClosureDensity> {
         let setting = &self.setting;
-        let (domain, nodes, lines) = if setting.family.is_smooth() {
+        let (domain, nodes, lines) = if setting.family.is_smooth() && self.lattice.is_none() {
             let domain = setting.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
             let nodes = Nodes::gauss(&domain, FINE[domain.centre.len().min(2) - 1]);
             let lines = lines(&domain);
@@ -68,16 +68,18 @@ impl Workshop {
             accepted: true,
         };
         let unknowns = exponent.coefficients.len();
-        ClosureDensity::new(Content {
+        let integrals = self.integrals(&exponent, &nodes, &lines)?;
+        Some(ClosureDensity::new(Content {
             exponent,
             reference: None,
             domain,
             moments: Vec::new(),
-            integrals: Integrals::Panels { rules: nodes.rules, lines },
+            integrals,
+            lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
             guarded: self.guarded,
             candidates: vec![candidate],
             indication: Indication { indicator: 0.0, residual: 0.0 },
             provenance: self.provenance(order, unknowns, reference.solved),
-        })
+        }))
     }
 }

@@ -2,8 +2,10 @@ use super::degrees::Degrees;
 use super::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
 use crate::problem::Symmetry;
 
-/// The degree of a reference above that of the closure, where nothing singular is in the way.
+/// The degree of a reference above that of the closure, where nothing singular is in the way; in four states there would be too
+/// many functions.
 const EXCESS: u32 = 8;
+const EXCESS_OF_FOUR: u32 = 4;
 /// The highest degrees, where the edge of the domain shows as ripples; a correction may be cut off below them.
 const BUFFER: u32 = 4;
 
@@ -63,12 +65,16 @@ impl Family {
     pub(super) fn ladder(&self, order: u32) -> Ladder {
         match self {
             Family::Smooth(smooth) => {
-                let degree = order + EXCESS;
+                let degree = smooth.reference_degree(order);
                 // A weight of low degree serves a low order, and is faster.
-                let weight = order.max(if order < 6 { 8 } else { 12 });
+                let weight = order.max(match (smooth.centre.len(), order) {
+                    (..=2, 6..) => 12,
+                    (..=3, _) => 8,
+                    _ => 6,
+                });
                 let spaces = [order, weight, degree - 2, degree].map(|d| smooth.functions(d));
                 let [judged, end] = [BUFFER + 2, BUFFER].map(|less| smooth.functions(degree - less).len() + 1);
-                Ladder::new(spaces, Some(Band { judged, end }))
+                Ladder::new(spaces, (degree > order + BUFFER).then_some(Band { judged, end }))
             }
             Family::Walled(walled) => Ladder::new(walled.spaces(order), None),
         }
@@ -90,6 +96,11 @@ pub(super) struct Smooth {
 }
 
 impl Smooth {
+    /// The degree of the reference of an order.
+    pub(super) fn reference_degree(&self, order: u32) -> u32 {
+        order + if self.centre.len() > 3 { EXCESS_OF_FOUR } else { EXCESS }
+    }
+
     pub(super) fn functions(&self, degree: u32) -> Functions {
         let exponents = self.degrees.exponents(self.centre.len(), degree, |alpha| self.symmetry.keeps(alpha));
         Functions::Polynomials(Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents))

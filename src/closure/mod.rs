@@ -18,7 +18,8 @@
 //!
 //! `method` holds the options, and `solve` the way from a problem to the steps: Gauss nodes in one and two states, also next
 //! to walls. In three and more, `samples` and `sampled`, the pilot's states take the place of the reference: their means, made
-//! precise by the moment equations, have one most likely exponential polynomial.
+//! precise by the moment equations, have one most likely exponential polynomial; `on_lattice` solves the equations of a reference
+//! in three states and four.
 //!
 //! `classical` is the literature's method.
 
@@ -36,6 +37,7 @@ mod likelihood;
 mod method;
 mod moment_equations;
 mod nodes;
+mod on_lattice;
 mod orthonormal;
 mod pilot;
 mod polish;

@@ -3,14 +3,18 @@
 use super::exponent::Exponent;
 use super::family::{Band, Ladder};
 use super::moment_equations::resolve;
+use super::nodes::Nodes;
 use super::projection::{distance, project, tempered};
+use super::samples::Moment;
 use super::setting::Setting;
 use super::space::{Functions, Jet};
 use super::table::Table;
 use crate::error::{Result, dimension};
 use crate::fokker_planck::Local;
+use crate::polynomial::power;
 use crate::record::{Read, number};
 use crate::states::States;
+use faer::Mat;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -202,6 +206,42 @@ impl Reference {
         best
     }
 
+    /// The moments of p̂, each with its distance from that of the solution two degrees lower under the same weight.
+    pub(super) fn moments(
+        &self,
+        setting: &Setting,
+        ladder: &Ladder,
+        table: &Table,
+        exponents: &[Vec<u32>],
+    ) -> Vec<Moment> {
+        let Nodes { points, weights, .. } = &setting.nodes;
+        let measure = tempered(&self.weight.values(points), weights, 1.0);
+        let columns = ladder.lower_columns;
+        let part = |table: &Mat<f64>| table.get(.., ..columns).to_owned();
+        let lower = Table { values: part(&table.values), rates: part(&table.rates) };
+        let band = Band { judged: columns, end: columns };
+        let lower = resolve(&lower, &measure, &[], Some(&residuals(setting, &self.weight)), band);
+        let own: Vec<f64> = points.par_iter().map(|x| self.correction_at(x)).collect();
+        let masses = |correction: &[f64]| -> Vec<f64> {
+            let all: Vec<f64> = measure.iter().zip(correction).map(|(w, delta)| w * (1.0 + delta)).collect();
+            let mass: f64 = all.iter().sum();
+            all.into_iter().map(|p| p / mass).collect()
+        };
+        let (own, lower) = (masses(&own), lower.map(|lower| masses(&lower.correction)));
+        let moment = |powers: &Vec<u32>| {
+            let mean = |masses: &[f64]| points.iter().zip(masses).map(|(x, p)| p * power(x, powers)).sum::<f64>();
+            let value = mean(&own);
+            let error = lower.as_ref().map_or(f64::INFINITY, |lower| (mean(lower) - value).abs());
+            Moment { powers: powers.clone(), value, error }
+        };
+        exponents.iter().map(moment).collect()
+    }
+
+    /// δ at a state.
+    fn correction_at(&self, x: &[f64]) -> f64 {
+        self.correction[0] + self.space.sum(x, &self.correction[1..])
+    }
+
     /// The same with a constant added to ln p̂.
     pub(super) fn shifted(mut self, constant: f64) -> Self {
         self.weight.constant += constant;
@@ -215,8 +255,7 @@ impl Reference {
 
     /// ln p̂ at a state, up to a constant.
     pub(super) fn value(&self, x: &[f64]) -> f64 {
-        let delta = self.space.sum(x, &self.correction[1..]);
-        self.weight.value(x) + (1.0 + self.correction[0] + delta).clamp(CUT[0], CUT[1]).ln()
+        self.weight.value(x) + (1.0 + self.correction_at(x)).clamp(CUT[0], CUT[1]).ln()
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

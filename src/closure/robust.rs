@@ -11,12 +11,16 @@ use super::nodes::Nodes;
 use super::pilot::Pilot;
 use super::projection::{project, tempered};
 use super::reference::{Reference, Start, normalised};
+use super::sampled::DRAWS;
+use super::samples::{Copula, ImportanceRule, Lattice};
 use super::setting::{FINE, Passage, Setting, likeliest};
 use super::table::{self, Table};
 use super::trust_domain::TrustDomain;
 use super::weight::Weight;
 use crate::error::{Error, Result};
+use crate::estimate::Estimate;
 use crate::provenance::Provenance;
+use crate::quadrature::Rule;
 use crate::states::States;
 use faer::{Mat, MatRef};
 use std::time::Instant;
@@ -30,6 +34,11 @@ const WITNESSES: usize = 4000;
 const ROUGH: f64 = 0.2;
 /// A reference with a larger error is none.
 const UNKNOWN: f64 = 1.0;
+/// On a lattice, where there is another answer, nor is one with a larger error than this.
+const UNSOLVED: f64 = 0.1;
+/// The relative error of the mass on a lattice.
+const ON_LATTICE: f64 = 1e-9;
+
 /// What the closures of one system share at all orders.
 pub(super) struct Workshop {
     pub(super) setting: Setting,
@@ -42,6 +51,8 @@ pub(super) struct Workshop {
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
+    /// The lattice that the setting's nodes are of, if they are of one, and where that is trusted.
+    pub(super) lattice: Option<(Lattice, Copula)>,
 }
 
 impl Workshop {
@@ -54,7 +65,10 @@ impl Workshop {
         let setting = &self.setting;
         let ladder = setting.family.ladder(order);
         let (table, after) = self.tabulated(&ladder);
-        let reference = Reference::new(setting, &ladder, &table, self.start.as_ref(), || self.fit(&self.pilot.states))
+        // On a lattice the first guess is such a fit already.
+        let fit = || self.lattice.is_none().then(|| self.fit(&self.pilot.states))?;
+        let reference = Reference::new(setting, &ladder, &table, self.start.as_ref(), fit)
+            .filter(|reference| self.lattice.is_none() || reference.error <= UNSOLVED)
             .ok_or_else(|| failed("its moment equations have no solution; the noise may not reach every state"))?;
         let kept = Kept::above(setting, &reference);
         if kept.points.len() < ladder.answer_columns {
@@ -65,8 +79,9 @@ impl Workshop {
         let judge = self.judge(&ladder, &reference, &kept, values.as_ref(), &witnesses);
         let mut tried = self.tried(&judge, &kept);
         let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
-        if let Some(exact) = self.exact_at(order, &judge, &kept, chosen) {
-            return Ok(self.exact(order, exact, &reference));
+        let exact = self.exact_at(order, &judge, &kept, chosen);
+        if let Some(density) = exact.and_then(|exact| self.exact(order, exact, &reference)) {
+            return Ok(density);
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
         let Fitted { exponent, .. } = tried.swap_remove(0);
@@ -81,17 +96,34 @@ impl Workshop {
         let reference = reference.shifted(-reference_shift);
         let unknowns = exponent.coefficients.len();
         let provenance = self.provenance(order, unknowns, reference.solved);
+        let moments = match (&self.lattice, ladder.answer.polynomials()) {
+            (Some(_), Some(polynomials)) => reference.moments(setting, &ladder, &table, polynomials.exponents()),
+            _ => Vec::new(),
+        };
+        let integrals = self.integrals(&exponent, &setting.nodes, &setting.lines);
         Ok(ClosureDensity::new(Content {
+            integrals: integrals.ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range"))?,
+            lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
             exponent,
             reference: Some(reference),
             domain: kept.domain,
-            moments: Vec::new(),
-            integrals: Integrals::Panels { rules: setting.nodes.rules.clone(), lines: setting.lines.clone() },
+            moments,
             guarded: self.guarded,
             candidates,
             indication,
             provenance,
         }))
+    }
+
+    /// How integrals of exp(Q) are taken. None where they are not finite.
+    pub(super) fn integrals(&self, exponent: &Exponent, nodes: &Nodes, lines: &[Rule]) -> Option<Integrals> {
+        let Some((_, copula)) = &self.lattice else {
+            return Some(Integrals::Panels { rules: nodes.rules.clone(), lines: lines.to_vec() });
+        };
+        let polynomials = exponent.space.polynomials()?;
+        let rule = ImportanceRule::new(polynomials, &exponent.coefficients, copula, DRAWS, self.seed)?;
+        // The density is normalised on the lattice.
+        Some(Integrals::Draws(Box::new(rule.with_log_mass(Estimate::new(-exponent.constant, ON_LATTICE)))))
     }
 
     /// All functions at the nodes and before impacts, less what they are after them; and what they are after them.
@@ -133,7 +165,8 @@ impl Workshop {
     fn tried(&self, judge: &Judge<'_>, kept: &Kept) -> Vec<Fitted> {
         let setting = &self.setting;
         let mut tried = judge.candidates(self.weight);
-        if judge.reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted) {
+        let doubted = judge.reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted);
+        if doubted && self.lattice.is_none() {
             // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
             let fit = likeliest(judge.space.clone(), setting.known().to_vec(), &setting.nodes, &self.pilot.states, 1.0);
             if let Some(fit) = fit {
@@ -146,7 +179,7 @@ impl Workshop {
 
     /// Whether a density that is normalised on the nodes is so on twice as many.
     fn resolved(&self, exponent: &Exponent, domain: &TrustDomain) -> bool {
-        if !self.setting.family.is_smooth() {
+        if !self.setting.family.is_smooth() || self.lattice.is_some() {
             return true;
         }
         let finer = Nodes::gauss(domain, 2 * FINE[self.setting.nodes.points.dimension().min(2) - 1]);

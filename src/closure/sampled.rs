@@ -4,19 +4,27 @@ use super::choice::{Candidate, Origin};
 use super::content::{Content, Integrals};
 use super::degrees::Degrees;
 use super::density::ClosureDensity;
+use super::exponent::Exponent;
 use super::indicator::Indication;
 use super::pilot::Pilot;
-use super::samples::{Copula, ImportanceRule, close_on_samples};
+use super::reference::scaled_mass;
+use super::samples::{Copula, ImportanceRule, Lattice, SampleClosure, close_on_samples};
 use super::trust_domain::TrustDomain;
 use crate::error::{Error, Result};
+use crate::estimate::Estimate;
 use crate::problem::{Problem, Symmetry};
 use crate::provenance::Provenance;
 use std::time::Instant;
 
 /// Draws for integrals: a standard error of some tenths of a percent for fourth moments in ten states.
-const DRAWS: usize = 400_000;
-/// The domain is as much wider than the pilot's states.
-const WIDENING: f64 = 1.1;
+pub(super) const DRAWS: usize = 400_000;
+/// The domain is as much wider than the pilot's states; a reference goes so many times farther, and an exact density too, by a
+/// lattice of so many nodes at most.
+pub(super) const WIDENING: f64 = 1.1;
+const BY_REFERENCE: f64 = 1.2;
+const EXACTLY: f64 = 1.8;
+const NODES: usize = 1 << 18;
+const EVEN: f64 = 1e-4;
 
 /// What the closures of one system on samples share at all orders.
 pub(super) struct Sampled {
@@ -25,28 +33,55 @@ pub(super) struct Sampled {
     pub(super) degrees: Degrees,
     pub(super) pilot: Pilot,
     pub(super) guarded: bool,
+    /// Whether the moment equations of a higher degree are solved on a lattice.
+    pub(super) referred: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
 }
 
 impl Sampled {
+    pub(super) fn on_samples(&self, order: u32, copula: &Copula) -> Option<SampleClosure> {
+        close_on_samples(&self.problem, &self.pilot, (&self.degrees, order), &self.symmetry, copula, self.seed)
+    }
+
+    /// Where an exact density is followed to, with ln ∫ exp(Q) dx by a lattice there, if there is one.
+    fn far_lattice(&self, copula: Copula, exponent: &Exponent) -> (Copula, Option<(Lattice, Estimate)>) {
+        let far = copula.clone().followed(EXACTLY);
+        let Some((lattice, nodes)) = Lattice::finest(&self.pilot, &self.symmetry, &far, NODES) else {
+            return (copula, None);
+        };
+        let mut logs = exponent.values(&nodes.points);
+        logs.iter_mut().zip(&nodes.base).for_each(|(log, base)| *log += base);
+        let (top, mass) = scaled_mass(&logs, &vec![1.0; logs.len()]);
+        let first = nodes.parts.first().copied().unwrap_or(0);
+        // Each half is a rule of its own; the whole is as much better than these as their errors cancel.
+        let half: f64 = 2.0 * logs[..first].iter().map(|log| (log - top).exp()).sum::<f64>();
+        let uneven = (half / mass - 1.0).abs();
+        if uneven > EVEN { (copula, None) } else { (far, Some((lattice, Estimate::new(mass.ln() + top, uneven)))) }
+    }
+
     /// The closure of an order.
     ///
     /// # Errors
     /// [`Error::NotClosed`] if there are too few states, or they lie on a surface.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
         let failed = |reason| Error::NotClosed { order, reason };
-        let Sampled { problem, symmetry, degrees, pilot, .. } = self;
+        let Sampled { symmetry, pilot, .. } = self;
         let surface = "the pilot's states lie on a surface: the noise may not reach every state";
         let copula = Copula::new(pilot, symmetry).ok_or_else(|| failed(surface))?;
-        let found =
-            close_on_samples(problem, pilot, (degrees, order), symmetry, &copula, self.seed).ok_or_else(|| {
-                failed("the pilot's states are too few to tell its functions apart: ask for more of them")
-            })?;
+        let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };
+        let few = "the pilot's states are too few to tell its functions apart: ask for more of them";
+        let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
+        let by_reference = || self.by_reference(order, &found, &copula);
+        if let Some(density) = (self.referred && !found.exact).then(by_reference).flatten() {
+            return Ok(density);
+        }
+        let (copula, lattice) = if found.exact { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         let coefficients = &found.exponent.coefficients;
         let rule = ImportanceRule::new(&found.polynomials, coefficients, &copula, DRAWS, self.seed)
             .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: ask for another order"))?;
-        let rule = match found.log_mass {
+        let (lattice, on_lattice) = lattice.unzip();
+        let rule = match on_lattice.or(found.log_mass) {
             Some(log_mass) => rule.with_log_mass(log_mass),
             None => rule,
         };
@@ -56,7 +91,10 @@ impl Sampled {
         let candidate = Candidate {
             origin: if found.exact { Origin::Exact } else { Origin::MaximumLikelihood },
             // The domain's edge cuts off what no state has seen.
-            l1_estimate: (found.l1_estimate + (pilot.states.len() as f64).recip()).min(2.0),
+            l1_estimate: match &lattice {
+                Some(_) => 0.0,
+                None => (found.l1_estimate + (pilot.states.len() as f64).recip()).min(2.0),
+            },
             tail_estimate: f64::INFINITY,
             likelihood_loss: 0.0,
             accepted: found.carried,
@@ -80,6 +118,7 @@ impl Sampled {
             reference: None,
             domain: TrustDomain::new(pilot, symmetry, centre, [None, None], WIDENING),
             integrals: Integrals::Draws(Box::new(rule)),
+            lattice,
             guarded: self.guarded,
             candidates: vec![candidate],
             moments: found.moments,

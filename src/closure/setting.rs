@@ -82,6 +82,19 @@ impl Setting {
         Some(Setting { family, domain, nodes, locals, lines, passages, fixed, guess, drop })
     }
 
+    /// The setting on the nodes of a lattice, with a first guess that is good already.
+    pub(super) fn on_lattice(
+        problem: &Problem,
+        (domain, family): (TrustDomain, Smooth),
+        (points, weights): (States, Vec<f64>),
+        guess: Exponent,
+    ) -> Self {
+        let nodes = Nodes { points, weights, rules: Vec::new() };
+        let (locals, fixed) = (locals(problem, &nodes), vec![0.0; nodes.len()]);
+        let (family, lines, passages) = (Family::Smooth(family), Vec::new(), Vec::new());
+        Setting { family, domain, nodes, locals, lines, passages, fixed, guess, drop: f64::INFINITY }
+    }
+
     /// The walls whose grazing impacts make the part of ln p that no function here can follow.
     pub(super) fn known(&self) -> &[Corner] {
         &self.guess.known

@@ -54,7 +54,11 @@ impl Closure {
         let dimension = problem.dimension();
         self.check(dimension, HIGHEST_ORDER)?;
         let scout = Scout::new(problem, self.seed)?;
-        if self.on_samples.unwrap_or(dimension > 2) {
+        if dimension > 4 && self.on_samples == Some(false) {
+            let remedy = "take the pilot's states, as is the default";
+            return Err(Error::NotServed { method: METHOD, what: "five states and more on nodes", remedy });
+        }
+        if dimension > 2 || self.on_samples == Some(true) {
             let symmetry = problem.symmetry();
             let states = self.states.unwrap_or(STATES_IN_MANY);
             let mut pilot = scout.pilot(states, 1.0)?;
@@ -62,14 +66,9 @@ impl Closure {
                 pilot = scout.slower(pilot.slowness().min(LONGER)).pilot(states, 1.0)?;
             }
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
-            let (guarded, seed) = (self.guard, self.seed);
-            let workshop = Sampled { problem, symmetry, degrees, pilot, guarded, seed, begin };
+            let (guarded, seed, referred) = (self.guard, self.seed, self.on_samples == Some(false));
+            let workshop = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, begin };
             return self.at_order(HIGHEST_ORDER, |order| workshop.closed(order));
-        }
-        if dimension > 2 {
-            let (what, remedy) =
-                ("three states and more on tensor nodes", "take the pilot's states, as is the default");
-            return Err(Error::NotServed { method: METHOD, what, remedy });
         }
         let states = self.states.unwrap_or(STATES);
         let pilot = scout.pilot(states, 1.0)?;
@@ -149,7 +148,7 @@ impl Closure {
         let start = self.start.as_ref().map(own);
         let (pilot, inflation) = (pilot.clone(), inflated.inflation);
         let (weight, guarded, seed) = (self.weight, self.guard, self.seed);
-        Ok(Workshop { setting, start, pilot, inflation, weight, guarded, seed, begin })
+        Ok(Workshop { setting, start, pilot, inflation, weight, guarded, seed, begin, lattice: None })
     }
 
     /// The closure of the order that was asked for: given, or of the lowest even one that meets the target, or the best one

@@ -165,7 +165,12 @@ impl TrustDomain {
     /// The domain cut back, in each direction, to the outermost point where a logarithmic density is not yet `drop` below
     /// its highest value on any ray, the centre itself left out: above a wall the density may be infinite there. Nor do
     /// points of the wall count that a ray behind it leads to beyond the domain.
+    ///
+    /// In three states and more it stays as it is.
     pub(super) fn above(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64) -> Self {
+        if self.dimension() > 2 {
+            return self.clone();
+        }
         let on_ray = |k: usize| {
             let points = (1..=RAY).map(move |step| self.on_ray(k, step, 1.0));
             points.map(|x| if self.contains(&x) { log(&x) } else { f64::NEG_INFINITY }).collect()

@@ -6,7 +6,7 @@ use expoly::{Closure, Density, Estimate, PolynomialSystem, Problem, Scalar, Simu
 use support::exact::Exact;
 
 /// Lorenz's system at 10, 28, 8/3 with noise on every state: two wings, and no density that a quartic could hold.
-struct Lorenz;
+pub(crate) struct Lorenz;
 
 impl PolynomialSystem for Lorenz {
     fn states(&self) -> usize {

@@ -3,5 +3,6 @@
 mod classical_walls;
 mod closed_forms;
 mod many_states;
+mod references;
 mod robust;
 mod walls;

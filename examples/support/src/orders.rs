@@ -59,7 +59,7 @@ pub enum Reference {
 pub enum Nodes {
     /// Gauss nodes in two states, samples in more
     Auto,
-    /// Gauss nodes
+    /// Those of a reference: Gauss nodes, a lattice in three states and four
     Tensor,
     /// The pilot's states
     Samples,

@@ -61,6 +61,21 @@ fn distance(inverse: &[Vec<f64>], z: &[f64]) -> f64 {
 }
 
 impl Copula {
+    /// The same, trusted so many times farther.
+    pub(in crate::closure) fn followed(self, times: f64) -> Self {
+        Copula { farthest: self.farthest * times * times, ..self }
+    }
+
+    /// The farthest that is trusted, relative to the farthest of the pilot's states.
+    pub(super) fn beyond(&self, pilot: &Pilot) -> f64 {
+        let farthest = pilot.states.iter().map(|x| distance(&self.inverse, &self.scores(x))).fold(0.0, f64::max);
+        (self.farthest / farthest).sqrt()
+    }
+
+    fn scores(&self, x: &[f64]) -> Vec<f64> {
+        self.knots.iter().zip(x).map(|(knots, x)| score_of(knots, *x)).collect()
+    }
+
     /// None where the states lie on a surface.
     pub(in crate::closure) fn new(pilot: &Pilot, symmetry: &Symmetry) -> Option<Self> {
         let n = pilot.states.dimension();
@@ -145,8 +160,7 @@ impl Copula {
 
     /// Whether a state lies where the pilot has been, or a little farther out.
     pub(super) fn trusts(&self, x: &[f64]) -> bool {
-        let z: Vec<f64> = self.knots.iter().zip(x).map(|(knots, x)| score_of(knots, *x)).collect();
-        distance(&self.inverse, &z) <= self.farthest
+        distance(&self.inverse, &self.scores(x)) <= self.farthest
     }
 }
 

@@ -1,12 +1,14 @@
-//! Nodes for integrals of exp(Q) in a few states: a cubic lattice over where the density is.
+//! Nodes for integrals in a few states: a cubic lattice over where the density is.
 
 use super::copula::Copula;
 use super::likelihood::Nodes;
 use crate::closure::pilot::Pilot;
 use crate::problem::Symmetry;
+use crate::record::{Read, positive, states};
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{SeedableRng, rngs::ChaCha8Rng, seq::SliceRandom};
+use serde::{Deserialize, Serialize};
 
 /// The lattice's spacing in standard deviations: what no density needs finer, and what no density forgives coarser.
 const FINEST: f64 = 0.12;
@@ -15,112 +17,143 @@ const COARSEST: f64 = 1.2;
 const WIDER: f64 = 1.04;
 /// The places of the lattice in a ball around the density, for each node that there may be.
 const SEARCHED: f64 = 64.0;
-/// The farthest a node is from the centre, relative to the farthest state.
-const BEYOND: f64 = 1.1;
+/// More nodes than this are none of a lattice that was made here.
+const MOST: usize = 1 << 22;
 
-/// The nodes of a cubic lattice in the states' principal axes, as many as `most` at the utmost, wherever the copula trusts: the
-/// trapezoidal rule, whose error falls faster than any power of the spacing where the integrand is smooth and vanishes at the
-/// edge (L. N. Trefethen and J. A. C. Weideman, 2014, doi:10.1137/130932132). Of mirror images one stands for all. The nodes come
-/// in two halves, like the black and the white fields of a chessboard, each a coarser rule. None where the lattice would be too coarse.
-pub(super) fn lattice(pilot: &Pilot, symmetry: &Symmetry, copula: &Copula, most: usize) -> Option<Nodes> {
-    let n = pilot.states.dimension();
-    let (centre, _) = pilot.spread(symmetry);
-    let mut covariance = DMatrix::zeros(n, n);
-    let images = || pilot.states.iter().flat_map(|x| symmetry.images(x));
-    for x in images() {
-        let off = DVector::from_fn(n, |i, _| x[i] - centre[i]);
-        covariance.ger(1.0, &off, &off, 1.0);
-    }
-    covariance /= images().count() as f64;
-    let axes = Cholesky::new(covariance)?.l();
-    let length = |x: &[f64]| {
-        axes.solve_lower_triangular(&DVector::from_fn(n, |i, _| x[i] - centre[i])).map_or(f64::INFINITY, |z| z.norm())
-    };
-    let radius = BEYOND * pilot.states.iter().map(length).fold(0.0, f64::max);
-    let region = Region { symmetry, copula, centre: &centre, axes: &axes, radius, most };
-    // A ball of so many more places is not searched.
-    let ball = (1..=n).rev().step_by(2).map(|k| if k == 1 { 2.0 } else { std::f64::consts::TAU / k as f64 });
-    if ball.product::<f64>() * (radius / COARSEST).powi(n as i32) > SEARCHED * most as f64 {
-        return None;
-    }
-    // The volume by a coarse lattice, then the finest that there is room for.
-    let coarse = region.nodes(COARSEST)?;
-    let room = most as f64 / coarse.points.len().max(1) as f64;
-    let mut spacing = COARSEST * room.powf(-(n as f64).recip());
-    while spacing < COARSEST {
-        spacing = spacing.max(FINEST);
-        if let Some(nodes) = region.nodes(spacing) {
-            return Some(nodes);
-        }
-        spacing *= WIDER;
-    }
-    Some(coarse)
-}
-
-/// Where nodes may be.
-struct Region<'a> {
-    symmetry: &'a Symmetry,
-    copula: &'a Copula,
-    centre: &'a [f64],
-    axes: &'a DMatrix<f64>,
+/// A cubic lattice in the states' principal axes.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Lattice {
+    centre: Vec<f64>,
+    /// The lower triangle L of the states' covariance L Lᵀ, by rows.
+    axes: Vec<Vec<f64>>,
+    /// How far nodes are from the centre at most, and from each other, in standard deviations.
     radius: f64,
-    most: usize,
+    spacing: f64,
 }
 
-impl Region<'_> {
-    /// The nodes of a spacing. None where they are too many.
-    fn nodes(&self, spacing: f64) -> Option<Nodes> {
+impl Lattice {
+    /// The finest lattice with as many nodes as `most` at the utmost, wherever the copula trusts, and its nodes: the trapezoidal
+    /// rule, whose error falls faster than any power of the spacing where the integrand is smooth and vanishes at the edge (L. N.
+    /// Trefethen and J. A. C. Weideman, 2014, doi:10.1137/130932132). None where the lattice would be too coarse.
+    pub(in crate::closure) fn finest(
+        pilot: &Pilot,
+        symmetry: &Symmetry,
+        copula: &Copula,
+        most: usize,
+    ) -> Option<(Lattice, Nodes)> {
+        let n = pilot.states.dimension();
+        let (centre, _) = pilot.spread(symmetry);
+        let mut covariance = DMatrix::zeros(n, n);
+        let images = || pilot.states.iter().flat_map(|x| symmetry.images(x));
+        for x in images() {
+            let off = DVector::from_fn(n, |i, _| x[i] - centre[i]);
+            covariance.ger(1.0, &off, &off, 1.0);
+        }
+        covariance /= images().count() as f64;
+        let axes = Cholesky::new(covariance)?.l();
+        let length = |x: &[f64]| {
+            let off = DVector::from_fn(n, |i, _| x[i] - centre[i]);
+            axes.solve_lower_triangular(&off).map_or(f64::INFINITY, |z| z.norm())
+        };
+        let radius = copula.beyond(pilot) * pilot.states.iter().map(length).fold(0.0, f64::max);
+        // A ball of so many more places is not searched.
+        let ball = (1..=n).rev().step_by(2).map(|k| if k == 1 { 2.0 } else { std::f64::consts::TAU / k as f64 });
+        if ball.product::<f64>() * (radius / COARSEST).powi(n as i32) > SEARCHED * most as f64 {
+            return None;
+        }
+        let axes = axes.row_iter().map(|row| row.iter().copied().collect()).collect();
+        let mut lattice = Lattice { centre, axes, radius, spacing: COARSEST };
+        // The volume by a coarse lattice, then the finest that there is room for.
+        let coarse = lattice.nodes(symmetry, copula, most)?;
+        let room = most as f64 / coarse.points.len().max(1) as f64;
+        lattice.spacing *= room.powf(-(n as f64).recip());
+        while lattice.spacing < COARSEST {
+            lattice.spacing = lattice.spacing.max(FINEST);
+            if let Some(nodes) = lattice.nodes(symmetry, copula, most) {
+                return Some((lattice, nodes));
+            }
+            lattice.spacing *= WIDER;
+        }
+        Some((Lattice { spacing: COARSEST, ..lattice }, coarse))
+    }
+
+    /// All nodes with their weights, none for its mirror images.
+    pub(in crate::closure) fn all(&self, copula: &Copula) -> (States, Vec<f64>) {
+        let whole = self.nodes(&Symmetry::none(self.centre.len()), copula, MOST);
+        let nodes = whole.unwrap_or_else(|| Nodes::empty(self.centre.len()));
+        (nodes.points, nodes.base.iter().map(|log| log.exp()).collect())
+    }
+
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(in crate::closure) fn checked(self, n: usize) -> Read<Self> {
+        states("the centre of the lattice", &self.centre, n)?;
+        if self.axes.len() != n {
+            return Err(format!("the lattice has {} axes in {n} states", self.axes.len()));
+        }
+        self.axes.iter().try_for_each(|row| states("an axis of the lattice", row, n))?;
+        positive("the radius of the lattice", self.radius)?;
+        positive("the spacing of the lattice", self.spacing)?;
+        if (2.0 * self.radius / self.spacing).powi(n as i32) > SEARCHED * MOST as f64 {
+            return Err(format!("a lattice of the spacing {} has too many nodes", self.spacing));
+        }
+        Ok(self)
+    }
+
+    /// The nodes that the copula trusts; of mirror images one stands for all. They come in two halves, like the black and the
+    /// white fields of a chessboard, each a coarser rule. None where they are more than `most`.
+    fn nodes(&self, symmetry: &Symmetry, copula: &Copula, most: usize) -> Option<Nodes> {
         let n = self.centre.len();
         let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
         let mut place = vec![0.0; n];
-        let reach = (self.radius / spacing).powi(2);
-        self.along(0, reach, &mut place, &mut |place| {
-            let images: Vec<Vec<f64>> = self.symmetry.images(place).collect();
+        let reach = (self.radius / self.spacing).powi(2);
+        let along = |row: &[f64], place: &[f64]| row.iter().zip(place).map(|(l, k)| l * k).sum::<f64>();
+        each(0, reach, &mut place, &mut |place| {
+            let images: Vec<Vec<f64>> = symmetry.images(place).collect();
             // The first of the images in the order of numbers stands for all.
             if images.iter().any(|image| image.as_slice() < place) {
                 return true;
             }
-            let z = DVector::from_column_slice(place) * spacing;
-            let x = self.axes * z;
-            let x: Vec<f64> = x.iter().zip(self.centre).map(|(x, centre)| x + centre).collect();
-            if self.copula.trusts(&x) {
+            let rows = self.axes.iter().zip(&self.centre);
+            let x: Vec<f64> = rows.map(|(row, centre)| centre + self.spacing * along(row, place)).collect();
+            if copula.trusts(&x) {
                 let itself = images.iter().filter(|image| image.as_slice() == place).count();
                 let (points, base) = &mut halves[place.iter().sum::<f64>().rem_euclid(2.0) as usize];
                 points.extend(x);
                 base.push((images.len() as f64 / itself as f64).ln());
             }
-            halves[0].1.len() + halves[1].1.len() <= self.most
+            halves[0].1.len() + halves[1].1.len() <= most
         })
         .then(|| {
-            let log_volume = n as f64 * spacing.ln() + self.axes.diagonal().iter().map(|side| side.ln()).sum::<f64>();
-            let (mut points, mut base, mut parts) = (Vec::new(), Vec::new(), Vec::new());
-            let mut stream = ChaCha8Rng::seed_from_u64(0);
+            let log_volume = (0..n).map(|i| (self.spacing * self.axes[i][i]).ln()).sum::<f64>();
+            let mut nodes = Nodes::empty(n);
+            let (mut points, mut stream) = (Vec::new(), ChaCha8Rng::seed_from_u64(0));
             for (half, weights) in &halves {
                 // In no order, so that a few of them lie everywhere.
                 let mut order: Vec<usize> = (0..weights.len()).collect();
                 order.shuffle(&mut stream);
                 points.extend(order.iter().flat_map(|k| &half[k * n..(k + 1) * n]));
-                base.extend(order.iter().map(|k| weights[*k] + log_volume));
-                parts.push(base.len());
+                nodes.base.extend(order.iter().map(|k| weights[*k] + log_volume));
+                nodes.parts.push(nodes.base.len());
             }
-            Nodes { points: States::from_values(n, points), base, parts, measured: true }
+            Nodes { points: States::from_values(n, points), ..nodes }
         })
     }
+}
 
-    /// Visits the whole numbers of `place` from entry `from` on whose squares sum up to `left` at most, while `visit` goes on.
-    fn along(&self, from: usize, left: f64, place: &mut Vec<f64>, visit: &mut impl FnMut(&[f64]) -> bool) -> bool {
-        if from == place.len() {
-            return visit(place);
-        }
-        let reach = left.max(0.0).sqrt().floor();
-        let mut k = -reach;
-        while k <= reach {
-            place[from] = k;
-            if !self.along(from + 1, left - k * k, place, visit) {
-                return false;
-            }
-            k += 1.0;
-        }
-        true
+/// Visits the whole numbers of `place` from entry `from` on whose squares sum up to `left` at most, while `visit` goes on.
+fn each(from: usize, left: f64, place: &mut Vec<f64>, visit: &mut impl FnMut(&[f64]) -> bool) -> bool {
+    if from == place.len() {
+        return visit(place);
     }
+    let reach = left.max(0.0).sqrt().floor();
+    let mut k = -reach;
+    while k <= reach {
+        place[from] = k;
+        if !each(from + 1, left - k * k, place, visit) {
+            return false;
+        }
+        k += 1.0;
+    }
+    true
 }

@@ -23,14 +23,21 @@ const RIDGE: f64 = 1e-10;
 const FALLING: f64 = 0.3;
 
 /// Nodes with weights for integrals of exp(Q): of a lattice, or draws from some density near exp(Q).
-#[derive(Debug)]
-pub(super) struct Nodes {
-    pub(super) points: States,
+#[derive(Clone, Debug)]
+pub(in crate::closure) struct Nodes {
+    pub(in crate::closure) points: States,
     /// The logarithms of the weights, up to a constant where they are not `measured` in volume.
-    pub(super) base: Vec<f64>,
+    pub(in crate::closure) base: Vec<f64>,
     pub(super) measured: bool,
     /// Where each part of them ends that is a rule of its own.
-    pub(super) parts: Vec<usize>,
+    pub(in crate::closure) parts: Vec<usize>,
+}
+
+impl Nodes {
+    /// No nodes yet, of a rule that measures volumes.
+    pub(super) fn empty(states: usize) -> Self {
+        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new(), measured: true }
+    }
 }
 
 /// Q = Σ a_k φ_k and what the draws say of exp(Q).

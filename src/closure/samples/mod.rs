@@ -20,6 +20,7 @@ mod sites;
 
 pub(crate) use copula::Copula;
 pub(crate) use importance::ImportanceRule;
+pub(crate) use lattice::Lattice;
 pub(crate) use moments::Moment;
 
 use super::degrees::Degrees;
@@ -30,8 +31,8 @@ use crate::estimate::Estimate;
 use crate::problem::{Problem, Symmetry};
 use calibration::{COVARIANT, Calibration, LEAST_WEIGHT};
 use estimate::l1_estimate;
-use lattice::lattice;
-use likelihood::{Fit, Likelihood, Nodes, Search, effective};
+pub(in crate::closure) use likelihood::Nodes;
+use likelihood::{Fit, Likelihood, Search, effective};
 use moments::moments;
 use products::Products;
 
@@ -81,6 +82,8 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) calibrated: (Option<u32>, f64),
     /// The steps of the maximisation and of the search for a root.
     pub(in crate::closure) steps: usize,
+    /// Where integrals were taken, if that was a lattice.
+    pub(in crate::closure) lattice: Option<(Lattice, Nodes)>,
 }
 
 /// Closes at one order on the pilot's states, by integrals over a lattice where that resolves the density, and over draws from
@@ -127,19 +130,24 @@ pub(in crate::closure) fn close_on_samples(
         let fit = fitted(&products, FOUND)?;
         Some((nodes, fit))
     };
-    let unevenness = |(nodes, fit): &(Nodes, Fit)| Likelihood { nodes, products: &judging }.unevenness(&fit.masses);
     // Fewer nodes where they are as good as more.
     let on_lattice = || {
-        let on = |most| lattice(pilot, symmetry, copula, most).and_then(fitted);
-        let few = on(most / FEWER).filter(|found| unevenness(found) < EVEN);
-        few.or_else(|| on(most).filter(|found| unevenness(found) < UNEVEN))
+        let on = |most, uneven| {
+            let (lattice, nodes) = Lattice::finest(pilot, symmetry, copula, most)?;
+            let (nodes, fit) = fitted(nodes)?;
+            let even = Likelihood { nodes: &nodes, products: &judging }.unevenness(&fit.masses) < uneven;
+            even.then_some((Some(lattice), nodes, fit))
+        };
+        on(most / FEWER, EVEN).or_else(|| on(most, UNEVEN))
     };
     let drawn = || {
         let rule = ImportanceRule::new(&polynomials, &vec![0.0; kept.len()], copula, most, seed ^ FITTED)?;
         let (points, weights, parts) = rule.drawn().ok()?;
-        fitted(Nodes { points, base: weights.iter().map(|w| w.ln()).collect(), parts, measured: false })
+        let base = weights.iter().map(|w| w.ln()).collect();
+        let (nodes, fit) = fitted(Nodes { points, base, parts, measured: false })?;
+        Some((None, nodes, fit))
     };
-    let (nodes, fit) = on_lattice().or_else(drawn)?;
+    let (lattice, nodes, fit) = on_lattice().or_else(drawn)?;
     let likelihood = Likelihood { nodes: &nodes, products: &products };
     let polished = likelihood.polished(problem, &fit);
     let exact = polished.is_some();
@@ -164,6 +172,7 @@ pub(in crate::closure) fn close_on_samples(
         carried: fit.converged && fit.effective > LEAST_EFFECTIVE && calibration.smallest_weight > LEAST_WEIGHT,
         calibrated: (calibration.degree, calibration.smallest_weight),
         steps: fit.steps,
+        lattice: lattice.map(|lattice| (lattice, nodes)),
     })
 }
 
