@@ -7,6 +7,7 @@
 //! | ∫ \|p − q\| dx | marginals | [`marginal_l1`] |
 //! | E_p − E_q of all monomials | two densities | [`moment_differences`] |
 //! | L¹ and log ratio, bin by bin | a marginal and a histogram | [`with_histogram`] |
+//! | a lower bound of ∫ \|p − q\| dx | a density and states that it was not fitted to | [`l1_at_least`] |
 //!
 //! The second density is the reference. The first is taken as it stands; what the reference states about its own error is
 //! folded into the error of every distance, together with that of the quadrature: `0.004 ± 0.001` says that the distance
@@ -17,9 +18,11 @@ mod histogram;
 mod marginal;
 mod moments;
 mod ratio;
+mod witness;
 
 pub use distances::{Distances, distances, l1};
 pub use histogram::{HistogramDistance, with_histogram};
 pub use marginal::{marginal_l1, marginal_log_ratio};
 pub use moments::moment_differences;
 pub use ratio::log_ratio;
+pub use witness::l1_at_least;

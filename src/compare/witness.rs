@@ -1,0 +1,67 @@
+use super::distances::of_one_dimension;
+use crate::density::Density;
+use crate::error::{Error, Result, dimension};
+use crate::estimate::Estimate;
+use crate::states::States;
+use rayon::prelude::*;
+
+/// What ∫ |p̃ − p| dx is at least, p being the unknown density that independent `states` come from: E_p g − E_p̃ g with
+/// g = sign(q − p̃), for a `judge` q that is closer to p.
+///
+/// No function between −1 and 1 has a larger difference of its means than the distance, and the sign of p − p̃ has all of it: the
+/// better the judge, a closure two orders higher, say, the closer the bound. It is honest as long as neither density was fitted to
+/// these states, and no property of p is assumed; a bound below zero says that the judge is no better. `states` are those of
+/// `trajectories` trajectories, one after the other, as [`Simulation::states`](crate::Simulation::states) gives them with a seed of
+/// its own; the spread between trajectories is the standard error, and what p̃'s own nodes add to it.
+///
+/// # Errors
+/// [`Error::Dimension`] if the three are not of the same states, [`Error::NoSamples`] for fewer than two trajectories or fewer states
+/// than these; those of p̃'s expectations.
+///
+/// ```
+/// use expoly::{Closure, Problem, Simulation, compare, models::CubicDamping};
+/// let problem = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
+/// let [density, judge] = [2, 6].map(|order| Closure::new(order).solve(&problem));
+/// let density = density?;
+/// let states = Simulation::new().trajectories(256).samples(51_200).seed(7).states(&problem)?;
+/// let least = compare::l1_at_least(&density, &judge?, &states, 256)?;
+/// assert!((least.value - density.l1_estimate()).abs() < 4.0 * least.error && least.error < 0.01);
+/// # Ok::<(), expoly::Error>(())
+/// ```
+pub fn l1_at_least(
+    density: &dyn Density,
+    judge: &dyn Density,
+    states: &States,
+    trajectories: usize,
+) -> Result<Estimate> {
+    let n = of_one_dimension(density, judge)?;
+    dimension("the held-out states", states.dimension(), n)?;
+    if trajectories < 2 {
+        return Err(Error::NoSamples { what: "the number of trajectories", least: 2 });
+    }
+    let samples = states.len() / trajectories;
+    if samples == 0 {
+        return Err(Error::NoSamples { what: "the number of held-out states", least: trajectories });
+    }
+    let sign = |x: &[f64]| -> f64 {
+        let [own, other] = [density, judge].map(|density| density.log_pdf(x).unwrap_or(f64::NEG_INFINITY));
+        f64::from(i8::from(other > own) - i8::from(other < own))
+    };
+    let path = |path: &[f64]| path.chunks_exact(n).map(sign).sum::<f64>() / samples as f64;
+    let means: Vec<f64> = states.values().par_chunks_exact(samples * n).take(trajectories).map(path).collect();
+    let count = means.len() as f64;
+    let mean = means.iter().sum::<f64>() / count;
+    let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+    let own = match density.weighted_states() {
+        Some((nodes, weights)) => {
+            let signs: Vec<f64> = nodes.par_iter().map(sign).collect();
+            let mass: f64 = weights.iter().sum();
+            let own = signs.iter().zip(&weights).map(|(g, w)| g * w).sum::<f64>() / mass;
+            let square: f64 = signs.iter().zip(&weights).map(|(g, w)| (w * (g - own)).powi(2)).sum();
+            Estimate::new(own, square.sqrt() / mass)
+        }
+        // Nodes of a rule: its error is far below that of the states, and p̃'s own is what is asked for.
+        None => Estimate::new(density.expectation(&sign)?.value, 0.0),
+    };
+    Ok(Estimate::new(mean - own.value, (spread / count / (count - 1.0)).sqrt().hypot(own.error)))
+}
