@@ -125,18 +125,18 @@ impl Pilot {
     }
 
     /// How many consecutive states of a trajectory are worth one, at least 1: the square of the standard error of E x_i² between
-    /// trajectories over that of independent states, for the slowest state.
-    pub(super) fn slowness(&self) -> f64 {
+    /// trajectories over that of independent states, for the slowest state; and that of E x_i where no symmetry says what it is.
+    pub(super) fn slowness(&self, symmetry: &Symmetry) -> f64 {
         let samples = self.states.len() / TRAJECTORIES;
-        let slowness = |i: usize| -> f64 {
-            let squares: Vec<f64> = self.states.iter().map(|x| x[i] * x[i]).collect();
-            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-            let alone =
-                squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (squares.len() * squares.len()) as f64;
-            let paths = squares.chunks_exact(samples).map(|path| path.iter().sum::<f64>() / samples as f64);
+        let slowness = |values: Vec<f64>| -> f64 {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let alone = values.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (values.len() * values.len()) as f64;
+            let paths = values.chunks_exact(samples).map(|path| path.iter().sum::<f64>() / samples as f64);
             paths.map(|m| (m - mean).powi(2)).sum::<f64>() / (TRAJECTORIES * TRAJECTORIES) as f64 / alone
         };
-        (0..self.states.dimension()).map(slowness).fold(1.0, f64::max)
+        let of = |i: usize, power: i32| slowness(self.states.iter().map(|x| x[i].powi(power)).collect());
+        let own = |i: usize| if symmetry.flips(i) { of(i, 2) } else { of(i, 1).max(of(i, 2)) };
+        (0..self.states.dimension()).map(own).fold(1.0, f64::max)
     }
 
     /// Centre and standard deviations of the states and their mirror images.

@@ -26,6 +26,8 @@ const STATES_IN_MANY: usize = 102_400;
 /// Where more consecutive states than this are worth one, they are taken farther apart, up to so many times.
 const CORRELATED: f64 = 3.0;
 const LONGER: f64 = 64.0;
+/// Of states that are that far apart so many should not be worth one: the trajectories are then where they began.
+const UNMIXED: f64 = 16.0;
 
 const METHOD: &str = "closure";
 
@@ -62,8 +64,10 @@ impl Closure {
             let symmetry = problem.symmetry();
             let states = self.states.unwrap_or(STATES_IN_MANY);
             let mut pilot = scout.pilot(states, 1.0)?;
-            if pilot.slowness() > CORRELATED {
-                pilot = scout.slower(pilot.slowness().min(LONGER)).pilot(states, 1.0)?;
+            let slowness = pilot.slowness(&symmetry);
+            if slowness > CORRELATED {
+                pilot = scout.slower(slowness.min(LONGER)).pilot(states, 1.0)?;
+                pilot.stationary &= pilot.slowness(&symmetry) < UNMIXED;
             }
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
             let (guarded, seed, referred) = (self.guard, self.seed, self.on_samples == Some(false));

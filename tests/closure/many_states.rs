@@ -129,9 +129,23 @@ fn dampers_and_loads_take_the_power_of_the_noise() {
     balance("energy sink", &density, energy_sink().absorbed_power(&density).unwrap(), (0.02, &[0, 0, 2, 0]), 0.05);
 }
 
-/// What no quartic can hold is said.
+/// A tilted double well that feels noise through a bath: at this intensity no trajectory leaves its well, and how many are in either
+/// is what they began with.
+const UNMIXED: &str = r#"
+    states = ["x", "v", "z"]
+    [drift]
+    x = "v"
+    v = "x - x^3 + 0.1 + z"
+    z = "-v - z - 0.5*z^3"
+    [noise.w]
+    z = "0.2"
+"#;
+
+/// What no quartic can hold is said, and where the pilot has not mixed.
 #[test]
 fn a_doubtful_density_is_warned_of() {
+    let unmixed = Closure::new(4).solve(&Problem::from_toml(UNMIXED).unwrap()).unwrap();
+    assert!(unmixed.warning().is_some_and(|warning| warning.contains("not stationary")), "{:?}", unmixed.provenance());
     let lorenz = Closure::new(4).solve(&Problem::of_system(Lorenz).unwrap()).unwrap();
     assert!(lorenz.warning().is_some() && lorenz.l1_estimate() > 0.2, "{:?}", lorenz.provenance());
 }

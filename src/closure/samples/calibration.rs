@@ -144,7 +144,7 @@ impl Calibration {
         judged: usize,
     ) -> Option<Self> {
         let samples = pilot.states.len() / TRAJECTORIES;
-        let length = (pilot.slowness().ceil() as usize).min((samples / LEAST_BLOCKS).max(1));
+        let length = (pilot.slowness(symmetry).ceil() as usize).min((samples / LEAST_BLOCKS).max(1));
         let blocks = (samples / length) * TRAJECTORIES;
         let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
         // From below, so that the many functions of a high degree in many states are not listed in vain.
