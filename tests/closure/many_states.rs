@@ -89,22 +89,17 @@ fn the_estimate_is_the_distance_from_exact_densities() {
 }
 
 /// The estimate beside a bound that assumes nothing: what held-out trajectories say of the sign of the difference from the closure
-/// two orders higher. Measured are 0.97 of the estimate for the absorber, and 1.19 for the energy sink, whose estimate comes with a
-/// warning and is too small by so much at least.
+/// two orders higher: some nine tenths of the distance.
 #[test]
 fn held_out_trajectories_bound_the_error_from_below() {
-    for (problem, share) in [(absorber().problem().unwrap(), 0.97), (energy_sink().problem().unwrap(), 1.19)] {
-        let [density, judge] = [4, 6].map(|order| Closure::new(order).solve(&problem).unwrap());
-        let states =
-            Simulation::new().trajectories(256).samples(102_400).burn_in(200.0).seed(5).states(&problem).unwrap();
-        let least = compare::l1_at_least(&density, &judge, &states, 256).unwrap();
-        println!("estimate {:.4}, at least {least:.4}", density.l1_estimate());
-        let own = density.l1_estimate();
-        assert!((least.value - share * own).abs() < 4.0 * least.error && least.error < 0.1 * own, "{own} and {least}");
-        assert!(share < 1.0 || density.warning().is_some());
-    }
-    let states = Simulation::new().trajectories(2).samples(2).states(&absorber().problem().unwrap()).unwrap();
-    let density = Closure::new(2).solve(&absorber().problem().unwrap()).unwrap();
+    let problem = absorber().problem().unwrap();
+    let [density, judge] = [2, 4].map(|order| Closure::new(order).solve(&problem).unwrap());
+    let states = Simulation::new().trajectories(256).samples(51_200).burn_in(200.0).seed(5).states(&problem).unwrap();
+    let least = compare::l1_at_least(&density, &judge, &states, 256).unwrap();
+    let own = density.l1_estimate();
+    println!("estimate {own:.4}, at least {least:.4}");
+    assert!(least.value - 4.0 * least.error < own && least.value > 0.8 * own && least.error < 0.1 * own);
+    let states = Simulation::new().trajectories(2).samples(2).states(&problem).unwrap();
     for trajectories in [0, 1, 3] {
         let refused = compare::l1_at_least(&density, &density, &states, trajectories);
         assert!(matches!(refused, Err(Error::NoSamples { .. })), "{refused:?}");
