@@ -3,7 +3,7 @@ use super::content::{Content, Integrals};
 use super::exponent::Exponent;
 use super::nodes::Nodes;
 use super::reference::Start;
-use super::samples::{Copula, ImportanceRule, Moment};
+use super::samples::{Copula, ImportanceRule, Moment, SampleClosure};
 use super::trust_domain::TrustDomain;
 use crate::density::{Crossing, Density, escape_direction, pair, placed};
 use crate::error::{Result, dimension, state_index};
@@ -233,10 +233,14 @@ impl ClosureDensity {
     }
 
     /// The same, which the pilot's moments do not contradict, with those of them that are known better than its own.
-    pub(super) fn confirmed(mut self, others: &[Moment]) -> Self {
+    pub(super) fn confirmed(mut self, pilot: &SampleClosure) -> Self {
         self.content.candidates[0].accepted = true;
+        let (degree, smallest) = pilot.calibrated;
+        self.content.provenance.calibration_degree = degree;
+        self.content.provenance.smallest_weight = Some(smallest);
         for own in &mut self.content.moments {
-            if let Some(better) = others.iter().find(|other| other.powers == own.powers && other.error < own.error) {
+            let known = pilot.moments.iter().find(|known| known.powers == own.powers);
+            if let Some(better) = known.filter(|known| known.error < own.error) {
                 own.clone_from(better);
             }
         }

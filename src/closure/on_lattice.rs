@@ -55,6 +55,6 @@ impl Sampled {
             let apart = |known: &Moment| (own.value - known.value).abs() - ROUNDING * own.value.abs();
             known.is_none_or(|known| apart(known) <= CONTRADICTED * known.error.hypot(own.error))
         };
-        density.moments().iter().all(agrees).then(|| density.confirmed(&found.moments))
+        density.moments().iter().all(agrees).then(|| density.confirmed(found))
     }
 }
