@@ -22,6 +22,7 @@
 mod closed_form;
 mod closure;
 pub mod compare;
+mod control_variates;
 mod density;
 mod error;
 mod estimate;

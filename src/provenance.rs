@@ -68,6 +68,9 @@ pub struct Provenance {
     /// The smallest weight that calibration gave to a state, where 1 is the plain one; below −2 the pilot has not mixed.
     #[serde(with = "number::option")]
     pub smallest_weight: Option<f64>,
+    /// The standard deviation about 1 of the weights that calibration gave to a simulation's blocks of samples.
+    #[serde(with = "number::option")]
+    pub weight_deviation: Option<f64>,
 
     /// The number of independent runs, each with a seed of its own: 1 unless runs with several seeds are merged.
     pub runs: Option<usize>,

@@ -37,6 +37,9 @@ pub(crate) trait Field: Send + Sync {
     /// The Itô drift f at a point.
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]);
 
+    /// The Itô drift f at all lanes.
+    fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]);
+
     /// ∇·f at a point.
     fn divergence(&self, x: &[f64]) -> f64;
 
@@ -228,6 +231,10 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T
         drift.copy_from_slice(&self.ito(array(x)));
     }
 
+    fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
+        arch.dispatch(OnLanes { x, values: drift, function: |x| self.ito(x) });
+    }
+
     fn divergence(&self, x: &[f64]) -> f64 {
         let slope = |i: usize| self.ito(std::array::from_fn(|j| Dual64::new(x[j], f64::from(i == j))))[i].eps;
         (0..N).map(slope).sum()
@@ -359,6 +366,17 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {
         drift.copy_from_slice(&self.ito(x));
+    }
+
+    fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
+        if !self.induces {
+            arch.dispatch(OnPacks(|| unpacked(self.system.drift(&packed(x)), drift)));
+            return;
+        }
+        for l in 0..LANES {
+            let state: Vec<f64> = x.iter().map(|x| x[l]).collect();
+            drift.iter_mut().zip(self.ito(&state)).for_each(|(lanes, f)| lanes[l] = f);
+        }
     }
 
     fn divergence(&self, x: &[f64]) -> f64 {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::{path::Path, path::PathBuf, time::Duration};
 
 /// The first bytes of a file: the version of the library, since another one may find other bits, and that of the format.
-const MAGIC: &[u8] = concat!("expoly ", env!("CARGO_PKG_VERSION"), " simulation 2\n").as_bytes();
+const MAGIC: &[u8] = concat!("expoly ", env!("CARGO_PKG_VERSION"), " simulation 3\n").as_bytes();
 
 /// Where the state of a run is kept, and how often it is written.
 #[derive(Clone, Debug)]
@@ -72,8 +72,11 @@ impl State {
             let taken = samples(batch.done);
             (batch.tally.origin, batch.tally.samples) == (origin, taken)
                 && timetable.holds(self.plan.trajectories, taken)
-                && batch.tally.is_like(&Tally::new(origin, &layout, self.plan.passages()))
-                && ranges.get(batch.index).is_some_and(|range| batch.fits(range, &layout))
+                && ranges.get(batch.index).is_some_and(|range| {
+                    let trajectories = (range.end - range.start) as usize;
+                    let empty = Tally::new(origin, trajectories, &layout, self.plan.passages());
+                    batch.tally.is_like(&empty) && batch.fits(range, &layout)
+                })
         })
     }
 }

@@ -80,7 +80,7 @@ impl Density for SimulatedDensity {
             what: format!("the moment of the exponents {powers:?}"),
             remedy: "name it in `Simulation::moments` before the run",
         })?;
-        Ok(self.estimate(|b| [b.moments[0], b.moments[place]], |[n, sum]| sum / n))
+        Ok(self.of_tracked([Some(0), Some(place)], |[n, sum]| sum / n))
     }
 
     /// The flux moment from counted passages, for the powers 1, 2 and 3: Σ|v|^(power − 1) per unit time. Up-crossings of
@@ -129,8 +129,7 @@ impl Sampled for SimulatedDensity {
         let states = self.dimension();
         let state = state_index("a state's index", state, states)?;
         let places = [0, 1, 2, 3, 4].map(|power| self.tracked(&of_one(states, state, power)));
-        let sums = |b: &Tally| places.map(|place| place.map_or(f64::NAN, |k| b.moments[k]));
-        Ok(self.estimate(sums, |sums| statistic(&sums.map(|sum| sum / sums[0]))))
+        Ok(self.of_tracked(places, |sums| statistic(&sums.map(|sum| sum / sums[0]))))
     }
 
     fn distribution(&self, state: usize) -> Result<Arc<dyn Counted>> {

@@ -1,7 +1,8 @@
 use super::{
     batch::{Batch, Trajectories},
     control::Control,
-    lanes::Workspace,
+    generator::Images,
+    lanes::{Lanes, Workspace},
     passage::{Course, Passages},
     scheme::Scheme,
     statistics::Seen,
@@ -9,6 +10,7 @@ use super::{
     timetable::{BURN_IN_STRETCHES, Timetable, samples},
 };
 use crate::error::{Error, Result};
+use crate::problem::LANES;
 use crate::states::States;
 use rayon::prelude::*;
 
@@ -50,9 +52,9 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
     ) -> Result<()> {
         let all_the_way = |place: usize, batch: &mut Batch| {
-            let mut work = Workspace::new(self.scheme);
+            let (mut work, mut images) = (Workspace::new(self.scheme), Images::new(layout));
             while batch.done < goal {
-                let steps = self.advance(batch, layout, bounds, &mut work)?;
+                let steps = self.advance(batch, layout, bounds, (&mut work, &mut images))?;
                 batch.unreported += steps * batch.trajectories.count() as u64;
                 if batch.unreported >= REPORT || batch.done == last {
                     self.control.report(std::mem::take(&mut batch.unreported));
@@ -65,17 +67,34 @@ impl<'a> Ensemble<'a> {
     }
 
     /// Takes a batch through its next stretch and returns the time steps.
-    fn advance(&self, batch: &mut Batch, layout: &Layout, bounds: &[f64], work: &mut Workspace) -> Result<u64> {
+    fn advance(
+        &self,
+        batch: &mut Batch,
+        layout: &Layout,
+        bounds: &[f64],
+        (work, images): (&mut Workspace, &mut Images),
+    ) -> Result<u64> {
         let Batch { done, tally, trajectories, memory, .. } = batch;
         let sample = samples(*done);
         let steps = if *done < BURN_IN_STRETCHES {
-            self.stretch(trajectories, *done, &[], &mut self.course.passages(), work, |_, _| {})?
+            self.stretch(trajectories, *done, &[], &mut self.course.passages(), work, |_, _, _, _| {})?
         } else {
             let mut passages = std::mem::take(&mut tally.passages);
-            let steps = self.stretch(trajectories, *done, bounds, &mut passages, work, |seen, power| {
-                tally.observe(layout, seen.x, sample, power);
-                layout.watch.observe(&mut tally.records, memory, seen);
-            })?;
+            let mut x = vec![0.0; self.scheme.states];
+            let steps =
+                self.stretch(trajectories, *done, bounds, &mut passages, work, |group, lanes, crossed, work| {
+                    if !layout.control_variates.is_empty() {
+                        tally.blocks.add(group, lanes.lanes(), layout, self.scheme, images);
+                    }
+                    for lane in 0..lanes.trajectories() {
+                        lanes.read_state(lane, &mut x);
+                        let power = self.velocity.map_or([0.0; 2], |v| self.scheme.power(v, &x, &mut work.scratch));
+                        tally.observe(layout, &x, sample, power);
+                        let seen = Seen { trajectory: group * LANES + lane, x: &x, crossed, lane };
+                        layout.watch.observe(&mut tally.records, memory, seen);
+                    }
+                })?;
+            tally.blocks.close(sample + 1, layout, self.scheme.arch);
             tally.passages = passages;
             tally.samples = sample + 1;
             tally.time = self.timetable.sampled_time(tally.samples, trajectories.count(), self.scheme.step);
@@ -111,9 +130,15 @@ impl<'a> Ensemble<'a> {
         mut observe: impl FnMut(usize, &[f64]),
     ) -> Result<()> {
         let (mut unseen, mut work) = (self.course.passages(), Workspace::new(self.scheme));
+        let mut x = vec![0.0; self.scheme.states];
         for stretch in 0..stretches {
             let bounds = if stretch < BURN_IN_STRETCHES { &[] } else { bounds };
-            let look = |seen: Seen<'_>, _| observe(stretch, seen.x);
+            let look = |_, lanes: &Lanes, _: &[u64], _: &mut Workspace| {
+                for lane in 0..lanes.trajectories() {
+                    lanes.read_state(lane, &mut x);
+                    observe(stretch, &x);
+                }
+            };
             let steps = self.stretch(trajectories, stretch, bounds, &mut unseen, &mut work, look)?;
             self.control.report(steps * trajectories.count() as u64);
             self.control.check(place)?;
@@ -121,8 +146,8 @@ impl<'a> Ensemble<'a> {
         Ok(())
     }
 
-    /// Takes trajectories through stretch number `stretch`, looks at each state at its end and at the power that goes in
-    /// and out there, and returns its time steps.
+    /// Takes trajectories through stretch number `stretch`, looks at each group at its end, with its number and the lanes that
+    /// have crossed each level, and returns its time steps.
     fn stretch(
         &self,
         trajectories: &mut Trajectories,
@@ -130,24 +155,17 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
         passages: &mut Passages,
         work: &mut Workspace,
-        mut observe: impl FnMut(Seen<'_>, [f64; 2]),
+        mut look: impl FnMut(usize, &Lanes, &[u64], &mut Workspace),
     ) -> Result<u64> {
         let before = self.timetable.steps(stretch);
         let steps = self.timetable.steps(stretch + 1) - before;
         let h = self.scheme.step;
         let time = (before + steps) as f64 * h;
-        let mut first = 0;
-        let mut x = vec![0.0; self.scheme.states];
-        for lanes in &mut trajectories.groups {
+        for (group, lanes) in trajectories.groups.iter_mut().enumerate() {
             passages.crossed.fill(0);
             lanes.advance(self.scheme, self.course, steps, passages, work);
             lanes.check(bounds, time, h)?;
-            for lane in 0..lanes.trajectories() {
-                lanes.read_state(lane, &mut x);
-                let power = self.velocity.map_or([0.0; 2], |v| self.scheme.power(v, &x, &mut work.scratch));
-                observe(Seen { trajectory: first + lane, x: &x, crossed: &passages.crossed, lane }, power);
-            }
-            first += lanes.trajectories();
+            look(group, lanes, &passages.crossed, work);
         }
         Ok(steps as u64)
     }

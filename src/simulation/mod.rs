@@ -21,11 +21,14 @@
 //! - `setup`, `run`, `result`, `merge`, `density`: what the user asks, what is done, and what the user gets.
 
 mod batch;
+mod blocks;
+mod calibration;
 mod checkpoint;
 mod control;
 mod density;
 mod distribution;
 mod ensemble;
+mod generator;
 mod grazing;
 mod histogram;
 mod jackknife;

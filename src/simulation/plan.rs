@@ -1,4 +1,5 @@
 use super::{
+    generator::ControlVariates,
     histogram::{Axis, Counts},
     passage::Passages,
     pilot::Pilot,
@@ -35,6 +36,7 @@ pub(super) struct Plan {
     pub(super) axes: Vec<Axis>,
     pub(super) plane: Option<[Axis; 2]>,
     pub(super) questions: Questions,
+    pub(super) control_variates: ControlVariates,
 }
 
 /// The Itô equations of a problem as text, every coefficient with all its digits.
@@ -58,7 +60,8 @@ impl Plan {
     pub(super) fn layout(&self) -> Layout {
         let ends = [self.axes[0].edge(0), self.axes[0].edge(self.axes[0].bins())];
         let watch = Watch::new(&self.questions, self.interval(), (&self.levels, self.velocity), ends, self.wall_at());
-        Layout::new(self.axes.clone(), self.plane, &self.questions.moments, watch)
+        let layout = Layout::new(self.axes.clone(), self.plane, &self.questions.moments, watch);
+        layout.with(self.control_variates.clone())
     }
 
     /// The bins of the speeds at impacts, as many and as far as those of the velocity; none without a wall.
@@ -97,7 +100,7 @@ impl Plan {
         Ok(())
     }
 
-    fn traits(&self) -> [(&'static str, String); 14] {
+    fn traits(&self) -> [(&'static str, String); 15] {
         [
             ("number of states", self.equations.len().to_string()),
             ("system", self.equations.join(", ")),
@@ -113,6 +116,7 @@ impl Plan {
             ("joint histogram", format!("{:?}", self.plane)),
             ("velocity", format!("{:?}", self.velocity)),
             ("list of further statistics", format!("{:?}", self.questions)),
+            ("list of control variates", format!("{:?}", self.control_variates)),
         ]
     }
 
@@ -120,6 +124,8 @@ impl Plan {
     pub(super) fn holds(&self) -> bool {
         let states = self.equations.len();
         let axes = || self.axes.iter().chain(self.plane.iter().flatten());
+        let tracked =
+            || Layout::new(self.axes.clone(), self.plane, &self.questions.moments, Watch::default()).monomials.len();
         (2..=MOST_TRAJECTORIES).contains(&self.trajectories)
             && positive("time step", self.time_step, "").is_ok()
             && self.timetable.holds(self.trajectories, 0)
@@ -131,6 +137,7 @@ impl Plan {
             && self.wall.is_none_or(|wall| wall.checked().is_ok() && wall.state() == 0 && self.velocity.is_some())
             && self.start.as_ref().is_none_or(|start| start.len() == states)
             && self.questions.validate(states, self.trajectories, self.interval(), self.wall_at()).is_ok()
+            && self.control_variates.holds(states, tracked(), self.trajectories)
     }
 
     /// Passages before the first one, as every batch of the plan begins with.

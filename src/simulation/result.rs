@@ -1,5 +1,6 @@
 use super::{
     batch::deal,
+    calibration::Calibration,
     histogram::Histogram,
     jackknife::{controlled, jackknife},
     passage::POWERS,
@@ -11,6 +12,9 @@ use crate::density::{Sampled, central};
 use crate::error::{Error, Result, state_index};
 use crate::estimate::Estimate;
 use crate::provenance::{Provenance, Stopped};
+
+/// What calibration takes off a mean is known to this part of it: the ridge of the regression, and the rounding of its sums.
+const ROUNDING: f64 = 1e-8;
 
 /// The stationary density as a simulation found it: every value with its standard error.
 ///
@@ -28,17 +32,21 @@ pub struct SimulatedDensity {
     pub(super) coarse: Option<Box<Self>>,
     /// Whether the power balance is a control variate.
     balanced: bool,
+    calibration: Option<Calibration>,
     provenance: Provenance,
 }
 
 impl SimulatedDensity {
     pub(super) fn new(mut batches: Vec<Tally>, plan: Plan, seconds: f64, stopped: Stopped) -> Self {
         let layout = plan.layout();
-        let provenance = provenance(&batches, &plan, seconds, stopped);
+        let mut provenance = provenance(&batches, &plan, seconds, stopped);
+        let calibration = Calibration::new(&batches, &layout);
+        provenance.calibration_degree = calibration.as_ref().map(|c| c.degree);
+        provenance.weight_deviation = calibration.as_ref().map(|c| c.weight_deviation);
         let histogram =
             |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
         let histograms = layout.histograms().enumerate().map(histogram).collect();
-        SimulatedDensity { batches, plan, layout, histograms, coarse: None, balanced: false, provenance }
+        SimulatedDensity { batches, plan, layout, histograms, coarse: None, balanced: false, calibration, provenance }
     }
 
     /// The batches' tallies as they were before their counts went into the histograms.
@@ -62,13 +70,38 @@ impl SimulatedDensity {
         sums: impl Fn(&Tally) -> [f64; K],
         value: impl Fn([f64; K]) -> f64,
     ) -> Estimate {
-        self.with_both_errors(|density| {
-            if density.balanced {
-                controlled(&density.batches, (&sums, &value), (|b: &Tally| density.power_sums(b), missing_power))
-            } else {
-                jackknife(&density.batches, &sums, &value)
+        self.with_both_errors(|density| density.by_batches(&sums, &value))
+    }
+
+    /// A function of the sums of tracked monomials with these places, of which the first is 1, with both parts of its error.
+    pub(super) fn of_tracked<const K: usize>(
+        &self,
+        places: [Option<usize>; K],
+        value: impl Fn([f64; K]) -> f64,
+    ) -> Estimate {
+        let sums = |moments: &[f64]| places.map(|place| place.map_or(f64::NAN, |k| moments[k]));
+        self.with_both_errors(|density| match &density.calibration {
+            None => density.by_batches(|b| sums(&b.moments), &value),
+            Some(calibration) => {
+                let calibrated = jackknife(&calibration.moments, |moments| sums(moments), &value);
+                let each = density.batches.iter().map(|b| sums(&b.moments));
+                let plain = value(each.fold([0.0; K], |sum, more| std::array::from_fn(|k| sum[k] + more[k])));
+                Estimate::new(calibrated.value, calibrated.error.hypot(ROUNDING * (calibrated.value - plain)))
             }
         })
+    }
+
+    /// The same as [`SimulatedDensity::estimate`], with the standard error alone.
+    fn by_batches<const K: usize>(
+        &self,
+        sums: impl Fn(&Tally) -> [f64; K],
+        value: impl Fn([f64; K]) -> f64,
+    ) -> Estimate {
+        if self.balanced {
+            controlled(&self.batches, (sums, value), (|b: &Tally| self.power_sums(b), missing_power))
+        } else {
+            jackknife(&self.batches, sums, value)
+        }
     }
 
     /// The estimate, with the error of the time step added to its standard error if there is a coarse twin to tell it.

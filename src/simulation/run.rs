@@ -3,6 +3,7 @@ use super::{
     batch::{Trajectories, deal},
     control::Control,
     ensemble::Ensemble,
+    generator::ControlVariates,
     histogram::Axis,
     passage::{Course, single_wall},
     peers::{Alone, Peers, agree},
@@ -67,6 +68,7 @@ impl<'a> Simulation<'a> {
             burn_in: self.burn_in,
             sampling_interval: self.sampling_interval,
             seed: self.seed,
+            control_variates: self.control_variates,
             levels: self.levels.clone(),
             start: self.start.clone(),
             bins: self.bins,
@@ -90,7 +92,7 @@ impl<'a> Simulation<'a> {
         }
         let pilot = pilot?;
         let (axes, plane) = self.axes(wall, pilot.intervals())?;
-        let plan = Plan {
+        let mut plan = Plan {
             equations: equations(problem),
             wall,
             seed: self.seed,
@@ -104,7 +106,13 @@ impl<'a> Simulation<'a> {
             axes,
             plane,
             questions: self.questions,
+            control_variates: ControlVariates::default(),
         };
+        // The generator does not know of impacts.
+        if self.control_variates && wall.is_none() {
+            let tracked = plan.layout().monomials.len();
+            plan.control_variates = ControlVariates::new(&problem.symmetry(), &plan.axes, tracked, self.trajectories);
+        }
         // The pilot counts nothing; only the trajectories that are sampled do.
         let counted = course.clone().counting(plan.levels.clone(), plan.impact_speeds());
         let session = Session {

@@ -28,6 +28,8 @@ pub(super) struct Scheme<'a> {
     pub(super) pairs: &'a [(usize, usize)],
     /// 1 for a state that F moves, 0 for a displacement.
     moved: Vec<f64>,
+    /// The states i with some B_ij ≠ 0, j ≠ i.
+    pub(super) coupled: Vec<usize>,
     /// The number of states.
     pub(super) states: usize,
     /// The number of Wiener processes.
@@ -84,6 +86,7 @@ impl<'a> Scheme<'a> {
             merged: false,
             moved: (0..states).map(|i| f64::from(pairs.iter().all(|&(x, _)| x != i))).collect(),
             pairs,
+            coupled: coupled(problem.operator().diffusion()),
             states,
             processes: problem.noise().len(),
             amplitude,
@@ -176,6 +179,21 @@ impl<'a> Scheme<'a> {
         self.field.noise_flow(self.arch, k, x, &w[k].map(|s| s * self.amplitude), to);
     }
 
+    /// The Itô drift and, by rows, the diffusion matrix at sixteen states, for noises that are not amplified.
+    pub(super) fn coefficients(&self, x: &[Lane], drift: &mut [Lane], diffusion: &mut [Lane]) {
+        self.field.ito_drifts(self.arch, x, drift);
+        if let Noise::Constant { diffusion: constant, .. } = &self.noise {
+            diffusion.iter_mut().zip(constant).for_each(|(lanes, b)| *lanes = [*b; LANES]);
+            return;
+        }
+        let (mut state, mut matrix) = (vec![0.0; self.states], vec![0.0; self.states * self.states]);
+        for l in 0..LANES {
+            state.iter_mut().zip(x).for_each(|(value, x)| *value = x[l]);
+            self.field.diffusion(&state, &mut matrix);
+            diffusion.iter_mut().zip(&matrix).for_each(|(lanes, b)| lanes[l] = *b);
+        }
+    }
+
     /// The power that noise puts into state `v` and the power that the drift takes from it: ½B_vv and −v f_v, with the
     /// Itô drift f.
     pub(super) fn power(&self, v: usize, x: &[f64], Scratch { drift, diffusion, .. }: &mut Scratch) -> [f64; 2] {
@@ -189,6 +207,12 @@ impl<'a> Scheme<'a> {
         };
         [diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0, -x[v] * drift[v]]
     }
+}
+
+/// The states i with some B_ij ≠ 0, j ≠ i.
+fn coupled(diffusion: &[Vec<Polynomial>]) -> Vec<usize> {
+    let other = |i: usize| (0..diffusion.len()).any(|j| j != i && !diffusion[i][j].is_zero());
+    (0..diffusion.len()).filter(|&i| other(i)).collect()
 }
 
 /// Whether (G_k·∇)G_l vanishes for all columns k and l of G.

@@ -111,7 +111,8 @@ impl<P: Peers> Session<'_, P> {
             let seed = self.plan.seed;
             let fresh = mine.map(|index| {
                 let trajectories = Trajectories::new(ranges[index].clone(), seed, start);
-                let tally = Tally::new(Origin { seed, batch: index }, &self.layout, self.plan.passages());
+                let origin = Origin { seed, batch: index };
+                let tally = Tally::new(origin, trajectories.count(), &self.layout, self.plan.passages());
                 Batch::new(index, tally, &self.layout, trajectories)
             });
             self.batches = fresh.collect();

@@ -67,6 +67,7 @@ pub struct Simulation<'a> {
     pub(super) checkpoint: Option<Checkpoint>,
     pub(super) part: (usize, usize),
     pub(super) questions: Questions,
+    pub(super) control_variates: bool,
 }
 
 impl Default for Simulation<'_> {
@@ -97,6 +98,7 @@ impl<'a> Simulation<'a> {
             checkpoint: None,
             part: (0, 1),
             questions: Questions::default(),
+            control_variates: true,
         }
     }
 
@@ -181,6 +183,11 @@ impl<'a> Simulation<'a> {
     /// The seed of all random numbers, 0 by default.
     pub fn seed(self, seed: u64) -> Self {
         Simulation { seed, ..self }
+    }
+
+    /// TODO
+    pub fn control_variates(self, control_variates: bool) -> Self {
+        Simulation { control_variates, ..self }
     }
 
     /// Levels of state 0 whose up-crossings are counted; none by default. State 0 must be a displacement.

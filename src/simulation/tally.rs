@@ -1,9 +1,12 @@
 use super::{
+    blocks::Blocks,
+    generator::ControlVariates,
     histogram::{Axis, Counts},
     passage::Passages,
     statistics::{Records, Watch},
     trend::Trend,
 };
+use crate::control_variates::products::Products;
 use crate::polynomial::{monomials, of_one};
 use serde::{Deserialize, Serialize};
 use std::slice;
@@ -16,13 +19,16 @@ pub(super) struct Layout {
     /// that were asked for.
     pub(super) monomials: Vec<Vec<u32>>,
     /// Each monomial but the first as the product of an earlier one and a variable.
-    products: Vec<(usize, usize)>,
+    pub(super) products: Vec<(usize, usize)>,
     /// The bins of each state alone.
     pub(super) axes: Vec<Axis>,
     /// The bins of states 0 and 1 together.
     pub(super) plane: Option<[Axis; 2]>,
     /// What else was asked for.
     pub(super) watch: Watch,
+    /// The control variates, and what evaluates them.
+    pub(super) control_variates: ControlVariates,
+    pub(super) images: Products,
 }
 
 /// Which trajectories a tally is of: batch number `batch` of the simulation with this seed.
@@ -50,6 +56,8 @@ pub(super) struct Tally {
     /// Those of each state alone, and those of states 0 and 1 together.
     pub(super) counts: Vec<Counts>,
     pub(super) records: Records,
+    /// What the regression on control variates is made from.
+    pub(super) blocks: Blocks,
     values: Vec<f64>,
 }
 
@@ -73,7 +81,21 @@ impl Layout {
             Some((tracked.iter().position(|other| *other == lower)?, state))
         };
         let products = tracked.iter().filter_map(factor).collect();
-        Layout { monomials: tracked, products, axes, plane, watch }
+        let control_variates = ControlVariates::default();
+        Layout {
+            monomials: tracked,
+            products,
+            axes,
+            plane,
+            watch,
+            images: control_variates.products(),
+            control_variates,
+        }
+    }
+
+    /// The same with control variates.
+    pub(super) fn with(self, control_variates: ControlVariates) -> Self {
+        Layout { images: control_variates.products(), control_variates, ..self }
     }
 
     /// The bins of each histogram.
@@ -91,7 +113,7 @@ fn lower(exponents: &[u32]) -> Option<(usize, Vec<u32>)> {
 }
 
 impl Tally {
-    pub(super) fn new(origin: Origin, layout: &Layout, passages: Passages) -> Self {
+    pub(super) fn new(origin: Origin, trajectories: usize, layout: &Layout, passages: Passages) -> Self {
         Tally {
             origin,
             samples: 0,
@@ -102,6 +124,7 @@ impl Tally {
             passages,
             counts: layout.histograms().map(Counts::new).collect(),
             records: layout.watch.records(),
+            blocks: Blocks::new(trajectories, layout),
             values: vec![1.0; layout.monomials.len()],
         }
     }
@@ -137,7 +160,7 @@ impl Tally {
         let Passages { crossings, crossed, speeds, .. } = &self.passages;
         let lists = [self.moments.len(), self.values.len(), crossings.len(), crossed.len(), self.trend.width()];
         let counts = [self.counts.len(), speeds.len()].into_iter().chain(self.counts.iter().map(Counts::len));
-        lists.into_iter().chain(counts).chain(self.records.sizes())
+        lists.into_iter().chain(counts).chain(self.records.sizes()).chain(self.blocks.sizes())
     }
 }
 
@@ -156,8 +179,8 @@ mod tests {
         let layout = Layout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Watch::default());
         assert_eq!((layout.monomials.len(), &layout.monomials[38]), (35 + 4, &vec![0, 7, 1]));
         let x = [2.0, -3.0, 5.0];
-        let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, &layout, Passages::new(0));
-        let other = Tally::new(tally.origin, &layout, Passages::new(1));
+        let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, 1, &layout, Passages::new(0));
+        let other = Tally::new(tally.origin, 1, &layout, Passages::new(1));
         assert!(tally.is_like(&tally) && !tally.is_like(&other));
         tally.observe(&layout, &x, 0, [0.0; 2]);
         for (m, sum) in layout.monomials.iter().zip(&tally.moments) {

@@ -5,6 +5,7 @@
 
 #![allow(clippy::print_stdout, reason = "a program that measures speaks")]
 
+mod calibration;
 mod campaign;
 mod closure_cost;
 mod grid_convergence;
@@ -22,6 +23,8 @@ use std::process::ExitCode;
 /// Measures the library.
 #[derive(Debug, Parser)]
 enum Question {
+    /// What do control variates do to the errors of a simulation?
+    Calibration(calibration::Options),
     /// Does the closure give a density for every system, and is it as good as it says?
     Campaign(campaign::Options),
     /// What does a closure cost, over its order, its nodes and its states?
@@ -47,6 +50,7 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
     support::exit_code(match Question::parse() {
+        Question::Calibration(options) => calibration::run(&options),
         Question::Campaign(options) => campaign::run(&options),
         Question::ClosureCost(options) => closure_cost::run(&options),
         Question::GridConvergence(options) => grid_convergence::run(&options),

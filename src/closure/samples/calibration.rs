@@ -5,10 +5,10 @@ use super::sites::Sites;
 use crate::closure::degrees::Degrees;
 use crate::closure::pilot::{Pilot, TRAJECTORIES};
 use crate::closure::space::Polynomials;
+use crate::control_variates::regression;
 use crate::problem::{Problem, Symmetry};
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::Solve;
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
 /// The degrees of the functions ψ that may be tested, blocks of states that each of them needs, and how many are worth their time
@@ -20,8 +20,6 @@ const AFFORDED: usize = 300;
 pub(super) const LEAST_WEIGHT: f64 = -2.0;
 /// The covariance of more means than this is not worth its time.
 pub(super) const COVARIANT: usize = 300;
-/// Added to the diagonal of a covariance whose diagonal is one.
-const RIDGE: f64 = 1e-11;
 /// A trajectory has at least so many blocks, if it has as many states.
 const LEAST_BLOCKS: usize = 5;
 /// Trajectories are summed in so many lots, of which every other one makes the first half.
@@ -83,19 +81,12 @@ impl Sums {
     fn regression(&self, tests: usize) -> Option<Regression> {
         let [r, phi] = self.means();
         let covariance = |k: usize, l: usize| self.square[(k, l)] / self.blocks - r[k] * r[l];
-        let scale: Vec<f64> = (0..tests).map(|k| covariance(k, k).sqrt().recip()).collect();
-        if !scale.iter().all(|s| s.is_finite()) {
-            return None;
-        }
-        let ridge = |k: usize, l: usize| if k == l { RIDGE } else { 0.0 };
-        let matrix = Mat::from_fn(tests, tests, |k, l| covariance(k, l) * scale[k] * scale[l] + ridge(k, l));
-        let right = Mat::from_fn(tests, phi.len() + 1, |k, l| {
-            let own = if l < phi.len() { self.mixed[(k, l)] / self.blocks - r[k] * phi[l] } else { r[k] };
-            scale[k] * own
-        });
-        let solved = matrix.llt(Side::Lower).ok()?.solve(right);
-        let beta = Mat::from_fn(tests, phi.len(), |k, l| scale[k] * solved[(k, l)]);
-        let lambda = (0..tests).map(|k| scale[k] * solved[(k, phi.len())]).collect();
+        let mixed = |k: usize, l: usize| {
+            if l < phi.len() { self.mixed[(k, l)] / self.blocks - r[k] * phi[l] } else { r[k] }
+        };
+        let solved = regression([tests, phi.len() + 1], covariance, mixed)?;
+        let beta = solved.get(.., ..phi.len()).to_owned();
+        let lambda = solved.col(phi.len()).iter().copied().collect();
         Some(Regression { beta, lambda })
     }
 

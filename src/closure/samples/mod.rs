@@ -13,7 +13,6 @@ mod importance;
 mod lattice;
 mod likelihood;
 mod moments;
-mod products;
 mod reconciliation;
 mod root;
 mod sites;
@@ -27,6 +26,7 @@ use super::degrees::Degrees;
 use super::exponent::Exponent;
 use super::pilot::Pilot;
 use super::space::{Functions, Polynomials};
+use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;
 use crate::problem::{Problem, Symmetry};
 use calibration::{COVARIANT, Calibration, LEAST_WEIGHT};
@@ -34,7 +34,6 @@ use estimate::l1_estimate;
 pub(in crate::closure) use likelihood::Nodes;
 use likelihood::{Fit, Likelihood, Search, effective};
 use moments::moments;
-use products::Products;
 
 /// The density is judged by one two degrees higher, of at most so many functions; of more, only those of one and of two states
 /// are taken beyond the order.

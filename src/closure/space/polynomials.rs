@@ -1,5 +1,6 @@
 use super::Jet;
 use crate::closure::degrees::HIGHEST;
+use crate::control_variates::products::Products;
 use crate::polynomial::Polynomial;
 use crate::record::{Read, exponents, positive_states, states};
 use serde::{Deserialize, Serialize};
@@ -186,6 +187,13 @@ impl Polynomials {
     }
 }
 
+impl Products {
+    /// These functions, after the constant.
+    pub(in crate::closure) fn new(functions: &Polynomials) -> Self {
+        Products::on_box(&functions.centre, &functions.half_width, &functions.exponents)
+    }
+}
+
 /// Works on a table of so many entries, on the stack where it fits.
 fn on_table<T: Copy + Default, R>(entries: usize, work: impl FnOnce(&mut [T]) -> R) -> R {
     if entries <= ON_STACK {
@@ -215,6 +223,8 @@ fn legendre(t: &Polynomial, highest: usize) -> Vec<Polynomial> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::closure::space::Functions;
+    use crate::control_variates::products::{LANES, Lane};
 
     /// The jet, the rates and the powers are three routes to the same function.
     #[test]
@@ -238,6 +248,42 @@ mod tests {
             assert!((powers.gradient(&x)[i] - jet.gradient[i]).abs() < 1e-12);
             for j in 0..3 {
                 assert!((powers.hessian(&x)[i][j] - jet.hessian[3 * i + j]).abs() < 1e-11);
+            }
+        }
+    }
+
+    /// The tree's sweeps give what the functions one by one give.
+    #[test]
+    fn sweeps_agree_with_single_functions() {
+        let exponents = [[1, 0, 0], [0, 2, 0], [1, 1, 0], [3, 1, 2], [0, 0, 5]].map(Vec::from).to_vec();
+        let space = Polynomials::new(vec![0.1, -0.2, 0.3], vec![1.5, 0.7, 2.0], exponents);
+        let products = Products::new(&space);
+        let space = Functions::Polynomials(space);
+        let mut scratch = products.scratch();
+        let x: [Lane; 3] = std::array::from_fn(|i| std::array::from_fn(|l| 0.3 * i as f64 - 0.2 * l as f64 + 0.1));
+        let (drift, diffusion) = ([0.4, -0.9, 1.3], [0.5, 0.1, 0.0, 0.1, 0.8, -0.3, 0.0, -0.3, 1.1]);
+        let a = [0.7, 0.3, -1.2, 0.5, 0.7, -0.4];
+        products.place(&x, &mut scratch);
+        scratch.first = drift.map(|f| [f; LANES]).to_vec();
+        products.apply(&diffusion.map(|b| [b; LANES]), &[0, 1, 2], &mut scratch);
+        for l in 0..LANES {
+            let point = [0, 1, 2].map(|i| x[i][l]);
+            let (mut values, mut rates) = ([0.0; 5], [0.0; 5]);
+            space.rates(&point, (&drift, &diffusion), &mut values, &mut rates);
+            for k in 0..5 {
+                assert!((products.value(&scratch, k + 1)[l] - values[k]).abs() < 1e-12 * (1.0 + values[k].abs()));
+                assert!((products.image(&scratch, k + 1)[l] - rates[k]).abs() < 1e-11 * (1.0 + rates[k].abs()));
+            }
+        }
+        let sum = products.sum(&a, &scratch);
+        products.gradient(&a, &mut scratch);
+        for l in 0..LANES {
+            let mut jet = Jet::zero(3);
+            space.combine(&[0, 1, 2].map(|i| x[i][l]), &a[1..], &mut jet);
+            assert!((sum[l] - 0.7 - jet.value).abs() < 1e-12 * (1.0 + jet.value.abs()));
+            for i in 0..3 {
+                let slope = scratch.gradient[i][l];
+                assert!((slope - jet.gradient[i]).abs() < 1e-11 * (1.0 + jet.gradient[i].abs()));
             }
         }
     }

@@ -55,6 +55,11 @@ impl Lanes {
         self.active
     }
 
+    /// The states of all lanes.
+    pub(super) fn lanes(&self) -> &[Lane] {
+        &self.x
+    }
+
     /// The state of one trajectory.
     pub(super) fn read_state(&self, l: usize, state: &mut [f64]) {
         read_lane(&self.x, l, state);

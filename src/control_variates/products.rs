@@ -1,22 +1,21 @@
 //! Products of Legendre polynomials at eight points at a time.
 
-use crate::closure::space::Polynomials;
 use std::collections::HashMap;
 
 /// Points that are worked on together.
-pub(super) const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// One number for each of them.
-pub(super) type Lane = [f64; LANES];
+pub(crate) type Lane = [f64; LANES];
 
-pub(super) const ZERO: Lane = [0.0; LANES];
+pub(crate) const ZERO: Lane = [0.0; LANES];
 
-/// The functions of `Polynomials`, each built from a shorter one by a single multiplication.
+/// Products of Legendre polynomials in each state, scaled to a box, each built from a shorter one by a single multiplication.
 ///
 /// A product P_a(x₁) P_b(x₂) P_c(x₃) needs P_a P_b anyway: the products form a tree, and its sweeps cost a few operations
 /// a function in any number of states. A function that is only there as a part of others has no place in the list.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Products {
+pub(crate) struct Products {
     centre: Vec<f64>,
     half_width: Vec<f64>,
     /// The root is 1; every other product follows its shorter one.
@@ -42,11 +41,11 @@ fn rule(k: usize) -> (f64, f64) {
 
 /// Room for the sweeps of one thread.
 #[derive(Clone, Debug)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     /// The coefficients b of the first-order part of what [`Products::apply`] applies.
-    pub(super) first: Vec<Lane>,
+    pub(crate) first: Vec<Lane>,
     /// What [`Products::gradient`] has found.
-    pub(super) gradient: Vec<Lane>,
+    pub(crate) gradient: Vec<Lane>,
     /// P_k, P_k′, P_k″ by state and degree.
     table: Vec<[Lane; 3]>,
     /// b P_k′ + ½ B P_k″.
@@ -60,14 +59,13 @@ pub(super) struct Scratch {
 }
 
 impl Products {
-    /// These functions, after the constant.
-    pub(super) fn new(functions: &Polynomials) -> Self {
-        let (centre, half_width) = (functions.centre().to_vec(), functions.half_width().to_vec());
+    /// After the constant those with these degrees in the states, on the box `centre` ± `half_width`.
+    pub(crate) fn on_box(centre: &[f64], half_width: &[f64], exponents: &[Vec<u32>]) -> Self {
         let n = centre.len();
         let mut steps = vec![Step { shorter: 0, state: 0, degree: 0 }];
         let mut known = HashMap::from([(vec![0; n], 0)]);
         let mut places = vec![0];
-        for alpha in functions.exponents() {
+        for alpha in exponents {
             let mut part = vec![0; n];
             let mut place = 0;
             for state in (0..n).filter(|&i| alpha[i] > 0) {
@@ -80,20 +78,20 @@ impl Products {
             places.push(place);
         }
         let degrees = steps.iter().map(|s| s.degree).max().unwrap_or(0) + 1;
-        Products { centre, half_width, steps, places, degrees }
+        Products { centre: centre.to_vec(), half_width: half_width.to_vec(), steps, places, degrees }
     }
 
     /// The number of states.
-    pub(super) fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.centre.len()
     }
 
     /// The number of functions, the constant included.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.places.len()
     }
 
-    pub(super) fn scratch(&self) -> Scratch {
+    pub(crate) fn scratch(&self) -> Scratch {
         let (n, size) = (self.dimension(), self.steps.len());
         let entries = n * self.degrees;
         Scratch {
@@ -109,7 +107,8 @@ impl Products {
     }
 
     /// Places eight points: fills the tables and the values.
-    pub(super) fn place(&self, x: &[Lane], scratch: &mut Scratch) {
+    #[inline(always)]
+    pub(crate) fn place(&self, x: &[Lane], scratch: &mut Scratch) {
         self.place_values(x, scratch);
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
@@ -119,20 +118,24 @@ impl Products {
                 (row[1], row[2]) = ([scale; LANES], ZERO);
             }
             let t = rows.get(1).map_or(ZERO, |row| row[0]);
-            // The rule of the polynomials, differentiated.
+            // The rule of the polynomials, differentiated; whole lanes, which registers hold.
             for k in 1..self.degrees - 1 {
                 let (a, b) = rule(k);
+                let ([p, d, s], [_, d0, s0]) = (rows[k], rows[k - 1]);
+                let [_, slope, curvature] = &mut rows[k + 1];
                 for l in 0..LANES {
-                    let ([p, d, s], [_, d0, s0]) = (rows[k].map(|r| r[l]), rows[k - 1].map(|r| r[l]));
-                    rows[k + 1][1][l] = a * (t[l] * d + scale * p) - b * d0;
-                    rows[k + 1][2][l] = a * (t[l] * s + 2.0 * scale * d) - b * s0;
+                    slope[l] = a * (t[l] * d[l] + scale * p[l]) - b * d0[l];
+                }
+                for l in 0..LANES {
+                    curvature[l] = a * (t[l] * s[l] + 2.0 * scale * d[l]) - b * s0[l];
                 }
             }
         }
     }
 
     /// Places eight points where only values are asked for.
-    pub(super) fn place_values(&self, x: &[Lane], scratch: &mut Scratch) {
+    #[inline(always)]
+    pub(crate) fn place_values(&self, x: &[Lane], scratch: &mut Scratch) {
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
@@ -156,18 +159,21 @@ impl Products {
     }
 
     /// The value of function k at the points placed.
-    pub(super) fn value<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
+    #[inline(always)]
+    pub(crate) fn value<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
         &scratch.values[self.places[k]]
     }
 
     /// The image of function k under the operator of the last [`Products::apply`].
-    pub(super) fn image<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
+    #[inline(always)]
+    pub(crate) fn image<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
         &scratch.rates[self.places[k]]
     }
 
     /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed: b is `first` of `scratch`, and B, by rows, is `second`.
     /// `coupled` lists the states i with some B_ij ≠ 0, j ≠ i.
-    pub(super) fn apply(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
+    #[inline(always)]
+    pub(crate) fn apply(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
         let n = self.dimension();
         for i in 0..n {
             for k in 0..self.degrees {
@@ -201,7 +207,7 @@ impl Products {
     }
 
     /// Σ a_k φ_k at the points placed, a₀ the constant's.
-    pub(super) fn sum(&self, a: &[f64], scratch: &Scratch) -> Lane {
+    pub(crate) fn sum(&self, a: &[f64], scratch: &Scratch) -> Lane {
         let mut sum = ZERO;
         for (a, &place) in a.iter().zip(&self.places) {
             let value = &scratch.values[place];
@@ -212,7 +218,7 @@ impl Products {
 
     /// Leaves ∇ Σ a_k φ_k at the points placed in `gradient` of `scratch`, by one sweep back through the tree. Overwrites
     /// what [`Products::apply`] left.
-    pub(super) fn gradient(&self, a: &[f64], scratch: &mut Scratch) {
+    pub(crate) fn gradient(&self, a: &[f64], scratch: &mut Scratch) {
         let sensitivity = &mut scratch.rates;
         sensitivity.fill(ZERO);
         scratch.entries.fill(ZERO);
@@ -232,48 +238,6 @@ impl Products {
             *sum = ZERO;
             for at in i * self.degrees..(i + 1) * self.degrees {
                 (0..LANES).for_each(|l| sum[l] += scratch.entries[at][l] * scratch.table[at][1][l]);
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::closure::space::{Functions, Jet};
-
-    /// The tree's sweeps give what the functions one by one give.
-    #[test]
-    fn sweeps_agree_with_single_functions() {
-        let exponents = [[1, 0, 0], [0, 2, 0], [1, 1, 0], [3, 1, 2], [0, 0, 5]].map(Vec::from).to_vec();
-        let space = Polynomials::new(vec![0.1, -0.2, 0.3], vec![1.5, 0.7, 2.0], exponents);
-        let products = Products::new(&space);
-        let space = Functions::Polynomials(space);
-        let mut scratch = products.scratch();
-        let x: [Lane; 3] = std::array::from_fn(|i| std::array::from_fn(|l| 0.3 * i as f64 - 0.2 * l as f64 + 0.1));
-        let (drift, diffusion) = ([0.4, -0.9, 1.3], [0.5, 0.1, 0.0, 0.1, 0.8, -0.3, 0.0, -0.3, 1.1]);
-        let a = [0.7, 0.3, -1.2, 0.5, 0.7, -0.4];
-        products.place(&x, &mut scratch);
-        scratch.first = drift.map(|f| [f; LANES]).to_vec();
-        products.apply(&diffusion.map(|b| [b; LANES]), &[0, 1, 2], &mut scratch);
-        for l in 0..LANES {
-            let point = [0, 1, 2].map(|i| x[i][l]);
-            let (mut values, mut rates) = ([0.0; 5], [0.0; 5]);
-            space.rates(&point, (&drift, &diffusion), &mut values, &mut rates);
-            for k in 0..5 {
-                assert!((products.value(&scratch, k + 1)[l] - values[k]).abs() < 1e-12 * (1.0 + values[k].abs()));
-                assert!((products.image(&scratch, k + 1)[l] - rates[k]).abs() < 1e-11 * (1.0 + rates[k].abs()));
-            }
-        }
-        let sum = products.sum(&a, &scratch);
-        products.gradient(&a, &mut scratch);
-        for l in 0..LANES {
-            let mut jet = Jet::zero(3);
-            space.combine(&[0, 1, 2].map(|i| x[i][l]), &a[1..], &mut jet);
-            assert!((sum[l] - 0.7 - jet.value).abs() < 1e-12 * (1.0 + jet.value.abs()));
-            for i in 0..3 {
-                let slope = scratch.gradient[i][l];
-                assert!((slope - jet.gradient[i]).abs() < 1e-11 * (1.0 + jet.gradient[i].abs()));
             }
         }
     }

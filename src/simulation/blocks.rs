@@ -1,0 +1,191 @@
+use super::{generator::Images, scheme::Scheme, tally::Layout};
+use crate::problem::{LANES, Lane};
+use pulp::{Arch, NullaryFnOnce};
+use serde::{Deserialize, Serialize};
+
+/// Columns that are worked on together.
+const WIDTH: usize = 16;
+
+/// Sums over blocks of consecutive samples of one trajectory, which the regression on control variates is made from.
+///
+/// Let s be the sums of the tracked monomials h and then of R = 𝓖ψ over a block. Kept are Σ s and the products Σ R s of the closed
+/// blocks: they estimate how the means over a whole trajectory vary together, correlations within a block included. A block that
+/// begins after n samples is √n samples long, so that blocks outlast every memory in the end and grow in number as well. All
+/// trajectories of a batch begin a block at the same time.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+pub(super) struct Blocks {
+    trajectories: usize,
+    /// The samples before the open block.
+    begun: usize,
+    /// The number of closed blocks.
+    pub(super) count: f64,
+    /// Σ s over the closed blocks.
+    pub(super) closed: Vec<f64>,
+    /// The sums of the open block, those of one group of trajectories after the other.
+    open: Vec<Lane>,
+    /// Σ L h with the length L of a block, and then Σ R_k s, row by row; row k has the tracked monomials and R_0 to R_k.
+    products: Vec<f64>,
+}
+
+/// The place of row k of the products of so many monomials.
+fn row(k: usize, tracked: usize) -> usize {
+    (k + 1) * tracked + k * (k + 1) / 2
+}
+
+/// The length of the block that begins after so many samples.
+fn length(samples: usize) -> usize {
+    let f = std::env::var("BLOCK").ok().and_then(|f| f.parse().ok()).unwrap_or(1.0);
+    ((samples as f64).sqrt() * f).floor().max(1.0) as usize
+}
+
+impl Blocks {
+    /// Before the first sample of so many trajectories.
+    pub(super) fn new(trajectories: usize, layout: &Layout) -> Self {
+        let (tracked, controls) = (layout.monomials.len(), layout.control_variates.len());
+        if controls == 0 {
+            return Blocks::default();
+        }
+        let width = tracked + controls;
+        Blocks {
+            trajectories,
+            begun: 0,
+            count: 0.0,
+            closed: vec![0.0; width],
+            open: vec![[0.0; LANES]; trajectories.div_ceil(LANES) * width],
+            products: vec![0.0; row(controls, tracked)],
+        }
+    }
+
+    /// Adds one sample of each trajectory of group number `group`.
+    pub(super) fn add(&mut self, group: usize, x: &[Lane], layout: &Layout, scheme: &Scheme<'_>, images: &mut Images) {
+        let width = self.closed.len();
+        images.add(layout, scheme, x, &mut self.open[group * width..][..width]);
+    }
+
+    /// Closes the block where it ends after so many samples of each trajectory.
+    pub(super) fn close(&mut self, samples: usize, layout: &Layout, arch: Arch) {
+        if self.open.is_empty() || samples < self.begun + length(self.begun) {
+            return;
+        }
+        self.begun = samples;
+        self.count += self.trajectories as f64;
+        let (tracked, width) = (layout.monomials.len(), self.closed.len());
+        let mut rows = vec![0.0; LANES * width];
+        for (group, sums) in self.open.chunks_exact(width).enumerate() {
+            let active = (self.trajectories - group * LANES).min(LANES);
+            for (i, lanes) in sums.iter().enumerate() {
+                for l in 0..active {
+                    rows[l * width + i] = lanes[l];
+                    self.closed[i] += lanes[l];
+                }
+            }
+            let products = &mut self.products;
+            arch.dispatch(AddProducts { rows: &rows[..active * width], width, tracked, products });
+        }
+        self.open.fill([0.0; LANES]);
+    }
+
+    /// Σ s over all samples.
+    pub(super) fn total(&self) -> Vec<f64> {
+        let width = self.closed.len().max(1);
+        let mut total = self.closed.clone();
+        for (group, sums) in self.open.chunks_exact(width).enumerate() {
+            let active = (self.trajectories - group * LANES).min(LANES);
+            for (total, lanes) in total.iter_mut().zip(sums) {
+                *total += lanes[..active].iter().sum::<f64>();
+            }
+        }
+        total
+    }
+
+    /// Adds the closed blocks of another batch.
+    pub(super) fn join(&mut self, other: &Blocks) {
+        self.count += other.count;
+        let lists = [(&mut self.closed, &other.closed), (&mut self.products, &other.products)];
+        for (sums, others) in lists {
+            sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
+        }
+    }
+
+    /// Σ L².
+    pub(super) fn squared_lengths(&self) -> f64 {
+        self.products[0]
+    }
+
+    /// The mean of number `i` of s over all samples in closed blocks. The first monomial is 1, so that its sums are lengths.
+    pub(super) fn mean(&self, i: usize) -> f64 {
+        self.closed[i] / self.closed[0]
+    }
+
+    /// Σ (R_k − L R̄_k)(h_l − L h̄_l).
+    pub(super) fn mixed(&self, k: usize, l: usize, tracked: usize) -> f64 {
+        let row = &self.products[row(k, tracked)..];
+        let (r, h) = (self.mean(tracked + k), self.mean(l));
+        row[l] - h * row[0] - r * self.products[l] + r * h * self.squared_lengths()
+    }
+
+    /// Σ (R_k − L R̄_k)(R_l − L R̄_l), l ≤ k.
+    pub(super) fn square(&self, k: usize, l: usize, tracked: usize) -> f64 {
+        let [first, second] = [k, l].map(|k| &self.products[row(k, tracked)..]);
+        let [r, other] = [k, l].map(|k| self.mean(tracked + k));
+        first[tracked + l] - other * first[0] - r * second[0] + r * other * self.squared_lengths()
+    }
+
+    /// The lengths of all lists, and what else two batches of the same trajectories have alike.
+    pub(super) fn sizes(&self) -> [usize; 4] {
+        [self.trajectories, self.closed.len(), self.open.len(), self.products.len()]
+    }
+}
+
+/// Adds Σ R s over some blocks, as a call that is compiled for every width of registers. Their width changes nothing but the speed.
+struct AddProducts<'a> {
+    /// The sums s of one block after the other.
+    rows: &'a [f64],
+    width: usize,
+    tracked: usize,
+    products: &'a mut [f64],
+}
+
+impl NullaryFnOnce for AddProducts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let AddProducts { rows, width, tracked, products } = self;
+        let (lengths, mut left) = products.split_at_mut(tracked);
+        for (at, sum) in lengths.iter_mut().enumerate() {
+            add_columns::<1>(std::slice::from_mut(sum), rows, width, at, 0);
+        }
+        for k in 0..width - tracked {
+            let (row, rest) = left.split_at_mut(tracked + k + 1);
+            left = rest;
+            let mut wide = row.chunks_exact_mut(WIDTH);
+            let mut at = 0;
+            for sums in &mut wide {
+                at = add_columns::<WIDTH>(sums, rows, width, at, tracked + k);
+            }
+            let mut narrow = wide.into_remainder().chunks_exact_mut(WIDTH / 4);
+            for sums in &mut narrow {
+                at = add_columns::<{ WIDTH / 4 }>(sums, rows, width, at, tracked + k);
+            }
+            for sum in narrow.into_remainder() {
+                at = add_columns::<1>(std::slice::from_mut(sum), rows, width, at, tracked + k);
+            }
+        }
+    }
+}
+
+/// Adds the products of column `by` with the C columns from `at` on, and returns the next column.
+#[inline(always)]
+fn add_columns<const C: usize>(sums: &mut [f64], rows: &[f64], width: usize, at: usize, by: usize) -> usize {
+    let mut added = [0.0; C];
+    added.copy_from_slice(sums);
+    for row in rows.chunks_exact(width) {
+        let (factor, columns) = (row[by], &row[at..at + C]);
+        for c in 0..C {
+            added[c] += factor * columns[c];
+        }
+    }
+    sums.copy_from_slice(&added);
+    at + C
+}

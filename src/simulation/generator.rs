@@ -1,0 +1,178 @@
+use super::{histogram::Axis, scheme::Scheme, tally::Layout};
+use crate::control_variates::products::{self, Products};
+use crate::polynomial::monomials;
+use crate::problem::{LANES, Lane, Symmetry};
+use pulp::NullaryFnOnce;
+use serde::{Deserialize, Serialize};
+
+/// The highest degree of a polynomial ψ.
+const HIGHEST: u32 = 8;
+
+/// The most of them: more cost as much time as the simulation itself.
+const MOST: usize = 150;
+
+/// Numbers kept for each trajectory, of all trajectories together: a quarter of a gigabyte.
+const MOST_NUMBERS: usize = 1 << 25;
+
+/// The polynomials ψ whose images 𝓖ψ under the generator are control variates: products of Legendre polynomials on a box, of
+/// rising degree; none where the simulation is not calibrated.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+pub(super) struct ControlVariates {
+    centre: Vec<f64>,
+    half_width: Vec<f64>,
+    exponents: Vec<Vec<u32>>,
+}
+
+impl ControlVariates {
+    /// All up to an even degree that the symmetries keep, as many as are worth their time and fit into memory. The box is that of
+    /// the histograms without their margins, so that runs that can be merged have the same.
+    pub(super) fn new(symmetry: &Symmetry, axes: &[Axis], tracked: usize, trajectories: usize) -> Self {
+        let states = axes.len();
+        let mut exponents = Vec::new();
+        for degree in (2..=HIGHEST).step_by(2) {
+            let mut all = monomials(states, degree);
+            all.retain(|alpha| alpha.iter().any(|&power| power > 0) && symmetry.keeps(alpha));
+            all.sort_by_key(|alpha| alpha.iter().sum::<u32>());
+            if !fits(all.len(), tracked, trajectories) {
+                break;
+            }
+            exponents = all;
+        }
+        let side = |(i, axis): (usize, &Axis)| {
+            let (lo, hi) = (axis.edge(0), axis.edge(axis.bins()));
+            let f = std::env::var("BOXF").ok().and_then(|f| f.parse().ok()).unwrap_or(0.6);
+            if symmetry.flips(i) {
+                (0.0, f * lo.abs().max(hi.abs()) / 1.5)
+            } else {
+                ((lo + hi) / 2.0, f * (hi - lo) / 3.0)
+            }
+        };
+        let (centre, half_width) = axes.iter().enumerate().map(side).unzip();
+        ControlVariates { centre, half_width, exponents }
+    }
+
+    /// Whether what was read can be evaluated, and fits into memory.
+    pub(super) fn holds(&self, states: usize, tracked: usize, trajectories: usize) -> bool {
+        let degree = |alpha: &Vec<u32>| alpha.iter().try_fold(0, |sum: u32, &power| sum.checked_add(power));
+        let box_holds = || {
+            (self.centre.len(), self.half_width.len()) == (states, states)
+                && self.centre.iter().all(|x| x.is_finite())
+                && self.half_width.iter().all(|&width| width > 0.0 && width.recip().is_finite() && width.is_finite())
+        };
+        self.is_empty()
+            || box_holds()
+                && fits(self.len(), tracked, trajectories)
+                && self
+                    .exponents
+                    .iter()
+                    .all(|alpha| alpha.len() == states && degree(alpha).is_some_and(|d| d <= HIGHEST))
+    }
+
+    /// The number of them.
+    pub(super) fn len(&self) -> usize {
+        self.exponents.len()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.exponents.is_empty()
+    }
+
+    /// Each even degree with the number of polynomials up to it.
+    pub(super) fn degrees(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let count = |most: u32| self.exponents.iter().take_while(|alpha| alpha.iter().sum::<u32>() <= most).count();
+        let degrees = (2..=HIGHEST).step_by(2).map(move |degree| (degree, count(degree)));
+        let mut before = 0;
+        degrees.filter(move |&(_, count)| std::mem::replace(&mut before, count) < count)
+    }
+
+    pub(super) fn products(&self) -> Products {
+        Products::on_box(&self.centre, &self.half_width, &self.exponents)
+    }
+}
+
+fn fits(controls: usize, tracked: usize, trajectories: usize) -> bool {
+    controls <= std::env::var("MOST").ok().and_then(|f| f.parse().ok()).unwrap_or(MOST)
+        && (controls + tracked).saturating_mul(trajectories) <= MOST_NUMBERS
+}
+
+/// Room for the tracked monomials and 𝓖ψ at sixteen states.
+pub(super) struct Images {
+    drift: Vec<Lane>,
+    /// B, by rows.
+    diffusion: Vec<Lane>,
+    monomials: Vec<Lane>,
+    /// Eight states, and B there.
+    x: Vec<products::Lane>,
+    second: Vec<products::Lane>,
+    scratch: products::Scratch,
+}
+
+impl Images {
+    pub(super) fn new(layout: &Layout) -> Self {
+        let n = layout.axes.len();
+        Images {
+            drift: vec![[0.0; LANES]; n],
+            diffusion: vec![[0.0; LANES]; n * n],
+            monomials: vec![[1.0; LANES]; layout.monomials.len()],
+            x: vec![products::ZERO; n],
+            second: vec![products::ZERO; n * n],
+            scratch: layout.images.scratch(),
+        }
+    }
+
+    /// Adds the tracked monomials and after them 𝓖ψ at the states `x` to `sums`, lane by lane.
+    pub(super) fn add(&mut self, layout: &Layout, scheme: &Scheme<'_>, x: &[Lane], sums: &mut [Lane]) {
+        scheme.coefficients(x, &mut self.drift, &mut self.diffusion);
+        scheme.arch.dispatch(Add { layout, coupled: &scheme.coupled, x, images: self, sums });
+    }
+}
+
+/// The sums as a call that is compiled for every width of registers.
+struct Add<'a> {
+    layout: &'a Layout,
+    coupled: &'a [usize],
+    x: &'a [Lane],
+    images: &'a mut Images,
+    sums: &'a mut [Lane],
+}
+
+impl NullaryFnOnce for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Add { layout, coupled, x, images, sums } = self;
+        let Images { drift, diffusion, monomials, x: eight, second, scratch } = images;
+        for (k, &(lower, state)) in layout.products.iter().enumerate() {
+            let (lower, x) = (monomials[lower], x[state]);
+            for l in 0..LANES {
+                monomials[k + 1][l] = lower[l] * x[l];
+            }
+        }
+        let (tracked, images) = sums.split_at_mut(monomials.len());
+        for (sum, value) in tracked.iter_mut().zip(&*monomials) {
+            for l in 0..LANES {
+                sum[l] += value[l];
+            }
+        }
+        for first in (0..LANES).step_by(products::LANES) {
+            let part = first..first + products::LANES;
+            let copy = |to: &mut [products::Lane], from: &[Lane]| {
+                for (to, from) in to.iter_mut().zip(from) {
+                    to.copy_from_slice(&from[part.clone()]);
+                }
+            };
+            copy(eight, x);
+            copy(&mut scratch.first, drift);
+            copy(second, diffusion);
+            layout.images.place(eight, scratch);
+            layout.images.apply(second, coupled, scratch);
+            for (k, sum) in images.iter_mut().enumerate() {
+                let image = layout.images.image(scratch, k + 1);
+                for l in 0..products::LANES {
+                    sum[first + l] += image[l];
+                }
+            }
+        }
+    }
+}
