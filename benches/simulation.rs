@@ -1,7 +1,7 @@
 //! Path-steps per second on one thread, beside a plain loop over the same scheme, one trajectory at a time.
 #![allow(missing_docs)]
 
-use expoly::models::{Duffing, ParametricLinear, Solved};
+use expoly::models::{Duffing, NonlinearEnergySink, ParametricLinear, Solved};
 use expoly::{Problem, Simulation, Wall};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
@@ -13,6 +13,7 @@ const STEP: f64 = 0.02;
 /// Time steps between samples, samples in all, trajectories: a few million path-steps, of which the burn-in is a tenth.
 const INTERVAL: usize = 50;
 const SAMPLES: usize = 65_536;
+const LONG: usize = 500_000;
 const TRAJECTORIES: usize = 1024;
 const BURN_IN: usize = 640;
 
@@ -75,6 +76,17 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     }
     let group = Group::new("path-steps, models", 15).elements(steps);
     group.task("Duffing", || run(&duffing)).task("multiplicative noise", || run(&noisy)).run()?;
+
+    // What control variates cost, in two states and in four, of runs with as many samples as usual.
+    let sink = NonlinearEnergySink::new(Duffing::new(0.02, 1.0, 0.0, 0.02)?, 0.15, 0.4, 0.05)?.problem()?;
+    let long = |problem: &Problem, calibrated| {
+        let simulation = simulation().samples(LONG).time_step(0.03).sampling_interval(1.0);
+        pool.install(|| simulation.control_variates(calibrated).run(problem))
+    };
+    for (name, problem) in [("Duffing", &duffing), ("energy sink", &sink)] {
+        let group = Group::new(&format!("control variates, {name}"), 9);
+        group.task("without", || long(problem, false)).task("with", || long(problem, true)).run()?;
+    }
     Ok(())
 }
 

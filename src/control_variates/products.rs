@@ -110,6 +110,12 @@ impl Products {
     #[inline(always)]
     pub(crate) fn place(&self, x: &[Lane], scratch: &mut Scratch) {
         self.place_values(x, scratch);
+        self.place_slopes(scratch);
+    }
+
+    /// Fills the tables of P_k′ and P_k″, where those of P_k are filled.
+    #[inline(always)]
+    fn place_slopes(&self, scratch: &mut Scratch) {
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
@@ -136,25 +142,38 @@ impl Products {
     /// Places eight points where only values are asked for.
     #[inline(always)]
     pub(crate) fn place_values(&self, x: &[Lane], scratch: &mut Scratch) {
+        self.place_tables(x, scratch);
+        scratch.values[0] = [1.0; LANES];
+        for (k, step) in self.steps.iter().enumerate().skip(1) {
+            let factor = &scratch.table[step.state * self.degrees + step.degree][0];
+            let shorter = scratch.values[step.shorter];
+            let value = &mut scratch.values[k];
+            for l in 0..LANES {
+                value[l] = shorter[l] * factor[l];
+            }
+        }
+    }
+
+    /// Fills the tables of P_k.
+    #[inline(always)]
+    fn place_tables(&self, x: &[Lane], scratch: &mut Scratch) {
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
             rows[0][0] = [1.0; LANES];
             if let Some(row) = rows.get_mut(1) {
-                row[0] = x[i].map(|x| (x - self.centre[i]) * scale);
+                for l in 0..LANES {
+                    row[0][l] = (x[i][l] - self.centre[i]) * scale;
+                }
             }
             let t = rows.get(1).map_or(ZERO, |row| row[0]);
             for k in 1..self.degrees - 1 {
                 let (a, b) = rule(k);
                 let (p, p0) = (rows[k][0], rows[k - 1][0]);
-                rows[k + 1][0] = std::array::from_fn(|l| a * t[l] * p[l] - b * p0[l]);
+                for l in 0..LANES {
+                    rows[k + 1][0][l] = a * t[l] * p[l] - b * p0[l];
+                }
             }
-        }
-        scratch.values[0] = [1.0; LANES];
-        for (k, step) in self.steps.iter().enumerate().skip(1) {
-            let factor = &scratch.table[step.state * self.degrees + step.degree][0];
-            let shorter = scratch.values[step.shorter];
-            scratch.values[k] = std::array::from_fn(|l| shorter[l] * factor[l]);
         }
     }
 
@@ -174,15 +193,31 @@ impl Products {
     /// `coupled` lists the states i with some B_ij ≠ 0, j ≠ i.
     #[inline(always)]
     pub(crate) fn apply(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
+        self.apply_to_factors(second, scratch);
+        self.apply_to_products(second, coupled, scratch);
+    }
+
+    /// Fills the tables of b P_k′ + ½ B P_k″.
+    #[inline(always)]
+    fn apply_to_factors(&self, second: &[Lane], scratch: &mut Scratch) {
         let n = self.dimension();
         for i in 0..n {
             for k in 0..self.degrees {
                 let at = i * self.degrees + k;
                 let [_, d, s] = &scratch.table[at];
                 let (b, c) = (&scratch.first[i], &second[i * n + i]);
-                scratch.moved[at] = std::array::from_fn(|l| b[l] * d[l] + 0.5 * c[l] * s[l]);
+                let moved = &mut scratch.moved[at];
+                for l in 0..LANES {
+                    moved[l] = b[l] * d[l] + 0.5 * c[l] * s[l];
+                }
             }
         }
+    }
+
+    /// Fills the images of the products.
+    #[inline(always)]
+    fn apply_to_products(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
+        let n = self.dimension();
         scratch.rates[0] = ZERO;
         for &c in coupled {
             scratch.slopes[c][0] = ZERO;
@@ -191,7 +226,10 @@ impl Products {
             let at = step.state * self.degrees + step.degree;
             let ([p, d, _], moved) = (&scratch.table[at], &scratch.moved[at]);
             let (value, rate) = (&scratch.values[step.shorter], &scratch.rates[step.shorter]);
-            let mut sum: Lane = std::array::from_fn(|l| rate[l] * p[l] + value[l] * moved[l]);
+            let mut sum = ZERO;
+            for l in 0..LANES {
+                sum[l] = rate[l] * p[l] + value[l] * moved[l];
+            }
             for &c in coupled {
                 let slope = scratch.slopes[c][step.shorter];
                 let mixed = &second[c * n + step.state];
@@ -200,7 +238,10 @@ impl Products {
                     sum[l] += mixed[l] * slope[l] * d[l];
                 }
                 let own = if c == step.state { 1.0 } else { 0.0 };
-                scratch.slopes[c][k] = std::array::from_fn(|l| slope[l] * p[l] + own * value[l] * d[l]);
+                let longer = &mut scratch.slopes[c][k];
+                for l in 0..LANES {
+                    longer[l] = slope[l] * p[l] + own * value[l] * d[l];
+                }
             }
             scratch.rates[k] = sum;
         }

@@ -16,8 +16,7 @@ pub(crate) fn regression(
     if !scale.iter().all(|s| s.is_finite()) {
         return None;
     }
-    let r = std::env::var("RIDGE").ok().and_then(|f| f.parse().ok()).unwrap_or(RIDGE);
-    let ridge = |k: usize, l: usize| if k == l { r } else { 0.0 };
+    let ridge = |k: usize, l: usize| if k == l { RIDGE } else { 0.0 };
     let entry = |k: usize, l: usize| covariance(k.max(l), k.min(l)) * scale[k] * scale[l] + ridge(k, l);
     let matrix = Mat::from_fn(controls, controls, entry);
     let right = Mat::from_fn(controls, functions, |k, l| scale[k] * mixed(k, l));

@@ -10,7 +10,7 @@ const WIDTH: usize = 16;
 ///
 /// Let s be the sums of the tracked monomials h and then of R = 𝓖ψ over a block. Kept are Σ s and the products Σ R s of the closed
 /// blocks: they estimate how the means over a whole trajectory vary together, correlations within a block included. A block that
-/// begins after n samples is √n samples long, so that blocks outlast every memory in the end and grow in number as well. All
+/// begins after n samples is 2√n samples long, so that blocks outlast every memory in the end and grow in number as well. All
 /// trajectories of a batch begin a block at the same time.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Blocks {
@@ -34,8 +34,7 @@ fn row(k: usize, tracked: usize) -> usize {
 
 /// The length of the block that begins after so many samples.
 fn length(samples: usize) -> usize {
-    let f = std::env::var("BLOCK").ok().and_then(|f| f.parse().ok()).unwrap_or(1.0);
-    ((samples as f64).sqrt() * f).floor().max(1.0) as usize
+    samples.saturating_mul(4).isqrt().max(1)
 }
 
 impl Blocks {
@@ -63,14 +62,14 @@ impl Blocks {
     }
 
     /// Closes the block where it ends after so many samples of each trajectory.
-    pub(super) fn close(&mut self, samples: usize, layout: &Layout, arch: Arch) {
+    pub(super) fn close(&mut self, samples: usize, layout: &Layout, arch: Arch, images: &mut Images) {
         if self.open.is_empty() || samples < self.begun + length(self.begun) {
             return;
         }
         self.begun = samples;
         self.count += self.trajectories as f64;
         let (tracked, width) = (layout.monomials.len(), self.closed.len());
-        let mut rows = vec![0.0; LANES * width];
+        let rows = &mut images.rows;
         for (group, sums) in self.open.chunks_exact(width).enumerate() {
             let active = (self.trajectories - group * LANES).min(LANES);
             for (i, lanes) in sums.iter().enumerate() {
@@ -131,7 +130,12 @@ impl Blocks {
         first[tracked + l] - other * first[0] - r * second[0] + r * other * self.squared_lengths()
     }
 
-    /// The lengths of all lists, and what else two batches of the same trajectories have alike.
+    /// Whether sums that were read can go on after so many samples.
+    pub(super) fn holds(&self, samples: usize) -> bool {
+        self.begun <= samples
+    }
+
+    /// The lengths of all lists, and the number of trajectories.
     pub(super) fn sizes(&self) -> [usize; 4] {
         [self.trajectories, self.closed.len(), self.open.len(), self.products.len()]
     }
@@ -154,38 +158,76 @@ impl NullaryFnOnce for AddProducts<'_> {
         let AddProducts { rows, width, tracked, products } = self;
         let (lengths, mut left) = products.split_at_mut(tracked);
         for (at, sum) in lengths.iter_mut().enumerate() {
-            add_columns::<1>(std::slice::from_mut(sum), rows, width, at, 0);
+            add_columns::<1, 1>([std::slice::from_mut(sum)], rows, width, at, 0);
         }
-        for k in 0..width - tracked {
-            let (row, rest) = left.split_at_mut(tracked + k + 1);
-            left = rest;
-            let mut wide = row.chunks_exact_mut(WIDTH);
-            let mut at = 0;
-            for sums in &mut wide {
-                at = add_columns::<WIDTH>(sums, rows, width, at, tracked + k);
-            }
-            let mut narrow = wide.into_remainder().chunks_exact_mut(WIDTH / 4);
-            for sums in &mut narrow {
-                at = add_columns::<{ WIDTH / 4 }>(sums, rows, width, at, tracked + k);
-            }
-            for sum in narrow.into_remainder() {
-                at = add_columns::<1>(std::slice::from_mut(sum), rows, width, at, tracked + k);
+        let (controls, mut k) = (width - tracked, 0);
+        while k < controls {
+            let size = |k: usize| tracked + k + 1;
+            let by = tracked + k;
+            if k + 4 > controls {
+                let (row, rest) = left.split_at_mut(size(k));
+                add_rows([row], rows, width, by);
+                (left, k) = (rest, k + 1);
+            } else {
+                let (first, rest) = left.split_at_mut(size(k));
+                let (second, rest) = rest.split_at_mut(size(k + 1));
+                let (third, rest) = rest.split_at_mut(size(k + 2));
+                let (fourth, rest) = rest.split_at_mut(size(k + 3));
+                add_rows([first, second, third, fourth], rows, width, by);
+                (left, k) = (rest, k + 4);
             }
         }
     }
 }
 
-/// Adds the products of column `by` with the C columns from `at` on, and returns the next column.
+/// Adds the products of the columns from `by` on, one for each of the sums, with the first columns, as many as the sums are long.
+/// Some columns are worked on together, so that no addition waits for the one before.
 #[inline(always)]
-fn add_columns<const C: usize>(sums: &mut [f64], rows: &[f64], width: usize, at: usize, by: usize) -> usize {
-    let mut added = [0.0; C];
-    added.copy_from_slice(sums);
-    for row in rows.chunks_exact(width) {
-        let (factor, columns) = (row[by], &row[at..at + C]);
-        for c in 0..C {
-            added[c] += factor * columns[c];
+fn add_rows<const R: usize>(mut sums: [&mut [f64]; R], rows: &[f64], width: usize, by: usize) {
+    let common = sums[0].len();
+    let mut at = 0;
+    while at + WIDTH <= common {
+        add_columns::<R, WIDTH>(sums.each_mut().map(|sums| &mut sums[at..at + WIDTH]), rows, width, at, by);
+        at += WIDTH;
+    }
+    while at + WIDTH / 4 <= common {
+        add_columns::<R, { WIDTH / 4 }>(sums.each_mut().map(|sums| &mut sums[at..at + WIDTH / 4]), rows, width, at, by);
+        at += WIDTH / 4;
+    }
+    while at < common {
+        add_columns::<R, 1>(sums.each_mut().map(|sums| &mut sums[at..=at]), rows, width, at, by);
+        at += 1;
+    }
+    // Each of the other rows is one longer than the row before.
+    for r in 1..R {
+        for at in common..common + r {
+            add_columns::<1, 1>([&mut sums[r][at..=at]], rows, width, at, by + r);
         }
     }
-    sums.copy_from_slice(&added);
-    at + C
+}
+
+/// Adds the products of R columns from `by` on with C columns from `at` on.
+#[inline(always)]
+fn add_columns<const R: usize, const C: usize>(
+    sums: [&mut [f64]; R],
+    rows: &[f64],
+    width: usize,
+    at: usize,
+    by: usize,
+) {
+    let mut added = [[0.0; C]; R];
+    for (added, sums) in added.iter_mut().zip(&sums) {
+        added.copy_from_slice(sums);
+    }
+    for row in rows.chunks_exact(width) {
+        let (factors, columns) = (&row[by..by + R], &row[at..at + C]);
+        for r in 0..R {
+            for c in 0..C {
+                added[r][c] += factors[r] * columns[c];
+            }
+        }
+    }
+    for (sums, added) in sums.into_iter().zip(&added) {
+        sums.copy_from_slice(added);
+    }
 }

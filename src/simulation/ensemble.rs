@@ -7,7 +7,7 @@ use super::{
     scheme::Scheme,
     statistics::Seen,
     tally::Layout,
-    timetable::{BURN_IN_STRETCHES, Timetable, samples},
+    timetable::{BURN_IN_STRETCHES, LATE, Timetable, samples},
 };
 use crate::error::{Error, Result};
 use crate::problem::LANES;
@@ -77,7 +77,15 @@ impl<'a> Ensemble<'a> {
         let Batch { done, tally, trajectories, memory, .. } = batch;
         let sample = samples(*done);
         let steps = if *done < BURN_IN_STRETCHES {
-            self.stretch(trajectories, *done, &[], &mut self.course.passages(), work, |_, _, _, _| {})?
+            let before = &mut tally.before;
+            self.stretch(trajectories, *done, &[], &mut self.course.passages(), work, |_, lanes, _, _| {
+                if *done + 1 == LATE {
+                    before[0] += lanes.trajectories() as f64;
+                    for (sum, x) in before[1..].iter_mut().zip(lanes.lanes()) {
+                        *sum += x[..lanes.trajectories()].iter().map(|x| x * x).sum::<f64>();
+                    }
+                }
+            })?
         } else {
             let mut passages = std::mem::take(&mut tally.passages);
             let mut x = vec![0.0; self.scheme.states];
@@ -94,7 +102,7 @@ impl<'a> Ensemble<'a> {
                         layout.watch.observe(&mut tally.records, memory, seen);
                     }
                 })?;
-            tally.blocks.close(sample + 1, layout, self.scheme.arch);
+            tally.blocks.close(sample + 1, layout, self.scheme.arch, images);
             tally.passages = passages;
             tally.samples = sample + 1;
             tally.time = self.timetable.sampled_time(tally.samples, trajectories.count(), self.scheme.step);

@@ -8,8 +8,11 @@ use serde::{Deserialize, Serialize};
 /// The highest degree of a polynomial ψ.
 const HIGHEST: u32 = 8;
 
-/// The most of them: more cost as much time as the simulation itself.
-const MOST: usize = 150;
+/// The most of them for each state: more take more time than a quarter of the simulation's own.
+const MOST_EACH: usize = 25;
+
+/// The box is this part of the range of the histograms: some two and a half standard deviations to either side.
+const BOX: f64 = 0.4;
 
 /// Numbers kept for each trajectory, of all trajectories together: a quarter of a gigabyte.
 const MOST_NUMBERS: usize = 1 << 25;
@@ -24,8 +27,8 @@ pub(super) struct ControlVariates {
 }
 
 impl ControlVariates {
-    /// All up to an even degree that the symmetries keep, as many as are worth their time and fit into memory. The box is that of
-    /// the histograms without their margins, so that runs that can be merged have the same.
+    /// All up to an even degree that the symmetries keep, as many as are worth their time and fit into memory. The box is a part of
+    /// the histograms' range, so that runs that can be merged have the same.
     pub(super) fn new(symmetry: &Symmetry, axes: &[Axis], tracked: usize, trajectories: usize) -> Self {
         let states = axes.len();
         let mut exponents = Vec::new();
@@ -33,18 +36,17 @@ impl ControlVariates {
             let mut all = monomials(states, degree);
             all.retain(|alpha| alpha.iter().any(|&power| power > 0) && symmetry.keeps(alpha));
             all.sort_by_key(|alpha| alpha.iter().sum::<u32>());
-            if !fits(all.len(), tracked, trajectories) {
+            if !fits(states, all.len(), tracked, trajectories) {
                 break;
             }
             exponents = all;
         }
         let side = |(i, axis): (usize, &Axis)| {
             let (lo, hi) = (axis.edge(0), axis.edge(axis.bins()));
-            let f = std::env::var("BOXF").ok().and_then(|f| f.parse().ok()).unwrap_or(0.6);
             if symmetry.flips(i) {
-                (0.0, f * lo.abs().max(hi.abs()) / 1.5)
+                (0.0, BOX * lo.abs().max(hi.abs()))
             } else {
-                ((lo + hi) / 2.0, f * (hi - lo) / 3.0)
+                ((lo + hi) / 2.0, BOX * (hi - lo) / 2.0)
             }
         };
         let (centre, half_width) = axes.iter().enumerate().map(side).unzip();
@@ -61,7 +63,7 @@ impl ControlVariates {
         };
         self.is_empty()
             || box_holds()
-                && fits(self.len(), tracked, trajectories)
+                && fits(states, self.len(), tracked, trajectories)
                 && self
                     .exponents
                     .iter()
@@ -90,9 +92,8 @@ impl ControlVariates {
     }
 }
 
-fn fits(controls: usize, tracked: usize, trajectories: usize) -> bool {
-    controls <= std::env::var("MOST").ok().and_then(|f| f.parse().ok()).unwrap_or(MOST)
-        && (controls + tracked).saturating_mul(trajectories) <= MOST_NUMBERS
+fn fits(states: usize, controls: usize, tracked: usize, trajectories: usize) -> bool {
+    controls <= MOST_EACH * states && (controls + tracked).saturating_mul(trajectories) <= MOST_NUMBERS
 }
 
 /// Room for the tracked monomials and 𝓖ψ at sixteen states.
@@ -104,6 +105,8 @@ pub(super) struct Images {
     /// Eight states, and B there.
     x: Vec<products::Lane>,
     second: Vec<products::Lane>,
+    /// The sums of sixteen trajectories, one trajectory after the other.
+    pub(super) rows: Vec<f64>,
     scratch: products::Scratch,
 }
 
@@ -116,6 +119,7 @@ impl Images {
             monomials: vec![[1.0; LANES]; layout.monomials.len()],
             x: vec![products::ZERO; n],
             second: vec![products::ZERO; n * n],
+            rows: vec![0.0; LANES * (layout.monomials.len() + layout.control_variates.len())],
             scratch: layout.images.scratch(),
         }
     }
@@ -142,7 +146,7 @@ impl NullaryFnOnce for Add<'_> {
     #[inline(always)]
     fn call(self) {
         let Add { layout, coupled, x, images, sums } = self;
-        let Images { drift, diffusion, monomials, x: eight, second, scratch } = images;
+        let Images { drift, diffusion, monomials, x: eight, second, scratch, .. } = images;
         for (k, &(lower, state)) in layout.products.iter().enumerate() {
             let (lower, x) = (monomials[lower], x[state]);
             for l in 0..LANES {

@@ -16,6 +16,12 @@ use crate::provenance::{Provenance, Stopped};
 /// What calibration takes off a mean is known to this part of it: the ridge of the regression, and the rounding of its sums.
 const ROUNDING: f64 = 1e-8;
 
+/// The mean square of a state that changes by more standard errors has not become stationary.
+const DRIFTING: f64 = 4.0;
+
+/// Weights that deviate more from 1 are no longer chance.
+const UNEVEN: f64 = 0.5;
+
 /// The stationary density as a simulation found it: every value with its standard error.
 ///
 /// Errors come from the spread between independent batches of trajectories, those of [`statistics`](crate::statistics) as
@@ -43,6 +49,7 @@ impl SimulatedDensity {
         let calibration = Calibration::new(&batches, &layout);
         provenance.calibration_degree = calibration.as_ref().map(|c| c.degree);
         provenance.weight_deviation = calibration.as_ref().map(|c| c.weight_deviation);
+        provenance.warning = warning(&stationarity(&batches, layout.axes.len()), calibration.as_ref());
         let histogram =
             |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
         let histograms = layout.histograms().enumerate().map(histogram).collect();
@@ -225,17 +232,21 @@ impl SimulatedDensity {
     }
 
     /// The drift of E x_i² from the first half of the samples to the second, in units of its standard error, for each
-    /// state: beyond ±4 the burn-in was too short. Not a number where a half is empty.
+    /// state: beyond ±4 the burn-in was too short, or there is no stationary density, and [`Provenance::warning`] says so. Where
+    /// trajectories have one sample alone, the drift from their states at three quarters of the burn-in. Not a number where the
+    /// result is of a single batch.
+    ///
+    /// ```
+    /// use expoly::{Simulation, models::{Linear, Solved}};
+    /// use expoly::Problem;
+    /// let growing = Problem::of(Linear::new(-0.02, 1.0, 0.2)?)?; // damping below zero
+    /// let result = Simulation::new().samples(100_000).run(&growing)?;
+    /// assert!(result.stationarity().iter().all(|drift| *drift > 4.0));
+    /// assert!(result.provenance().warning.is_some());
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
     pub fn stationarity(&self) -> Vec<f64> {
-        let of_state = |i| {
-            let sums = |b: &Tally| {
-                let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
-                [n1, first, n2, second]
-            };
-            let change = jackknife(&self.batches, sums, |[n1, s1, n2, s2]| s2 / n2 - s1 / n1);
-            change.value / change.error
-        };
-        (0..self.layout.axes.len()).map(of_state).collect()
+        stationarity(&self.batches, self.layout.axes.len())
     }
 
     /// The place of a monomial among the tracked ones.
@@ -258,6 +269,38 @@ impl SimulatedDensity {
         let time: f64 = self.batches.iter().map(|b| b.time).sum();
         if rate.value == 0.0 { Estimate::new(0.0, time.recip()) } else { rate }
     }
+}
+
+/// As [`SimulatedDensity::stationarity`].
+fn stationarity(batches: &[Tally], states: usize) -> Vec<f64> {
+    let of_state = |i: usize| {
+        let sums = |b: &Tally| {
+            let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
+            if b.samples == 1 {
+                [b.before[0], b.before[i + 1], n1 + n2, first + second]
+            } else {
+                [n1, first, n2, second]
+            }
+        };
+        let change = jackknife(batches, sums, |[n1, s1, n2, s2]| s2 / n2 - s1 / n1);
+        change.value / change.error
+    };
+    (0..states).map(of_state).collect()
+}
+
+/// Why a run should not be relied on, if it should not.
+fn warning(stationarity: &[f64], calibration: Option<&Calibration>) -> Option<String> {
+    if let Some((state, drift)) = stationarity.iter().enumerate().find(|(_, drift)| drift.abs() > DRIFTING) {
+        return Some(format!(
+            "not stationary: the mean square of state {state} still changes, by {drift:.1} standard errors; take a longer \
+             burn-in, if there is a stationary density at all"
+        ));
+    }
+    let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > UNEVEN)?;
+    Some(format!(
+        "the samples do not obey the moment equations: they take weights 1 ± {far:.2}; take a longer burn-in, more samples or \
+         a shorter time step, if there is a stationary density at all"
+    ))
 }
 
 fn provenance(batches: &[Tally], plan: &Plan, seconds: f64, stopped: Stopped) -> Provenance {

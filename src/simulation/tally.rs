@@ -48,6 +48,8 @@ pub(super) struct Tally {
     pub(super) moments: Vec<f64>,
     /// Squares by time.
     pub(super) trend: Trend,
+    /// Σ 1 and Σ x_i² late in the burn-in.
+    pub(super) before: Vec<f64>,
     /// Σ of the power put in by noise and of the power taken out by the drift.
     pub(super) power: [f64; 2],
     /// The time that all trajectories together took.
@@ -119,6 +121,7 @@ impl Tally {
             samples: 0,
             moments: vec![0.0; layout.monomials.len()],
             trend: Trend::new(layout.axes.len()),
+            before: vec![0.0; layout.axes.len() + 1],
             power: [0.0; 2],
             time: 0.0,
             passages,
@@ -152,13 +155,23 @@ impl Tally {
     /// Whether a tally that was read can go on like `empty`, one without samples.
     pub(super) fn is_like(&self, empty: &Tally) -> bool {
         let mut counts = self.counts.iter().chain([&self.passages.speeds]);
-        self.sizes().eq(empty.sizes()) && self.trend.holds() && counts.all(Counts::holds)
+        self.sizes().eq(empty.sizes())
+            && self.trend.holds()
+            && self.blocks.holds(self.samples)
+            && counts.all(Counts::holds)
     }
 
     /// The lengths of all lists.
     fn sizes(&self) -> impl Iterator<Item = usize> {
         let Passages { crossings, crossed, speeds, .. } = &self.passages;
-        let lists = [self.moments.len(), self.values.len(), crossings.len(), crossed.len(), self.trend.width()];
+        let lists = [
+            self.before.len(),
+            self.moments.len(),
+            self.values.len(),
+            crossings.len(),
+            crossed.len(),
+            self.trend.width(),
+        ];
         let counts = [self.counts.len(), speeds.len()].into_iter().chain(self.counts.iter().map(Counts::len));
         lists.into_iter().chain(counts).chain(self.records.sizes()).chain(self.blocks.sizes())
     }

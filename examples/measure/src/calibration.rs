@@ -10,7 +10,6 @@ use clap::Args;
 use expoly::models::{Duffing, DuffingChain, FilteredDuffing, NonlinearEnergySink, Solved, VanDerPolRayleigh};
 use expoly::{Density, Error, Problem, SimulatedDensity, Simulation};
 use std::time::Instant;
-use support::Shaken;
 
 /// Errors of a calibrated simulation.
 #[derive(Clone, Debug, Args)]
@@ -87,12 +86,10 @@ fn factors(options: &Options) -> Outcome {
 
 /// The root mean square of (estimate − truth)/error, plain and calibrated.
 fn coverage(options: &Options) -> Outcome {
-    let shaken = Problem::of(Shaken(expoly::Interpretation::Ito))?;
     let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?;
     let rayleigh = VanDerPolRayleigh::new(1.0, 0.15)?;
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     let wells = Duffing::new(1.0, -1.0, 1.0, 0.3)?;
-    let _ = shaken;
     let systems: [(&str, Problem, Box<dyn Density>); 4] = [
         ("Duffing", duffing.problem()?, Box::new(duffing.exact()?)),
         ("Duffing, two wells", wells.problem()?, Box::new(wells.exact()?)),
