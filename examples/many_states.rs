@@ -111,7 +111,11 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let simulated = simulation.run(&problem)?;
     bar.finish_and_clear();
     let made = simulated.provenance();
-    println!("simulation  {} samples, {:.1} s\n", shown(made.samples), made.seconds);
+    println!("simulation  {} samples, {:.1} s", shown(made.samples), made.seconds);
+    if let Some(warning) = &made.warning {
+        println!("            warning: {warning}");
+    }
+    println!();
     println!("{:8} {:>19} {:>21} {:>10}", "moment", "closure", "simulation", "off");
     for power in [2, 4] {
         for (state, name) in problem.states().iter().enumerate() {

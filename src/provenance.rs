@@ -63,12 +63,15 @@ pub struct Provenance {
     pub inflation: Option<f64>,
     /// Whether the pilot's earlier and later samples agree.
     pub stationary: Option<bool>,
-    /// The degree of the polynomials whose moment equations the pilot's calibrated means obey.
+    /// The degree of the polynomials whose moment equations the calibrated means obey: those of a closure's pilot, or of a
+    /// simulation ([`Simulation::control_variates`](crate::Simulation::control_variates)).
     pub calibration_degree: Option<u32>,
-    /// The smallest weight that calibration gave to a state, where 1 is the plain one; below −2 the pilot has not mixed.
+    /// The smallest weight that calibration gave to a state of the pilot, where 1 is the plain one; below −2 the pilot
+    /// has not mixed.
     #[serde(with = "number::option")]
     pub smallest_weight: Option<f64>,
-    /// The standard deviation about 1 of the weights that calibration gave to a simulation's blocks of samples.
+    /// The standard deviation about 1 of the weights that calibration gave to a simulation's blocks of samples: small,
+    /// unless the run was short, its time step long, or it was not stationary.
     #[serde(with = "number::option")]
     pub weight_deviation: Option<f64>,
 

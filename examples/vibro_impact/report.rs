@@ -119,6 +119,7 @@ fn simulation(study: &Study, at: &[f64]) -> Outcome<Option<Object>> {
     let (provenance, histogram) = (density.provenance(), density.histogram(0)?);
     let pdf = at.iter().map(|y| histogram.density_at(&[*y])).collect::<expoly::Result<Vec<_>>>()?;
     let mut object = statistics(of, &pdf, sampled)?;
+    object.insert("warning".into(), provenance.warning.clone().into());
     object.insert("seed".into(), provenance.seed.into());
     object.insert("path_steps".into(), provenance.path_steps.into());
     for (name, number) in [("time_step", provenance.time_step), ("seconds", Some(provenance.seconds))] {

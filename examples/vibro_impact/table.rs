@@ -72,6 +72,9 @@ pub(crate) fn table(study: &Study) -> String {
     }
     if let Some((result, statistics)) = &study.simulated {
         let steps = result.provenance().path_steps.unwrap_or_default() as f64;
+        if let Some(warning) = &result.provenance().warning {
+            remarks += &format!("  simulation: {warning}\n");
+        }
         let mut cells = vec![String::from("simulation"), format!("{steps:.1e} steps")];
         cells.extend(values(Some(statistics)));
         let (l1, tail) = noise.map_or_else(

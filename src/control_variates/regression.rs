@@ -4,9 +4,9 @@ use faer::{Mat, Side};
 /// Added to the diagonal of a covariance whose diagonal is one.
 const RIDGE: f64 = 1e-11;
 
-/// β = S⁻¹ C, a column for each column of C, from the covariance S of the control variates and their covariances C with what they
-/// are to explain. `covariance` is asked for the entries of S, below the diagonal and on it, and `mixed` for those of C. None where
-/// the control variates are dependent on each other.
+/// β = S⁻¹ C, a column for each column of C, from the covariance S of the control variates and their covariances C with
+/// what they are to explain. `covariance` is asked for the entries of S, below the diagonal and on it, and `mixed` for
+/// those of C. None where the control variates are dependent on each other.
 pub(crate) fn regression(
     [controls, functions]: [usize; 2],
     covariance: impl Fn(usize, usize) -> f64,
@@ -33,7 +33,7 @@ mod tests {
     fn what_is_linear_in_the_control_variates_is_found() {
         let covariance = |k: usize, l: usize| [[4.0, 1.0], [1.0, 9.0]][k][l];
         let mixed = |k: usize, l: usize| [[10.0, 0.0], [-15.0, 0.0]][k][l];
-        let beta = regression([2, 2], covariance, mixed).unwrap_or_default();
+        let beta = regression([2, 2], covariance, mixed).unwrap_or_else(|| Mat::zeros(2, 2));
         for (found, truth) in [(beta[(0, 0)], 3.0), (beta[(1, 0)], -2.0), (beta[(0, 1)], 0.0), (beta[(1, 1)], 0.0)] {
             // The ridge moves it by some 1e-11.
             assert!((found - truth).abs() < 1e-10);

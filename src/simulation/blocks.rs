@@ -8,10 +8,10 @@ const WIDTH: usize = 16;
 
 /// Sums over blocks of consecutive samples of one trajectory, which the regression on control variates is made from.
 ///
-/// Let s be the sums of the tracked monomials h and then of R = 𝓖ψ over a block. Kept are Σ s and the products Σ R s of the closed
-/// blocks: they estimate how the means over a whole trajectory vary together, correlations within a block included. A block that
-/// begins after n samples is 2√n samples long, so that blocks outlast every memory in the end and grow in number as well. All
-/// trajectories of a batch begin a block at the same time.
+/// Let s be the sums of the tracked monomials h and then of R = 𝓖ψ over a block. Kept are Σ s and the products Σ R s of the
+/// closed blocks: they estimate how the means over a whole trajectory vary together, correlations within a block included.
+/// A block that begins after n samples is 2√n samples long, so that blocks outlast every memory in the end and grow in
+/// number as well. All trajectories of a batch begin a block at the same time.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Blocks {
     trajectories: usize,
@@ -141,7 +141,8 @@ impl Blocks {
     }
 }
 
-/// Adds Σ R s over some blocks, as a call that is compiled for every width of registers. Their width changes nothing but the speed.
+/// Adds Σ R s over some blocks, as a call that is compiled for every width of registers. Their width changes nothing but
+/// the speed.
 struct AddProducts<'a> {
     /// The sums s of one block after the other.
     rows: &'a [f64],
@@ -180,8 +181,8 @@ impl NullaryFnOnce for AddProducts<'_> {
     }
 }
 
-/// Adds the products of the columns from `by` on, one for each of the sums, with the first columns, as many as the sums are long.
-/// Some columns are worked on together, so that no addition waits for the one before.
+/// Adds the products of the columns from `by` on, one for each of the sums, with the first columns, as many as the sums are
+/// long. Some columns are worked on together, so that no addition waits for the one before.
 #[inline(always)]
 fn add_rows<const R: usize>(mut sums: [&mut [f64]; R], rows: &[f64], width: usize, by: usize) {
     let common = sums[0].len();

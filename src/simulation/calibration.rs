@@ -10,9 +10,9 @@ const LEAST: f64 = 1e-8;
 
 /// The sums of the tracked monomials with chance taken off, by the control variates 𝓖ψ.
 ///
-/// From the sum Σ h of a batch goes β·Σ𝓖ψ, where β is the regression of h on 𝓖ψ over the blocks of the *other* batches, the odd ones
-/// for an even batch and the other way round. So β knows nothing of the chance that it takes off: no mean is biased by it, and
-/// the spread between batches stays an honest error.
+/// From the sum Σ h of a batch goes β·Σ𝓖ψ, where β is the regression of h on 𝓖ψ over the blocks of the *other* batches, the
+/// odd ones for an even batch and the other way round. So β knows nothing of the chance that it takes off: no mean is
+/// biased by it, and the spread between batches stays an honest error.
 #[derive(Clone, Debug)]
 pub(super) struct Calibration {
     /// The highest degree of ψ.
@@ -24,8 +24,8 @@ pub(super) struct Calibration {
 }
 
 impl Calibration {
-    /// By the degree that leaves the least of the spread between batches. None where blocks are too few, or plain sums spread the
-    /// least.
+    /// By the degree that leaves the least of the spread between batches. None where blocks are too few, or plain sums
+    /// spread the least.
     pub(super) fn new(batches: &[Tally], layout: &Layout) -> Option<Self> {
         if layout.control_variates.is_empty() {
             return None;
@@ -39,7 +39,9 @@ impl Calibration {
         let (before, mut best) = (spread(&plain), None);
         let mut least = 0.0;
         for (degree, controls) in layout.control_variates.degrees() {
-            if ((controls * BLOCKS_EACH) as f64) > blocks {
+            // The higher the degree, the rarer are the states that decide.
+            let needed = (controls * BLOCKS_EACH).max(4_usize.pow(degree));
+            if (needed as f64) > blocks {
                 break;
             }
             let [Some(of_even), Some(of_odd)] = [even, odd].map(|half| slopes(half, controls, tracked)) else { break };
@@ -85,8 +87,8 @@ fn spread(moments: &[Vec<f64>]) -> Vec<f64> {
     (0..tracked).map(of).collect()
 }
 
-/// √(R̄ᵀ C⁻¹ R̄) with the covariance C of R over blocks: the standard deviation of the weights w of the blocks with Σ w R = 0 that
-/// are nearest to 1.
+/// √(R̄ᵀ C⁻¹ R̄) with the covariance C of R over blocks: the standard deviation of the weights w of the blocks with Σ w R =
+/// 0 that are nearest to 1.
 fn weight_deviation(batches: &[Tally], controls: usize, tracked: usize) -> Option<f64> {
     let sums = joined(batches.iter())?;
     let mean = |k: usize| sums.mean(tracked + k);

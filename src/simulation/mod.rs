@@ -11,7 +11,9 @@
 //! - `time_step`: the choice of the time step, by the system's own time scales;
 //! - `batch`, `ensemble`: batches of trajectories, and their way on all threads;
 //! - `pilot`: a few trajectories ahead of all others, which tell where the states are;
-//! - `tally`, `histogram`, `trend`: what a batch keeps of its samples;
+//! - `tally`, `histogram`, `trend`, `blocks`: what a batch keeps of its samples;
+//! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments with the chance they tell
+//!   taken off;
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: what decides which numbers are found, and when;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),

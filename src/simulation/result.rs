@@ -19,14 +19,18 @@ const ROUNDING: f64 = 1e-8;
 /// The mean square of a state that changes by more standard errors has not become stationary.
 const DRIFTING: f64 = 4.0;
 
+/// So many samples of a trajectory have two halves worth comparing.
+const LEAST_TREND: usize = 16;
+
 /// Weights that deviate more from 1 are no longer chance.
 const UNEVEN: f64 = 0.5;
 
 /// The stationary density as a simulation found it: every value with its standard error.
 ///
 /// Errors come from the spread between independent batches of trajectories, those of [`statistics`](crate::statistics) as
-/// well. They cover chance, and with [`Simulation::two_steps`](crate::Simulation::two_steps) the time step too, except in
-/// histograms.
+/// well. Without a wall moments are calibrated ([`Simulation::control_variates`](crate::Simulation::control_variates)), so
+/// that these errors are many times smaller than those of plain means. They cover chance, and with
+/// [`Simulation::two_steps`](crate::Simulation::two_steps) the time step too, except in histograms.
 #[derive(Clone, Debug)]
 pub struct SimulatedDensity {
     pub(super) batches: Vec<Tally>,
@@ -217,7 +221,8 @@ impl SimulatedDensity {
         [b.moments[0], b.power[0], b.power[1], loss * b.passages.impacts[2], b.time]
     }
 
-    /// The same result with the power balance as a control variate of every moment, rate and function of them.
+    /// The same result with the power balance as a control variate of every moment, rate and function of them. Moments that are
+    /// calibrated stay as they are: calibration contains the power balance.
     ///
     /// In a weakly damped oscillator the energy wanders slowly, and all estimates with it. What is missing in the power
     /// balance ([`SimulatedDensity::energy_balance`]) wanders along, but is known to be zero in the mean: a part of each
@@ -232,13 +237,12 @@ impl SimulatedDensity {
     }
 
     /// The drift of E x_i² from the first half of the samples to the second, in units of its standard error, for each
-    /// state: beyond ±4 the burn-in was too short, or there is no stationary density, and [`Provenance::warning`] says so. Where
-    /// trajectories have one sample alone, the drift from their states at three quarters of the burn-in. Not a number where the
-    /// result is of a single batch.
+    /// state: beyond ±4 the burn-in was too short, or there is no stationary density, and [`Provenance::warning`] says
+    /// so. Where trajectories have fewer than sixteen samples, the drift to these from the states at three quarters of
+    /// the burn-in. Not a number where the result is of a single batch.
     ///
     /// ```
-    /// use expoly::{Simulation, models::{Linear, Solved}};
-    /// use expoly::Problem;
+    /// use expoly::{Problem, Simulation, models::Linear};
     /// let growing = Problem::of(Linear::new(-0.02, 1.0, 0.2)?)?; // damping below zero
     /// let result = Simulation::new().samples(100_000).run(&growing)?;
     /// assert!(result.stationarity().iter().all(|drift| *drift > 4.0));
@@ -276,7 +280,7 @@ fn stationarity(batches: &[Tally], states: usize) -> Vec<f64> {
     let of_state = |i: usize| {
         let sums = |b: &Tally| {
             let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
-            if b.samples == 1 {
+            if b.samples < LEAST_TREND {
                 [b.before[0], b.before[i + 1], n1 + n2, first + second]
             } else {
                 [n1, first, n2, second]

@@ -20,7 +20,8 @@ use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 /// # Ok::<(), expoly::Error>(())
 /// ```
 ///
-/// It serves one wall, with the motion of state 0 above it.
+/// It serves one wall, with the motion of state 0 above it. Without one its moments are calibrated
+/// ([`Simulation::control_variates`]).
 ///
 /// # One result, however it is made
 ///
@@ -127,7 +128,8 @@ impl<'a> Simulation<'a> {
     /// time. It is shorter where some state is more than six times faster, and at most a twentieth of the sampling interval
     /// and 1/640 of the burn-in. The choice costs a thousandth of a second.
     ///
-    /// Stationary means are off by O(h²), and standard errors alone do not know of it ([`Simulation::two_steps`] does).
+    /// Stationary means are off by O(h²), and standard errors alone do not know of it ([`Simulation::two_steps`] does), but for
+    /// calibrated moments, which lose that bias ([`Simulation::control_variates`]). So these numbers are those of plain ones.
     /// Measured along common paths, for Duffing's oscillator with c = D = 0.5, k = 1, μ = 0.3, E v² changes by 1.16 ±
     /// 0.02 % from h = 0.1 to 0.2 and by 4.88 ± 0.05 % from 0.2 to 0.4: the slope is 2.08 ± 0.03, and the bias 0.4 h², which
     /// is 0.04 % at the chosen h = 0.031. With noise in displacement or velocity, in either interpretation, it is about the
@@ -185,7 +187,48 @@ impl<'a> Simulation<'a> {
         Simulation { seed, ..self }
     }
 
-    /// TODO
+    /// Whether moments are calibrated by control variates; by default they are, where there is no wall.
+    ///
+    /// In the stationary state E\[𝓖ψ\] = 0 for every polynomial ψ, with the generator 𝓖 = f·∇ + ½ B:∇∇. The mean of 𝓖ψ
+    /// over the samples is therefore known to be chance, or the bias of the time step, and what is correlated with it
+    /// is taken off a mean:
+    ///
+    /// E h = h̄ − β · mean(𝓖ψ), β = Cov(𝓖ψ)⁻¹ Cov(𝓖ψ, h) over blocks of consecutive samples.
+    ///
+    /// ψ are all polynomials up to degree 2, 4 or 6 that the system's symmetries keep, at most 25 for each state; the
+    /// degree is that which leaves the smallest errors
+    /// ([`Provenance::calibration_degree`](crate::Provenance::calibration_degree)), of those m with 30 blocks for each
+    /// ψ and 4^m blocks in either half of the batches. β comes from one half and is applied to the other, so that
+    /// standard errors stay those of the spread between batches.
+    ///
+    /// Calibrated are [`Density::moment`](crate::Density::moment), mean, variance, skewness, kurtosis and whatever is a
+    /// function of the tracked moments. Histograms, probabilities, crossings, spectra and first passages are plain, and
+    /// so is what a symmetry makes zero.
+    ///
+    /// Measured with a million samples, standard errors of E x_i² and E x_i⁴ fell by a factor of 25 to 50 for Duffing's
+    /// oscillator, 38 and more with its noise behind a filter, 4 to 20 for two masses with noise on one, 12 to 20 for a
+    /// nonlinear energy sink, and E v² = D/c is exact. For h = 0.3, where plain moments of Duffing's oscillator are off
+    /// by 1 to 7 %, calibrated ones were off by 0.01 % at most, within two standard errors. Errors were honest: over
+    /// 120 seeds of four systems with known densities (estimate − truth)/error had a root mean square of 0.92 to 1.06,
+    /// 1.12 and 1.19 for E v⁴ of two Duffing oscillators. All of this is what `expoly-measure calibration` prints. It
+    /// takes 10 to 25 % more time.
+    ///
+    /// # Limits
+    /// ψ must have a mean: where the density falls like a power, high degrees have none, and little is gained at low ones.
+    /// Above a wall an impact changes ψ as well, and nothing is calibrated.
+    ///
+    /// # Reference
+    /// A. Mira, R. Solgi and D. Imparato, Zero variance Markov chain Monte Carlo for Bayesian estimators, Statistics
+    /// and Computing 23 (2013) 653-662, doi:10.1007/s11222-012-9344-6.
+    ///
+    /// ```
+    /// use expoly::{Density, Simulation, models::{Duffing, Solved}}; let duffing = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
+    /// let (problem, exact) = (duffing.problem()?, duffing.exact()?.moment(&[2, 0])?.value); let square = |calibrated|
+    /// Simulation::new().samples(100_000).control_variates(calibrated).run(&problem)?.moment(&[2, 0]); let (plain,
+    /// calibrated) = (square(false)?, square(true)?); assert!(calibrated.error < 0.1 * plain.error);
+    /// assert!(calibrated.deviation(exact) < 4.0 && plain.deviation(exact) < 4.0);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
     pub fn control_variates(self, control_variates: bool) -> Self {
         Simulation { control_variates, ..self }
     }
@@ -259,11 +302,12 @@ impl<'a> Simulation<'a> {
     /// Keeps the state of the run in a file, written whole or not at all: between rounds whenever the time `every` has
     /// passed, and when the run ends, is cancelled, or is out of time.
     ///
-    /// If the file is already there, the run goes on from it, however it was interrupted: the same call begins, continues
-    /// and, once the run is over, returns the result again. That is safe because the result does not depend on
-    /// interruptions. More samples, a narrower tolerance or another time budget continue a run that was over; any other
-    /// change of the problem or the options is refused. The file takes about 40 kB for each of the 64 batches, and some
-    /// hundred bytes for each trajectory, more with [`Simulation::spectrum`]. It also holds the result: see [`SimulatedDensity::from_checkpoint`].
+    /// If the file is already there, the run goes on from it, however it was interrupted: the same call begins,
+    /// continues and, once the run is over, returns the result again. That is safe because the result does not depend
+    /// on interruptions. More samples, a narrower tolerance or another time budget continue a run that was over; any
+    /// other change of the problem or the options is refused. The file takes about 40 kB for each of the 64 batches, 60
+    /// kB in four states, and some hundred bytes for each trajectory, more with [`Simulation::spectrum`]. It also holds
+    /// the result: see [`SimulatedDensity::from_checkpoint`].
     pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
         Simulation { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
     }

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 /// The stretches that a burn-in is divided into; the pilot's states are looked at between them.
 pub(super) const BURN_IN_STRETCHES: usize = 64;
 
-/// After so many of them the states are compared with the first sample, if there is but one.
+/// After so many of them the states are compared with the samples, where these are few.
 pub(super) const LATE: usize = 48;
 
 /// Path-steps of all trajectories in one round, about: some hundredths of a second.

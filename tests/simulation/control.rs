@@ -202,7 +202,8 @@ fn differs<R>(outcome: Result<R>, option: &str) -> bool {
 fn independent_runs_are_merged_to_a_more_precise_one() -> Result<()> {
     let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
     let run = |seed: u64| {
-        let run = Simulation::new().samples(200_000).time_step(0.02).seed(seed);
+        // Plain sums, which are added: control variates of all runs together are not those of each.
+        let run = Simulation::new().samples(200_000).time_step(0.02).seed(seed).control_variates(false);
         run.histogram_range(0, -5.0, 5.0).histogram_range(1, -6.0, 6.0).run(&problem)
     };
     let runs = (0..4).map(run).collect::<Result<Vec<_>>>()?;

@@ -1,5 +1,6 @@
 //! The simulation: its estimates, its time step, its control, and the statistics and tails that it finds.
 
+mod calibration;
 mod control;
 mod estimates;
 mod statistics;
