@@ -11,6 +11,7 @@ use super::{
 use crate::density::{Sampled, central};
 use crate::error::{Error, Result, state_index};
 use crate::estimate::Estimate;
+use crate::polynomial::of_one;
 use crate::provenance::{Provenance, Stopped};
 
 /// What calibration takes off a mean is known to this part of it: the ridge of the regression, and the rounding of its sums.
@@ -18,6 +19,9 @@ const ROUNDING: f64 = 1e-8;
 
 /// The mean square of a state that changes by more standard errors has not become stationary.
 const DRIFTING: f64 = 4.0;
+
+/// From so many batches their spread is known to about a third.
+const LEAST_BATCHES: usize = 32;
 
 /// So many samples of a trajectory have two halves worth comparing.
 const LEAST_TREND: usize = 16;
@@ -53,7 +57,10 @@ impl SimulatedDensity {
         let calibration = Calibration::new(&batches, &layout);
         provenance.calibration_degree = calibration.as_ref().map(|c| c.degree);
         provenance.weight_deviation = calibration.as_ref().map(|c| c.weight_deviation);
-        provenance.warning = warning(&stationarity(&batches, layout.axes.len()), calibration.as_ref());
+        let interval = plan.timetable.interval_steps as f64 * plan.time_step;
+        let slowest = slowest(&batches, &layout, interval);
+        let burnt_in = slowest.filter(|(_, time)| Some(*time) > provenance.burn_in);
+        provenance.warning = warning(&stationarity(&batches, layout.axes.len()), calibration.as_ref(), burnt_in);
         let histogram =
             |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
         let histograms = layout.histograms().enumerate().map(histogram).collect();
@@ -292,8 +299,34 @@ fn stationarity(batches: &[Tally], states: usize) -> Vec<f64> {
     (0..states).map(of_state).collect()
 }
 
+/// The state that hangs together longest, and the time ∫₀^∞ R(τ) dτ/R(0) that x_i or x_i² does: from how much more its means over
+/// batches spread than those of independent samples would. None where batches are too few to say.
+fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, f64)> {
+    if batches.len() < LEAST_BATCHES {
+        return None;
+    }
+    let states = layout.axes.len();
+    let place = |i: usize, power: u32| layout.monomials.iter().position(|m| *m == of_one(states, i, power));
+    let count: f64 = batches.iter().map(|b| b.moments[0]).sum();
+    let time = |i: usize, power: u32| -> Option<f64> {
+        let (own, square) = (place(i, power)?, place(i, 2 * power)?);
+        let mean = |k: usize| batches.iter().map(|b| b.moments[k]).sum::<f64>() / count;
+        let apart = |b: &Tally| b.moments[0] * (b.moments[own] / b.moments[0] - mean(own)).powi(2);
+        let between = batches.iter().map(apart).sum::<f64>() / (batches.len() - 1) as f64;
+        Some(0.5 * interval * between / (mean(square) - mean(own).powi(2)))
+    };
+    let all = (0..states).flat_map(|i| [1, 2].map(|power| (i, time(i, power).unwrap_or(0.0))));
+    all.filter(|(_, time)| time.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
 /// Why a run should not be relied on, if it should not.
-fn warning(stationarity: &[f64], calibration: Option<&Calibration>) -> Option<String> {
+fn warning(stationarity: &[f64], calibration: Option<&Calibration>, unmixed: Option<(usize, f64)>) -> Option<String> {
+    if let Some((state, time)) = unmixed {
+        return Some(format!(
+            "not mixed: state {state} hangs together over a time of {time:.0}, which is longer than the burn-in; the answer depends \
+             on where trajectories began"
+        ));
+    }
     if let Some((state, drift)) = stationarity.iter().enumerate().find(|(_, drift)| drift.abs() > DRIFTING) {
         return Some(format!(
             "not stationary: the mean square of state {state} still changes, by {drift:.1} standard errors; take a longer \
