@@ -34,18 +34,18 @@ pub(super) fn l1_estimate(
     } else {
         None
     };
-    let found = match reconciled {
-        Some(found) => apart(&found.means, found.size.min(1.0)).map(|(distance, above)| {
-            let noise = distance * (found.noise / found.size).min(1.0);
-            (distance, noise, above.next)
-        }),
-        // Half of what the two halves of the states make of the higher order is the noise of both together.
-        None => apart(&calibration.means, UNKNOWN).map(|(distance, above)| {
-            let change = likelihood.change(&above, calibration.halves.each_ref().map(Vec::as_slice));
-            (distance, 0.5 * change.unwrap_or(2.0), above.next)
-        }),
+    // A step that leads to means of no density near is none.
+    let by_both = reconciled.and_then(|found| {
+        let (distance, above) = apart(&found.means, found.size.min(1.0)).filter(|(_, above)| above.converged)?;
+        Some((distance, distance * (found.noise / found.size).min(1.0), above.next))
+    });
+    // Half of what the two halves of the states make of the higher order is the noise of both together.
+    let by_pilot = || {
+        let (distance, above) = apart(&calibration.means, UNKNOWN)?;
+        let change = likelihood.change(&above, calibration.halves.each_ref().map(Vec::as_slice));
+        Some((distance, 0.5 * change.unwrap_or(2.0), above.next))
     };
-    found.map_or(2.0, |(found, noise, open)| {
+    by_both.or_else(by_pilot).map_or(2.0, |(found, noise, open)| {
         let beyond_noise = (found * found - noise * noise).max(0.0).sqrt();
         (beyond_noise + 0.5 * noise).hypot(open).min(2.0)
     })
