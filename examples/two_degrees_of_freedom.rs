@@ -2,8 +2,8 @@
 //!
 //! A structure x″ + c x′ + x + s = ξ₁ carries an absorber of the mass m, m y″ = s + m ξ₂, by a hardening spring and a damper,
 //! s = k (x − y) + μ (x − y)³ + γ (x′ − y′). Answer, by `cargo run --release --example two_degrees_of_freedom`: 61 % of
-//! the power. Second moments belong to every order's functions, so that they are the calibrated ones of the pilot, ten times more
-//! precise than the simulation's beside them; the density itself is right to 0.2 in L¹ at order 2, and to 0.05 at order 4. A figure
+//! the power. Second moments belong to every order's functions, so that they are the calibrated ones of the pilot, as the
+//! simulation's beside them are of its own samples; the density itself is right to 0.2 in L¹ at order 2, and to 0.05 at order 4. A figure
 //! of its marginals goes to `out/two_degrees_of_freedom/`.
 
 #![allow(clippy::print_stdout, reason = "an example speaks")]

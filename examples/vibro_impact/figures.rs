@@ -123,6 +123,9 @@ fn caption(study: &Study, drawn: &[Drawn]) -> String {
             shown(provenance.time_step),
             shown(provenance.seed)
         );
+        if let Some(warning) = &provenance.warning {
+            caption += &format!(" Warning: {warning}.");
+        }
     }
     if let Some((density, _)) = &study.gridded {
         let (cells, degree) = (density.provenance().cells.unwrap_or_default(), density.provenance().degree);

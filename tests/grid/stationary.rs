@@ -412,7 +412,10 @@ fn the_grid_agrees_with_the_simulation() {
     let density = on_grid("van der Pol", &problem);
     let simulated = Simulation::new().samples(500_000).seed(3).run(&problem).unwrap();
     for powers in monomials(2, 4).into_iter().skip(1) {
-        let z = simulated.moment(&powers).unwrap().deviation(density.moment(&powers).unwrap().value);
+        // Moments such as E xv are exact in the simulation, and known to the grid's own error.
+        let (sampled, gridded) = (simulated.moment(&powers).unwrap(), density.moment(&powers).unwrap());
+        let z = (sampled.value - gridded.value).abs() / sampled.error.hypot(gridded.error);
+        println!("{powers:?}: {sampled}, by the grid {gridded}");
         // The largest of fourteen: 4 standard errors.
         assert!(z < 4.0, "{powers:?}: {z}");
     }
