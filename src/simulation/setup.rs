@@ -205,13 +205,12 @@ impl<'a> Simulation<'a> {
     /// function of the tracked moments. Histograms, probabilities, crossings, spectra and first passages are plain, and
     /// so is what a symmetry makes zero.
     ///
-    /// Measured with a million samples, standard errors of E x_i² and E x_i⁴ fell by a factor of 25 to 50 for Duffing's
+    /// Measured with a million samples, standard errors of E x_i² and E x_i⁴ fell by a factor of 30 to 40 for Duffing's
     /// oscillator, 38 and more with its noise behind a filter, 4 to 20 for two masses with noise on one, 12 to 20 for a
-    /// nonlinear energy sink, and E v² = D/c is exact. For h = 0.3, where plain moments of Duffing's oscillator are off
-    /// by 1 to 7 %, calibrated ones were off by 0.01 % at most, within two standard errors. Errors were honest: over
-    /// 120 seeds of four systems with known densities (estimate − truth)/error had a root mean square of 0.92 to 1.06,
-    /// 1.12 and 1.19 for E v⁴ of two Duffing oscillators. All of this is what `expoly-measure calibration` prints. It
-    /// takes 10 to 25 % more time.
+    /// nonlinear energy sink, and E v² = D/c is exact. For h = 0.3, where plain moments of Duffing's oscillator are off by 1 to
+    /// 7 %, calibrated ones were off by 0.02 % at most, about two standard errors. Errors were honest: over 120 seeds of four
+    /// systems with known densities (estimate − truth)/error had a root mean square of 0.94 to 1.06, but 1.12 and 1.19 for
+    /// E v⁴ of two Duffing oscillators. `expoly-measure calibration` prints all of this. A run takes about 28 % more time.
     ///
     /// # Limits
     /// ψ must have a mean: where the density falls like a power, high degrees have none, and little is gained at low ones.
