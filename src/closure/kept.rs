@@ -17,9 +17,7 @@ impl Kept {
     pub(super) fn above(setting: &Setting, reference: &Reference) -> Self {
         let domain = setting.domain.above(|x| reference.value(x), setting.drop);
         let all = &setting.nodes;
-        // A lattice ends where the density does.
-        let on_lattice = all.rules.is_empty();
-        let kept = |i: &usize| on_lattice || domain.contains(&all.points[*i]);
+        let kept = |i: &usize| setting.is_on_lattice() || domain.contains(&all.points[*i]);
         let nodes: Vec<usize> = (0..all.len()).filter(kept).collect();
         let mut points = States::with_capacity(all.points.dimension(), nodes.len());
         nodes.iter().for_each(|&i| points.push(&all.points[i]));

@@ -95,7 +95,7 @@ impl Reference {
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
         let whole = Self::of_band(setting, ladder, table, ladder.whole, start, &fit);
-        let Some(cut) = ladder.cut else { return whole };
+        let Some(cut) = ladder.cut.filter(|_| !setting.is_on_lattice()) else { return whole };
         let minor = |whole: &Self| {
             whole.error <= FINE || whole.error <= MINOR * whole.distance_to_answer(setting, ladder, table)
         };

@@ -95,6 +95,11 @@ impl Setting {
         Setting { family, domain, nodes, locals, lines, passages, fixed, guess, drop: f64::INFINITY }
     }
 
+    /// Whether the nodes are those of a lattice, which ends where the density does: there is no edge to keep away from.
+    pub(super) fn is_on_lattice(&self) -> bool {
+        self.nodes.rules.is_empty()
+    }
+
     /// The walls whose grazing impacts make the part of ln p that no function here can follow.
     pub(super) fn known(&self) -> &[Corner] {
         &self.guess.known
