@@ -289,7 +289,6 @@ fn wrong_options_of_an_order_study_are_named() {
         (&["--model", "linear", "--weight", "-0.5"], "-0.5"),
         (&["--weight", "tails"], "tails"),
         (&["--nodes", "some"], "some"),
-        (&["--model", "two_degrees_of_freedom", "--nodes", "tensor"], "tensor"),
         (&["--model", "two_degrees_of_freedom", "--reference", "grid"], "its exact density"),
         (&["--model", "van_der_pol", "--reference", "exact"], "no exact density"),
     ] {

@@ -11,6 +11,8 @@ use super::weight::Weight;
 
 /// Nodes times functions: six tables of so many numbers take 800 MB.
 const ENTRIES: usize = 16_000_000;
+/// More functions than this are not worth their time: degree 18 in three states, 10 in four.
+const MOST_FUNCTIONS: usize = 800;
 /// How many standard errors the reference's moments may be from the pilot's.
 const CONTRADICTED: f64 = 5.0;
 /// The moment equations start from a density of at least this order.
@@ -30,7 +32,11 @@ impl Sampled {
         let half_width = guess.polynomials.half_width().to_vec();
         let family = Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width };
         let (lattice, nodes) = guess.lattice.as_ref()?;
-        let room = ENTRIES / family.functions(family.reference_degree(order)).len();
+        let functions = family.functions(family.reference_degree(order)).len();
+        if functions > MOST_FUNCTIONS {
+            return None;
+        }
+        let room = ENTRIES / functions;
         let (lattice, nodes) = if nodes.points.len() <= room {
             (lattice.clone(), nodes.clone())
         } else {
