@@ -34,6 +34,8 @@ pub struct Provenance {
     pub origin: Option<String>,
     /// Why there is no density.
     pub refusal: Option<String>,
+    /// Why a closure has no reference although one was asked for, so that the answer is that of the pilot's states.
+    pub without_reference: Option<String>,
     /// Why the answer should not be relied on.
     pub warning: Option<String>,
     /// The number of unknowns.

@@ -79,7 +79,11 @@ impl Answer {
             exceedance: Vec::new(),
             impact_rate: None,
             l1_estimate: provenance.l1_estimate.filter(|estimate| estimate.is_finite()),
-            warning: provenance.refusal.clone().or_else(|| provenance.warning.clone()),
+            warning: [&provenance.refusal, &provenance.warning, &provenance.without_reference]
+                .into_iter()
+                .flatten()
+                .next()
+                .cloned(),
             termination: provenance.termination.clone(),
             seconds: provenance.seconds,
         }

@@ -1,14 +1,14 @@
-use super::choice::{Candidate, ENOUGH, Origin};
+use super::choice::{Candidate, ENOUGH};
 use super::content::{Content, Integrals};
 use super::exponent::Exponent;
 use super::nodes::Nodes;
 use super::reference::Start;
-use super::samples::{Copula, ImportanceRule, Moment, SampleClosure};
+use super::samples::Copula;
 use super::trust_domain::TrustDomain;
-use crate::density::{Crossing, Density, escape_direction, pair, placed};
-use crate::error::{Result, dimension, state_index};
+use crate::density::{Crossing, Density, escape_direction};
+use crate::error::{Result, dimension};
 use crate::estimate::Estimate;
-use crate::polynomial::{Polynomial, power};
+use crate::polynomial::Polynomial;
 use crate::provenance::Provenance;
 use crate::states::States;
 use rayon::prelude::*;
@@ -27,15 +27,17 @@ const ROOT: f64 = 1e-8;
 /// The closure's answer: p = C exp(Q) on its trust domain, with estimates of its own error.
 ///
 /// Moments, marginals and fluxes are integrals over the trust domain. In one state and in two their errors are the
-/// distances from the same integrals of the reference, the solution of the moment equations of a higher degree; in more,
-/// they are the standard errors of the integration, and the closure's own error is in [`ClosureDensity::l1_estimate`].
+/// distances from the same integrals of the reference, the solution of the moment equations of a higher degree, and so they are
+/// in three and four by [`Closure::on_samples`](crate::Closure::on_samples)`(false)`. Otherwise moments up to the order have the
+/// standard errors of the pilot's calibrated means and other values those of the integration, and the closure's own error is
+/// in [`ClosureDensity::l1_estimate`].
 #[derive(Clone, Deserialize)]
 #[serde(try_from = "Content")]
 pub struct ClosureDensity {
-    content: Content,
+    pub(super) content: Content,
     /// Gauss nodes or those of a lattice, and p̃ and p̂ there times the weights; none where integrals are taken on draws.
-    nodes: States,
-    masses: Vec<[f64; 2]>,
+    pub(super) nodes: States,
+    pub(super) masses: Vec<[f64; 2]>,
 }
 
 impl Serialize for ClosureDensity {
@@ -209,14 +211,14 @@ impl ClosureDensity {
         self.content.guarded
     }
 
-    fn trusts(&self, x: &[f64]) -> bool {
+    pub(super) fn trusts(&self, x: &[f64]) -> bool {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.contains(x),
             Integrals::Draws(rule) => rule.trusts(x),
         }
     }
 
-    fn log_density(&self, x: &[f64]) -> f64 {
+    pub(super) fn log_density(&self, x: &[f64]) -> f64 {
         let Content { exponent, domain, guarded, .. } = &self.content;
         if self.trusts(x) {
             exponent.value(x)
@@ -227,73 +229,10 @@ impl ClosureDensity {
         }
     }
 
-    /// Moments that are known better than by the density.
-    pub(super) fn moments(&self) -> &[Moment] {
-        &self.content.moments
-    }
-
-    /// The same, which the pilot's moments do not contradict, with those of them that are known better than its own.
-    pub(super) fn confirmed(mut self, pilot: &SampleClosure) -> Self {
-        self.content.candidates[0].accepted = true;
-        let (degree, smallest) = pilot.calibrated;
-        self.content.provenance.calibration_degree = degree;
-        self.content.provenance.smallest_weight = Some(smallest);
-        for own in &mut self.content.moments {
-            let known = pilot.moments.iter().find(|known| known.powers == own.powers);
-            if let Some(better) = known.filter(|known| known.error < own.error) {
-                own.clone_from(better);
-            }
-        }
-        ClosureDensity::new(self.content)
-    }
-
-    fn reference_error(&self) -> f64 {
+    /// What the errors of integrals over the reference are relative to their root mean square.
+    pub(super) fn reference_error(&self) -> f64 {
         let exact = if self.content.lattice.is_some() { SOLVED } else { ROUNDING };
         self.content.reference.as_ref().map_or(exact, |reference| reference.error)
-    }
-
-    /// ∫ g p dx over all states but those held, on draws: with its distance from that of the reference, if there is one.
-    fn drawn_section(
-        &self,
-        rule: &ImportanceRule,
-        held: &[(usize, f64)],
-        g: &(dyn Fn(&[f64]) -> f64 + Sync),
-    ) -> Result<Estimate> {
-        let section = rule.section(held, g)?;
-        let Some(reference) = &self.content.reference else { return Ok(section) };
-        let beyond = |x: &[f64]| g(x) * ((reference.value(x) - self.content.exponent.value(x)).exp() - 1.0);
-        let distance = rule.section(held, &beyond)?.value.abs() + reference.error * section.value.abs();
-        Ok(Estimate::new(section.value, section.error.hypot(distance)))
-    }
-
-    /// ∫ g p dx over all states but one, which is `x`.
-    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Result<Estimate> {
-        let Content { exponent, reference, domain, integrals, .. } = &self.content;
-        let lines = match integrals {
-            Integrals::Panels { lines, .. } => lines,
-            Integrals::Draws(rule) => return self.drawn_section(rule, &[(state, x)], &g),
-        };
-        let mut point = vec![0.0; lines.len()];
-        point[state] = x;
-        let mut sums = [0.0; 2];
-        let mut add = |point: &[f64], w: f64| {
-            let value = g(point);
-            if value != 0.0 && domain.contains(point) {
-                let log = exponent.value(point);
-                sums[0] += w * value * log.exp();
-                sums[1] += w * value * reference.as_ref().map_or(log, |reference| reference.value(point)).exp();
-            }
-        };
-        if lines.len() == 1 {
-            add(&point, 1.0);
-        } else {
-            let other = usize::from(state == 0);
-            for (t, w) in lines[other].iter() {
-                point[other] = t;
-                add(&point, w);
-            }
-        }
-        Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * sums[1].abs()))
     }
 }
 
@@ -303,87 +242,5 @@ impl fmt::Debug for ClosureDensity {
             .field("provenance", self.provenance())
             .field("coefficients", &self.coefficients())
             .finish_non_exhaustive()
-    }
-}
-
-impl Density for ClosureDensity {
-    fn dimension(&self) -> usize {
-        self.content.dimension()
-    }
-
-    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        let p = self.log_pdf(x)?.exp();
-        Ok(match &self.content.reference {
-            Some(reference) if self.trusts(x) => Estimate::new(p, (p - reference.value(x).exp()).abs()),
-            // Where nothing better is known: the error in the mean.
-            _ => Estimate::new(p, p * self.l1_estimate()),
-        })
-    }
-
-    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
-        dimension("a state", x.len(), self.dimension())?;
-        Ok(self.log_density(x))
-    }
-
-    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        state_index("the state of a marginal", state, self.dimension())?;
-        self.section(state, x, |_| 1.0)
-    }
-
-    /// The box around the trust domain.
-    fn bounds(&self) -> Vec<[f64; 2]> {
-        self.content.domain.bounds()
-    }
-
-    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
-        if let (Integrals::Draws(rule), true) = (&self.content.integrals, self.nodes.is_empty()) {
-            return rule.mean(g);
-        }
-        let (mut sums, mut square) = ([0.0; 2], 0.0);
-        for (x, masses) in self.nodes.iter().zip(&self.masses) {
-            let value = g(x);
-            sums[0] += value * masses[0];
-            sums[1] += value * masses[1];
-            square += value * value * masses[1];
-        }
-        Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt()))
-    }
-
-    /// In three states and more those of Q's own functions are the pilot's calibrated ones, with their standard errors.
-    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        dimension("a list of powers", powers.len(), self.dimension())?;
-        let own = || self.expectation(&|x| power(x, powers));
-        match self.content.moments.iter().find(|moment| moment.powers == powers) {
-            Some(moment) => {
-                let known = Estimate::new(moment.value, moment.error);
-                let exact = self.content.candidates[0].origin == Origin::Exact;
-                Ok(if exact { own().ok().filter(|own| own.error < known.error).unwrap_or(known) } else { known })
-            }
-            None => own(),
-        }
-    }
-
-    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let states = pair(states, self.dimension())?;
-        match &self.content.integrals {
-            Integrals::Panels { .. } => self.pdf(&placed(states, x, self.dimension())),
-            Integrals::Draws(rule) => self.drawn_section(rule, &[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),
-        }
-    }
-
-    /// The draws that integrals are taken on, in more than two states.
-    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
-        match &self.content.integrals {
-            Integrals::Panels { .. } => None,
-            Integrals::Draws(rule) => rule.drawn().ok().map(|(states, weights, _)| (states, weights)),
-        }
-    }
-
-    fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        let [displacement, velocity] = crossing.states(self.dimension())?;
-        self.section(displacement, crossing.level, |x| {
-            let speed = if crossing.upward { x[velocity] } else { -x[velocity] };
-            if speed > 0.0 { speed.powi(power as i32) } else { 0.0 }
-        })
     }
 }

@@ -2,7 +2,6 @@
 
 use super::choice::{Candidate, Fitted, Judge, Origin, mean_logarithm};
 use super::content::Content;
-use super::density::ClosureDensity;
 use super::exponent::Exponent;
 use super::indicator::Indication;
 use super::kept::Kept;
@@ -46,7 +45,7 @@ impl Workshop {
     }
 
     /// An exact density: it is its own reference, and trusted as far as it falls. None where it has no integral there.
-    pub(super) fn exact(&self, order: u32, mut exponent: Exponent, reference: &Reference) -> Option<ClosureDensity> {
+    pub(super) fn exact(&self, order: u32, mut exponent: Exponent, reference: &Reference) -> Option<Content> {
         let setting = &self.setting;
         let (domain, nodes, lines) = if setting.family.is_smooth() && self.lattice.is_none() {
             let domain = setting.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
@@ -69,7 +68,7 @@ impl Workshop {
         };
         let unknowns = exponent.coefficients.len();
         let integrals = self.integrals(&exponent, &nodes, &lines)?;
-        Some(ClosureDensity::new(Content {
+        Some(Content {
             exponent,
             reference: None,
             domain,
@@ -80,6 +79,6 @@ impl Workshop {
             candidates: vec![candidate],
             indication: Indication { indicator: 0.0, residual: 0.0 },
             provenance: self.provenance(order, unknowns, reference.solved),
-        }))
+        })
     }
 }

@@ -73,8 +73,11 @@ impl Family {
                     _ => 6,
                 });
                 let spaces = [order, weight, degree - 2, degree].map(|d| smooth.functions(d));
-                let [judged, end] = [BUFFER + 2, BUFFER].map(|less| smooth.functions(degree - less).len() + 1);
-                Ladder::new(spaces, (degree > order + BUFFER).then_some(Band { judged, end }))
+                let cut = (degree > order + BUFFER).then(|| {
+                    let [judged, end] = [BUFFER + 2, BUFFER].map(|less| smooth.functions(degree - less).len() + 1);
+                    Band { judged, end }
+                });
+                Ladder::new(spaces, cut)
             }
             Family::Walled(walled) => Ladder::new(walled.spaces(order), None),
         }

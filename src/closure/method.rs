@@ -97,7 +97,8 @@ impl Closure {
     ///
     /// A reference gives every value an error of its own, and moments up to the order to six digits, for some seconds in three
     /// states and up to half a minute in four. Where the equations have no good solution, as in weakly damped systems of four
-    /// states, or the pilot's moments contradict it, the answer is that of the samples; [`Candidate::origin`] tells them apart.
+    /// states, or the pilot's moments contradict it, the answer is that of the samples, and
+    /// [`Provenance::without_reference`](crate::Provenance::without_reference) says why.
     ///
     /// ```
     /// use expoly::{Closure, Density, Problem};
@@ -109,8 +110,6 @@ impl Closure {
     /// assert!((square.value - 0.893464970).abs() < 4.0 * square.error && square.error < 1e-6);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    ///
-    /// [`Candidate::origin`]: crate::Candidate::origin
     pub fn on_samples(self, on_samples: bool) -> Self {
         Closure { on_samples: Some(on_samples), ..self }
     }

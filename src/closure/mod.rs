@@ -14,7 +14,7 @@
 //! 4. `projection`, `weight`: the exponential polynomial closest to it, by a convex minimisation;
 //! 5. `kept`, `choice`, `indicator`: the candidates, their errors, and the guard by the pilot's likelihood;
 //! 6. `exact`: where a candidate is a solution itself, that;
-//! 7. `content`, `density`: the answer with its trust domain and its errors.
+//! 7. `content`, `density`, `answers`: the answer with its trust domain, and its integrals with their errors.
 //!
 //! `method` holds the options, and `solve` the way from a problem to the steps: Gauss nodes in one and two states, also next
 //! to walls. In three and more, `samples` and `sampled`, the pilot's states take the place of the reference: their means, made
@@ -23,6 +23,7 @@
 //!
 //! `classical` is the literature's method.
 
+mod answers;
 mod choice;
 mod classical;
 mod content;

@@ -4,7 +4,7 @@ use super::density::ClosureDensity;
 use super::family::Smooth;
 use super::robust::Workshop;
 use super::sampled::{Sampled, WIDENING};
-use super::samples::{Copula, Lattice, Moment, SampleClosure};
+use super::samples::{Copula, Lattice, SampleClosure};
 use super::setting::Setting;
 use super::trust_domain::TrustDomain;
 use super::weight::Weight;
@@ -13,6 +13,8 @@ use super::weight::Weight;
 const ENTRIES: usize = 16_000_000;
 /// More functions than this are not worth their time: degree 18 in three states, 10 in four.
 const MOST_FUNCTIONS: usize = 800;
+/// The reference's own error, from which on it is none.
+const UNSOLVED: f64 = 0.1;
 /// How many standard errors the reference's moments may be from the pilot's.
 const CONTRADICTED: f64 = 5.0;
 /// The moment equations start from a density of at least this order.
@@ -21,26 +23,34 @@ const LEAST_GUESS: u32 = 4;
 const ROUNDING: f64 = 1e-9;
 
 impl Sampled {
-    /// The closure of an order by a reference of its own, that starts from what was found on the pilot's states. None where the
-    /// moment equations have no good solution, or one that the pilot contradicts.
-    pub(super) fn by_reference(&self, order: u32, found: &SampleClosure, copula: &Copula) -> Option<ClosureDensity> {
-        let guess = if order < LEAST_GUESS { Some(self.on_samples(LEAST_GUESS, copula)?) } else { None };
+    /// The closure of an order by a reference of its own, that starts from what was found on the pilot's states.
+    ///
+    /// # Errors
+    /// Why there is none: no lattice or too many functions, equations without a good solution, or one that the pilot contradicts.
+    pub(super) fn by_reference(
+        &self,
+        order: u32,
+        found: &SampleClosure,
+        copula: &Copula,
+    ) -> Result<ClosureDensity, &'static str> {
+        let coarse = "no lattice that fits into memory resolves the density";
+        let guess = if order < LEAST_GUESS { self.on_samples(LEAST_GUESS, copula) } else { None };
         let guess = guess.as_ref().unwrap_or(found);
         let Sampled { problem, symmetry, degrees, pilot, .. } = self;
         let (centre, _) = pilot.spread(symmetry);
         let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], WIDENING);
         let half_width = guess.polynomials.half_width().to_vec();
         let family = Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width };
-        let (lattice, nodes) = guess.lattice.as_ref()?;
+        let (lattice, nodes) = guess.lattice.as_ref().ok_or(coarse)?;
         let functions = family.functions(family.reference_degree(order)).len();
         if functions > MOST_FUNCTIONS {
-            return None;
+            return Err("its moment equations are too many: ask for a lower order");
         }
         let room = ENTRIES / functions;
         let (lattice, nodes) = if nodes.points.len() <= room {
             (lattice.clone(), nodes.clone())
         } else {
-            Lattice::finest(pilot, symmetry, copula, room)?
+            Lattice::finest(pilot, symmetry, copula, room).ok_or(coarse)?
         };
         let weights = nodes.base.iter().map(|log| log.exp()).collect();
         let setting = Setting::on_lattice(problem, (domain, family), (nodes.points, weights), guess.exponent.clone());
@@ -55,12 +65,25 @@ impl Sampled {
             begin: self.begin,
             lattice: Some((lattice, copula.clone())),
         };
-        let density = workshop.closed(order).ok()?;
-        let agrees = |own: &Moment| {
-            let known = found.moments.iter().find(|moment| moment.powers == own.powers);
-            let apart = |known: &Moment| (own.value - known.value).abs() - ROUNDING * own.value.abs();
-            known.is_none_or(|known| apart(known) <= CONTRADICTED * known.error.hypot(own.error))
-        };
-        density.moments().iter().all(agrees).then(|| density.confirmed(found))
+        let unsolved = "its moment equations have no good solution";
+        let mut content = workshop.content(order).map_err(|_| unsolved)?;
+        if content.reference.as_ref().is_some_and(|reference| reference.error > UNSOLVED) {
+            return Err(unsolved);
+        }
+        for own in &mut content.moments {
+            let Some(known) = found.moments.iter().find(|known| known.powers == own.powers) else { continue };
+            let apart = (own.value - known.value).abs() - ROUNDING * own.value.abs();
+            if apart > CONTRADICTED * known.error.hypot(own.error) {
+                return Err("the pilot's moments contradict the solution of its moment equations");
+            }
+            // Of both the one that is known better.
+            if known.error < own.error {
+                own.clone_from(known);
+            }
+        }
+        content.candidates[0].accepted = true;
+        (content.provenance.calibration_degree, content.provenance.smallest_weight) =
+            (found.calibrated.0, Some(found.calibrated.1));
+        Ok(ClosureDensity::new(content))
     }
 }

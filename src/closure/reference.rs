@@ -86,7 +86,8 @@ pub(crate) struct Reference {
 impl Reference {
     /// Solves the moment equations of a ladder, tabulated in `table`. The correction's highest degrees carry the error that
     /// the edge of the domain makes, as ripples; where they are larger than what the answer leaves out anyway, a correction
-    /// without them is tried too. `None` if no system had a solution.
+    /// without them is tried too. A lattice has no edge, and its first guess is a fit of the pilot's means already: there is one
+    /// way. `None` if no system had a solution.
     pub(super) fn new(
         setting: &Setting,
         ladder: &Ladder,
@@ -94,8 +95,12 @@ impl Reference {
         start: Option<&Start>,
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
+        if setting.is_on_lattice() {
+            let start = Start { weight: setting.guess.clone(), settled: 0.0 };
+            return Self::renewed(setting, ladder, table, ladder.whole, start);
+        }
         let whole = Self::of_band(setting, ladder, table, ladder.whole, start, &fit);
-        let Some(cut) = ladder.cut.filter(|_| !setting.is_on_lattice()) else { return whole };
+        let Some(cut) = ladder.cut else { return whole };
         let minor = |whole: &Self| {
             whole.error <= FINE || whole.error <= MINOR * whole.distance_to_answer(setting, ladder, table)
         };

@@ -34,8 +34,6 @@ const WITNESSES: usize = 4000;
 const ROUGH: f64 = 0.2;
 /// A reference with a larger error is none.
 const UNKNOWN: f64 = 1.0;
-/// On a lattice, where there is another answer, nor is one with a larger error than this.
-const UNSOLVED: f64 = 0.1;
 /// The relative error of the mass on a lattice.
 const ON_LATTICE: f64 = 1e-9;
 
@@ -61,14 +59,16 @@ impl Workshop {
     /// # Errors
     /// [`Error::NotClosed`] if the pilot's states allow no density at all.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
+        Ok(ClosureDensity::new(self.content(order)?))
+    }
+
+    /// What the closure of an order is made of.
+    pub(super) fn content(&self, order: u32) -> Result<Content> {
         let failed = |reason| Error::NotClosed { order, reason };
         let setting = &self.setting;
         let ladder = setting.family.ladder(order);
         let (table, after) = self.tabulated(&ladder);
-        // On a lattice the first guess is such a fit already.
-        let fit = || self.lattice.is_none().then(|| self.fit(&self.pilot.states))?;
-        let reference = Reference::new(setting, &ladder, &table, self.start.as_ref(), fit)
-            .filter(|reference| self.lattice.is_none() || reference.error <= UNSOLVED)
+        let reference = Reference::new(setting, &ladder, &table, self.start.as_ref(), || self.fit(&self.pilot.states))
             .ok_or_else(|| failed("its moment equations have no solution; the noise may not reach every state"))?;
         let kept = Kept::above(setting, &reference);
         if kept.points.len() < ladder.answer_columns {
@@ -80,8 +80,8 @@ impl Workshop {
         let mut tried = self.tried(&judge, &kept);
         let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
         let exact = self.exact_at(order, &judge, &kept, chosen);
-        if let Some(density) = exact.and_then(|exact| self.exact(order, exact, &reference)) {
-            return Ok(density);
+        if let Some(content) = exact.and_then(|exact| self.exact(order, exact, &reference)) {
+            return Ok(content);
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
         let Fitted { exponent, .. } = tried.swap_remove(0);
@@ -101,7 +101,7 @@ impl Workshop {
             _ => Vec::new(),
         };
         let integrals = self.integrals(&exponent, &setting.nodes, &setting.lines);
-        Ok(ClosureDensity::new(Content {
+        Ok(Content {
             integrals: integrals.ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range"))?,
             lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
             exponent,
@@ -112,7 +112,7 @@ impl Workshop {
             candidates,
             indication,
             provenance,
-        }))
+        })
     }
 
     /// How integrals of exp(Q) are taken. None where they are not finite.

@@ -18,11 +18,12 @@ use std::time::Instant;
 
 /// Draws for integrals: a standard error of some tenths of a percent for fourth moments in ten states.
 pub(super) const DRAWS: usize = 400_000;
-/// The domain is as much wider than the pilot's states; a reference goes so many times farther, and an exact density too, by a
-/// lattice of so many nodes at most.
+/// The domain is as much wider than the pilot's states.
 pub(super) const WIDENING: f64 = 1.1;
+/// What follows the density farther out than the pilot's states can: a reference so many times, and an exact density.
 const BY_REFERENCE: f64 = 1.2;
 const EXACTLY: f64 = 1.8;
+/// An exact density's lattice has so many nodes at most, and resolves it if half of them give the mass to this.
 const NODES: usize = 1 << 18;
 const EVEN: f64 = 1e-4;
 
@@ -40,6 +41,7 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
+    /// What the pilot's states make of an order, over what a copula trusts. None where they are too few.
     pub(super) fn on_samples(&self, order: u32, copula: &Copula) -> Option<SampleClosure> {
         close_on_samples(&self.problem, &self.pilot, (&self.degrees, order), &self.symmetry, copula, self.seed)
     }
@@ -72,9 +74,12 @@ impl Sampled {
         let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };
         let few = "the pilot's states are too few to tell its functions apart: ask for more of them";
         let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
-        let by_reference = || self.by_reference(order, &found, &copula);
-        if let Some(density) = (self.referred && !found.exact).then(by_reference).flatten() {
-            return Ok(density);
+        let mut without_reference = None;
+        if self.referred && !found.exact {
+            match self.by_reference(order, &found, &copula) {
+                Ok(density) => return Ok(density),
+                Err(reason) => without_reference = Some(reason.to_owned()),
+            }
         }
         let (copula, lattice) = if found.exact { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         let coefficients = &found.exponent.coefficients;
@@ -95,7 +100,7 @@ impl Sampled {
                 Some(_) => 0.0,
                 None => (found.l1_estimate + (pilot.states.len() as f64).recip()).min(2.0),
             },
-            tail_estimate: f64::INFINITY,
+            tail_estimate: if found.exact { 0.0 } else { f64::INFINITY },
             likelihood_loss: 0.0,
             accepted: found.carried,
         };
@@ -110,6 +115,7 @@ impl Sampled {
             iterations: Some(found.steps),
             calibration_degree: found.calibrated.0,
             smallest_weight: Some(found.calibrated.1),
+            without_reference,
             seconds: self.begin.elapsed().as_secs_f64(),
             ..Provenance::default()
         };

@@ -73,6 +73,12 @@ impl FokkerPlanck {
         &self.diffusion
     }
 
+    /// The states i with some B_ij ≠ 0, j ≠ i.
+    pub(crate) fn coupled(&self) -> Vec<usize> {
+        let n = self.dimension();
+        (0..n).filter(|&i| (0..n).any(|j| j != i && !self.diffusion[i][j].is_zero())).collect()
+    }
+
     /// The highest total degree among drift and diffusion.
     pub fn degree(&self) -> u32 {
         self.drift.iter().chain(self.diffusion.iter().flatten()).map(Polynomial::degree).max().unwrap_or(0)

@@ -3,9 +3,6 @@ use crate::problem::{LANES, Lane};
 use pulp::{Arch, NullaryFnOnce};
 use serde::{Deserialize, Serialize};
 
-/// Columns that are worked on together.
-const WIDTH: usize = 16;
-
 /// Sums over blocks of consecutive samples of one trajectory, which the regression on control variates is made from.
 ///
 /// Let s be the sums of the tracked monomials h and then of R = 𝓖ψ over a block. Kept are Σ s and the products Σ R s of the
@@ -157,78 +154,22 @@ impl NullaryFnOnce for AddProducts<'_> {
     #[inline(always)]
     fn call(self) {
         let AddProducts { rows, width, tracked, products } = self;
-        let (lengths, mut left) = products.split_at_mut(tracked);
-        for (at, sum) in lengths.iter_mut().enumerate() {
-            add_columns::<1, 1>([std::slice::from_mut(sum)], rows, width, at, 0);
-        }
-        let (controls, mut k) = (width - tracked, 0);
-        while k < controls {
-            let size = |k: usize| tracked + k + 1;
-            let by = tracked + k;
-            if k + 4 > controls {
-                let (row, rest) = left.split_at_mut(size(k));
-                add_rows([row], rows, width, by);
-                (left, k) = (rest, k + 1);
-            } else {
-                let (first, rest) = left.split_at_mut(size(k));
-                let (second, rest) = rest.split_at_mut(size(k + 1));
-                let (third, rest) = rest.split_at_mut(size(k + 2));
-                let (fourth, rest) = rest.split_at_mut(size(k + 3));
-                add_rows([first, second, third, fourth], rows, width, by);
-                (left, k) = (rest, k + 4);
+        for s in rows.chunks_exact(width) {
+            let (lengths, mut left) = products.split_at_mut(tracked);
+            add(lengths, s[0], s);
+            for k in tracked..width {
+                let (own, rest) = left.split_at_mut(k + 1);
+                add(own, s[k], s);
+                left = rest;
             }
         }
     }
 }
 
-/// Adds the products of the columns from `by` on, one for each of the sums, with the first columns, as many as the sums are
-/// long. Some columns are worked on together, so that no addition waits for the one before.
+/// Adds `factor` times the first of `s` to as many sums.
 #[inline(always)]
-fn add_rows<const R: usize>(mut sums: [&mut [f64]; R], rows: &[f64], width: usize, by: usize) {
-    let common = sums[0].len();
-    let mut at = 0;
-    while at + WIDTH <= common {
-        add_columns::<R, WIDTH>(sums.each_mut().map(|sums| &mut sums[at..at + WIDTH]), rows, width, at, by);
-        at += WIDTH;
-    }
-    while at + WIDTH / 4 <= common {
-        add_columns::<R, { WIDTH / 4 }>(sums.each_mut().map(|sums| &mut sums[at..at + WIDTH / 4]), rows, width, at, by);
-        at += WIDTH / 4;
-    }
-    while at < common {
-        add_columns::<R, 1>(sums.each_mut().map(|sums| &mut sums[at..=at]), rows, width, at, by);
-        at += 1;
-    }
-    // Each of the other rows is one longer than the row before.
-    for r in 1..R {
-        for at in common..common + r {
-            add_columns::<1, 1>([&mut sums[r][at..=at]], rows, width, at, by + r);
-        }
-    }
-}
-
-/// Adds the products of R columns from `by` on with C columns from `at` on.
-#[inline(always)]
-fn add_columns<const R: usize, const C: usize>(
-    sums: [&mut [f64]; R],
-    rows: &[f64],
-    width: usize,
-    at: usize,
-    by: usize,
-) {
-    let mut added = [[0.0; C]; R];
-    for (added, sums) in added.iter_mut().zip(&sums) {
-        added.copy_from_slice(sums);
-    }
-    for row in rows.chunks_exact(width) {
-        let (factors, columns) = (&row[by..by + R], &row[at..at + C]);
-        for r in 0..R {
-            for c in 0..C {
-                added[r][c] += factors[r] * columns[c];
-            }
-        }
-    }
-    for (sums, added) in sums.into_iter().zip(&added) {
-        sums.copy_from_slice(added);
+fn add(sums: &mut [f64], factor: f64, s: &[f64]) {
+    for (sum, s) in sums.iter_mut().zip(s) {
+        *sum += factor * s;
     }
 }

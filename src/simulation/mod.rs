@@ -14,6 +14,7 @@
 //! - `tally`, `histogram`, `trend`, `blocks`: what a batch keeps of its samples;
 //! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments with the chance they tell
 //!   taken off;
+//! - `stationarity`: whether a run has forgotten its start;
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: what decides which numbers are found, and when;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
@@ -51,6 +52,7 @@ mod session;
 mod setup;
 mod splitting;
 mod start;
+mod stationarity;
 mod statistics;
 mod tally;
 mod target;

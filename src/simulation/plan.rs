@@ -72,8 +72,13 @@ impl Plan {
     }
 
     /// The time between two samples.
-    fn interval(&self) -> f64 {
+    pub(super) fn interval(&self) -> f64 {
         self.timetable.interval_steps as f64 * self.time_step
+    }
+
+    /// The time before the first sample.
+    pub(super) fn burn_in(&self) -> f64 {
+        self.timetable.steps(BURN_IN_STRETCHES) as f64 * self.time_step
     }
 
     /// The wall's position, or −∞.

@@ -5,29 +5,16 @@ use super::{
     jackknife::{controlled, jackknife},
     passage::POWERS,
     plan::{Plan, same_level},
+    stationarity::{drifts, warning},
     tally::{Layout, Tally},
-    timetable::BURN_IN_STRETCHES,
 };
 use crate::density::{Sampled, central};
 use crate::error::{Error, Result, state_index};
 use crate::estimate::Estimate;
-use crate::polynomial::of_one;
 use crate::provenance::{Provenance, Stopped};
 
 /// What calibration takes off a mean is known to this part of it: the ridge of the regression, and the rounding of its sums.
 const ROUNDING: f64 = 1e-8;
-
-/// The mean square of a state that changes by more standard errors has not become stationary.
-const DRIFTING: f64 = 4.0;
-
-/// From so many batches their spread is known to about a third.
-const LEAST_BATCHES: usize = 32;
-
-/// So many samples of a trajectory have two halves worth comparing.
-const LEAST_TREND: usize = 16;
-
-/// Weights that deviate more from 1 are no longer chance.
-const UNEVEN: f64 = 0.5;
 
 /// The stationary density as a simulation found it: every value with its standard error.
 ///
@@ -57,10 +44,7 @@ impl SimulatedDensity {
         let calibration = Calibration::new(&batches, &layout);
         provenance.calibration_degree = calibration.as_ref().map(|c| c.degree);
         provenance.weight_deviation = calibration.as_ref().map(|c| c.weight_deviation);
-        let interval = plan.timetable.interval_steps as f64 * plan.time_step;
-        let slowest = slowest(&batches, &layout, interval);
-        let burnt_in = slowest.filter(|(_, time)| Some(*time) > provenance.burn_in);
-        provenance.warning = warning(&stationarity(&batches, layout.axes.len()), calibration.as_ref(), burnt_in);
+        provenance.warning = warning(&batches, &layout, &plan, calibration.as_ref());
         let histogram =
             |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
         let histograms = layout.histograms().enumerate().map(histogram).collect();
@@ -257,7 +241,7 @@ impl SimulatedDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn stationarity(&self) -> Vec<f64> {
-        stationarity(&self.batches, self.layout.axes.len())
+        drifts(&self.batches, self.layout.axes.len())
     }
 
     /// The place of a monomial among the tracked ones.
@@ -282,64 +266,6 @@ impl SimulatedDensity {
     }
 }
 
-/// As [`SimulatedDensity::stationarity`].
-fn stationarity(batches: &[Tally], states: usize) -> Vec<f64> {
-    let of_state = |i: usize| {
-        let sums = |b: &Tally| {
-            let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
-            if b.samples < LEAST_TREND {
-                [b.before[0], b.before[i + 1], n1 + n2, first + second]
-            } else {
-                [n1, first, n2, second]
-            }
-        };
-        let change = jackknife(batches, sums, |[n1, s1, n2, s2]| s2 / n2 - s1 / n1);
-        change.value / change.error
-    };
-    (0..states).map(of_state).collect()
-}
-
-/// The state that hangs together longest, and the time ∫₀^∞ R(τ) dτ/R(0) that x_i or x_i² does: from how much more its means over
-/// batches spread than those of independent samples would. None where batches are too few to say.
-fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, f64)> {
-    if batches.len() < LEAST_BATCHES {
-        return None;
-    }
-    let states = layout.axes.len();
-    let place = |i: usize, power: u32| layout.monomials.iter().position(|m| *m == of_one(states, i, power));
-    let count: f64 = batches.iter().map(|b| b.moments[0]).sum();
-    let time = |i: usize, power: u32| -> Option<f64> {
-        let (own, square) = (place(i, power)?, place(i, 2 * power)?);
-        let mean = |k: usize| batches.iter().map(|b| b.moments[k]).sum::<f64>() / count;
-        let apart = |b: &Tally| b.moments[0] * (b.moments[own] / b.moments[0] - mean(own)).powi(2);
-        let between = batches.iter().map(apart).sum::<f64>() / (batches.len() - 1) as f64;
-        Some(0.5 * interval * between / (mean(square) - mean(own).powi(2)))
-    };
-    let all = (0..states).flat_map(|i| [1, 2].map(|power| (i, time(i, power).unwrap_or(0.0))));
-    all.filter(|(_, time)| time.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// Why a run should not be relied on, if it should not.
-fn warning(stationarity: &[f64], calibration: Option<&Calibration>, unmixed: Option<(usize, f64)>) -> Option<String> {
-    if let Some((state, time)) = unmixed {
-        return Some(format!(
-            "not mixed: state {state} hangs together over a time of {time:.0}, which is longer than the burn-in; the answer depends \
-             on where trajectories began"
-        ));
-    }
-    if let Some((state, drift)) = stationarity.iter().enumerate().find(|(_, drift)| drift.abs() > DRIFTING) {
-        return Some(format!(
-            "not stationary: the mean square of state {state} still changes, by {drift:.1} standard errors; take a longer \
-             burn-in, if there is a stationary density at all"
-        ));
-    }
-    let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > UNEVEN)?;
-    Some(format!(
-        "the samples do not obey the moment equations: they take weights 1 ± {far:.2}; take a longer burn-in, more samples or \
-         a shorter time step, if there is a stationary density at all"
-    ))
-}
-
 fn provenance(batches: &[Tally], plan: &Plan, seconds: f64, stopped: Stopped) -> Provenance {
     let ranges = deal(plan.trajectories);
     let size = |b: &Tally| ranges.get(b.origin.batch).map_or(0, |range| (range.end - range.start) as usize);
@@ -356,8 +282,8 @@ fn provenance(batches: &[Tally], plan: &Plan, seconds: f64, stopped: Stopped) ->
         path_steps: Some(plan.pilot_steps() * seeds.len() as u64 + batches.iter().map(own).sum::<u64>()),
         time_step: Some(plan.time_step),
         rate: plan.rate,
-        burn_in: Some(plan.timetable.steps(BURN_IN_STRETCHES) as f64 * plan.time_step),
-        sampling_interval: Some(plan.timetable.interval_steps as f64 * plan.time_step),
+        burn_in: Some(plan.burn_in()),
+        sampling_interval: Some(plan.interval()),
         stopped: Some(stopped),
         seconds,
         ..Provenance::default()

@@ -86,7 +86,7 @@ impl<'a> Scheme<'a> {
             merged: false,
             moved: (0..states).map(|i| f64::from(pairs.iter().all(|&(x, _)| x != i))).collect(),
             pairs,
-            coupled: coupled(problem.operator().diffusion()),
+            coupled: problem.operator().coupled(),
             states,
             processes: problem.noise().len(),
             amplitude,
@@ -207,12 +207,6 @@ impl<'a> Scheme<'a> {
         };
         [diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0, -x[v] * drift[v]]
     }
-}
-
-/// The states i with some B_ij ≠ 0, j ≠ i.
-fn coupled(diffusion: &[Vec<Polynomial>]) -> Vec<usize> {
-    let other = |i: usize| (0..diffusion.len()).any(|j| j != i && !diffusion[i][j].is_zero());
-    (0..diffusion.len()).filter(|&i| other(i)).collect()
 }
 
 /// Whether (G_k·∇)G_l vanishes for all columns k and l of G.

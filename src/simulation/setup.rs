@@ -208,9 +208,9 @@ impl<'a> Simulation<'a> {
     /// Measured with a million samples, standard errors of E x_i² and E x_i⁴ fell by a factor of 30 to 40 for Duffing's
     /// oscillator, 38 and more with its noise behind a filter, 4 to 20 for two masses with noise on one, 12 to 20 for a
     /// nonlinear energy sink, and E v² = D/c is exact. For h = 0.3, where plain moments of Duffing's oscillator are off by 1 to
-    /// 7 %, calibrated ones were off by 0.02 % at most, about two standard errors. Errors were honest: over 120 seeds of four
-    /// systems with known densities (estimate − truth)/error had a root mean square of 0.94 to 1.06, but 1.12 and 1.19 for
-    /// E v⁴ of two Duffing oscillators. `expoly-measure calibration` prints all of this. A run takes about 28 % more time.
+    /// 7 %, calibrated ones were off by 0.02 % at most, about two standard errors. Errors were honest: over 60 seeds of four
+    /// systems with known densities (estimate − truth)/error had a root mean square of 0.86 to 1.12, where 1 ± 0.09 is chance, but
+    /// 1.20 for E v⁴ of Duffing's oscillator. `expoly-measure calibration` prints all of this. A run takes 28 to 33 % more time.
     ///
     /// # Limits
     /// ψ must have a mean: where the density falls like a power, high degrees have none, and little is gained at low ones.
@@ -221,10 +221,14 @@ impl<'a> Simulation<'a> {
     /// and Computing 23 (2013) 653-662, doi:10.1007/s11222-012-9344-6.
     ///
     /// ```
-    /// use expoly::{Density, Simulation, models::{Duffing, Solved}}; let duffing = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
-    /// let (problem, exact) = (duffing.problem()?, duffing.exact()?.moment(&[2, 0])?.value); let square = |calibrated|
-    /// Simulation::new().samples(100_000).control_variates(calibrated).run(&problem)?.moment(&[2, 0]); let (plain,
-    /// calibrated) = (square(false)?, square(true)?); assert!(calibrated.error < 0.1 * plain.error);
+    /// use expoly::{Density, Simulation, models::{Duffing, Solved}};
+    /// let duffing = Duffing::new(0.5, 1.0, 0.3, 0.5)?;
+    /// let (problem, exact) = (duffing.problem()?, duffing.exact()?.moment(&[2, 0])?.value);
+    /// let square = |calibrated| {
+    ///     Simulation::new().samples(100_000).control_variates(calibrated).run(&problem)?.moment(&[2, 0])
+    /// };
+    /// let (plain, calibrated) = (square(false)?, square(true)?);
+    /// assert!(calibrated.error < 0.1 * plain.error);
     /// assert!(calibrated.deviation(exact) < 4.0 && plain.deviation(exact) < 4.0);
     /// # Ok::<(), expoly::Error>(())
     /// ```

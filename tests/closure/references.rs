@@ -134,4 +134,5 @@ fn four_states_have_a_reference_too() {
 fn what_no_reference_serves_is_left_to_the_samples() {
     let lorenz = Closure::new(2).on_samples(false).solve(&Problem::of_system(Lorenz).unwrap()).unwrap();
     assert_eq!(lorenz.candidates()[0].origin, Origin::MaximumLikelihood);
+    assert!(lorenz.provenance().without_reference.as_ref().is_some_and(|reason| reason.contains("no good solution")));
 }

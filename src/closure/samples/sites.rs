@@ -28,7 +28,7 @@ impl Sites {
         let n = problem.dimension();
         let [x, drift, backward] = [(); 3].map(|()| vec![ZERO; n]);
         let b = problem.operator().diffusion();
-        let coupled = (0..n).filter(|&i| (0..n).any(|j| j != i && !b[i][j].is_zero())).collect();
+        let coupled = problem.operator().coupled();
         let noisy = (0..n).filter(|&i| !b[i][i].is_zero()).collect();
         let (diffusion, local) = (vec![ZERO; n * n], Local::new(n));
         Sites { x, drift, diffusion, backward, source: ZERO, coupled, noisy, local }

@@ -1,0 +1,140 @@
+//! What a closure's density answers: integrals on Gauss nodes, on a lattice or on draws, each with its distance from that of the
+//! reference.
+
+use super::choice::Origin;
+use super::content::{Content, Integrals};
+use super::density::ClosureDensity;
+use super::samples::ImportanceRule;
+use crate::density::{Crossing, Density, pair, placed};
+use crate::error::{Result, dimension, state_index};
+use crate::estimate::Estimate;
+use crate::polynomial::power;
+use crate::states::States;
+
+impl ClosureDensity {
+    /// ∫ g p dx over all states but those held, on draws: with its distance from that of the reference, if there is one.
+    fn drawn_section(
+        &self,
+        rule: &ImportanceRule,
+        held: &[(usize, f64)],
+        g: &(dyn Fn(&[f64]) -> f64 + Sync),
+    ) -> Result<Estimate> {
+        let section = rule.section(held, g)?;
+        let Some(reference) = &self.content.reference else { return Ok(section) };
+        let beyond = |x: &[f64]| g(x) * ((reference.value(x) - self.content.exponent.value(x)).exp() - 1.0);
+        let distance = rule.section(held, &beyond)?.value.abs() + reference.error * section.value.abs();
+        Ok(Estimate::new(section.value, section.error.hypot(distance)))
+    }
+
+    /// ∫ g p dx over all states but one, which is `x`.
+    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Result<Estimate> {
+        let Content { exponent, reference, domain, integrals, .. } = &self.content;
+        let lines = match integrals {
+            Integrals::Panels { lines, .. } => lines,
+            Integrals::Draws(rule) => return self.drawn_section(rule, &[(state, x)], &g),
+        };
+        let mut point = vec![0.0; lines.len()];
+        point[state] = x;
+        let mut sums = [0.0; 2];
+        let mut add = |point: &[f64], w: f64| {
+            let value = g(point);
+            if value != 0.0 && domain.contains(point) {
+                let log = exponent.value(point);
+                sums[0] += w * value * log.exp();
+                sums[1] += w * value * reference.as_ref().map_or(log, |reference| reference.value(point)).exp();
+            }
+        };
+        if lines.len() == 1 {
+            add(&point, 1.0);
+        } else {
+            let other = usize::from(state == 0);
+            for (t, w) in lines[other].iter() {
+                point[other] = t;
+                add(&point, w);
+            }
+        }
+        Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * sums[1].abs()))
+    }
+}
+
+impl Density for ClosureDensity {
+    fn dimension(&self) -> usize {
+        self.content.dimension()
+    }
+
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+        let p = self.log_pdf(x)?.exp();
+        Ok(match &self.content.reference {
+            Some(reference) if self.trusts(x) => Estimate::new(p, (p - reference.value(x).exp()).abs()),
+            // Where nothing better is known: the error in the mean.
+            _ => Estimate::new(p, p * self.l1_estimate()),
+        })
+    }
+
+    fn log_pdf(&self, x: &[f64]) -> Result<f64> {
+        dimension("a state", x.len(), self.dimension())?;
+        Ok(self.log_density(x))
+    }
+
+    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
+        state_index("the state of a marginal", state, self.dimension())?;
+        self.section(state, x, |_| 1.0)
+    }
+
+    /// The box around the trust domain.
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.content.domain.bounds()
+    }
+
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
+        if let (Integrals::Draws(rule), true) = (&self.content.integrals, self.nodes.is_empty()) {
+            return rule.mean(g);
+        }
+        let (mut sums, mut square) = ([0.0; 2], 0.0);
+        for (x, masses) in self.nodes.iter().zip(&self.masses) {
+            let value = g(x);
+            sums[0] += value * masses[0];
+            sums[1] += value * masses[1];
+            square += value * value * masses[1];
+        }
+        Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt()))
+    }
+
+    /// In three states and more those of Q's own functions are the pilot's calibrated ones, with their standard errors.
+    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+        dimension("a list of powers", powers.len(), self.dimension())?;
+        let own = || self.expectation(&|x| power(x, powers));
+        match self.content.moments.iter().find(|moment| moment.powers == powers) {
+            Some(moment) => {
+                let known = Estimate::new(moment.value, moment.error);
+                let exact = self.content.candidates[0].origin == Origin::Exact;
+                Ok(if exact { own().ok().filter(|own| own.error < known.error).unwrap_or(known) } else { known })
+            }
+            None => own(),
+        }
+    }
+
+    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
+        let states = pair(states, self.dimension())?;
+        match &self.content.integrals {
+            Integrals::Panels { .. } => self.pdf(&placed(states, x, self.dimension())),
+            Integrals::Draws(rule) => self.drawn_section(rule, &[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),
+        }
+    }
+
+    /// The draws that integrals are taken on, in more than two states.
+    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
+        match &self.content.integrals {
+            Integrals::Panels { .. } => None,
+            Integrals::Draws(rule) => rule.drawn().ok().map(|(states, weights, _)| (states, weights)),
+        }
+    }
+
+    fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
+        let [displacement, velocity] = crossing.states(self.dimension())?;
+        self.section(displacement, crossing.level, |x| {
+            let speed = if crossing.upward { x[velocity] } else { -x[velocity] };
+            if speed > 0.0 { speed.powi(power as i32) } else { 0.0 }
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! Whether a run has forgotten its start, and has a density to come to.
+
+use super::{
+    calibration::Calibration,
+    jackknife::jackknife,
+    plan::Plan,
+    tally::{Layout, Tally},
+};
+use crate::polynomial::of_one;
+
+/// The mean square of a state that changes by more standard errors has not become stationary.
+const DRIFTING: f64 = 4.0;
+/// From so many batches their spread is known to about a third.
+const LEAST_BATCHES: usize = 32;
+/// So many samples of a trajectory have two halves worth comparing.
+const LEAST_TREND: usize = 16;
+/// Weights that deviate more from 1 are no longer chance.
+const UNEVEN: f64 = 0.5;
+
+/// As [`SimulatedDensity::stationarity`](super::SimulatedDensity::stationarity).
+pub(super) fn drifts(batches: &[Tally], states: usize) -> Vec<f64> {
+    let of_state = |i: usize| {
+        let sums = |b: &Tally| {
+            let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
+            if b.samples < LEAST_TREND {
+                [b.before[0], b.before[i + 1], n1 + n2, first + second]
+            } else {
+                [n1, first, n2, second]
+            }
+        };
+        let change = jackknife(batches, sums, |[n1, s1, n2, s2]| s2 / n2 - s1 / n1);
+        change.value / change.error
+    };
+    (0..states).map(of_state).collect()
+}
+
+/// The state that hangs together longest, and the time ∫₀^∞ R(τ) dτ/R(0) that x_i or x_i² does: from how much more its means over
+/// batches spread than those of independent samples would. None where batches are too few to say.
+fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, f64)> {
+    if batches.len() < LEAST_BATCHES {
+        return None;
+    }
+    let states = layout.axes.len();
+    let place = |i: usize, power: u32| layout.monomials.iter().position(|m| *m == of_one(states, i, power));
+    let count: f64 = batches.iter().map(|b| b.moments[0]).sum();
+    let time = |i: usize, power: u32| -> Option<f64> {
+        let (own, square) = (place(i, power)?, place(i, 2 * power)?);
+        let mean = |k: usize| batches.iter().map(|b| b.moments[k]).sum::<f64>() / count;
+        let apart = |b: &Tally| b.moments[0] * (b.moments[own] / b.moments[0] - mean(own)).powi(2);
+        let between = batches.iter().map(apart).sum::<f64>() / (batches.len() - 1) as f64;
+        Some(0.5 * interval * between / (mean(square) - mean(own).powi(2)))
+    };
+    let all = (0..states).flat_map(|i| [1, 2].map(|power| (i, time(i, power).unwrap_or(0.0))));
+    all.filter(|(_, time)| time.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Why a run should not be relied on, if it should not.
+pub(super) fn warning(
+    batches: &[Tally],
+    layout: &Layout,
+    plan: &Plan,
+    calibration: Option<&Calibration>,
+) -> Option<String> {
+    let slowest = slowest(batches, layout, plan.interval());
+    if let Some((state, time)) = slowest.filter(|(_, time)| *time > plan.burn_in()) {
+        return Some(format!(
+            "not mixed: state {state} hangs together over a time of {time:.0}, which is longer than the burn-in; the answer depends \
+             on where trajectories began"
+        ));
+    }
+    let drifts = drifts(batches, layout.axes.len());
+    if let Some((state, drift)) = drifts.iter().enumerate().find(|(_, drift)| drift.abs() > DRIFTING) {
+        return Some(format!(
+            "not stationary: the mean square of state {state} still changes, by {drift:.1} standard errors; take a longer \
+             burn-in, if there is a stationary density at all"
+        ));
+    }
+    let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > UNEVEN)?;
+    Some(format!(
+        "the samples do not obey the moment equations: they take weights 1 ± {far:.2}; take a longer burn-in, more samples or \
+         a shorter time step, if there is a stationary density at all"
+    ))
+}
