@@ -83,7 +83,8 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
         let simulation = simulation().samples(LONG).time_step(0.03).sampling_interval(1.0);
         pool.install(|| simulation.control_variates(calibrated).run(problem))
     };
-    for (name, problem) in [("Duffing", &duffing), ("energy sink", &sink)] {
+    let walled = duffing.clone().with_wall(Wall::above(0.0, 0.9)?)?;
+    for (name, problem) in [("Duffing", &duffing), ("wall r = 0.9", &walled), ("energy sink", &sink)] {
         let group = Group::new(&format!("control variates, {name}"), 9);
         group.task("without", || long(problem, false)).task("with", || long(problem, true)).run()?;
     }

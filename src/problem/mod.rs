@@ -250,9 +250,9 @@ impl Problem {
         &*self.equations.field
     }
 
-    /// The sign changes of states that leave the Fokker-Planck equation as it is; walls left out.
+    /// The sign changes of states that leave the Fokker-Planck equation as it is, and every wall where it is.
     pub(crate) fn symmetry(&self) -> Symmetry {
-        Symmetry::of(self.operator())
+        Symmetry::of(self.operator()).without_flips_of(self.walls().iter().map(Wall::state))
     }
 
     /// The Itô drift and, by rows, the diffusion matrix at a point.

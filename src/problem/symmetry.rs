@@ -38,6 +38,12 @@ impl Symmetry {
         Symmetry { changes: all.into_iter().filter(kept).collect() }
     }
 
+    /// Those that flip none of these states.
+    pub(super) fn without_flips_of(mut self, states: impl Iterator<Item = usize>) -> Self {
+        states.for_each(|state| self.changes.retain(|flip| !flip[state]));
+        self
+    }
+
     /// Whether a monomial is the same at all mirror images.
     pub(crate) fn keeps(&self, alpha: &[u32]) -> bool {
         self.changes.iter().all(|flip| !odd(flip, alpha))

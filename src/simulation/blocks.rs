@@ -1,11 +1,17 @@
-use super::{generator::Images, scheme::Scheme, tally::Layout};
+use super::{
+    generator::Images,
+    passage::{Course, Record},
+    scheme::Scheme,
+    tally::Layout,
+};
 use crate::problem::{LANES, Lane};
 use pulp::{Arch, NullaryFnOnce};
 use serde::{Deserialize, Serialize};
 
 /// Sums over blocks of consecutive samples of one trajectory, which the regression on control variates is made from.
 ///
-/// Let s be the sums of the tracked monomials h and then of R = 𝓖ψ over a block. Kept are Σ s and the products Σ R s of the
+/// Let s be the sums over a block of what is tracked, h: the monomials, and the powers of speed at passages; and then of R =
+/// 𝓖ψ, with the jumps of ψ at impacts. Kept are Σ s and the products Σ R s of the
 /// closed blocks: they estimate how the means over a whole trajectory vary together, correlations within a block included.
 /// A block that begins after n samples is 2√n samples long, so that blocks outlast every memory in the end and grow in
 /// number as well. All trajectories of a batch begin a block at the same time.
@@ -20,11 +26,11 @@ pub(super) struct Blocks {
     pub(super) closed: Vec<f64>,
     /// The sums of the open block, those of one group of trajectories after the other.
     open: Vec<Lane>,
-    /// Σ L h with the length L of a block, and then Σ R_k s, row by row; row k has the tracked monomials and R_0 to R_k.
+    /// Σ L h with the length L of a block, and then Σ R_k s, row by row; row k has what is tracked and R_0 to R_k.
     products: Vec<f64>,
 }
 
-/// The place of row k of the products of so many monomials.
+/// The place of row k of the products, where so many sums are tracked.
 fn row(k: usize, tracked: usize) -> usize {
     (k + 1) * tracked + k * (k + 1) / 2
 }
@@ -37,7 +43,7 @@ fn length(samples: usize) -> usize {
 impl Blocks {
     /// Before the first sample of so many trajectories.
     pub(super) fn new(trajectories: usize, layout: &Layout) -> Self {
-        let (tracked, controls) = (layout.monomials.len(), layout.control_variates.len());
+        let (tracked, controls) = (layout.tracked(), layout.control_variates.len());
         if controls == 0 {
             return Blocks::default();
         }
@@ -52,10 +58,20 @@ impl Blocks {
         }
     }
 
-    /// Adds one sample of each trajectory of group number `group`.
-    pub(super) fn add(&mut self, group: usize, x: &[Lane], layout: &Layout, scheme: &Scheme<'_>, images: &mut Images) {
+    /// Adds one sample of each trajectory of group number `group`, and the passages since the one before.
+    pub(super) fn add(
+        &mut self,
+        group: usize,
+        x: &[Lane],
+        record: &Record,
+        layout: &Layout,
+        (scheme, course): (&Scheme<'_>, &Course),
+        images: &mut Images,
+    ) {
         let width = self.closed.len();
-        images.add(layout, scheme, x, &mut self.open[group * width..][..width]);
+        let sums = &mut self.open[group * width..][..width];
+        images.add(layout, scheme, x, sums);
+        images.add_passages(layout, course, record, sums);
     }
 
     /// Closes the block where it ends after so many samples of each trajectory.
@@ -65,7 +81,7 @@ impl Blocks {
         }
         self.begun = samples;
         self.count += self.trajectories as f64;
-        let (tracked, width) = (layout.monomials.len(), self.closed.len());
+        let (tracked, width) = (layout.tracked(), self.closed.len());
         let rows = &mut images.rows;
         for (group, sums) in self.open.chunks_exact(width).enumerate() {
             let active = (self.trajectories - group * LANES).min(LANES);

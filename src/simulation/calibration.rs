@@ -8,7 +8,7 @@ const BLOCKS_EACH: usize = 30;
 /// A variance is judged no smaller than this part of the plain one: what is left then is rounding.
 const LEAST: f64 = 1e-8;
 
-/// The sums of the tracked monomials with chance taken off, by the control variates 𝓖ψ.
+/// The tracked sums with chance taken off, by the control variates 𝓖ψ.
 ///
 /// From the sum Σ h of a batch goes β·Σ𝓖ψ, where β is the regression of h on 𝓖ψ over the blocks of the *other* batches, the
 /// odd ones for an even batch and the other way round. So β knows nothing of the chance that it takes off: no mean is
@@ -20,7 +20,7 @@ pub(super) struct Calibration {
     /// The standard deviation about 1 of the weights of blocks that give the calibrated means.
     pub(super) weight_deviation: f64,
     /// For each batch the calibrated sums.
-    pub(super) moments: Vec<Vec<f64>>,
+    pub(super) sums: Vec<Vec<f64>>,
 }
 
 impl Calibration {
@@ -34,8 +34,8 @@ impl Calibration {
         let blocks = halves.iter().flatten().map(|sums| sums.count).fold(f64::INFINITY, f64::min);
         let [Some(even), Some(odd)] = &halves else { return None };
         let totals: Vec<Vec<f64>> = batches.iter().map(|b| b.blocks.total()).collect();
-        let tracked = layout.monomials.len();
-        let plain: Vec<Vec<f64>> = batches.iter().map(|b| b.moments.clone()).collect();
+        let tracked = layout.tracked();
+        let plain: Vec<Vec<f64>> = batches.iter().map(|b| b.tracked(layout)).collect();
         let (before, mut best) = (spread(&plain), None);
         let mut least = 0.0;
         for (degree, controls) in layout.control_variates.degrees() {
@@ -45,21 +45,21 @@ impl Calibration {
                 break;
             }
             let [Some(of_even), Some(of_odd)] = [even, odd].map(|half| slopes(half, controls, tracked)) else { break };
-            let calibrated = |(b, total): (&Tally, &Vec<f64>)| {
-                let beta = if b.origin.batch % 2 == 0 { &of_odd } else { &of_even };
-                let taken = |l: usize| (0..controls).map(|k| beta[(k, l)] * total[tracked + k]).sum::<f64>();
-                b.moments.iter().enumerate().map(|(l, sum)| sum - taken(l)).collect()
+            let calibrated = |b: usize| {
+                let beta = if batches[b].origin.batch.is_multiple_of(2) { &of_odd } else { &of_even };
+                let taken = |l: usize| (0..controls).map(|k| beta[(k, l)] * totals[b][tracked + k]).sum::<f64>();
+                plain[b].iter().enumerate().map(|(l, sum)| sum - taken(l)).collect()
             };
-            let moments: Vec<Vec<f64>> = batches.iter().zip(&totals).map(calibrated).collect();
+            let sums: Vec<Vec<f64>> = (0..batches.len()).map(calibrated).collect();
             let gain = |(before, after): (&f64, &f64)| (after / before).max(LEAST).ln();
-            let left: f64 = before.iter().zip(&spread(&moments)).filter(|(b, _)| **b > 0.0).map(gain).sum();
+            let left: f64 = before.iter().zip(&spread(&sums)).filter(|(b, _)| **b > 0.0).map(gain).sum();
             if left < least {
-                (least, best) = (left, Some((degree, controls, moments)));
+                (least, best) = (left, Some((degree, controls, sums)));
             }
         }
-        let (degree, controls, moments) = best?;
+        let (degree, controls, sums) = best?;
         let weight_deviation = weight_deviation(batches, controls, tracked)?;
-        Some(Calibration { degree, weight_deviation, moments })
+        Some(Calibration { degree, weight_deviation, sums })
     }
 }
 
@@ -70,17 +70,17 @@ fn joined<'a>(mut batches: impl Iterator<Item = &'a Tally>) -> Option<Blocks> {
     Some(sums)
 }
 
-/// β of all tracked monomials on the first so many control variates.
+/// β of all tracked sums on the first so many control variates.
 fn slopes(sums: &Blocks, controls: usize, tracked: usize) -> Option<Mat<f64>> {
     regression([controls, tracked], |k, l| sums.square(k, l, tracked), |k, l| sums.mixed(k, l, tracked))
 }
 
-/// The variance of each tracked monomial's mean between batches.
-fn spread(moments: &[Vec<f64>]) -> Vec<f64> {
-    let count = moments.len() as f64;
-    let tracked = moments.first().map_or(0, Vec::len);
+/// The variance of each tracked mean between batches.
+fn spread(batches: &[Vec<f64>]) -> Vec<f64> {
+    let count = batches.len() as f64;
+    let tracked = batches.first().map_or(0, Vec::len);
     let of = |l: usize| {
-        let means = || moments.iter().map(|sums| sums[l] / sums[0]);
+        let means = || batches.iter().map(|sums| sums[l] / sums[0]);
         let mean = means().sum::<f64>() / count;
         means().map(|m| (m - mean).powi(2)).sum::<f64>() / count
     };

@@ -1,4 +1,4 @@
-use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level, tally::Tally};
+use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level};
 use crate::density::{Counted, Crossing, Density, Sampled, central, pair};
 use crate::error::{Error, Result, dimension, require, state_index};
 use crate::estimate::Estimate;
@@ -98,7 +98,7 @@ impl Density for SimulatedDensity {
         let remedy = "passages are counted with the powers 1, 2 and 3 of the velocity";
         require((1..=POWERS as u32).contains(&power), "power of a flux", f64::from(power), remedy)?;
         if let Some(wall) = self.plan.wall.filter(|wall| same_level(wall.offset(), level)) {
-            let impacts = self.rate(power as usize, |b| b.passages.impacts);
+            let impacts = self.rate(self.plan.levels.len(), power as usize);
             let slowed = wall.restitution().powi(power as i32 - 1);
             return Ok(if upward { impacts.scaled(slowed) } else { impacts });
         }
@@ -107,7 +107,7 @@ impl Density for SimulatedDensity {
             return Err(Error::NotKnown { what, remedy: "a simulation counts those from below" });
         }
         let place = self.level(level)?;
-        Ok(self.rate(power as usize, |b| b.passages.crossings[place]))
+        Ok(self.rate(place, power as usize))
     }
 
     fn variance(&self, state: usize) -> Result<Estimate> {
@@ -147,9 +147,9 @@ impl Sampled for SimulatedDensity {
 
     fn mean_impact_speed(&self, power: u32) -> Option<Estimate> {
         self.plan.wall?;
-        let power = power as usize;
-        let sums = |b: &Tally| [b.passages.impacts[0], b.passages.impacts.get(power).copied().unwrap_or(f64::NAN)];
-        Some(self.estimate(sums, |[count, speeds]| speeds / count))
+        let wall = self.plan.levels.len();
+        let sum = (power < POWERS as u32).then(|| self.passages(wall, power as usize + 1));
+        Some(self.of_tracked([Some(self.passages(wall, 1)), sum], |[count, speeds]| speeds / count))
     }
 }
 

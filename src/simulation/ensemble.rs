@@ -52,7 +52,8 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
     ) -> Result<()> {
         let all_the_way = |place: usize, batch: &mut Batch| {
-            let (mut work, mut images) = (Workspace::new(self.scheme), Images::new(layout));
+            let mut work = Workspace::new(self.scheme);
+            let mut images = Images::new(layout, self.timetable.interval_steps as f64 * self.scheme.step);
             while batch.done < goal {
                 let steps = self.advance(batch, layout, bounds, (&mut work, &mut images))?;
                 batch.unreported += steps * batch.trajectories.count() as u64;
@@ -90,14 +91,16 @@ impl<'a> Ensemble<'a> {
             let mut passages = std::mem::take(&mut tally.passages);
             let mut x = vec![0.0; self.scheme.states];
             let steps =
-                self.stretch(trajectories, *done, bounds, &mut passages, work, |group, lanes, crossed, work| {
+                self.stretch(trajectories, *done, bounds, &mut passages, work, |group, lanes, passages, work| {
                     if !layout.control_variates.is_empty() {
-                        tally.blocks.add(group, lanes.lanes(), layout, self.scheme, images);
+                        let scene = (self.scheme, self.course);
+                        tally.blocks.add(group, lanes.lanes(), &passages.record, layout, scene, images);
                     }
                     for lane in 0..lanes.trajectories() {
                         lanes.read_state(lane, &mut x);
                         let power = self.velocity.map_or([0.0; 2], |v| self.scheme.power(v, &x, &mut work.scratch));
                         tally.observe(layout, &x, sample, power);
+                        let crossed = &passages.crossed;
                         let seen = Seen { trajectory: group * LANES + lane, x: &x, crossed, lane };
                         layout.watch.observe(&mut tally.records, memory, seen);
                     }
@@ -141,7 +144,7 @@ impl<'a> Ensemble<'a> {
         let mut x = vec![0.0; self.scheme.states];
         for stretch in 0..stretches {
             let bounds = if stretch < BURN_IN_STRETCHES { &[] } else { bounds };
-            let look = |_, lanes: &Lanes, _: &[u64], _: &mut Workspace| {
+            let look = |_, lanes: &Lanes, _: &Passages, _: &mut Workspace| {
                 for lane in 0..lanes.trajectories() {
                     lanes.read_state(lane, &mut x);
                     observe(stretch, &x);
@@ -154,8 +157,8 @@ impl<'a> Ensemble<'a> {
         Ok(())
     }
 
-    /// Takes trajectories through stretch number `stretch`, looks at each group at its end, with its number and the lanes that
-    /// have crossed each level, and returns its time steps.
+    /// Takes trajectories through stretch number `stretch`, looks at each group at its end, with its number and its passages,
+    /// and returns its time steps.
     fn stretch(
         &self,
         trajectories: &mut Trajectories,
@@ -163,17 +166,17 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
         passages: &mut Passages,
         work: &mut Workspace,
-        mut look: impl FnMut(usize, &Lanes, &[u64], &mut Workspace),
+        mut look: impl FnMut(usize, &Lanes, &Passages, &mut Workspace),
     ) -> Result<u64> {
         let before = self.timetable.steps(stretch);
         let steps = self.timetable.steps(stretch + 1) - before;
         let h = self.scheme.step;
         let time = (before + steps) as f64 * h;
         for (group, lanes) in trajectories.groups.iter_mut().enumerate() {
-            passages.crossed.fill(0);
+            passages.forget();
             lanes.advance(self.scheme, self.course, steps, passages, work);
             lanes.check(bounds, time, h)?;
-            look(group, lanes, &passages.crossed, work);
+            look(group, lanes, passages, work);
         }
         Ok(steps as u64)
     }

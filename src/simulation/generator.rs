@@ -1,7 +1,12 @@
-use super::{histogram::Axis, scheme::Scheme, tally::Layout};
+use super::{
+    histogram::Axis,
+    passage::{Course, POWERS, Record, powers},
+    scheme::Scheme,
+    tally::Layout,
+};
 use crate::control_variates::products::{self, Products};
 use crate::polynomial::monomials;
-use crate::problem::{LANES, Lane, Symmetry};
+use crate::problem::{LANES, Lane, Symmetry, Wall};
 use pulp::NullaryFnOnce;
 use serde::{Deserialize, Serialize};
 
@@ -29,8 +34,10 @@ pub(super) struct ControlVariates {
 
 impl ControlVariates {
     /// All up to an even degree that the symmetries keep, as many as are worth their time and fit into memory. The box
-    /// is a part of the histograms' range, so that runs that can be merged have the same.
-    pub(super) fn new(symmetry: &Symmetry, axes: &[Axis], tracked: usize, trajectories: usize) -> Self {
+    /// is a part of the histograms' range, so that runs that can be merged have the same; a wall on state 0 is a side of
+    /// it.
+    pub(super) fn new(symmetry: &Symmetry, wall: Option<Wall>, layout: &Layout, trajectories: usize) -> Self {
+        let (axes, tracked) = (&layout.axes, layout.tracked());
         let states = axes.len();
         let mut exponents = Vec::new();
         for degree in (2..=HIGHEST).step_by(2) {
@@ -44,10 +51,13 @@ impl ControlVariates {
         }
         let side = |(i, axis): (usize, &Axis)| {
             let (lo, hi) = (axis.edge(0), axis.edge(axis.bins()));
+            let half_width = BOX * (hi - lo) / 2.0;
             if symmetry.flips(i) {
                 (0.0, BOX * lo.abs().max(hi.abs()))
+            } else if wall.is_some_and(|wall| wall.state() == i) {
+                (lo + half_width, half_width)
             } else {
-                ((lo + hi) / 2.0, BOX * (hi - lo) / 2.0)
+                ((lo + hi) / 2.0, half_width)
             }
         };
         let (centre, half_width) = axes.iter().enumerate().map(side).unzip();
@@ -99,12 +109,16 @@ fn fits(states: usize, controls: usize, tracked: usize, trajectories: usize) -> 
 
 /// Room for the tracked monomials and 𝓖ψ at sixteen states.
 pub(super) struct Images {
+    /// The time between two samples.
+    interval: f64,
     drift: Vec<Lane>,
     /// B, by rows.
     diffusion: Vec<Lane>,
     monomials: Vec<Lane>,
     /// Eight states, and B there.
     x: Vec<products::Lane>,
+    /// ψ there.
+    values: Vec<products::Lane>,
     second: Vec<products::Lane>,
     /// The sums of sixteen trajectories, one trajectory after the other.
     pub(super) rows: Vec<f64>,
@@ -112,23 +126,57 @@ pub(super) struct Images {
 }
 
 impl Images {
-    pub(super) fn new(layout: &Layout) -> Self {
+    pub(super) fn new(layout: &Layout, interval: f64) -> Self {
         let n = layout.axes.len();
         Images {
+            interval,
             drift: vec![[0.0; LANES]; n],
             diffusion: vec![[0.0; LANES]; n * n],
             monomials: vec![[1.0; LANES]; layout.monomials.len()],
             x: vec![products::ZERO; n],
+            values: vec![products::ZERO; layout.control_variates.len()],
             second: vec![products::ZERO; n * n],
-            rows: vec![0.0; LANES * (layout.monomials.len() + layout.control_variates.len())],
+            rows: vec![0.0; LANES * (layout.tracked() + layout.control_variates.len())],
             scratch: layout.images.scratch(),
         }
     }
 
-    /// Adds the tracked monomials and after them 𝓖ψ at the states `x` to `sums`, lane by lane.
+    /// Adds the tracked monomials and, after what else is tracked, 𝓖ψ at the states `x` to `sums`, lane by lane.
     pub(super) fn add(&mut self, layout: &Layout, scheme: &Scheme<'_>, x: &[Lane], sums: &mut [Lane]) {
         scheme.coefficients(x, &mut self.drift, &mut self.diffusion);
         scheme.arch.dispatch(Add { layout, coupled: &scheme.coupled, x, images: self, sums });
+    }
+
+    /// Adds the powers of the speeds at the passages of an interval, and the jumps of ψ at its impacts: these divided by the
+    /// interval, as a sample stands for it.
+    pub(super) fn add_passages(&mut self, layout: &Layout, course: &Course, record: &Record, sums: &mut [Lane]) {
+        for passage in &record.passages {
+            let first = layout.monomials.len() + POWERS * passage.gate;
+            for (sum, power) in sums[first..first + POWERS].iter_mut().zip(powers(passage.speed)) {
+                sum[passage.lane] += power;
+            }
+        }
+        let images = &mut sums[layout.tracked()..];
+        let (n, v) = (self.x.len(), course.velocity());
+        let impacts = record.lanes.chunks(products::LANES).zip(record.states.chunks(n * products::LANES));
+        for (lanes, states) in impacts {
+            // Places that no impact takes keep the states of earlier ones, which count for nothing.
+            for (l, state) in states.chunks_exact(n).enumerate() {
+                self.x.iter_mut().zip(state).for_each(|(x, state)| x[l] = *state);
+            }
+            layout.images.place_values(&self.x, &mut self.scratch);
+            for (k, value) in self.values.iter_mut().enumerate() {
+                *value = *layout.images.value(&self.scratch, k + 1);
+            }
+            self.x[v] = self.x[v].map(|v| course.throw_back(v));
+            layout.images.place_values(&self.x, &mut self.scratch);
+            for (k, (sum, before)) in images.iter_mut().zip(&self.values).enumerate() {
+                let after = layout.images.value(&self.scratch, k + 1);
+                for (l, &lane) in lanes.iter().enumerate() {
+                    sum[lane] += (after[l] - before[l]) / self.interval;
+                }
+            }
+        }
     }
 }
 
@@ -154,7 +202,7 @@ impl NullaryFnOnce for Add<'_> {
                 monomials[k + 1][l] = lower[l] * x[l];
             }
         }
-        let (tracked, images) = sums.split_at_mut(monomials.len());
+        let (tracked, images) = sums.split_at_mut(layout.tracked());
         for (sum, value) in tracked.iter_mut().zip(&*monomials) {
             for l in 0..LANES {
                 sum[l] += value[l];

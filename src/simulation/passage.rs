@@ -38,6 +38,8 @@ pub(super) struct Course {
     pub(super) levels: Vec<f64>,
     /// The bins of the speeds at impacts, if these are counted.
     speeds: Option<Axis>,
+    /// Whether each passage is recorded, not only counted.
+    recording: bool,
 }
 
 /// Impacts and up-crossings: Σ 1, Σ|v|, Σ v² over the passages of each kind.
@@ -51,6 +53,34 @@ pub(super) struct Passages {
     pub(super) crossed: Vec<u64>,
     /// The speeds of approach at impacts.
     pub(super) speeds: Counts,
+    #[serde(skip)]
+    pub(super) record: Record,
+}
+
+/// The passages of one group of trajectories on one stretch, each by itself.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Record {
+    pub(super) passages: Vec<Passage>,
+    /// The lane of each impact, and the state at it with the velocity of approach.
+    pub(super) lanes: Vec<usize>,
+    pub(super) states: Vec<f64>,
+}
+
+/// A lane at one of the levels, or, with a number after theirs, at the wall.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passage {
+    pub(super) lane: usize,
+    pub(super) gate: usize,
+    pub(super) speed: f64,
+}
+
+impl Record {
+    fn clear(&mut self) {
+        let Record { passages, lanes, states } = self;
+        passages.clear();
+        lanes.clear();
+        states.clear();
+    }
 }
 
 impl Passages {
@@ -60,15 +90,14 @@ impl Passages {
             crossings: vec![[0.0; POWERS]; levels],
             crossed: vec![0; levels],
             speeds: Counts::default(),
+            record: Record::default(),
         }
     }
 
-    /// Counts an up-crossing of level number `k` by a lane, if its straight piece is one.
-    fn count(&mut self, k: usize, level: f64, lane: usize, [before, after]: [f64; 2], speed: f64) {
-        if before < level && after >= level {
-            add_powers(&mut self.crossings[k], speed);
-            self.crossed[k] |= 1 << lane;
-        }
+    /// Forgets which lane passed where, as the next group does not need it.
+    pub(super) fn forget(&mut self) {
+        self.crossed.fill(0);
+        self.record.clear();
     }
 }
 
@@ -85,7 +114,7 @@ impl Course {
         let grazing = Grazing::new(restitution, diffusion, step);
         let velocity = velocities[0].unwrap_or(0);
         let wall = Nearness { velocity, floor, height: grazing.height, speed: grazing.speed };
-        Course { velocities, wall, restitution, grazing, levels, speeds: None }
+        Course { velocities, wall, restitution, grazing, levels, speeds: None, recording: false }
     }
 
     /// The course of a system's trajectories: the noise that rules grazing is that at rest on the wall.
@@ -97,9 +126,10 @@ impl Course {
         Course::new((0..scheme.states).map(velocity).collect(), wall, levels, diffusion, scheme.step)
     }
 
-    /// The same course, on which the crossings of `levels` and the `speeds` of impacts are counted.
-    pub(super) fn counting(self, levels: Vec<f64>, speeds: Option<Axis>) -> Self {
-        Course { levels, speeds, ..self }
+    /// The same course, on which the crossings of `levels` and the `speeds` of impacts are counted, and all passages recorded
+    /// if that is asked for.
+    pub(super) fn counting(self, levels: Vec<f64>, speeds: Option<Axis>, recording: bool) -> Self {
+        Course { levels, speeds, recording, ..self }
     }
 
     /// No passages yet.
@@ -112,6 +142,12 @@ impl Course {
     #[inline(always)]
     pub(super) fn velocity(&self) -> usize {
         self.wall.velocity
+    }
+
+    /// Turns the velocity of approach into that of rebound.
+    #[inline]
+    pub(super) fn throw_back(&self, v: f64) -> f64 {
+        -self.restitution * v
     }
 
     /// The length of the step that a trajectory needs: the whole one, or a shorter one where it grazes the wall.
@@ -154,7 +190,8 @@ impl Course {
         if contact {
             for l in (0..LANES).filter(|&l| counted(l)) {
                 if x[0][l] < self.wall.floor {
-                    [before[l], x[0][l], x[v][l]] = self.rebound([before[l], x[v][l]], tau, passages);
+                    let end = |i: usize| x[i][l];
+                    [before[l], x[0][l], x[v][l]] = self.rebound(l, before[l], tau, end, passages);
                 }
             }
         }
@@ -165,7 +202,7 @@ impl Course {
                 any |= (before[l] < level) & (after[l] >= level);
             }
             for l in (0..LANES).filter(|&l| any && counted(l)) {
-                passages.count(k, level, l, [before[l], after[l]], x[v][l]);
+                self.count(k, level, l, [before[l], after[l]], x[v][l], passages);
             }
         }
     }
@@ -179,32 +216,61 @@ impl Course {
             }
         }
         if x[0] < self.wall.floor {
-            [before, x[0], x[v]] = self.rebound([before, x[v]], tau, passages);
+            let end = |i: usize| x[i];
+            [before, x[0], x[v]] = self.rebound(lane, before, tau, end, passages);
         }
         for (k, &level) in self.levels.iter().enumerate() {
-            passages.count(k, level, lane, [before, x[0]], x[v]);
+            self.count(k, level, lane, [before, x[0]], x[v], passages);
         }
     }
 
-    /// The impact in a straight piece from a place with a velocity: the wall, where the piece begins anew, and place and
-    /// velocity at its end.
-    fn rebound(&self, [before, v]: [f64; 2], tau: f64, passages: &mut Passages) -> [f64; 3] {
-        let approach = -v;
+    /// The impact in a straight piece that would end in the state `end` if there were no wall: the wall, where the piece
+    /// begins anew, and place and velocity at its end.
+    fn rebound(
+        &self,
+        lane: usize,
+        before: f64,
+        tau: f64,
+        end: impl Fn(usize) -> f64,
+        passages: &mut Passages,
+    ) -> [f64; 3] {
+        let approach = -end(self.velocity());
         add_powers(&mut passages.impacts, approach);
         if let Some(axis) = self.speeds {
             passages.speeds.add(&[axis], &[approach]);
         }
         // Rounding may put the contact a hair after the end of the piece.
         let rest = (tau - (before - self.wall.floor) / approach).max(0.0);
+        if self.recording {
+            let Record { passages, lanes, states } = &mut passages.record;
+            passages.push(Passage { lane, gate: self.levels.len(), speed: approach });
+            lanes.push(lane);
+            let velocities = self.velocities.iter().enumerate();
+            states.extend(velocities.map(|(i, v)| end(i) - v.map_or(0.0, |v| rest * end(v))));
+        }
         let v = self.restitution * approach;
         [self.wall.floor, self.wall.floor + v * rest, v]
     }
+
+    /// Counts an up-crossing of level number `k` by a lane, if its straight piece is one.
+    fn count(&self, k: usize, level: f64, lane: usize, [before, after]: [f64; 2], speed: f64, passages: &mut Passages) {
+        if before < level && after >= level {
+            add_powers(&mut passages.crossings[k], speed);
+            passages.crossed[k] |= 1 << lane;
+            if self.recording {
+                passages.record.passages.push(Passage { lane, gate: k, speed });
+            }
+        }
+    }
+}
+
+/// 1, |v|, v².
+pub(super) fn powers(speed: f64) -> [f64; POWERS] {
+    [1.0, speed, speed * speed]
 }
 
 fn add_powers(sums: &mut [f64; POWERS], speed: f64) {
-    sums[0] += 1.0;
-    sums[1] += speed;
-    sums[2] += speed * speed;
+    sums.iter_mut().zip(powers(speed)).for_each(|(sum, power)| *sum += power);
 }
 
 #[cfg(test)]

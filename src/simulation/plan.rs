@@ -61,7 +61,12 @@ impl Plan {
         let ends = [self.axes[0].edge(0), self.axes[0].edge(self.axes[0].bins())];
         let watch = Watch::new(&self.questions, self.interval(), (&self.levels, self.velocity), ends, self.wall_at());
         let layout = Layout::new(self.axes.clone(), self.plane, &self.questions.moments, watch);
-        layout.with(self.control_variates.clone())
+        layout.with(self.control_variates.clone(), self.gates())
+    }
+
+    /// The number of levels and walls whose passages are counted; the wall is the last.
+    pub(super) fn gates(&self) -> usize {
+        self.levels.len() + usize::from(self.wall.is_some())
     }
 
     /// The bins of the speeds at impacts, as many and as far as those of the velocity; none without a wall.
@@ -129,8 +134,8 @@ impl Plan {
     pub(super) fn holds(&self) -> bool {
         let states = self.equations.len();
         let axes = || self.axes.iter().chain(self.plane.iter().flatten());
-        let tracked =
-            || Layout::new(self.axes.clone(), self.plane, &self.questions.moments, Watch::default()).monomials.len();
+        let empty = || Layout::new(self.axes.clone(), self.plane, &self.questions.moments, Watch::default());
+        let tracked = || empty().with(ControlVariates::default(), self.gates()).tracked();
         (2..=MOST_TRAJECTORIES).contains(&self.trajectories)
             && positive("time step", self.time_step, "").is_ok()
             && self.timetable.holds(self.trajectories, 0)

@@ -2,7 +2,7 @@ use super::{
     batch::deal,
     calibration::Calibration,
     histogram::Histogram,
-    jackknife::{controlled, jackknife},
+    jackknife::jackknife,
     passage::POWERS,
     plan::{Plan, same_level},
     stationarity::{drifts, warning},
@@ -19,8 +19,8 @@ const ROUNDING: f64 = 1e-8;
 /// The stationary density as a simulation found it: every value with its standard error.
 ///
 /// Errors come from the spread between independent batches of trajectories, those of [`statistics`](crate::statistics) as
-/// well. Without a wall moments are calibrated ([`Simulation::control_variates`](crate::Simulation::control_variates)), so
-/// that these errors are many times smaller than those of plain means. They cover chance, and with
+/// well. Moments and rates are calibrated ([`Simulation::control_variates`](crate::Simulation::control_variates)), so that
+/// these errors are smaller than those of plain means, of moments many times. They cover chance, and with
 /// [`Simulation::two_steps`](crate::Simulation::two_steps) the time step too, except in histograms.
 #[derive(Clone, Debug)]
 pub struct SimulatedDensity {
@@ -31,8 +31,6 @@ pub struct SimulatedDensity {
     pub(super) histograms: Vec<Histogram>,
     /// The same with twice the time step and the same noise.
     pub(super) coarse: Option<Box<Self>>,
-    /// Whether the power balance is a control variate.
-    balanced: bool,
     calibration: Option<Calibration>,
     provenance: Provenance,
 }
@@ -48,7 +46,7 @@ impl SimulatedDensity {
         let histogram =
             |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
         let histograms = layout.histograms().enumerate().map(histogram).collect();
-        SimulatedDensity { batches, plan, layout, histograms, coarse: None, balanced: false, calibration, provenance }
+        SimulatedDensity { batches, plan, layout, histograms, coarse: None, calibration, provenance }
     }
 
     /// The batches' tallies as they were before their counts went into the histograms.
@@ -72,38 +70,23 @@ impl SimulatedDensity {
         sums: impl Fn(&Tally) -> [f64; K],
         value: impl Fn([f64; K]) -> f64,
     ) -> Estimate {
-        self.with_both_errors(|density| density.by_batches(&sums, &value))
+        self.with_both_errors(|density| jackknife(&density.batches, &sums, &value))
     }
 
-    /// A function of the sums of tracked monomials with these places, of which the first is 1, with both parts of its error.
+    /// A function of the tracked sums with these places, of which the first is the number of samples, with both parts of its
+    /// error.
     pub(super) fn of_tracked<const K: usize>(
         &self,
         places: [Option<usize>; K],
         value: impl Fn([f64; K]) -> f64,
     ) -> Estimate {
-        let sums = |moments: &[f64]| places.map(|place| place.map_or(f64::NAN, |k| moments[k]));
-        self.with_both_errors(|density| match &density.calibration {
-            None => density.by_batches(|b| sums(&b.moments), &value),
-            Some(calibration) => {
-                let calibrated = jackknife(&calibration.moments, |moments| sums(moments), &value);
-                let each = density.batches.iter().map(|b| sums(&b.moments));
-                let plain = value(each.fold([0.0; K], |sum, more| std::array::from_fn(|k| sum[k] + more[k])));
-                Estimate::new(calibrated.value, calibrated.error.hypot(ROUNDING * (calibrated.value - plain)))
-            }
+        let sums = |tracked: &[f64]| places.map(|place| place.map_or(f64::NAN, |k| tracked[k]));
+        self.with_both_errors(|density| {
+            let plain = jackknife(&density.batches, |b| sums(&b.tracked(&density.layout)), &value);
+            let Some(calibration) = &density.calibration else { return plain };
+            let calibrated = jackknife(&calibration.sums, |tracked| sums(tracked), &value);
+            Estimate::new(calibrated.value, calibrated.error.hypot(ROUNDING * (calibrated.value - plain.value)))
         })
-    }
-
-    /// The same as [`SimulatedDensity::estimate`], with the standard error alone.
-    fn by_batches<const K: usize>(
-        &self,
-        sums: impl Fn(&Tally) -> [f64; K],
-        value: impl Fn([f64; K]) -> f64,
-    ) -> Estimate {
-        if self.balanced {
-            controlled(&self.batches, (sums, value), (|b: &Tally| self.power_sums(b), missing_power))
-        } else {
-            jackknife(&self.batches, sums, value)
-        }
     }
 
     /// The estimate, with the error of the time step added to its standard error if there is a coarse twin to tell it.
@@ -187,7 +170,7 @@ impl SimulatedDensity {
 
     /// The number of impacts per unit time; none without a wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
-        self.plan.wall.map(|_| self.rate(1, |b| b.passages.impacts))
+        self.plan.wall.map(|_| self.rate(self.plan.levels.len(), 1))
     }
 
     /// The mean speed of approach at an impact; none without a wall.
@@ -203,28 +186,13 @@ impl SimulatedDensity {
     /// where state 0 is no displacement.
     pub fn energy_balance(&self) -> Option<Estimate> {
         self.plan.velocity?;
-        Some(self.with_both_errors(|d| jackknife(&d.batches, |b| d.power_sums(b), missing_power)))
+        Some(self.estimate(|b| self.power_sums(b), missing_power))
     }
 
     /// What [`missing_power`] is made of.
     fn power_sums(&self, b: &Tally) -> [f64; 5] {
         let loss = self.plan.wall.map_or(0.0, |wall| (1.0 - wall.restitution().powi(2)) / 2.0);
         [b.moments[0], b.power[0], b.power[1], loss * b.passages.impacts[2], b.time]
-    }
-
-    /// The same result with the power balance as a control variate of every moment, rate and function of them. Moments that are
-    /// calibrated stay as they are: calibration contains the power balance.
-    ///
-    /// In a weakly damped oscillator the energy wanders slowly, and all estimates with it. What is missing in the power
-    /// balance ([`SimulatedDensity::energy_balance`]) wanders along, but is known to be zero in the mean: a part of each
-    /// estimate can be told from it and taken away. For c = D = 0.2 and r = 1 nothing is left of the error of E v², for
-    /// r = 0.9 a fraction. The time step has a share of order h² in the balance as well, so that biases of that order
-    /// change. No change where state 0 is no displacement.
-    #[must_use]
-    pub fn balanced(mut self) -> Self {
-        self.balanced = self.plan.velocity.is_some();
-        self.coarse = self.coarse.map(|twin| Box::new(twin.balanced()));
-        self
     }
 
     /// The drift of E x_i² from the first half of the samples to the second, in units of its standard error, for each
@@ -257,12 +225,18 @@ impl SimulatedDensity {
         })
     }
 
+    /// The place of the sum of |v|^(power − 1) over the passages of a level or, with a number after theirs, of the wall.
+    pub(super) fn passages(&self, gate: usize, power: usize) -> usize {
+        self.layout.monomials.len() + POWERS * gate + power - 1
+    }
+
     /// A flux moment Σ|v|^(power − 1) per unit time. What was never met has the error of one passage at unit speed.
-    pub(super) fn rate(&self, power: usize, passages: impl Fn(&Tally) -> [f64; POWERS]) -> Estimate {
-        let sums = |b: &Tally| [passages(b)[power - 1], b.time];
-        let rate = self.estimate(sums, |[sum, time]| sum / time);
-        let time: f64 = self.batches.iter().map(|b| b.time).sum();
-        if rate.value == 0.0 { Estimate::new(0.0, time.recip()) } else { rate }
+    pub(super) fn rate(&self, gate: usize, power: usize) -> Estimate {
+        let interval = self.plan.interval();
+        let places = [Some(0), Some(self.passages(gate, power))];
+        let rate = self.of_tracked(places, |[count, sum]| sum / (count * interval));
+        let count: f64 = self.batches.iter().map(|b| b.moments[0]).sum();
+        if rate.value == 0.0 { Estimate::new(0.0, (count * interval).recip()) } else { rate }
     }
 }
 

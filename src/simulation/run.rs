@@ -108,13 +108,12 @@ impl<'a> Simulation<'a> {
             questions: self.questions,
             control_variates: ControlVariates::default(),
         };
-        // The generator does not know of impacts.
-        if self.control_variates && wall.is_none() {
-            let tracked = plan.layout().monomials.len();
-            plan.control_variates = ControlVariates::new(&problem.symmetry(), &plan.axes, tracked, self.trajectories);
+        if self.control_variates {
+            plan.control_variates = ControlVariates::new(&problem.symmetry(), wall, &plan.layout(), self.trajectories);
         }
         // The pilot counts nothing; only the trajectories that are sampled do.
-        let counted = course.clone().counting(plan.levels.clone(), plan.impact_speeds());
+        let recording = !plan.control_variates.is_empty();
+        let counted = course.clone().counting(plan.levels.clone(), plan.impact_speeds(), recording);
         let session = Session {
             ensemble: ensemble.on(&counted),
             peers,

@@ -2,7 +2,7 @@ use super::{
     blocks::Blocks,
     generator::ControlVariates,
     histogram::{Axis, Counts},
-    passage::Passages,
+    passage::{POWERS, Passages},
     statistics::{Records, Watch},
     trend::Trend,
 };
@@ -24,6 +24,8 @@ pub(super) struct Layout {
     pub(super) axes: Vec<Axis>,
     /// The bins of states 0 and 1 together.
     pub(super) plane: Option<[Axis; 2]>,
+    /// The number of levels and walls whose passages are counted.
+    pub(super) gates: usize,
     /// What else was asked for.
     pub(super) watch: Watch,
     /// The control variates, and what evaluates them.
@@ -89,15 +91,22 @@ impl Layout {
             products,
             axes,
             plane,
+            gates: 0,
             watch,
             images: control_variates.products(),
             control_variates,
         }
     }
 
-    /// The same with control variates.
-    pub(super) fn with(self, control_variates: ControlVariates) -> Self {
-        Layout { images: control_variates.products(), control_variates, ..self }
+    /// The same with control variates, and with so many levels and walls.
+    pub(super) fn with(self, control_variates: ControlVariates, gates: usize) -> Self {
+        Layout { images: control_variates.products(), control_variates, gates, ..self }
+    }
+
+    /// The number of sums whose means are calibrated: those of the monomials, and after them the powers of the speed at the
+    /// passages of each level and then of the wall.
+    pub(super) fn tracked(&self) -> usize {
+        self.monomials.len() + POWERS * self.gates
     }
 
     /// The bins of each histogram.
@@ -150,6 +159,13 @@ impl Tally {
         for (sum, p) in self.power.iter_mut().zip(power) {
             *sum += p;
         }
+    }
+
+    /// All sums that are tracked.
+    pub(super) fn tracked(&self, layout: &Layout) -> Vec<f64> {
+        let Passages { crossings, impacts, .. } = &self.passages;
+        let all = self.moments.iter().chain(crossings.iter().flatten()).chain(impacts);
+        all.copied().take(layout.tracked()).collect()
     }
 
     /// Whether a tally that was read can go on like `empty`, one without samples.

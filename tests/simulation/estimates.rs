@@ -5,7 +5,7 @@ use expoly::{
     Simulation, Wall,
     models::{Duffing, Linear},
 };
-use support::walls;
+use support::walls::{self, Statistic};
 
 /// Values beyond four standard errors do not happen by chance here: one test in 8000, with 64 batches.
 const LIMIT: f64 = 4.0;
@@ -177,62 +177,34 @@ fn noise_that_depends_on_the_displacement_leaves_the_duffing_density() -> Result
     Ok(())
 }
 
-/// Half of the table's walls: for each offset the least and the largest loss, and some between. The program
-/// `expoly-measure wall-table` takes all twenty, and each to a thousandth.
-const WALLS: [[f64; 2]; 10] = [
-    [0.0, 1.0],
-    [0.0, 0.95],
-    [0.0, 0.7],
-    [-0.5, 1.0],
-    [-0.5, 0.9],
-    [-0.5, 0.5],
-    [0.2, 0.98],
-    [0.2, 0.7],
-    [0.5, 1.0],
-    [0.5, 0.7],
-];
-
 #[test]
 fn walls_match_the_reference() -> Result<()> {
     let mut squares = Vec::new();
     for (seed, row) in (0..).zip(walls::table().unwrap()) {
         let (b, r) = (row.b, row.r);
-        if !WALLS.contains(&[b, r]) {
-            continue;
+        let result = Simulation::new().samples(400_000).seed(seed).run(&row.problem()?)?;
+        for statistic in row.beside(&result)? {
+            let Statistic { name, truth, scale, found } = statistic;
+            let deviation = statistic.deviation();
+            println!("{name} for b = {b}, r = {r}: {found}, reference {truth}, {deviation:.1} standard errors");
+            // Rates come out at 0.06 to 0.13 %, moments at 0.07 % and less.
+            let precise = if name == "rate" { 2e-3 } else { 1e-3 };
+            assert!(found.error <= precise * scale, "{name} for b = {b}, r = {r}: {found} is not precise enough");
+            assert!(deviation.abs() < 4.0, "{name} for b = {b}, r = {r}: {found}, not {truth}");
+            squares.push(deviation * deviation);
         }
-        // Losses at the wall make the memory shorter. Half a time unit between samples: what is odd in the velocity
-        // changes its sign with every swing, and is known the better the more often it is looked at.
-        let samples = if r < 0.9 { 2_600_000 } else { 5_000_000 };
-        let result = Simulation::new().samples(samples).sampling_interval(0.5).seed(seed).run(&row.problem()?)?;
-        // The scale of E y is the standard deviation; a skewness may be zero: its scale is one.
-        let (spread, rate, uncertainty) = (row.variance.sqrt(), row.refined().impact_rate, row.refined().of_rate);
-        let rows = [
-            ("E y", result.mean(0)?, row.mean, spread, 0.0),
-            ("Var y", result.variance(0)?, row.variance, row.variance, 0.0),
-            ("E v²", result.moment(&[0, 2])?, row.square, row.square, 0.0),
-            ("skewness", result.skewness_about_zero(1)?, row.skewness, 1.0, 0.0),
-            ("kurtosis", result.kurtosis_about_zero(1)?, row.kurtosis, row.kurtosis, 0.0),
-            ("impact rate", result.impact_rate().unwrap_or(Estimate::exact(0.0)), rate, rate, uncertainty * rate),
-        ];
-        for (what, estimate, truth, scale, uncertainty) in rows {
-            let name = format!("{what} for b = {b}, r = {r}");
-            assert!(estimate.error <= 3e-3 * scale, "{name}: {estimate} is not precise enough");
-            let deviation = estimate.deviation(truth);
-            println!("{name}: {estimate}, reference {truth}, {deviation:.1} standard errors");
-            let estimate = Estimate::new(estimate.value, estimate.error.hypot(uncertainty));
-            assert_close(&name, estimate, truth, f64::INFINITY);
-            squares.push(estimate.deviation(truth).powi(2));
-        }
+        // Not calibrated: it would be zero.
         let balance = result.energy_balance().unwrap_or(Estimate::exact(9.0));
-        assert_close(&format!("energy balance for b = {b}, r = {r}"), balance, 0.0, 3e-3);
+        assert_close(&format!("energy balance for b = {b}, r = {r}"), balance, 0.0, 8e-3);
         assert_eq!(result.pdf(&[b - 0.1, 0.3])?.value, 0.0);
         assert_eq!(result.histogram(0)?.edges(0).next(), Some(b));
     }
-    // A bias of one standard error in all would make the root mean square 1.4; chance gives 1 ± 0.09 for 60 statistics,
+    // A bias of one standard error in all would make the root mean square 1.4; chance gives 1 ± 0.06 for 120 statistics,
     // somewhat more because those of a row are correlated.
-    assert_eq!(squares.len(), 6 * WALLS.len());
+    assert_eq!(squares.len(), 6 * 20);
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
-    assert!((0.75..1.3).contains(&rms), "the deviations have the root mean square {rms}");
+    println!("root mean square {rms}");
+    assert!((0.8..1.25).contains(&rms), "the deviations have the root mean square {rms}");
     Ok(())
 }
 

@@ -131,18 +131,6 @@ fn time_step(result: &SimulatedDensity) -> f64 {
 }
 
 #[test]
-fn the_power_balance_takes_errors_away() -> Result<()> {
-    let result = Simulation::new().samples(800_000).seed(2).run(&duffing_above(0.0, 0.95))?;
-    let (plain, balanced) = (result.moment(&[0, 2])?, result.balanced());
-    let square = balanced.moment(&[0, 2])?;
-    // From the reference table; the error falls by a third at least.
-    assert!(square.deviation(0.84624171) < 4.0 && 1.5 * square.error < plain.error, "{plain} and {square}");
-    assert!(balanced.mean(0)?.deviation(0.62107942) < 4.0);
-    assert!(balanced.impact_rate().is_some_and(|rate| rate.deviation(0.35969161) < 4.0));
-    Ok(())
-}
-
-#[test]
 fn chattering_ends_and_leaves_no_bias() -> Result<()> {
     // A wall pressed against, and one far above the rest position with strong losses: the impact rate does not change with the
     // step. Of the impacts at h = 0.04 those in shorter steps are a tenth; plain steps would miss 2 to 5 % of all.
@@ -153,7 +141,7 @@ fn chattering_ends_and_leaves_no_bias() -> Result<()> {
             let simulation = Simulation::new().samples(samples).time_step(h).burn_in(20.0);
             Ok(simulation.sampling_interval(0.4).seed(4).run(&problem)?.impact_rate().unwrap())
         };
-        let (coarse, fine) = (rate(0.04, 1_000_000)?, rate(0.01, 550_000)?);
+        let (coarse, fine) = (rate(0.04, 400_000)?, rate(0.01, 200_000)?);
         println!("b = {b}, r = {r}: {coarse} and {fine}");
         assert!(coarse.error.hypot(fine.error) < 4e-3 * fine.value, "{coarse} and {fine}");
         assert!((coarse.value - fine.value).abs() < 8e-3 * fine.value + 3.0 * coarse.error.hypot(fine.error));
@@ -165,14 +153,14 @@ fn chattering_ends_and_leaves_no_bias() -> Result<()> {
 #[test]
 fn a_pressed_wall_agrees_with_the_grid() -> Result<()> {
     let grid = on_grid_above(1.5, 0.7);
-    let simulation = Simulation::new().samples(1_600_000).sampling_interval(0.5).burn_in(20.0).seed(1);
-    let found = simulation.run(&duffing_above(1.5, 0.7))?.balanced();
+    let simulation = Simulation::new().samples(500_000).sampling_interval(0.5).burn_in(20.0).seed(1);
+    let found = simulation.run(&duffing_above(1.5, 0.7))?;
     let [rate, truth] = [found.impact_rate(), grid.impact_rate()].map(Option::unwrap);
     for (what, found, truth) in [("impact rate", rate, truth), ("E v^2", found.moment(&[0, 2])?, grid.moment(&[0, 2])?)]
     {
         println!("{what}: {found} and {truth} by the grid");
-        // Precise to a few tenths of a percent; the time step may make a twentieth of a percent of that.
-        assert!(found.error < 3e-3 * truth.value && truth.error.abs() < 1e-3 * truth.value);
+        // Precise to a tenth of a percent; the time step may make a twentieth of a percent of that.
+        assert!(found.error < 2e-3 * truth.value && truth.error.abs() < 1e-3 * truth.value);
         let allowed = 4.0 * found.error + truth.error.abs() + 5e-4 * truth.value;
         assert!((found.value - truth.value).abs() < allowed, "{what}: {found} and {truth}");
     }

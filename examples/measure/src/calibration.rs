@@ -8,7 +8,7 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::models::{Duffing, DuffingChain, FilteredDuffing, NonlinearEnergySink, Solved, VanDerPolRayleigh};
-use expoly::{Density, Error, Problem, Simulation};
+use expoly::{Density, Error, Problem, Simulation, Wall};
 
 /// Errors of a calibrated simulation.
 #[derive(Clone, Debug, Args)]
@@ -53,9 +53,13 @@ fn simulation(options: &Options) -> Simulation<'static> {
 /// Of each system the second and the fourth moments of every state.
 fn factors(options: &Options) -> Outcome {
     let structure = Duffing::new(0.02, 1.0, 0.0, 0.02)?;
+    let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     let systems = [
-        ("Duffing", Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?),
-        ("filtered Duffing", FilteredDuffing::first_order(Duffing::new(0.2, 1.0, 0.3, 0.2)?, 1.0)?.problem()?),
+        ("Duffing", duffing.problem()?),
+        ("Duffing, elastic wall at -0.5", duffing.problem()?.with_wall(Wall::above(-0.5, 1.0)?)?),
+        ("Duffing, wall at -0.5, r = 0.7", duffing.problem()?.with_wall(Wall::above(-0.5, 0.7)?)?),
+        ("Duffing, wall at 0.5, r = 0.9", duffing.problem()?.with_wall(Wall::above(0.5, 0.9)?)?),
+        ("filtered Duffing", FilteredDuffing::first_order(duffing, 1.0)?.problem()?),
         ("chain, noise at one end", Problem::from_toml(CHAIN)?),
         ("nonlinear energy sink", NonlinearEnergySink::new(structure, 0.15, 0.4, 0.05)?.problem()?),
     ];
@@ -75,6 +79,9 @@ fn factors(options: &Options) -> Outcome {
             let cells: String = (0..problem.dimension()).map(cell).collect::<Result<_, _>>()?;
             println!("  power {power}:{cells}");
         }
+        if let (Some(plain), Some(rate)) = (plain.impact_rate(), calibrated.impact_rate()) {
+            println!("  impact rate:  {:7.1} ({rate})", plain.error / rate.error);
+        }
     }
     Ok(())
 }
@@ -85,8 +92,10 @@ fn coverage(options: &Options) -> Outcome {
     let rayleigh = VanDerPolRayleigh::new(1.0, 0.15)?;
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     let wells = Duffing::new(1.0, -1.0, 1.0, 0.3)?;
-    let systems: [(&str, Problem, Box<dyn Density>); 4] = [
+    let walled = duffing.problem()?.with_wall(Wall::above(-0.5, 1.0)?)?;
+    let systems: [(&str, Problem, Box<dyn Density>); 5] = [
         ("Duffing", duffing.problem()?, Box::new(duffing.exact()?)),
+        ("Duffing, elastic wall at -0.5", walled, Box::new(duffing.exact_above(-0.5)?)),
         ("Duffing, two wells", wells.problem()?, Box::new(wells.exact()?)),
         ("Van der Pol and Rayleigh", rayleigh.problem()?, Box::new(rayleigh.exact()?)),
         ("chain in equilibrium", chain.problem()?, Box::new(chain.exact()?)),

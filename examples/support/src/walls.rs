@@ -1,7 +1,7 @@
 //! The reference table of Duffing oscillators above a wall, `tests/reference/vibro_impact.csv`.
 
 use expoly::models::Duffing;
-use expoly::{Problem, Result, Wall};
+use expoly::{Density, Estimate, Problem, Result, SimulatedDensity, Wall};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -58,6 +58,27 @@ const REFINED_RATES: [[f64; 3]; 4] =
 /// The relative uncertainty of [`REFINED_RATES`].
 const REFINED: f64 = 5e-5;
 
+/// A number of the table beside that of a simulation.
+#[derive(Clone, Copy, Debug)]
+pub struct Statistic {
+    /// What it is.
+    pub name: &'static str,
+    /// The table's value, with what two meshes differ by for an error.
+    pub truth: Estimate,
+    /// What a standard error is compared with: the value itself; of E y the standard deviation, and 1 for the skewness, which may
+    /// be zero.
+    pub scale: f64,
+    /// The simulation's value.
+    pub found: Estimate,
+}
+
+impl Statistic {
+    /// How far the simulation is from the table, in standard errors, with its sign.
+    pub fn deviation(&self) -> f64 {
+        (self.found.value - self.truth.value) / self.found.error.hypot(self.truth.error)
+    }
+}
+
 impl Row {
     /// The oscillator above its wall.
     ///
@@ -71,6 +92,29 @@ impl Row {
     pub fn refined(self) -> Self {
         let refined = REFINED_RATES.iter().find(|[b, r, _]| [self.b, self.r] == [*b, *r]);
         refined.map_or(self, |[.., rate]| Row { impact_rate: *rate, of_rate: REFINED, ..self })
+    }
+
+    /// Every number of the refined row beside that of a simulation of its oscillator.
+    ///
+    /// # Errors
+    /// Those of the simulation's answers.
+    pub fn beside(self, result: &SimulatedDensity) -> Result<[Statistic; 6]> {
+        let row = self.refined();
+        let statistic = |name, value: f64, relative: f64, scale: f64, found| Statistic {
+            name,
+            truth: Estimate::new(value, relative * scale),
+            scale,
+            found,
+        };
+        let rate = result.impact_rate().unwrap_or(Estimate::exact(f64::NAN));
+        Ok([
+            statistic("E y", row.mean, row.of_mean, row.variance.sqrt(), result.mean(0)?),
+            statistic("Var y", row.variance, row.of_variance, row.variance, result.variance(0)?),
+            statistic("E v^2", row.square, row.of_square, row.square, result.moment(&[0, 2])?),
+            statistic("skew v", row.skewness, row.of_square, 1.0, result.skewness_about_zero(1)?),
+            statistic("kurt v", row.kurtosis, row.of_square, row.kurtosis, result.kurtosis_about_zero(1)?),
+            statistic("rate", row.impact_rate, row.of_rate, row.impact_rate, rate),
+        ])
     }
 }
 
