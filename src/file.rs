@@ -1,6 +1,7 @@
 //! Files that are read, or written whole or not at all.
 
 use crate::error::{Error, Result};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::{ffi::OsString, fs, io, io::Write, path::Path};
 
 /// The content of a file, or none if there is no such file.
@@ -12,13 +13,16 @@ pub(crate) fn read(path: &Path) -> Result<Option<Vec<u8>>> {
     }
 }
 
+/// Hidden files that this process has written: two threads that write one path do not share one.
+static WRITTEN: AtomicU64 = AtomicU64::new(0);
+
 /// Writes a file whole or not at all, by way of a hidden one beside it.
 pub(crate) fn write(path: &Path, content: &[u8]) -> Result<()> {
     let name = path.file_name().ok_or(io::ErrorKind::InvalidInput.into());
     let written = name.and_then(|name| {
         let mut hidden = OsString::from(".");
         hidden.push(name);
-        hidden.push(format!(".{}.tmp", std::process::id()));
+        hidden.push(format!(".{}.{}.tmp", std::process::id(), WRITTEN.fetch_add(1, Ordering::Relaxed)));
         let temporary = path.with_file_name(hidden);
         let save = |content: &[u8]| {
             let mut file = fs::File::create(&temporary)?;

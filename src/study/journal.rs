@@ -153,7 +153,7 @@ impl Shared<'_> {
     fn keep<R: Serialize>(&mut self, row: usize, computed: &R, total: usize, path: Option<&Path>) -> Result<()> {
         if let (Some(file), Some(path)) = (&mut self.file, path) {
             // A single write: a run that is ended in the middle leaves at most one broken line, the last.
-            let written = file.write_all(text(&(row, computed), false)?.as_bytes()).and_then(|()| file.flush());
+            let written = file.write_all(text(&(row, computed), false)?.as_bytes()).and_then(|()| file.sync_data());
             written.map_err(|error| file::file_error("write", path, &error))?;
         }
         self.done += 1;
