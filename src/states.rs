@@ -1,5 +1,6 @@
 //! Lists of states.
 
+use crate::record::Read;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Index;
@@ -14,9 +15,28 @@ use std::slice::ChunksExact;
 /// assert_eq!((list.len(), &list[0]), (1, &[0.5, -1.0][..]));
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts")]
 pub struct States {
     dimension: usize,
     values: Vec<f64>,
+}
+
+/// What a text may say of a list.
+#[derive(Deserialize)]
+struct Parts {
+    dimension: usize,
+    values: Vec<f64>,
+}
+
+impl TryFrom<Parts> for States {
+    type Error = String;
+
+    fn try_from(Parts { dimension, values }: Parts) -> Read<Self> {
+        if dimension == 0 || !values.len().is_multiple_of(dimension) {
+            return Err(format!("{} numbers are no states of {dimension} numbers each", values.len()));
+        }
+        Ok(States { dimension, values })
+    }
 }
 
 impl States {

@@ -5,7 +5,7 @@ use super::choice::Origin;
 use super::content::{Content, Integrals};
 use super::density::ClosureDensity;
 use super::samples::ImportanceRule;
-use crate::density::{Crossing, Density, pair, placed};
+use crate::density::{Crossing, Density, moderate, pair, placed};
 use crate::error::{Result, dimension, state_index};
 use crate::estimate::Estimate;
 use crate::polynomial::power;
@@ -132,9 +132,10 @@ impl Density for ClosureDensity {
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
         let [displacement, velocity] = crossing.states(self.dimension())?;
+        let power = moderate(power)?;
         self.section(displacement, crossing.level, |x| {
             let speed = if crossing.upward { x[velocity] } else { -x[velocity] };
-            if speed > 0.0 { speed.powi(power as i32) } else { 0.0 }
+            if speed > 0.0 { speed.powi(power) } else { 0.0 }
         })
     }
 }

@@ -22,6 +22,8 @@ pub struct Degrees {
 
 /// No rule here is made for polynomials of a higher degree.
 pub(super) const HIGHEST: u32 = 30;
+/// Nor is any for more monomials.
+const MOST: usize = 1_000_000;
 
 impl Degrees {
     /// All monomials up to the order.
@@ -45,10 +47,29 @@ impl Degrees {
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if a state that is limited or weighted is none of them,
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every weight is at least 0.5.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every weight is at least 0.5, and for an order of more than a
+    /// million monomials.
     pub fn count(&self, states: usize, order: u32) -> Result<usize> {
         self.check(states)?;
+        let remedy = "it has more than a million monomials, which no method here takes: ask for a lower one";
+        require(!self.are_more_than(MOST, states, order), "order of the monomials", f64::from(order), remedy)?;
         Ok(self.exponents(states, order, |_| true).len())
+    }
+
+    /// Whether an order has more monomials than that, without making them.
+    pub(super) fn are_more_than(&self, most: usize, states: usize, order: u32) -> bool {
+        let (limits, weights) = self.limits(states);
+        let mut left = most + 1;
+        spend(&mut left, (&limits, &weights), 0, reach(order));
+        left == 0
+    }
+
+    /// The highest power of each state, and what a power of it counts.
+    fn limits(&self, states: usize) -> (Vec<u32>, Vec<f64>) {
+        let (mut most, mut weights) = (vec![HIGHEST; states], vec![1.0; states]);
+        self.most.iter().for_each(|&(state, power)| most[state] = power);
+        self.weights.iter().for_each(|&(state, weight)| weights[state] = weight);
+        (most, weights)
     }
 
     /// Refuses states that are none of so many, and weights that leave too many monomials.
@@ -67,15 +88,33 @@ impl Degrees {
 
     /// The exponents up to an order, without the constant, in order of rising weighted degree.
     pub(super) fn exponents(&self, states: usize, order: u32, keep: impl Fn(&[u32]) -> bool) -> Vec<Vec<u32>> {
-        let (mut most, mut weights) = (vec![HIGHEST; states], vec![1.0; states]);
-        self.most.iter().for_each(|&(state, power)| most[state] = power);
-        self.weights.iter().for_each(|&(state, weight)| weights[state] = weight);
+        let (most, weights) = self.limits(states);
         let degree = |alpha: &[u32]| alpha.iter().zip(&weights).map(|(&power, w)| w * f64::from(power)).sum::<f64>();
         let mut found = Vec::new();
-        extend(&mut found, &mut vec![0; states], (&most, &weights), 0, f64::from(order) + 1e-9);
+        extend(&mut found, &mut vec![0; states], (&most, &weights), 0, reach(order));
         found.retain(|alpha| alpha.iter().any(|&power| power > 0) && keep(alpha));
         found.sort_by(|a, b| degree(a).total_cmp(&degree(b)).then_with(|| b.cmp(a)));
         found
+    }
+}
+
+/// The weighted degrees of an order, with room for their rounding.
+fn reach(order: u32) -> f64 {
+    f64::from(order) + 1e-9
+}
+
+/// Takes one off `left` for each way to choose the powers from `state` on, until nothing is left.
+fn spend(left: &mut usize, limits: (&[u32], &[f64]), state: usize, degree: f64) {
+    if state == limits.0.len() {
+        *left -= 1;
+        return;
+    }
+    for power in 0..=limits.0[state] {
+        let used = limits.1[state] * f64::from(power);
+        if used > degree || *left == 0 {
+            return;
+        }
+        spend(left, limits, state + 1, degree - used);
     }
 }
 
@@ -109,6 +148,10 @@ mod tests {
         assert_eq!(exponents(&Degrees::complete().at_most(0, 1)), [vec![1, 0], vec![0, 1], vec![1, 1], vec![0, 2]]);
         assert_eq!(exponents(&Degrees::complete().weighted(1, 2.0)), [vec![1, 0], vec![2, 0], vec![0, 1]]);
         assert!(matches!(Degrees::complete().at_most(2, 1).count(2, 2), Err(Error::Dimension { .. })));
+        // Of two states and of one, without the constant: C(n + 2, 2) − 1; and what no memory holds.
+        assert_eq!(Degrees::complete().count(2, 30), Ok(495));
+        assert!(matches!(Degrees::complete().count(10, 30), Err(Error::OutOfRange { value: 30.0, .. })));
+        assert!(Degrees::complete().are_more_than(14, 2, 4) && !Degrees::complete().are_more_than(15, 2, 4));
         assert!(matches!(Degrees::complete().weighted(0, 0.1).count(2, 2), Err(Error::OutOfRange { .. })));
     }
 }

@@ -9,6 +9,8 @@ use crate::error::{Result, positive, require};
 
 /// The factor on the pilot's noise intensities that shows the tails.
 const INFLATION: f64 = 3.0;
+/// Numbers in all of the pilot's states.
+const MOST_NUMBERS: usize = 100_000_000;
 /// The highest order.
 pub(super) const HIGHEST_ORDER: u32 = 16;
 
@@ -165,9 +167,12 @@ impl Closure {
                 positive("target of the L1 error", target, "it must be finite and above zero; 1e-2 is a usual choice")?;
             }
         }
-        if let Some(states) = self.states {
+        if let Some(kept) = self.states {
+            let name = "number of the pilot's states";
             let remedy = "at least 1000 are needed to see where the density is";
-            require(states >= 1000, "number of the pilot's states", states as f64, remedy)?;
+            require(kept >= 1000, name, kept as f64, remedy)?;
+            let remedy = "all of them together may have 10^8 numbers, which take 0.8 GB: ask for fewer";
+            require(kept <= MOST_NUMBERS / states, name, kept as f64, remedy)?;
         }
         let (inflation, remedy) = (self.inflation, "it must lie between 1 and 100");
         require((1.0..=100.0).contains(&inflation), "inflation of the pilot's intensity", inflation, remedy)?;

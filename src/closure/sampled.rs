@@ -27,6 +27,10 @@ const EXACTLY: f64 = 1.8;
 const NODES: usize = 1 << 18;
 const EVEN: f64 = 1e-4;
 
+/// The monomials of an order, whose matrices take 0.8 GB each, and of that which judges it.
+const MOST_FUNCTIONS: usize = 10_000;
+const MOST_LISTED: usize = 500_000;
+
 /// What the closures of one system on samples share at all orders.
 pub(super) struct Sampled {
     pub(super) problem: Problem,
@@ -68,7 +72,15 @@ impl Sampled {
     /// [`Error::NotClosed`] if there are too few states, or they lie on a surface.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
         let failed = |reason| Error::NotClosed { order, reason };
-        let Sampled { symmetry, pilot, .. } = self;
+        let Sampled { symmetry, pilot, degrees, .. } = self;
+        let states = self.problem.dimension();
+        // The density is judged by one two degrees higher.
+        if degrees.are_more_than(MOST_FUNCTIONS, states, order) || degrees.are_more_than(MOST_LISTED, states, order + 2)
+        {
+            return Err(failed(
+                "it has more functions than fit into memory: ask for a lower one, or for fewer `degrees`",
+            ));
+        }
         let surface = "the pilot's states lie on a surface: the noise may not reach every state";
         let copula = Copula::new(pilot, symmetry).ok_or_else(|| failed(surface))?;
         let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };

@@ -29,6 +29,9 @@ const LONGER: f64 = 64.0;
 /// Of states that are that far apart so many should not be worth one: the trajectories are then where they began.
 const UNMIXED: f64 = 16.0;
 
+/// So many of the pilot's states between two walls can say how likely a density is.
+const LEAST_BETWEEN: usize = 100;
+
 const METHOD: &str = "closure";
 
 impl Closure {
@@ -135,6 +138,10 @@ impl Closure {
         };
         let inflated = run(self.inflation)?;
         let pilot = run(1.0)?.between([None, walls[1].map(|wall| wall.offset())]);
+        if pilot.states.len() < LEAST_BETWEEN {
+            let reason = "hardly a state of the pilot lies between the walls: ask for more `pilot_states`, or the grid";
+            return Err(Error::NotClosed { order: self.lowest(), reason });
+        }
         let setting = walled::walled(problem, &inflated, walls);
         let workshop = self.workshop(setting, [&pilot, &inflated], begin)?;
         self.at_order(walled::HIGHEST_ORDER, |order| workshop.closed(order))

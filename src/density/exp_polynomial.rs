@@ -1,5 +1,5 @@
 use super::tensor::{Section, TensorRule};
-use super::{Crossing, Density, Frame, Support, escape_direction, pair};
+use super::{Crossing, Density, Frame, Support, escape_direction, moderate, pair};
 use crate::error::{Error, Result, dimension, finite, positive, state_index};
 use crate::estimate::Estimate;
 use crate::polynomial::{Gaussian, Polynomial, total_degree};
@@ -32,6 +32,7 @@ impl ExpPolynomial {
     /// `noise` is the relative size below which a value says nothing about the sign of Q far away.
     pub(crate) fn new(q: Polynomial, frame: Frame, support: Support, noise: f64) -> Result<Self> {
         dimension("a polynomial", q.dimension(), frame.dimension())?;
+        q.terms().try_for_each(|(_, c)| finite("coefficient of Q", c).map(|_| ()))?;
         let half_space = match &support {
             Support::WholeSpace => Some(false),
             Support::Above(bound) => finite("lower limit of state 0", *bound).map(|_| Some(true))?,
@@ -47,6 +48,8 @@ impl ExpPolynomial {
         let (rule, coarse) = TensorRule::fitted(&q, &frame, &support)?;
         let mut density = ExpPolynomial { q, frame, support, noise, rule, coarse, log_mass: Estimate::exact(0.0) };
         let mass = density.integral(Section::default(), |_| 1.0);
+        let remedy = "Q is too steep to be integrated: give a scale that is about as wide as exp(Q)";
+        positive("mass of exp(Q) relative to its peak", mass.value, remedy)?;
         let log_mass = mass.value.ln() + density.rule.top + density.frame.log_volume();
         density.log_mass = Estimate::new(log_mass, mass.error / mass.value);
         Ok(density)
@@ -56,8 +59,8 @@ impl ExpPolynomial {
     ///
     /// # Errors
     /// [`Error::NotNormalisable`] if Q does not fall in every direction that `support` leaves open; [`Error::OutOfRange`] for
-    /// a support that is NaN or reversed, and if the covariance of `scale` is not positive definite; [`Error::NotServed`]
-    /// where the quadrature would need too many nodes.
+    /// a support that is NaN or reversed, for a Q that is not finite or too steep to be integrated, and if the covariance of
+    /// `scale` is not positive definite; [`Error::NotServed`] where the quadrature would need too many nodes.
     pub fn from_states(q: &Polynomial, scale: &Gaussian, support: Support) -> Result<Self> {
         let frame = Frame::new(scale)?;
         ExpPolynomial::new(in_frame(q, &frame), frame, support, 1e-13)
@@ -69,7 +72,7 @@ impl ExpPolynomial {
     /// caller chooses the box and must say so.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if a side of the box is not finite and positive.
+    /// [`Error::OutOfRange`] if a side of the box is not finite and positive, or Q not finite or too steep.
     pub fn cut_off(q: &Polynomial, region: &[[f64; 2]]) -> Result<Self> {
         let n = region.len();
         check_sides(region)?;
@@ -188,11 +191,11 @@ impl Density for ExpPolynomial {
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
         let [displacement, velocity] = crossing.states(self.dimension())?;
-        finite("level of a crossing", crossing.level)?;
+        let power = moderate(power)?;
         if !self.support.contains(displacement, crossing.level) {
             return Ok(Estimate::exact(0.0));
         }
-        Ok(self.mean_over(Section::crossing(crossing), |x| x[velocity].abs().powi(power as i32)))
+        Ok(self.mean_over(Section::crossing(crossing), |x| x[velocity].abs().powi(power)))
     }
 }
 

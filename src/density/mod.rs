@@ -16,7 +16,7 @@ pub(crate) use sampled::central;
 pub use sampled::{Counted, Sampled};
 pub use support::Support;
 
-use crate::error::{Error, Result, dimension, state_index};
+use crate::error::{Error, Result, dimension, finite, require, state_index};
 use crate::estimate::Estimate;
 use crate::polynomial::power;
 use crate::states::States;
@@ -86,7 +86,8 @@ pub trait Density: Send + Sync {
     /// The flux moment ∫ |v|^`power` p(level, v) dv over v > 0 or v < 0, all other states integrated out.
     ///
     /// # Errors
-    /// As [`Crossing`] says; [`Error::NotKnown`] where a simulation was not asked to watch the level.
+    /// [`Error::Dimension`] for states that do not exist or are one, [`Error::OutOfRange`] for a level that is not finite and a
+    /// power above 200; [`Error::NotKnown`] where a simulation was not asked to watch the level.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;
 
     /// The variance of one state.
@@ -104,6 +105,12 @@ pub trait Density: Send + Sync {
     fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         self.flux(Crossing::upward(level), 1)
     }
+}
+
+/// The power of a velocity, refused if it is so high that nothing but the last digits of a density decide.
+pub(crate) fn moderate(power: u32) -> Result<i32> {
+    const HIGHEST: u32 = 200;
+    require(power <= HIGHEST, "power of a flux", f64::from(power), "it must be at most 200").map(|_| power as i32)
 }
 
 /// Two states, refused if they do not exist or are one.
@@ -148,8 +155,9 @@ impl Crossing {
         Crossing { upward: false, ..Self::upward(level) }
     }
 
-    /// The two states, refused if they do not exist or are one.
+    /// The two states, refused if they do not exist or are one, and if the level is no number.
     pub(crate) fn states(&self, dimension: usize) -> Result<[usize; 2]> {
+        finite("level of a crossing", self.level)?;
         let displacement = state_index("the displacement of a crossing", self.displacement, dimension)?;
         let velocity = state_index("the velocity of a crossing", self.velocity, dimension)?;
         if displacement == velocity {

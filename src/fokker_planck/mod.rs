@@ -15,7 +15,7 @@ mod text;
 pub(crate) use local::Local;
 
 use crate::density::Frame;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::Interpretation;
 use nalgebra::{DMatrix, DVector};
@@ -27,12 +27,16 @@ pub struct FokkerPlanck {
     diffusion: Vec<Vec<Polynomial>>,
 }
 
+/// Drift and noise are of this degree at most.
+pub(crate) const HIGHEST_DEGREE: u32 = 60;
+
 impl FokkerPlanck {
     /// The operator of a drift and of the noise's columns. A Stratonovich drift is converted to Itô's,
     /// f_i += ½ Σ_jk G_jk ∂_j G_ik.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::NoNoise`] if B vanishes identically.
+    /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::OutOfRange`] for a degree above 60,
+    /// [`Error::NoNoise`] if B vanishes identically.
     pub(crate) fn new(
         drift: &[Polynomial],
         columns: &[Vec<Polynomial>],
@@ -40,8 +44,8 @@ impl FokkerPlanck {
     ) -> Result<Self> {
         let n = drift.len();
         for i in 0..n {
-            all_finite("drift", i, &drift[i])?;
-            columns.iter().try_for_each(|column| all_finite("noise", i, &column[i]))?;
+            sound("drift", i, &drift[i])?;
+            columns.iter().try_for_each(|column| sound("noise", i, &column[i]))?;
         }
         let mut drift = drift.to_vec();
         if interpretation == Interpretation::Stratonovich {
@@ -54,6 +58,11 @@ impl FokkerPlanck {
         let diffusion: Vec<Vec<Polynomial>> = (0..n).map(|i| (0..n).map(|j| product(i, j)).collect()).collect();
         if diffusion.iter().flatten().all(Polynomial::is_zero) {
             return Err(Error::NoNoise);
+        }
+        // Products of large coefficients may have none.
+        for i in 0..n {
+            all_finite("drift", i, &drift[i])?;
+            diffusion[i].iter().try_for_each(|entry| all_finite("squared noise", i, entry))?;
         }
         Ok(FokkerPlanck { drift, diffusion })
     }
@@ -205,6 +214,15 @@ pub(crate) fn noise_induced_drift(columns: &[Vec<Polynomial>], n: usize) -> Vec<
         sum
     };
     (0..n).map(induced).collect()
+}
+
+/// Refuses coefficients that are not finite, and degrees that nothing here is made for.
+fn sound(part: &'static str, state: usize, polynomial: &Polynomial) -> Result<()> {
+    all_finite(part, state, polynomial)?;
+    let (degree, name) =
+        (polynomial.degree(), if part == "drift" { "degree of the drift" } else { "degree of the noise" });
+    let remedy = "at most 60 is served: take a polynomial of a lower degree where the states are";
+    require(degree <= HIGHEST_DEGREE, name, f64::from(degree), remedy).map(|_| ())
 }
 
 fn all_finite(part: &'static str, state: usize, polynomial: &Polynomial) -> Result<()> {

@@ -58,6 +58,10 @@ impl<'a> March<'a> {
             let (next, error) = self.tried(step)?;
             if error > self.tolerance {
                 self.step = step / CHANGE;
+                // So short a step no longer moves the time.
+                if self.step < f64::EPSILON * left {
+                    break;
+                }
                 continue;
             }
             (self.p, self.time) = (next, if left <= step * (1.0 + 1e-12) { end } else { self.time + step });

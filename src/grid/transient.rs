@@ -73,7 +73,7 @@ impl GridDensity {
     /// The mesh is that of the stationary density.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if times do not rise, a time lies before the first one that the mesh resolves, the tolerance is
+    /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the first one that the mesh resolves, the tolerance is
     /// not positive, or the start lies (partly) outside the domain; [`Error::Dimension`] for a start in other than two states.
     pub fn transient(&self, start: &Start, times: &[f64], tolerance: f64) -> Result<Vec<Transient>> {
         positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
@@ -81,6 +81,7 @@ impl GridDensity {
         let first = times.first().copied().unwrap_or(begin);
         let remedy = "before that time the density is narrower than the mesh resolves: take more cells or a later time";
         require(first >= begin, "first time of a transient", first, remedy)?;
+        times.iter().try_for_each(|&time| finite("time of a transient", time).map(|_| ()))?;
         for pair in times.windows(2) {
             positive("time to the next density", pair[1] - pair[0], "give times in rising order")?;
         }

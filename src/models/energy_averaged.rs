@@ -1,5 +1,5 @@
 use super::VibroImpactDuffing;
-use crate::density::{Crossing, Density};
+use crate::density::{Crossing, Density, moderate};
 use crate::error::{Error, Result, dimension, positive, require, state_index};
 use crate::estimate::Estimate;
 use crate::quadrature::Rule;
@@ -176,11 +176,12 @@ impl Density for EnergyAveraged {
 
     /// Of the displacement, state 0: the velocity is none.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
+        let power = moderate(power)?;
         match crossing.states(2)? {
             [0, _] if crossing.level < self.offset => Ok(Estimate::exact(0.0)),
             [0, _] => {
                 let sides = [!crossing.upward, crossing.upward];
-                let speed = |v: f64| v.abs().powi(power as i32);
+                let speed = |v: f64| v.abs().powi(power);
                 Ok(self.estimate(|nodes| self.over_velocity(nodes, crossing.level, sides, speed)))
             }
             [state, _] => Err(Error::NotADisplacement { state }),

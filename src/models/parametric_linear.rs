@@ -1,5 +1,5 @@
 use super::listed;
-use crate::density::{Crossing, Density};
+use crate::density::{Crossing, Density, moderate};
 use crate::error::{Result, dimension, positive, state_index};
 use crate::estimate::Estimate;
 use crate::quadrature::Rule;
@@ -211,6 +211,7 @@ impl Density for PowerLaw {
 
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
         let [displacement, _] = crossing.states(2)?;
+        moderate(power)?;
         Ok(self.section(displacement, crossing.level, power))
     }
 }

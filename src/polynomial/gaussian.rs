@@ -3,6 +3,9 @@ use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
+/// Means of higher degrees are not formed: they are beyond every number, but for the narrowest of densities.
+const HIGHEST: u32 = 1000;
+
 /// A normal distribution, and the exact mean of any polynomial under it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gaussian {
@@ -32,7 +35,8 @@ impl Gaussian {
         })
     }
 
-    /// E[p(X)], exactly but for rounding.
+    /// E[p(X)], exactly but for rounding. It is NaN for a polynomial of more variables than there are states or of a degree
+    /// above 1000, and where the covariance does not fit the mean.
     ///
     /// Moments follow from integration by parts (C. M. Stein, 1981, doi:10.1214/aos/1176345632):
     /// E[x_i x^α] = m_i E[x^α] + Σ_j S_ij α_j E[x^(α − e_j)].
@@ -46,6 +50,10 @@ impl Gaussian {
     /// assert_eq!(g.expectation(&(&x * &y)), 0.5);
     /// ```
     pub fn expectation(&self, polynomial: &Polynomial) -> f64 {
+        let n = self.mean.len();
+        if polynomial.dimension() > n || self.covariance.shape() != (n, n) || polynomial.degree() > HIGHEST {
+            return f64::NAN;
+        }
         let mut known = HashMap::new();
         polynomial.terms().map(|(alpha, c)| c * self.moment(&mut alpha.to_vec(), &mut known)).sum()
     }

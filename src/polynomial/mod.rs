@@ -14,6 +14,7 @@ pub(crate) use symbol::{Arena, Symbol};
 pub(crate) use text::twelve_digits;
 
 use crate::error::{Result, dimension};
+use crate::record::Read;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -32,11 +33,33 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(p.degree(), 3);
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts")]
 pub struct Polynomial {
     dimension: usize,
     /// The exponents of all terms, one term after the other.
     exponents: Vec<u32>,
     coefficients: Vec<f64>,
+}
+
+/// What a text may say of a polynomial.
+#[derive(Deserialize)]
+struct Parts {
+    dimension: usize,
+    exponents: Vec<u32>,
+    coefficients: Vec<f64>,
+}
+
+impl TryFrom<Parts> for Polynomial {
+    type Error = String;
+
+    fn try_from(Parts { dimension: n, exponents, coefficients }: Parts) -> Read<Self> {
+        if n.checked_mul(coefficients.len()) != Some(exponents.len()) {
+            let (found, terms) = (exponents.len(), coefficients.len());
+            return Err(format!("{found} exponents are not those of {terms} terms in {n} variables"));
+        }
+        let terms = coefficients.iter().enumerate().map(|(k, &c)| (&exponents[k * n..(k + 1) * n], c));
+        Ok(Polynomial::collected(n, terms))
+    }
 }
 
 impl Polynomial {

@@ -1,12 +1,12 @@
 //! Expressions in states and parameters as polynomials.
 
+use crate::fokker_planck::HIGHEST_DEGREE as HIGHEST;
 use crate::polynomial::Polynomial;
 use crate::record::Read;
 use exmex::{BinOp, Express, FlatEx, MakeOperators, MatchLiteral, Operator, literal_matcher_from_pattern};
 use std::str::FromStr;
 
-/// No polynomial here has a higher degree or more terms.
-const HIGHEST: u32 = 60;
+/// No polynomial here has more terms.
 const MOST_TERMS: usize = 100_000;
 /// The longest expression, in characters, and its deepest parentheses.
 const LONGEST: usize = 10_000;

@@ -67,7 +67,8 @@ impl Problem {
     /// The problem of a system whose number of states is known when it is compiled.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::NoNoise`] if the noise vanishes identically;
+    /// [`Error::NotFinite`] if a coefficient, or a product of two in the noise, is NaN or infinite, [`Error::OutOfRange`] for a
+    /// degree above 60, [`Error::NoNoise`] if the noise vanishes identically;
     /// [`Error::Dimension`], [`Error::NotAName`] if the names do not fit the states.
     pub fn of<T, const N: usize, const M: usize>(system: T) -> Result<Self>
     where
@@ -140,6 +141,7 @@ impl Problem {
     /// [`Error::NotADisplacement`] unless some state is the velocity of the wall's; [`Error::OutOfRange`] for a second wall
     /// on the same side, or where a wall above the motion stands below one that is below it.
     pub fn with_wall(mut self, wall: Wall) -> Result<Self> {
+        let wall = wall.checked()?;
         let state = wall.state();
         if self.velocity_of(state).is_none() {
             return Err(Error::NotADisplacement { state });

@@ -5,7 +5,7 @@ use super::{
     scheme::Scheme,
     start::Start,
 };
-use crate::error::Result;
+use crate::error::{Error, Result, require};
 use crate::problem::{LANES, Problem, Wall};
 use nalgebra::DMatrix;
 
@@ -25,6 +25,9 @@ const STRETCHES: usize = 64;
 
 /// The most steps tried. Each is at most half the one before.
 const ATTEMPTS: usize = 12;
+
+/// The most path-steps of one try, which reports nothing and cannot be cancelled: some ten minutes.
+const MOST_STEPS: f64 = (1_u64 << 36) as f64;
 
 impl Simulation<'_> {
     /// Chooses the time step from the system's own time scales, where the trajectories are. Returns the rate ω too.
@@ -49,8 +52,9 @@ impl Simulation<'_> {
         loop {
             attempt += 1;
             match self.rates(problem, wall, step) {
-                Err(error) if attempt == ATTEMPTS => return Err(error),
-                Err(_) => step /= 4.0,
+                Err(error @ Error::Exploded { .. }) if attempt == ATTEMPTS => return Err(error),
+                Err(Error::Exploded { .. }) => step /= 4.0,
+                Err(error) => return Err(error),
                 Ok((rate, largest)) => {
                     let fits = (resolution / rate).min(LARGEST / largest).min(longest);
                     if fits >= step / 2.0 || attempt == ATTEMPTS {
@@ -69,6 +73,9 @@ impl Simulation<'_> {
         let start = Start::new(self, problem, wall, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = self.burn_in.max(32.0 * self.sampling_interval);
+        let path = LANES as f64 * time / step;
+        let remedy = "to choose the time step takes too many: give one, or a shorter burn-in and sampling interval";
+        require(path <= MOST_STEPS, "number of path-steps", path, remedy)?;
         let steps = (time / step / STRETCHES as f64).ceil().max(1.0) as usize;
         let (mut passages, mut work) = (Passages::new(0), Workspace::new(&scheme));
         let (mut squares, mut largest, mut count) = (0.0, 0.0_f64, 0.0);

@@ -4,7 +4,7 @@ use crate::common::*;
 use expoly::models::{CubicDamping, DisplacementNoise, Duffing, DuffingChain, ParametricLinear, Solved};
 use expoly::{
     Basis, Closure, Crossing, Density, Error, ExpPolynomial, Gaussian, Intensity, Oscillator, Polynomial,
-    PolynomialDrift, Problem, Scalar, Support, Termination, Wall,
+    PolynomialDrift, Problem, Scalar, Simulation, States, Support, Termination, Wall,
 };
 use nalgebra::{DMatrix, DVector, dmatrix};
 
@@ -220,6 +220,93 @@ fn densities_need_a_finite_mass_and_a_proper_frame() {
     let cut = ExpPolynomial::cut_off(&growing, &[[-1.0, 1.0], [-1.0, 1.0]]).unwrap();
     assert!((cut.moment(&[0, 0]).unwrap().value - 1.0).abs() < 1e-12);
     assert_eq!(cut.pdf(&[0.0, 1.1]).unwrap().value, 0.0);
+}
+
+/// Q that is no number or too steep to be integrated is no density; nor is a power of a velocity beyond every use an answer.
+#[test]
+fn densities_are_made_of_numbers() {
+    let unit = Gaussian { mean: DVector::zeros(2), covariance: DMatrix::identity(2, 2) };
+    for odd in [f64::NAN, f64::NEG_INFINITY, -1e308] {
+        let q = Polynomial::from_terms(2, [([2, 0], -0.5), ([0, 2], -0.5), ([4, 0], odd)]).unwrap();
+        for density in [
+            ExpPolynomial::from_states(&q, &unit, Support::WholeSpace),
+            ExpPolynomial::from_states(&q, &unit, Support::Above(0.3)),
+            ExpPolynomial::cut_off(&q, &[[-1.0, 1.0]; 2]),
+        ] {
+            assert!(matches!(density, Err(Error::OutOfRange { .. })), "{odd}: {density:?}");
+        }
+    }
+    let closed = Closure::new(2).solve(&problem(duffing())).unwrap();
+    let power_law = ParametricLinear::new(0.1, 1.0, 0.5, 0.2).unwrap().exact();
+    for density in [&duffing().exact().unwrap() as &dyn Density, &closed, &power_law] {
+        for (level, power) in [(0.3, 201), (0.3, u32::MAX), (f64::NAN, 1), (f64::INFINITY, 1)] {
+            let refused = density.flux(Crossing::upward(level), power);
+            assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{level}, {power}: {refused:?}");
+        }
+    }
+    // No mean, of whatever is asked that has none.
+    let [one, two] = [1, 2].map(|n| Polynomial::variable(n, n - 1));
+    let line = Gaussian { mean: DVector::zeros(1), covariance: DMatrix::identity(1, 1) };
+    let misfit = Gaussian { mean: DVector::zeros(2), covariance: DMatrix::identity(1, 1) };
+    let high = Polynomial::from_terms(1, [([100_000], 1.0)]).unwrap();
+    for mean in [line.expectation(&two), line.expectation(&high), misfit.expectation(&one)] {
+        assert!(mean.is_nan(), "{mean}");
+    }
+}
+
+/// What no text of this library's making says.
+#[test]
+fn spoiled_texts_are_refused() {
+    let polynomial = |text: &str| serde_json::from_str::<Polynomial>(text);
+    let text = serde_json::to_string(&Polynomial::from_terms(2, [([1, 0], 2.0), ([0, 3], -1.0)]).unwrap()).unwrap();
+    assert_eq!(polynomial(&text).unwrap().to_string(), "2 x1 - x2^3");
+    assert!(polynomial(&text.replace("[1,0,0,3]", "[1,0,0]")).is_err());
+    assert!(polynomial(&text.replace("\"dimension\":2", "\"dimension\":18446744073709551615")).is_err());
+    for text in [r#"{"dimension":0,"values":[1.0]}"#, r#"{"dimension":2,"values":[1.0,2.0,3.0]}"#] {
+        assert!(serde_json::from_str::<States>(text).is_err(), "{text}");
+    }
+    let text = serde_json::to_string(&Wall::above(0.0, 0.9).unwrap()).unwrap().replace("0.9", "9.0");
+    let wall = serde_json::from_str::<Wall>(&text).unwrap();
+    assert!(matches!(problem(duffing()).with_wall(wall), Err(Error::OutOfRange { name: "restitution r", .. })));
+}
+
+struct Steep(u32, f64);
+
+impl PolynomialDrift<1, 1> for Steep {
+    fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
+        [-x.powi(self.0)]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 1]) -> [[S; 1]; 1] {
+        [[S::from(self.1)]]
+    }
+}
+
+#[test]
+fn degrees_and_squares_of_noise_are_moderate() {
+    assert!(Problem::of(Steep(59, 1.0)).is_ok());
+    for degree in [61, 3001, u32::MAX] {
+        let error = Problem::of(Steep(degree, 1.0)).unwrap_err();
+        assert!(matches!(error, Error::OutOfRange { name: "degree of the drift", .. }), "{error}");
+    }
+    assert!(matches!(Problem::of(Steep(3, 1e200)), Err(Error::NotFinite { part: "squared noise", .. })));
+}
+
+/// What would take for ever is refused before it begins.
+#[test]
+fn times_beyond_all_patience_are_refused() {
+    let free = problem(duffing());
+    let new = || Simulation::new().samples(100);
+    for simulation in [
+        new().burn_in(1e15),
+        new().burn_in(1e308),
+        new().sampling_interval(1e15),
+        new().sampling_interval(1e308),
+        new().sampling_interval(1e-300),
+    ] {
+        let text = format!("{simulation:?}");
+        let refused = simulation.run(&free).map(|_| ());
+        assert!(matches!(refused, Err(Error::OutOfRange { name: "number of path-steps", .. })), "{text}: {refused:?}");
+    }
 }
 
 /// Random oscillators with extreme and odd parameters, some of them with a wall: whatever comes back is an answer or a
