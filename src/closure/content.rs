@@ -5,6 +5,7 @@ use super::indicator::Indication;
 use super::reference::Reference;
 use super::samples::{ImportanceRule, Lattice, Moment};
 use super::trust_domain::TrustDomain;
+use crate::problem::COLLAPSE;
 use crate::provenance::Provenance;
 use crate::quadrature::Rule;
 use crate::record::{Read, exponents};
@@ -64,6 +65,9 @@ impl Content {
             )
         } else if !chosen.accepted {
             Some("the pilot's states are unlikely under this density")
+        } else if self.exponent.space.corners().iter().any(|corner| corner.wall().collapses()) {
+            // This is why the estimated error is large there.
+            Some(COLLAPSE)
         } else if chosen.l1_estimate > UNRELIABLE {
             Some("the estimated error is large: ask for a higher order")
         } else {

@@ -8,7 +8,7 @@ use super::space::{Side, Space};
 use super::sparse::too_large;
 use super::{Grid, mesh, stationary};
 use crate::error::{Error, Result, positive};
-use crate::problem::{Problem, Wall};
+use crate::problem::{COLLAPSE, Problem, Wall};
 use crate::provenance::Provenance;
 
 /// The elements of the solutions that measure the domain, whatever the final ones are: cheap, and fine enough for a narrow
@@ -192,6 +192,7 @@ impl Solver<'_> {
             l1_estimate: Some(error),
             most_negative: Some(least / peak),
             negative_mass: Some(negative_mass),
+            warning: self.walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned()),
             ..Provenance::default()
         };
         Ok(GridDensity { fine: field, coarse, problem: self.problem.clone(), domain, edge_level, provenance })

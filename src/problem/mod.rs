@@ -20,6 +20,7 @@ pub(crate) use flow::{Kicks, Nearness};
 pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use symmetry::Symmetry;
 pub(crate) use units::natural_units;
+pub(crate) use wall::COLLAPSE;
 pub use wall::Wall;
 
 use crate::error::{Error, Result, dimension};

@@ -1,10 +1,16 @@
 use crate::error::{Error, Result, finite};
 use serde::{Deserialize, Serialize};
 
+/// What every method says of a wall that trajectories collapse onto.
+pub(crate) const COLLAPSE: &str = "the restitution is at most 0.163, where grazing impacts do not end: the impact rate is infinite, and \
+    what is found of it is that of the shortest step or the smallest cell";
+
 /// A rigid wall that a displacement y hits: y′₊ = −r y′₋ at y = b.
 ///
 /// The motion stays above it, y ≥ b, or below it, y ≤ b. The wall need not stand at the rest position: `offset` is b, in the
-/// unit of the displacement. `restitution` is r, the ratio of rebound to approach speed, 0 < r ≤ 1.
+/// unit of the displacement. `restitution` is r, the ratio of rebound to approach speed, 0 < r ≤ 1. For r ≤ 0.163 white noise lets
+/// trajectories collapse onto the wall after infinitely many impacts: moments are what they are, but the impact rate is infinite,
+/// and every method's provenance carries a warning.
 ///
 /// ```
 /// use expoly::{Wall, models::{Duffing, Solved}};
@@ -72,6 +78,12 @@ impl Wall {
     /// The coefficient of restitution r.
     pub fn restitution(&self) -> f64 {
         self.restitution
+    }
+
+    /// Whether white noise presses trajectories that graze the wall onto it, after infinitely many impacts: for r ≤ e^(−π/√3)
+    /// (S. J. Cornell, M. R. Swift and A. J. Bray, 1998, doi:10.1103/PhysRevLett.81.1142).
+    pub(crate) fn collapses(&self) -> bool {
+        self.restitution <= (-std::f64::consts::PI / 3.0_f64.sqrt()).exp()
     }
 
     /// Whether the motion is above the wall.

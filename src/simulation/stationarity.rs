@@ -7,6 +7,7 @@ use super::{
     tally::{Layout, Tally},
 };
 use crate::polynomial::of_one;
+use crate::problem::COLLAPSE;
 
 /// The mean square of a state that changes by more standard errors has not become stationary.
 const DRIFTING: f64 = 4.0;
@@ -74,6 +75,9 @@ pub(super) fn warning(
             "not stationary: the mean square of state {state} still changes, by {drift:.1} standard errors; take a longer \
              burn-in, if there is a stationary density at all"
         ));
+    }
+    if plan.wall.is_some_and(|wall| wall.collapses()) {
+        return Some(COLLAPSE.to_owned());
     }
     let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > UNEVEN)?;
     Some(format!(

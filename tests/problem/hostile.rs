@@ -3,7 +3,7 @@
 use crate::common::*;
 use expoly::models::{CubicDamping, DisplacementNoise, Duffing, DuffingChain, ParametricLinear, Solved};
 use expoly::{
-    Basis, Closure, Crossing, Density, Error, ExpPolynomial, Gaussian, Intensity, Oscillator, Polynomial,
+    Basis, Closure, Crossing, Density, Error, ExpPolynomial, Gaussian, Grid, Intensity, Oscillator, Polynomial,
     PolynomialDrift, Problem, Scalar, Simulation, States, Support, Termination, Wall,
 };
 use nalgebra::{DMatrix, DVector, dmatrix};
@@ -307,6 +307,19 @@ fn times_beyond_all_patience_are_refused() {
         let refused = simulation.run(&free).map(|_| ());
         assert!(matches!(refused, Err(Error::OutOfRange { name: "number of path-steps", .. })), "{text}: {refused:?}");
     }
+}
+
+/// At r ≤ 0.163 the impact rate is infinite, and the finite one that is found says so.
+#[test]
+fn walls_that_trajectories_collapse_onto_are_warned_of() {
+    let problem = duffing_above(0.0, 0.15);
+    let simulated = |problem: &Problem| Simulation::new().samples(20_000).run(problem).unwrap().provenance().clone();
+    let gridded = Grid::new().degree(3).cells([6, 8]).grazing(0.05).solve(&problem).unwrap();
+    let closed = Closure::new(2).pilot_states(5120).solve(&problem).unwrap();
+    for made in [&simulated(&problem), gridded.provenance(), closed.provenance()] {
+        assert!(made.warning.as_ref().is_some_and(|warning| warning.contains("0.163")), "{made:?}");
+    }
+    assert_eq!(simulated(&duffing_above(0.0, 0.3)).warning, None);
 }
 
 /// Random oscillators with extreme and odd parameters, some of them with a wall: whatever comes back is an answer or a
