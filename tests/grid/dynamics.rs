@@ -129,6 +129,8 @@ fn a_point_start_agrees_with_a_simulation() {
             let deviation = (moment.value - mean).abs() / error.hypot(moment.error);
             println!("t = {}, {powers:?}: {moment}, simulated {mean:.6} ± {error:.6}", transient.time);
             assert!(deviation < 4.0, "t = {}, {powers:?}: {moment} and {mean} ± {error}", transient.time);
+            // The grid is the more precise of both: measured are 0.02 to 0.35 of the simulation's error.
+            assert!(moment.error < 0.5 * error, "t = {}, {powers:?}: {moment} and ± {error}", transient.time);
         }
     }
 }
@@ -149,8 +151,9 @@ fn a_transient_ends_in_the_stationary_density_at_the_slowest_rate() {
     assert!((measured / rate - 1.0).abs() < 1e-3, "{measured} and {rate}");
     let distance = l1_from(&bistable, &densities[2].density);
     println!("at the end: L1 {distance:.1e}, steps {:.1e}", densities[2].step_error);
-    // What is left of the slowest mode, e^−14 = 8e-7 times its size, besides the steps' error.
-    assert!(distance < 5e-6 + densities[2].step_error, "{distance:e}");
+    // What is left of the slowest mode, e^−14 = 8e-7 times its size, besides the steps' error: twice the 3.4e-5 that was
+    // measured, a tenth of what the steps' estimates add up to.
+    assert!(distance < 7e-5 && distance < densities[2].step_error, "{distance:e}");
 }
 
 #[test]
@@ -160,10 +163,14 @@ fn transients_without_a_meaning_are_refused() {
         |start: Start, times: &[f64], tolerance: f64| stationary.transient(&start, times, tolerance).unwrap_err();
     let wide = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![0.3, 0.0; 0.0, 0.4] };
     let flat = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![0.0, 0.0; 0.0, 0.0] };
+    let nowhere = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![f64::NAN, 0.0; 0.0, 0.4] };
     let far = Gaussian { mean: dvector![9.0, 0.0], covariance: dmatrix![0.3, 0.0; 0.0, 0.4] };
     for error in [
         refused(Start::Gaussian(wide.clone()), &[1.0], 0.0),
         refused(Start::Gaussian(wide.clone()), &[1.0], f64::NAN),
+        refused(Start::Gaussian(wide.clone()), &[1.0], 1e-300),
+        refused(Start::Gaussian(wide.clone()), &[f64::INFINITY], 1e-3),
+        refused(Start::Gaussian(nowhere), &[1.0], 1e-3),
         refused(Start::Gaussian(wide.clone()), &[1.0, 0.5], 1e-3),
         refused(Start::Gaussian(wide), &[-1.0], 1e-3),
         refused(Start::Gaussian(flat), &[1.0], 1e-3),

@@ -1,12 +1,14 @@
 //! The grid against closed forms, reference solutions, a simulation of its own, and what it says about its own error.
 
 use crate::common::*;
-use expoly::models::{Duffing, Solved};
+use expoly::models::{Duffing, Linear, Solved};
 use expoly::statistics::energy_balance;
 use expoly::{
     Crossing, Density, Error, Grid, GridDensity, Intensity, Oscillator, Polynomial, PolynomialDrift, Problem, Scalar,
     Simulation, Wall,
 };
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rand_distr::StandardNormal;
 use support::walls;
 
 /// The defaults promise about 1e-7 for a smooth density. The difference between two degrees is the error of the lower one,
@@ -31,20 +33,19 @@ fn smooth_densities_are_exact_to_the_tolerance_of_the_defaults() {
     check("displacement noise", &displacement_noise());
     check("velocity noise", &velocity_noise());
     check("linear", &linear());
-    // Ridges and wells that are narrower than the domain by more than a Gaussian is ask for more cells.
-    let finer = Grid::new().cells([10, 11]);
-    let solve = |problem: Problem| finer.solve(&problem).unwrap();
-    check_smooth("two wells", &solve(problem(bistable())), &bistable(), 1e-7);
-    let system = van_der_pol_rayleigh();
-    check_smooth("van der Pol-Rayleigh", &solve(problem(system)), &system, 1e-7);
-    check_smooth("energy damping", &solve(problem(energy_damping())), &energy_damping(), 1e-7);
+    // Ridges and wells are narrower than the domain by more than a Gaussian is: 3e-8 to 8e-8, and the others 1e-9 to 3e-9.
+    check("two wells of Duffing", &bistable());
+    check("van der Pol-Rayleigh", &van_der_pol_rayleigh());
+    check("energy damping", &energy_damping());
 }
 
-/// Three wells far apart need more: 1e-5 here is the error of the defaults with one degree to spare.
+/// Three wells far apart need more: 2.2e-5 by the defaults, at an estimate of 3.1e-5 (6e-7 with 13 cells along each state).
 #[test]
 fn three_wells_are_found() {
-    let density = Grid::new().cells([13, 13]).solve(&problem(three_wells())).unwrap();
-    check_smooth("three wells", &density, &three_wells(), 1e-5);
+    let density = Grid::new().solve(&problem(three_wells())).unwrap();
+    let (distance, estimate) = (l1_from(&density, &three_wells().exact().unwrap()), density.l1_estimate());
+    println!("three wells: {distance:.1e}, estimate {estimate:.1e}");
+    assert!(distance < 5e-5 && distance < estimate && estimate < 1e-4, "{distance:e}, {estimate:e}");
 }
 
 /// For an analytic density the error falls by a factor with each degree. On this mesh it is 6 to 8; 4 on average is asked.
@@ -244,7 +245,7 @@ fn two_elastic_walls_are_exact() {
     assert!((density.impact_rate().unwrap().value - rates).abs() < 1e-7);
 }
 
-/// Two inelastic walls against a simulation with both walls: within 3 standard errors.
+/// Two inelastic walls against a simulation with both walls: within 4 standard errors, of a hundredth at most.
 #[test]
 fn two_inelastic_walls_agree_with_a_simulation() {
     let [lower, upper] = inelastic();
@@ -254,7 +255,10 @@ fn two_inelastic_walls_agree_with_a_simulation() {
     let found =
         [mean, density.moment(&[2, 0]).unwrap(), density.moment(&[0, 2]).unwrap(), density.impact_rate().unwrap()];
     for (k, (found, (value, error))) in found.into_iter().zip(simulated).enumerate() {
-        assert!((found.value - value).abs() < 3.0 * error, "statistic {k}: {found:.12} and {value} ± {error}");
+        println!("statistic {k}: {found:.12} and {value:.6} ± {error:.1e}");
+        assert!((found.value - value).abs() < 4.0 * error, "statistic {k}: {found:.12} and {value} ± {error}");
+        // Relative to what it is, or to a quarter of the strip's width.
+        assert!(error < 1e-2 * value.abs().max(0.5), "statistic {k}: {value} ± {error}");
     }
     assert!(mean.error < 1e-5 && density.moment(&[0, 1]).unwrap().value.abs() < 1e-6);
     assert_eq!(density.bounds()[0], [-0.8, 1.2]);
@@ -264,14 +268,8 @@ fn two_inelastic_walls_agree_with_a_simulation() {
 /// flight between two half kicks, in which every impact is solved exactly.
 fn between_walls(lower: Wall, upper: Wall) -> [(f64, f64); 4] {
     let (step, batches, steps) = (0.005_f64, 32, 400_000);
-    let normal = || {
-        let mut points = Points::new(5);
-        move || {
-            let (u, w) = ((points.next() + 1.0) / 2.0, points.next());
-            (-2.0 * (u + 1e-300).ln()).sqrt() * (std::f64::consts::PI * w).cos()
-        }
-    };
-    let mut normal = normal();
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut normal = || rng.sample::<f64, _>(StandardNormal);
     let mut means = Vec::new();
     for _ in 0..batches {
         let (mut x, mut v, mut sums) = (0.0_f64, 0.0_f64, [0.0; 4]);
@@ -333,6 +331,19 @@ fn a_system_with_noise_in_both_states_is_normal() {
     assert!(balance.iter().all(|b| b.abs() < 1e-8), "{balance:?}");
     let fourth = density.moment(&[2, 2]).unwrap().value;
     assert!((fourth - xx * yy - 2.0 * xy * xy).abs() < 1e-7);
+}
+
+/// The unit of time is the user's: at a hundred thousand oscillations in one, and at one in a hundred thousand, the domain is
+/// found as quickly, and E v² = D/c to what degree 5 leaves.
+#[test]
+fn the_domain_is_found_in_every_unit_of_time() {
+    for rate in [1e5, 1e-5_f64] {
+        let system = Linear::new(0.4 * rate, rate * rate, 0.4 * rate.powi(3)).unwrap();
+        let density = Grid::new().degree(5).solve(&problem(system)).unwrap();
+        let square = density.moment(&[0, 2]).unwrap().value / (rate * rate);
+        println!("rate {rate:e}: E v^2 off by {:.1e}, {:.2} s", square - 1.0, density.provenance().seconds);
+        assert!((square - 1.0).abs() < 1e-4, "rate {rate:e}: {square}");
+    }
 }
 
 struct Unstable(f64);
