@@ -25,8 +25,8 @@ impl PolynomialSystem for Lorenz {
     }
 }
 
-/// Second and fourth moments within 0.3 % of a simulation's, on top of its own standard errors of 0.2 to 0.6 %; the
-/// closure's own are 0.04 % and less.
+/// Second and fourth moments within four standard errors of a simulation's: both are calibrated, the closure's to 0.04 % and the
+/// simulation's to 0.15 %.
 #[test]
 fn noise_on_one_mass_is_closed_as_well_as_on_both() {
     let problem = absorber().problem().unwrap();
@@ -38,8 +38,8 @@ fn noise_on_one_mass_is_closed_as_well_as_on_both() {
             powers[state] = power;
             let (p, q) = (density.moment(&powers).unwrap(), simulated.moment(&powers).unwrap());
             println!("{powers:?}: {p:.5} and {q:.5}");
-            assert!((p.value - q.value).abs() < 3e-3 * q.value + 3.0 * q.error, "{powers:?}: {p} and {q}");
-            assert!(p.error < 6e-4 * p.value, "{powers:?}: {p}");
+            assert!((p.value - q.value).abs() < 4.0 * p.error.hypot(q.error), "{powers:?}: {p} and {q}");
+            assert!(p.error < 6e-4 * p.value && q.error < 2.5e-3 * q.value, "{powers:?}: {p} and {q}");
         }
     }
     assert!(density.warning().is_none() && density.l1_estimate() < 0.15, "{}", density.l1_estimate());

@@ -3,8 +3,8 @@
 use crate::common::*;
 use expoly::models::{DuffingChain, DuffingVanDerPol, Solved};
 use expoly::{
-    Closure, ClosureDensity, Degrees, Density, Error, GridDensity, Intensity, Origin, PolynomialDrift, Problem, Scalar,
-    Simulation, Weight, compare,
+    Closure, ClosureDensity, Degrees, Density, Error, Estimate, GridDensity, Intensity, Origin, PolynomialDrift,
+    Problem, Scalar, Simulation, Weight, compare,
 };
 
 /// A density is exact to 1e-8 at each order; measured are 1e-12 to 5e-9, what the quadratures of both sides leave.
@@ -116,10 +116,13 @@ impl Case {
                 best = l1;
                 // 0.25 decades are asked for. Van der Pol's oscillator misses it for some seeds, with up to 0.28: the reference
                 // that the choice rests on is itself off by a tenth of a decade there.
-                if order == 12 {
+                if [4, 12].contains(&order) {
                     let tail = tail(&density, &truth);
                     println!("{}, seed {seed}, n = {order}: tail {tail:.2}", self.name);
-                    assert!(tail <= self.tail, "{}, seed {seed}: {tail}", self.name);
+                    assert!(order == 4 || tail <= self.tail, "{}, seed {seed}: {tail}", self.name);
+                    // What the density says of its tails, where that is no near thing.
+                    let right = density.tails_are_right();
+                    assert!(if right { tail < 0.3 } else { tail > 0.2 }, "{}, n = {order}: {tail}", self.name);
                 }
             }
         }
@@ -302,8 +305,15 @@ fn one_state_is_exact_and_approached() {
     assert_eq!(Closure::new(6).solve(&sextic).unwrap().candidates()[0].origin, Origin::Exact);
 }
 
-/// Coloured noise: an oscillator driven by a filtered noise has three states; moments against a simulation, of which 0.3 %
-/// is the standard error. A filter's powers can be limited.
+/// Moments up to the order, by the closure and by a simulation: both calibrated, each to a thousandth (measured are 7e-4 and
+/// 3e-4 at most), and within four of their standard errors, or the rounding of a moment that the equations give exactly.
+fn same(p: Estimate, q: Estimate, powers: &[u32]) {
+    assert!(p.error < 1e-3 * p.value && q.error < 1e-3 * q.value, "{powers:?}: {p} and {q}");
+    assert!((p.value - q.value).abs() < 4.0 * p.error.hypot(q.error) + 1e-9, "{powers:?}: {p} and {q}");
+}
+
+/// Coloured noise: an oscillator driven by a filtered noise has three states; moments against a simulation. A filter's powers
+/// can be limited.
 #[test]
 fn coloured_noise_through_a_filter() {
     struct Filtered;
@@ -322,8 +332,7 @@ fn coloured_noise_through_a_filter() {
         for powers in [[2, 0, 0], [0, 2, 0], [0, 0, 2], [4, 0, 0], [0, 4, 0]] {
             let (p, q) = (density.moment(&powers).unwrap(), truth.moment(&powers).unwrap());
             println!("{powers:?}: {p:.5} and {q:.5}");
-            // The simulation's own error comes on top.
-            assert!((p.value - q.value).abs() < 2e-3 * q.value + 3.0 * q.error, "{powers:?}: {p} and {q}");
+            same(p, q, &powers);
         }
         assert!(density.warning().is_none(), "{:?}", density.warning());
     };
@@ -360,7 +369,7 @@ fn a_chain_out_of_equilibrium() {
             powers[state] = power;
             let (p, q) = (density.moment(&powers).unwrap(), truth.moment(&powers).unwrap());
             println!("{powers:?}: {p:.5} and {q:.5}");
-            assert!((p.value / q.value - 1.0).abs() < 2e-3 + 3.0 * q.error / q.value, "{powers:?}: {p} and {q}");
+            same(p, q, &powers);
         }
     }
     assert!(density.warning().is_none() && density.l1_estimate() < 0.2, "{}", density.l1_estimate());
@@ -377,7 +386,13 @@ fn bad_input_is_refused_by_name() {
     assert_eq!(refused(Closure::new(0)), "order of the closure");
     assert_eq!(refused(Closure::new(17)), "order of the closure");
     assert_eq!(refused(Closure::adaptive(f64::NAN)), "target of the L1 error");
-    assert_eq!(refused(Closure::new(4).pilot_states(0)), "number of the pilot's states");
+    for states in [0, 1_000_000_000_000, usize::MAX] {
+        assert_eq!(refused(Closure::new(4).pilot_states(states)), "number of the pilot's states");
+    }
+    // Five million functions of ten states.
+    let chain = DuffingChain::new(&[0.3; 5], 1.0, 0.3, 0.5, 0.8).unwrap().problem().unwrap();
+    let many = Closure::new(16).pilot_states(5120).solve(&chain);
+    assert!(matches!(many, Err(Error::NotClosed { order: 16, .. })), "{many:?}");
     assert_eq!(refused(Closure::new(4).inflation(0.5)), "inflation of the pilot's intensity");
     assert_eq!(refused(Closure::new(4).weight(Weight::Tails(1.5))), "share of the tails");
     assert_eq!(refused(Closure::new(4).degrees(Degrees::complete().weighted(0, 0.0))), "weight of a degree");

@@ -100,7 +100,7 @@ fn a_strip_between_two_walls() {
     let l1 = l1_from(&truth, &density);
     println!("two walls: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());
     // Twice what was measured.
-    assert!(l1 < 1e-2, "{l1:e}");
+    assert!(l1 < 2.4e-3, "{l1:e}");
     for powers in [[1, 0], [2, 0], [0, 2]] {
         let (p, q) = (density.moment(&powers).unwrap().value, truth.moment(&powers).unwrap().value);
         assert!((p - q).abs() < 3e-3 * q.abs().max(0.1), "{powers:?}: {p} and {q}");
@@ -128,6 +128,9 @@ fn bad_input_is_refused_by_name() {
         let refused = closure.solve(&above);
         assert!(matches!(refused, Err(Error::NotServed { method: "closure", .. })), "{refused:?}");
     }
+    // A gap that no state of the pilot was in.
+    let narrow = Closure::new(2).pilot_states(1000).solve(&between(walls_at([-0.8, -0.8 + 1e-9], [0.9, 0.9])));
+    assert!(matches!(narrow, Err(Error::NotClosed { order: 2, .. })), "{narrow:?}");
     let [lower, upper] = walls_at([0.0, -1.0], [0.9, 0.9]);
     let upside_down = problem(duffing()).with_wall(lower).and_then(|problem| problem.with_wall(upper));
     assert!(matches!(upside_down, Err(Error::OutOfRange { name: "offset of the wall", .. })), "{upside_down:?}");

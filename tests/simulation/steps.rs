@@ -145,6 +145,15 @@ fn chattering_ends_and_leaves_no_bias() -> Result<()> {
         println!("b = {b}, r = {r}: {coarse} and {fine}");
         assert!(coarse.error.hypot(fine.error) < 4e-3 * fine.value, "{coarse} and {fine}");
         assert!((coarse.value - fine.value).abs() < 8e-3 * fine.value + 3.0 * coarse.error.hypot(fine.error));
+        // Where the grid is at hand, each is its rate: plain steps would be eight standard errors of the coarse rate away.
+        if b == 0.5 {
+            let truth = on_grid_above(b, r).impact_rate().unwrap();
+            println!("by the grid: {truth}");
+            assert!(truth.error.abs() < 1e-3 * truth.value, "{truth}");
+            for found in [coarse, fine] {
+                assert!((found.value - truth.value).abs() < 4.0 * found.error + 1e-3 * truth.value, "{found} {truth}");
+            }
+        }
     }
     Ok(())
 }
