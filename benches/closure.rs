@@ -1,5 +1,5 @@
 //! The closures from the problem to its density, pilot included, per order; of each group the first task is the baseline.
-#![allow(missing_docs)]
+#![allow(missing_docs, reason = "a program has no documented items")]
 
 use expoly::models::{CubicDamping, Duffing, DuffingChain, Solved};
 use expoly::{Basis, Closure, Problem, Result, Wall};

@@ -1,5 +1,5 @@
 //! The grid from the problem to its density, pilot included; of each group the first task is the baseline.
-#![allow(missing_docs)]
+#![allow(missing_docs, reason = "a program has no documented items")]
 
 use expoly::models::{CubicDamping, DisplacementNoise, Duffing, Solved};
 use expoly::{Grid, Problem, Result, Wall};

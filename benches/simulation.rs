@@ -1,5 +1,5 @@
 //! Path-steps per second on one thread, beside a plain loop over the same scheme, one trajectory at a time.
-#![allow(missing_docs)]
+#![allow(missing_docs, reason = "a program has no documented items")]
 
 use expoly::models::{Duffing, NonlinearEnergySink, ParametricLinear, Solved};
 use expoly::{Problem, Simulation, Wall};

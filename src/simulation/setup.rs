@@ -167,7 +167,9 @@ impl<'a> Simulation<'a> {
         Simulation { two_steps: true, ..self }
     }
 
-    /// The time that each trajectory runs before its first sample, 50 by default, rounded up to a multiple of 64 steps.
+    /// The time that each trajectory runs before its first sample, 50 by default, rounded up to a multiple of 64 steps. Like
+    /// the sampling interval it is in the user's unit of time, and the default is for systems that oscillate or relax in
+    /// about one.
     ///
     /// It should be several times the slowest relaxation time, which for a weakly damped oscillator is 1/c: by 10/c the
     /// energy has forgotten its start to e⁻¹⁰. No choice is safe for every system; whether it sufficed,
@@ -265,7 +267,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// A function that is told now and then how far the simulation is, from whichever thread; to stop it, it returns
-    /// [`ControlFlow::Break`].
+    /// [`ControlFlow::Break`]. It must not start parallel work of its own: its thread could be given a batch, and wait for
+    /// itself.
     pub fn progress(self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
         Simulation { progress: Some(Callback(Box::new(callback))), ..self }
     }

@@ -14,7 +14,7 @@ const SEGMENT: usize = 8;
 ///
 /// The values are taken in segments of eight neighbours. The middle value of a segment is solved from nothing, and all others
 /// of the segment start from it, so that rows do not wait for one another, and a study that goes on from a file has to
-/// repeat no more than the middle ones.
+/// repeat no more than the middle ones. These come first: rows are kept, and progress is reported, once all of them are there.
 ///
 /// ```
 /// use expoly::{Closure, Density, Problem, models::DuffingVanDerPol, study::Sweep};

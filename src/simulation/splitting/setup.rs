@@ -119,7 +119,8 @@ impl<'a> Splitting<'a> {
         Splitting { replicas, ..self }
     }
 
-    /// The time step h, 0.02 by default, as in [`Simulation::time_step`](crate::Simulation::time_step), but for the tail.
+    /// The time step h, 0.02 by default, as in [`Simulation::time_step`](crate::Simulation::time_step), but for the tail. All
+    /// times here are in the user's unit, and the defaults for systems that oscillate or relax in about one.
     ///
     /// The scheme moves energies by O(h²), and the density is an exponential of the energy: with the restoring force G′ and
     /// E v² = T, its density at a displacement y is off by the relative amount −h² G′(y)²/24T or so, of which standard errors
@@ -166,7 +167,8 @@ impl<'a> Splitting<'a> {
     }
 
     /// A function that is told now and then how far the replicas are, from whichever thread; to stop them, it returns
-    /// [`ControlFlow::Break`]. The starting states and the pilot, a small part of the work, are not counted.
+    /// [`ControlFlow::Break`]. The starting states and the pilot, a small part of the work, are not counted. It must not start
+    /// parallel work of its own: its thread could be given a replica, and wait for itself.
     pub fn progress(self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
         Splitting { progress: Some(Callback(Box::new(callback))), ..self }
     }
