@@ -1,12 +1,9 @@
 //! The pilot: a short simulation that finds where the density is, before anything is computed.
 
 use crate::error::{Error, Result};
-use crate::fokker_planck::FokkerPlanck;
-use crate::polynomial::Gaussian;
-use crate::problem::{Problem, Symmetry, natural_units};
+use crate::problem::{Problem, Symmetry, TimeScales};
 use crate::simulation::Simulation;
 use crate::states::States;
-use nalgebra::{DMatrix, DVector};
 
 /// Path-steps are cheapest in multiples of this many trajectories.
 pub(super) const TRAJECTORIES: usize = 512;
@@ -14,6 +11,8 @@ pub(super) const TRAJECTORIES: usize = 512;
 const GROUPS: usize = 32;
 /// The time step times the fastest rate. A pilot need not be exact: its moments are off by some tenths of a percent.
 const STEP: f64 = 0.4;
+/// The time between states times the fastest rate.
+const INTERVAL: f64 = 4.0;
 /// How often the burn-in is doubled while the samples still change, and the step halved after an explosion.
 const DOUBLINGS: u32 = 5;
 const HALVINGS: u32 = 3;
@@ -41,22 +40,11 @@ pub(super) struct Scout<'a> {
 }
 
 impl<'a> Scout<'a> {
-    /// Time step and burn-in from the rates of the linearised system.
+    /// Time step and burn-in from the system's rates.
     pub(super) fn new(problem: &'a Problem, seed: u64) -> Result<Self> {
-        let gaussian = match problem.gaussian() {
-            Ok(gaussian) => gaussian,
-            // Where the Gaussian closure does not settle the system may still be stable: the simulation decides.
-            Err(Error::NoStationaryDensity { .. }) => {
-                let (frame, _) = natural_units(problem.operator())?;
-                let scale = frame.scale();
-                Gaussian { mean: DVector::zeros(problem.dimension()), covariance: scale * scale.transpose() }
-            }
-            Err(error) => return Err(error),
-        };
-        let (fastest, slowest) = rates(problem.operator(), &gaussian);
-        let unit = fastest.recip();
-        let burn_in = (5.0 / slowest).clamp(60.0 * unit, 2000.0 * unit);
-        Ok(Scout { problem, seed, step: STEP * unit, burn_in, interval: 4.0 * unit })
+        let scales = TimeScales::of(problem)?;
+        let (step, interval) = (scales.short(STEP), scales.short(INTERVAL));
+        Ok(Scout { problem, seed, step, burn_in: scales.memory(), interval })
     }
 
     /// The same with `factor` times the time between states, and before the first.
@@ -149,34 +137,6 @@ impl Pilot {
         };
         (0..self.states.dimension()).map(along).unzip()
     }
-}
-
-/// The fastest and the slowest rate of the system near the Gaussian: bounds on its Jacobian's eigenvalues, in units of
-/// the standard deviations, at points one and two deviations away; and the slowest decay of the linearised system.
-fn rates(operator: &FokkerPlanck, gaussian: &Gaussian) -> (f64, f64) {
-    let n = operator.dimension();
-    let deviation: Vec<f64> = (0..n).map(|i| gaussian.covariance[(i, i)].sqrt()).collect();
-    let mut fastest = 0.0_f64;
-    for reach in [0.0, 1.0, 2.0] {
-        for i in 0..n {
-            for sign in [-1.0, 1.0] {
-                let mut x = gaussian.mean.clone();
-                x[i] += sign * reach * deviation[i];
-                for a in 0..n {
-                    let slopes = operator.drift()[a].gradient(x.as_slice());
-                    let row: f64 = (0..n).map(|b| slopes[b].abs() * deviation[b] / deviation[a]).sum();
-                    fastest = fastest.max(row);
-                }
-            }
-        }
-    }
-    let slopes = DMatrix::from_fn(n, n, |i, j| gaussian.expectation(&operator.drift()[i].derivative(j)));
-    // The search for the eigenvalues of numbers that are not finite would never end.
-    let finite = slopes.iter().all(|slope| slope.is_finite()).then_some(slopes);
-    let slowest = finite.map_or(f64::INFINITY, |slopes| {
-        slopes.complex_eigenvalues().iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min)
-    });
-    (fastest.max(f64::MIN_POSITIVE), slowest.max(1e-3 * fastest))
 }
 
 /// Whether means of squares agree between the earlier and the later half of each trajectory's samples.

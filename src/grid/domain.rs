@@ -2,7 +2,7 @@
 
 use super::field::Field;
 use crate::error::Result;
-use crate::problem::{Problem, Wall, natural_units};
+use crate::problem::{Problem, Wall};
 use crate::quadrature::Rule;
 use crate::simulation::Simulation;
 
@@ -13,10 +13,7 @@ const WIDENING: f64 = 1.6;
 pub(super) fn pilot(problem: &Problem, walls: [Option<Wall>; 2]) -> Result<[[f64; 2]; 2]> {
     let free = problem.without_walls();
     let served = walls[0].map_or(Ok(free.clone()), |lower| free.with_wall(lower))?;
-    // In the system's own unit of time, to a power of ten: the user's may be any.
-    let unit = natural_units(problem.operator()).map_or(1.0, |(_, time)| 10.0_f64.powf(time.log10().round()));
-    let simulation = Simulation::new().trajectories(512).samples(51_200);
-    let result = simulation.burn_in(40.0 * unit).sampling_interval(unit).run(&served)?;
+    let result = Simulation::new().trajectories(512).samples(51_200).run(&served)?;
     let mut limits = [[0.0; 2]; 2];
     for (state, limit) in limits.iter_mut().enumerate() {
         let histogram = result.histogram(state)?;

@@ -8,6 +8,7 @@ mod mirror;
 mod pack;
 mod symmetry;
 mod text;
+mod time_scales;
 #[cfg(test)]
 mod two_routes;
 mod units;
@@ -19,7 +20,7 @@ pub(crate) use field::{Field, LANES, Lane};
 pub(crate) use flow::{Kicks, Nearness};
 pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use symmetry::Symmetry;
-pub(crate) use units::natural_units;
+pub(crate) use time_scales::{TimeScales, two_digits};
 pub(crate) use wall::COLLAPSE;
 pub use wall::Wall;
 

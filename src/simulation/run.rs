@@ -13,12 +13,18 @@ use super::{
     scheme::Scheme,
     session::Session,
     start::Start,
-    timetable::{BURN_IN_STRETCHES, Timetable},
+    timetable::{BURN_IN_STRETCHES, Times, Timetable, whole},
 };
 use crate::error::{Error, Result, dimension, finite, positive, require, state_index};
-use crate::problem::{Problem, Wall};
+use crate::problem::{Problem, TimeScales, Wall, two_digits};
 use crate::states::States;
 use std::{ops::Range, time::Instant};
+
+/// The time between samples in the shortest of the system's times: states farther apart add little, and nearer ones nothing.
+const INTERVAL: f64 = 3.0;
+
+/// Numbers in all of the states that are kept: eight gigabytes.
+const MOST_NUMBERS: f64 = (1_u64 << 30) as f64;
 
 /// The most levels whose crossings one simulation counts: each costs time in every step.
 const MOST_LEVELS: usize = 64;
@@ -146,6 +152,9 @@ impl<'a> Simulation<'a> {
     /// ```
     pub fn states(mut self, problem: &Problem) -> Result<States> {
         let Prepared { wall, velocity, scheme, timetable, samples, start, .. } = self.prepared(problem, false)?;
+        let numbers = samples as f64 * self.trajectories as f64 * problem.dimension() as f64;
+        let remedy = "at most 2^30, which take 8 GB, are kept at once: take fewer samples";
+        require(numbers <= MOST_NUMBERS, "number of states to keep, times their dimension", numbers, remedy)?;
         let course = Course::for_scheme(&scheme, wall, Vec::new());
         let ensemble = self.ensemble(&scheme, &course, velocity, timetable);
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
@@ -159,16 +168,17 @@ impl<'a> Simulation<'a> {
         let wall = single_wall(problem, "simulation")?;
         let velocity = problem.velocity_of(0);
         self.validate(problem.dimension(), wall, velocity)?;
+        let times = self.times(problem)?;
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
-                let (step, rate) = self.chosen_step(problem, wall)?;
+                let (step, rate) = self.chosen_step(problem, wall, times)?;
                 (step, Some(rate))
             }
         };
         let mut scheme = Scheme::new(problem, self.amplitude, step);
         scheme.merged = merged;
-        let (timetable, samples) = self.timetable(step, merged)?;
+        let (timetable, samples) = self.timetable(step, times, merged)?;
         let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
         let interval = timetable.interval_steps as f64 * step;
         self.questions.validate(problem.dimension(), self.trajectories, interval, floor)?;
@@ -217,9 +227,6 @@ impl<'a> Simulation<'a> {
         at_most("number of bins", self.bins, MOST_BINS, "at most 1024 keep the joint histogram in memory")?;
         self.levels.iter().try_for_each(|&level| finite("level", level).map(|_| ()))?;
         self.targets.iter().try_for_each(|target| target.tolerance.validate())?;
-        let sound = self.burn_in.is_finite() && self.burn_in >= 0.0;
-        require(sound, "burn-in", self.burn_in, "it must be finite and not negative")?;
-        positive("sampling interval", self.sampling_interval, "it must be finite and above zero")?;
         if let Some(start) = &self.start {
             dimension("the start", start.len(), states)?;
             start.iter().try_for_each(|&x| finite("start", x).map(|_| ()))?;
@@ -229,13 +236,32 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
+    /// The times that were given, and in place of others those that follow from the system's rates.
+    fn times(&self, problem: &Problem) -> Result<Times> {
+        if let Some(burn_in) = self.burn_in {
+            let sound = burn_in.is_finite() && burn_in >= 0.0;
+            require(sound, "burn-in", burn_in, "it must be finite and not negative")?;
+        }
+        if let Some(interval) = self.sampling_interval {
+            positive("sampling interval", interval, "it must be finite and above zero")?;
+        }
+        if let (Some(burn_in), Some(interval)) = (self.burn_in, self.sampling_interval) {
+            return Ok(Times { burn_in, interval });
+        }
+        let scales = TimeScales::of(problem)?;
+        Ok(Times {
+            burn_in: self.burn_in.unwrap_or_else(|| two_digits(scales.memory())),
+            interval: self.sampling_interval.unwrap_or_else(|| two_digits(scales.short(INTERVAL))),
+        })
+    }
+
     /// Burn-in and sampling in whole steps, and the number of samples of each trajectory.
-    fn timetable(&self, step: f64, merged: bool) -> Result<(Timetable, usize)> {
+    fn timetable(&self, step: f64, times: Times, merged: bool) -> Result<(Timetable, usize)> {
         let count = self.samples.div_ceil(self.trajectories);
         // Whole steps of twice the length, if such are to be taken at the same times.
         let unit = if self.two_steps && !merged { 2.0 } else { 1.0 };
-        let burn_in = unit * (self.burn_in / (unit * step) / BURN_IN_STRETCHES as f64).ceil().max(1.0);
-        let interval = unit * (self.sampling_interval / (unit * step)).round().max(1.0);
+        let burn_in = unit * whole(times.burn_in / (unit * step) / BURN_IN_STRETCHES as f64).max(1.0);
+        let interval = unit * (times.interval / (unit * step)).round().max(1.0);
         let path = self.trajectories as f64 * (burn_in * BURN_IN_STRETCHES as f64 + interval * count as f64);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
         let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or fewer samples";

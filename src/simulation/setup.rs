@@ -55,8 +55,9 @@ pub struct Simulation<'a> {
     /// None: to be chosen.
     pub(super) time_step: Option<f64>,
     pub(super) two_steps: bool,
-    pub(super) burn_in: f64,
-    pub(super) sampling_interval: f64,
+    /// None: by the system's rates; so for the next.
+    pub(super) burn_in: Option<f64>,
+    pub(super) sampling_interval: Option<f64>,
     pub(super) seed: u64,
     pub(super) levels: Vec<f64>,
     pub(super) start: Option<Vec<f64>>,
@@ -86,8 +87,8 @@ impl<'a> Simulation<'a> {
             samples: 1_000_000,
             time_step: None,
             two_steps: false,
-            burn_in: 50.0,
-            sampling_interval: 1.0,
+            burn_in: None,
+            sampling_interval: None,
             seed: 0,
             levels: Vec::new(),
             start: None,
@@ -167,21 +168,22 @@ impl<'a> Simulation<'a> {
         Simulation { two_steps: true, ..self }
     }
 
-    /// The time that each trajectory runs before its first sample, 50 by default, rounded up to a multiple of 64 steps. Like
-    /// the sampling interval it is in the user's unit of time, and the default is for systems that oscillate or relax in
-    /// about one.
+    /// The time that each trajectory runs before its first sample, rounded up to a multiple of 64 steps; by default it follows
+    /// from the system's rates, and [`Provenance`](crate::Provenance) has it.
     ///
-    /// It should be several times the slowest relaxation time, which for a weakly damped oscillator is 1/c: by 10/c the
-    /// energy has forgotten its start to e⁻¹⁰. No choice is safe for every system; whether it sufficed,
-    /// [`SimulatedDensity::stationarity`](crate::SimulatedDensity::stationarity) tells.
+    /// The default is 5/λ with the slowest decay λ of the system linearised about its Gaussian closure, between 60/ω and 2000/ω
+    /// with ω as below, rounded down to two digits: 10/c for a weakly damped oscillator, whose energy has then forgotten its
+    /// start to e⁻¹⁰. No choice is safe for every system: wells exchange more slowly than any of them relaxes. A result
+    /// that was not stationary has a warning ([`SimulatedDensity::stationarity`](crate::SimulatedDensity::stationarity)).
     pub fn burn_in(self, burn_in: f64) -> Self {
-        Simulation { burn_in, ..self }
+        Simulation { burn_in: Some(burn_in), ..self }
     }
 
-    /// The time between two samples of a trajectory, 1 by default, rounded to whole steps. Samples closer than the
-    /// relaxation time are correlated; they then add little, but no standard error is wrong for it.
+    /// The time between two samples of a trajectory, rounded to whole steps; 3/ω by default, rounded down to two digits, with a
+    /// bound ω on the moduli of the Jacobian's eigenvalues up to two standard deviations of the Gaussian closure from its mean.
+    /// Samples closer than the relaxation time are correlated; they then add little, but no standard error is wrong for it.
     pub fn sampling_interval(self, sampling_interval: f64) -> Self {
-        Simulation { sampling_interval, ..self }
+        Simulation { sampling_interval: Some(sampling_interval), ..self }
     }
 
     /// The seed of all random numbers, 0 by default.

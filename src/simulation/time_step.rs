@@ -4,9 +4,10 @@ use super::{
     passage::{Course, Passages},
     scheme::Scheme,
     start::Start,
+    timetable::Times,
 };
 use crate::error::{Error, Result, require};
-use crate::problem::{LANES, Problem, Wall};
+use crate::problem::{LANES, Problem, Wall, two_digits};
 use nalgebra::DMatrix;
 
 /// The step of time as a part of the time scale 1/ω: ωh. The bias of means is (ωh)²/10 without and (ωh)²/3 beside a wall
@@ -41,17 +42,17 @@ impl Simulation<'_> {
     ///
     /// # Errors
     /// [`Error::Exploded`](crate::Error::Exploded) if they explode with the shortest step too.
-    pub(super) fn chosen_step(&self, problem: &Problem, wall: Option<Wall>) -> Result<(f64, f64)> {
+    pub(super) fn chosen_step(&self, problem: &Problem, wall: Option<Wall>, times: Times) -> Result<(f64, f64)> {
         let lossy = wall.is_some_and(|wall| wall.restitution() < 1.0);
         let resolution = if lossy { BESIDE_LOSSY_WALL } else { RESOLUTION };
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
-        let burn_in = if self.burn_in > 0.0 { self.burn_in / 640.0 } else { f64::INFINITY };
-        let longest = (self.sampling_interval / 20.0).min(burn_in);
+        let burn_in = if times.burn_in > 0.0 { times.burn_in / 640.0 } else { f64::INFINITY };
+        let longest = (times.interval / 20.0).min(burn_in);
         let mut step = longest;
         let mut attempt = 0;
         loop {
             attempt += 1;
-            match self.rates(problem, wall, step) {
+            match self.rates(problem, wall, step, times) {
                 Err(error @ Error::Exploded { .. }) if attempt == ATTEMPTS => return Err(error),
                 Err(Error::Exploded { .. }) => step /= 4.0,
                 Err(error) => return Err(error),
@@ -67,12 +68,12 @@ impl Simulation<'_> {
     }
 
     /// The root mean square of the rate and the largest one along the way with this step.
-    fn rates(&self, problem: &Problem, wall: Option<Wall>, step: f64) -> Result<(f64, f64)> {
+    fn rates(&self, problem: &Problem, wall: Option<Wall>, step: f64, times: Times) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let course = Course::for_scheme(&scheme, wall, Vec::new());
         let start = Start::new(self, problem, wall, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
-        let time = self.burn_in.max(32.0 * self.sampling_interval);
+        let time = times.burn_in.max(32.0 * times.interval);
         let path = LANES as f64 * time / step;
         let remedy = "to choose the time step takes too many: give one, or a shorter burn-in and sampling interval";
         require(path <= MOST_STEPS, "number of path-steps", path, remedy)?;
@@ -109,12 +110,4 @@ fn rate(problem: &Problem, amplitude: f64, x: &[f64]) -> f64 {
     }
     let eigenvalues = DMatrix::from_row_slice(x.len(), x.len(), &jacobian).complex_eigenvalues();
     noise_rate + eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
-}
-
-/// The number rounded down to two decimal digits.
-fn two_digits(x: f64) -> f64 {
-    let unit = 10.0_f64.powi(x.log10().floor() as i32 - 1);
-    let digits = (x / unit).floor();
-    // A quotient of whole numbers prints as the decimal number that it is meant to be.
-    if unit < 1.0 { digits / unit.recip().round() } else { digits * unit }
 }

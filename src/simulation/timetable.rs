@@ -12,6 +12,18 @@ const ROUND: usize = 1 << 21;
 /// Samples of each trajectory before precision is looked at for the first time.
 const FIRST_LOOK: usize = 8;
 
+/// The time before the first sample and that between two, in the user's unit of time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Times {
+    pub(super) burn_in: f64,
+    pub(super) interval: f64,
+}
+
+/// A count rounded up to a whole number; what rounding alone has put above one is that one.
+pub(super) fn whole(count: f64) -> f64 {
+    (count * (1.0 - 1e-12)).ceil()
+}
+
 /// The path of every trajectory, cut into stretches: first those of the burn-in, then one for each sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub(super) struct Timetable {

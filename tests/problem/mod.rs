@@ -1,7 +1,8 @@
-//! Problems: what they are made of, their equations, problems as text, and input that is refused.
+//! Problems: what they are made of, their equations, problems as text, other units, and input that is refused.
 
 mod definition;
 mod hostile;
 mod operator;
 mod questions;
 mod text;
+mod units;

@@ -7,7 +7,7 @@ use super::{
     tally::{Levels, Tally},
 };
 use crate::error::{Error, Result, finite, positive, require, state_index};
-use crate::problem::{Problem, Wall};
+use crate::problem::{Problem, TimeScales, Wall, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::{
     Simulation,
@@ -15,6 +15,7 @@ use crate::simulation::{
     passage::{Course, single_wall},
     run::at_most,
     scheme::Scheme,
+    timetable::whole,
 };
 use rayon::prelude::*;
 use std::time::Instant;
@@ -40,6 +41,11 @@ const MOST_LEVELS: usize = 64;
 /// The pilot's particles in a bin, as a multiple of a replica's.
 const PILOT: usize = 4;
 
+/// Time step and resampling interval in the shortest of the system's times: 0.02 and 0.1 for the oscillator that both were
+/// chosen with.
+const STEP: f64 = 0.058;
+const INTERVAL: f64 = 0.29;
+
 /// One round of the pilot, as a share of the relaxation.
 const ROUND: f64 = 0.1;
 
@@ -56,9 +62,10 @@ impl Splitting<'_> {
     pub fn run(mut self, problem: &Problem) -> Result<Tails> {
         let begin = Instant::now();
         let (n, wall) = (problem.dimension(), single_wall(problem, "splitting")?);
-        let plan = self.plan(n, wall)?;
-        let states = self.plain().states(problem)?;
-        let scheme = Scheme::new(problem, 1.0, self.time_step);
+        let times = self.times(problem)?;
+        let plan = self.plan(n, wall, times)?;
+        let states = self.plain(times).states(problem)?;
+        let scheme = Scheme::new(problem, 1.0, times.step);
         let importance = match self.importance.take() {
             Some(given) => given,
             None => Importance::natural(problem, &states)?,
@@ -93,7 +100,7 @@ impl Splitting<'_> {
         let (replicas, steps): (Vec<Tally>, Vec<u64>) =
             results.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
 
-        let cycle = plan.steps as f64 * self.time_step;
+        let cycle = plan.steps as f64 * times.step;
         let provenance = Provenance {
             method: String::from("splitting"),
             seed: Some(self.seed),
@@ -101,7 +108,7 @@ impl Splitting<'_> {
             particles: Some(self.particles),
             thresholds: Some(thresholds),
             path_steps: Some(steps.iter().sum()),
-            time_step: Some(self.time_step),
+            time_step: Some(times.step),
             resampling_interval: Some(cycle),
             relaxation: Some(plan.relaxing as f64 * cycle),
             duration: Some(plan.measuring as f64 * cycle),
@@ -112,15 +119,37 @@ impl Splitting<'_> {
     }
 
     /// A plain simulation of the same problem: it makes the starting states, [`STATES`] for the pilot and for each replica.
-    fn plain(&self) -> Simulation<'static> {
+    fn plain(&self, times: Times) -> Simulation<'static> {
         let count = STATES * (self.replicas + 1);
         let simulation = Simulation { start: self.start.clone(), ..Simulation::new() };
-        let simulation = simulation.trajectories(count).samples(count).burn_in(self.burn_in).seed(self.seed);
-        simulation.time_step(self.time_step).sampling_interval(self.time_step)
+        let simulation = simulation.trajectories(count).samples(count).burn_in(times.burn_in).seed(self.seed);
+        simulation.time_step(times.step).sampling_interval(times.step)
+    }
+
+    /// The times that were given, and in place of others those that follow from the system's rates.
+    fn times(&self, problem: &Problem) -> Result<Times> {
+        let given = [
+            ("time step", self.time_step),
+            ("resampling interval", self.resampling_interval),
+            ("relaxation", self.relaxation),
+            ("duration", self.duration),
+        ];
+        for (name, time) in given {
+            time.map_or(Ok(0.0), |time| positive(name, time, "it must be finite and above zero"))?;
+        }
+        let scales = TimeScales::of(problem)?;
+        let long = |time: Option<f64>| time.unwrap_or_else(|| two_digits(scales.memory()));
+        Ok(Times {
+            step: self.time_step.unwrap_or_else(|| two_digits(scales.short(STEP))),
+            burn_in: long(self.burn_in),
+            relaxation: long(self.relaxation),
+            duration: long(self.duration),
+            interval: self.resampling_interval.unwrap_or_else(|| two_digits(scales.short(INTERVAL))),
+        })
     }
 
     /// Looks at all options that the starting states do not need.
-    fn plan(&self, states: usize, wall: Option<Wall>) -> Result<Plan> {
+    fn plan(&self, states: usize, wall: Option<Wall>, times: Times) -> Result<Plan> {
         if self.particles == 0 {
             return Err(Error::NoSamples { what: "the number of particles", least: 1 });
         }
@@ -131,13 +160,9 @@ impl Splitting<'_> {
         at_most("number of particles", self.particles, MOST_PARTICLES, "at most 4096; take more replicas instead")?;
         let remedy = "the probability of the rarest states lies between 0 and 1";
         require(self.rarest > 0.0 && self.rarest < 1.0, "rarest", self.rarest, remedy)?;
-        let above_zero = "it must be finite and above zero";
-        let h = positive("time step", self.time_step, above_zero)?;
-        let interval = positive("resampling interval", self.resampling_interval, above_zero)?;
-        let relaxation = positive("relaxation", self.relaxation, above_zero)?;
-        let duration = positive("duration", self.duration, above_zero)?;
+        let Times { step: h, relaxation, duration, interval, .. } = times;
         let steps = (interval / h).round().max(1.0);
-        let cycles = |time: f64| (time / (steps * h)).ceil().max(2.0);
+        let cycles = |time: f64| whole(time / (steps * h)).max(2.0);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
         let path = (self.replicas * self.particles) as f64 * steps * cycles(relaxation + duration);
         let remedy = "more than 2^53 path-steps never end: take a longer time step or a shorter duration";
@@ -170,6 +195,17 @@ impl Splitting<'_> {
         }
         Ok(sorted)
     }
+}
+
+/// The options that are times.
+#[derive(Clone, Copy)]
+struct Times {
+    step: f64,
+    burn_in: f64,
+    relaxation: f64,
+    duration: f64,
+    /// Between two resamplings.
+    interval: f64,
 }
 
 /// The options in whole numbers.

@@ -42,11 +42,12 @@ pub struct Splitting<'a> {
     pub(super) rarest: f64,
     pub(super) particles: usize,
     pub(super) replicas: usize,
-    pub(super) time_step: f64,
-    pub(super) burn_in: f64,
-    pub(super) relaxation: f64,
-    pub(super) duration: f64,
-    pub(super) resampling_interval: f64,
+    /// None: by the system's rates; so for the next four.
+    pub(super) time_step: Option<f64>,
+    pub(super) burn_in: Option<f64>,
+    pub(super) relaxation: Option<f64>,
+    pub(super) duration: Option<f64>,
+    pub(super) resampling_interval: Option<f64>,
     pub(super) start: Option<Vec<f64>>,
     pub(super) seed: u64,
     pub(super) progress: Option<Callback<'a>>,
@@ -67,11 +68,11 @@ impl<'a> Splitting<'a> {
             rarest: 1e-11,
             particles: 16,
             replicas: 64,
-            time_step: 0.02,
-            burn_in: 50.0,
-            relaxation: 50.0,
-            duration: 50.0,
-            resampling_interval: 0.1,
+            time_step: None,
+            burn_in: None,
+            relaxation: None,
+            duration: None,
+            resampling_interval: None,
             start: None,
             seed: 0,
             progress: None,
@@ -119,41 +120,42 @@ impl<'a> Splitting<'a> {
         Splitting { replicas, ..self }
     }
 
-    /// The time step h, 0.02 by default, as in [`Simulation::time_step`](crate::Simulation::time_step), but for the tail. All
-    /// times here are in the user's unit, and the defaults for systems that oscillate or relax in about one.
+    /// The time step h, as in [`Simulation::time_step`](crate::Simulation::time_step), but for the tail; 0.058/ω by default,
+    /// rounded down to two digits, with ω as at [`Simulation::sampling_interval`](crate::Simulation::sampling_interval): 0.02
+    /// for the oscillator below.
     ///
     /// The scheme moves energies by O(h²), and the density is an exponential of the energy: with the restoring force G′ and
     /// E v² = T, its density at a displacement y is off by the relative amount −h² G′(y)²/24T or so, of which standard errors
     /// know nothing. For x″ + 0.2 x′ + x + 0.3 x³ = ξ with D = 0.2 and h = 0.08 the density was measured 4.1 ± 1.3 % too low
     /// at y = 3 and 7.6 ± 1.2 % at y = 3.5, which is 3·10⁻⁸ of the peak; for h = 0.02 that makes half a percent.
     pub fn time_step(self, time_step: f64) -> Self {
-        Splitting { time_step, ..self }
+        Splitting { time_step: Some(time_step), ..self }
     }
 
-    /// The time that each starting state takes to become stationary, 50 by default. See
+    /// The time that each starting state takes to become stationary, by default that of
     /// [`Simulation::burn_in`](crate::Simulation::burn_in).
     pub fn burn_in(self, burn_in: f64) -> Self {
-        Splitting { burn_in, ..self }
+        Splitting { burn_in: Some(burn_in), ..self }
     }
 
-    /// The time that the particles take to fill the bins before they are measured, 50 by default. Nothing is biased if it is
+    /// The time that the particles take to fill the bins before they are measured, as long as the burn-in by default. Nothing is biased if it is
     /// too short, but then few particles have arrived, and their weights differ so much that the standard errors of the
     /// rarest states cannot be trusted. [`Tails::stationarity`](crate::Tails::stationarity) tells. A tenth of it is one round
     /// of the pilot that finds the thresholds.
     pub fn relaxation(self, relaxation: f64) -> Self {
-        Splitting { relaxation, ..self }
+        Splitting { relaxation: Some(relaxation), ..self }
     }
 
-    /// The time over which every replica is measured, 50 by default.
+    /// The time over which every replica is measured, as long as the burn-in by default.
     pub fn duration(self, duration: f64) -> Self {
-        Splitting { duration, ..self }
+        Splitting { duration: Some(duration), ..self }
     }
 
-    /// The time between two resamplings, 0.1 by default, rounded to whole time steps: so short that few particles pass more
-    /// than one threshold in it. For the oscillator named at [`Splitting::time_step`] the variances with 0.04, 0.08, 0.2, 0.4
+    /// The time between two resamplings, 0.29/ω by default, rounded to whole time steps: so short that few particles pass more
+    /// than one threshold in it. For the oscillator named at [`Splitting::time_step`], where it is 0.1, the variances with 0.04, 0.08, 0.2, 0.4
     /// and 0.8 are 1.0, 1.0, 1.4, 2.5 and 10 times as large.
     pub fn resampling_interval(self, interval: f64) -> Self {
-        Splitting { resampling_interval: interval, ..self }
+        Splitting { resampling_interval: Some(interval), ..self }
     }
 
     /// The state from which the starting states are made. See [`Simulation::start`](crate::Simulation::start).

@@ -1,0 +1,119 @@
+//! How fast and how slowly a system moves.
+
+use super::{Problem, units::natural_units};
+use crate::error::{Error, Result};
+use crate::polynomial::Gaussian;
+use nalgebra::{DMatrix, DVector};
+
+/// The slowest rates are taken for no slower than this part of the fastest.
+const SLOWEST: f64 = 1e-3;
+
+/// The rates that decide how long a simulation takes to forget its start, and how often its states are worth a look. They scale
+/// with the user's unit of time, so that whatever is counted in them does not depend on it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TimeScales {
+    /// A bound on the moduli of the Jacobian's eigenvalues up to two standard deviations from the mean.
+    fastest: f64,
+    /// The slowest decay of the linearised system.
+    slowest: f64,
+}
+
+impl TimeScales {
+    /// Of the system without its walls, near the normal density of its Gaussian closure.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] where coefficients differ so much that no units are finite.
+    pub(crate) fn of(problem: &Problem) -> Result<Self> {
+        let gaussian = match problem.gaussian() {
+            Ok(gaussian) => gaussian,
+            // Where the Gaussian closure does not settle the system may still be stable: the simulation decides.
+            Err(Error::NoStationaryDensity { .. }) => {
+                let (frame, _) = natural_units(problem.operator())?;
+                let scale = frame.scale();
+                Gaussian { mean: DVector::zeros(problem.dimension()), covariance: scale * scale.transpose() }
+            }
+            Err(error) => return Err(error),
+        };
+        let fastest = fastest(problem, &gaussian).max(f64::MIN_POSITIVE);
+        let slowest = slowest(problem, &gaussian).max(SLOWEST * fastest);
+        Ok(TimeScales { fastest, slowest })
+    }
+
+    /// So many times the shortest of the system's times.
+    pub(crate) fn short(&self, count: f64) -> f64 {
+        count / self.fastest
+    }
+
+    /// The time in which the slowest motion falls to e⁻⁵, and energies with it to e⁻¹⁰; between 60 and 2000 of the shortest
+    /// times.
+    pub(crate) fn memory(&self) -> f64 {
+        (5.0 / self.slowest).clamp(self.short(60.0), self.short(2000.0))
+    }
+}
+
+/// The largest sum of a row of the Jacobian, in units of the standard deviations, at points up to two deviations away.
+fn fastest(problem: &Problem, gaussian: &Gaussian) -> f64 {
+    let n = problem.dimension();
+    let deviation: Vec<f64> = (0..n).map(|i| gaussian.covariance[(i, i)].sqrt()).collect();
+    let mut fastest = 0.0_f64;
+    for reach in [0.0, 1.0, 2.0] {
+        for i in 0..n {
+            for sign in [-1.0, 1.0] {
+                let mut x = gaussian.mean.clone();
+                x[i] += sign * reach * deviation[i];
+                for a in 0..n {
+                    let slopes = problem.operator().drift()[a].gradient(x.as_slice());
+                    let row: f64 = (0..n).map(|b| slopes[b].abs() * deviation[b] / deviation[a]).sum();
+                    fastest = fastest.max(row);
+                }
+            }
+        }
+    }
+    fastest
+}
+
+/// The least real part, in modulus, of the eigenvalues of the mean Jacobian.
+fn slowest(problem: &Problem, gaussian: &Gaussian) -> f64 {
+    let n = problem.dimension();
+    let slope = |i: usize, j: usize| gaussian.expectation(&problem.operator().drift()[i].derivative(j));
+    let slopes = DMatrix::from_fn(n, n, slope);
+    // The search for the eigenvalues of numbers that are not finite would never end.
+    let finite = slopes.iter().all(|slope| slope.is_finite()).then_some(slopes);
+    finite.map_or(f64::INFINITY, |slopes| {
+        slopes.complex_eigenvalues().iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min)
+    })
+}
+
+/// The number rounded down to two decimal digits.
+pub(crate) fn two_digits(x: f64) -> f64 {
+    let unit = 10.0_f64.powi(x.log10().floor() as i32 - 1);
+    let digits = (x / unit).floor();
+    // A quotient of whole numbers prints as the decimal number that it is meant to be.
+    if unit < 1.0 { digits / unit.recip().round() } else { digits * unit }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::{Duffing, Solved};
+
+    /// c/2 = 0.1; and k + 3μx² = 3.29 at two deviations, times the ratio of the deviations, 0.80, and c.
+    #[test]
+    fn a_duffing_oscillator_has_its_rates() -> Result<()> {
+        let scales = TimeScales::of(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
+        assert!((scales.slowest - 0.1).abs() < 1e-12 && (scales.fastest - 2.82).abs() < 0.01, "{scales:?}");
+        assert_eq!((two_digits(scales.memory()), two_digits(scales.short(3.0))), (50.0, 1.0));
+        // Time in units of 10⁻⁶: c, k, μ and D take the powers 1, 2, 2 and 3 of it.
+        let hasty = TimeScales::of(&Duffing::new(0.2e6, 1e12, 0.3e12, 0.2e18)?.problem()?)?;
+        assert!((hasty.slowest - 1e5).abs() < 1e-4 && (hasty.fastest / scales.fastest - 1e6).abs() < 1e-4);
+        Ok(())
+    }
+
+    #[test]
+    fn two_digits_are_left() {
+        let numbers = [(0.0123, 0.012), (0.99, 0.99), (1.0, 1.0), (128.0, 120.0), (3.19e-7, 3.1e-7), (3.19e7, 3.1e7)];
+        for (x, rounded) in numbers {
+            assert_eq!(two_digits(x), rounded);
+        }
+    }
+}
