@@ -43,6 +43,25 @@ pub fn write_csv(path: &Path, header: &[String], rows: &[Vec<f64>]) -> io::Resul
     write_whole(path, &csv_of(header, rows)?)
 }
 
+/// The header of a table, and its rows.
+pub type Table = (Vec<String>, Vec<Vec<String>>);
+
+/// The table in a file; none where there is no such file.
+///
+/// # Errors
+/// Where it cannot be read.
+pub fn read_csv(path: &Path) -> io::Result<Option<Table>> {
+    let content = match fs::read(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        content => content?,
+    };
+    let mut reader = csv::Reader::from_reader(content.as_slice());
+    let fields = |record: &csv::StringRecord| record.iter().map(String::from).collect();
+    let header = fields(reader.headers()?);
+    let rows = reader.records().map(|record| Ok(fields(&record?))).collect::<io::Result<_>>()?;
+    Ok(Some((header, rows)))
+}
+
 /// A table as CSV.
 pub fn csv_of(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -1,14 +1,13 @@
 //! Random systems of three to six states whose density is known.
 
 use super::Options;
-use super::runner::findings;
-use super::statistics::{header, quantile, share};
+use super::runner::{Place, Row};
+use super::statistics::{quantile, share};
 use crate::Outcome;
 use expoly::{Closure, Problem};
 use std::fmt;
 use std::time::Instant;
 use support::exact::{Exact, Truth};
-use support::file::write_csv;
 
 /// Draws from the exact density.
 const DRAWS: usize = 40_000;
@@ -17,10 +16,9 @@ const REFERRED: usize = 4;
 const BEST: usize = 1_638_400;
 
 /// One density against the truth.
-struct Row {
-    index: usize,
+struct InManyStates {
+    place: Place,
     states: usize,
-    order: u32,
     l1: f64,
     estimate: f64,
     /// Of the closure of this order without the pilot's noise.
@@ -29,16 +27,31 @@ struct Row {
     seconds: f64,
 }
 
-impl Row {
+impl InManyStates {
     fn ratio(&self) -> f64 {
         self.estimate / self.l1
     }
+}
+
+impl Row for InManyStates {
+    const COLUMNS: &'static [&'static str] = &["states", "l1", "estimate", "best", "seconds"];
+
+    fn place(&self) -> Place {
+        self.place
+    }
 
     fn numbers(&self) -> Vec<f64> {
-        let warned = f64::from(u8::from(self.warning.is_some()));
-        let (index, order) = (self.index as f64, f64::from(self.order));
-        let best = self.best.unwrap_or(f64::NAN);
-        vec![index, self.states as f64, order, self.l1, self.estimate, best, warned, self.seconds]
+        vec![self.states as f64, self.l1, self.estimate, self.best.unwrap_or(f64::NAN), self.seconds]
+    }
+
+    fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    fn read(place: Place, numbers: &[f64], warning: Option<String>) -> Option<Self> {
+        let &[states, l1, estimate, best, seconds] = numbers else { return None };
+        let best = Some(best).filter(|best| best.is_finite());
+        Some(InManyStates { place, states: states as usize, l1, estimate, best, warning, seconds })
     }
 }
 
@@ -47,7 +60,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
     println!("seed {}; L1 (estimate), best of its order, warning, seconds", options.seed);
     let system = |index| Ok(Exact::random(options.seed, index));
     let truth = |index: usize, _: &Problem| Ok(Exact::random(options.seed, index).truth(DRAWS, options.seed));
-    let row = |index: usize, order: u32, problem: &Problem, truth: &Truth| {
+    let row = |place: Place, problem: &Problem, truth: &Truth| {
+        let Place { index, order } = place;
         let system = Exact::random(options.seed, index);
         let begin = Instant::now();
         let density = Closure::new(order).solve(problem)?;
@@ -58,10 +72,9 @@ pub(crate) fn run(options: &Options) -> Outcome {
             let closure = if referred { closure.on_samples(false) } else { closure.pilot_states(BEST) };
             system.l1(&closure.solve(problem)?, truth)
         };
-        Ok(Row {
-            index,
+        Ok(InManyStates {
+            place,
             states: problem.dimension(),
-            order,
             l1: system.l1(&density, truth)?,
             estimate: density.l1_estimate(),
             best: options.best.then(best).transpose()?,
@@ -69,25 +82,23 @@ pub(crate) fn run(options: &Options) -> Outcome {
             seconds,
         })
     };
-    let findings = findings(options.indices(60), &orders, system, truth, row)?;
-    let columns = ["index", "states", "order", "l1", "estimate", "best", "warned", "seconds"];
-    let path = options.out.join("exact.csv");
-    write_csv(&path, &header(&columns), &findings.rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
+    let campaign = options.campaign(if options.best { "exact_best.csv" } else { "exact.csv" }, 60, &orders);
+    let findings = campaign.findings(system, truth, row)?;
     findings.print_missing();
     for order in orders {
-        summary(order, &findings.rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
+        summary(order, &findings.rows.iter().filter(|row| row.place.order == order).collect::<Vec<_>>());
     }
-    println!("table: {}", path.display());
+    println!("table: {}", campaign.path.display());
     Ok(())
 }
 
-impl fmt::Display for Row {
+impl fmt::Display for InManyStates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let best = self.best.map_or_else(String::new, |best| format!(", best {best:.1e}"));
         write!(
             f,
             "       n = {:2}: {:.2e} ({:.2e}) {:5.2}{best}  {:.1} s  {}",
-            self.order,
+            self.place.order,
             self.l1,
             self.estimate,
             self.ratio(),
@@ -97,8 +108,8 @@ impl fmt::Display for Row {
     }
 }
 
-fn summary(order: u32, rows: &[&Row]) {
-    let plain: Vec<&&Row> = rows.iter().filter(|row| row.warning.is_none()).collect();
+fn summary(order: u32, rows: &[&InManyStates]) {
+    let plain: Vec<&&InManyStates> = rows.iter().filter(|row| row.warning.is_none()).collect();
     let l1 = |share| quantile(plain.iter().map(|row| row.l1), share);
     let ratio = |share| quantile(plain.iter().map(|row| row.ratio()), share);
     let within = |factor: f64| {
@@ -114,6 +125,6 @@ fn summary(order: u32, rows: &[&Row]) {
     println!("  seconds: median {:.1}, worst {:.1}", seconds(rows, 0.5), seconds(rows, 1.0));
 }
 
-fn seconds(rows: &[&Row], share: f64) -> f64 {
+fn seconds(rows: &[&InManyStates], share: f64) -> f64 {
     quantile(rows.iter().map(|row| row.seconds), share)
 }

@@ -4,8 +4,8 @@
 //! in ten of those that the grid knows better the estimated error was right within a factor of three.
 //! 200 random oscillators are closed at several orders, and each density is compared with the solution of the Fokker-Planck
 //! equation on a grid; `--walls` does the same above 100 random walls, `--lattice` above
-//! 40 walls in order, where the literature's closure stands beside it. The tables go to `out/campaign/`. A system is known by
-//! the seed and its index: `--only 17` repeats one.
+//! 40 walls in order, where the literature's closure stands beside it. The tables go to `out/campaign/`, after each system: a
+//! campaign that was interrupted goes on from its table. A system is known by the seed and its index: `--only 17` repeats one.
 
 mod exact;
 mod plane;
@@ -16,6 +16,7 @@ mod walls;
 
 use crate::Outcome;
 use clap::Args;
+use runner::Campaign;
 use std::path::PathBuf;
 
 /// The closure on random systems, against the grid.
@@ -53,6 +54,12 @@ pub(crate) struct Options {
 impl Options {
     fn indices(&self, usual: usize) -> std::ops::Range<usize> {
         self.only.map_or(0..self.count.unwrap_or(usual), |only| only..only + 1)
+    }
+
+    /// The campaign with the table of this name, of so many systems unless told otherwise.
+    fn campaign(&self, table: &str, usual: usize, orders: &[u32]) -> Campaign {
+        let (path, indices) = (self.out.join(table), self.indices(usual));
+        Campaign { path, seed: self.seed, indices, orders: orders.to_vec() }
     }
 
     fn orders(&self, usual: &[u32]) -> Vec<u32> {

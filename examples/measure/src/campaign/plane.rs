@@ -1,14 +1,13 @@
 //! Oscillators on the whole plane.
 
 use super::Options;
-use super::runner::findings;
-use super::statistics::{header, quantile, right, share};
+use super::runner::{Place, Row};
+use super::statistics::{quantile, right, share};
 use super::systems::System;
 use crate::Outcome;
 use expoly::{Closure, Density, Error, Grid, GridDensity, Problem, compare};
 use std::fmt;
 use std::time::Instant;
-use support::file::write_csv;
 
 /// The grid's own L¹ error that counts as the truth, and the meshes and degrees that are tried for it in turn.
 const KNOWN: f64 = 1e-3;
@@ -22,9 +21,8 @@ const WRONG: f64 = 0.1;
 const JUDGED: u32 = 8;
 
 /// One density against the truth.
-struct Row {
-    index: usize,
-    order: u32,
+struct OnThePlane {
+    place: Place,
     truth_error: f64,
     l1: f64,
     estimate: f64,
@@ -34,7 +32,7 @@ struct Row {
     seconds: f64,
 }
 
-impl Row {
+impl OnThePlane {
     fn wrong_unsaid(&self) -> bool {
         self.warning.is_none() && self.moments.iter().any(|error| error.is_nan() || error.abs() > WRONG)
     }
@@ -42,12 +40,27 @@ impl Row {
     fn right(&self) -> Option<bool> {
         right(self.estimate, self.l1, self.truth_error)
     }
+}
+
+impl Row for OnThePlane {
+    const COLUMNS: &'static [&'static str] = &["truth_error", "l1", "estimate", "E_x2", "E_v2", "seconds"];
+
+    fn place(&self) -> Place {
+        self.place
+    }
 
     fn numbers(&self) -> Vec<f64> {
         let [x, v] = self.moments;
-        let warned = f64::from(u8::from(self.warning.is_some()));
-        let (index, order) = (self.index as f64, f64::from(self.order));
-        vec![index, order, self.truth_error, self.l1, self.estimate, x, v, warned, self.seconds]
+        vec![self.truth_error, self.l1, self.estimate, x, v, self.seconds]
+    }
+
+    fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    fn read(place: Place, numbers: &[f64], warning: Option<String>) -> Option<Self> {
+        let &[truth_error, l1, estimate, x, v, seconds] = numbers else { return None };
+        Some(OnThePlane { place, truth_error, l1, estimate, moments: [x, v], warning, seconds })
     }
 }
 
@@ -55,19 +68,18 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let orders = options.orders(&[4, 6, 8, 10]);
     println!("seed {}; L1 (estimate), errors of E x^2 and E v^2 in %, warning, seconds", options.seed);
     let system = |index| Ok(System::random(options.seed, index));
-    let findings = findings(options.indices(200), &orders, system, truth, row)?;
+    let campaign = options.campaign("plane.csv", 200, &orders);
+    let findings = campaign.findings(system, truth, row)?;
     let rows = &findings.rows;
-    let columns = ["index", "order", "truth_error", "l1", "estimate", "E_x2", "E_v2", "warned", "seconds"];
-    let path = options.out.join("plane.csv");
-    write_csv(&path, &header(&columns), &rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
     findings.print_missing();
     for order in orders {
-        summary(order, &rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
+        summary(order, &rows.iter().filter(|row| row.place.order == order).collect::<Vec<_>>());
     }
-    for row in rows.iter().filter(|row| row.right() == Some(false) || (row.order == JUDGED && row.wrong_unsaid())) {
-        println!("{:4} {}\n{row}", row.index, System::random(options.seed, row.index));
+    for row in rows.iter().filter(|row| row.right() == Some(false) || (row.place.order == JUDGED && row.wrong_unsaid()))
+    {
+        println!("{:4} {}\n{row}", row.place.index, System::random(options.seed, row.place.index));
     }
-    println!("table: {}", path.display());
+    println!("table: {}", campaign.path.display());
     Ok(())
 }
 
@@ -84,15 +96,14 @@ fn truth(_: usize, problem: &Problem) -> Result<GridDensity, String> {
     Err(reason)
 }
 
-fn row(index: usize, order: u32, problem: &Problem, truth: &GridDensity) -> expoly::Result<Row> {
+fn row(place: Place, problem: &Problem, truth: &GridDensity) -> expoly::Result<OnThePlane> {
     let begin = Instant::now();
-    let density = Closure::new(order).solve(problem)?;
+    let density = Closure::new(place.order).solve(problem)?;
     let seconds = begin.elapsed().as_secs_f64();
     let off = |powers: &[u32]| Ok::<_, Error>(density.moment(powers)?.value / truth.moment(powers)?.value - 1.0);
     let moments = [off(&[2, 0])?, off(&[0, 2])?];
-    Ok(Row {
-        index,
-        order,
+    Ok(OnThePlane {
+        place,
         truth_error: truth.l1_estimate().max(OUTSIDE),
         l1: compare::l1(&density, truth)?.value,
         estimate: density.l1_estimate(),
@@ -102,7 +113,7 @@ fn row(index: usize, order: u32, problem: &Problem, truth: &GridDensity) -> expo
     })
 }
 
-impl fmt::Display for Row {
+impl fmt::Display for OnThePlane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, v] = self.moments.map(|error| 100.0 * error);
         let judged = match self.right() {
@@ -113,7 +124,7 @@ impl fmt::Display for Row {
         write!(
             f,
             "       n = {:2}: {:.1e} ({:.1e}){judged} {x:+6.2} {v:+6.2}  {:.2} s  {}",
-            self.order,
+            self.place.order,
             self.l1,
             self.estimate,
             self.seconds,
@@ -122,7 +133,7 @@ impl fmt::Display for Row {
     }
 }
 
-fn summary(order: u32, rows: &[&Row]) {
+fn summary(order: u32, rows: &[&OnThePlane]) {
     let l1 = |share| quantile(rows.iter().map(|row| row.l1), share);
     let judged: Vec<bool> = rows.iter().filter_map(|row| row.right()).collect();
     let ratio =
@@ -137,11 +148,14 @@ fn summary(order: u32, rows: &[&Row]) {
         ratio(0.5),
         ratio(0.95)
     );
-    println!("  a mean square off by 10 % without a warning: {}", share(count(rows, Row::wrong_unsaid), rows.len()));
+    println!(
+        "  a mean square off by 10 % without a warning: {}",
+        share(count(rows, OnThePlane::wrong_unsaid), rows.len())
+    );
     println!("  with a warning: {}", share(count(rows, |row| row.warning.is_some()), rows.len()));
     println!("  seconds: median {:.2}", quantile(rows.iter().map(|row| row.seconds), 0.5));
 }
 
-fn count(rows: &[&Row], which: impl Fn(&Row) -> bool) -> usize {
+fn count(rows: &[&OnThePlane], which: impl Fn(&OnThePlane) -> bool) -> usize {
     rows.iter().filter(|row| which(row)).count()
 }

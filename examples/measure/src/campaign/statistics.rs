@@ -20,7 +20,3 @@ pub(crate) fn share(count: usize, of: usize) -> String {
 pub(crate) fn right(estimate: f64, l1: f64, truth_error: f64) -> Option<bool> {
     (l1 > truth_error).then(|| (FACTOR.recip()..=FACTOR).contains(&(estimate / l1)))
 }
-
-pub(crate) fn header(names: &[&str]) -> Vec<String> {
-    names.iter().map(|name| String::from(*name)).collect()
-}

@@ -1,14 +1,13 @@
 //! Duffing oscillators above a wall.
 
 use super::Options;
-use super::runner::findings;
-use super::statistics::{header, quantile, right, share};
+use super::runner::{Place, Row};
+use super::statistics::{quantile, right, share};
 use super::systems::Walled;
 use crate::Outcome;
 use expoly::{Basis, Closure, Density, Error, ExpPolynomial, Grid, GridDensity, Problem, Termination, compare};
 use std::fmt;
 use std::time::Instant;
-use support::file::write_csv;
 
 /// The marginal of Y is compared at so many points, down to this share of its peak.
 const POINTS: usize = 400;
@@ -19,9 +18,8 @@ const BAD: f64 = 1e-2;
 const CLASSICAL_ORDER: u32 = 4;
 
 /// One density against the truth.
-struct Row {
-    index: usize,
-    order: u32,
+struct AboveAWall {
+    place: Place,
     truth_error: f64,
     l1: f64,
     estimate: f64,
@@ -29,48 +27,62 @@ struct Row {
     tail: f64,
     /// Relative errors of E Y, E Y′² and the impact rate; that of E Y in units of the root mean square of Y.
     moments: [f64; 3],
-    warned: bool,
+    warning: Option<String>,
     seconds: f64,
 }
 
-impl Row {
+impl AboveAWall {
     fn right(&self) -> Option<bool> {
         right(self.estimate, self.l1, self.truth_error)
     }
 
     fn bad_unsaid(&self) -> bool {
-        self.l1 > BAD && !self.warned && self.estimate < BAD
+        self.l1 > BAD && self.warning.is_none() && self.estimate < BAD
+    }
+}
+
+impl Row for AboveAWall {
+    const COLUMNS: &'static [&'static str] =
+        &["truth_error", "l1", "estimate", "tail", "E_Y", "E_Y'2", "impact_rate", "seconds"];
+
+    fn place(&self) -> Place {
+        self.place
     }
 
     fn numbers(&self) -> Vec<f64> {
         let [y, square, rate] = self.moments;
-        let (index, order, warned) = (self.index as f64, f64::from(self.order), f64::from(u8::from(self.warned)));
-        vec![index, order, self.truth_error, self.l1, self.estimate, self.tail, y, square, rate, warned, self.seconds]
+        vec![self.truth_error, self.l1, self.estimate, self.tail, y, square, rate, self.seconds]
+    }
+
+    fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    fn read(place: Place, numbers: &[f64], warning: Option<String>) -> Option<Self> {
+        let &[truth_error, l1, estimate, tail, y, square, rate, seconds] = numbers else { return None };
+        Some(AboveAWall { place, truth_error, l1, estimate, tail, moments: [y, square, rate], warning, seconds })
     }
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
     let (usual, orders, name): (usize, &[u32], _) =
-        if options.lattice { (Walled::LATTICE, &[4, 6, 8, 10], "lattice") } else { (100, &[8], "walls") };
+        if options.lattice { (Walled::LATTICE, &[4, 6, 8, 10], "lattice.csv") } else { (100, &[8], "walls.csv") };
     let orders = options.orders(orders);
     let system = |index| {
         if options.lattice { Walled::on_lattice(index) } else { Walled::random(options.seed, index) }
     };
     println!("seed {}; L1 (estimate; grid), decades of p_Y, errors of E Y, E Y'^2, impact rate in %, s", options.seed);
-    let findings = findings(options.indices(usual), &orders, system, truth, row)?;
+    let campaign = options.campaign(name, usual, &orders);
+    let findings = campaign.findings(system, truth, row)?;
     let rows = &findings.rows;
-    let columns =
-        ["index", "order", "truth_error", "l1", "estimate", "tail", "E_Y", "E_Y'2", "impact_rate", "warned", "seconds"];
-    let path = options.out.join(format!("{name}.csv"));
-    write_csv(&path, &header(&columns), &rows.iter().map(Row::numbers).collect::<Vec<_>>())?;
     findings.print_missing();
     for order in orders {
-        summary(order, &rows.iter().filter(|row| row.order == order).collect::<Vec<_>>());
+        summary(order, &rows.iter().filter(|row| row.place.order == order).collect::<Vec<_>>());
     }
     for row in rows.iter().filter(|row| row.right() == Some(false) || row.l1 > BAD) {
-        println!("{:4} {}\n{row}", row.index, system(row.index)?);
+        println!("{:4} {}\n{row}", row.place.index, system(row.place.index)?);
     }
-    println!("table: {}", path.display());
+    println!("table: {}", campaign.path.display());
     Ok(())
 }
 
@@ -99,16 +111,15 @@ fn classical(basis: Basis, problem: &Problem, truth: &GridDensity) -> expoly::Re
     }
 }
 
-fn row(index: usize, order: u32, problem: &Problem, truth: &GridDensity) -> expoly::Result<Row> {
+fn row(place: Place, problem: &Problem, truth: &GridDensity) -> expoly::Result<AboveAWall> {
     let begin = Instant::now();
-    let density = Closure::new(order).solve(problem)?;
+    let density = Closure::new(place.order).solve(problem)?;
     let seconds = begin.elapsed().as_secs_f64();
     let both = |powers: &[u32]| Ok::<_, Error>([density.moment(powers)?.value, truth.moment(powers)?.value]);
     let ([mean, true_mean], [square, true_square]) = (both(&[1, 0])?, both(&[0, 2])?);
     let rates = [density.impact_rate(), truth.impact_rate()].map(|rate| rate.map_or(f64::NAN, |rate| rate.value));
-    Ok(Row {
-        index,
-        order,
+    Ok(AboveAWall {
+        place,
         truth_error: truth.l1_estimate(),
         l1: compare::l1(&density, truth)?.value,
         estimate: density.l1_estimate(),
@@ -118,7 +129,7 @@ fn row(index: usize, order: u32, problem: &Problem, truth: &GridDensity) -> expo
             square / true_square - 1.0,
             rates[0] / rates[1] - 1.0,
         ],
-        warned: density.warning().is_some(),
+        warning: density.warning().map(str::to_owned),
         seconds,
     })
 }
@@ -135,22 +146,22 @@ fn tail(density: &dyn Density, truth: &GridDensity) -> expoly::Result<f64> {
     Ok(seen.map(|[truth, found]| (found / truth).log10().abs()).fold(0.0, f64::max))
 }
 
-impl fmt::Display for Row {
+impl fmt::Display for AboveAWall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [y, square, rate] = self.moments.map(|error| 100.0 * error);
         let (l1, estimate, truth) = (self.l1, self.estimate, self.truth_error);
-        let warned = if self.warned { "warned" } else { "" };
+        let warning = self.warning.as_deref().unwrap_or("");
         write!(
             f,
-            "       n = {:2}: {l1:.1e} ({estimate:.1e}; {truth:.0e}) {:.2} {y:+.3} {square:+.3} {rate:+.3}  {:.2} s  {warned}",
-            self.order, self.tail, self.seconds
+            "       n = {:2}: {l1:.1e} ({estimate:.1e}; {truth:.0e}) {:.2} {y:+.3} {square:+.3} {rate:+.3}  {:.2} s  {warning}",
+            self.place.order, self.tail, self.seconds
         )
     }
 }
 
-fn summary(order: u32, rows: &[&Row]) {
-    let of = |value: fn(&Row) -> f64, share| quantile(rows.iter().map(|row| value(row)), share);
-    let three = |value: fn(&Row) -> f64| {
+fn summary(order: u32, rows: &[&AboveAWall]) {
+    let of = |value: fn(&AboveAWall) -> f64, share| quantile(rows.iter().map(|row| value(row)), share);
+    let three = |value: fn(&AboveAWall) -> f64| {
         let [half, most, all] = [0.5, 0.9, 1.0].map(|share| of(value, share));
         format!("{half:.1e}, {most:.1e}, {all:.1e}")
     };
