@@ -1,9 +1,9 @@
 //! The candidates for an order's answer, and the choice among them.
 
+use super::discretisation::Discretisation;
 use super::exponent::Exponent;
 use super::projection::{distance, project};
 use super::reference::{Reference, normalised};
-use super::setting::Setting;
 use super::space::Functions;
 use super::weight::{Weight, mixed};
 use crate::record::number;
@@ -79,8 +79,8 @@ pub(super) struct Fitted {
 }
 
 /// The nodes that the answer is defined on, with the reference there.
-pub(super) struct Judge<'a> {
-    pub(super) setting: &'a Setting,
+pub(super) struct Scoring<'a> {
+    pub(super) discretisation: &'a Discretisation,
     pub(super) reference: &'a Reference,
     pub(super) space: Functions,
     /// The functions' values at the kept nodes, the constant's first.
@@ -97,7 +97,7 @@ pub(super) struct Judge<'a> {
     pub(super) likelihood: f64,
 }
 
-impl Judge<'_> {
+impl Scoring<'_> {
     /// The candidates in the order in which they were tried; the first of the result is chosen.
     pub(super) fn candidates(&self, weight: Weight) -> Vec<Fitted> {
         let mut tried: Vec<Fitted> = Vec::new();
@@ -151,7 +151,7 @@ impl Judge<'_> {
         let measure = mixed(&self.target, &self.weights, share);
         let projection = project(self.values, &self.fixed, &self.target, &measure)?;
         let exponent = Exponent {
-            known: self.setting.known().to_vec(),
+            known: self.discretisation.known().to_vec(),
             space: self.space.clone(),
             constant: projection.constant,
             coefficients: projection.coefficients,

@@ -110,10 +110,9 @@ impl ClosureDensity {
         self.content.indication.residual
     }
 
-    /// Whether some Galerkin equation fails: the density is then the best of its order and no root. Most are; an exact
-    /// density is a root.
-    pub fn least_residual(&self) -> bool {
-        self.residual() > ROOT
+    /// Whether all Galerkin equations hold: an exact density is a root, most others are the best of their order and none.
+    pub fn is_root(&self) -> bool {
+        self.residual() <= ROOT
     }
 
     /// Why this density should not be relied on, if there is a reason.
@@ -122,7 +121,7 @@ impl ClosureDensity {
     }
 
     /// Whether the tails are estimated to be right to 0.25 decades down to 1e-5 of the peak.
-    pub fn tails_are_right(&self) -> bool {
+    pub fn tails_are_accurate(&self) -> bool {
         self.content.candidates[0].tail_estimate <= ENOUGH
     }
 
@@ -135,7 +134,7 @@ impl ClosureDensity {
 
     /// Whether Q falls in every direction, so that exp(Q) could be normalised on the whole space. The best polynomial of
     /// an order often turns up far outside; it is not to be used there.
-    pub fn falls_everywhere(&self) -> bool {
+    pub fn is_normalisable(&self) -> bool {
         self.content.exponent.space.polynomials().is_some_and(|polynomials| {
             let q = polynomials.in_powers(&self.content.exponent.coefficients);
             let least = ROUNDING_OF_FORM * q.max_coefficient();
@@ -168,7 +167,7 @@ impl ClosureDensity {
 
     /// The mass that integrals over the trust domain do not see, if ln p falls on outwards at the rate that it has at the
     /// edge. In three states and more it is less than one over the number of the pilot's states, which is returned.
-    pub fn unseen_mass(&self) -> f64 {
+    pub fn truncated_mass(&self) -> f64 {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.mass_beyond(|x| self.content.exponent.value(x)),
             Integrals::Draws(_) => (self.content.provenance.pilot_states.unwrap_or(1) as f64).recip(),

@@ -1,16 +1,16 @@
 //! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
 
-use super::choice::{Candidate, Fitted, Judge, Origin, mean_logarithm};
+use super::choice::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
 use super::content::Content;
+use super::discretisation::{FINE, lines};
 use super::exponent::Exponent;
 use super::indicator::Indication;
-use super::kept::Kept;
+use super::nodal::NodalClosure;
 use super::nodes::Nodes;
 use super::polish::polished;
 use super::projection::{distance, project, tempered};
 use super::reference::{Reference, normalised};
-use super::robust::Workshop;
-use super::setting::{FINE, lines};
+use super::retained::Retained;
 use super::table;
 
 /// The orders at which known densities are exact.
@@ -22,48 +22,55 @@ const ROUNDING: f64 = 1e-6;
 const EXACT_DROP: f64 = 30.0;
 const EXACT_WIDENING: f64 = 3.0;
 
-impl Workshop {
+impl NodalClosure {
     /// The exact density that the chosen one is close to, or that a lower order is: where a lower order is exact already,
     /// the higher one is all but singular at its density.
-    pub(super) fn exact_at(&self, order: u32, judge: &Judge<'_>, kept: &Kept, chosen: &Fitted) -> Option<Exponent> {
-        let setting = &self.setting;
-        let solution = |exponent: &Exponent| polished(setting, exponent, kept);
+    pub(super) fn exact_at(
+        &self,
+        order: u32,
+        scoring: &Scoring<'_>,
+        kept: &Retained,
+        chosen: &Fitted,
+    ) -> Option<Exponent> {
+        let discretisation = &self.discretisation;
+        let solution = |exponent: &Exponent| polished(discretisation, exponent, kept);
         // An exact density is as near to the reference as that one's own error.
-        let polishable = POLISHABLE * judge.reference.doubt + ROUNDING;
-        let measure = tempered(&judge.target, &kept.weights, 1.0);
+        let polishable = POLISHABLE * scoring.reference.doubt + ROUNDING;
+        let measure = tempered(&scoring.target, &kept.weights, 1.0);
         let lower = LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
-            let space = setting.family.ladder(lower).answer;
+            let space = discretisation.family.nested(lower).answer;
             let values = table::values(&space, &kept.points);
-            let fit = project(values.as_ref(), &judge.fixed, &judge.target, &measure)?;
-            if distance(&fit.logarithm, &judge.target, &kept.weights) > polishable {
+            let fit = project(values.as_ref(), &scoring.fixed, &scoring.target, &measure)?;
+            if distance(&fit.logarithm, &scoring.target, &kept.weights) > polishable {
                 return None;
             }
             let (constant, coefficients) = (fit.constant, fit.coefficients);
-            solution(&Exponent { known: setting.known().to_vec(), space, constant, coefficients })
+            solution(&Exponent { known: discretisation.known().to_vec(), space, constant, coefficients })
         });
         lower.or_else(|| (chosen.candidate.l1_estimate <= polishable).then(|| solution(&chosen.exponent))?)
     }
 
     /// An exact density: it is its own reference, and trusted as far as it falls. None where it has no integral there.
     pub(super) fn exact(&self, order: u32, mut exponent: Exponent, reference: &Reference) -> Option<Content> {
-        let setting = &self.setting;
-        let (domain, nodes, lines) = if setting.family.is_smooth() && self.lattice.is_none() {
-            let domain = setting.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
+        let discretisation = &self.discretisation;
+        let (domain, nodes, lines) = if discretisation.family.is_smooth() && self.lattice.is_none() {
+            let domain = discretisation.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
             let nodes = Nodes::gauss(&domain, FINE[domain.centre.len().min(2) - 1]);
             let lines = lines(&domain);
             (domain, nodes, lines)
         } else {
-            (setting.domain.clone(), setting.nodes.clone(), setting.lines.clone())
+            (discretisation.domain.clone(), discretisation.nodes.clone(), discretisation.lines.clone())
         };
         let log: Vec<f64> = nodes.points.iter().map(|x| exponent.value(x)).collect();
         let normal = normalised(&log, &nodes.weights);
         exponent.constant += normal[0] - log[0];
-        let witnesses = self.witnesses();
+        let validation_states = self.validation_states();
         let candidate = Candidate {
             origin: Origin::Exact,
             l1_estimate: 0.0,
             tail_estimate: 0.0,
-            likelihood_loss: self.likelihood(reference, &witnesses) - mean_logarithm(&exponent, &witnesses),
+            likelihood_loss: self.likelihood(reference, &validation_states)
+                - mean_logarithm(&exponent, &validation_states),
             accepted: true,
         };
         let unknowns = exponent.coefficients.len();

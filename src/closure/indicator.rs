@@ -1,10 +1,10 @@
 //! How far a density is from satisfying the Fokker-Planck equation.
 
+use super::discretisation::Discretisation;
 use super::exponent::Exponent;
-use super::kept::Kept;
 use super::orthonormal::Orthonormal;
 use super::projection::tempered;
-use super::setting::Setting;
+use super::retained::Retained;
 use super::space::Jet;
 use crate::fokker_planck::Local;
 use crate::record::number;
@@ -25,7 +25,7 @@ pub(crate) struct Indication {
 
 /// Where a density is probed, and with what.
 pub(super) struct Probe<'a> {
-    pub(super) kept: &'a Kept,
+    pub(super) kept: &'a Retained,
     /// The test functions at the kept nodes, the constant first, then those of Q.
     pub(super) values: MatRef<'a, f64>,
     /// The same where trajectories leave a wall.
@@ -39,7 +39,7 @@ pub(super) struct Probe<'a> {
 /// The indicator η = ‖∫ r ψ_k p̃ dx‖/√(1 + n) of a density, with test functions ψ_k of a higher degree than its own,
 /// orthonormal under it, and the norm ‖F‖ of those of Q alone. Where there are walls, what fails to return from them is
 /// part of the residual.
-pub(super) fn indicate(setting: &Setting, exponent: &Exponent, probe: &Probe<'_>) -> Option<Indication> {
+pub(super) fn indicate(discretisation: &Discretisation, exponent: &Exponent, probe: &Probe<'_>) -> Option<Indication> {
     let Probe { kept, values, at_walls, own, order } = *probe;
     let log: Vec<f64> = kept.points.iter().map(|x| exponent.value(x)).collect();
     let measure = tempered(&log, &kept.weights, 1.0);
@@ -49,13 +49,13 @@ pub(super) fn indicate(setting: &Setting, exponent: &Exponent, probe: &Probe<'_>
         exponent.jet(x, &mut jet);
         local.residual(&jet.gradient, &jet.hessian)
     };
-    let residuals: Vec<f64> = kept.locals(setting).map(residual).collect();
+    let residuals: Vec<f64> = kept.locals(discretisation).map(residual).collect();
     let tested = Mat::from_fn(residuals.len(), 1, |i, _| measure[i].sqrt() * residuals[i]);
     let mut f = basis.weighted.transpose() * tested;
-    if !setting.passages.is_empty() {
+    if !discretisation.passages.is_empty() {
         // What comes back at the speed after the impact, against what leaves the wall there.
-        let missing = Mat::from_fn(setting.passages.len(), 1, |i, _| {
-            let passage = &setting.passages[i];
+        let missing = Mat::from_fn(discretisation.passages.len(), 1, |i, _| {
+            let passage = &discretisation.passages[i];
             if !kept.domain.contains(&passage.before) || !kept.domain.contains(&passage.after) {
                 return 0.0;
             }

@@ -6,13 +6,13 @@
 //! those of the stationary density. These equations always have a solution, the best density of its order in the sense of
 //! Kullback and Leibler. The steps, each in its file:
 //!
-//! 1. `pilot`: a short simulation at inflated intensity; `trust_domain`: where it has been; `setting`, `walled`: the nodes
+//! 1. `pilot`: a short simulation at inflated intensity; `trust_domain`: where it has been; `discretisation`, `walled`: the nodes
 //!    there and the first guess of ln p, by `likelihood`;
-//! 2. `family`, `space`: the functions of an order and those of its reference, made `orthonormal` under a weight;
+//! 2. `nested_spaces`, `space`: the functions of an order and those of its reference, made `orthonormal` under a weight;
 //! 3. `moment_equations`, `reference`: a density of many more moment equations, E[Gψ] = 0, which are linear in its ratio to
 //!    a weight, the weight renewed until it follows the density;
 //! 4. `projection`, `weight`: the exponential polynomial closest to it, by a convex minimisation;
-//! 5. `kept`, `choice`, `indicator`: the candidates, their errors, and the guard by the pilot's likelihood;
+//! 5. `retained`, `choice`, `indicator`: the candidates, their errors, and the guard by the pilot's likelihood;
 //! 6. `exact`: where a candidate is a solution itself, that;
 //! 7. `content`, `density`, `answers`: the answer with its trust domain, and its integrals with their errors.
 //!
@@ -29,14 +29,15 @@ mod classical;
 mod content;
 mod degrees;
 mod density;
+mod discretisation;
 mod exact;
 mod exponent;
-mod family;
 mod indicator;
-mod kept;
 mod likelihood;
 mod method;
 mod moment_equations;
+mod nested_spaces;
+mod nodal;
 mod nodes;
 mod on_lattice;
 mod orthonormal;
@@ -44,10 +45,9 @@ mod pilot;
 mod polish;
 mod projection;
 mod reference;
-mod robust;
+mod retained;
 mod sampled;
 mod samples;
-mod setting;
 mod solve;
 mod space;
 mod table;

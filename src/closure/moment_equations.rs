@@ -1,6 +1,6 @@
 //! The moment equations as a linear system for the ratio of the density to a reference weight.
 
-use super::family::Band;
+use super::nested_spaces::Truncation;
 use super::orthonormal::Orthonormal;
 use super::table::Table;
 use faer::prelude::*;
@@ -39,7 +39,7 @@ pub(super) fn resolve(
     measure: &[f64],
     passages: &[f64],
     residual: Option<&[f64]>,
-    band: Band,
+    truncation: Truncation,
 ) -> Option<Resolved> {
     let interior = measure.len();
     let columns = table.values.ncols();
@@ -72,9 +72,10 @@ pub(super) fn resolve(
     };
     let solutions = std::iter::once(by_weight).chain(by_residual).filter_map(|right| {
         let solved = factors.solve(right);
-        let kept = band.end - 1;
+        let kept = truncation.end - 1;
         let d: Vec<f64> = std::iter::once(0.0).chain((0..kept).map(|k| solved[(k, 0)])).collect();
-        let highest: Vec<f64> = d.iter().enumerate().map(|(k, d)| if k < band.judged { 0.0 } else { *d }).collect();
+        let highest: Vec<f64> =
+            d.iter().enumerate().map(|(k, d)| if k < truncation.judged { 0.0 } else { *d }).collect();
         let rough: f64 = measure.iter().zip(at_nodes(&basis.coefficients(&highest))).map(|(w, d)| w * d.abs()).sum();
         let coefficients = basis.coefficients(&d);
         let correction = at_nodes(&coefficients);

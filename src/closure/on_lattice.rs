@@ -1,11 +1,11 @@
 //! The reference of three states and four: the moment equations on a lattice, from the pilot's most likely density.
 
 use super::density::ClosureDensity;
-use super::family::Smooth;
-use super::robust::Workshop;
+use super::discretisation::Discretisation;
+use super::nested_spaces::Smooth;
+use super::nodal::NodalClosure;
 use super::sampled::{Sampled, WIDENING};
 use super::samples::{Copula, Lattice, SampleClosure};
-use super::setting::Setting;
 use super::trust_domain::TrustDomain;
 use super::weight::Weight;
 
@@ -53,9 +53,10 @@ impl Sampled {
             Lattice::finest(pilot, symmetry, copula, room).ok_or(coarse)?
         };
         let weights = nodes.base.iter().map(|log| log.exp()).collect();
-        let setting = Setting::on_lattice(problem, (domain, family), (nodes.points, weights), guess.exponent.clone());
-        let workshop = Workshop {
-            setting,
+        let discretisation =
+            Discretisation::on_lattice(problem, (domain, family), (nodes.points, weights), guess.exponent.clone());
+        let nodal = NodalClosure {
+            discretisation,
             start: None,
             pilot: pilot.clone(),
             inflation: 1.0,
@@ -66,7 +67,7 @@ impl Sampled {
             lattice: Some((lattice, copula.clone())),
         };
         let unsolved = "its moment equations have no good solution";
-        let mut content = workshop.content(order).map_err(|_| unsolved)?;
+        let mut content = nodal.content(order).map_err(|_| unsolved)?;
         if content.reference.as_ref().is_some_and(|reference| reference.error > UNSOLVED) {
             return Err(unsolved);
         }

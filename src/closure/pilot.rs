@@ -31,7 +31,7 @@ pub(super) struct Pilot {
 }
 
 /// How to run pilots of one problem.
-pub(super) struct Scout<'a> {
+pub(super) struct PilotPlan<'a> {
     problem: &'a Problem,
     seed: u64,
     step: f64,
@@ -39,17 +39,17 @@ pub(super) struct Scout<'a> {
     interval: f64,
 }
 
-impl<'a> Scout<'a> {
+impl<'a> PilotPlan<'a> {
     /// Time step and burn-in from the system's rates.
     pub(super) fn new(problem: &'a Problem, seed: u64) -> Result<Self> {
         let scales = TimeScales::of(problem)?;
         let (step, interval) = (scales.short(STEP), scales.short(INTERVAL));
-        Ok(Scout { problem, seed, step, burn_in: scales.memory(), interval })
+        Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }
 
     /// The same with `factor` times the time between states, and before the first.
     pub(super) fn slower(self, factor: f64) -> Self {
-        Scout { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
+        PilotPlan { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.

@@ -1,11 +1,11 @@
 //! The root of the Galerkin equations where there is one that solves the Fokker-Planck equation itself.
 
+use super::discretisation::Discretisation;
 use super::exponent::Exponent;
-use super::kept::Kept;
 use super::orthonormal::Orthonormal;
 use super::projection::tempered;
 use super::reference::scaled_mass;
-use super::setting::Setting;
+use super::retained::Retained;
 use super::space::Jet;
 use super::table;
 use crate::states::States;
@@ -26,12 +26,15 @@ const NEAR: f64 = 0.3;
 /// the residual vanishes at every node, and this, which most roots do not, is what is asked for; otherwise `None`.
 ///
 /// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way.
-pub(super) fn polished(setting: &Setting, exponent: &Exponent, kept: &Kept) -> Option<Exponent> {
-    let Kept { points, weights, .. } = kept;
+pub(super) fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retained) -> Option<Exponent> {
+    let Retained { points, weights, .. } = kept;
     let (states, count) = (points.dimension(), exponent.coefficients.len());
     let mut current = exponent.clone();
     let mut ends = States::new(states);
-    setting.passages.iter().for_each(|passage| [passage.before, passage.after].iter().for_each(|x| ends.push(x)));
+    discretisation
+        .passages
+        .iter()
+        .for_each(|passage| [passage.before, passage.after].iter().for_each(|x| ends.push(x)));
     let walls = table::values(&exponent.space, &ends);
     let mut last = f64::INFINITY;
     let (mut row, mut rates) = (vec![1.0; count + 1], vec![0.0; count + 1]);
@@ -43,7 +46,7 @@ pub(super) fn polished(setting: &Setting, exponent: &Exponent, kept: &Kept) -> O
         let mut values = Mat::zeros(points.len(), count + 1);
         // The linearised residual of each function, and the residual in the first column.
         let mut images = Mat::zeros(points.len(), count + 1);
-        for (i, (x, local)) in kept.locals(setting).enumerate() {
+        for (i, (x, local)) in kept.locals(discretisation).enumerate() {
             current.jet(x, &mut jet);
             let r = local.residual(&jet.gradient, &jet.hessian);
             // L′δ = (−f + ∂B + B∇Q)·∇δ + ½ B:∇∇δ, with the drift of the process run backwards in time if exp(Q) is its
@@ -81,13 +84,13 @@ pub(super) fn polished(setting: &Setting, exponent: &Exponent, kept: &Kept) -> O
             .collect();
         let mut system = basis.weighted.transpose() * &images;
         if !ends.is_empty() {
-            let impacts = setting.passages.len();
+            let impacts = discretisation.passages.len();
             let (top, mass) = scaled_mass(&log, weights);
             let density: Vec<f64> = ends.iter().map(|x| (current.value(x) - top).exp() / mass).collect();
             let after = Mat::from_fn(impacts, count + 1, |i, k| walls[(2 * i + 1, k)]);
             let tests = basis.transformed(after.as_ref());
             let missing = Mat::from_fn(impacts, count + 1, |i, k| {
-                let passage = &setting.passages[i];
+                let passage = &discretisation.passages[i];
                 let [before, after] = [0, 1].map(|end| density[2 * i + end] * walls[(2 * i + end, k)]);
                 passage.weight * (passage.contraction * after - before)
             });

@@ -1,12 +1,12 @@
 //! The density that the closures of one system are measured against: a solution of many more moment equations.
 
+use super::discretisation::Discretisation;
 use super::exponent::Exponent;
-use super::family::{Band, Ladder};
 use super::moment_equations::resolve;
+use super::nested_spaces::{NestedSpaces, Truncation};
 use super::nodes::Nodes;
 use super::projection::{distance, project, tempered};
 use super::samples::Moment;
-use super::setting::Setting;
 use super::space::{Functions, Jet};
 use super::table::Table;
 use crate::error::{Result, dimension};
@@ -84,51 +84,51 @@ pub(crate) struct Reference {
 }
 
 impl Reference {
-    /// Solves the moment equations of a ladder, tabulated in `table`. The correction's highest degrees carry the error that
+    /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error that
     /// the edge of the domain makes, as ripples; where they are larger than what the answer leaves out anyway, a correction
     /// without them is tried too. A lattice has no edge, and its first guess is a fit of the pilot's means already: there is one
     /// way. `None` if no system had a solution.
     pub(super) fn new(
-        setting: &Setting,
-        ladder: &Ladder,
+        discretisation: &Discretisation,
+        nested: &NestedSpaces,
         table: &Table,
         start: Option<&Start>,
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
-        if setting.is_on_lattice() {
-            let start = Start { weight: setting.guess.clone(), settled: 0.0 };
-            return Self::renewed(setting, ladder, table, ladder.whole, start);
+        if discretisation.is_on_lattice() {
+            let start = Start { weight: discretisation.guess.clone(), settled: 0.0 };
+            return Self::renewed(discretisation, nested, table, nested.whole, start);
         }
-        let whole = Self::of_band(setting, ladder, table, ladder.whole, start, &fit);
-        let Some(cut) = ladder.cut else { return whole };
+        let whole = Self::with_truncation(discretisation, nested, table, nested.whole, start, &fit);
+        let Some(cut) = nested.cut else { return whole };
         let minor = |whole: &Self| {
-            whole.error <= FINE || whole.error <= MINOR * whole.distance_to_answer(setting, ladder, table)
+            whole.error <= FINE || whole.error <= MINOR * whole.distance_to_answer(discretisation, nested, table)
         };
         if whole.as_ref().is_some_and(minor) {
             return whole;
         }
-        let part = Self::of_band(setting, ladder, table, cut, start, &fit);
+        let part = Self::with_truncation(discretisation, nested, table, cut, start, &fit);
         let doubt = [&whole, &part].into_iter().flatten().map(|found| found.error).fold(0.0, f64::max);
         let better = whole.into_iter().chain(part).min_by(|a, b| a.error.total_cmp(&b.error));
         better.map(|better| Reference { doubt, ..better })
     }
 
-    /// The same with a band, from the setting's first guess. That one is good in the tails, but where ln p does not scale
+    /// The same with a truncation, from the first guess. That one is good in the tails, but where ln p does not scale
     /// with the intensity it puts the mass elsewhere: `fit`, right in the middle, is the start then.
-    fn of_band(
-        setting: &Setting,
-        ladder: &Ladder,
+    fn with_truncation(
+        discretisation: &Discretisation,
+        nested: &NestedSpaces,
         table: &Table,
-        band: Band,
+        truncation: Truncation,
         start: Option<&Start>,
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
-        let similar = start.and_then(|start| Self::renewed(setting, ladder, table, band, start.clone()));
+        let similar = start.and_then(|start| Self::renewed(discretisation, nested, table, truncation, start.clone()));
         if similar.as_ref().is_some_and(|similar| similar.error <= GOOD) {
             return similar;
         }
-        let afresh = |weight| Self::renewed(setting, ladder, table, band, Start { weight, settled: 0.0 });
-        let first = afresh(setting.guess.clone());
+        let afresh = |weight| Self::renewed(discretisation, nested, table, truncation, Start { weight, settled: 0.0 });
+        let first = afresh(discretisation.guess.clone());
         if first.as_ref().is_some_and(|first| first.error <= GOOD) {
             return first;
         }
@@ -137,23 +137,23 @@ impl Reference {
     }
 
     /// The distance to the closest density of the answer's order; 0 where there is none.
-    fn distance_to_answer(&self, setting: &Setting, ladder: &Ladder, table: &Table) -> f64 {
-        let weights = &setting.nodes.weights;
-        let values = table.values.get(..weights.len(), ..ladder.answer_columns);
+    fn distance_to_answer(&self, discretisation: &Discretisation, nested: &NestedSpaces, table: &Table) -> f64 {
+        let weights = &discretisation.nodes.weights;
+        let values = table.values.get(..weights.len(), ..nested.answer_columns);
         let measure = tempered(&self.logarithm, weights, 1.0);
-        let fit = project(values, &setting.fixed, &self.logarithm, &measure);
+        let fit = project(values, &discretisation.fixed, &self.logarithm, &measure);
         fit.map_or(0.0, |fit| distance(&fit.logarithm, &self.logarithm, weights))
     }
 
     /// Renews a weight until that no longer helps, and returns the best density on the way.
     fn renewed(
-        setting: &Setting,
-        ladder: &Ladder,
+        discretisation: &Discretisation,
+        nested: &NestedSpaces,
         table: &Table,
-        band: Band,
+        truncation: Truncation,
         Start { mut weight, settled }: Start,
     ) -> Option<Self> {
-        let nodes = &setting.nodes;
+        let nodes = &discretisation.nodes;
         let mut log = weight.values(&nodes.points);
         let mut best: Option<Self> = None;
         let mut change = f64::INFINITY;
@@ -162,11 +162,14 @@ impl Reference {
         for solved in 1..=RENEWALS {
             let measure = tempered(&log, &nodes.weights, 1.0);
             let (top, mass) = scaled_mass(&log, &nodes.weights);
-            let passages: Vec<f64> =
-                setting.passages.iter().map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass).collect();
+            let passages: Vec<f64> = discretisation
+                .passages
+                .iter()
+                .map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass)
+                .collect();
             // Where there are impacts the residual is not all that is left of the equations.
-            let r = setting.passages.is_empty().then(|| residuals(setting, &weight));
-            let Some(found) = resolve(table, &measure, &passages, r.as_deref(), band) else { break };
+            let r = discretisation.passages.is_empty().then(|| residuals(discretisation, &weight));
+            let Some(found) = resolve(table, &measure, &passages, r.as_deref(), truncation) else { break };
             let error = found.error;
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
             strikes += u32::from(error > PATIENCE * least);
@@ -180,7 +183,7 @@ impl Reference {
             if error < LATER * least {
                 best = Some(Reference {
                     weight: weight.clone(),
-                    space: ladder.all.clone(),
+                    space: nested.all.clone(),
                     correction: found.coefficients,
                     logarithm: normalised(&target, &nodes.weights),
                     error,
@@ -194,15 +197,16 @@ impl Reference {
             if change < EXACT || settled || (solved > SETTLING && change > CONVERGING * before) || solved == RENEWALS {
                 break;
             }
-            let values = table.values.get(.., ..ladder.weight_columns);
+            let values = table.values.get(.., ..nested.weight_columns);
             let values = values.get(..nodes.len(), ..);
-            let Some(next) = project(values, &setting.fixed, &target, &tempered(&target, &nodes.weights, FLATNESS))
+            let Some(next) =
+                project(values, &discretisation.fixed, &target, &tempered(&target, &nodes.weights, FLATNESS))
             else {
                 break;
             };
             weight = Exponent {
-                known: setting.known().to_vec(),
-                space: ladder.weight.clone(),
+                known: discretisation.known().to_vec(),
+                space: nested.weight.clone(),
                 constant: next.constant,
                 coefficients: next.coefficients,
             };
@@ -214,18 +218,18 @@ impl Reference {
     /// The moments of p̂, each with its distance from that of the solution two degrees lower under the same weight.
     pub(super) fn moments(
         &self,
-        setting: &Setting,
-        ladder: &Ladder,
+        discretisation: &Discretisation,
+        nested: &NestedSpaces,
         table: &Table,
         exponents: &[Vec<u32>],
     ) -> Vec<Moment> {
-        let Nodes { points, weights, .. } = &setting.nodes;
+        let Nodes { points, weights, .. } = &discretisation.nodes;
         let measure = tempered(&self.weight.values(points), weights, 1.0);
-        let columns = ladder.lower_columns;
+        let columns = nested.lower_columns;
         let part = |table: &Mat<f64>| table.get(.., ..columns).to_owned();
         let lower = Table { values: part(&table.values), rates: part(&table.rates) };
-        let band = Band { judged: columns, end: columns };
-        let lower = resolve(&lower, &measure, &[], Some(&residuals(setting, &self.weight)), band);
+        let truncation = Truncation { judged: columns, end: columns };
+        let lower = resolve(&lower, &measure, &[], Some(&residuals(discretisation, &self.weight)), truncation);
         let own: Vec<f64> = points.par_iter().map(|x| self.correction_at(x)).collect();
         let masses = |correction: &[f64]| -> Vec<f64> {
             let all: Vec<f64> = measure.iter().zip(correction).map(|(w, delta)| w * (1.0 + delta)).collect();
@@ -276,9 +280,9 @@ impl Reference {
 }
 
 /// The residual of exp(Q) at the nodes.
-fn residuals(setting: &Setting, q: &Exponent) -> Vec<f64> {
-    let points = setting.nodes.points.par_iter().zip(&setting.locals);
-    let states = setting.nodes.points.dimension();
+fn residuals(discretisation: &Discretisation, q: &Exponent) -> Vec<f64> {
+    let points = discretisation.nodes.points.par_iter().zip(&discretisation.locals);
+    let states = discretisation.nodes.points.dimension();
     let residual = |jet: &mut Jet, (x, local): (&[f64], &Local)| {
         q.jet(x, jet);
         local.residual(&jet.gradient, &jet.hessian)

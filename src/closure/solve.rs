@@ -2,14 +2,14 @@
 
 use super::degrees::Degrees;
 use super::density::ClosureDensity;
+use super::discretisation::Discretisation;
 use super::exponent::Exponent;
-use super::family::Smooth;
 use super::method::{Closure, HIGHEST_ORDER, Order};
-use super::pilot::{Pilot, Scout};
+use super::nested_spaces::Smooth;
+use super::nodal::NodalClosure;
+use super::pilot::{Pilot, PilotPlan};
 use super::reference::Start;
-use super::robust::Workshop;
 use super::sampled::Sampled;
-use super::setting::Setting;
 use super::walled;
 use crate::error::{Error, Result};
 use crate::problem::{Problem, Wall};
@@ -58,7 +58,7 @@ impl Closure {
     fn in_open_space(&self, problem: &Problem, begin: Instant) -> Result<ClosureDensity> {
         let dimension = problem.dimension();
         self.check(dimension, HIGHEST_ORDER)?;
-        let scout = Scout::new(problem, self.seed)?;
+        let plan = PilotPlan::new(problem, self.seed)?;
         if dimension > 4 && self.on_samples == Some(false) {
             let remedy = "take the pilot's states, as is the default";
             return Err(Error::NotServed { method: METHOD, what: "five states and more on nodes", remedy });
@@ -66,23 +66,23 @@ impl Closure {
         if dimension > 2 || self.on_samples == Some(true) {
             let symmetry = problem.symmetry();
             let states = self.states.unwrap_or(STATES_IN_MANY);
-            let mut pilot = scout.pilot(states, 1.0)?;
+            let mut pilot = plan.pilot(states, 1.0)?;
             let slowness = pilot.slowness(&symmetry);
             if slowness > CORRELATED {
-                pilot = scout.slower(slowness.min(LONGER)).pilot(states, 1.0)?;
+                pilot = plan.slower(slowness.min(LONGER)).pilot(states, 1.0)?;
                 pilot.stationary &= pilot.slowness(&symmetry) < UNMIXED;
             }
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
             let (guarded, seed, referred) = (self.guard, self.seed, self.on_samples == Some(false));
-            let workshop = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, begin };
-            return self.at_order(HIGHEST_ORDER, |order| workshop.closed(order));
+            let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, begin };
+            return self.at_order(HIGHEST_ORDER, |order| nodal.closed(order));
         }
         let states = self.states.unwrap_or(STATES);
-        let pilot = scout.pilot(states, 1.0)?;
+        let pilot = plan.pilot(states, 1.0)?;
         let mut best: Option<ClosureDensity> = None;
         let mut inflation = self.inflation;
         loop {
-            let inflated = scout.pilot(states, inflation)?;
+            let inflated = plan.pilot(states, inflation)?;
             let last = inflated.inflation <= 1.0;
             let closed = self.on_panels(problem, [&pilot, &inflated], begin);
             if let Ok(density) = closed {
@@ -110,9 +110,9 @@ impl Closure {
         let symmetry = problem.symmetry();
         let (centre, half_width) = inflated.spread(&symmetry);
         let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
-        let setting = if heavy { None } else { Setting::new(problem, inflated, family, self.highest()) };
-        let workshop = self.workshop(setting, pilots, begin)?;
-        self.at_order(HIGHEST_ORDER, |order| workshop.closed(order))
+        let discretisation = if heavy { None } else { Discretisation::new(problem, inflated, family, self.highest()) };
+        let nodal = self.nodal(discretisation, pilots, begin)?;
+        self.at_order(HIGHEST_ORDER, |order| nodal.closed(order))
     }
 
     /// The closure of an oscillator next to one wall, or between two.
@@ -131,9 +131,9 @@ impl Closure {
             [Some(lower), _] => (problem.without_walls().with_wall(lower)?, false),
             [None, _] => (problem.mirrored()?, true),
         };
-        let scout = Scout::new(&met, self.seed)?;
+        let plan = PilotPlan::new(&met, self.seed)?;
         let run = |inflation: f64| {
-            let pilot = scout.pilot(self.states.unwrap_or(STATES), inflation)?;
+            let pilot = plan.pilot(self.states.unwrap_or(STATES), inflation)?;
             Ok(if turned { pilot.mirrored() } else { pilot })
         };
         let inflated = run(self.inflation)?;
@@ -142,24 +142,29 @@ impl Closure {
             let reason = "hardly a state of the pilot lies between the walls: ask for more `pilot_states`, or the grid";
             return Err(Error::NotClosed { order: self.lowest(), reason });
         }
-        let setting = walled::walled(problem, &inflated, walls);
-        let workshop = self.workshop(setting, [&pilot, &inflated], begin)?;
-        self.at_order(walled::HIGHEST_ORDER, |order| workshop.closed(order))
+        let discretisation = walled::walled(problem, &inflated, walls);
+        let nodal = self.nodal(discretisation, [&pilot, &inflated], begin)?;
+        self.at_order(walled::HIGHEST_ORDER, |order| nodal.closed(order))
     }
 
-    fn workshop(&self, setting: Option<Setting>, [pilot, inflated]: [&Pilot; 2], begin: Instant) -> Result<Workshop> {
+    fn nodal(
+        &self,
+        discretisation: Option<Discretisation>,
+        [pilot, inflated]: [&Pilot; 2],
+        begin: Instant,
+    ) -> Result<NodalClosure> {
         let reason =
             "no polynomial fits the pilot's states; they may be too few, or the system has no stationary density";
-        let setting = setting.ok_or(Error::NotClosed { order: self.lowest(), reason })?;
+        let discretisation = discretisation.ok_or(Error::NotClosed { order: self.lowest(), reason })?;
         // The singular part is this wall's, whatever the similar one's was.
         let own = |start: &Start| {
-            let weight = Exponent { known: setting.known().to_vec(), ..start.weight.clone() };
+            let weight = Exponent { known: discretisation.known().to_vec(), ..start.weight.clone() };
             Start { weight, ..*start }
         };
         let start = self.start.as_ref().map(own);
         let (pilot, inflation) = (pilot.clone(), inflated.inflation);
         let (weight, guarded, seed) = (self.weight, self.guard, self.seed);
-        Ok(Workshop { setting, start, pilot, inflation, weight, guarded, seed, begin, lattice: None })
+        Ok(NodalClosure { discretisation, start, pilot, inflation, weight, guarded, seed, begin, lattice: None })
     }
 
     /// The closure of the order that was asked for: given, or of the lowest even one that meets the target, or the best one

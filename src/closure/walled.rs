@@ -1,10 +1,10 @@
-//! The setting of an oscillator next to a wall, or between two.
+//! The discretisation of an oscillator next to a wall, or between two.
 
+use super::discretisation::{Discretisation, Passage, likeliest, locals};
 use super::exponent::known_value;
-use super::family::{Family, Walled};
+use super::nested_spaces::{SpaceFamily, Walled};
 use super::nodes::Nodes;
 use super::pilot::Pilot;
-use super::setting::{Passage, Setting, likeliest, locals};
 use super::space::{Corner, Functions, Polynomials};
 use super::trust_domain::TrustDomain;
 use crate::problem::{Problem, Symmetry, Wall};
@@ -32,12 +32,12 @@ const SPEED_NODES: [usize; 6] = [7, 7, 7, 8, 9, 9];
 /// Nodes in each of these panels on the wall itself.
 const WALL_NODES: usize = 16;
 
-/// The highest order that a wall's reference can judge.
+/// The highest order that a wall's reference can scoring.
 pub(super) const HIGHEST_ORDER: u32 = 10;
 
-/// The setting of an oscillator whose displacement (state 0, its velocity state 1) meets a wall below, above, or both.
+/// The discretisation of an oscillator whose displacement (state 0, its velocity state 1) meets a wall below, above, or both.
 /// `None` if the pilot's states cannot be fitted.
-pub(super) fn walled(problem: &Problem, pilot: &Pilot, walls: [Option<Wall>; 2]) -> Option<Setting> {
+pub(super) fn walled(problem: &Problem, pilot: &Pilot, walls: [Option<Wall>; 2]) -> Option<Discretisation> {
     let offsets = walls.map(|wall| wall.map(|wall| wall.offset()));
     let pilot = pilot.between(offsets);
     if pilot.states.is_empty() {
@@ -73,8 +73,8 @@ pub(super) fn walled(problem: &Problem, pilot: &Pilot, walls: [Option<Wall>; 2])
     let nodes = nodes.within(&domain);
     let (locals, fixed) =
         (locals(problem, &nodes), nodes.points.iter().map(|x| known_value(&guess.known, x)).collect());
-    let family = Family::Walled(Walled { corners: corners(1.0), centre, half_width });
-    Some(Setting { family, domain, nodes, locals, lines: rules, passages, fixed, guess, drop: KEPT })
+    let family = SpaceFamily::Walled(Walled { corners: corners(1.0), centre, half_width });
+    Some(Discretisation { family, domain, nodes, locals, lines: rules, passages, fixed, guess, drop: KEPT })
 }
 
 /// The hull of the states. About a single wall it is star-shaped about the wall's grazing point, and what lies behind the

@@ -1,7 +1,7 @@
 use super::{
     lanes::Lanes,
     start::Start,
-    statistics::Memory,
+    statistics::Buffers,
     tally::{Layout, Tally},
     timetable::Timetable,
 };
@@ -26,7 +26,7 @@ pub(super) struct Batch {
     pub(super) done: usize,
     pub(super) tally: Tally,
     pub(super) trajectories: Trajectories,
-    pub(super) memory: Memory,
+    pub(super) buffers: Buffers,
     /// The path-steps that the progress callback has not been told of.
     #[serde(skip)]
     pub(super) unreported: u64,
@@ -63,14 +63,14 @@ impl Trajectories {
 impl Batch {
     /// Batch `index` before its first step.
     pub(super) fn new(index: usize, tally: Tally, layout: &Layout, trajectories: Trajectories) -> Self {
-        let memory = layout.watch.memory(trajectories.count());
-        Batch { index, done: 0, tally, trajectories, memory, unreported: 0 }
+        let buffers = layout.recorders.buffers(trajectories.count());
+        Batch { index, done: 0, tally, trajectories, buffers, unreported: 0 }
     }
 
     /// Whether a batch that was read has the trajectories of `range` and remembers what the layout asks for.
     pub(super) fn fits(&self, range: &Range<u64>, layout: &Layout) -> bool {
         self.trajectories.are(range, self.tally.origin.seed, layout.axes.len())
-            && layout.watch.remembers(&self.memory, self.trajectories.count())
+            && layout.recorders.fit(&self.buffers, self.trajectories.count())
     }
 
     /// The path-steps taken so far.

@@ -1,6 +1,6 @@
 use super::{
     generator::Images,
-    passage::{Course, Record},
+    passage::{Boundaries, Record},
     scheme::Scheme,
     tally::Layout,
 };
@@ -65,13 +65,13 @@ impl Blocks {
         x: &[Lane],
         record: &Record,
         layout: &Layout,
-        (scheme, course): (&Scheme<'_>, &Course),
+        (scheme, boundaries): (&Scheme<'_>, &Boundaries),
         images: &mut Images,
     ) {
         let width = self.closed.len();
         let sums = &mut self.open[group * width..][..width];
         images.add(layout, scheme, x, sums);
-        images.add_passages(layout, course, record, sums);
+        images.add_passages(layout, boundaries, record, sums);
     }
 
     /// Closes the block where it ends after so many samples of each trajectory.

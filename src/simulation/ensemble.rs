@@ -3,9 +3,9 @@ use super::{
     control::Control,
     generator::Images,
     lanes::{Lanes, Workspace},
-    passage::{Course, Passages},
+    passage::{Boundaries, Passages},
     scheme::Scheme,
-    statistics::Seen,
+    statistics::Sample,
     tally::Layout,
     timetable::{BURN_IN_STRETCHES, LATE, Timetable, samples},
 };
@@ -20,7 +20,7 @@ const REPORT: u64 = 1 << 14;
 /// All that the batches share.
 pub(super) struct Ensemble<'a> {
     pub(super) scheme: &'a Scheme<'a>,
-    pub(super) course: &'a Course,
+    pub(super) boundaries: &'a Boundaries,
     pub(super) timetable: Timetable,
     /// The state whose power balance is drawn up.
     pub(super) velocity: Option<usize>,
@@ -34,9 +34,9 @@ fn by_trajectory(states: &States, trajectories: usize) -> Vec<f64> {
 }
 
 impl<'a> Ensemble<'a> {
-    /// The same on another course.
-    pub(super) fn on(self, course: &'a Course) -> Self {
-        Ensemble { course, ..self }
+    /// The same within other boundaries.
+    pub(super) fn on(self, boundaries: &'a Boundaries) -> Self {
+        Ensemble { boundaries, ..self }
     }
 
     /// Takes every batch to the end of stretch `goal` and a sample of every trajectory after each stretch but those of
@@ -75,11 +75,11 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
         (work, images): (&mut Workspace, &mut Images),
     ) -> Result<u64> {
-        let Batch { done, tally, trajectories, memory, .. } = batch;
+        let Batch { done, tally, trajectories, buffers, .. } = batch;
         let sample = samples(*done);
         let steps = if *done < BURN_IN_STRETCHES {
             let before = &mut tally.before;
-            self.stretch(trajectories, *done, &[], &mut self.course.passages(), work, |_, lanes, _, _| {
+            self.stretch(trajectories, *done, &[], &mut self.boundaries.passages(), work, |_, lanes, _, _| {
                 if *done + 1 == LATE {
                     before[0] += lanes.trajectories() as f64;
                     for (sum, x) in before[1..].iter_mut().zip(lanes.lanes()) {
@@ -93,7 +93,7 @@ impl<'a> Ensemble<'a> {
             let steps =
                 self.stretch(trajectories, *done, bounds, &mut passages, work, |group, lanes, passages, work| {
                     if !layout.control_variates.is_empty() {
-                        let scene = (self.scheme, self.course);
+                        let scene = (self.scheme, self.boundaries);
                         tally.blocks.add(group, lanes.lanes(), &passages.record, layout, scene, images);
                     }
                     for lane in 0..lanes.trajectories() {
@@ -101,8 +101,8 @@ impl<'a> Ensemble<'a> {
                         let power = self.velocity.map_or([0.0; 2], |v| self.scheme.power(v, &x, &mut work.scratch));
                         tally.observe(layout, &x, sample, power);
                         let crossed = &passages.crossed;
-                        let seen = Seen { trajectory: group * LANES + lane, x: &x, crossed, lane };
-                        layout.watch.observe(&mut tally.records, memory, seen);
+                        let seen = Sample { trajectory: group * LANES + lane, x: &x, crossed, lane };
+                        layout.recorders.observe(&mut tally.recordings, buffers, seen);
                     }
                 })?;
             tally.blocks.close(sample + 1, layout, self.scheme.arch, images);
@@ -140,7 +140,7 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
         mut observe: impl FnMut(usize, &[f64]),
     ) -> Result<()> {
-        let (mut unseen, mut work) = (self.course.passages(), Workspace::new(self.scheme));
+        let (mut unseen, mut work) = (self.boundaries.passages(), Workspace::new(self.scheme));
         let mut x = vec![0.0; self.scheme.states];
         for stretch in 0..stretches {
             let bounds = if stretch < BURN_IN_STRETCHES { &[] } else { bounds };
@@ -174,7 +174,7 @@ impl<'a> Ensemble<'a> {
         let time = (before + steps) as f64 * h;
         for (group, lanes) in trajectories.groups.iter_mut().enumerate() {
             passages.forget();
-            lanes.advance(self.scheme, self.course, steps, passages, work);
+            lanes.advance(self.scheme, self.boundaries, steps, passages, work);
             lanes.check(bounds, time, h)?;
             look(group, lanes, passages, work);
         }

@@ -1,6 +1,6 @@
 use super::{
     histogram::Axis,
-    passage::{Course, POWERS, Record, powers},
+    passage::{Boundaries, POWERS, Record, powers},
     scheme::Scheme,
     tally::Layout,
 };
@@ -149,7 +149,13 @@ impl Images {
 
     /// Adds the powers of the speeds at the passages of an interval, and the jumps of ψ at its impacts: these divided by the
     /// interval, as a sample stands for it.
-    pub(super) fn add_passages(&mut self, layout: &Layout, course: &Course, record: &Record, sums: &mut [Lane]) {
+    pub(super) fn add_passages(
+        &mut self,
+        layout: &Layout,
+        boundaries: &Boundaries,
+        record: &Record,
+        sums: &mut [Lane],
+    ) {
         for passage in &record.passages {
             let first = layout.monomials.len() + POWERS * passage.gate;
             for (sum, power) in sums[first..first + POWERS].iter_mut().zip(powers(passage.speed)) {
@@ -157,7 +163,7 @@ impl Images {
             }
         }
         let images = &mut sums[layout.tracked()..];
-        let (n, v) = (self.x.len(), course.velocity());
+        let (n, v) = (self.x.len(), boundaries.velocity());
         let impacts = record.lanes.chunks(products::LANES).zip(record.states.chunks(n * products::LANES));
         for (lanes, states) in impacts {
             // Places that no impact takes keep the states of earlier ones, which count for nothing.
@@ -168,7 +174,7 @@ impl Images {
             for (k, value) in self.values.iter_mut().enumerate() {
                 *value = *layout.images.value(&self.scratch, k + 1);
             }
-            self.x[v] = self.x[v].map(|v| course.throw_back(v));
+            self.x[v] = self.x[v].map(|v| boundaries.throw_back(v));
             layout.images.place_values(&self.x, &mut self.scratch);
             for (k, (sum, before)) in images.iter_mut().zip(&self.values).enumerate() {
                 let after = layout.images.value(&self.scratch, k + 1);

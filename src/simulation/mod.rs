@@ -18,7 +18,7 @@
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: what decides which numbers are found, and when;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
-//!   `checkpoint` (the state in a file), `peers` and `ranks` (several processes);
+//!   `checkpoint` (the state in a file), `processes` and `ranks` (several processes);
 //! - `splitting`: rare states;
 //! - `statistics`: what is kept beside the standard statistics, on request;
 //! - `setup`, `run`, `result`, `merge`, `density`: what the user asks, what is done, and what the user gets.
@@ -39,9 +39,9 @@ mod lanes;
 mod merge;
 mod normal;
 mod passage;
-mod peers;
 mod pilot;
 mod plan;
+mod processes;
 mod random;
 #[cfg(feature = "mpi")]
 mod ranks;

@@ -24,9 +24,9 @@ pub(super) fn single_wall(problem: &Problem, method: &'static str) -> Result<Opt
     Err(Error::NotServed { method, what, remedy })
 }
 
-/// What the straight drift of the displacements meets: a wall, and levels to watch.
+/// What the straight drift of the displacements meets: a wall, and levels whose crossings are counted.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct Boundaries {
     /// The velocity of each state that is a displacement. The wall and the levels belong to state 0 if there are any.
     velocities: Vec<Option<usize>>,
     /// Where the wall is, at −∞ if there is none, and what is near it.
@@ -101,7 +101,7 @@ impl Passages {
     }
 }
 
-impl Course {
+impl Boundaries {
     /// `diffusion` is ½B_vv at rest on the wall.
     pub(super) fn new(
         velocities: Vec<Option<usize>>,
@@ -114,22 +114,22 @@ impl Course {
         let grazing = Grazing::new(restitution, diffusion, step);
         let velocity = velocities[0].unwrap_or(0);
         let wall = Nearness { velocity, floor, height: grazing.height, speed: grazing.speed };
-        Course { velocities, wall, restitution, grazing, levels, speeds: None, recording: false }
+        Boundaries { velocities, wall, restitution, grazing, levels, speeds: None, recording: false }
     }
 
-    /// The course of a system's trajectories: the noise that rules grazing is that at rest on the wall.
+    /// The boundaries that the trajectories of a system meet: the noise that rules grazing is that at rest on the wall.
     pub(super) fn for_scheme(scheme: &Scheme<'_>, wall: Option<Wall>, levels: Vec<f64>) -> Self {
         let mut at_rest = vec![0.0; scheme.states];
         at_rest[0] = wall.map_or(0.0, |b| b.offset());
         let velocity = |i: usize| scheme.pairs.iter().find(|&&(x, _)| x == i).map(|&(_, v)| v);
         let diffusion = velocity(0).map_or(0.0, |v| scheme.power(v, &at_rest, &mut scheme.scratch())[0]);
-        Course::new((0..scheme.states).map(velocity).collect(), wall, levels, diffusion, scheme.step)
+        Boundaries::new((0..scheme.states).map(velocity).collect(), wall, levels, diffusion, scheme.step)
     }
 
-    /// The same course, on which the crossings of `levels` and the `speeds` of impacts are counted, and all passages recorded
+    /// The same boundaries, on which the crossings of `levels` and the `speeds` of impacts are counted, and all passages recorded
     /// if that is asked for.
     pub(super) fn counting(self, levels: Vec<f64>, speeds: Option<Axis>, recording: bool) -> Self {
-        Course { levels, speeds, recording, ..self }
+        Boundaries { levels, speeds, recording, ..self }
     }
 
     /// No passages yet.
@@ -277,8 +277,8 @@ fn add_powers(sums: &mut [f64; POWERS], speed: f64) {
 mod tests {
     use super::*;
 
-    fn course(levels: Vec<f64>) -> Result<Course> {
-        Ok(Course::new(vec![Some(1), None], Some(Wall::above(0.5, 0.5)?), levels, 0.2, 0.1))
+    fn boundaries(levels: Vec<f64>) -> Result<Boundaries> {
+        Ok(Boundaries::new(vec![Some(1), None], Some(Wall::above(0.5, 0.5)?), levels, 0.2, 0.1))
     }
 
     /// Every other lane in one of two states.
@@ -293,7 +293,7 @@ mod tests {
         let mut passages = Passages::new(2);
         let mut x = [[0.0; LANES]; 2];
         let from = lanes([[0.75, 1.0], [-1.0, -0.25]]);
-        course(vec![0.625, 2.0])?.drift(&from, 1.0, |l| l < 2, &mut x, &mut passages);
+        boundaries(vec![0.625, 2.0])?.drift(&from, 1.0, |l| l < 2, &mut x, &mut passages);
         assert_eq!([&x[0][..2], &x[1][..2]], [[0.875, 0.75], [0.5, -0.25]]);
         assert_eq!(passages.impacts, [1.0, 1.0, 1.0]);
         assert_eq!(passages.crossings, [[1.0, 0.5, 0.25], [0.0; 3]]);
@@ -308,11 +308,11 @@ mod tests {
         for k in 0..1000 {
             let v = -1.3_f64.powi(k - 500);
             let from = lanes([[0.5, 0.5 + f64::EPSILON], [v, v]]);
-            course(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
+            boundaries(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
             assert!(x[0].iter().all(|&y| y >= 0.5));
         }
         let from = lanes([[0.5, f64::NAN], [f64::NEG_INFINITY, f64::NAN]]);
-        course(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
+        boundaries(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
         Ok(())
     }
 }

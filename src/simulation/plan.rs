@@ -3,7 +3,7 @@ use super::{
     histogram::{Axis, Counts},
     passage::Passages,
     pilot::Pilot,
-    statistics::{Questions, Watch},
+    statistics::{Recorders, Requests},
     tally::Layout,
     timetable::{BURN_IN_STRETCHES, Timetable},
 };
@@ -35,7 +35,7 @@ pub(super) struct Plan {
     pub(super) velocity: Option<usize>,
     pub(super) axes: Vec<Axis>,
     pub(super) plane: Option<[Axis; 2]>,
-    pub(super) questions: Questions,
+    pub(super) requests: Requests,
     pub(super) control_variates: ControlVariates,
 }
 
@@ -59,8 +59,9 @@ pub(super) fn same_level(a: f64, b: f64) -> bool {
 impl Plan {
     pub(super) fn layout(&self) -> Layout {
         let ends = [self.axes[0].edge(0), self.axes[0].edge(self.axes[0].bins())];
-        let watch = Watch::new(&self.questions, self.interval(), (&self.levels, self.velocity), ends, self.wall_at());
-        let layout = Layout::new(self.axes.clone(), self.plane, &self.questions.moments, watch);
+        let recorders =
+            Recorders::new(&self.requests, self.interval(), (&self.levels, self.velocity), ends, self.wall_at());
+        let layout = Layout::new(self.axes.clone(), self.plane, &self.requests.moments, recorders);
         layout.with(self.control_variates.clone(), self.gates())
     }
 
@@ -125,7 +126,7 @@ impl Plan {
             ("range or number of bins", format!("{:?}", self.axes)),
             ("joint histogram", format!("{:?}", self.plane)),
             ("velocity", format!("{:?}", self.velocity)),
-            ("list of further statistics", format!("{:?}", self.questions)),
+            ("list of further statistics", format!("{:?}", self.requests)),
             ("list of control variates", format!("{:?}", self.control_variates)),
         ]
     }
@@ -134,7 +135,7 @@ impl Plan {
     pub(super) fn holds(&self) -> bool {
         let states = self.equations.len();
         let axes = || self.axes.iter().chain(self.plane.iter().flatten());
-        let empty = || Layout::new(self.axes.clone(), self.plane, &self.questions.moments, Watch::default());
+        let empty = || Layout::new(self.axes.clone(), self.plane, &self.requests.moments, Recorders::default());
         let tracked = || empty().with(ControlVariates::default(), self.gates()).tracked();
         (2..=MOST_TRAJECTORIES).contains(&self.trajectories)
             && positive("time step", self.time_step, "").is_ok()
@@ -146,7 +147,7 @@ impl Plan {
             && self.velocity.is_none_or(|velocity| velocity < states)
             && self.wall.is_none_or(|wall| wall.checked().is_ok() && wall.state() == 0 && self.velocity.is_some())
             && self.start.as_ref().is_none_or(|start| start.len() == states)
-            && self.questions.validate(states, self.trajectories, self.interval(), self.wall_at()).is_ok()
+            && self.requests.validate(states, self.trajectories, self.interval(), self.wall_at()).is_ok()
             && self.control_variates.holds(states, tracked(), self.trajectories)
     }
 

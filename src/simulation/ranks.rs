@@ -1,4 +1,4 @@
-use super::{SimulatedDensity, Simulation, peers::Peers};
+use super::{SimulatedDensity, Simulation, processes::Processes};
 use crate::{error::Result, problem::Problem};
 use mpi::{Count, datatype::PartitionMut, traits::Communicator, traits::CommunicatorCollectives};
 
@@ -25,7 +25,7 @@ impl Simulation<'_> {
 /// The ranks of a communicator.
 struct Ranks<'a, C>(&'a C);
 
-impl<C: Communicator> Peers for Ranks<'_, C> {
+impl<C: Communicator> Processes for Ranks<'_, C> {
     fn rank(&self) -> usize {
         self.0.rank() as usize
     }

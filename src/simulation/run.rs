@@ -5,10 +5,10 @@ use super::{
     ensemble::Ensemble,
     generator::ControlVariates,
     histogram::Axis,
-    passage::{Course, single_wall},
-    peers::{Alone, Peers, agree},
+    passage::{Boundaries, single_wall},
     pilot::Pilot,
     plan::{MOST_BINS, MOST_TRAJECTORIES, Plan, equations},
+    processes::{OneProcess, Processes, any_of},
     result::SimulatedDensity,
     scheme::Scheme,
     session::Session,
@@ -43,16 +43,16 @@ impl<'a> Simulation<'a> {
     /// - [`Error::File`], [`Error::NotACheckpoint`], [`Error::OtherSimulation`]: a checkpoint that cannot be used.
     /// - Those of the statistics that [`Simulation::until`] looks at.
     pub fn run(self, problem: &Problem) -> Result<SimulatedDensity> {
-        self.run_among(problem, &Alone)
+        self.run_among(problem, &OneProcess)
     }
 
     /// Runs the simulation, its batches shared with other processes.
-    pub(super) fn run_among(self, problem: &Problem, peers: &impl Peers) -> Result<SimulatedDensity> {
+    pub(super) fn run_among(self, problem: &Problem, processes: &impl Processes) -> Result<SimulatedDensity> {
         if !self.two_steps {
-            return self.run_once(problem, peers, false);
+            return self.run_once(problem, processes, false);
         }
         let mut coarse = self.twin();
-        let mut fine = self.run_once(problem, peers, false)?;
+        let mut fine = self.run_once(problem, processes, false)?;
         let made = fine.provenance();
         coarse.time_step = made.time_step.map(|h| 2.0 * h);
         if let (Some(samples), Some(trajectories)) = (made.samples, made.trajectories) {
@@ -60,7 +60,7 @@ impl<'a> Simulation<'a> {
         }
         coarse.ranges =
             fine.layout.axes.iter().enumerate().map(|(i, axis)| (i, axis.edge(0), axis.edge(axis.bins()))).collect();
-        fine.coarse = Some(Box::new(coarse.run_once(problem, peers, true)?));
+        fine.coarse = Some(Box::new(coarse.run_once(problem, processes, true)?));
         Ok(fine)
     }
 
@@ -79,21 +79,21 @@ impl<'a> Simulation<'a> {
             start: self.start.clone(),
             bins: self.bins,
             part: self.part,
-            questions: self.questions.clone(),
+            requests: self.requests.clone(),
             ..Simulation::new()
         }
     }
 
     /// Runs the simulation, or its twin with the noise of two steps `merged` into one.
-    fn run_once(mut self, problem: &Problem, peers: &impl Peers, merged: bool) -> Result<SimulatedDensity> {
+    fn run_once(mut self, problem: &Problem, processes: &impl Processes, merged: bool) -> Result<SimulatedDensity> {
         let begin = Instant::now();
         let Prepared { wall, velocity, scheme, rate, timetable, samples, start } = self.prepared(problem, merged)?;
         let part = self.batches_of_part()?;
-        let course = Course::for_scheme(&scheme, wall, Vec::new());
-        let ensemble = self.ensemble(&scheme, &course, velocity, timetable);
+        let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
+        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable);
         let pilot = Pilot::run(&ensemble, self.seed, &start);
         // Every process runs the pilot, but only some may be cancelled in it, and the others must not wait for them.
-        if agree(peers, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [false; 2])?[0] {
+        if any_of(processes, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [false; 2])?[0] {
             return Err(Error::Cancelled { steps: ensemble.control.done() });
         }
         let pilot = pilot?;
@@ -107,11 +107,11 @@ impl<'a> Simulation<'a> {
             rate,
             timetable,
             start: self.start,
-            levels: if velocity.is_some() { self.questions.with_levels(&self.levels) } else { Vec::new() },
+            levels: if velocity.is_some() { self.requests.with_levels(&self.levels) } else { Vec::new() },
             velocity,
             axes,
             plane,
-            questions: self.questions,
+            requests: self.requests,
             control_variates: ControlVariates::default(),
         };
         if self.control_variates {
@@ -119,10 +119,10 @@ impl<'a> Simulation<'a> {
         }
         // The pilot counts nothing; only the trajectories that are sampled do.
         let recording = !plan.control_variates.is_empty();
-        let counted = course.clone().counting(plan.levels.clone(), plan.impact_speeds(), recording);
+        let counted = boundaries.clone().counting(plan.levels.clone(), plan.impact_speeds(), recording);
         let session = Session {
             ensemble: ensemble.on(&counted),
-            peers,
+            processes,
             layout: plan.layout(),
             plan,
             bounds: pilot.bounds(),
@@ -155,8 +155,8 @@ impl<'a> Simulation<'a> {
         let numbers = samples as f64 * self.trajectories as f64 * problem.dimension() as f64;
         let remedy = "at most 2^30, which take 8 GB, are kept at once: take fewer samples";
         require(numbers <= MOST_NUMBERS, "number of states to keep, times their dimension", numbers, remedy)?;
-        let course = Course::for_scheme(&scheme, wall, Vec::new());
-        let ensemble = self.ensemble(&scheme, &course, velocity, timetable);
+        let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
+        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable);
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
         let group = |range| Trajectories::new(range, self.seed, &start);
         let groups = deal(self.trajectories).into_iter().map(group).collect();
@@ -181,7 +181,7 @@ impl<'a> Simulation<'a> {
         let (timetable, samples) = self.timetable(step, times, merged)?;
         let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
         let interval = timetable.interval_steps as f64 * step;
-        self.questions.validate(problem.dimension(), self.trajectories, interval, floor)?;
+        self.requests.validate(problem.dimension(), self.trajectories, interval, floor)?;
         let start = Start::new(self, problem, wall, step / if merged { 2.0 } else { 1.0 });
         Ok(Prepared { wall, velocity, scheme, rate, timetable, samples, start })
     }
@@ -189,7 +189,7 @@ impl<'a> Simulation<'a> {
     fn ensemble<'b>(
         &mut self,
         scheme: &'b Scheme<'b>,
-        course: &'b Course,
+        boundaries: &'b Boundaries,
         velocity: Option<usize>,
         timetable: Timetable,
     ) -> Ensemble<'b>
@@ -199,7 +199,7 @@ impl<'a> Simulation<'a> {
         let stretches = BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
         let path_steps = Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64;
         let control = Control::new(self.progress.take(), path_steps);
-        Ensemble { scheme, course, timetable, velocity, control }
+        Ensemble { scheme, boundaries, timetable, velocity, control }
     }
 
     /// The numbers of the batches to be run here.

@@ -2,8 +2,8 @@ use super::{
     batch::{Batch, Trajectories, deal},
     checkpoint::{Checkpoint, State},
     ensemble::Ensemble,
-    peers::{Peers, agree, gather, share},
     plan::Plan,
+    processes::{Processes, all_gather, any_of, gather},
     result::SimulatedDensity,
     start::Start,
     tally::{Layout, Origin, Tally},
@@ -20,7 +20,7 @@ use std::{
 /// A run in progress: the batches of this process, and the others that it shares the work with.
 pub(super) struct Session<'a, P> {
     pub(super) ensemble: Ensemble<'a>,
-    pub(super) peers: &'a P,
+    pub(super) processes: &'a P,
     pub(super) plan: Plan,
     pub(super) layout: Layout,
     /// Beyond these moduli a trajectory has exploded.
@@ -36,7 +36,7 @@ pub(super) struct Session<'a, P> {
     pub(super) seconds_before: f64,
 }
 
-impl<P: Peers> Session<'_, P> {
+impl<P: Processes> Session<'_, P> {
     /// Runs round after round until a limit is reached.
     ///
     /// All decisions fall between rounds, when all batches stand at the same stretch; only a cancelled run is left
@@ -51,7 +51,7 @@ impl<P: Peers> Session<'_, P> {
         let mut look = next_look(samples(done).saturating_sub(1));
         let mut outcome = self.advance(done, end);
         let stopped = loop {
-            let [cancelled, late, due] = self.agree(outcome, saved)?;
+            let [cancelled, late, due] = self.any_of(outcome, saved)?;
             if cancelled {
                 self.save(None)?;
                 return Err(Error::Cancelled { steps: self.path_steps() });
@@ -105,8 +105,8 @@ impl<P: Peers> Session<'_, P> {
     /// batch has completed.
     fn begin(&mut self, part: Range<usize>, start: &Start) -> Result<usize> {
         let ranges = deal(self.plan.trajectories);
-        let edge = |rank: usize| part.start + rank * part.len() / self.peers.count();
-        let mine = edge(self.peers.rank())..edge(self.peers.rank() + 1);
+        let edge = |rank: usize| part.start + rank * part.len() / self.processes.count();
+        let mine = edge(self.processes.rank())..edge(self.processes.rank() + 1);
         let Some(state) = self.load()? else {
             let seed = self.plan.seed;
             let fresh = mine.map(|index| {
@@ -138,10 +138,10 @@ impl<P: Peers> Session<'_, P> {
     /// The state in the checkpoint: rank 0 reads it and tells the others.
     fn load(&self) -> Result<Option<State>> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(None) };
-        let mine = if self.peers.rank() == 0 { file::read(path) } else { Ok(None) };
+        let mine = if self.processes.rank() == 0 { file::read(path) } else { Ok(None) };
         // The content behind a byte that tells an empty file from no file.
         let mine = mine.map(|content| content.map_or(Vec::new(), |content| [&[1], &content[..]].concat()));
-        let words = share(self.peers, mine)?;
+        let words = all_gather(self.processes, mine)?;
         let content = words.first().and_then(|word| word.split_first());
         content.map(|(_, content)| State::from_file(path, content)).transpose()
     }
@@ -149,26 +149,26 @@ impl<P: Peers> Session<'_, P> {
     /// Writes the checkpoint, if there is to be one: every rank sends its batches to rank 0.
     fn save(&self, stopped: Option<Stopped>) -> Result<()> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(()) };
-        let batches = gather(self.peers, self.batches.clone())?;
-        let written = if self.peers.rank() == 0 {
+        let batches = gather(self.processes, self.batches.clone())?;
+        let written = if self.processes.rank() == 0 {
             State { plan: self.plan.clone(), seconds: self.seconds(), stopped, batches }.to_file(path)
         } else {
             Ok(())
         };
-        share(self.peers, written.map(|()| Vec::new())).map(|_| ())
+        all_gather(self.processes, written.map(|()| Vec::new())).map(|_| ())
     }
 
     /// Whether any process was cancelled after a round, is out of time, or is due to write a checkpoint; or the error
     /// of one of them.
-    fn agree(&self, outcome: Result<()>, saved: Instant) -> Result<[bool; 3]> {
+    fn any_of(&self, outcome: Result<()>, saved: Instant) -> Result<[bool; 3]> {
         let late = self.time_budget.is_some_and(|budget| self.begin.elapsed() >= budget);
         let due = self.checkpoint.as_ref().is_some_and(|c| saved.elapsed() >= c.every);
-        agree(self.peers, outcome, [late, due])
+        any_of(self.processes, outcome, [late, due])
     }
 
     /// The tallies of all processes, in the order of the batches.
     fn tallies(&self) -> Result<Vec<Tally>> {
-        gather(self.peers, self.batches.iter().map(|b| b.tally.clone()).collect())
+        gather(self.processes, self.batches.iter().map(|b| b.tally.clone()).collect())
     }
 
     /// Whether there are targets and all are met.

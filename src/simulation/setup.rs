@@ -2,7 +2,7 @@ use super::{
     SimulatedDensity,
     checkpoint::Checkpoint,
     control::{Callback, Progress},
-    statistics::Questions,
+    statistics::Requests,
     target::{Target, Tolerance},
 };
 use crate::{error::Result, estimate::Estimate};
@@ -68,7 +68,7 @@ pub struct Simulation<'a> {
     pub(super) time_budget: Option<Duration>,
     pub(super) checkpoint: Option<Checkpoint>,
     pub(super) part: (usize, usize),
-    pub(super) questions: Questions,
+    pub(super) requests: Requests,
     pub(super) control_variates: bool,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Simulation<'a> {
             time_budget: None,
             checkpoint: None,
             part: (0, 1),
-            questions: Questions::default(),
+            requests: Requests::default(),
             control_variates: true,
         }
     }

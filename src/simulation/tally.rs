@@ -3,7 +3,7 @@ use super::{
     generator::ControlVariates,
     histogram::{Axis, Counts},
     passage::{POWERS, Passages},
-    statistics::{Records, Watch},
+    statistics::{Recorders, Recordings},
     trend::Trend,
 };
 use crate::control_variates::products::Products;
@@ -27,7 +27,7 @@ pub(super) struct Layout {
     /// The number of levels and walls whose passages are counted.
     pub(super) gates: usize,
     /// What else was asked for.
-    pub(super) watch: Watch,
+    pub(super) recorders: Recorders,
     /// The control variates, and what evaluates them.
     pub(super) control_variates: ControlVariates,
     pub(super) images: Products,
@@ -59,14 +59,14 @@ pub(super) struct Tally {
     pub(super) passages: Passages,
     /// Those of each state alone, and those of states 0 and 1 together.
     pub(super) counts: Vec<Counts>,
-    pub(super) records: Records,
+    pub(super) recordings: Recordings,
     /// What the regression on control variates is made from.
     pub(super) blocks: Blocks,
     values: Vec<f64>,
 }
 
 impl Layout {
-    pub(super) fn new(axes: Vec<Axis>, plane: Option<[Axis; 2]>, moments: &[Vec<u32>], watch: Watch) -> Self {
+    pub(super) fn new(axes: Vec<Axis>, plane: Option<[Axis; 2]>, moments: &[Vec<u32>], recorders: Recorders) -> Self {
         let states = axes.len();
         let mut tracked = monomials(states, if states <= 3 { 4 } else { 2 });
         if states > 3 {
@@ -92,7 +92,7 @@ impl Layout {
             axes,
             plane,
             gates: 0,
-            watch,
+            recorders,
             images: control_variates.products(),
             control_variates,
         }
@@ -135,7 +135,7 @@ impl Tally {
             time: 0.0,
             passages,
             counts: layout.histograms().map(Counts::new).collect(),
-            records: layout.watch.records(),
+            recordings: layout.recorders.recordings(),
             blocks: Blocks::new(trajectories, layout),
             values: vec![1.0; layout.monomials.len()],
         }
@@ -189,7 +189,7 @@ impl Tally {
             self.trend.width(),
         ];
         let counts = [self.counts.len(), speeds.len()].into_iter().chain(self.counts.iter().map(Counts::len));
-        lists.into_iter().chain(counts).chain(self.records.sizes()).chain(self.blocks.sizes())
+        lists.into_iter().chain(counts).chain(self.recordings.sizes()).chain(self.blocks.sizes())
     }
 }
 
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn tracked_monomials_are_evaluated_as_products() -> crate::error::Result<()> {
         let axes = vec![axis()?; 3];
-        let layout = Layout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Watch::default());
+        let layout = Layout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Recorders::default());
         assert_eq!((layout.monomials.len(), &layout.monomials[38]), (35 + 4, &vec![0, 7, 1]));
         let x = [2.0, -3.0, 5.0];
         let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, 1, &layout, Passages::new(0));
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn many_states_keep_their_single_powers() -> crate::error::Result<()> {
-        let layout = Layout::new(vec![axis()?; 4], None, &[], Watch::default());
+        let layout = Layout::new(vec![axis()?; 4], None, &[], Recorders::default());
         assert_eq!(layout.monomials.len(), 15 + 8);
         assert!(layout.monomials.contains(&vec![0, 0, 4, 0]) && !layout.monomials.contains(&vec![1, 2, 0, 0]));
         Ok(())

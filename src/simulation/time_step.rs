@@ -1,7 +1,7 @@
 use super::{
     Simulation,
     lanes::{Lanes, Workspace},
-    passage::{Course, Passages},
+    passage::{Boundaries, Passages},
     scheme::Scheme,
     start::Start,
     timetable::Times,
@@ -70,7 +70,7 @@ impl Simulation<'_> {
     /// The root mean square of the rate and the largest one along the way with this step.
     fn rates(&self, problem: &Problem, wall: Option<Wall>, step: f64, times: Times) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
-        let course = Course::for_scheme(&scheme, wall, Vec::new());
+        let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
         let start = Start::new(self, problem, wall, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
@@ -84,7 +84,7 @@ impl Simulation<'_> {
             if stretch == STRETCHES / 2 {
                 passages = Passages::new(0);
             }
-            lanes.advance(&scheme, &course, steps, &mut passages, &mut work);
+            lanes.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
             lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
             if stretch >= STRETCHES / 2 {
                 for x in &lanes.states() {

@@ -226,8 +226,8 @@ fn same_bits(form: &ClosedForm) {
             assert_eq!((p.l1_estimate(), p.warning()), (q.l1_estimate(), q.warning()));
             assert_eq!(format!("{:?}", p.candidates()), format!("{:?}", q.candidates()));
             assert_eq!(
-                (p.log_polynomial(), p.unseen_mass().to_bits()),
-                (q.log_polynomial(), q.unseen_mass().to_bits())
+                (p.log_polynomial(), p.truncated_mass().to_bits()),
+                (q.log_polynomial(), q.truncated_mass().to_bits())
             );
         }
         kinds => {

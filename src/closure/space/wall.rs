@@ -57,17 +57,17 @@ impl WallFunctions {
         corners: Vec<Corner>,
         centre: &[f64],
         half_width: &[f64],
-        ladder: &[WallLevel],
+        nested: &[WallLevel],
     ) -> Self {
         let step = |(step, level): (usize, &WallLevel)| {
-            let below = &ladder[..step];
+            let below = &nested[..step];
             let new = |alpha: &Vec<u32>| below.iter().all(|level| alpha[0] + alpha[1] > level.degree);
             let exponents = level.exponents().filter(new).collect();
             let kinks = level.kinks().filter(|kink| below.iter().all(|level| level.kinks().all(|k| k != *kink)));
             let polynomials = Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents);
             Step { polynomials, kinks: kinks.collect() }
         };
-        WallFunctions { corners, steps: ladder.iter().enumerate().map(step).collect() }
+        WallFunctions { corners, steps: nested.iter().enumerate().map(step).collect() }
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

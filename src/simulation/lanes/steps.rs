@@ -4,7 +4,7 @@ use super::Lanes;
 use crate::problem::{LANES, Lane};
 use crate::simulation::{
     normal::pair,
-    passage::{Course, Passages},
+    passage::{Boundaries, Passages},
     scheme::{Scheme, Scratch},
 };
 use pulp::NullaryFnOnce;
@@ -44,12 +44,12 @@ impl Lanes {
     pub(in crate::simulation) fn advance(
         &mut self,
         scheme: &Scheme<'_>,
-        course: &Course,
+        boundaries: &Boundaries,
         steps: usize,
         passages: &mut Passages,
         work: &mut Workspace,
     ) {
-        scheme.arch.dispatch(Advance { lanes: self, scheme, course, steps, passages, work });
+        scheme.arch.dispatch(Advance { lanes: self, scheme, boundaries, steps, passages, work });
     }
 }
 
@@ -57,7 +57,7 @@ impl Lanes {
 struct Advance<'a, 'b> {
     lanes: &'a mut Lanes,
     scheme: &'a Scheme<'b>,
-    course: &'a Course,
+    boundaries: &'a Boundaries,
     steps: usize,
     passages: &'a mut Passages,
     work: &'a mut Workspace,
@@ -69,9 +69,9 @@ impl NullaryFnOnce for Advance<'_, '_> {
     /// The half drifts between two steps are joined to a whole one, except near the wall.
     #[inline(always)]
     fn call(mut self) {
-        let (scheme, course) = (self.scheme, self.course);
+        let (scheme, boundaries) = (self.scheme, self.boundaries);
         let (h, processes, active) = (scheme.step, scheme.processes, self.lanes.active);
-        let velocity = course.velocity();
+        let velocity = boundaries.velocity();
         let mut x = std::mem::take(&mut self.lanes.x);
         for x in &mut x {
             // Idle lanes start afresh beside the first one, so that they neither hit the wall all the time nor explode.
@@ -100,9 +100,9 @@ impl NullaryFnOnce for Advance<'_, '_> {
                 // Levels are looked at after each step, lanes that are ahead wait for the others, and the last step ends with
                 // half a drift.
                 let free = (stop - step).min((end - 1 - self.lanes.taken) as usize);
-                let free = if any_ahead || !course.levels.is_empty() { 0 } else { free };
+                let free = if any_ahead || !boundaries.levels.is_empty() { 0 } else { free };
                 if let Some((kicks, near)) =
-                    scheme.kicks(&mut x, &increments[step * processes..][..free * processes], course.wall)
+                    scheme.kicks(&mut x, &increments[step * processes..][..free * processes], boundaries.wall)
                 {
                     step += kicks;
                     self.lanes.taken += kicks as u64;
@@ -127,27 +127,27 @@ impl NullaryFnOnce for Advance<'_, '_> {
                     if self.lanes.taken == end {
                         break;
                     }
-                    if !(any_ahead || course.wall.any(kicked, h)) {
-                        course.drift(kicked, h, |l| l < active, &mut x, self.passages);
+                    if !(any_ahead || boundaries.wall.any(kicked, h)) {
+                        boundaries.drift(kicked, h, |l| l < active, &mut x, self.passages);
                         continue;
                     }
                 }
-                let mut near = course.wall.lanes(kicked, h);
+                let mut near = boundaries.wall.lanes(kicked, h);
                 for l in 0..LANES {
                     near[l] |= ahead[l];
                 }
-                course.drift(kicked, h, |l| l < active && !near[l], &mut x, self.passages);
+                boundaries.drift(kicked, h, |l| l < active && !near[l], &mut x, self.passages);
                 for l in (0..active).filter(|&l| near[l]) {
                     let Workspace { kicked, state, .. } = &mut *self.work;
                     read_lane(kicked, l, state);
                     if !ahead[l] {
-                        course.drift_lane(state, l, h / 2.0, self.passages);
+                        boundaries.drift_lane(state, l, h / 2.0, self.passages);
                     }
-                    ahead[l] = course.step_at(state[0], state[velocity]).is_some();
+                    ahead[l] = boundaries.step_at(state[0], state[velocity]).is_some();
                     if ahead[l] {
                         self.graze(l);
                     } else {
-                        course.drift_lane(state, l, h / 2.0, self.passages);
+                        boundaries.drift_lane(state, l, h / 2.0, self.passages);
                     }
                     write_lane(&self.work.state, l, &mut x);
                 }
@@ -155,7 +155,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
             }
         }
         let Workspace { kicked, state, .. } = &mut *self.work;
-        course.drift(kicked, h / 2.0, |l| l < active && !ahead[l], &mut x, self.passages);
+        boundaries.drift(kicked, h / 2.0, |l| l < active && !ahead[l], &mut x, self.passages);
         for l in (0..LANES).filter(|&l| ahead[l]) {
             read_lane(kicked, l, state);
             write_lane(state, l, &mut x);
@@ -169,11 +169,11 @@ impl Advance<'_, '_> {
     /// ones; returned is which do and are then ahead of the others.
     #[inline(always)]
     fn begin(&mut self, x: &mut [Lane]) -> [bool; LANES] {
-        let (course, active, velocity) = (self.course, self.lanes.active, self.course.velocity());
-        let ahead = std::array::from_fn(|l| l < active && course.step_at(x[0][l], x[velocity][l]).is_some());
+        let (boundaries, active, velocity) = (self.boundaries, self.lanes.active, self.boundaries.velocity());
+        let ahead = std::array::from_fn(|l| l < active && boundaries.step_at(x[0][l], x[velocity][l]).is_some());
         self.work.kicked.copy_from_slice(x);
         let half = self.scheme.step / 2.0;
-        course.drift(&self.work.kicked, half, |l| l < active && !ahead[l], x, self.passages);
+        boundaries.drift(&self.work.kicked, half, |l| l < active && !ahead[l], x, self.passages);
         for l in (0..LANES).filter(|&l| ahead[l]) {
             read_lane(&self.work.kicked, l, &mut self.work.state);
             self.graze(l);
@@ -185,9 +185,9 @@ impl Advance<'_, '_> {
     /// A whole time step of the state of one lane in shorter steps, with random numbers that nothing else uses.
     #[inline(never)]
     fn graze(&mut self, l: usize) {
-        let Advance { lanes, scheme, course, passages, work, .. } = self;
+        let Advance { lanes, scheme, boundaries, passages, work, .. } = self;
         let Workspace { state, shorter, scratch, .. } = &mut **work;
-        let velocity = course.velocity();
+        let velocity = boundaries.velocity();
         let mut left = scheme.step;
         let mut draws = 0;
         let mut draw = || {
@@ -195,15 +195,15 @@ impl Advance<'_, '_> {
             lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
         };
         while left > 0.0 {
-            let step = course.step_at(state[0], state[velocity]).map_or(left, |step| step.min(left));
+            let step = boundaries.step_at(state[0], state[velocity]).map_or(left, |step| step.min(left));
             left -= step;
-            course.drift_lane(state, l, step / 2.0, passages);
+            boundaries.drift_lane(state, l, step / 2.0, passages);
             for two in shorter.chunks_mut(2) {
                 two.iter_mut().zip(pair(draw())).for_each(|(increment, z)| *increment = step.sqrt() * z);
             }
             let reversed = scheme.curved() && draw()[0] & 1 == 1;
             scheme.kick_alone(state, step, shorter, reversed, scratch);
-            course.drift_lane(state, l, step / 2.0, passages);
+            boundaries.drift_lane(state, l, step / 2.0, passages);
         }
     }
 }
@@ -232,11 +232,11 @@ mod tests {
 
     /// The states after some thousand steps above a wall, and the impacts on the way.
     fn way(scheme: &Scheme<'_>) -> Result<Bits> {
-        let course = Course::for_scheme(scheme, Some(Wall::above(0.1, 0.7)?), Vec::new());
+        let boundaries = Boundaries::for_scheme(scheme, Some(Wall::above(0.1, 0.7)?), Vec::new());
         let mut lanes = Lanes::new(5, 0..16, 2, |x| x[0] = 0.1 + x[0].abs());
         let (mut passages, mut work) = (Passages::new(0), Workspace::new(scheme));
         for steps in [1000, 1, 2500] {
-            lanes.advance(scheme, &course, steps, &mut passages, &mut work);
+            lanes.advance(scheme, &boundaries, steps, &mut passages, &mut work);
         }
         assert!(passages.impacts[0] > 100.0);
         let states = lanes.states();

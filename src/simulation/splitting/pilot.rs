@@ -3,7 +3,7 @@ use super::{
     population::{Motion, Particles, Population},
     tally::Levels,
 };
-use crate::{error::Result, simulation::passage::Course};
+use crate::{error::Result, simulation::passage::Boundaries};
 use std::f64::consts::E;
 
 /// A threshold is set only where so large a share of the weight seen lies beyond it.
@@ -28,7 +28,7 @@ const CELL: f64 = 1.0 / 3.0;
 /// The run that finds the thresholds, before anything is measured.
 pub(super) struct Pilot<'a> {
     pub(super) motion: &'a Motion<'a>,
-    pub(super) course: &'a Course,
+    pub(super) boundaries: &'a Boundaries,
     /// Cycles of one round.
     pub(super) cycles: usize,
     /// The share of the weight beyond the last threshold at which it stops.
@@ -58,7 +58,7 @@ impl Pilot<'_> {
         while thresholds.len() < MOST_BINS && idle < PATIENCE {
             let (mut beyond, mut share) = (Vec::new(), 0.0);
             for cycle in 0..self.cycles {
-                let states = population.advance(self.motion, self.course, &mut [])?;
+                let states = population.advance(self.motion, self.boundaries, &mut [])?;
                 population.place(self.motion.importance, &states)?;
                 if 2 * cycle >= self.cycles {
                     let last = population.last(self.motion.scheme.states);
@@ -84,7 +84,7 @@ impl Pilot<'_> {
     pub(super) fn cells(&self, population: &mut Population, asked: &[(usize, Vec<f64>)]) -> Result<Vec<Levels>> {
         let mut seen: Vec<Vec<Excess>> = asked.iter().map(|(_, y)| vec![Excess::default(); y.len()]).collect();
         for _ in 0..CELL_ROUNDS * self.cycles {
-            let states = population.advance(self.motion, self.course, &mut [])?;
+            let states = population.advance(self.motion, self.boundaries, &mut [])?;
             for ((state, levels), seen) in asked.iter().zip(&mut seen) {
                 for (y, excess) in levels.iter().zip(seen) {
                     states.iter().for_each(|(x, weight)| excess.add(x[*state] - y, weight));

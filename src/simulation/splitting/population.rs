@@ -1,7 +1,7 @@
 use super::{importance::Importance, resampling::systematic};
 use crate::simulation::{
     lanes::{Lanes, Workspace},
-    passage::{Course, Passages},
+    passage::{Boundaries, Passages},
     random::Random,
     scheme::Scheme,
 };
@@ -131,15 +131,20 @@ impl Population {
     }
 
     /// All particles move on for one cycle, until [`Population::place`] resamples them. The weight of the up-crossings of
-    /// each level of `course` is added to `crossings`.
-    pub(super) fn advance(&mut self, motion: &Motion<'_>, course: &Course, crossings: &mut [f64]) -> Result<Particles> {
+    /// each level of `boundaries` is added to `crossings`.
+    pub(super) fn advance(
+        &mut self,
+        motion: &Motion<'_>,
+        boundaries: &Boundaries,
+        crossings: &mut [f64],
+    ) -> Result<Particles> {
         let step = motion.scheme.step;
         self.time += motion.steps as f64 * step;
         let mut particles = Particles::new(motion.scheme.states);
         for bin in self.bins.iter_mut().filter(|bin| bin.weight > 0.0) {
-            let mut passages = Passages::new(course.levels.len());
+            let mut passages = Passages::new(boundaries.levels.len());
             for group in &mut bin.groups {
-                group.advance(motion.scheme, course, motion.steps, &mut passages, &mut self.work);
+                group.advance(motion.scheme, boundaries, motion.steps, &mut passages, &mut self.work);
                 group.check(&motion.bounds, self.time, step)?;
                 particles.push(group, bin.weight);
             }

@@ -12,7 +12,7 @@ use crate::provenance::Provenance;
 use crate::simulation::{
     Simulation,
     control::Control,
-    passage::{Course, single_wall},
+    passage::{Boundaries, single_wall},
     run::at_most,
     scheme::Scheme,
     timetable::whole,
@@ -76,10 +76,10 @@ impl Splitting<'_> {
         let displaced = problem.velocity_of(0).is_some();
         let crossings = plan.levels.iter().filter(|(state, _)| displaced && *state == 0);
         let crossings = crossings.flat_map(|(_, levels)| levels.clone()).collect();
-        let [course, quiet] = [crossings, Vec::new()].map(|y| Course::for_scheme(&scheme, wall, y));
+        let [boundaries, quiet] = [crossings, Vec::new()].map(|y| Boundaries::for_scheme(&scheme, wall, y));
 
         let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
-        let pilot = Pilot { motion: &motion, course: &quiet, cycles: plan.round, rarest: self.rarest, floor };
+        let pilot = Pilot { motion: &motion, boundaries: &quiet, cycles: plan.round, rarest: self.rarest, floor };
         let mut population = Population::new(&scheme, self.seed, 0, PILOT * self.particles);
         let (first, rest) = states.values().split_at(STATES * n);
         let thresholds = pilot.thresholds(&mut population, &Particles::equal(n, first))?;
@@ -92,8 +92,13 @@ impl Splitting<'_> {
             let mut population = Population::new(&scheme, self.seed, 1 + index as u64, self.particles);
             population.set_thresholds(&thresholds);
             population.place(&importance, &Particles::equal(n, states))?;
-            let replica =
-                Replica { motion: &motion, quiet: &quiet, course: &course, watched: &watched, control: &control };
+            let replica = Replica {
+                motion: &motion,
+                quiet: &quiet,
+                boundaries: &boundaries,
+                watched: &watched,
+                control: &control,
+            };
             replica.run(&mut population, index, &plan, thresholds.len() + 1).inspect_err(|_| control.fail(index))
         };
         let results: Vec<Result<(Tally, u64)>> = rest.par_chunks(STATES * n).enumerate().map(replica).collect();
@@ -115,7 +120,7 @@ impl Splitting<'_> {
             seconds: begin.elapsed().as_secs_f64(),
             ..Provenance::default()
         };
-        Ok(Tails::new(replicas, watched, course.levels, provenance))
+        Ok(Tails::new(replicas, watched, boundaries.levels, provenance))
     }
 
     /// A plain simulation of the same problem: it makes the starting states, [`STATES`] for the pilot and for each replica.
@@ -224,8 +229,8 @@ struct Plan {
 struct Replica<'a, 'c> {
     motion: &'a Motion<'a>,
     /// Without levels and with them.
-    quiet: &'a Course,
-    course: &'a Course,
+    quiet: &'a Boundaries,
+    boundaries: &'a Boundaries,
     watched: &'a [Levels],
     control: &'a Control<'c>,
 }
@@ -233,13 +238,13 @@ struct Replica<'a, 'c> {
 impl Replica<'_, '_> {
     /// Relaxes and measures; returns the path-steps too.
     fn run(&self, population: &mut Population, index: usize, plan: &Plan, bins: usize) -> Result<(Tally, u64)> {
-        let mut tally = Tally::new(self.watched, self.course.levels.len(), bins);
+        let mut tally = Tally::new(self.watched, self.boundaries.levels.len(), bins);
         let (mut path_steps, mut unreported) = (0, 0);
         let last = plan.relaxing + plan.measuring - 1;
         for cycle in 0..=last {
             let measured = cycle.checked_sub(plan.relaxing);
-            let course = if measured.is_some() { self.course } else { self.quiet };
-            let states = population.advance(self.motion, course, &mut tally.crossings)?;
+            let boundaries = if measured.is_some() { self.boundaries } else { self.quiet };
+            let states = population.advance(self.motion, boundaries, &mut tally.crossings)?;
             if let Some(measured) = measured {
                 states.iter().for_each(|particle| tally.observe(self.watched, particle));
                 let half = usize::from(2 * measured >= plan.measuring);

@@ -1,4 +1,4 @@
-use super::{FirstPassage, Spectrum, cells::at_centre, questions::Point};
+use super::{FirstPassage, Spectrum, cells::at_centre, requests::Point};
 use crate::error::{Error, Result, state_index};
 use crate::estimate::Estimate;
 use crate::simulation::{Histogram, SimulatedDensity, plan::same_level, tally::Tally};
@@ -11,12 +11,12 @@ impl SimulatedDensity {
     /// if the run was shorter than a segment, [`Error::Dimension`] if there is no such state.
     pub fn spectrum(&self, state: usize) -> Result<Spectrum> {
         let state = state_index("a state's index", state, self.layout.axes.len())?;
-        let spectra = &self.layout.watch.spectra;
+        let spectra = &self.layout.recorders.spectra;
         let place = spectra.iter().position(|&(other, _)| other == state).ok_or_else(|| Error::NotKnown {
             what: format!("the spectrum of state {state}"),
             remedy: "ask for it by `Simulation::spectrum` before the run",
         })?;
-        let tallies = self.batches.iter().map(|b| b.records.spectra[place].clone()).collect();
+        let tallies = self.batches.iter().map(|b| b.recordings.spectra[place].clone()).collect();
         Spectrum::new(spectra[place].1.clone(), tallies)
     }
 
@@ -26,13 +26,13 @@ impl SimulatedDensity {
     /// [`Error::NotKnown`] if [`Simulation::first_passage`](crate::Simulation::first_passage) did not ask for it,
     /// [`Error::OutOfRange`] if the run was shorter than a window.
     pub fn first_passage(&self, level: f64) -> Result<FirstPassage> {
-        let passages = &self.layout.watch.passages;
+        let passages = &self.layout.recorders.passages;
         let place = passages.iter().position(|waiting| same_level(waiting.level, level));
         let place = place.ok_or_else(|| Error::NotKnown {
             what: format!("the first passage of the level {level}"),
             remedy: "ask for it by `Simulation::first_passage` before the run",
         })?;
-        let tallies = self.batches.iter().map(|b| b.records.passages[place].clone()).collect();
+        let tallies = self.batches.iter().map(|b| b.recordings.passages[place].clone()).collect();
         FirstPassage::new(passages[place].window, tallies)
     }
 
@@ -54,7 +54,7 @@ impl SimulatedDensity {
         let found = |(k, point): (usize, &Point)| {
             let count = 2.0 * point.at.len() as f64;
             let sums = |b: &Tally| {
-                let counts = b.records.points[k];
+                let counts = b.recordings.points[k];
                 [b.moments[0], counts.centre as f64, counts.neighbours as f64]
             };
             let value = |[n, centre, beside]: [f64; 3]| at_centre(centre, beside, count) / (n * point.volume());
@@ -64,7 +64,7 @@ impl SimulatedDensity {
             let one_sample = Estimate::new(0.0, (samples * point.volume()).recip());
             (point.at.clone(), if never { one_sample } else { density })
         };
-        self.layout.watch.points.iter().enumerate().map(found).collect()
+        self.layout.recorders.points.iter().enumerate().map(found).collect()
     }
 
     /// The up-crossings of a level by state 0 per unit time as Rice's formula has it, ν⁺ = ∫₀^∞ v p(y, v) dv, from the
@@ -82,14 +82,14 @@ impl SimulatedDensity {
     /// doi:10.1002/j.1538-7305.1945.tb00453.x.
     pub fn upcrossing_rate_by_rice(&self, level: f64) -> Result<Estimate> {
         let place = self.level(level)?;
-        let width = self.layout.watch.slabs[place].width;
+        let width = self.layout.recorders.slabs[place].width;
         if width <= 0.0 {
             let what = format!("the flow through the level {level} by its states");
             let remedy = "the wall leaves no room for a cell about it: ask for another level";
             return Err(Error::NotKnown { what, remedy });
         }
         let sums = |b: &Tally| {
-            let [below, centre, above] = b.records.slabs[place];
+            let [below, centre, above] = b.recordings.slabs[place];
             [b.moments[0], centre, below + above]
         };
         Ok(self.estimate(sums, |[n, centre, beside]| at_centre(centre, beside, 2.0) / (n * width)))

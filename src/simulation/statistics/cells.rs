@@ -1,4 +1,4 @@
-use super::questions::Point;
+use super::requests::Point;
 use serde::{Deserialize, Serialize};
 
 /// Counts in the cell about a point and in its 2N neighbours.

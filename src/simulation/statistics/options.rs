@@ -1,4 +1,4 @@
-use super::questions::{PassageQuestion, Point};
+use super::requests::{PassageRequest, Point};
 use crate::simulation::Simulation;
 
 impl Simulation<'_> {
@@ -7,7 +7,7 @@ impl Simulation<'_> {
     ///
     /// High moments live in the tail: the relative standard error of E x^k grows about like 2^(k/2) for a normal density.
     pub fn moments(mut self, exponents: impl IntoIterator<Item = impl AsRef<[u32]>>) -> Self {
-        self.questions.moments.extend(exponents.into_iter().map(|exponents| exponents.as_ref().to_vec()));
+        self.requests.moments.extend(exponents.into_iter().map(|exponents| exponents.as_ref().to_vec()));
         self
     }
 
@@ -29,7 +29,7 @@ impl Simulation<'_> {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn spectrum(mut self, state: usize, length: usize) -> Self {
-        self.questions.spectra.push((state, length));
+        self.requests.spectra.push((state, length));
         self
     }
 
@@ -40,7 +40,7 @@ impl Simulation<'_> {
     /// The path of a displacement is watched at all times and its passages are told to a sampling interval; of any other
     /// state 0 only the samples are seen. The window is rounded to whole sampling intervals for each of the `bins`.
     pub fn first_passage(mut self, level: f64, window: f64, bins: usize) -> Self {
-        self.questions.passages.push(PassageQuestion { level, length: window, bins });
+        self.requests.passages.push(PassageRequest { level, length: window, bins });
         self
     }
 
@@ -48,7 +48,7 @@ impl Simulation<'_> {
     /// states. [`SimulatedDensity::at_points`](crate::SimulatedDensity::at_points) gives it, and says what widths do.
     pub fn points(mut self, points: impl IntoIterator<Item = impl AsRef<[f64]>>, widths: impl AsRef<[f64]>) -> Self {
         let point = |at: &[f64]| Point { at: at.to_vec(), widths: widths.as_ref().to_vec() };
-        self.questions.points.extend(points.into_iter().map(|at| point(at.as_ref())));
+        self.requests.points.extend(points.into_iter().map(|at| point(at.as_ref())));
         self
     }
 }

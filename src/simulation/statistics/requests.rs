@@ -16,18 +16,18 @@ const MOST_KEPT: usize = 1 << 26;
 
 /// What is asked of a simulation beyond the statistics that every one keeps.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub(in crate::simulation) struct Questions {
+pub(in crate::simulation) struct Requests {
     /// The exponents of moments.
     pub(in crate::simulation) moments: Vec<Vec<u32>>,
     /// States whose spectra are wanted, each with the number of samples in a segment.
     pub(in crate::simulation) spectra: Vec<(usize, usize)>,
-    pub(in crate::simulation) passages: Vec<PassageQuestion>,
+    pub(in crate::simulation) passages: Vec<PassageRequest>,
     pub(in crate::simulation) points: Vec<Point>,
 }
 
 /// A level of state 0, the length of the windows in which its first passage is waited for, and the number of times in one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-pub(in crate::simulation) struct PassageQuestion {
+pub(in crate::simulation) struct PassageRequest {
     pub(in crate::simulation) level: f64,
     pub(in crate::simulation) length: f64,
     pub(in crate::simulation) bins: usize,
@@ -40,7 +40,7 @@ pub(in crate::simulation) struct Point {
     pub(in crate::simulation) widths: Vec<f64>,
 }
 
-impl Questions {
+impl Requests {
     /// The levels whose up-crossings are to be counted: those named, and those of first passages.
     pub(in crate::simulation) fn with_levels(&self, named: &[f64]) -> Vec<f64> {
         let mut levels = named.to_vec();
@@ -78,7 +78,7 @@ impl Questions {
             kept += length * trajectories;
         }
         at_most("number of samples in all segments", kept, MOST_KEPT, "take shorter segments or fewer trajectories")?;
-        for (k, &PassageQuestion { level, length, bins }) in self.passages.iter().enumerate() {
+        for (k, &PassageRequest { level, length, bins }) in self.passages.iter().enumerate() {
             finite("level", level)?;
             PassageWindow::new(length, interval, bins, false)?;
             let remedy = "its first passage is asked for twice; one window can be given for each level";

@@ -1,17 +1,17 @@
 use super::{
     cells::{PointCounts, Slab},
     first_passage::{PassageClock, PassageTally, PassageWindow},
-    questions::{Point, Questions},
+    requests::{Point, Requests},
     spectrum::{Segments, SpectralTally},
 };
 use crate::simulation::plan::same_level;
 use serde::{Deserialize, Serialize};
 
-/// How a run looks at its samples to answer [`Questions`].
+/// How a run looks at its samples to answer [`Requests`].
 #[derive(Clone, Debug, Default)]
-pub(in crate::simulation) struct Watch {
+pub(in crate::simulation) struct Recorders {
     pub(super) spectra: Vec<(usize, Segments)>,
-    pub(super) passages: Vec<Waiting>,
+    pub(super) passages: Vec<FirstPassageRecorder>,
     pub(super) points: Vec<Point>,
     /// The cells about each level of state 0 whose up-crossings are counted, and the state that is its velocity.
     pub(super) slabs: Vec<Slab>,
@@ -20,7 +20,7 @@ pub(in crate::simulation) struct Watch {
 
 /// A level whose first passage is waited for.
 #[derive(Clone, Debug)]
-pub(super) struct Waiting {
+pub(super) struct FirstPassageRecorder {
     pub(super) level: f64,
     /// Its place among the levels whose up-crossings are counted; none where state 0 is no displacement.
     crossing: Option<usize>,
@@ -29,7 +29,7 @@ pub(super) struct Waiting {
 
 /// What one batch has found.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-pub(in crate::simulation) struct Records {
+pub(in crate::simulation) struct Recordings {
     pub(super) spectra: Vec<SpectralTally>,
     pub(super) passages: Vec<PassageTally>,
     pub(super) points: Vec<PointCounts>,
@@ -39,7 +39,7 @@ pub(in crate::simulation) struct Records {
 
 /// What is remembered of the paths of a batch until a segment or a window is whole.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-pub(in crate::simulation) struct Memory {
+pub(in crate::simulation) struct Buffers {
     /// For each trajectory the segments of all spectra.
     segments: Vec<Vec<f64>>,
     /// For each trajectory the clocks of all first passages.
@@ -48,7 +48,7 @@ pub(in crate::simulation) struct Memory {
 
 /// One sample of a trajectory.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::simulation) struct Seen<'a> {
+pub(in crate::simulation) struct Sample<'a> {
     /// The trajectory's number in its batch.
     pub(in crate::simulation) trajectory: usize,
     pub(in crate::simulation) x: &'a [f64],
@@ -57,21 +57,21 @@ pub(in crate::simulation) struct Seen<'a> {
     pub(in crate::simulation) lane: usize,
 }
 
-impl Records {
+impl Recordings {
     /// The lengths of all lists.
     pub(in crate::simulation) fn sizes(&self) -> impl Iterator<Item = usize> {
-        let Records { spectra, passages, points, slabs } = self;
+        let Recordings { spectra, passages, points, slabs } = self;
         let lists = [spectra.len(), passages.len(), points.len(), slabs.len()];
         let sums = spectra.iter().flat_map(SpectralTally::sizes).chain(passages.iter().map(PassageTally::size));
         lists.into_iter().chain(sums)
     }
 }
 
-impl Watch {
+impl Recorders {
     /// `levels` are those of state 0, which moves at the rate of `velocity` between `ends`, above a wall at `wall`; samples are
     /// `interval` apart.
     pub(in crate::simulation) fn new(
-        questions: &Questions,
+        requests: &Requests,
         interval: f64,
         (levels, velocity): (&[f64], Option<usize>),
         ends: [f64; 2],
@@ -79,23 +79,23 @@ impl Watch {
     ) -> Self {
         let segments = |&(state, length): &(usize, usize)| (state, Segments::new(length, interval));
         let crossing = |level: f64| levels.iter().position(|&y| same_level(y, level)).filter(|_| velocity.is_some());
-        let waiting = questions.passages.iter().filter_map(|asked| {
+        let waiting = requests.passages.iter().filter_map(|asked| {
             let crossing = crossing(asked.level);
             let window = PassageWindow::new(asked.length, interval, asked.bins, crossing.is_some()).ok()?;
-            Some(Waiting { level: asked.level, crossing, window })
+            Some(FirstPassageRecorder { level: asked.level, crossing, window })
         });
-        Watch {
-            spectra: questions.spectra.iter().map(segments).collect(),
+        Recorders {
+            spectra: requests.spectra.iter().map(segments).collect(),
             passages: waiting.collect(),
-            points: questions.points.clone(),
+            points: requests.points.clone(),
             slabs: levels.iter().map(|&level| Slab::new(level, ends, wall)).collect(),
             velocity: velocity.unwrap_or(0),
         }
     }
 
     /// Empty records.
-    pub(in crate::simulation) fn records(&self) -> Records {
-        Records {
+    pub(in crate::simulation) fn recordings(&self) -> Recordings {
+        Recordings {
             spectra: self.spectra.iter().map(|(_, segments)| segments.tally()).collect(),
             passages: self.passages.iter().map(|waiting| waiting.window.tally()).collect(),
             points: vec![PointCounts::default(); self.points.len()],
@@ -103,17 +103,17 @@ impl Watch {
         }
     }
 
-    /// The memory of so many trajectories before their first sample.
-    pub(in crate::simulation) fn memory(&self, trajectories: usize) -> Memory {
-        Memory {
+    /// The buffers of so many trajectories before their first sample.
+    pub(in crate::simulation) fn buffers(&self, trajectories: usize) -> Buffers {
+        Buffers {
             segments: vec![Vec::new(); trajectories * self.spectra.len()],
             clocks: vec![PassageClock::default(); trajectories * self.passages.len()],
         }
     }
 
-    /// Whether a memory that was read is one of so many trajectories.
-    pub(in crate::simulation) fn remembers(&self, memory: &Memory, trajectories: usize) -> bool {
-        let Memory { segments, clocks } = memory;
+    /// Whether buffers that were read are those of so many trajectories.
+    pub(in crate::simulation) fn fit(&self, buffers: &Buffers, trajectories: usize) -> bool {
+        let Buffers { segments, clocks } = buffers;
         segments.len() == trajectories * self.spectra.len()
             && clocks.len() == trajectories * self.passages.len()
             && segments.iter().zip(self.spectra.iter().cycle()).all(|(path, (_, segment))| segment.remembers(path))
@@ -121,21 +121,21 @@ impl Watch {
     }
 
     /// Looks at one sample.
-    pub(in crate::simulation) fn observe(&self, records: &mut Records, memory: &mut Memory, seen: Seen<'_>) {
-        let Seen { trajectory, x, crossed, lane } = seen;
-        let segments = memory.segments.iter_mut().skip(trajectory * self.spectra.len());
-        for (((state, spectrum), tally), path) in self.spectra.iter().zip(&mut records.spectra).zip(segments) {
+    pub(in crate::simulation) fn observe(&self, recordings: &mut Recordings, buffers: &mut Buffers, seen: Sample<'_>) {
+        let Sample { trajectory, x, crossed, lane } = seen;
+        let segments = buffers.segments.iter_mut().skip(trajectory * self.spectra.len());
+        for (((state, spectrum), tally), path) in self.spectra.iter().zip(&mut recordings.spectra).zip(segments) {
             tally.push(spectrum, path, x[*state]);
         }
-        let clocks = memory.clocks.iter_mut().skip(trajectory * self.passages.len());
-        for ((waiting, tally), clock) in self.passages.iter().zip(&mut records.passages).zip(clocks) {
+        let clocks = buffers.clocks.iter_mut().skip(trajectory * self.passages.len());
+        for ((waiting, tally), clock) in self.passages.iter().zip(&mut recordings.passages).zip(clocks) {
             let since = waiting.crossing.is_some_and(|k| crossed[k] >> lane & 1 == 1);
             tally.push(&waiting.window, clock, [x[0] >= waiting.level, since]);
         }
-        for (point, counts) in self.points.iter().zip(&mut records.points) {
+        for (point, counts) in self.points.iter().zip(&mut recordings.points) {
             point.observe(counts, x);
         }
-        for (slab, sums) in self.slabs.iter().zip(&mut records.slabs) {
+        for (slab, sums) in self.slabs.iter().zip(&mut recordings.slabs) {
             slab.observe(sums, x[0], x[self.velocity]);
         }
     }

@@ -2,7 +2,7 @@ use crate::error::{Error, Result};
 use serde::{Serialize, de::DeserializeOwned};
 
 /// The processes that share the trajectories of one simulation.
-pub(super) trait Peers {
+pub(super) trait Processes {
     /// The number of this process, from 0.
     fn rank(&self) -> usize;
 
@@ -15,9 +15,9 @@ pub(super) trait Peers {
 
 /// One process alone.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Alone;
+pub(super) struct OneProcess;
 
-impl Peers for Alone {
+impl Processes for OneProcess {
     fn rank(&self) -> usize {
         0
     }
@@ -32,12 +32,13 @@ impl Peers for Alone {
 }
 
 /// What every process gives, or an error: that of this process first, else that of the first that failed.
-pub(super) fn share(peers: &impl Peers, mine: Result<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
-    if peers.count() == 1 {
+pub(super) fn all_gather(processes: &impl Processes, mine: Result<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+    if processes.count() == 1 {
         return Ok(vec![mine?]);
     }
     let reason = mine.as_ref().err().map(Error::to_string);
-    let words = exchanged::<(Option<String>, Vec<u8>)>(peers, &(reason, mine.as_ref().cloned().unwrap_or_default()))?;
+    let words =
+        exchanged::<(Option<String>, Vec<u8>)>(processes, &(reason, mine.as_ref().cloned().unwrap_or_default()))?;
     mine?;
     let read = |(rank, (reason, word))| match reason {
         None => Ok(word),
@@ -47,26 +48,26 @@ pub(super) fn share(peers: &impl Peers, mine: Result<Vec<u8>>) -> Result<Vec<Vec
 }
 
 /// The lists of all processes, one behind another.
-pub(super) fn gather<T: Serialize + DeserializeOwned>(peers: &impl Peers, mine: Vec<T>) -> Result<Vec<T>> {
-    if peers.count() == 1 {
+pub(super) fn gather<T: Serialize + DeserializeOwned>(processes: &impl Processes, mine: Vec<T>) -> Result<Vec<T>> {
+    if processes.count() == 1 {
         return Ok(mine);
     }
-    Ok(exchanged::<Vec<T>>(peers, &mine)?.into_iter().flatten().collect())
+    Ok(exchanged::<Vec<T>>(processes, &mine)?.into_iter().flatten().collect())
 }
 
 /// The values of all processes.
-fn exchanged<T: Serialize + DeserializeOwned>(peers: &impl Peers, mine: &T) -> Result<Vec<T>> {
+fn exchanged<T: Serialize + DeserializeOwned>(processes: &impl Processes, mine: &T) -> Result<Vec<T>> {
     let failed = |rank: usize| move |error: postcard::Error| Error::Rank { rank, reason: error.to_string() };
-    let words = peers.exchange(postcard::to_stdvec(mine).map_err(failed(peers.rank()))?)?;
+    let words = processes.exchange(postcard::to_stdvec(mine).map_err(failed(processes.rank()))?)?;
     let read = |(rank, word): (usize, Vec<u8>)| postcard::from_bytes(&word).map_err(failed(rank));
     words.into_iter().enumerate().map(read).collect()
 }
 
 /// Whether any process was cancelled, and whether any raises each of the flags; or the error of one of them.
-pub(super) fn agree(peers: &impl Peers, outcome: Result<()>, flags: [bool; 2]) -> Result<[bool; 3]> {
+pub(super) fn any_of(processes: &impl Processes, outcome: Result<()>, flags: [bool; 2]) -> Result<[bool; 3]> {
     let cancelled = matches!(outcome, Err(Error::Cancelled { .. }));
     let mine = [cancelled, flags[0], flags[1]].map(u8::from).to_vec();
-    let words = share(peers, if cancelled { Ok(mine) } else { outcome.map(|()| mine) })?;
+    let words = all_gather(processes, if cancelled { Ok(mine) } else { outcome.map(|()| mine) })?;
     Ok(std::array::from_fn(|k| words.iter().any(|word| word.get(k) == Some(&1))))
 }
 
@@ -92,7 +93,7 @@ mod tests {
         gate: &'a sync::Barrier,
     }
 
-    impl Peers for Thread<'_> {
+    impl Processes for Thread<'_> {
         fn rank(&self) -> usize {
             self.rank
         }
@@ -144,11 +145,11 @@ mod tests {
         assert_eq!(single_precise.provenance().stopped, Some(Stopped::Precision));
         // 65 processes: one of them has no batch.
         for count in [2, 4, 65] {
-            for result in among(count, |peers| simulation().run_among(&problem, peers)) {
+            for result in among(count, |processes| simulation().run_among(&problem, processes)) {
                 assert_eq!(numbers(&result?)?, numbers(&single)?, "{count} processes");
             }
         }
-        for result in among(3, |peers| precise().run_among(&problem, peers)) {
+        for result in among(3, |processes| precise().run_among(&problem, processes)) {
             assert_eq!(numbers(&result?)?, numbers(&single_precise)?);
         }
         Ok(())
@@ -157,19 +158,19 @@ mod tests {
     #[test]
     fn a_run_goes_on_with_another_number_of_processes() -> Result<()> {
         let problem = problem()?;
-        let file = std::env::temp_dir().join(format!("expoly-peers-{}", std::process::id()));
+        let file = std::env::temp_dir().join(format!("expoly-processes-{}", std::process::id()));
         let run = || simulation().checkpoint(&file, Duration::from_secs(60));
         let single = simulation().run(&problem)?;
         for count in [3, 1] {
             // Out of time after one round, the second one with samples.
-            let sessions = among(count, |peers| run().time_budget(Duration::ZERO).run_among(&problem, peers));
+            let sessions = among(count, |processes| run().time_budget(Duration::ZERO).run_among(&problem, processes));
             let unfinished = |outcome: &Result<SimulatedDensity>| match outcome {
                 Ok(result) => result.provenance().stopped == Some(Stopped::TimeBudget),
                 Err(error) => matches!(error, Error::OutOfTime { .. }),
             };
             assert!(sessions.iter().all(unfinished), "{count} processes");
         }
-        for result in among(4, |peers| run().run_among(&problem, peers)) {
+        for result in among(4, |processes| run().run_among(&problem, processes)) {
             assert_eq!(numbers(&result?)?, numbers(&single)?);
         }
         let _ = std::fs::remove_file(&file);
@@ -179,7 +180,7 @@ mod tests {
     #[test]
     fn what_fails_in_one_process_ends_all() -> Result<()> {
         let growing = Problem::of(Linear::new(-1.0, 1.0, 0.2)?)?;
-        let outcomes = among(4, |peers| Simulation::new().burn_in(1.0).run_among(&growing, peers));
+        let outcomes = among(4, |processes| Simulation::new().burn_in(1.0).run_among(&growing, processes));
         assert!(outcomes.iter().any(|o| matches!(o, Err(Error::Exploded { .. }))));
         assert!(outcomes.iter().all(|o| matches!(o, Err(Error::Exploded { .. } | Error::Rank { .. }))));
         let nowhere = std::env::temp_dir().join("no-such-folder").join("state");
@@ -196,10 +197,10 @@ mod tests {
         let problem = problem()?;
         // In the pilot, and after it, which takes 64 · 256 path-steps.
         for steps in [1, 100_000] {
-            let outcomes = among(2, |peers| {
-                let most = if peers.rank == 1 { steps } else { u64::MAX };
+            let outcomes = among(2, |processes| {
+                let most = if processes.rank == 1 { steps } else { u64::MAX };
                 let stop = move |p: Progress| if p.done >= most { Break(()) } else { Continue(()) };
-                simulation().progress(stop).run_among(&problem, peers)
+                simulation().progress(stop).run_among(&problem, processes)
             });
             assert!(outcomes.iter().all(|o| matches!(o, Err(Error::Cancelled { .. }))), "beyond {steps}");
         }

@@ -15,7 +15,7 @@ const LOWER: WallLevel = WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9 
 const ALL: WallLevel = WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 };
 
 /// The nested spaces that an order needs. Each but the last holds the first functions of the next.
-pub(super) struct Ladder {
+pub(super) struct NestedSpaces {
     /// What the closure's Q is made of.
     pub(super) answer: Functions,
     /// What the reference's weight is made of; it contains the answer's functions, though not as its first.
@@ -27,25 +27,25 @@ pub(super) struct Ladder {
     pub(super) weight_columns: usize,
     pub(super) lower_columns: usize,
     /// The columns whose share in the correction is its error, and the end of what is kept of it: all, or less than that.
-    pub(super) whole: Band,
-    pub(super) cut: Option<Band>,
+    pub(super) whole: Truncation,
+    pub(super) cut: Option<Truncation>,
 }
 
 /// Columns by which a correction is judged, and where it ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Band {
+pub(super) struct Truncation {
     pub(super) judged: usize,
     pub(super) end: usize,
 }
 
-impl Ladder {
-    /// The ladder of the answer's space, the weight's, all functions but those of the last degrees, and all.
-    fn new([answer, weight, lower, all]: [Functions; 4], cut: Option<Band>) -> Self {
-        Ladder {
+impl NestedSpaces {
+    /// The spaces of the answer's space, the weight's, all functions but those of the last degrees, and all.
+    fn new([answer, weight, lower, all]: [Functions; 4], cut: Option<Truncation>) -> Self {
+        NestedSpaces {
             answer_columns: answer.len() + 1,
             weight_columns: weight.len() + 1,
             lower_columns: lower.len() + 1,
-            whole: Band { judged: lower.len() + 1, end: all.len() + 1 },
+            whole: Truncation { judged: lower.len() + 1, end: all.len() + 1 },
             cut,
             answer,
             weight,
@@ -56,15 +56,15 @@ impl Ladder {
 
 /// The spaces of all orders for one system.
 #[derive(Clone, Debug)]
-pub(super) enum Family {
+pub(super) enum SpaceFamily {
     Smooth(Smooth),
     Walled(Walled),
 }
 
-impl Family {
-    pub(super) fn ladder(&self, order: u32) -> Ladder {
+impl SpaceFamily {
+    pub(super) fn nested(&self, order: u32) -> NestedSpaces {
         match self {
-            Family::Smooth(smooth) => {
+            SpaceFamily::Smooth(smooth) => {
                 let degree = smooth.reference_degree(order);
                 // A weight of low degree serves a low order, and is faster.
                 let weight = order.max(match (smooth.centre.len(), order) {
@@ -75,17 +75,17 @@ impl Family {
                 let spaces = [order, weight, degree - 2, degree].map(|d| smooth.functions(d));
                 let cut = (degree > order + BUFFER).then(|| {
                     let [judged, end] = [BUFFER + 2, BUFFER].map(|less| smooth.functions(degree - less).len() + 1);
-                    Band { judged, end }
+                    Truncation { judged, end }
                 });
-                Ladder::new(spaces, cut)
+                NestedSpaces::new(spaces, cut)
             }
-            Family::Walled(walled) => Ladder::new(walled.spaces(order), None),
+            SpaceFamily::Walled(walled) => NestedSpaces::new(walled.spaces(order), None),
         }
     }
 
     /// Whether there is nothing but polynomials.
     pub(super) fn is_smooth(&self) -> bool {
-        matches!(self, Family::Smooth(_))
+        matches!(self, SpaceFamily::Smooth(_))
     }
 }
 
@@ -119,7 +119,7 @@ pub(super) struct Walled {
 }
 
 impl Walled {
-    /// The spaces of a ladder.
+    /// The spaces of the answer, the weight, and the reference and the one below it.
     fn spaces(&self, order: u32) -> [Functions; 4] {
         // From order 9 on the weight is of the answer's own level.
         let weight = if order <= WEIGHT.degree { WEIGHT } else { level(order) };

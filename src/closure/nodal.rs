@@ -1,19 +1,19 @@
-//! The closure of one and two states, from the setting to the density.
+//! The closure of one and two states, from the discretisation to the density.
 
-use super::choice::{Candidate, Fitted, Judge, Origin, mean_logarithm};
+use super::choice::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
 use super::content::{Content, Integrals};
 use super::density::ClosureDensity;
+use super::discretisation::{Discretisation, FINE, Passage, likeliest};
 use super::exponent::Exponent;
-use super::family::Ladder;
 use super::indicator::{Indication, Probe, indicate};
-use super::kept::Kept;
+use super::nested_spaces::NestedSpaces;
 use super::nodes::Nodes;
 use super::pilot::Pilot;
 use super::projection::{project, tempered};
 use super::reference::{Reference, Start, normalised};
+use super::retained::Retained;
 use super::sampled::DRAWS;
 use super::samples::{Copula, ImportanceRule, Lattice};
-use super::setting::{FINE, Passage, Setting, likeliest};
 use super::table::{self, Table};
 use super::trust_domain::TrustDomain;
 use super::weight::Weight;
@@ -29,7 +29,7 @@ use std::time::Instant;
 const SMOOTHED: f64 = 0.5;
 
 /// The pilot's states whose likelihood is taken.
-const WITNESSES: usize = 4000;
+const VALIDATION_STATES: usize = 4000;
 /// An answer with a larger error is integrated again on finer nodes.
 const ROUGH: f64 = 0.2;
 /// A reference with a larger error is none.
@@ -38,8 +38,8 @@ const UNKNOWN: f64 = 1.0;
 const ON_LATTICE: f64 = 1e-9;
 
 /// What the closures of one system share at all orders.
-pub(super) struct Workshop {
-    pub(super) setting: Setting,
+pub(super) struct NodalClosure {
+    pub(super) discretisation: Discretisation,
     /// What a similar system's reference has come to.
     pub(super) start: Option<Start>,
     /// Under the system's own intensities.
@@ -49,11 +49,11 @@ pub(super) struct Workshop {
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
-    /// The lattice that the setting's nodes are of, if they are of one, and where that is trusted.
+    /// The lattice that the discretisation's nodes are of, if they are of one, and where that is trusted.
     pub(super) lattice: Option<(Lattice, Copula)>,
 }
 
-impl Workshop {
+impl NodalClosure {
     /// The closure of an order.
     ///
     /// # Errors
@@ -65,21 +65,22 @@ impl Workshop {
     /// What the closure of an order is made of.
     pub(super) fn content(&self, order: u32) -> Result<Content> {
         let failed = |reason| Error::NotClosed { order, reason };
-        let setting = &self.setting;
-        let ladder = setting.family.ladder(order);
-        let (table, after) = self.tabulated(&ladder);
-        let reference = Reference::new(setting, &ladder, &table, self.start.as_ref(), || self.fit(&self.pilot.states))
-            .ok_or_else(|| failed("its moment equations have no solution; the noise may not reach every state"))?;
-        let kept = Kept::above(setting, &reference);
-        if kept.points.len() < ladder.answer_columns {
+        let discretisation = &self.discretisation;
+        let nested = discretisation.family.nested(order);
+        let (table, after) = self.tabulated(&nested);
+        let reference =
+            Reference::new(discretisation, &nested, &table, self.start.as_ref(), || self.fit(&self.pilot.states))
+                .ok_or_else(|| failed("its moment equations have no solution; the noise may not reach every state"))?;
+        let kept = Retained::above(discretisation, &reference);
+        if kept.points.len() < nested.answer_columns {
             return Err(failed("its moment equations leave no part of the trust domain to be judged on"));
         }
-        let values = Mat::from_fn(kept.points.len(), ladder.lower_columns, |i, k| table.values[(kept.nodes[i], k)]);
-        let witnesses = self.witnesses();
-        let judge = self.judge(&ladder, &reference, &kept, values.as_ref(), &witnesses);
-        let mut tried = self.tried(&judge, &kept);
+        let values = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| table.values[(kept.nodes[i], k)]);
+        let validation_states = self.validation_states();
+        let scoring = self.scoring(&nested, &reference, &kept, values.as_ref(), &validation_states);
+        let mut tried = self.tried(&scoring, &kept);
         let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
-        let exact = self.exact_at(order, &judge, &kept, chosen);
+        let exact = self.exact_at(order, &scoring, &kept, chosen);
         if let Some(content) = exact.and_then(|exact| self.exact(order, exact, &reference)) {
             return Ok(content);
         }
@@ -89,18 +90,18 @@ impl Workshop {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
         let (values, at_walls) = (values.as_ref(), after.as_ref());
-        let probe = Probe { kept: &kept, values, at_walls, own: ladder.answer_columns, order };
+        let probe = Probe { kept: &kept, values, at_walls, own: nested.answer_columns, order };
         let unknown = Indication { indicator: f64::INFINITY, residual: f64::INFINITY };
-        let indication = indicate(setting, &exponent, &probe).unwrap_or(unknown);
-        let reference_shift = reference.value(&kept.points[0]) - judge.target[0];
+        let indication = indicate(discretisation, &exponent, &probe).unwrap_or(unknown);
+        let reference_shift = reference.value(&kept.points[0]) - scoring.target[0];
         let reference = reference.shifted(-reference_shift);
         let unknowns = exponent.coefficients.len();
         let provenance = self.provenance(order, unknowns, reference.solved);
-        let moments = match (&self.lattice, ladder.answer.polynomials()) {
-            (Some(_), Some(polynomials)) => reference.moments(setting, &ladder, &table, polynomials.exponents()),
+        let moments = match (&self.lattice, nested.answer.polynomials()) {
+            (Some(_), Some(polynomials)) => reference.moments(discretisation, &nested, &table, polynomials.exponents()),
             _ => Vec::new(),
         };
-        let integrals = self.integrals(&exponent, &setting.nodes, &setting.lines);
+        let integrals = self.integrals(&exponent, &discretisation.nodes, &discretisation.lines);
         Ok(Content {
             integrals: integrals.ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range"))?,
             lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
@@ -127,51 +128,68 @@ impl Workshop {
     }
 
     /// All functions at the nodes and before impacts, less what they are after them; and what they are after them.
-    fn tabulated(&self, ladder: &Ladder) -> (Table, Mat<f64>) {
-        let Setting { nodes, locals, passages, .. } = &self.setting;
+    fn tabulated(&self, nested: &NestedSpaces) -> (Table, Mat<f64>) {
+        let Discretisation { nodes, locals, passages, .. } = &self.discretisation;
         let ends = |end: fn(&Passage) -> &[f64; 2]| {
             let mut points = States::new(nodes.points.dimension());
             passages.iter().for_each(|passage| points.push(end(passage)));
-            table::values(&ladder.all, &points)
+            table::values(&nested.all, &points)
         };
         let (before, after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
-        let table = Table::new(&ladder.all, &nodes.points, locals).with_impacts(&before, &after);
-        (table, after.get(.., ..ladder.lower_columns).to_owned())
+        let table = Table::new(&nested.all, &nodes.points, locals).with_impacts(&before, &after);
+        (table, after.get(.., ..nested.lower_columns).to_owned())
     }
 
     /// Who judges the densities of an order: the reference, as it stands and as an exponential polynomial.
-    fn judge<'a>(
+    fn scoring<'a>(
         &'a self,
-        ladder: &Ladder,
+        nested: &NestedSpaces,
         reference: &'a Reference,
-        kept: &Kept,
+        kept: &Retained,
         values: MatRef<'a, f64>,
-        witnesses: &'a States,
-    ) -> Judge<'a> {
-        let setting = &self.setting;
+        validation_states: &'a States,
+    ) -> Scoring<'a> {
+        let discretisation = &self.discretisation;
         let weights = kept.weights.clone();
         let target: Vec<f64> = kept.nodes.iter().map(|&i| reference.logarithm[i]).collect();
         let target = normalised(&target, &weights);
-        let fixed: Vec<f64> = kept.nodes.iter().map(|&i| setting.fixed[i]).collect();
+        let fixed: Vec<f64> = kept.nodes.iter().map(|&i| discretisation.fixed[i]).collect();
         let smooth = project(values, &fixed, &target, &tempered(&target, &weights, SMOOTHED))
             .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
-        let likelihood = self.likelihood(reference, witnesses);
-        let values = values.get(.., ..ladder.answer_columns);
-        let space = ladder.answer.clone();
-        Judge { setting, reference, space, values, fixed, target, smooth, weights, pilot: witnesses, likelihood }
+        let likelihood = self.likelihood(reference, validation_states);
+        let values = values.get(.., ..nested.answer_columns);
+        let space = nested.answer.clone();
+        Scoring {
+            discretisation,
+            reference,
+            space,
+            values,
+            fixed,
+            target,
+            smooth,
+            weights,
+            pilot: validation_states,
+            likelihood,
+        }
     }
 
     /// The densities that were tried, the best one first.
-    fn tried(&self, judge: &Judge<'_>, kept: &Kept) -> Vec<Fitted> {
-        let setting = &self.setting;
-        let mut tried = judge.candidates(self.weight);
-        let doubted = judge.reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted);
+    fn tried(&self, scoring: &Scoring<'_>, kept: &Retained) -> Vec<Fitted> {
+        let discretisation = &self.discretisation;
+        let mut tried = scoring.candidates(self.weight);
+        let doubted = scoring.reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted);
         if doubted && self.lattice.is_none() {
             // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
-            let fit = likeliest(judge.space.clone(), setting.known().to_vec(), &setting.nodes, &self.pilot.states, 1.0);
+            let fit = likeliest(
+                scoring.space.clone(),
+                discretisation.known().to_vec(),
+                &discretisation.nodes,
+                &self.pilot.states,
+                1.0,
+            );
             if let Some(fit) = fit {
                 let log: Vec<f64> = kept.points.iter().map(|x| fit.value(x)).collect();
-                tried.insert(0, judge.judged(Origin::MaximumLikelihood, fit, &log));
+                tried.insert(0, scoring.judged(Origin::MaximumLikelihood, fit, &log));
             }
         }
         tried
@@ -179,19 +197,19 @@ impl Workshop {
 
     /// Whether a density that is normalised on the nodes is so on twice as many.
     fn resolved(&self, exponent: &Exponent, domain: &TrustDomain) -> bool {
-        if !self.setting.family.is_smooth() || self.lattice.is_some() {
+        if !self.discretisation.family.is_smooth() || self.lattice.is_some() {
             return true;
         }
-        let finer = Nodes::gauss(domain, 2 * FINE[self.setting.nodes.points.dimension().min(2) - 1]);
+        let finer = Nodes::gauss(domain, 2 * FINE[self.discretisation.nodes.points.dimension().min(2) - 1]);
         let mass: f64 = exponent.values(&finer.points).iter().zip(&finer.weights).map(|(log, w)| w * log.exp()).sum();
         (0.9..=1.1).contains(&mass)
     }
 
     /// Some of the pilot's states, evenly chosen: enough for a guard that is to see gross errors.
-    pub(super) fn witnesses(&self) -> States {
+    pub(super) fn validation_states(&self) -> States {
         let states = &self.pilot.states;
         let mut chosen = States::new(states.dimension());
-        states.iter().step_by((states.len() / WITNESSES).max(1)).for_each(|x| chosen.push(x));
+        states.iter().step_by((states.len() / VALIDATION_STATES).max(1)).for_each(|x| chosen.push(x));
         chosen
     }
 
@@ -199,7 +217,7 @@ impl Workshop {
         Provenance {
             order: Some(order),
             unknowns: Some(unknowns),
-            nodes: Some(self.setting.nodes.len()),
+            nodes: Some(self.discretisation.nodes.len()),
             iterations: Some(iterations),
             seed: Some(self.seed),
             pilot_states: Some(self.pilot.states.len()),
@@ -213,18 +231,24 @@ impl Workshop {
     /// The mean of ln p over the pilot's states that a good density has: the reference's, or that of the fit which the
     /// first guess is if it is larger.
     pub(super) fn likelihood(&self, reference: &Reference, states: &States) -> f64 {
-        let setting = &self.setting;
-        let shift = reference.value(&setting.nodes.points[0]) - reference.logarithm[0];
+        let discretisation = &self.discretisation;
+        let shift = reference.value(&discretisation.nodes.points[0]) - reference.logarithm[0];
         let of_reference = reference.values(states).iter().sum::<f64>() / states.len() as f64 - shift;
         let Some(mut fit) = self.fit(states) else { return of_reference };
-        let log = fit.values(&setting.nodes.points);
-        fit.constant += normalised(&log, &setting.nodes.weights)[0] - log[0];
+        let log = fit.values(&discretisation.nodes.points);
+        fit.constant += normalised(&log, &discretisation.nodes.weights)[0] - log[0];
         mean_logarithm(&fit, states).max(of_reference)
     }
 
     /// The most likely density of the first guess's form for states under the system's own intensities.
     fn fit(&self, states: &States) -> Option<Exponent> {
-        let setting = &self.setting;
-        likeliest(setting.guess.space.clone(), setting.known().to_vec(), &setting.nodes, states, 1.0)
+        let discretisation = &self.discretisation;
+        likeliest(
+            discretisation.guess.space.clone(),
+            discretisation.known().to_vec(),
+            &discretisation.nodes,
+            states,
+            1.0,
+        )
     }
 }

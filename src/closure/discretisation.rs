@@ -1,8 +1,8 @@
 //! All that a closure of one system needs at any order: where the density is, and the points that stand for integrals.
 
 use super::exponent::{Exponent, known_value};
-use super::family::{Family, Smooth};
 use super::likelihood::most_likely;
+use super::nested_spaces::{Smooth, SpaceFamily};
 use super::nodes::Nodes;
 use super::pilot::Pilot;
 use super::space::{Corner, Functions};
@@ -42,8 +42,8 @@ pub(super) struct Passage {
 }
 
 /// A system with its trust domain, the nodes in it, and the functions on it.
-pub(super) struct Setting {
-    pub(super) family: Family,
+pub(super) struct Discretisation {
+    pub(super) family: SpaceFamily,
     pub(super) domain: TrustDomain,
     pub(super) nodes: Nodes,
     /// The Fokker-Planck operator at the nodes.
@@ -59,8 +59,8 @@ pub(super) struct Setting {
     pub(super) drop: f64,
 }
 
-impl Setting {
-    /// The setting of a system on the whole space.
+impl Discretisation {
+    /// The discretisation of a system on the whole space.
     ///
     /// Its pilot ran at an inflated intensity, under which ln p is roughly divided by the inflation (exactly so for a Gibbs
     /// density): the most likely polynomial, multiplied back, is the first guess, and good in the tails as well. The nodes
@@ -76,13 +76,13 @@ impl Setting {
         let along = if states == 2 && highest_order <= LOW_ORDER { LOW_ORDER_NODES } else { FINE[states.min(2) - 1] };
         let nodes = Nodes::gauss(&domain, along);
         let (centre, half_width) = domain.box_around();
-        let family = Family::Smooth(Smooth { centre, half_width, ..family });
+        let family = SpaceFamily::Smooth(Smooth { centre, half_width, ..family });
         let (lines, locals, fixed) = (lines(&domain), locals(problem, &nodes), vec![0.0; nodes.len()]);
         let (passages, drop) = (Vec::new(), KEPT);
-        Some(Setting { family, domain, nodes, locals, lines, passages, fixed, guess, drop })
+        Some(Discretisation { family, domain, nodes, locals, lines, passages, fixed, guess, drop })
     }
 
-    /// The setting on the nodes of a lattice, with a first guess that is good already.
+    /// The discretisation on the nodes of a lattice, with a first guess that is good already.
     pub(super) fn on_lattice(
         problem: &Problem,
         (domain, family): (TrustDomain, Smooth),
@@ -91,8 +91,8 @@ impl Setting {
     ) -> Self {
         let nodes = Nodes { points, weights, rules: Vec::new() };
         let (locals, fixed) = (locals(problem, &nodes), vec![0.0; nodes.len()]);
-        let (family, lines, passages) = (Family::Smooth(family), Vec::new(), Vec::new());
-        Setting { family, domain, nodes, locals, lines, passages, fixed, guess, drop: f64::INFINITY }
+        let (family, lines, passages) = (SpaceFamily::Smooth(family), Vec::new(), Vec::new());
+        Discretisation { family, domain, nodes, locals, lines, passages, fixed, guess, drop: f64::INFINITY }
     }
 
     /// Whether the nodes are those of a lattice, which ends where the density does: there is no edge to keep away from.

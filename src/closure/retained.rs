@@ -1,0 +1,35 @@
+use super::discretisation::Discretisation;
+use super::reference::Reference;
+use super::trust_domain::TrustDomain;
+use crate::fokker_planck::Local;
+use crate::states::States;
+
+/// The part of the trust domain on which a reference is large enough to be asked, with its nodes.
+pub(super) struct Retained {
+    pub(super) domain: TrustDomain,
+    /// The nodes' places among those of the discretisation.
+    pub(super) nodes: Vec<usize>,
+    pub(super) points: States,
+    pub(super) weights: Vec<f64>,
+}
+
+impl Retained {
+    pub(super) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
+        let domain = discretisation.domain.above(|x| reference.value(x), discretisation.drop);
+        let all = &discretisation.nodes;
+        let kept = |i: &usize| discretisation.is_on_lattice() || domain.contains(&all.points[*i]);
+        let nodes: Vec<usize> = (0..all.len()).filter(kept).collect();
+        let mut points = States::with_capacity(all.points.dimension(), nodes.len());
+        nodes.iter().for_each(|&i| points.push(&all.points[i]));
+        let weights = nodes.iter().map(|&i| all.weights[i]).collect();
+        Retained { domain, nodes, points, weights }
+    }
+
+    /// The nodes, with the operator there.
+    pub(super) fn locals<'a>(
+        &'a self,
+        discretisation: &'a Discretisation,
+    ) -> impl Iterator<Item = (&'a [f64], &'a Local)> {
+        self.points.iter().zip(self.nodes.iter().map(|&i| &discretisation.locals[i]))
+    }
+}
