@@ -1,10 +1,10 @@
 //! The closure's options.
 
 use super::classical::ClassicalClosure;
-use super::degrees::Degrees;
 use super::density::ClosureDensity;
+use super::projection::weight::Weight;
 use super::reference::Start;
-use super::weight::Weight;
+use super::space::degrees::Degrees;
 use crate::error::{Result, positive, require};
 
 /// The factor on the pilot's noise intensities that shows the tails.

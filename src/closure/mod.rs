@@ -6,61 +6,44 @@
 //! those of the stationary density. These equations always have a solution, the best density of its order in the sense of
 //! Kullback and Leibler. The steps, each in its file:
 //!
-//! 1. `pilot`: a short simulation at inflated intensity; `trust_domain`: where it has been; `discretisation`, `walled`: the nodes
-//!    there and the first guess of ln p, by `likelihood`;
-//! 2. `nested_spaces`, `space`: the functions of an order and those of its reference, made `orthonormal` under a weight;
-//! 3. `moment_equations`, `reference`: a density of many more moment equations, E[Gψ] = 0, which are linear in its ratio to
-//!    a weight, the weight renewed until it follows the density;
-//! 4. `projection`, `weight`: the exponential polynomial closest to it, by a convex minimisation;
-//! 5. `retained`, `choice`, `indicator`: the candidates, their errors, and the guard by the pilot's likelihood;
-//! 6. `exact`: where a candidate is a solution itself, that;
-//! 7. `content`, `density`, `answers`: the answer with its trust domain, and its integrals with their errors.
+//! 1. `pilot`: a short simulation at inflated intensity;
+//! 2. `discretisation`: the trust domain, which is where the pilot has been, the nodes there, next to walls as well, and the
+//!    first guess of ln p by likelihood;
+//! 3. `space`: the functions of an order and those of its reference, made orthonormal under a weight;
+//! 4. `reference`: a density of many more moment equations, E[Gψ] = 0, which are linear in its ratio to a weight, the weight
+//!    renewed until it follows the density;
+//! 5. `projection`: the exponential polynomial closest to it, by a convex minimisation; where a candidate is a solution itself,
+//!    that (`exact`);
+//! 6. `candidates`: their errors, the choice among them, and the guard by the pilot's likelihood;
+//! 7. `density`: the answer with its trust domain, and its integrals with their errors.
 //!
-//! `method` holds the options, and `solve` the way from a problem to the steps: Gauss nodes in one and two states, also next
-//! to walls. In three and more, `samples` and `sampled`, the pilot's states take the place of the reference: their means, made
-//! precise by the moment equations, have one most likely exponential polynomial; `on_lattice` solves the equations of a reference
-//! in three states and four.
+//! `method` holds the options, and `solve` the way from a problem to the steps: `nodal` takes them on Gauss nodes in one and two
+//! states, also next to walls. In three and more, `sampled` and `samples`, the pilot's states take the place of the reference:
+//! their means, made precise by the moment equations, have one most likely exponential polynomial; `reference::on_lattice`
+//! solves the equations of a reference in three states and four.
 //!
 //! `classical` is the literature's method.
 
-mod answers;
-mod choice;
+mod candidates;
 mod classical;
-mod content;
-mod degrees;
 mod density;
 mod discretisation;
-mod exact;
-mod exponent;
-mod indicator;
-mod likelihood;
 mod method;
-mod moment_equations;
-mod nested_spaces;
 mod nodal;
-mod nodes;
-mod on_lattice;
-mod orthonormal;
 mod pilot;
-mod polish;
 mod projection;
 mod reference;
-mod retained;
 mod sampled;
 mod samples;
 mod solve;
 mod space;
-mod table;
-mod trust_domain;
-mod walled;
-mod weight;
 
-pub use choice::{Candidate, Origin};
+pub use candidates::{Candidate, Origin};
 pub use classical::{Basis, ClassicalClosure, Solution, Termination};
-pub use degrees::Degrees;
 pub use density::ClosureDensity;
+pub(crate) use discretisation::trust_domain::TrustDomain;
 pub use method::Closure;
+pub use projection::weight::Weight;
 pub(crate) use samples::Copula;
+pub use space::degrees::Degrees;
 pub(crate) use space::{CLOSEST, Corner, PER_UNIT, SMALLEST, STEPS, Similarity, TAYLOR};
-pub(crate) use trust_domain::TrustDomain;
-pub use weight::Weight;

@@ -1,22 +1,22 @@
 //! The closure of one and two states, from the discretisation to the density.
 
-use super::choice::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
-use super::content::{Content, Integrals};
+use super::candidates::indicator::{Indication, Probe, indicate};
+use super::candidates::retained::Retained;
+use super::candidates::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
 use super::density::ClosureDensity;
+use super::density::content::{Content, Integrals};
+use super::density::exponent::Exponent;
+use super::discretisation::nodes::Nodes;
+use super::discretisation::table::{self, Table};
+use super::discretisation::trust_domain::TrustDomain;
 use super::discretisation::{Discretisation, FINE, Passage, likeliest};
-use super::exponent::Exponent;
-use super::indicator::{Indication, Probe, indicate};
-use super::nested_spaces::NestedSpaces;
-use super::nodes::Nodes;
 use super::pilot::Pilot;
+use super::projection::weight::Weight;
 use super::projection::{project, tempered};
 use super::reference::{Reference, Start, normalised};
-use super::retained::Retained;
 use super::sampled::DRAWS;
 use super::samples::{Copula, ImportanceRule, Lattice};
-use super::table::{self, Table};
-use super::trust_domain::TrustDomain;
-use super::weight::Weight;
+use super::space::nested_spaces::NestedSpaces;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::provenance::Provenance;

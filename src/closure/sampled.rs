@@ -1,15 +1,15 @@
 //! The closure on the pilot's own states, from the pilot to the density.
 
-use super::choice::{Candidate, Origin};
-use super::content::{Content, Integrals};
-use super::degrees::Degrees;
+use super::candidates::indicator::Indication;
+use super::candidates::{Candidate, Origin};
 use super::density::ClosureDensity;
-use super::exponent::Exponent;
-use super::indicator::Indication;
+use super::density::content::{Content, Integrals};
+use super::density::exponent::Exponent;
+use super::discretisation::trust_domain::TrustDomain;
 use super::pilot::Pilot;
 use super::reference::scaled_mass;
 use super::samples::{Copula, ImportanceRule, Lattice, SampleClosure, close_on_samples};
-use super::trust_domain::TrustDomain;
+use super::space::degrees::Degrees;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::problem::{Problem, Symmetry};

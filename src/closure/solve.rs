@@ -1,16 +1,16 @@
 //! From a problem and the options to the steps: which nodes, which orders, and what is tried again.
 
-use super::degrees::Degrees;
 use super::density::ClosureDensity;
+use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
-use super::exponent::Exponent;
+use super::discretisation::walled;
 use super::method::{Closure, HIGHEST_ORDER, Order};
-use super::nested_spaces::Smooth;
 use super::nodal::NodalClosure;
 use super::pilot::{Pilot, PilotPlan};
 use super::reference::Start;
 use super::sampled::Sampled;
-use super::walled;
+use super::space::degrees::Degrees;
+use super::space::nested_spaces::Smooth;
 use crate::error::{Error, Result};
 use crate::problem::{Problem, Wall};
 use std::time::Instant;

@@ -2,9 +2,9 @@
 
 use super::products::{LANES, Products, Scratch};
 use super::sites::Sites;
-use crate::closure::degrees::Degrees;
 use crate::closure::pilot::{Pilot, TRAJECTORIES};
 use crate::closure::space::Polynomials;
+use crate::closure::space::degrees::Degrees;
 use crate::control_variates::regression;
 use crate::problem::{Problem, Symmetry};
 use faer::linalg::matmul::matmul;

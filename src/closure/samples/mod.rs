@@ -22,9 +22,9 @@ pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
 pub(crate) use moments::Moment;
 
-use super::degrees::Degrees;
-use super::exponent::Exponent;
+use super::density::exponent::Exponent;
 use super::pilot::Pilot;
+use super::space::degrees::Degrees;
 use super::space::{Functions, Polynomials};
 use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;

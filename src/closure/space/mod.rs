@@ -1,4 +1,12 @@
 //! The functions that ln p and its corrections are combined from.
+//!
+//! - `degrees`: which monomials are of an order; `polynomials`: products of Legendre polynomials of them;
+//! - `corner`, `similarity`, `kink`, `wall`: the functions next to walls;
+//! - `nested_spaces`: the spaces that an order needs; `orthonormal`: their bases under a weight.
+
+pub(super) mod degrees;
+pub(super) mod nested_spaces;
+pub(super) mod orthonormal;
 
 mod corner;
 mod jet;

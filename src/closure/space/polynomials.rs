@@ -1,5 +1,5 @@
 use super::Jet;
-use crate::closure::degrees::HIGHEST;
+use super::degrees::HIGHEST;
 use crate::control_variates::products::Products;
 use crate::polynomial::Polynomial;
 use crate::record::{Read, exponents, positive_states, states};

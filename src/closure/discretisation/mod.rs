@@ -1,18 +1,28 @@
 //! All that a closure of one system needs at any order: where the density is, and the points that stand for integrals.
+//!
+//! - `trust_domain`: where the pilot has been;
+//! - `nodes`: Gauss nodes there; `table`: functions and what the operator makes of them, at the nodes;
+//! - `likelihood`: the first guess of ln p;
+//! - `walled`: the same next to walls.
 
-use super::exponent::{Exponent, known_value};
-use super::likelihood::most_likely;
-use super::nested_spaces::{Smooth, SpaceFamily};
-use super::nodes::Nodes;
+pub(super) mod likelihood;
+pub(super) mod nodes;
+pub(super) mod table;
+pub(super) mod trust_domain;
+pub(super) mod walled;
+
+use super::density::exponent::{Exponent, known_value};
 use super::pilot::Pilot;
+use super::space::nested_spaces::{Smooth, SpaceFamily};
 use super::space::{Corner, Functions};
-use super::table;
-use super::trust_domain::TrustDomain;
 use crate::fokker_planck::Local;
 use crate::problem::Problem;
 use crate::quadrature::Rule;
 use crate::states::States;
+use likelihood::most_likely;
+use nodes::Nodes;
 use rayon::prelude::*;
+use trust_domain::TrustDomain;
 
 /// The degree of the polynomial that the pilot's states are fitted by.
 const FIT: u32 = 8;

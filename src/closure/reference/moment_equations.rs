@@ -1,8 +1,8 @@
 //! The moment equations as a linear system for the ratio of the density to a reference weight.
 
-use super::nested_spaces::Truncation;
-use super::orthonormal::Orthonormal;
-use super::table::Table;
+use crate::closure::discretisation::table::Table;
+use crate::closure::space::nested_spaces::Truncation;
+use crate::closure::space::orthonormal::Orthonormal;
 use faer::prelude::*;
 use faer::{Mat, MatRef};
 
@@ -13,16 +13,16 @@ use faer::{Mat, MatRef};
 /// functions alone, so that any positive ω will do. Under ω ≈ p the symmetric part of A is −½ ∫ ω ∇ψ·B∇ψ: the equations
 /// are as stable as the system itself.
 #[derive(Clone, Debug)]
-pub(super) struct Resolved {
+pub(in crate::closure) struct Resolved {
     /// δ at the nodes.
-    pub(super) correction: Vec<f64>,
+    pub(in crate::closure) correction: Vec<f64>,
     /// Its coefficients, the constant's first.
-    pub(super) coefficients: Vec<f64>,
+    pub(in crate::closure) coefficients: Vec<f64>,
     /// ∫ ω |δ|.
-    pub(super) size: f64,
+    pub(in crate::closure) size: f64,
     /// An estimate of the error of p̂ in the L¹ norm: the share of δ in the functions of the highest degrees, which still
     /// changes with the degree, and what the edge of the domain may do.
-    pub(super) error: f64,
+    pub(in crate::closure) error: f64,
 }
 
 /// Solves the moment equations, by two expressions for F.
@@ -34,7 +34,7 @@ pub(super) struct Resolved {
 /// `measure` holds ω times the quadrature weights, with sum 1, at the rows of `table`; rows
 /// beyond its length carry `passages`, equations' other terms: impacts. `None` where the functions are linearly dependent
 /// under ω or the system is singular.
-pub(super) fn resolve(
+pub(in crate::closure) fn resolve(
     table: &Table,
     measure: &[f64],
     passages: &[f64],

@@ -1,4 +1,4 @@
-use super::space::{Corner, Functions, Jet};
+use crate::closure::space::{Corner, Functions, Jet};
 use crate::record::Read;
 use crate::states::States;
 use rayon::prelude::*;
@@ -19,17 +19,17 @@ pub(crate) struct Exponent {
 }
 
 impl Exponent {
-    pub(super) fn value(&self, x: &[f64]) -> f64 {
+    pub(in crate::closure) fn value(&self, x: &[f64]) -> f64 {
         self.constant + self.space.sum(x, &self.coefficients) + known_value(&self.known, x)
     }
 
     /// The values at many states.
-    pub(super) fn values(&self, points: &States) -> Vec<f64> {
+    pub(in crate::closure) fn values(&self, points: &States) -> Vec<f64> {
         points.par_iter().map(|x| self.value(x)).collect()
     }
 
     /// The value with its derivatives.
-    pub(super) fn jet(&self, x: &[f64], jet: &mut Jet) {
+    pub(in crate::closure) fn jet(&self, x: &[f64], jet: &mut Jet) {
         jet.clear();
         self.space.combine(x, &self.coefficients, jet);
         jet.value += self.constant;
@@ -37,7 +37,7 @@ impl Exponent {
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
-    pub(super) fn checked(self, states: usize) -> Read<Self> {
+    pub(in crate::closure) fn checked(self, states: usize) -> Read<Self> {
         let Exponent { known, space, constant, coefficients } = self;
         let space = space.checked(states)?;
         if coefficients.len() != space.len() {
@@ -55,6 +55,6 @@ impl Exponent {
 }
 
 /// Q₀ at a state.
-pub(super) fn known_value(known: &[Corner], x: &[f64]) -> f64 {
+pub(in crate::closure) fn known_value(known: &[Corner], x: &[f64]) -> f64 {
     known.iter().map(|corner| corner.singular_value(x)).sum()
 }

@@ -1,7 +1,7 @@
 //! The start: the exponential polynomial under which the pilot's states are most likely.
 
-use super::projection::tempered;
-use super::reference::scaled_mass;
+use crate::closure::projection::tempered;
+use crate::closure::reference::scaled_mass;
 use faer::prelude::*;
 use faer::{Mat, MatRef, Side};
 
@@ -14,7 +14,12 @@ const LONGEST: f64 = 1.5;
 /// mean of φ over the pilot's states. It is concave, and damped Newton steps climb it from the uniform density.
 ///
 /// `values` holds the functions at the nodes, without the constant.
-pub(super) fn most_likely(values: MatRef<'_, f64>, fixed: &[f64], weights: &[f64], mean: &[f64]) -> Option<Vec<f64>> {
+pub(in crate::closure) fn most_likely(
+    values: MatRef<'_, f64>,
+    fixed: &[f64],
+    weights: &[f64],
+    mean: &[f64],
+) -> Option<Vec<f64>> {
     let (rows, columns) = (values.nrows(), values.ncols());
     let at = |a: &Mat<f64>| -> (f64, Vec<f64>) {
         let product = values * a;

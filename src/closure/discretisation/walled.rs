@@ -1,12 +1,12 @@
 //! The discretisation of an oscillator next to a wall, or between two.
 
-use super::discretisation::{Discretisation, Passage, likeliest, locals};
-use super::exponent::known_value;
-use super::nested_spaces::{SpaceFamily, Walled};
 use super::nodes::Nodes;
-use super::pilot::Pilot;
-use super::space::{Corner, Functions, Polynomials};
 use super::trust_domain::TrustDomain;
+use crate::closure::density::exponent::known_value;
+use crate::closure::discretisation::{Discretisation, Passage, likeliest, locals};
+use crate::closure::pilot::Pilot;
+use crate::closure::space::nested_spaces::{SpaceFamily, Walled};
+use crate::closure::space::{Corner, Functions, Polynomials};
 use crate::problem::{Problem, Symmetry, Wall};
 use crate::quadrature::Rule;
 use crate::states::States;
@@ -33,11 +33,11 @@ const SPEED_NODES: [usize; 6] = [7, 7, 7, 8, 9, 9];
 const WALL_NODES: usize = 16;
 
 /// The highest order that a wall's reference can scoring.
-pub(super) const HIGHEST_ORDER: u32 = 10;
+pub(in crate::closure) const HIGHEST_ORDER: u32 = 10;
 
 /// The discretisation of an oscillator whose displacement (state 0, its velocity state 1) meets a wall below, above, or both.
 /// `None` if the pilot's states cannot be fitted.
-pub(super) fn walled(problem: &Problem, pilot: &Pilot, walls: [Option<Wall>; 2]) -> Option<Discretisation> {
+pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Option<Wall>; 2]) -> Option<Discretisation> {
     let offsets = walls.map(|wall| wall.map(|wall| wall.offset()));
     let pilot = pilot.between(offsets);
     if pilot.states.is_empty() {

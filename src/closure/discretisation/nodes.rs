@@ -4,16 +4,16 @@ use crate::states::States;
 
 /// Points of the state space with weights: sums over them stand for integrals over the trust domain.
 #[derive(Clone, Debug)]
-pub(super) struct Nodes {
-    pub(super) points: States,
-    pub(super) weights: Vec<f64>,
+pub(in crate::closure) struct Nodes {
+    pub(in crate::closure) points: States,
+    pub(in crate::closure) weights: Vec<f64>,
     /// The rules whose product they are taken from.
-    pub(super) rules: Vec<Rule>,
+    pub(in crate::closure) rules: Vec<Rule>,
 }
 
 impl Nodes {
     /// The nodes of `count` Gauss points along each side of the box around the domain.
-    pub(super) fn gauss(domain: &TrustDomain, count: usize) -> Self {
+    pub(in crate::closure) fn gauss(domain: &TrustDomain, count: usize) -> Self {
         let rule = Rule::legendre(count);
         Nodes::tensor(domain, domain.bounds().iter().map(|[low, high]| rule.on(*low, *high)).collect())
     }
@@ -22,7 +22,7 @@ impl Nodes {
     ///
     /// The rules take no account of the domain's edge. The density there is below a millionth of its peak, and so is the
     /// error.
-    pub(super) fn tensor(domain: &TrustDomain, rules: Vec<Rule>) -> Self {
+    pub(in crate::closure) fn tensor(domain: &TrustDomain, rules: Vec<Rule>) -> Self {
         let mut nodes = Nodes { points: States::new(rules.len()), weights: Vec::new(), rules: Vec::new() };
         nodes.extend(domain, &rules, &mut Vec::with_capacity(rules.len()), 1.0);
         Nodes { rules, ..nodes }
@@ -45,7 +45,7 @@ impl Nodes {
     }
 
     /// The nodes that lie in a smaller domain.
-    pub(super) fn within(&self, domain: &TrustDomain) -> Self {
+    pub(in crate::closure) fn within(&self, domain: &TrustDomain) -> Self {
         let mut kept = Nodes { points: States::new(self.points.dimension()), weights: Vec::new(), rules: Vec::new() };
         for (x, &weight) in self.points.iter().zip(&self.weights).filter(|(x, _)| domain.contains(x)) {
             kept.points.push(x);
@@ -54,7 +54,7 @@ impl Nodes {
         Nodes { rules: self.rules.clone(), ..kept }
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::closure) fn len(&self) -> usize {
         self.weights.len()
     }
 }

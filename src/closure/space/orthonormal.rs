@@ -3,9 +3,9 @@ use faer::{Mat, MatRef};
 
 /// Functions made orthonormal under a discrete measure, in their given order: each is a combination of those up to it.
 #[derive(Debug)]
-pub(super) struct Orthonormal {
+pub(in crate::closure) struct Orthonormal {
     /// √ω ψ at the nodes.
-    pub(super) weighted: Mat<f64>,
+    pub(in crate::closure) weighted: Mat<f64>,
     /// Upper triangular, φ = ψ R.
     triangle: Mat<f64>,
 }
@@ -16,7 +16,7 @@ const DEPENDENT: f64 = 1e-13;
 impl Orthonormal {
     /// Orthonormalises the columns of `values` under the weights `measure` of its rows. `None` where they are linearly
     /// dependent, as they are at fewer nodes than functions.
-    pub(super) fn new(values: MatRef<'_, f64>, measure: &[f64]) -> Option<Self> {
+    pub(in crate::closure) fn new(values: MatRef<'_, f64>, measure: &[f64]) -> Option<Self> {
         if values.nrows() < values.ncols() {
             return None;
         }
@@ -35,7 +35,7 @@ impl Orthonormal {
     }
 
     /// The coefficients of Σ d_k ψ_k in the functions φ.
-    pub(super) fn coefficients(&self, d: &[f64]) -> Vec<f64> {
+    pub(in crate::closure) fn coefficients(&self, d: &[f64]) -> Vec<f64> {
         let mut column = Mat::from_fn(d.len(), 1, |k, _| d[k]);
         let size = d.len();
         faer::linalg::triangular_solve::solve_upper_triangular_in_place(
@@ -47,7 +47,7 @@ impl Orthonormal {
     }
 
     /// The columns of `other`, values of some linear image of the φ, as the same image of the ψ.
-    pub(super) fn transformed(&self, other: MatRef<'_, f64>) -> Mat<f64> {
+    pub(in crate::closure) fn transformed(&self, other: MatRef<'_, f64>) -> Mat<f64> {
         // X R = other, solved as Rᵀ Xᵀ = otherᵀ.
         let mut transposed = other.transpose().to_owned();
         faer::linalg::triangular_solve::solve_lower_triangular_in_place(

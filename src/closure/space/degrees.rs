@@ -21,7 +21,7 @@ pub struct Degrees {
 }
 
 /// No rule here is made for polynomials of a higher degree.
-pub(super) const HIGHEST: u32 = 30;
+pub(in crate::closure) const HIGHEST: u32 = 30;
 /// Nor is any for more monomials.
 const MOST: usize = 1_000_000;
 
@@ -57,7 +57,7 @@ impl Degrees {
     }
 
     /// Whether an order has more monomials than that, without making them.
-    pub(super) fn are_more_than(&self, most: usize, states: usize, order: u32) -> bool {
+    pub(in crate::closure) fn are_more_than(&self, most: usize, states: usize, order: u32) -> bool {
         let (limits, weights) = self.limits(states);
         let mut left = most + 1;
         spend(&mut left, (&limits, &weights), 0, reach(order));
@@ -73,7 +73,7 @@ impl Degrees {
     }
 
     /// Refuses states that are none of so many, and weights that leave too many monomials.
-    pub(super) fn check(&self, states: usize) -> Result<()> {
+    pub(in crate::closure) fn check(&self, states: usize) -> Result<()> {
         let limited = self.most.iter().map(|(state, _)| *state);
         for state in limited.chain(self.weights.iter().map(|(state, _)| *state)) {
             state_index("the state of a degree", state, states)?;
@@ -87,7 +87,12 @@ impl Degrees {
     }
 
     /// The exponents up to an order, without the constant, in order of rising weighted degree.
-    pub(super) fn exponents(&self, states: usize, order: u32, keep: impl Fn(&[u32]) -> bool) -> Vec<Vec<u32>> {
+    pub(in crate::closure) fn exponents(
+        &self,
+        states: usize,
+        order: u32,
+        keep: impl Fn(&[u32]) -> bool,
+    ) -> Vec<Vec<u32>> {
         let (most, weights) = self.limits(states);
         let degree = |alpha: &[u32]| alpha.iter().zip(&weights).map(|(&power, w)| w * f64::from(power)).sum::<f64>();
         let mut found = Vec::new();

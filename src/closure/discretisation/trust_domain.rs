@@ -1,4 +1,4 @@
-use super::pilot::Pilot;
+use crate::closure::pilot::Pilot;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive_states, states};
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ pub(crate) struct TrustDomain {
 impl TrustDomain {
     /// The hull of the pilot's states and their mirror images about `centre`, with all distances multiplied by
     /// `widening`. Walls at state 0, if any, stay where they are.
-    pub(super) fn new(
+    pub(in crate::closure) fn new(
         pilot: &Pilot,
         symmetry: &Symmetry,
         centre: Vec<f64>,
@@ -72,7 +72,7 @@ impl TrustDomain {
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
-    pub(super) fn checked(self, count: usize) -> Read<Self> {
+    pub(in crate::closure) fn checked(self, count: usize) -> Read<Self> {
         let sectors = sectors(count);
         if self.reach.len() != sectors || !self.reach.iter().all(|reach| reach.is_finite() && *reach >= 0.0) {
             return Err(format!("the trust domain reaches {:?}, and not {sectors} distances", self.reach));
@@ -97,7 +97,7 @@ impl TrustDomain {
     /// The domain as far as a logarithmic density `log` falls: in each direction from three quarters of the present reach
     /// outwards, until it is `drop` below its highest value anywhere, begins to rise again, or the reach has grown by
     /// `most`.
-    pub(super) fn following(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64, most: f64) -> Self {
+    pub(in crate::closure) fn following(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64, most: f64) -> Self {
         let rays: Vec<Vec<f64>> = (0..self.reach.len())
             .into_par_iter()
             .map(|k| (0..=RAY).map(|step| log(&self.on_ray(k, step, most))).collect())
@@ -140,12 +140,12 @@ impl TrustDomain {
     }
 
     /// Whether a state lies inside.
-    pub(super) fn contains(&self, x: &[f64]) -> bool {
+    pub(in crate::closure) fn contains(&self, x: &[f64]) -> bool {
         self.between_walls(x[0]) && self.distance(x) <= self.reach_towards(x)
     }
 
     /// The box around the domain.
-    pub(super) fn bounds(&self) -> Vec<[f64; 2]> {
+    pub(in crate::closure) fn bounds(&self) -> Vec<[f64; 2]> {
         let widest = self.reach.iter().copied().fold(0.0, f64::max);
         let along = |i: usize| {
             let half = self.scale[i] * self.extent(i).min(widest);
@@ -158,7 +158,7 @@ impl TrustDomain {
     }
 
     /// The middle and the half widths of that box.
-    pub(super) fn box_around(&self) -> (Vec<f64>, Vec<f64>) {
+    pub(in crate::closure) fn box_around(&self) -> (Vec<f64>, Vec<f64>) {
         self.bounds().iter().map(|[low, high]| ((low + high) / 2.0, (high - low) / 2.0)).unzip()
     }
 
@@ -167,7 +167,7 @@ impl TrustDomain {
     /// points of the wall count that a ray behind it leads to beyond the domain.
     ///
     /// In three states and more it stays as it is.
-    pub(super) fn above(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64) -> Self {
+    pub(in crate::closure) fn above(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64) -> Self {
         if self.dimension() > 2 {
             return self.clone();
         }
@@ -186,7 +186,7 @@ impl TrustDomain {
     }
 
     /// The mass beyond the edge, in one state or two, if a logarithmic density falls on at the rate that it has there.
-    pub(super) fn mass_beyond(&self, log: impl Fn(&[f64]) -> f64) -> f64 {
+    pub(in crate::closure) fn mass_beyond(&self, log: impl Fn(&[f64]) -> f64) -> f64 {
         let area: f64 = self.scale.iter().product();
         let angle = std::f64::consts::TAU / SECTORS as f64;
         (0..self.reach.len())
@@ -207,7 +207,7 @@ impl TrustDomain {
 
     /// The guard: outside the domain, the value at the edge less at least `STEEP` for each time that the distance from
     /// the centre exceeds the reach; −∞ behind walls.
-    pub(super) fn continued(&self, x: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
+    pub(in crate::closure) fn continued(&self, x: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
         if !self.between_walls(x[0]) {
             return f64::NEG_INFINITY;
         }

@@ -1,16 +1,25 @@
-use super::choice::{Candidate, ENOUGH};
-use super::content::{Content, Integrals};
-use super::exponent::Exponent;
-use super::nodes::Nodes;
+//! The answer: a density with its trust domain and its errors.
+//!
+//! - `exponent`: Q; `content`: all that an answer is made of, as it is stored;
+//! - `answers`: the questions of every density.
+
+pub(super) mod answers;
+pub(super) mod content;
+pub(super) mod exponent;
+
+use super::candidates::{Candidate, ENOUGH};
+use super::discretisation::nodes::Nodes;
+use super::discretisation::trust_domain::TrustDomain;
 use super::reference::Start;
 use super::samples::Copula;
-use super::trust_domain::TrustDomain;
 use crate::density::{Crossing, Density, escape_direction};
 use crate::error::{Result, dimension};
 use crate::estimate::Estimate;
 use crate::polynomial::Polynomial;
 use crate::provenance::Provenance;
 use crate::states::States;
+use content::{Content, Integrals};
+use exponent::Exponent;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;

@@ -1,20 +1,20 @@
-use super::discretisation::Discretisation;
-use super::reference::Reference;
-use super::trust_domain::TrustDomain;
+use crate::closure::discretisation::Discretisation;
+use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::reference::Reference;
 use crate::fokker_planck::Local;
 use crate::states::States;
 
 /// The part of the trust domain on which a reference is large enough to be asked, with its nodes.
-pub(super) struct Retained {
-    pub(super) domain: TrustDomain,
+pub(in crate::closure) struct Retained {
+    pub(in crate::closure) domain: TrustDomain,
     /// The nodes' places among those of the discretisation.
-    pub(super) nodes: Vec<usize>,
-    pub(super) points: States,
-    pub(super) weights: Vec<f64>,
+    pub(in crate::closure) nodes: Vec<usize>,
+    pub(in crate::closure) points: States,
+    pub(in crate::closure) weights: Vec<f64>,
 }
 
 impl Retained {
-    pub(super) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
+    pub(in crate::closure) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
         let domain = discretisation.domain.above(|x| reference.value(x), discretisation.drop);
         let all = &discretisation.nodes;
         let kept = |i: &usize| discretisation.is_on_lattice() || domain.contains(&all.points[*i]);
@@ -26,7 +26,7 @@ impl Retained {
     }
 
     /// The nodes, with the operator there.
-    pub(super) fn locals<'a>(
+    pub(in crate::closure) fn locals<'a>(
         &'a self,
         discretisation: &'a Discretisation,
     ) -> impl Iterator<Item = (&'a [f64], &'a Local)> {

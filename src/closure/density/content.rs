@@ -1,10 +1,10 @@
-use super::choice::Candidate;
-use super::degrees::HIGHEST;
 use super::exponent::Exponent;
-use super::indicator::Indication;
-use super::reference::Reference;
-use super::samples::{ImportanceRule, Lattice, Moment};
-use super::trust_domain::TrustDomain;
+use crate::closure::candidates::Candidate;
+use crate::closure::candidates::indicator::Indication;
+use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::reference::Reference;
+use crate::closure::samples::{ImportanceRule, Lattice, Moment};
+use crate::closure::space::degrees::HIGHEST;
 use crate::problem::COLLAPSE;
 use crate::provenance::Provenance;
 use crate::quadrature::Rule;
@@ -20,28 +20,28 @@ const MOST_NODES: usize = 2000;
 #[derive(Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Content {
-    pub(super) exponent: Exponent,
+    pub(in crate::closure) exponent: Exponent,
     /// Normalised over the nodes; none where the density is exact.
-    pub(super) reference: Option<Reference>,
-    pub(super) domain: TrustDomain,
-    pub(super) integrals: Integrals,
+    pub(in crate::closure) reference: Option<Reference>,
+    pub(in crate::closure) domain: TrustDomain,
+    pub(in crate::closure) integrals: Integrals,
     /// Where means are taken instead of on draws, in three states and four.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) lattice: Option<Lattice>,
+    pub(in crate::closure) lattice: Option<Lattice>,
     /// Moments that are known better than the density's own; none on Gauss nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) moments: Vec<Moment>,
-    pub(super) guarded: bool,
+    pub(in crate::closure) moments: Vec<Moment>,
+    pub(in crate::closure) guarded: bool,
     /// The chosen one first.
-    pub(super) candidates: Vec<Candidate>,
-    pub(super) indication: Indication,
-    pub(super) provenance: Provenance,
+    pub(in crate::closure) candidates: Vec<Candidate>,
+    pub(in crate::closure) indication: Indication,
+    pub(in crate::closure) provenance: Provenance,
 }
 
 /// How integrals over the trust domain are taken.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum Integrals {
+pub(in crate::closure) enum Integrals {
     /// On Gauss nodes, in one state and in two: products of rules, and rules along the states.
     Panels { rules: Vec<Rule>, lines: Vec<Rule> },
     /// By importance sampling, in any number of states.
@@ -50,12 +50,12 @@ pub(super) enum Integrals {
 
 impl Content {
     /// The number of states.
-    pub(super) fn dimension(&self) -> usize {
+    pub(in crate::closure) fn dimension(&self) -> usize {
         self.domain.centre.len()
     }
 
     /// Why the density should not be relied on, if there is a reason.
-    pub(super) fn warning(&self) -> Option<&'static str> {
+    pub(in crate::closure) fn warning(&self) -> Option<&'static str> {
         let chosen = &self.candidates[0];
         if self.provenance.stationary == Some(false) {
             Some("the pilot was not stationary: the system relaxes more slowly than it ran, or not at all")
@@ -76,7 +76,7 @@ impl Content {
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
-    pub(super) fn checked(self) -> Read<Self> {
+    pub(in crate::closure) fn checked(self) -> Read<Self> {
         let states = self.dimension();
         let domain = self.domain.checked(states)?;
         let exponent = self.exponent.checked(states)?;

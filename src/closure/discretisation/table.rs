@@ -1,4 +1,4 @@
-use super::space::Functions;
+use crate::closure::space::Functions;
 use crate::fokker_planck::Local;
 use crate::states::States;
 use faer::Mat;
@@ -6,16 +6,16 @@ use rayon::prelude::*;
 
 /// The values of functions at points, with their mean rates of change: one row a point, one column a function.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub(in crate::closure) struct Table {
     /// 1, φ₁ … φ_K.
-    pub(super) values: Mat<f64>,
+    pub(in crate::closure) values: Mat<f64>,
     /// 0, Gφ₁ … Gφ_K.
-    pub(super) rates: Mat<f64>,
+    pub(in crate::closure) rates: Mat<f64>,
 }
 
 impl Table {
     /// Tabulates functions under the generator, whose coefficients at the points are `locals`.
-    pub(super) fn new(space: &Functions, points: &States, locals: &[Local]) -> Self {
+    pub(in crate::closure) fn new(space: &Functions, points: &States, locals: &[Local]) -> Self {
         let columns = space.len() + 1;
         let (mut values, mut rates) = (vec![1.0; points.len() * columns], vec![0.0; points.len() * columns]);
         let rows = values.par_chunks_mut(columns).zip(rates.par_chunks_mut(columns));
@@ -26,7 +26,7 @@ impl Table {
     }
 
     /// The table with one more row for each impact: a function's values are those before, and its rate is its jump.
-    pub(super) fn with_impacts(&self, before: &Mat<f64>, after: &Mat<f64>) -> Self {
+    pub(in crate::closure) fn with_impacts(&self, before: &Mat<f64>, after: &Mat<f64>) -> Self {
         let (interior, columns) = (self.values.nrows(), self.values.ncols());
         let joined = |inside: &Mat<f64>, beyond: &dyn Fn(usize, usize) -> f64| {
             let entry = |i: usize, k: usize| if i < interior { inside[(i, k)] } else { beyond(i - interior, k) };
@@ -40,7 +40,7 @@ impl Table {
 }
 
 /// 1, φ₁ … φ_K at some points: one row a point.
-pub(super) fn values(space: &Functions, points: &States) -> Mat<f64> {
+pub(in crate::closure) fn values(space: &Functions, points: &States) -> Mat<f64> {
     let columns = space.len() + 1;
     let mut rows = vec![1.0; points.len() * columns];
     rows.par_chunks_mut(columns).zip(points.par_iter()).for_each(|(row, x)| space.values(x, &mut row[1..]));

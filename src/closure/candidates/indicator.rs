@@ -1,11 +1,11 @@
 //! How far a density is from satisfying the Fokker-Planck equation.
 
-use super::discretisation::Discretisation;
-use super::exponent::Exponent;
-use super::orthonormal::Orthonormal;
-use super::projection::tempered;
 use super::retained::Retained;
-use super::space::Jet;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::Discretisation;
+use crate::closure::projection::tempered;
+use crate::closure::space::Jet;
+use crate::closure::space::orthonormal::Orthonormal;
 use crate::fokker_planck::Local;
 use crate::record::number;
 use faer::{Mat, MatRef};
@@ -17,29 +17,33 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Indication {
     /// η.
     #[serde(with = "number")]
-    pub(super) indicator: f64,
+    pub(in crate::closure) indicator: f64,
     /// ‖F‖ over the functions that Q itself is made of.
     #[serde(with = "number")]
-    pub(super) residual: f64,
+    pub(in crate::closure) residual: f64,
 }
 
 /// Where a density is probed, and with what.
-pub(super) struct Probe<'a> {
-    pub(super) kept: &'a Retained,
+pub(in crate::closure) struct Probe<'a> {
+    pub(in crate::closure) kept: &'a Retained,
     /// The test functions at the kept nodes, the constant first, then those of Q.
-    pub(super) values: MatRef<'a, f64>,
+    pub(in crate::closure) values: MatRef<'a, f64>,
     /// The same where trajectories leave a wall.
-    pub(super) at_walls: MatRef<'a, f64>,
+    pub(in crate::closure) at_walls: MatRef<'a, f64>,
     /// How many columns are the constant's and Q's.
-    pub(super) own: usize,
+    pub(in crate::closure) own: usize,
     /// n.
-    pub(super) order: u32,
+    pub(in crate::closure) order: u32,
 }
 
 /// The indicator η = ‖∫ r ψ_k p̃ dx‖/√(1 + n) of a density, with test functions ψ_k of a higher degree than its own,
 /// orthonormal under it, and the norm ‖F‖ of those of Q alone. Where there are walls, what fails to return from them is
 /// part of the residual.
-pub(super) fn indicate(discretisation: &Discretisation, exponent: &Exponent, probe: &Probe<'_>) -> Option<Indication> {
+pub(in crate::closure) fn indicate(
+    discretisation: &Discretisation,
+    exponent: &Exponent,
+    probe: &Probe<'_>,
+) -> Option<Indication> {
     let Probe { kept, values, at_walls, own, order } = *probe;
     let log: Vec<f64> = kept.points.iter().map(|x| exponent.value(x)).collect();
     let measure = tempered(&log, &kept.weights, 1.0);

@@ -1,10 +1,10 @@
 //! What a closure's density answers: integrals on Gauss nodes, on a lattice or on draws, each with its distance from that of the
 //! reference.
 
-use super::choice::Origin;
 use super::content::{Content, Integrals};
-use super::density::ClosureDensity;
-use super::samples::ImportanceRule;
+use crate::closure::candidates::Origin;
+use crate::closure::density::ClosureDensity;
+use crate::closure::samples::ImportanceRule;
 use crate::density::{Crossing, Density, moderate, pair, placed};
 use crate::error::{Result, dimension, state_index};
 use crate::estimate::Estimate;

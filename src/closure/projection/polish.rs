@@ -1,13 +1,13 @@
 //! The root of the Galerkin equations where there is one that solves the Fokker-Planck equation itself.
 
-use super::discretisation::Discretisation;
-use super::exponent::Exponent;
-use super::orthonormal::Orthonormal;
-use super::projection::tempered;
-use super::reference::scaled_mass;
-use super::retained::Retained;
-use super::space::Jet;
-use super::table;
+use crate::closure::candidates::retained::Retained;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::Discretisation;
+use crate::closure::discretisation::table;
+use crate::closure::projection::tempered;
+use crate::closure::reference::scaled_mass;
+use crate::closure::space::Jet;
+use crate::closure::space::orthonormal::Orthonormal;
 use crate::states::States;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
@@ -26,7 +26,11 @@ const NEAR: f64 = 0.3;
 /// the residual vanishes at every node, and this, which most roots do not, is what is asked for; otherwise `None`.
 ///
 /// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way.
-pub(super) fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retained) -> Option<Exponent> {
+pub(in crate::closure) fn polished(
+    discretisation: &Discretisation,
+    exponent: &Exponent,
+    kept: &Retained,
+) -> Option<Exponent> {
     let Retained { points, weights, .. } = kept;
     let (states, count) = (points.dimension(), exponent.coefficients.len());
     let mut current = exponent.clone();

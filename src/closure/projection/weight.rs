@@ -1,4 +1,4 @@
-use super::projection::tempered;
+use crate::closure::projection::tempered;
 use crate::error::{Result, finite, require};
 use std::fmt;
 
@@ -24,7 +24,7 @@ pub enum Weight {
 
 impl Weight {
     /// Refuses a share that is none.
-    pub(super) fn check(self) -> Result<()> {
+    pub(in crate::closure) fn check(self) -> Result<()> {
         if let Weight::Tails(share) = self {
             let remedy = "it is the share of the weight that the tails get, between 0 and 1";
             finite("share of the tails", share)?;
@@ -45,7 +45,7 @@ impl fmt::Display for Weight {
 }
 
 /// (1 − λ) p + λ p^0.3 times the quadrature weights, both parts with sum 1, for p given by its logarithm.
-pub(super) fn mixed(logarithm: &[f64], weights: &[f64], share: f64) -> Vec<f64> {
+pub(in crate::closure) fn mixed(logarithm: &[f64], weights: &[f64], share: f64) -> Vec<f64> {
     let density = tempered(logarithm, weights, 1.0);
     let flat = tempered(logarithm, weights, FLAT);
     density.iter().zip(flat).map(|(p, t)| (1.0 - share) * p + share * t).collect()

@@ -1,11 +1,16 @@
 //! The candidates for an order's answer, and the choice among them.
+//!
+//! `retained` is where they are judged, and `indicator` what of the Fokker-Planck equation they leave.
 
+pub(super) mod indicator;
+pub(super) mod retained;
+
+use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
-use super::exponent::Exponent;
+use super::projection::weight::{Weight, mixed};
 use super::projection::{distance, project};
 use super::reference::{Reference, normalised};
 use super::space::Functions;
-use super::weight::{Weight, mixed};
 use crate::record::number;
 use crate::states::States;
 use faer::MatRef;

@@ -1,5 +1,5 @@
 use super::degrees::Degrees;
-use super::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
+use crate::closure::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
 use crate::problem::Symmetry;
 
 /// The degree of a reference above that of the closure, where nothing singular is in the way; in four states there would be too
@@ -15,27 +15,27 @@ const LOWER: WallLevel = WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9 
 const ALL: WallLevel = WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 };
 
 /// The nested spaces that an order needs. Each but the last holds the first functions of the next.
-pub(super) struct NestedSpaces {
+pub(in crate::closure) struct NestedSpaces {
     /// What the closure's Q is made of.
-    pub(super) answer: Functions,
+    pub(in crate::closure) answer: Functions,
     /// What the reference's weight is made of; it contains the answer's functions, though not as its first.
-    pub(super) weight: Functions,
+    pub(in crate::closure) weight: Functions,
     /// What the correction of the weight is made of, and what the moment equations are tested with.
-    pub(super) all: Functions,
+    pub(in crate::closure) all: Functions,
     /// The columns, the constant's included, of `all` that hold the answer, the weight, and all but the last degrees.
-    pub(super) answer_columns: usize,
-    pub(super) weight_columns: usize,
-    pub(super) lower_columns: usize,
+    pub(in crate::closure) answer_columns: usize,
+    pub(in crate::closure) weight_columns: usize,
+    pub(in crate::closure) lower_columns: usize,
     /// The columns whose share in the correction is its error, and the end of what is kept of it: all, or less than that.
-    pub(super) whole: Truncation,
-    pub(super) cut: Option<Truncation>,
+    pub(in crate::closure) whole: Truncation,
+    pub(in crate::closure) cut: Option<Truncation>,
 }
 
 /// Columns by which a correction is judged, and where it ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Truncation {
-    pub(super) judged: usize,
-    pub(super) end: usize,
+pub(in crate::closure) struct Truncation {
+    pub(in crate::closure) judged: usize,
+    pub(in crate::closure) end: usize,
 }
 
 impl NestedSpaces {
@@ -56,13 +56,13 @@ impl NestedSpaces {
 
 /// The spaces of all orders for one system.
 #[derive(Clone, Debug)]
-pub(super) enum SpaceFamily {
+pub(in crate::closure) enum SpaceFamily {
     Smooth(Smooth),
     Walled(Walled),
 }
 
 impl SpaceFamily {
-    pub(super) fn nested(&self, order: u32) -> NestedSpaces {
+    pub(in crate::closure) fn nested(&self, order: u32) -> NestedSpaces {
         match self {
             SpaceFamily::Smooth(smooth) => {
                 let degree = smooth.reference_degree(order);
@@ -84,27 +84,27 @@ impl SpaceFamily {
     }
 
     /// Whether there is nothing but polynomials.
-    pub(super) fn is_smooth(&self) -> bool {
+    pub(in crate::closure) fn is_smooth(&self) -> bool {
         matches!(self, SpaceFamily::Smooth(_))
     }
 }
 
 /// Complete polynomials with the system's symmetry.
 #[derive(Clone, Debug)]
-pub(super) struct Smooth {
-    pub(super) degrees: Degrees,
-    pub(super) symmetry: Symmetry,
-    pub(super) centre: Vec<f64>,
-    pub(super) half_width: Vec<f64>,
+pub(in crate::closure) struct Smooth {
+    pub(in crate::closure) degrees: Degrees,
+    pub(in crate::closure) symmetry: Symmetry,
+    pub(in crate::closure) centre: Vec<f64>,
+    pub(in crate::closure) half_width: Vec<f64>,
 }
 
 impl Smooth {
     /// The degree of the reference of an order.
-    pub(super) fn reference_degree(&self, order: u32) -> u32 {
+    pub(in crate::closure) fn reference_degree(&self, order: u32) -> u32 {
         order + if self.centre.len() > 3 { EXCESS_OF_FOUR } else { EXCESS }
     }
 
-    pub(super) fn functions(&self, degree: u32) -> Functions {
+    pub(in crate::closure) fn functions(&self, degree: u32) -> Functions {
         let exponents = self.degrees.exponents(self.centre.len(), degree, |alpha| self.symmetry.keeps(alpha));
         Functions::Polynomials(Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents))
     }
@@ -112,10 +112,10 @@ impl Smooth {
 
 /// Polynomials with kinks and angular functions.
 #[derive(Clone, Debug)]
-pub(super) struct Walled {
-    pub(super) corners: Vec<Corner>,
-    pub(super) centre: Vec<f64>,
-    pub(super) half_width: Vec<f64>,
+pub(in crate::closure) struct Walled {
+    pub(in crate::closure) corners: Vec<Corner>,
+    pub(in crate::closure) centre: Vec<f64>,
+    pub(in crate::closure) half_width: Vec<f64>,
 }
 
 impl Walled {

@@ -1,13 +1,13 @@
 //! The reference of three states and four: the moment equations on a lattice, from the pilot's most likely density.
 
-use super::density::ClosureDensity;
-use super::discretisation::Discretisation;
-use super::nested_spaces::Smooth;
-use super::nodal::NodalClosure;
-use super::sampled::{Sampled, WIDENING};
-use super::samples::{Copula, Lattice, SampleClosure};
-use super::trust_domain::TrustDomain;
-use super::weight::Weight;
+use crate::closure::density::ClosureDensity;
+use crate::closure::discretisation::Discretisation;
+use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::nodal::NodalClosure;
+use crate::closure::projection::weight::Weight;
+use crate::closure::sampled::{Sampled, WIDENING};
+use crate::closure::samples::{Copula, Lattice, SampleClosure};
+use crate::closure::space::nested_spaces::Smooth;
 
 /// Nodes times functions: six tables of so many numbers take 800 MB.
 const ENTRIES: usize = 16_000_000;
@@ -27,7 +27,7 @@ impl Sampled {
     ///
     /// # Errors
     /// Why there is none: no lattice or too many functions, equations without a good solution, or one that the pilot contradicts.
-    pub(super) fn by_reference(
+    pub(in crate::closure) fn by_reference(
         &self,
         order: u32,
         found: &SampleClosure,

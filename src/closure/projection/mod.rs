@@ -1,6 +1,12 @@
 //! The exponential polynomial closest to a density.
+//!
+//! `weight` is what the tails count for; `exact` finds the density itself where it is of the order, and `polish` its last digits.
 
-use super::orthonormal::Orthonormal;
+pub(super) mod exact;
+pub(super) mod polish;
+pub(super) mod weight;
+
+use super::space::orthonormal::Orthonormal;
 use faer::prelude::*;
 use faer::{Mat, MatRef, Side};
 

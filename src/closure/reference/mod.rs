@@ -1,20 +1,25 @@
 //! The density that the closures of one system are measured against: a solution of many more moment equations.
+//!
+//! `moment_equations` solves them once; `on_lattice` makes a reference in three states and four.
 
+pub(super) mod moment_equations;
+pub(super) mod on_lattice;
+
+use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
-use super::exponent::Exponent;
-use super::moment_equations::resolve;
-use super::nested_spaces::{NestedSpaces, Truncation};
-use super::nodes::Nodes;
+use super::discretisation::nodes::Nodes;
+use super::discretisation::table::Table;
 use super::projection::{distance, project, tempered};
 use super::samples::Moment;
+use super::space::nested_spaces::{NestedSpaces, Truncation};
 use super::space::{Functions, Jet};
-use super::table::Table;
 use crate::error::{Result, dimension};
 use crate::fokker_planck::Local;
 use crate::polynomial::power;
 use crate::record::{Read, number};
 use crate::states::States;
 use faer::Mat;
+use moment_equations::resolve;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -1,17 +1,17 @@
 //! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
 
-use super::choice::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
-use super::content::Content;
-use super::discretisation::{FINE, lines};
-use super::exponent::Exponent;
-use super::indicator::Indication;
-use super::nodal::NodalClosure;
-use super::nodes::Nodes;
 use super::polish::polished;
-use super::projection::{distance, project, tempered};
-use super::reference::{Reference, normalised};
-use super::retained::Retained;
-use super::table;
+use crate::closure::candidates::indicator::Indication;
+use crate::closure::candidates::retained::Retained;
+use crate::closure::candidates::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
+use crate::closure::density::content::Content;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::nodes::Nodes;
+use crate::closure::discretisation::table;
+use crate::closure::discretisation::{FINE, lines};
+use crate::closure::nodal::NodalClosure;
+use crate::closure::projection::{distance, project, tempered};
+use crate::closure::reference::{Reference, normalised};
 
 /// The orders at which known densities are exact.
 const LOWER_ORDERS: [u32; 4] = [2, 4, 6, 8];
@@ -25,7 +25,7 @@ const EXACT_WIDENING: f64 = 3.0;
 impl NodalClosure {
     /// The exact density that the chosen one is close to, or that a lower order is: where a lower order is exact already,
     /// the higher one is all but singular at its density.
-    pub(super) fn exact_at(
+    pub(in crate::closure) fn exact_at(
         &self,
         order: u32,
         scoring: &Scoring<'_>,
@@ -51,7 +51,12 @@ impl NodalClosure {
     }
 
     /// An exact density: it is its own reference, and trusted as far as it falls. None where it has no integral there.
-    pub(super) fn exact(&self, order: u32, mut exponent: Exponent, reference: &Reference) -> Option<Content> {
+    pub(in crate::closure) fn exact(
+        &self,
+        order: u32,
+        mut exponent: Exponent,
+        reference: &Reference,
+    ) -> Option<Content> {
         let discretisation = &self.discretisation;
         let (domain, nodes, lines) = if discretisation.family.is_smooth() && self.lattice.is_none() {
             let domain = discretisation.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
