@@ -32,10 +32,10 @@ mod grid;
 #[doc = include_str!("guide.md")]
 pub mod guide {}
 pub mod models;
+mod numerics;
 mod polynomial;
 mod problem;
 mod provenance;
-mod quadrature;
 mod record;
 mod scalar;
 mod simulation;

@@ -1,7 +1,7 @@
 use crate::density::{Cell, Density, cell_lines};
 use crate::error::{Result, dimension};
 use crate::estimate::Estimate;
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 

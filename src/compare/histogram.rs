@@ -1,6 +1,6 @@
 use crate::density::Density;
 use crate::error::Result;
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 use crate::simulation::Histogram;
 
 /// How far a marginal is from a histogram of samples; see [`with_histogram`].

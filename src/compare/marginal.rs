@@ -2,7 +2,7 @@ use super::ratio::{checked, scanned};
 use crate::density::Density;
 use crate::error::{Result, finite, positive, state_index};
 use crate::estimate::Estimate;
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 
 /// The distance ∫ |p − q| dx between the marginals of one state of two densities over `range`, with the reference's error.
 ///

@@ -1,5 +1,6 @@
 //! Products of Legendre polynomials at eight points at a time.
 
+use crate::numerics::legendre::recurrence;
 use std::collections::HashMap;
 
 /// Points that are worked on together.
@@ -31,12 +32,6 @@ struct Step {
     shorter: usize,
     state: usize,
     degree: usize,
-}
-
-/// The coefficients of (k+1) P_{k+1} = (2k+1) t P_k − k P_{k−1}, divided by k+1.
-fn rule(k: usize) -> (f64, f64) {
-    let n = k as f64;
-    ((2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0))
 }
 
 /// Room for the sweeps of one thread.
@@ -124,9 +119,9 @@ impl Products {
                 (row[1], row[2]) = ([scale; LANES], ZERO);
             }
             let t = rows.get(1).map_or(ZERO, |row| row[0]);
-            // The rule of the polynomials, differentiated; whole lanes, which registers hold.
+            // The recurrence, differentiated; whole lanes, which registers hold.
             for k in 1..self.degrees - 1 {
-                let (a, b) = rule(k);
+                let [a, b] = recurrence(k);
                 let ([p, d, s], [_, d0, s0]) = (rows[k], rows[k - 1]);
                 let [_, slope, curvature] = &mut rows[k + 1];
                 for l in 0..LANES {
@@ -168,7 +163,7 @@ impl Products {
             }
             let t = rows.get(1).map_or(ZERO, |row| row[0]);
             for k in 1..self.degrees - 1 {
-                let (a, b) = rule(k);
+                let [a, b] = recurrence(k);
                 let (p, p0) = (rows[k][0], rows[k - 1][0]);
                 for l in 0..LANES {
                     rows[k + 1][0][l] = a * t[l] * p[l] - b * p0[l];

@@ -8,8 +8,8 @@
 
 use super::{Crossing, Frame, Support};
 use crate::error::{Error, Result};
+use crate::numerics::Rule;
 use crate::polynomial::Polynomial;
-use crate::quadrature::Rule;
 use std::sync::OnceLock;
 
 /// exp(Q) is neglected where it is below e^−50 = 2e-22 of its maximum.

@@ -18,8 +18,8 @@ use super::space::{Side, Space};
 use super::sparse::{Factors, Ordering, SparseMatrix};
 use super::wall;
 use crate::error::Result;
+use crate::numerics::Rule;
 use crate::problem::Problem;
-use crate::quadrature::Rule;
 use nalgebra::DMatrix;
 
 /// A problem's operator on a mesh, ∂p/∂t = −K p. The basis is orthonormal, so that the mass matrix is the identity.

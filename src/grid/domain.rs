@@ -2,8 +2,8 @@
 
 use super::field::Field;
 use crate::error::Result;
+use crate::numerics::Rule;
 use crate::problem::{Problem, Wall};
-use crate::quadrature::Rule;
 use crate::simulation::Simulation;
 
 /// A pilot sees densities down to about 1e-5 of the peak. A Gaussian falls to 1e-10 at 1.6 times the distance.

@@ -2,7 +2,7 @@
 
 use super::legendre::Table;
 use super::space::Space;
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 
 /// The coefficients of a density on its elements.
 #[derive(Clone, Debug, PartialEq)]

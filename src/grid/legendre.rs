@@ -1,17 +1,12 @@
 //! Legendre polynomials, orthonormal on each interval of an axis.
 
-use crate::quadrature::Rule;
+use crate::numerics::{Rule, legendre};
 
 /// √(2k+1) P_k(ξ) and its derivative for k = 0..=`degree`, on the reference interval −1 ≤ ξ ≤ 1 with the measure dξ/2.
 pub(super) fn reference(degree: usize, xi: f64) -> (Vec<f64>, Vec<f64>) {
-    let (mut p, mut slope) = (vec![1.0, xi], vec![0.0, 1.0]);
-    for k in 1..degree {
-        let (n, last) = (k as f64, k - 1);
-        p.push(((2.0 * n + 1.0) * xi * p[k] - n * p[last]) / (n + 1.0));
-        slope.push(slope[last] + (2.0 * n + 1.0) * p[k]);
-    }
-    p.truncate(degree + 1);
-    slope.truncate(degree + 1);
+    let [mut p, mut slope] = [(); 2].map(|()| vec![0.0; degree + 1]);
+    legendre::values(xi, &mut p);
+    legendre::slopes(&p, &mut slope);
     for k in 0..=degree {
         let norm = (2.0 * k as f64 + 1.0).sqrt();
         p[k] *= norm;

@@ -2,6 +2,7 @@
 
 use super::assembly::Discretisation;
 use crate::error::Result;
+use crate::numerics::eigenvalues;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
@@ -57,12 +58,8 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
 /// The eigenvalues μ of the leading block, by rising modulus.
 fn rates(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
     let block = hessenberg.view((0, 0), (size, size)).into_owned();
-    // The search for the eigenvalues of numbers that are not finite would never end.
-    if !block.iter().all(|entry| entry.is_finite()) {
-        return Vec::new();
-    }
-    let eigenvalues = block.complex_eigenvalues();
-    let mut all: Vec<[f64; 2]> = eigenvalues
+    let mut all: Vec<[f64; 2]> = eigenvalues(block)
+        .unwrap_or_default()
         .iter()
         .map(Complex::inv)
         .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)

@@ -1,7 +1,7 @@
 //! The elements and what stands at the domain's four sides.
 
 use super::legendre::{Axis, Table};
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 
 /// What happens at one side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@ use super::VibroImpactDuffing;
 use crate::density::{Crossing, Density, moderate};
 use crate::error::{Error, Result, dimension, positive, require, state_index};
 use crate::estimate::Estimate;
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 use crate::system::Oscillator;
 
 /// Intervals of the table of the exponent over the energy.

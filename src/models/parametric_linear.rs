@@ -2,7 +2,7 @@ use super::listed;
 use crate::density::{Crossing, Density, moderate};
 use crate::error::{Result, dimension, positive, state_index};
 use crate::estimate::Estimate;
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 use crate::scalar::Scalar;
 use crate::system::{Intensity, Interpretation, PolynomialDrift};
 

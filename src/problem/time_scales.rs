@@ -2,6 +2,7 @@
 
 use super::{Problem, units::natural_units};
 use crate::error::{Error, Result};
+use crate::numerics::eigenvalues;
 use crate::polynomial::Gaussian;
 use nalgebra::{DMatrix, DVector};
 
@@ -76,12 +77,8 @@ fn fastest(problem: &Problem, gaussian: &Gaussian) -> f64 {
 fn slowest(problem: &Problem, gaussian: &Gaussian) -> f64 {
     let n = problem.dimension();
     let slope = |i: usize, j: usize| gaussian.expectation(&problem.operator().drift()[i].derivative(j));
-    let slopes = DMatrix::from_fn(n, n, slope);
-    // The search for the eigenvalues of numbers that are not finite would never end.
-    let finite = slopes.iter().all(|slope| slope.is_finite()).then_some(slopes);
-    finite.map_or(f64::INFINITY, |slopes| {
-        slopes.complex_eigenvalues().iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min)
-    })
+    let found = eigenvalues(DMatrix::from_fn(n, n, slope)).unwrap_or_default();
+    found.iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min)
 }
 
 /// The number rounded down to two decimal digits.

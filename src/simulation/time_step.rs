@@ -7,6 +7,7 @@ use super::{
     timetable::Times,
 };
 use crate::error::{Error, Result, require};
+use crate::numerics::eigenvalues;
 use crate::problem::{LANES, Problem, Wall, two_digits};
 use nalgebra::DMatrix;
 
@@ -104,10 +105,6 @@ impl Simulation<'_> {
 fn rate(problem: &Problem, amplitude: f64, x: &[f64]) -> f64 {
     let mut jacobian = vec![0.0; x.len() * x.len()];
     let noise_rate = problem.field().slopes(x, &mut jacobian) * amplitude * amplitude;
-    // The search for the eigenvalues of numbers that are not finite would never end.
-    if !jacobian.iter().all(|entry| entry.is_finite()) {
-        return f64::INFINITY;
-    }
-    let eigenvalues = DMatrix::from_row_slice(x.len(), x.len(), &jacobian).complex_eigenvalues();
-    noise_rate + eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
+    let found = eigenvalues(DMatrix::from_row_slice(x.len(), x.len(), &jacobian));
+    found.map_or(f64::INFINITY, |all| noise_rate + all.iter().map(|value| value.norm()).fold(0.0, f64::max))
 }

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::quadrature::Rule;
+use crate::numerics::{Rule, legendre};
 use rayon::prelude::*;
 
 /// The most coefficients of a panel.
@@ -184,7 +184,7 @@ impl Panel {
             Panel { low, high, coefficients: vec![0.0; rule.nodes.len()], stated: 0.0, truncation: 0.0, largest: 0.0 };
         for (t, weight) in rule.iter() {
             let value = f(low + (high - low) * (t + 1.0) / 2.0)?;
-            let p = legendre(t);
+            let p = values(t);
             for (k, c) in panel.coefficients.iter_mut().enumerate() {
                 *c += (k as f64 + 0.5) * weight * p[k] * value.value;
             }
@@ -209,7 +209,7 @@ impl Panel {
     /// ∫ from the place `t` to the panel's end on one `side`, by ∫_t^1 P_k = (P_(k−1)(t) − P_(k+1)(t))/(2k + 1): above for a
     /// side of 1, below for −1.
     fn beside(&self, t: f64, side: f64) -> Estimate {
-        let (p, half) = (legendre(t), (self.high - self.low) / 2.0);
+        let (p, half) = (values(t), (self.high - self.low) / 2.0);
         let higher: f64 = (1..self.coefficients.len())
             .map(|k| self.coefficients[k] * (side * (p[k - 1] - p[k + 1])) / (2 * k + 1) as f64)
             .sum();
@@ -223,16 +223,12 @@ impl Panel {
     }
 
     fn value(&self, t: f64) -> f64 {
-        self.coefficients.iter().zip(legendre(t)).map(|(c, p)| c * p).sum()
+        self.coefficients.iter().zip(values(t)).map(|(c, p)| c * p).sum()
     }
 
-    /// By P′_(k+1) = P′_(k−1) + (2k + 1) P_k.
     fn slope(&self, t: f64) -> f64 {
-        let p = legendre(t);
         let mut slopes = [0.0; ORDER + 1];
-        for k in 0..ORDER {
-            slopes[k + 1] = (2 * k + 1) as f64 * p[k] + if k > 0 { slopes[k - 1] } else { 0.0 };
-        }
+        legendre::slopes(&values(t), &mut slopes);
         2.0 / (self.high - self.low) * self.coefficients.iter().zip(slopes).map(|(c, s)| c * s).sum::<f64>()
     }
 
@@ -248,13 +244,9 @@ impl Panel {
 }
 
 /// P_0(t) … P_ORDER(t).
-fn legendre(t: f64) -> [f64; ORDER + 1] {
-    let mut p = [1.0; ORDER + 1];
-    p[1] = t;
-    for k in 1..ORDER {
-        let n = k as f64;
-        p[k + 1] = ((2.0 * n + 1.0) * t * p[k] - n * p[k - 1]) / (n + 1.0);
-    }
+fn values(t: f64) -> [f64; ORDER + 1] {
+    let mut p = [0.0; ORDER + 1];
+    legendre::values(t, &mut p);
     p
 }
 

@@ -163,7 +163,7 @@ impl ProductTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quadrature::Rule;
+    use crate::numerics::Rule;
 
     fn h(j: usize, z: f64) -> f64 {
         hermite_row(z, j as u32)[j]

@@ -30,7 +30,7 @@ use crate::provenance::Provenance;
 use fixed_point::fixed_point;
 use galerkin::{GalerkinEquations, HermiteGalerkin};
 use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator};
-use nalgebra::{Matrix2, SymmetricEigen, Vector2, dmatrix, dvector};
+use nalgebra::{Matrix2, Vector2, dmatrix, dvector};
 use newton::newton;
 use search::{Found, Search};
 use solution::rounding_noise;
@@ -220,10 +220,7 @@ impl ClassicalClosure {
 fn gaussian_of(q: &Polynomial, frame: &Frame) -> Option<Gaussian> {
     let (gradient, hessian) = (q.gradient(&[0.0; 2]), q.hessian(&[0.0; 2]));
     let precision = Matrix2::from_fn(|i, j| -hessian[i][j]);
-    if SymmetricEigen::new(precision).eigenvalues.min() <= 0.0 {
-        return None;
-    }
-    let covariance = precision.try_inverse()?;
+    let covariance = precision.cholesky()?.inverse();
     let mean = covariance * Vector2::new(gradient[0], gradient[1]);
     let scale = frame.scale();
     Some(Gaussian { mean: frame.state(mean.as_slice()).into(), covariance: scale * covariance * scale.transpose() })

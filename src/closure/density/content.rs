@@ -5,9 +5,9 @@ use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::Reference;
 use crate::closure::samples::{ImportanceRule, Lattice, Moment};
 use crate::closure::space::degrees::HIGHEST;
+use crate::numerics::Rule;
 use crate::problem::COLLAPSE;
 use crate::provenance::Provenance;
-use crate::quadrature::Rule;
 use crate::record::{Read, exponents};
 use serde::{Deserialize, Serialize};
 

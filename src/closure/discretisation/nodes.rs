@@ -1,5 +1,5 @@
 use super::trust_domain::TrustDomain;
-use crate::quadrature::Rule;
+use crate::numerics::Rule;
 use crate::states::States;
 
 /// Points of the state space with weights: sums over them stand for integrals over the trust domain.

@@ -7,8 +7,8 @@ use crate::closure::discretisation::{Discretisation, Passage, likeliest, locals}
 use crate::closure::pilot::Pilot;
 use crate::closure::space::nested_spaces::{SpaceFamily, Walled};
 use crate::closure::space::{Corner, Functions, Polynomials};
+use crate::numerics::Rule;
 use crate::problem::{Problem, Symmetry, Wall};
-use crate::quadrature::Rule;
 use crate::states::States;
 
 /// The hull of the pilot's states is widened by this factor.

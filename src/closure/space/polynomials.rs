@@ -1,6 +1,7 @@
 use super::Jet;
 use super::degrees::HIGHEST;
 use crate::control_variates::products::Products;
+use crate::numerics::legendre;
 use crate::polynomial::Polynomial;
 use crate::record::{Read, exponents, positive_states, states};
 use serde::{Deserialize, Serialize};
@@ -74,8 +75,11 @@ impl Polynomials {
     /// Σ a_k φ_k in powers of the scaled coordinates t, x = centre + half_width t.
     pub(crate) fn in_powers(&self, a: &[f64]) -> Polynomial {
         let states = self.centre.len();
-        let legendre: Vec<Vec<Polynomial>> =
-            Polynomial::variables(states).iter().zip(&self.highest).map(|(t, highest)| legendre(t, *highest)).collect();
+        let legendre: Vec<Vec<Polynomial>> = Polynomial::variables(states)
+            .iter()
+            .zip(&self.highest)
+            .map(|(t, highest)| as_polynomials(t, *highest))
+            .collect();
         self.exponents.iter().zip(a).fold(Polynomial::zero(states), |sum, (alpha, &a)| {
             let factors = legendre.iter().zip(alpha).filter(|(_, power)| **power > 0);
             let start = Polynomial::constant(states, a);
@@ -151,14 +155,7 @@ impl Polynomials {
         on_table(self.width * self.centre.len(), |table: &mut [f64]| {
             for (i, row) in table.chunks_exact_mut(self.width).enumerate() {
                 let t = (x[i] - self.centre[i]) / self.half_width[i];
-                row[0] = 1.0;
-                if self.highest[i] > 0 {
-                    row[1] = t;
-                }
-                for k in 1..self.highest[i] {
-                    let n = k as f64;
-                    row[k + 1] = ((2.0 * n + 1.0) * t * row[k] - n * row[k - 1]) / (n + 1.0);
-                }
+                legendre::values(t, &mut row[..=self.highest[i]]);
             }
             work(table)
         })
@@ -174,10 +171,10 @@ impl Polynomials {
                 if self.highest[i] > 0 {
                     rows[1] = [t, scale, 0.0];
                 }
-                // (k+1) P_{k+1} = (2k+1) t P_k − k P_{k−1}, and the same rule differentiated.
+                // The recurrence, and the same differentiated.
                 for k in 1..self.highest[i] {
-                    let (n, [p, d, s], [p0, d0, s0]) = (k as f64, rows[k], rows[k - 1]);
-                    let (a, b) = ((2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0));
+                    let ([p, d, s], [p0, d0, s0]) = (rows[k], rows[k - 1]);
+                    let [a, b] = legendre::recurrence(k);
                     rows[k + 1] =
                         [a * t * p - b * p0, a * (t * d + scale * p) - b * d0, a * (t * s + 2.0 * scale * d) - b * s0];
                 }
@@ -210,12 +207,11 @@ fn product_without(table: &[[f64; 3]], factors: &[(usize, usize)], one: usize, o
 }
 
 /// P_0 … P_`highest` of a variable.
-fn legendre(t: &Polynomial, highest: usize) -> Vec<Polynomial> {
+fn as_polynomials(t: &Polynomial, highest: usize) -> Vec<Polynomial> {
     let mut all = vec![Polynomial::constant(t.dimension(), 1.0), t.clone()];
     for k in 1..highest {
-        let n = k as f64;
-        let next = t * &all[k] * ((2.0 * n + 1.0) / (n + 1.0)) - &all[k - 1] * (n / (n + 1.0));
-        all.push(next);
+        let [a, b] = legendre::recurrence(k);
+        all.push(t * &all[k] * a - &all[k - 1] * b);
     }
     all
 }

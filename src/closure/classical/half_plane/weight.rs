@@ -1,7 +1,7 @@
 use crate::density::Frame;
 use crate::error::Result;
+use crate::numerics::Rule;
 use crate::polynomial::Gaussian;
-use crate::quadrature::Rule;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
