@@ -123,7 +123,8 @@ pub(super) fn is_name(name: &str) -> bool {
 /// The polynomial of an expression in `states` and `parameters`.
 pub(super) fn polynomial(text: &str, states: &[String], parameters: &[(String, f64)]) -> Read<Polynomial> {
     let text = signed(text)?;
-    let parsed = FlatEx::<Value, Operators, Numbers>::parse(&text).map_err(|error| error.msg().to_owned())?;
+    let unread = |error: exmex::ExError| format!("{}; write a polynomial, as in -c*v - x - mu*x^3", error.msg());
+    let parsed = FlatEx::<Value, Operators, Numbers>::parse(&text).map_err(unread)?;
     let n = states.len();
     let value = |name: &String| {
         if let Some(i) = states.iter().position(|state| state == name) {
@@ -137,7 +138,7 @@ pub(super) fn polynomial(text: &str, states: &[String], parameters: &[(String, f
         })
     };
     let values = parsed.var_names().iter().map(value).collect::<Read<Vec<_>>>()?;
-    let found = parsed.eval(&values).map_err(|error| error.msg().to_owned())?.0?;
+    let found = parsed.eval(&values).map_err(unread)?.0?;
     if let Some((_, c)) = found.terms().find(|(_, c)| !c.is_finite()) {
         return Err(format!("a coefficient is {c}"));
     }

@@ -21,6 +21,8 @@ const HALVINGS: usize = 10;
 const MARGIN: f64 = 1.1;
 /// How often that factor is raised before the density is given up.
 const ATTEMPTS: usize = 12;
+/// Trials for one state: on cells this even, of a density whose mass is 1, a few are enough.
+const TRIALS: usize = 100_000;
 /// Draws of the proposal where a density in many states has none of its own.
 const DRAWS: usize = 1 << 17;
 /// The proposal's standard deviations relative to the density's.
@@ -165,6 +167,7 @@ fn pieces(density: &dyn Density) -> Result<Vec<Piece>> {
 fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States> {
     let remedy = "it is too uneven to draw from, or infinite somewhere";
     let too_low = Error::NotKnown { what: "an upper bound of its values".into(), remedy };
+    let too_uneven = Error::NotKnown { what: "where most of its mass is".into(), remedy };
     let pieces = pieces(density)?;
     if pieces.is_empty() {
         return Err(unknown_values());
@@ -174,7 +177,7 @@ fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States
     let mut margin = MARGIN;
     for _ in 0..ATTEMPTS {
         let draw = |stream: &mut ChaCha8Rng, drawn: &mut Vec<f64>| {
-            loop {
+            for _ in 0..TRIALS {
                 let piece = &pieces[chosen(&cumulative, stream.random())];
                 let shares: Vec<f64> = (0..dimension).map(|_| stream.random()).collect();
                 let x = piece.cell.at(&shares);
@@ -188,6 +191,7 @@ fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States
                     return Ok(());
                 }
             }
+            Err(too_uneven.clone())
         };
         match in_blocks(dimension, count, seed, draw) {
             Err(error) if error == too_low => margin *= 1.5,

@@ -3,8 +3,8 @@
 use crate::common::*;
 use expoly::models::{CubicDamping, DisplacementNoise, Duffing, DuffingChain, ParametricLinear, Solved};
 use expoly::{
-    Basis, Closure, Crossing, Density, Error, ExpPolynomial, Gaussian, Grid, Intensity, Oscillator, Polynomial,
-    PolynomialDrift, Problem, Scalar, Simulation, States, Support, Termination, Wall,
+    Basis, Closure, Crossing, Density, Error, Estimate, ExpPolynomial, Gaussian, Grid, Intensity, Oscillator,
+    Polynomial, PolynomialDrift, Problem, Scalar, Simulation, States, Support, Termination, Wall,
 };
 use nalgebra::{DMatrix, DVector, dmatrix};
 
@@ -370,4 +370,34 @@ fn nothing_panics_on_random_systems() {
         }
     }
     assert!(densities > 150, "{densities}");
+}
+
+/// A density that is high where nobody is: at one corner of its bounds, and 1e-12 of that elsewhere.
+struct Spike;
+
+impl Density for Spike {
+    fn dimension(&self) -> usize {
+        1
+    }
+    fn pdf(&self, x: &[f64]) -> expoly::Result<Estimate> {
+        Ok(Estimate::new(if x[0] == 0.0 { 1.0 } else { 1e-12 }, 0.0))
+    }
+    fn marginal(&self, _: usize, x: f64) -> expoly::Result<Estimate> {
+        self.pdf(&[x])
+    }
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        vec![[0.0, 1.0]]
+    }
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> expoly::Result<Estimate> {
+        Ok(Estimate::new(g(&[0.5]), 0.0))
+    }
+    fn flux(&self, _: Crossing, _: u32) -> expoly::Result<Estimate> {
+        Ok(Estimate::new(0.0, 0.0))
+    }
+}
+
+#[test]
+fn draws_from_what_is_no_density_end() {
+    let drawn = expoly::statistics::samples(&Spike, 1, 1);
+    assert!(matches!(drawn, Err(Error::NotKnown { .. })), "{drawn:?}");
 }
