@@ -18,7 +18,8 @@ pub(super) type Callback<'a> = Box<dyn FnMut(Progress, &str) -> ControlFlow<()> 
 /// A table that is filled row by row.
 ///
 /// Its file begins with a line that carries a fingerprint of the study's settings, and the names of the columns. Rows
-/// follow in the order in which they finish, each with its number; once all are there, they are put in order.
+/// follow in the order in which they finish, each with its number and, at its end, a checksum; once all are there, they are put
+/// in order.
 pub(super) struct Journal<'a> {
     pub(super) columns: Vec<String>,
     pub(super) rows: usize,
@@ -47,7 +48,7 @@ impl<'a> Journal<'a> {
     fn heading(&self) -> Result<String> {
         let fingerprint = checksum(self.settings.as_bytes());
         let version = env!("CARGO_PKG_VERSION");
-        let columns = text(&("row", &self.columns), false)?;
+        let columns = text(&("row", &self.columns, "check"), false)?;
         Ok(format!("# expoly {version} study {fingerprint:016x}\n{columns}"))
     }
 
@@ -72,13 +73,17 @@ impl<'a> Journal<'a> {
             let record = record.map_err(|_| spoiled(at, "it is no text"))?;
             let number: Option<usize> = record.get(0).and_then(|number| number.parse().ok());
             let slot = number.and_then(|number| kept.rows.get_mut(number)).ok_or(spoiled(at, "it has no number"))?;
-            if record.len() != self.columns.len() + 1 {
+            if record.len() != self.columns.len() + 2 {
                 return Err(spoiled(at, "it has not as many fields as there are columns"));
             }
+            let fields: csv::StringRecord = record.iter().take(record.len() - 1).collect();
             let (_, row): (usize, R) =
-                record.deserialize(None).map_err(|_| spoiled(at, "a field is no number or no word of its column"))?;
+                fields.deserialize(None).map_err(|_| spoiled(at, "a field is no number or no word of its column"))?;
             if slot.replace(row).is_some() {
                 return Err(spoiled(at, "it is there twice"));
+            }
+            if record.iter().last() != Some(digest(fields.iter()).as_str()) {
+                return Err(spoiled(at, "it does not agree with its checksum, so it was altered"));
             }
         }
         Ok(kept)
@@ -137,7 +142,7 @@ impl<'a> Journal<'a> {
         }
         let rows: Vec<R> = kept.rows.into_iter().flatten().collect();
         if let Some(path) = path {
-            let lines = rows.iter().enumerate().map(|numbered| text(&numbered, false));
+            let lines = rows.iter().enumerate().map(|(row, computed)| line(row, computed));
             file::write(&path, (heading + &lines.collect::<Result<String>>()?).as_bytes())?;
         }
         Ok(rows)
@@ -153,7 +158,7 @@ impl Shared<'_> {
     fn keep<R: Serialize>(&mut self, row: usize, computed: &R, total: usize, path: Option<&Path>) -> Result<()> {
         if let (Some(file), Some(path)) = (&mut self.file, path) {
             // A single write: a run that is ended in the middle leaves at most one broken line, the last.
-            let written = file.write_all(text(&(row, computed), false)?.as_bytes()).and_then(|()| file.sync_data());
+            let written = file.write_all(line(row, computed)?.as_bytes()).and_then(|()| file.sync_data());
             written.map_err(|error| file::file_error("write", path, &error))?;
         }
         self.done += 1;
@@ -172,6 +177,20 @@ impl Shared<'_> {
 pub(super) fn columns<R: Serialize + Default>() -> Result<Vec<String>> {
     let table = text(&R::default(), true)?;
     Ok(table.lines().next().unwrap_or_default().split(',').map(str::to_owned).collect())
+}
+
+/// A row as it stands in the file: its number, its fields, and the checksum of both.
+fn line(row: usize, computed: &impl Serialize) -> Result<String> {
+    let unchecked = text(&(row, computed), false)?;
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(unchecked.as_bytes());
+    let check = reader.records().next().and_then(std::result::Result::ok).map(|record| digest(record.iter()));
+    Ok(format!("{},{}\n", unchecked.trim_end_matches('\n'), check.unwrap_or_default()))
+}
+
+/// The checksum of fields as they are read, in hexadecimal.
+fn digest<'f>(fields: impl Iterator<Item = &'f str>) -> String {
+    let joined = fields.collect::<Vec<_>>().join("\u{1f}");
+    format!("{:016x}", checksum(joined.as_bytes()))
 }
 
 /// A row as CSV, below the names of its fields if that is asked for. Numbers keep all their bits, and what is missing is an

@@ -60,7 +60,7 @@ impl<'a> OrderStudy<'a> {
         OrderStudy { file: Some(path.as_ref().to_owned()), ..self }
     }
 
-    /// Calls back after each row, one at a time, with the row as it stands in the file, without its number; `Break` ends the
+    /// Calls back after each row, one at a time, with the row as it stands in the file, without number and checksum; `Break` ends the
     /// study, and rows that have begun are still finished. Rows of an earlier run count as done. The callback must not start
     /// parallel work of its own: its thread could be given a row, and wait for itself.
     pub fn progress(self, callback: impl FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a) -> Self {

@@ -123,6 +123,7 @@ fn an_interrupted_study_goes_on_to_the_same_table() {
         ("\n3,", "\n33,", "number"),
         ("\n3,", "\n3,,", "fields"),
         (",2,", ",two,", "no number"),
+        (",2,", ",3,", "checksum"),
     ] {
         std::fs::write(&path, content.replacen(from, to, 1)).unwrap();
         let error = study(&solved, &orders).file(&path).run().unwrap_err();
