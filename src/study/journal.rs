@@ -82,7 +82,7 @@ impl<'a> Journal<'a> {
             if slot.replace(row).is_some() {
                 return Err(spoiled(at, "it is there twice"));
             }
-            if record.iter().last() != Some(digest(fields.iter()).as_str()) {
+            if record.get(fields.len()) != Some(digest(fields.iter()).as_str()) {
                 return Err(spoiled(at, "it does not agree with its checksum, so it was altered"));
             }
         }
