@@ -8,6 +8,8 @@
 mod calibration;
 mod campaign;
 mod closure_cost;
+mod draw;
+mod fuzz;
 mod grid_convergence;
 mod grid_walls;
 mod memory;
@@ -29,6 +31,8 @@ enum Question {
     Campaign(campaign::Options),
     /// What does a closure cost, over its order, its nodes and its states?
     ClosureCost(closure_cost::Options),
+    /// Does anything at all, fed to the library, make it panic, hang, or answer with what is no answer?
+    Fuzz(fuzz::Options),
     /// How accurate is the grid, and what does accuracy cost?
     GridConvergence(grid_convergence::Options),
     /// How accurate is the grid above a wall that takes energy?
@@ -53,6 +57,7 @@ fn main() -> ExitCode {
         Question::Calibration(options) => calibration::run(&options),
         Question::Campaign(options) => campaign::run(&options),
         Question::ClosureCost(options) => closure_cost::run(&options),
+        Question::Fuzz(options) => fuzz::run(&options),
         Question::GridConvergence(options) => grid_convergence::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),
         Question::Memory(options) => memory::run(&options),

@@ -1,9 +1,9 @@
 //! Random systems: each is known by the campaign's seed and its own index.
 
 use super::runner::Named;
+use crate::draw::Draw;
 use expoly::models::{Duffing, VibroImpactDuffing};
 use expoly::{Interpretation, PolynomialDrift, Problem, Scalar};
-use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use std::fmt;
 use support::exact::Exact;
 
@@ -172,28 +172,5 @@ impl fmt::Display for Walled {
         let [c, k, mu, d] = self.parameters;
         let (b, r) = (self.model.wall().offset(), self.model.wall().restitution());
         write!(f, "c = {c:.4}, k = {k:.3}, mu = {mu:.3}, D = {d:.4}, b = {b:.3}, r = {r:.3}")
-    }
-}
-
-/// Random parameters; an index has its own stream, so that it means the same system in a campaign of any length.
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    fn new(seed: u64, index: usize) -> Self {
-        let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(index as u64);
-        Draw(generator)
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.random::<f64>()
-    }
-
-    fn log_within(&mut self, low: f64, high: f64) -> f64 {
-        self.within(low.ln(), high.ln()).exp()
-    }
-
-    fn with(&mut self, probability: f64) -> bool {
-        self.0.random::<f64>() < probability
     }
 }

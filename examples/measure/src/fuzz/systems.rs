@@ -1,0 +1,249 @@
+//! Random systems, tame and wild, for one method each.
+
+use super::{densities, documents, probe::Probe};
+use crate::draw::Draw;
+use expoly::{
+    Basis, Closure, Density, Grid, Interpretation, PolynomialSystem, Problem, Result, Scalar, Simulation, Splitting,
+    Wall,
+};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+type Terms = Vec<(Vec<u32>, f64)>;
+
+/// Polynomials with any coefficients.
+#[derive(Clone, Debug)]
+struct Wild {
+    drift: Vec<Terms>,
+    /// By states, then processes.
+    noise: Vec<Vec<Terms>>,
+    interpretation: Interpretation,
+}
+
+fn sum<S: Scalar>(terms: &Terms, x: &[S]) -> S {
+    terms.iter().fold(S::from(0.0), |sum, (powers, c)| {
+        let product = powers.iter().zip(x).filter(|(power, _)| **power > 0).map(|(power, x)| x.powi(*power));
+        sum + product.reduce(|a, b| a * b).map_or(S::from(*c), |product| product * *c)
+    })
+}
+
+impl PolynomialSystem for Wild {
+    fn states(&self) -> usize {
+        self.drift.len()
+    }
+    fn processes(&self) -> usize {
+        self.noise[0].len()
+    }
+    fn drift<S: Scalar>(&self, x: &[S]) -> Vec<S> {
+        self.drift.iter().map(|terms| sum(terms, x)).collect()
+    }
+    fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>> {
+        self.noise.iter().map(|row| row.iter().map(|terms| sum(terms, x)).collect()).collect()
+    }
+    fn interpretation(&self) -> Interpretation {
+        self.interpretation
+    }
+}
+
+/// A coefficient: as usual, of any size, or at the ends of what a number can be.
+fn coefficient(draw: &mut Draw, wild: f64) -> f64 {
+    let sign = if draw.with(0.5) { 1.0 } else { -1.0 };
+    sign * match draw.within(0.0, 1.0) {
+        u if u < 0.02 * wild => draw.of([0.0, 1e-300, 1e150, 1e308, f64::NAN, f64::INFINITY]),
+        u if u < 0.5 * wild => draw.log_within(1e-10, 1e10),
+        _ => draw.log_within(0.05, 2.0),
+    }
+}
+
+impl Wild {
+    fn random(draw: &mut Draw) -> Self {
+        let n: usize = draw.of([1, 2, 2, 2, 2, 3, 4]);
+        let oscillators = n.is_multiple_of(2) && draw.with(0.8);
+        let wild = draw.of([0.0, 0.0, 0.2, 1.0]);
+        let confined = draw.with(0.7);
+        let driven = |i: usize| !oscillators || i % 2 == 1;
+        let power = |i: usize, power: u32| (0..n).map(|j| if i == j { power } else { 0 }).collect::<Vec<u32>>();
+        let mut drift: Vec<Terms> = Vec::new();
+        for i in 0..n {
+            if !driven(i) {
+                drift.push(vec![(power(i + 1, 1), 1.0)]);
+                continue;
+            }
+            let mut terms: Terms = Vec::new();
+            let highest = draw.below(8) as u32;
+            for _ in 0..draw.below(5) {
+                let mut powers = vec![0; n];
+                (0..draw.below(highest as usize + 1)).for_each(|_| powers[draw.below(n)] += 1);
+                terms.push((powers, coefficient(draw, wild)));
+            }
+            if confined {
+                let odd = draw.of([1, 3, 3, 5, 7]).max(highest | 1);
+                terms.push((power(i, 1), -coefficient(draw, wild).abs()));
+                terms.push((power(if oscillators { i - 1 } else { i }, odd), -coefficient(draw, wild).abs()));
+            }
+            drift.push(terms);
+        }
+        let processes = 1 + draw.below(n);
+        let noise_kind = draw.within(0.0, 1.0);
+        let mut noise = vec![vec![Terms::new(); processes]; n];
+        for i in (0..n).filter(|&i| driven(i) || noise_kind > 0.95) {
+            for k in 0..processes {
+                if noise_kind > 0.03 && draw.with(0.7) {
+                    noise[i][k].push((vec![0; n], coefficient(draw, wild)));
+                }
+                if noise_kind > 0.75 && draw.with(0.5) {
+                    noise[i][k].push((power(draw.below(n), 1 + draw.below(3) as u32), coefficient(draw, wild)));
+                }
+            }
+        }
+        let interpretation = draw.of([Interpretation::Ito, Interpretation::Stratonovich]);
+        let mut system = Wild { drift, noise, interpretation };
+        if draw.with(0.2) {
+            system.in_other_units(draw);
+        }
+        system
+    }
+
+    /// The same system with every state and the time in units of another size.
+    fn in_other_units(&mut self, draw: &mut Draw) {
+        let time = draw.log_within(1e-8, 1e8);
+        let length = draw.log_within(1e-8, 1e8);
+        let oscillators = self.drift.len().is_multiple_of(2);
+        let unit = |i: usize| if oscillators && i % 2 == 1 { length / time } else { length };
+        let scaled = |terms: &mut Terms, factor: f64| {
+            for (powers, c) in terms {
+                *c *= powers.iter().enumerate().fold(factor, |c, (j, power)| c / unit(j).powi(*power as i32));
+            }
+        };
+        for (i, terms) in self.drift.iter_mut().enumerate() {
+            scaled(terms, unit(i) / time);
+        }
+        for (i, row) in self.noise.iter_mut().enumerate() {
+            row.iter_mut().for_each(|terms| scaled(terms, unit(i) / time.sqrt()));
+        }
+    }
+}
+
+fn wall(draw: &mut Draw, above: bool, offset: f64) -> Result<Wall> {
+    let restitutions = [1.0, draw.within(0.01, 1.0), draw.within(0.5, 1.0)];
+    let restitution = draw.of(restitutions);
+    if above { Wall::above(offset, restitution) } else { Wall::below(offset, restitution) }
+}
+
+/// With a wall or two on a displacement, if there is one.
+fn walled(draw: &mut Draw, mut problem: Problem) -> Result<Problem> {
+    let offsets = [0.0, draw.within(-1.0, 1.0), coefficient(draw, 1.0)];
+    let offset = draw.of(offsets);
+    let (above, both) = (draw.with(0.7), draw.with(0.2));
+    let displacement = problem.displacements().get(draw.below(problem.displacements().len())).copied();
+    let Some((state, _)) = displacement.filter(|_| draw.with(0.5)) else { return Ok(problem) };
+    problem = problem.with_wall(wall(draw, above, offset)?.on(state))?;
+    if both {
+        let room = coefficient(draw, 0.5).abs();
+        let other = if above { offset + room } else { offset - room };
+        problem = problem.with_wall(wall(draw, !above, other)?.on(state))?;
+    }
+    Ok(problem)
+}
+
+/// A system, how it is written, and one of the methods.
+pub(super) fn probe(probe: &mut Probe) {
+    let system = Wild::random(&mut probe.draw);
+    probe.show(&format!("{system:#?}"));
+    let Some(free) = probe.ask("Problem::of_system", || Problem::of_system(system)) else { return };
+    let problem = walled(&mut probe.draw, free);
+    let Some(problem) = probe.ask("with_wall", || problem) else { return };
+    probe.show(&format!("{problem:#?}"));
+    documents::written(probe, &problem);
+    let Some(density) = solved(probe, &problem) else { return };
+    densities::probe(probe, &problem, &*density);
+}
+
+fn boxed<D: Density + 'static>(density: Option<D>) -> Option<Box<dyn Density>> {
+    density.map(|density| Box::new(density) as Box<dyn Density>)
+}
+
+/// The density by a method drawn by lot, with options drawn by lot.
+fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
+    let n = problem.dimension();
+    let draw = &mut probe.draw;
+    let order = 1 + draw.below(if n > 2 { 4 } else { 6 }) as u32;
+    let (usual, seed) = (draw.with(0.1), draw.below(1000) as u64);
+    match draw.below(8) {
+        method @ (0..=2) => {
+            let closure =
+                if draw.with(0.1) { Closure::adaptive(draw.log_within(1e-3, 1.0)) } else { Closure::new(order) };
+            let mut closure = closure.seed(seed).guard(draw.with(0.1));
+            if !usual {
+                closure = closure.pilot_states(1000 + draw.below(4000)).inflation(draw.within(1.0, 10.0));
+            }
+            if method == 1 {
+                closure = closure.on_samples(draw.with(0.5));
+            }
+            let density = probe.ask(&format!("{closure:?}"), || closure.solve(problem))?;
+            probe.show(&format!("{:?}", density.provenance()));
+            densities::of_closure(probe, &density, problem);
+            boxed(Some(density))
+        }
+        3 => {
+            let closure = Closure::classical(order).basis(draw.of([Basis::Classical, Basis::Folded]));
+            let solution = probe.ask(&format!("{closure:?}"), || closure.solve(problem))?;
+            probe.show(&format!("{:?}", solution.provenance()));
+            boxed(probe.ask("density of the classical closure", || solution.density()))
+        }
+        4 | 5 => {
+            let mut grid = Grid::new();
+            if !usual {
+                grid = grid.degree(2 + draw.below(4)).cells([2 + draw.below(7), 2 + draw.below(7)]).grazing(0.05);
+            }
+            if draw.with(0.1) {
+                let [a, b] = [0; 2].map(|_| [-coefficient(draw, 1.0), coefficient(draw, 1.0).abs()]);
+                grid = grid.domain([a, b]);
+            }
+            let density = probe.ask(&format!("{grid:?}"), || grid.solve(problem))?;
+            probe.show(&format!("{:?}", density.provenance()));
+            boxed(Some(density))
+        }
+        6 => {
+            let (samples, levels) = (1 + draw.below(20_000), [0.0, 0.3, coefficient(draw, 1.0)]);
+            let mut simulation = Simulation::new().samples(samples).trajectories(2 + draw.below(200)).seed(seed);
+            simulation = simulation.time_budget(Duration::from_secs(1)).levels(levels);
+            if draw.with(0.2) {
+                simulation = simulation.time_step(coefficient(draw, 0.5).abs());
+            }
+            if draw.with(0.3) {
+                let [burn_in, interval] = [0; 2].map(|_| coefficient(draw, 0.5).abs());
+                simulation = simulation.burn_in(burn_in).sampling_interval(interval);
+            }
+            if draw.with(0.2) {
+                simulation = simulation.start((0..n).map(|_| coefficient(draw, 0.5)).collect::<Vec<f64>>());
+            }
+            if draw.with(0.2) {
+                simulation = simulation.two_steps().bins(draw.below(300));
+            }
+            let density = probe.ask("Simulation", || simulation.run(problem))?;
+            probe.show(&format!("{:?}", density.provenance()));
+            densities::of_simulation(probe, &density, n);
+            boxed(Some(density))
+        }
+        _ => {
+            let begin = Instant::now();
+            let levels = [draw.within(0.0, 3.0), coefficient(draw, 1.0)];
+            let splitting = Splitting::new().particles(2 + draw.below(60)).replicas(2 + draw.below(2)).seed(seed);
+            let splitting = splitting.levels(levels).rarest(draw.log_within(1e-6, 0.5)).progress(|_| {
+                if begin.elapsed().as_secs() < 2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            });
+            let tails = probe.ask("Splitting", || splitting.run(problem))?;
+            for level in levels {
+                probe.value("exceedance", 0.0, || Ok(tails.exceedance(0, level)?.value));
+                probe.value("marginal tail", 0.0, || Ok(tails.marginal(0, level)?.value));
+                probe.value("upcrossings of the tail", 0.0, || Ok(tails.upcrossing_rate(level)?.value));
+            }
+            for odd in densities::ODD {
+                probe.ask("exceedance of an odd level", || tails.exceedance(0, odd));
+                probe.ask("non-exceedance of an odd level", || tails.non_exceedance(n, odd));
+            }
+            None
+        }
+    }
+}
