@@ -115,7 +115,7 @@ fn compared(probe: &mut Probe, problem: &Problem, density: &dyn Density) {
 
 /// What a closure says of itself, and its document.
 pub(super) fn of_closure(probe: &mut Probe, density: &ClosureDensity, problem: &Problem) {
-    for (name, value) in [("L1 estimate", density.l1_estimate()), ("unseen mass", density.unseen_mass())] {
+    for (name, value) in [("L1 estimate", density.l1_estimate()), ("truncated mass", density.truncated_mass())] {
         probe.value(name, 0.0, || Ok(value));
     }
     let Some(form) = probe.ask("ClosedForm", || ClosedForm::new(density.clone(), problem.states())) else { return };
