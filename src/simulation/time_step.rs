@@ -6,7 +6,7 @@ use super::{
     start::Start,
     timetable::Times,
 };
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
 use crate::problem::{LANES, Problem, Wall, two_digits};
 use nalgebra::DMatrix;
@@ -28,8 +28,8 @@ const STRETCHES: usize = 64;
 /// The most steps tried. Each is at most half the one before.
 const ATTEMPTS: usize = 12;
 
-/// The most path-steps of all tries together, which report nothing and cannot be cancelled: some seconds.
-const MOST_STEPS: f64 = (1_u64 << 28) as f64;
+/// The most steps in a stretch: a try reports nothing and cannot be cancelled. Default times never take so many.
+const MOST_STEPS: f64 = 4096.0;
 
 impl Simulation<'_> {
     /// Chooses the time step from the system's own time scales, where the trajectories are. Returns the rate ω too.
@@ -50,13 +50,13 @@ impl Simulation<'_> {
         let burn_in = if times.burn_in > 0.0 { times.burn_in / 640.0 } else { f64::INFINITY };
         let longest = (times.interval / 20.0).min(burn_in);
         let mut step = longest;
-        let (mut attempt, mut left, mut exploded) = (0, MOST_STEPS, None);
+        let mut attempt = 0;
         loop {
             attempt += 1;
-            match self.rates(problem, wall, step, times, &mut left) {
+            match self.rates(problem, wall, step, times) {
                 Err(error @ Error::Exploded { .. }) if attempt == ATTEMPTS => return Err(error),
-                Err(error @ Error::Exploded { .. }) => (step, exploded) = (step / 4.0, Some(error)),
-                Err(error) => return Err(exploded.unwrap_or(error)),
+                Err(Error::Exploded { .. }) => step /= 4.0,
+                Err(error) => return Err(error),
                 Ok((rate, largest)) => {
                     let fits = (resolution / rate).min(LARGEST / largest).min(longest);
                     if fits >= step / 2.0 || attempt == ATTEMPTS {
@@ -69,29 +69,19 @@ impl Simulation<'_> {
     }
 
     /// The root mean square of the rate and the largest one along the way with this step.
-    fn rates(
-        &self,
-        problem: &Problem,
-        wall: Option<Wall>,
-        step: f64,
-        times: Times,
-        left: &mut f64,
-    ) -> Result<(f64, f64)> {
+    fn rates(&self, problem: &Problem, wall: Option<Wall>, step: f64, times: Times) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
         let start = Start::new(self, problem, wall, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
-        let steps = (time / step / STRETCHES as f64).ceil().max(1.0) as usize;
+        let steps = (time / step / STRETCHES as f64).ceil().clamp(1.0, MOST_STEPS) as usize;
         let (mut passages, mut work) = (Passages::new(0), Workspace::new(&scheme));
         let (mut squares, mut largest, mut count) = (0.0, 0.0_f64, 0.0);
         for stretch in 0..STRETCHES {
             if stretch == STRETCHES / 2 {
                 passages = Passages::new(0);
             }
-            *left -= LANES as f64 * steps as f64;
-            let remedy = "to choose the time step takes too many: give one, or a shorter burn-in and sampling interval";
-            require(*left >= 0.0, "number of path-steps", time / step * LANES as f64, remedy)?;
             lanes.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
             lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
             if stretch >= STRETCHES / 2 {
