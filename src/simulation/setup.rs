@@ -20,7 +20,7 @@ use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 /// # Ok::<(), expoly::Error>(())
 /// ```
 ///
-/// It serves one wall, with the motion of state 0 above it. Without one its moments are calibrated
+/// It serves one wall, with the motion of state 0 above it. Moments and rates are calibrated
 /// ([`Simulation::control_variates`]).
 ///
 /// # One result, however it is made
