@@ -93,13 +93,14 @@ mod tests {
     #[test]
     fn altered_states_with_a_right_checksum_do_no_harm() -> Result<()> {
         let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;
-        harmless(&problem.clone().with_wall(Wall::above(-0.5, 0.9)?)?, "wall")?;
-        harmless(&problem, "calibrated")
+        harmless(&problem.clone().with_wall(Wall::above(-0.5, 0.9)?)?, false)?;
+        harmless(&problem, true)
     }
 
-    fn harmless(problem: &Problem, name: &str) -> Result<()> {
-        let path = std::env::temp_dir().join(format!("expoly-altered-{name}-{}", std::process::id()));
+    fn harmless(problem: &Problem, calibrated: bool) -> Result<()> {
+        let path = std::env::temp_dir().join(format!("expoly-altered-{calibrated}-{}", std::process::id()));
         let simulation = Simulation::new().trajectories(2).samples(24).burn_in(1.0).bins(3).levels([0.5]);
+        let simulation = simulation.control_variates(calibrated);
         let simulation = simulation.spectrum(0, 8).first_passage(1.0, 3.0, 2).points([[0.0, 0.0]], [0.1, 0.1]);
         simulation.checkpoint(&path, Duration::from_secs(60)).run(problem)?;
         let content = file::read(&path)?.unwrap_or_default();
