@@ -1,8 +1,11 @@
-//! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues.
+//! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, maxima of
+//! concave functions.
 
+mod ascent;
 mod eigenvalues;
 pub(crate) mod legendre;
 mod quadrature;
 
+pub(crate) use ascent::{Concave, Search};
 pub(crate) use eigenvalues::eigenvalues;
 pub(crate) use quadrature::Rule;

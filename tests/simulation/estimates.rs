@@ -179,7 +179,7 @@ fn noise_that_depends_on_the_displacement_leaves_the_duffing_density() -> Result
 
 #[test]
 fn walls_match_the_reference() -> Result<()> {
-    let mut squares = Vec::new();
+    let (mut squares, mut balances) = (Vec::new(), Vec::new());
     for (seed, row) in (0..).zip(walls::table().unwrap()) {
         let (b, r) = (row.b, row.r);
         let result = Simulation::new().samples(400_000).seed(seed).run(&row.problem()?)?;
@@ -196,12 +196,18 @@ fn walls_match_the_reference() -> Result<()> {
         // Not calibrated: it would be zero.
         let balance = result.energy_balance().unwrap_or(Estimate::exact(9.0));
         assert_close(&format!("energy balance for b = {b}, r = {r}"), balance, 0.0, 8e-3);
+        balances.push(balance);
         assert_eq!(result.pdf(&[b - 0.1, 0.3])?.value, 0.0);
         assert_eq!(result.histogram(0)?.edges(0).next(), Some(b));
     }
     // A bias of one standard error in all would make the root mean square 1.4; chance gives 1 ± 0.06 for 120 statistics,
     // somewhat more because those of a row are correlated.
     assert_eq!(squares.len(), 6 * 20);
+    // Of all walls together, whose runs are independent: to a thousandth of the power that the noise brings.
+    let count = balances.len() as f64;
+    let balance = balances.iter().map(|balance| balance.value).sum::<f64>() / count;
+    let error = balances.iter().map(|balance| balance.error.powi(2)).sum::<f64>().sqrt() / count;
+    assert_close("energy balance of all", Estimate::new(balance, error), 0.0, 1.5e-3);
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     println!("root mean square {rms}");
     assert!((0.8..1.25).contains(&rms), "the deviations have the root mean square {rms}");

@@ -7,19 +7,18 @@ pub(super) mod polish;
 pub(super) mod weight;
 
 use super::space::orthonormal::Orthonormal;
+use crate::numerics::{Concave, Search};
+use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 use faer::{Mat, MatRef, Side};
 
-const MAX_STEPS: usize = 60;
-/// The decrement, a distance between logarithms, at which Newton's method has converged.
-const CONVERGED: f64 = 1e-10;
+/// Its decrement is a distance between logarithms.
+const SEARCH: Search = Search { tolerance: 1e-10, most: 60 };
 /// The powers of w under which Newton's method finds a start.
 const FLATTENED: [f64; 4] = [1.0, 0.6, 0.3, 0.1];
 /// A start with less than this distance is good enough.
 const NEAR: f64 = 0.1;
 const RIDGE: f64 = 1e-13;
-/// The longest step in units of the decrement.
-const LONGEST: f64 = 1.0;
 
 /// Q = Q₀ + c + Σ a_k φ_k as a fit of ln p̂.
 #[derive(Clone, Debug)]
@@ -39,16 +38,9 @@ pub(super) struct Projection {
 /// first; `fixed` is Q₀. `None` where the functions are linearly dependent.
 pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], measure: &[f64]) -> Option<Projection> {
     let basis = Orthonormal::new(values, measure)?;
-    let psi = basis.transformed(values);
+    let closeness = Closeness::new(basis.transformed(values), fixed, target, measure);
+    let psi = &closeness.psi;
     let (rows, columns) = (psi.nrows(), psi.ncols());
-    let times = |c: &Mat<f64>| -> Vec<f64> {
-        let product = &psi * c;
-        (0..rows).map(|i| fixed[i] + product[(i, 0)] - target[i]).collect()
-    };
-    let tested = |w: &[f64]| psi.transpose() * Mat::from_fn(rows, 1, |i, _| w[i]);
-    let wanted = tested(measure);
-    let cost =
-        |difference: &[f64]| -> f64 { measure.iter().zip(difference).map(|(w, d)| w * (d.exp() - 1.0 - d)).sum() };
     // Least squares in ln p̂ to begin with. Under w itself they may turn upwards where w is small; under flatter weights
     // they do not, but are worse in the middle.
     let start = |share: f64| {
@@ -56,52 +48,73 @@ pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], me
         let roots: Vec<f64> = measure.iter().map(|w| w.powf(share / 2.0)).collect();
         let right = Mat::from_fn(rows, 1, |i, _| roots[i] * (target[i] - fixed[i]));
         let c = Mat::from_fn(rows, columns, |i, k| roots[i] * psi[(i, k)]).qr().solve_lstsq(right);
-        let difference = times(&c);
-        let cost = cost(&difference);
-        cost.is_finite().then_some((cost, c, difference))
+        let c: Vec<f64> = (0..columns).map(|k| c[(k, 0)]).collect();
+        closeness.value(&c).map(|(value, _)| (-value, c))
     };
     let mut starts = Vec::new();
     for share in FLATTENED {
         starts.extend(start(share));
-        if starts.last().is_some_and(|(cost, ..)| *cost < NEAR) {
+        if starts.last().is_some_and(|(cost, _)| *cost < NEAR) {
             break;
         }
     }
-    let (mut value, mut c, mut difference) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    for _ in 0..MAX_STEPS {
-        let mass: Vec<f64> = measure.iter().zip(&difference).map(|(w, d)| w * d.exp()).collect();
-        let gradient = tested(&mass) - &wanted;
-        let scaled = Mat::from_fn(rows, columns, |i, k| mass[i] * psi[(i, k)]);
-        let mut hessian = psi.transpose() * scaled;
-        // The Hessian is the identity at Q = ln p̂, and semidefinite to rounding everywhere.
-        let ridge = RIDGE * (0..columns).map(|k| hessian[(k, k)]).fold(1.0, f64::max);
-        for k in 0..columns {
-            hessian[(k, k)] += ridge;
-        }
-        let step = hessian.llt(Side::Lower).ok()?.solve(&gradient);
-        let decrement = (0..columns).map(|k| step[(k, 0)] * gradient[(k, 0)]).sum::<f64>().max(0.0).sqrt();
-        let mut length = (LONGEST / decrement.max(f64::MIN_POSITIVE)).min(1.0);
-        let mut moved = false;
-        while length > 1e-6 {
-            let next = &c - Scale(length) * &step;
-            let d = times(&next);
-            let new = cost(&d);
-            // Rounding of the sum allows a change of its own size.
-            if new <= value - 1e-4 * length * decrement * decrement + 1e-15 {
-                (c, difference, value, moved) = (next, d, new, true);
-                break;
-            }
-            length *= 0.5;
-        }
-        if !moved || decrement < CONVERGED {
-            break;
-        }
-    }
-    let d: Vec<f64> = (0..columns).map(|k| c[(k, 0)]).collect();
-    let logarithm: Vec<f64> = (0..rows).map(|i| target[i] + difference[i]).collect();
-    let all = basis.coefficients(&d);
+    let (_, start) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let summit = SEARCH.ascend(&closeness, start)?;
+    let logarithm: Vec<f64> = target.iter().zip(&summit.at).map(|(target, d)| target + d).collect();
+    let all = basis.coefficients(&summit.a);
     let finite = all.iter().all(|a| a.is_finite());
     finite.then(|| Projection { constant: all[0], coefficients: all[1..].to_vec(), logarithm })
+}
+
+/// What [`project`] makes least, with its sign changed, as a function of the coefficients of orthonormal functions.
+struct Closeness<'a> {
+    psi: Mat<f64>,
+    fixed: &'a [f64],
+    target: &'a [f64],
+    measure: &'a [f64],
+    /// Σ w ψ.
+    wanted: Vec<f64>,
+}
+
+impl<'a> Closeness<'a> {
+    fn new(psi: Mat<f64>, fixed: &'a [f64], target: &'a [f64], measure: &'a [f64]) -> Self {
+        let wanted = tested(&psi, measure);
+        Closeness { psi, fixed, target, measure, wanted }
+    }
+}
+
+/// Σ w ψ_k.
+fn tested(psi: &Mat<f64>, w: &[f64]) -> Vec<f64> {
+    let sums = psi.transpose() * Mat::from_fn(w.len(), 1, |i, _| w[i]);
+    (0..psi.ncols()).map(|k| sums[(k, 0)]).collect()
+}
+
+impl Concave for Closeness<'_> {
+    /// Q − ln p̂ at the nodes.
+    type At = Vec<f64>;
+
+    fn value(&self, c: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let product = &self.psi * Mat::from_fn(c.len(), 1, |k, _| c[k]);
+        let at = |i: usize| self.fixed[i] + product[(i, 0)] - self.target[i];
+        let difference: Vec<f64> = (0..self.target.len()).map(at).collect();
+        let cost: f64 = self.measure.iter().zip(&difference).map(|(w, d)| w * (d.exp() - 1.0 - d)).sum();
+        cost.is_finite().then_some((-cost, difference))
+    }
+
+    fn gradient(&self, difference: &Vec<f64>) -> Vec<f64> {
+        let mass: Vec<f64> = self.measure.iter().zip(difference).map(|(w, d)| w * d.exp()).collect();
+        self.wanted.iter().zip(tested(&self.psi, &mass)).map(|(wanted, tested)| wanted - tested).collect()
+    }
+
+    /// The identity at Q = ln p̂, and semidefinite to rounding everywhere.
+    fn curvature(&self, difference: &Vec<f64>, _: &[f64]) -> Option<Llt<f64>> {
+        let (rows, columns) = (self.psi.nrows(), self.psi.ncols());
+        let mass = |i: usize| self.measure[i] * difference[i].exp();
+        let mut hessian = self.psi.transpose() * Mat::from_fn(rows, columns, |i, k| mass(i) * self.psi[(i, k)]);
+        let ridge = RIDGE * (0..columns).map(|k| hessian[(k, k)]).fold(1.0, f64::max);
+        (0..columns).for_each(|k| hessian[(k, k)] += ridge);
+        hessian.llt(Side::Lower).ok()
+    }
 }
 
 /// The weights times p^θ, with sum 1, for p given by its logarithm.

@@ -1,8 +1,9 @@
 //! How far the most likely density is from the density: by one two degrees higher.
 
 use super::calibration::{COVARIANT, Calibration};
-use super::likelihood::{Fit, Likelihood, Nodes, Search, distance};
+use super::likelihood::{Fit, Likelihood, Nodes, distance};
 use super::products::Products;
+use crate::numerics::Search;
 use crate::problem::Problem;
 
 /// A density that only judges is found to this part of its distance.

@@ -2,6 +2,7 @@
 
 use super::products::{LANES, Products, Scratch, ZERO};
 use crate::estimate::Estimate;
+use crate::numerics::{Concave, Search};
 use crate::states::States;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{Llt, Solve};
@@ -15,12 +16,8 @@ pub(super) const ROOM: usize = 30_000_000;
 /// With more functions than this every fourth draw makes the curvature; all make the gradient.
 const MANY: usize = 400;
 const EVERY: usize = 4;
-/// Newton's longest step, in standard deviations of ln p.
-const LONGEST: f64 = 1.0;
 /// Added to the curvature, relative to its mean diagonal entry.
 const RIDGE: f64 = 1e-10;
-/// A curvature serves the next steps too while they fall to this part of one another.
-const FALLING: f64 = 0.3;
 
 /// Nodes with weights for integrals of exp(Q): of a lattice, or draws from some density near exp(Q).
 #[derive(Clone, Debug)]
@@ -62,13 +59,6 @@ struct Part {
     squares: Vec<f64>,
 }
 
-/// When a search ends.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Search {
-    pub(super) tolerance: f64,
-    pub(super) most: usize,
-}
-
 /// Functions on draws.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Likelihood<'a> {
@@ -77,70 +67,12 @@ pub(super) struct Likelihood<'a> {
 }
 
 impl Likelihood<'_> {
-    /// The most likely density whose functions have the `means`, the constant left out: a·m − ln ∫ exp(Q) is concave. It is
-    /// found once a step is as short as `tolerance`, in standard deviations of ln p, or after `most` of them. None where
+    /// The most likely density whose functions have the `means`, the constant left out: a·m − ln ∫ exp(Q) is concave. None where
     /// integrals are not finite.
-    pub(super) fn most_likely(
-        &self,
-        means: &[f64],
-        start: Vec<f64>,
-        Search { tolerance, most }: Search,
-    ) -> Option<Fit> {
-        let size = self.products.len() - 1;
-        let mut a = start;
-        let (mut steps, mut converged, mut next) = (0, false, f64::INFINITY);
-        let (mut value, mut masses) = self.value(&a, means)?;
-        let mut curvature: Option<Llt<f64>> = None;
-        let mut last = f64::INFINITY;
-        while steps < most {
-            let found = self.means(&masses);
-            let gradient = Mat::from_fn(size, 1, |k, _| means[k] - found[k]);
-            let fresh = curvature.is_none();
-            let factor = match curvature.take() {
-                Some(factor) => factor,
-                None => self.curvature(&masses, &found)?,
-            };
-            let step = factor.solve(&gradient);
-            let decrement = (0..size).map(|k| step[(k, 0)] * gradient[(k, 0)]).sum::<f64>().max(0.0).sqrt();
-            next = decrement;
-            converged = decrement < tolerance;
-            if converged {
-                break;
-            }
-            if !fresh && decrement > FALLING * last {
-                continue;
-            }
-            let mut length = (LONGEST / decrement).min(1.0);
-            let moved = loop {
-                let trial: Vec<f64> = a
-                    .iter()
-                    .enumerate()
-                    .map(|(k, a)| if k == 0 { 0.0 } else { a + length * step[(k - 1, 0)] })
-                    .collect();
-                match self.value(&trial, means) {
-                    Some((new, p)) if new >= value + 1e-4 * length * decrement * decrement - 1e-13 * value.abs() => {
-                        (a, value, masses) = (trial, new, p);
-                        break true;
-                    }
-                    _ => length *= 0.5,
-                }
-                if length < 1e-6 {
-                    break false;
-                }
-            };
-            steps += 1;
-            if !moved {
-                if fresh {
-                    break;
-                }
-                continue;
-            }
-            last = decrement;
-            // A full step of a curvature that is nearly right is followed by another.
-            curvature = (length == 1.0 && decrement < 0.3).then_some(factor);
-        }
-        let finite = a.iter().all(|a| a.is_finite());
-        finite.then(|| Fit { a, effective: effective(&masses), steps, converged, next, masses })
+    pub(super) fn most_likely(&self, means: &[f64], start: Vec<f64>, search: Search) -> Option<Fit> {
+        let summit = search.ascend(&Towards { likelihood: self, means }, start[1..].to_vec())?;
+        let (steps, converged, next, masses) = (summit.steps, summit.converged, summit.next, summit.at);
+        Some(Fit { a: with_constant(&summit.a), effective: effective(&masses), steps, converged, next, masses })
     }
 
     /// E|δ| of the first-order change δ of ln p that a change of the means makes.
@@ -322,6 +254,35 @@ impl Likelihood<'_> {
             self.products.place_values(&lanes, scratch);
             look(at, used, scratch);
         }
+    }
+}
+
+/// The likelihood of means, without the constant function.
+struct Towards<'a> {
+    likelihood: &'a Likelihood<'a>,
+    means: &'a [f64],
+}
+
+/// Coefficients with that of the constant function, zero, before them.
+fn with_constant(a: &[f64]) -> Vec<f64> {
+    std::iter::once(0.0).chain(a.iter().copied()).collect()
+}
+
+impl Concave for Towards<'_> {
+    /// The mass of each draw.
+    type At = Vec<f64>;
+
+    fn value(&self, a: &[f64]) -> Option<(f64, Vec<f64>)> {
+        self.likelihood.value(&with_constant(a), self.means)
+    }
+
+    fn gradient(&self, masses: &Vec<f64>) -> Vec<f64> {
+        self.means.iter().zip(self.likelihood.means(masses)).map(|(wanted, found)| wanted - found).collect()
+    }
+
+    fn curvature(&self, masses: &Vec<f64>, gradient: &[f64]) -> Option<Llt<f64>> {
+        let found: Vec<f64> = self.means.iter().zip(gradient).map(|(wanted, g)| wanted - g).collect();
+        self.likelihood.curvature(masses, &found)
     }
 }
 

@@ -28,11 +28,12 @@ use super::space::degrees::Degrees;
 use super::space::{Functions, Polynomials};
 use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;
+use crate::numerics::Search;
 use crate::problem::{Problem, Symmetry};
 use calibration::{COVARIANT, Calibration, LEAST_WEIGHT};
 use estimate::l1_estimate;
 pub(in crate::closure) use likelihood::Nodes;
-use likelihood::{Fit, Likelihood, Search, effective};
+use likelihood::{Fit, Likelihood, effective};
 use moments::moments;
 
 /// The density is judged by one two degrees higher, of at most so many functions; of more, only those of one and of two states

@@ -62,10 +62,10 @@ impl Splitting<'_> {
     pub fn run(mut self, problem: &Problem) -> Result<Tails> {
         let begin = Instant::now();
         let (n, wall) = (problem.dimension(), single_wall(problem, "splitting")?);
-        let times = self.times(problem)?;
-        let plan = self.plan(n, wall, times)?;
-        let states = self.plain(times).states(problem)?;
-        let scheme = Scheme::new(problem, 1.0, times.step);
+        let spans = self.spans(problem)?;
+        let plan = self.plan(n, wall, spans)?;
+        let states = self.plain(spans).states(problem)?;
+        let scheme = Scheme::new(problem, 1.0, spans.step);
         let importance = match self.importance.take() {
             Some(given) => given,
             None => Importance::natural(problem, &states)?,
@@ -105,7 +105,7 @@ impl Splitting<'_> {
         let (replicas, steps): (Vec<Tally>, Vec<u64>) =
             results.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
 
-        let cycle = plan.steps as f64 * times.step;
+        let cycle = plan.steps as f64 * spans.step;
         let provenance = Provenance {
             method: String::from("splitting"),
             seed: Some(self.seed),
@@ -113,7 +113,7 @@ impl Splitting<'_> {
             particles: Some(self.particles),
             thresholds: Some(thresholds),
             path_steps: Some(steps.iter().sum()),
-            time_step: Some(times.step),
+            time_step: Some(spans.step),
             resampling_interval: Some(cycle),
             relaxation: Some(plan.relaxing as f64 * cycle),
             duration: Some(plan.measuring as f64 * cycle),
@@ -124,15 +124,15 @@ impl Splitting<'_> {
     }
 
     /// A plain simulation of the same problem: it makes the starting states, [`STATES`] for the pilot and for each replica.
-    fn plain(&self, times: Times) -> Simulation<'static> {
+    fn plain(&self, spans: Spans) -> Simulation<'static> {
         let count = STATES * (self.replicas + 1);
         let simulation = Simulation { start: self.start.clone(), ..Simulation::new() };
-        let simulation = simulation.trajectories(count).samples(count).burn_in(times.burn_in).seed(self.seed);
-        simulation.time_step(times.step).sampling_interval(times.step)
+        let simulation = simulation.trajectories(count).samples(count).burn_in(spans.burn_in).seed(self.seed);
+        simulation.time_step(spans.step).sampling_interval(spans.step)
     }
 
     /// The times that were given, and in place of others those that follow from the system's rates.
-    fn times(&self, problem: &Problem) -> Result<Times> {
+    fn spans(&self, problem: &Problem) -> Result<Spans> {
         let given = [
             ("time step", self.time_step),
             ("resampling interval", self.resampling_interval),
@@ -144,7 +144,7 @@ impl Splitting<'_> {
         }
         let scales = TimeScales::of(problem)?;
         let long = |time: Option<f64>| time.unwrap_or_else(|| two_digits(scales.memory()));
-        Ok(Times {
+        Ok(Spans {
             step: self.time_step.unwrap_or_else(|| two_digits(scales.short(STEP))),
             burn_in: long(self.burn_in),
             relaxation: long(self.relaxation),
@@ -154,7 +154,7 @@ impl Splitting<'_> {
     }
 
     /// Looks at all options that the starting states do not need.
-    fn plan(&self, states: usize, wall: Option<Wall>, times: Times) -> Result<Plan> {
+    fn plan(&self, states: usize, wall: Option<Wall>, spans: Spans) -> Result<Plan> {
         if self.particles == 0 {
             return Err(Error::NoSamples { what: "the number of particles", least: 1 });
         }
@@ -165,7 +165,7 @@ impl Splitting<'_> {
         at_most("number of particles", self.particles, MOST_PARTICLES, "at most 4096; take more replicas instead")?;
         let remedy = "the probability of the rarest states lies between 0 and 1";
         require(self.rarest > 0.0 && self.rarest < 1.0, "rarest", self.rarest, remedy)?;
-        let Times { step: h, relaxation, duration, interval, .. } = times;
+        let Spans { step: h, relaxation, duration, interval, .. } = spans;
         let steps = (interval / h).round().max(1.0);
         let cycles = |time: f64| whole(time / (steps * h)).max(2.0);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
@@ -204,7 +204,7 @@ impl Splitting<'_> {
 
 /// The options that are times.
 #[derive(Clone, Copy)]
-struct Times {
+struct Spans {
     step: f64,
     burn_in: f64,
     relaxation: f64,

@@ -1,63 +1,18 @@
-//! The user's own definition as what can be evaluated: the only code that is compiled for a user's type.
+//! Systems of a number of states that the compiler has: arrays, several lanes at once.
 
-use super::flow::{Kicks, kick, midpoint, runge_kutta};
-use super::pack::Pack;
+use super::super::flow::{Kicks, kick, midpoint, runge_kutta};
+use super::{Field, LANES, Lane};
 use crate::fokker_planck::Local;
-use crate::system::{PolynomialDrift, PolynomialSystem};
+use crate::system::PolynomialDrift;
 use num_dual::{Dual, Dual64, DualNum, HyperDual64};
 use num_traits::Zero;
 use pulp::{Arch, NullaryFnOnce};
 
-/// States that are advanced in lockstep.
-pub(crate) const LANES: usize = 16;
-
-/// One state of each of them.
-pub(crate) type Lane = [f64; LANES];
-
-/// What the methods ask of a system. First derivatives come from [`Dual64`], second ones from [`HyperDual64`], and the
-/// derivatives of the noise-induced drift from dual numbers over those, so that nothing is ever differenced.
-pub(crate) trait Field: Send + Sync {
-    /// Column k of G at [`LANES`] states: `x[i][l]` is state i of lane l.
-    fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]);
-
-    /// The flow of column k of G over the times `s`, by the classical Runge-Kutta rule.
-    fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]);
-
-    /// The flow of the drift as it was written over the time `tau`, by the explicit midpoint rule. It takes with it `induced`
-    /// times ½ Σ_k (G_k·∇)G_k, what Stratonovich's mean rate of change has beyond the drift, and states whose factor in
-    /// `moved` is 1, not those whose factor is 0.
-    fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]);
-
-    /// Takes the states `x` through [`Kicks::run`] for the increments `w`.
-    fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool);
-
-    /// The first of `kicks` of one state for the increments `w` of all processes, without the straight piece after it.
-    fn kick(&self, x: &mut [f64], w: &[f64], kicks: &Kicks<'_>);
-
-    /// The Itô drift f at a point.
-    fn ito_drift(&self, x: &[f64], drift: &mut [f64]);
-
-    /// The Itô drift f at all lanes.
-    fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]);
-
-    /// ∇·f at a point.
-    fn divergence(&self, x: &[f64]) -> f64;
-
-    /// B = G Gᵀ at a point, by rows.
-    fn diffusion(&self, x: &[f64], diffusion: &mut [f64]);
-
-    /// B with Σ_j ∂_jB_ij and Σ_ij ∂_i∂_jB_ij at a point.
-    fn diffusion_derivatives(&self, x: &[f64], local: &mut Local);
-
-    /// ∂f_i/∂x_j of the Itô drift, by rows, and Σ|∂G_ik/∂x_j|².
-    fn slopes(&self, x: &[f64], jacobian: &mut [f64]) -> f64;
-}
-
 /// A [`PolynomialDrift`].
-pub(super) struct Fixed<T, const N: usize, const M: usize> {
-    pub(super) system: T,
+pub(in crate::problem) struct Fixed<T, const N: usize, const M: usize> {
+    pub(in crate::problem) system: T,
     /// Whether the noise induces a drift, as Stratonovich's does where it depends on the state.
-    pub(super) induces: bool,
+    pub(in crate::problem) induces: bool,
 }
 
 impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Fixed<T, N, M> {
@@ -266,149 +221,6 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T
             let (drift, noise) = (self.ito(at), self.system.noise(at));
             for i in 0..N {
                 jacobian[i * N + j] = drift[i].eps;
-                squares += noise[i].iter().map(|g| g.eps * g.eps).sum::<f64>();
-            }
-        }
-        squares
-    }
-}
-
-/// A [`PolynomialSystem`].
-pub(super) struct AnySize<T> {
-    pub(super) system: T,
-    /// As [`Fixed::induces`].
-    pub(super) induces: bool,
-}
-
-impl<T: PolynomialSystem> AnySize<T> {
-    fn ito<S: DualNum<Primitive = f64> + Copy>(&self, x: &[S]) -> Vec<S> {
-        let mut drift = self.system.drift(x);
-        if self.induces {
-            drift.iter_mut().zip(self.along(x)).for_each(|(f, induced)| *f += induced);
-        }
-        drift
-    }
-
-    fn along<S: DualNum<Primitive = f64> + Copy>(&self, x: &[S]) -> Vec<S> {
-        let mut induced = vec![S::from(0.0); x.len()];
-        let noise = self.system.noise(x);
-        for k in 0..self.system.processes() {
-            let at: Vec<Dual<S>> = x.iter().zip(&noise).map(|(x, row)| Dual::new(*x, row[k])).collect();
-            let along = self.system.noise(&at);
-            induced.iter_mut().zip(along).for_each(|(induced, row)| *induced += row[k].eps * 0.5);
-        }
-        induced
-    }
-
-    fn seeded(x: &[f64], j: usize) -> Vec<Dual64> {
-        x.iter().enumerate().map(|(i, x)| Dual64::new(*x, f64::from(i == j))).collect()
-    }
-}
-
-/// A call on packs, with the registers that it is compiled for.
-struct OnPacks<F>(F);
-
-impl<R, F: FnOnce() -> R> NullaryFnOnce for OnPacks<F> {
-    type Output = R;
-
-    #[inline(always)]
-    fn call(self) -> R {
-        (self.0)()
-    }
-}
-
-/// Lanes as packs, and packs as lanes.
-fn packed(x: &[Lane]) -> Vec<Pack> {
-    x.iter().copied().map(Pack).collect()
-}
-
-fn unpacked(packs: impl IntoIterator<Item = Pack>, lanes: &mut [Lane]) {
-    lanes.iter_mut().zip(packs).for_each(|(lane, pack)| *lane = pack.0);
-}
-
-impl<T: PolynomialSystem> Field for AnySize<T> {
-    fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
-        let call = || unpacked(self.system.noise(&packed(x)).iter().map(|row| row[k]), column);
-        arch.dispatch(OnPacks(call));
-    }
-
-    fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
-        let column = |x: &Vec<Pack>| self.system.noise(x).iter().map(|row| row[k]).collect();
-        arch.dispatch(OnPacks(|| unpacked(runge_kutta(packed(x), Pack(*s), column), to)));
-    }
-
-    fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
-        let drift = |x: &Vec<Pack>| {
-            let mut drift = self.system.drift(x);
-            for l in (0..LANES).filter(|_| induced != 0.0) {
-                let state: Vec<f64> = x.iter().map(|pack| pack.0[l]).collect();
-                drift.iter_mut().zip(self.along(&state)).for_each(|(f, more)| f.0[l] += induced * more);
-            }
-            drift
-        };
-        arch.dispatch(OnPacks(|| unpacked(midpoint(packed(x), tau, moved, drift), to)));
-    }
-
-    fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
-        let processes = self.system.processes();
-        let noise = |i: usize, k: usize| kicks.noise[i * processes + k];
-        let drift = |x: &Vec<Pack>| self.system.drift(x);
-        let kick = |x: &mut [Lane], w: &[Lane]| {
-            unpacked(kick(packed(x), kicks.step / 2.0, kicks.moved, noise, &packed(w), drift), x);
-        };
-        arch.dispatch(OnPacks(|| kicks.run(x, w, processes, kick)))
-    }
-
-    fn kick(&self, x: &mut [f64], w: &[f64], Kicks { step, moved, noise, .. }: &Kicks<'_>) {
-        let noise = |i: usize, k: usize| noise[i * w.len() + k];
-        x.copy_from_slice(&kick(x.to_vec(), step / 2.0, moved, noise, w, |x| self.system.drift(x)));
-    }
-
-    fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {
-        drift.copy_from_slice(&self.ito(x));
-    }
-
-    fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
-        if !self.induces {
-            arch.dispatch(OnPacks(|| unpacked(self.system.drift(&packed(x)), drift)));
-            return;
-        }
-        for l in 0..LANES {
-            let state: Vec<f64> = x.iter().map(|x| x[l]).collect();
-            drift.iter_mut().zip(self.ito(&state)).for_each(|(lanes, f)| lanes[l] = f);
-        }
-    }
-
-    fn divergence(&self, x: &[f64]) -> f64 {
-        (0..x.len()).map(|i| self.ito(&Self::seeded(x, i))[i].eps).sum()
-    }
-
-    fn diffusion(&self, x: &[f64], diffusion: &mut [f64]) {
-        let (n, noise) = (x.len(), self.system.noise(x));
-        let entry = |i: usize, j: usize| noise[i].iter().zip(&noise[j]).fold(0.0, |sum, (g, h)| sum + g * h);
-        diffusion.iter_mut().enumerate().for_each(|(at, b)| *b = entry(at / n, at % n));
-    }
-
-    fn diffusion_derivatives(&self, x: &[f64], local: &mut Local) {
-        local.diffusion_divergence.fill(0.0);
-        local.diffusion_curvature = 0.0;
-        for i in 0..x.len() {
-            for j in 0..x.len() {
-                let at = |(k, x): (usize, &f64)| HyperDual64::new(*x, f64::from(k == i), f64::from(k == j), 0.0);
-                let noise = self.system.noise(&x.iter().enumerate().map(at).collect::<Vec<_>>());
-                let b = noise[i].iter().zip(&noise[j]).fold(HyperDual64::zero(), |sum, (g, h)| sum + *g * *h);
-                local.add_derivatives(i, j, [b.re, b.eps2, b.eps1eps2]);
-            }
-        }
-    }
-
-    fn slopes(&self, x: &[f64], jacobian: &mut [f64]) -> f64 {
-        let (n, mut squares) = (x.len(), 0.0);
-        for j in 0..n {
-            let at = Self::seeded(x, j);
-            let (drift, noise) = (self.ito(&at), self.system.noise(&at));
-            for i in 0..n {
-                jacobian[i * n + j] = drift[i].eps;
                 squares += noise[i].iter().map(|g| g.eps * g.eps).sum::<f64>();
             }
         }

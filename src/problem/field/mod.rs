@@ -1,0 +1,58 @@
+//! The user's own definition as what can be evaluated, by a trait object: nothing beyond this folder is compiled for a user's
+//! type.
+
+mod any_size;
+mod fixed;
+
+use super::flow::Kicks;
+use crate::fokker_planck::Local;
+use pulp::Arch;
+
+pub(super) use any_size::AnySize;
+pub(super) use fixed::Fixed;
+
+/// States that are advanced in lockstep.
+pub(crate) const LANES: usize = 16;
+
+/// One state of each of them.
+pub(crate) type Lane = [f64; LANES];
+
+/// What the methods ask of a system. First derivatives come from [`Dual64`](num_dual::Dual64), second ones from
+/// [`HyperDual64`](num_dual::HyperDual64), and the derivatives of the noise-induced drift from dual numbers over those, so that
+/// nothing is ever differenced.
+pub(crate) trait Field: Send + Sync {
+    /// Column k of G at [`LANES`] states: `x[i][l]` is state i of lane l.
+    fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]);
+
+    /// The flow of column k of G over the times `s`, by the classical Runge-Kutta rule.
+    fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]);
+
+    /// The flow of the drift as it was written over the time `tau`, by the explicit midpoint rule. It takes with it `induced`
+    /// times ½ Σ_k (G_k·∇)G_k, what Stratonovich's mean rate of change has beyond the drift, and states whose factor in
+    /// `moved` is 1, not those whose factor is 0.
+    fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]);
+
+    /// Takes the states `x` through [`Kicks::run`] for the increments `w`.
+    fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool);
+
+    /// The first of `kicks` of one state for the increments `w` of all processes, without the straight piece after it.
+    fn kick(&self, x: &mut [f64], w: &[f64], kicks: &Kicks<'_>);
+
+    /// The Itô drift f at a point.
+    fn ito_drift(&self, x: &[f64], drift: &mut [f64]);
+
+    /// The Itô drift f at all lanes.
+    fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]);
+
+    /// ∇·f at a point.
+    fn divergence(&self, x: &[f64]) -> f64;
+
+    /// B = G Gᵀ at a point, by rows.
+    fn diffusion(&self, x: &[f64], diffusion: &mut [f64]);
+
+    /// B with Σ_j ∂_jB_ij and Σ_ij ∂_i∂_jB_ij at a point.
+    fn diffusion_derivatives(&self, x: &[f64], local: &mut Local);
+
+    /// ∂f_i/∂x_j of the Itô drift, by rows, and Σ|∂G_ik/∂x_j|².
+    fn slopes(&self, x: &[f64], jacobian: &mut [f64]) -> f64;
+}
