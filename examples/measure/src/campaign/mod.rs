@@ -22,7 +22,7 @@ use std::path::PathBuf;
 /// The closure on random systems, against the grid.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Options {
-    /// How many systems [default: 200, with --walls 100, with --lattice all 40, with --exact 60]
+    /// How many systems [default: 500, with --walls 150, with --lattice all 40, with --exact 60]
     #[arg(long)]
     count: Option<usize>,
     /// Seed of the systems' parameters
