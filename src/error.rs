@@ -31,6 +31,18 @@ pub enum Error {
         /// What it must be.
         remedy: &'static str,
     },
+    /// What is requested would take more memory than the limit; nothing of it was allocated.
+    #[error("{what} would take {needed:.1} GiB, and the limit is {limit:.1} GiB: {remedy}")]
+    TooMuchMemory {
+        /// What takes the memory.
+        what: &'static str,
+        /// The estimate, in GiB.
+        needed: f64,
+        /// The limit, in GiB.
+        limit: f64,
+        /// What takes less.
+        remedy: &'static str,
+    },
     /// A list of numbers has the wrong length, or an index points past the last state.
     #[error("{what}: {found} does not fit a system of {expected} states")]
     Dimension {

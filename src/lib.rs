@@ -31,6 +31,7 @@ mod fokker_planck;
 mod grid;
 #[doc = include_str!("guide.md")]
 pub mod guide {}
+mod memory;
 pub mod models;
 mod numerics;
 mod polynomial;

@@ -6,11 +6,12 @@ use super::projection::weight::Weight;
 use super::reference::Start;
 use super::space::degrees::Degrees;
 use crate::error::{Result, positive, require};
+use crate::memory::MemoryLimit;
 
 /// The factor on the pilot's noise intensities that shows the tails.
 const INFLATION: f64 = 3.0;
-/// Numbers in all of the pilot's states.
-const MOST_NUMBERS: usize = 100_000_000;
+/// The numbers that a pilot's state takes for each of its own.
+const COPIES: f64 = 4.0;
 /// The highest order.
 pub(super) const HIGHEST_ORDER: u32 = 16;
 
@@ -40,6 +41,7 @@ pub struct Closure {
     pub(super) inflation: f64,
     pub(super) degrees: Degrees,
     pub(super) start: Option<Start>,
+    pub(super) memory: MemoryLimit,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +65,7 @@ impl Closure {
             inflation: INFLATION,
             degrees: Degrees::complete(),
             start: None,
+            memory: MemoryLimit::default(),
         }
     }
 
@@ -140,6 +143,12 @@ impl Closure {
         Closure { start: similar.into().map(ClosureDensity::start), ..self }
     }
 
+    /// The memory that the pilot's states and the equations may take, 8 GiB by default; both are estimated before they are
+    /// allocated. A thousand functions of ten states take 2 GiB.
+    pub fn memory_limit(self, gibibytes: f64) -> Self {
+        Closure { memory: MemoryLimit::gibibytes(gibibytes), ..self }
+    }
+
     pub(super) fn highest(&self) -> u32 {
         match self.order {
             Order::Fixed(order) => order,
@@ -171,14 +180,15 @@ impl Closure {
             let name = "number of the pilot's states";
             let remedy = "at least 1000 are needed to see where the density is";
             require(kept >= 1000, name, kept as f64, remedy)?;
-            let remedy = "all of them together may have 10^8 numbers, which take 0.8 GB: ask for fewer";
-            require(kept <= MOST_NUMBERS / states, name, kept as f64, remedy)?;
+            let numbers = COPIES * kept as f64 * states as f64;
+            self.memory.holds("the pilot's states", numbers, "ask for fewer, or raise `memory_limit`")?;
         }
         let (inflation, remedy) = (self.inflation, "it must lie between 1 and 100");
         require((1.0..=100.0).contains(&inflation), "inflation of the pilot's intensity", inflation, remedy)?;
         if let Some(start) = &self.start {
             start.check(states)?;
         }
+        self.memory.check()?;
         self.degrees.check(states)?;
         self.weight.check()
     }

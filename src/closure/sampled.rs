@@ -12,6 +12,7 @@ use super::samples::{Copula, ImportanceRule, Lattice, SampleClosure, close_on_sa
 use super::space::degrees::Degrees;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
+use crate::memory::MemoryLimit;
 use crate::problem::{Problem, Symmetry};
 use crate::provenance::Provenance;
 use std::time::Instant;
@@ -27,9 +28,11 @@ const EXACTLY: f64 = 1.8;
 const NODES: usize = 1 << 18;
 const EVEN: f64 = 1e-4;
 
-/// The monomials of an order, whose matrices take 0.8 GB each, and of that which judges it.
-const MOST_FUNCTIONS: usize = 10_000;
+/// The monomials of the order that judges an order.
 const MOST_LISTED: usize = 500_000;
+/// Matrices of all pairs of functions that are held at once: three sums on each of two stretches of nodes, their totals, the
+/// factors, and what those are made from.
+const MATRICES: f64 = 16.0;
 
 /// What the closures of one system on samples share at all orders.
 pub(super) struct Sampled {
@@ -41,6 +44,7 @@ pub(super) struct Sampled {
     /// Whether the moment equations of a higher degree are solved on a lattice.
     pub(super) referred: bool,
     pub(super) seed: u64,
+    pub(super) memory: MemoryLimit,
     pub(super) begin: Instant,
 }
 
@@ -75,12 +79,14 @@ impl Sampled {
         let Sampled { symmetry, pilot, degrees, .. } = self;
         let states = self.problem.dimension();
         // The density is judged by one two degrees higher.
-        if degrees.are_more_than(MOST_FUNCTIONS, states, order) || degrees.are_more_than(MOST_LISTED, states, order + 2)
-        {
+        if degrees.are_more_than(MOST_LISTED, states, order + 2) {
             return Err(failed(
-                "it has more functions than fit into memory: ask for a lower one, or for fewer `degrees`",
+                "it has too many functions even to list them: ask for a lower one, or for fewer `degrees`",
             ));
         }
+        let functions = degrees.exponents(states, order, |alpha| symmetry.keeps(alpha)).len() as f64;
+        let remedy = "ask for a lower order or fewer `degrees`, or raise `memory_limit`";
+        self.memory.holds("the equations of the closure", MATRICES * functions * functions, remedy)?;
         let surface = "the pilot's states lie on a surface: the noise may not reach every state";
         let copula = Copula::new(pilot, symmetry).ok_or_else(|| failed(surface))?;
         let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };

@@ -44,7 +44,8 @@ impl Closure {
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for walls in other than two
     /// states, and for nodes that do not serve the problem; [`Error::Exploded`] where no trajectory stays;
-    /// [`Error::NotClosed`] where the pilot's states allow no density.
+    /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
+    /// equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
         let begin = Instant::now();
         let walls = problem.walls_of_plane(METHOD)?;
@@ -73,8 +74,9 @@ impl Closure {
                 pilot.stationary &= pilot.slowness(&symmetry) < UNMIXED;
             }
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
-            let (guarded, seed, referred) = (self.guard, self.seed, self.on_samples == Some(false));
-            let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, begin };
+            let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
+            let referred = self.on_samples == Some(false);
+            let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, memory, begin };
             return self.at_order(HIGHEST_ORDER, |order| nodal.closed(order));
         }
         let states = self.states.unwrap_or(STATES);

@@ -18,9 +18,17 @@ use super::space::{Side, Space};
 use super::sparse::{Factors, Ordering, SparseMatrix};
 use super::wall;
 use crate::error::Result;
+use crate::memory::MemoryLimit;
 use crate::numerics::Rule;
 use crate::problem::Problem;
 use nalgebra::DMatrix;
+
+/// Blocks in a column of K: those of an element and of the four next to it.
+const NEIGHBOURS: usize = 5;
+/// Entries take so many numbers together: by columns, by rows, shifted, each with its index.
+const COPIES: f64 = 6.0;
+
+const FEWER: &str = "take fewer cells or a lower degree, or raise `memory_limit`";
 
 /// A problem's operator on a mesh, ∂p/∂t = −K p. The basis is orthonormal, so that the mass matrix is the identity.
 #[derive(Debug)]
@@ -32,9 +40,15 @@ pub(super) struct Discretisation {
 }
 
 impl Discretisation {
-    pub(super) fn new(problem: &Problem, space: &Space) -> Result<Self> {
+    /// # Errors
+    /// [`Error::TooMuchMemory`](crate::Error::TooMuchMemory) if the matrix or its factors would not keep to the limit.
+    pub(super) fn new(problem: &Problem, space: &Space, memory: MemoryLimit) -> Result<Self> {
+        let blocks = (space.elements() * NEIGHBOURS) as f64;
+        memory.holds("the matrix of the grid", COPIES * blocks * (space.block() as f64).powi(2), FEWER)?;
         let matrix = assemble(problem, space);
         let ordering = Ordering::new(&matrix, elimination_order(space).as_deref())?;
+        let walled = space.sides != [Side::Open, Side::Open];
+        memory.holds("the factors of the grid's matrix", if walled { 5.0 } else { 3.0 } * ordering.bound, FEWER)?;
         Ok(Discretisation { matrix, ordering })
     }
 

@@ -3,6 +3,7 @@ use super::space::Side;
 use crate::density::{Crossing, Density};
 use crate::error::{Result, dimension, require, state_index};
 use crate::estimate::Estimate;
+use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
 use std::fmt;
@@ -23,6 +24,7 @@ pub struct GridDensity {
     pub(super) domain: [[f64; 2]; 2],
     /// The largest |p| at the domain's open edges, relative to the peak.
     pub(super) edge_level: f64,
+    pub(super) memory: MemoryLimit,
     pub(super) provenance: Provenance,
 }
 

@@ -5,7 +5,6 @@ use super::domain::Profile;
 use super::field::Field;
 use super::legendre::Axis;
 use super::space::{Side, Space};
-use super::sparse::too_large;
 use super::{Grid, mesh, stationary};
 use crate::error::{Error, Result, positive};
 use crate::problem::{COLLAPSE, Problem, Wall};
@@ -18,10 +17,6 @@ const SCOUT_CELLS: [usize; 2] = [14, 14];
 
 /// How often a domain is adjusted before the search is given up.
 const ATTEMPTS: usize = 6;
-
-/// The most unknowns that a solution may have. Factors of 30 000 unknowns take 1.9 GB, and their memory grows faster than
-/// the number of unknowns.
-const MOST_UNKNOWNS: usize = 100_000;
 
 /// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.
 const CUT: f64 = 1e-3;
@@ -39,16 +34,17 @@ pub(super) struct Solver<'a> {
 
 impl Solver<'_> {
     pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<GridDensity> {
+        let memory = self.grid.memory;
         let mut domain = self.between_walls(start);
         for [low, high] in domain {
             positive("side of the domain", high - low, "give lower and upper limits in this order, around the walls")?;
         }
         let mut scout: Option<Field> = None;
         for attempt in 1..=ATTEMPTS {
-            let space = self.space(domain, SCOUT_DEGREE, SCOUT_CELLS, false)?;
+            let space = self.space(domain, SCOUT_DEGREE, SCOUT_CELLS, false);
             let centre = space.elements() / 2 + space.axes[1].cells() / 2;
             let pin = scout.as_ref().map_or(centre, |field| self.same_place(field, &space));
-            let field = stationary::solve(self.problem, &space, pin)?.field;
+            let field = stationary::solve(self.problem, &space, pin, memory)?.field;
             let next = self.between_walls(self.measured(&field));
             let settled = self.settled(domain, next);
             if !adjust || attempt == ATTEMPTS {
@@ -64,10 +60,11 @@ impl Solver<'_> {
             }
         }
         let degree = self.degree;
-        let space = self.space(domain, degree, self.cells, true)?;
+        let space = self.space(domain, degree, self.cells, true);
         let pin = scout.as_ref().map_or(0, |field| self.same_place(field, &space));
-        let coarse = stationary::solve(self.problem, &Space { degree: degree - 1, ..space.clone() }, pin)?.field;
-        let fine = stationary::solve(self.problem, &space, coarse.peak_element())?;
+        let coarse =
+            stationary::solve(self.problem, &Space { degree: degree - 1, ..space.clone() }, pin, memory)?.field;
+        let fine = stationary::solve(self.problem, &space, coarse.peak_element(), memory)?;
         self.density(fine, coarse, domain)
     }
 
@@ -113,7 +110,7 @@ impl Solver<'_> {
     }
 
     /// The elements on `domain`; `layers` asks for those at grazing points.
-    fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Result<Space> {
+    fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Space {
         let [position, velocity] = domain;
         // Distances from a wall keep the widths of the smallest elements.
         let origin = match self.walls {
@@ -148,9 +145,7 @@ impl Solver<'_> {
         let [first, second] = lines;
         let axes = [Axis { origin, lines: first }, Axis { origin: 0.0, lines: second }];
         let sides = self.walls.map(|wall| wall.map_or(Side::Open, |w| Side::Wall(w.restitution())));
-        let space = Space { axes, degree, sides };
-        let unknowns = space.unknowns();
-        if unknowns > MOST_UNKNOWNS { Err(too_large(unknowns)) } else { Ok(space) }
+        Space { axes, degree, sides }
     }
 
     /// The largest density at an open edge relative to the peak, refused if above `accepted`.
@@ -195,7 +190,15 @@ impl Solver<'_> {
             warning: self.walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned()),
             ..Provenance::default()
         };
-        Ok(GridDensity { fine: field, coarse, problem: self.problem.clone(), domain, edge_level, provenance })
+        Ok(GridDensity {
+            fine: field,
+            coarse,
+            problem: self.problem.clone(),
+            domain,
+            edge_level,
+            memory: self.grid.memory,
+            provenance,
+        })
     }
 }
 

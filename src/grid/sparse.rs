@@ -67,6 +67,9 @@ impl SparseMatrix {
 /// The order of elimination for one pattern, for every matrix that has it.
 #[derive(Clone, Debug)]
 pub(crate) struct Ordering {
+    /// The entries that either factor has at most, whatever the pivots: those of R in a QR factorisation (A. George and E. Ng,
+    /// 1985, doi:10.1137/0906060).
+    pub(crate) bound: f64,
     symbolic: supernodal::SymbolicSupernodalLu<usize>,
     columns: Perm<usize>,
 }
@@ -118,7 +121,8 @@ impl Ordering {
             Default::default(),
         )
         .map_err(|_| too_large(n))?;
-        Ok(Ordering { symbolic, columns })
+        let bound = counts.iter().map(|count| *count as f64).sum();
+        Ok(Ordering { bound, symbolic, columns })
     }
 
     /// The LU factors of `matrix`, which must have the pattern that the ordering was made for.
@@ -187,8 +191,8 @@ impl Factors {
     }
 }
 
-/// The factors of so many unknowns are too large.
-pub(super) fn too_large(unknowns: usize) -> Error {
+/// There was less memory than the estimate took for granted.
+fn too_large(unknowns: usize) -> Error {
     let remedy = "the factors do not fit into memory; take fewer cells or a lower degree";
     Error::OutOfRange { name: "number of unknowns", value: unknowns as f64, remedy }
 }

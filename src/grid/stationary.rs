@@ -5,6 +5,7 @@ use super::field::Field;
 use super::space::Space;
 use super::sparse::SparseMatrix;
 use crate::error::{Error, Result};
+use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 
 /// A stationary density and how well it is one.
@@ -25,8 +26,8 @@ pub(super) struct Stationary {
 /// element k, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and nothing to
 /// the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
 /// Its strength is the multiplier that a border would have had. `pin` is k, an element in which there is mass.
-pub(super) fn solve(problem: &Problem, space: &Space, pin: usize) -> Result<Stationary> {
-    let Discretisation { matrix, ordering } = Discretisation::new(problem, space)?;
+pub(super) fn solve(problem: &Problem, space: &Space, pin: usize, memory: MemoryLimit) -> Result<Stationary> {
+    let Discretisation { matrix, ordering } = Discretisation::new(problem, space, memory)?;
     let k = pin * space.block();
     let alpha = matrix.magnitude().min(diagonal_scale(&matrix, k));
     let mut pinned = matrix.clone();

@@ -58,7 +58,7 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
-        let operator = Discretisation::new(&self.problem, &self.fine.space)?;
+        let operator = Discretisation::new(&self.problem, &self.fine.space, self.memory)?;
         // What the noise brings into a state per unit time over what is in it: a rate of the right size.
         let rate = |state: usize| -> Result<f64> {
             let injected = &self.problem.operator().diffusion()[state][state];
@@ -142,7 +142,7 @@ impl GridDensity {
         times: &[f64],
         tolerance: f64,
     ) -> Result<Vec<(Field, f64)>> {
-        let operator = Discretisation::new(&self.problem, space)?;
+        let operator = Discretisation::new(&self.problem, space, self.memory)?;
         let frame = Frame::new(gaussian)?;
         let volume = (std::f64::consts::TAU.ln() + frame.log_volume()).exp();
         let (origin, inverse) = (frame.origin(), frame.inverse());

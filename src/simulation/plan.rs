@@ -147,7 +147,7 @@ impl Plan {
             && self.velocity.is_none_or(|velocity| velocity < states)
             && self.wall.is_none_or(|wall| wall.checked().is_ok() && wall.state() == 0 && self.velocity.is_some())
             && self.start.as_ref().is_none_or(|start| start.len() == states)
-            && self.requests.validate(states, self.trajectories, self.interval(), self.wall_at()).is_ok()
+            && self.requests.validate(states, self.interval(), self.wall_at()).is_ok()
             && self.control_variates.holds(states, tracked(), self.trajectories)
     }
 

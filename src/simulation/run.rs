@@ -23,8 +23,7 @@ use std::{ops::Range, time::Instant};
 /// The time between samples in the shortest of the system's times: states farther apart add little, and nearer ones nothing.
 const INTERVAL: f64 = 3.0;
 
-/// Numbers in all of the states that are kept: eight gigabytes.
-const MOST_NUMBERS: f64 = (1_u64 << 30) as f64;
+const SHORTER: &str = "take shorter segments or fewer trajectories, or raise `memory_limit`";
 
 /// The most levels whose crossings one simulation counts: each costs time in every step.
 const MOST_LEVELS: usize = 64;
@@ -37,6 +36,7 @@ impl<'a> Simulation<'a> {
     /// - [`Error::NotADisplacement`]: a level for a state 0 that has no velocity.
     /// - [`Error::NoSamples`]: no samples, or fewer than two trajectories.
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning.
+    /// - [`Error::TooMuchMemory`]: segments of spectra beyond [`Simulation::memory_limit`].
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
     /// - [`Error::Cancelled`]: the progress callback said so.
     /// - [`Error::OutOfTime`]: the time budget was over before the first sample.
@@ -75,6 +75,7 @@ impl<'a> Simulation<'a> {
             sampling_interval: self.sampling_interval,
             seed: self.seed,
             control_variates: self.control_variates,
+            memory: self.memory,
             levels: self.levels.clone(),
             start: self.start.clone(),
             bins: self.bins,
@@ -153,8 +154,7 @@ impl<'a> Simulation<'a> {
     pub fn states(mut self, problem: &Problem) -> Result<States> {
         let Prepared { wall, velocity, scheme, timetable, samples, start, .. } = self.prepared(problem, false)?;
         let numbers = samples as f64 * self.trajectories as f64 * problem.dimension() as f64;
-        let remedy = "at most 2^30, which take 8 GB, are kept at once: take fewer samples";
-        require(numbers <= MOST_NUMBERS, "number of states to keep, times their dimension", numbers, remedy)?;
+        self.memory.holds("the sampled states", numbers, "take fewer samples, or raise `memory_limit`")?;
         let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
         let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable);
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
@@ -181,7 +181,9 @@ impl<'a> Simulation<'a> {
         let (timetable, samples) = self.timetable(step, times, merged)?;
         let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
         let interval = timetable.interval_steps as f64 * step;
-        self.requests.validate(problem.dimension(), self.trajectories, interval, floor)?;
+        self.memory.check()?;
+        self.requests.validate(problem.dimension(), interval, floor)?;
+        self.memory.holds("the segments of the spectra", self.requests.kept(self.trajectories), SHORTER)?;
         let start = Start::new(self, problem, wall, step / if merged { 2.0 } else { 1.0 });
         Ok(Prepared { wall, velocity, scheme, rate, timetable, samples, start })
     }

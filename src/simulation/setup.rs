@@ -5,7 +5,7 @@ use super::{
     statistics::Requests,
     target::{Target, Tolerance},
 };
-use crate::{error::Result, estimate::Estimate};
+use crate::{error::Result, estimate::Estimate, memory::MemoryLimit};
 use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 
 /// A Monte Carlo simulation: independent trajectories, sampled at equal times once they are stationary.
@@ -70,6 +70,7 @@ pub struct Simulation<'a> {
     pub(super) part: (usize, usize),
     pub(super) requests: Requests,
     pub(super) control_variates: bool,
+    pub(super) memory: MemoryLimit,
 }
 
 impl Default for Simulation<'_> {
@@ -101,6 +102,7 @@ impl<'a> Simulation<'a> {
             part: (0, 1),
             requests: Requests::default(),
             control_variates: true,
+            memory: MemoryLimit::default(),
         }
     }
 
@@ -241,6 +243,12 @@ impl<'a> Simulation<'a> {
     /// ```
     pub fn control_variates(self, control_variates: bool) -> Self {
         Simulation { control_variates, ..self }
+    }
+
+    /// The memory that the kept states ([`Simulation::states`]) and the segments of spectra may take, 8 GiB by default. All
+    /// else takes little, however many samples there are.
+    pub fn memory_limit(self, gibibytes: f64) -> Self {
+        Simulation { memory: MemoryLimit::gibibytes(gibibytes), ..self }
     }
 
     /// Levels of state 0 whose up-crossings are counted; none by default. State 0 must be a displacement.

@@ -1,5 +1,6 @@
 use crate::density::{Cell, Density, cell_lines};
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result};
+use crate::memory::MemoryLimit;
 use crate::polynomial::of_one;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -27,8 +28,6 @@ const TRIALS: usize = 100_000;
 const DRAWS: usize = 1 << 17;
 /// The proposal's standard deviations relative to the density's.
 const WIDENED: f64 = 1.25;
-/// The most numbers in the states drawn at once.
-const MOST_NUMBERS: f64 = (1_u64 << 30) as f64;
 
 /// Draws `count` states from a density: the same bits for the same `seed` on any number of threads.
 ///
@@ -42,7 +41,7 @@ const MOST_NUMBERS: f64 = (1_u64 << 30) as f64;
 /// independent. States repeat themselves when more than a fraction of that many are drawn.
 ///
 /// # Errors
-/// [`Error::NoSamples`] for a `count` of zero, [`Error::OutOfRange`] for more than 2³⁰ numbers in all; [`Error::NotKnown`] if the density does not know its values, as a simulation
+/// [`Error::NoSamples`] for a `count` of zero, [`Error::TooMuchMemory`] for more than 2³⁰ numbers in all; [`Error::NotKnown`] if the density does not know its values, as a simulation
 /// of more than two states, or is too uneven for an envelope.
 ///
 /// ```
@@ -60,8 +59,7 @@ pub fn samples(density: &dyn Density, count: usize, seed: u64) -> Result<(States
     }
     let dimension = density.dimension();
     let numbers = count as f64 * dimension as f64;
-    let remedy = "at most 2^30, which take 8 GB, are drawn at once: draw several times, with another seed each";
-    require(numbers <= MOST_NUMBERS, "numbers in the states to draw", numbers, remedy)?;
+    MemoryLimit::default().holds("the states to draw", numbers, "draw fewer, several times, with another seed each")?;
     if dimension <= 2 {
         return Ok((by_rejection(density, count, seed)?, None));
     }

@@ -83,7 +83,7 @@ fn an_order_is_at_least_one() {
     }
     // An order that would take terabytes.
     for order in [1000, u32::MAX] {
-        assert!(matches!(Closure::classical(order).solve(&free), Err(Error::OutOfRange { .. })), "{order}");
+        assert!(matches!(Closure::classical(order).solve(&free), Err(Error::TooMuchMemory { .. })), "{order}");
     }
 }
 
@@ -289,6 +289,49 @@ fn degrees_and_squares_of_noise_are_moderate() {
         assert!(matches!(error, Error::OutOfRange { name: "degree of the drift", .. }), "{error}");
     }
     assert!(matches!(Problem::of(Steep(3, 1e200)), Err(Error::NotFinite { part: "squared noise", .. })));
+}
+
+/// Nothing is allocated that does not keep to a limit, which is an option of every method whose memory grows with its own.
+#[test]
+fn memory_is_estimated_before_it_is_taken() {
+    let refused = |what: &str, error: Option<Error>| match error {
+        Some(error @ Error::TooMuchMemory { needed, limit, .. }) => {
+            println!("{what}: {error}");
+            assert!(needed > limit, "{what}: {error}");
+            needed
+        }
+        other => panic!("{what}: {other:?}"),
+    };
+    let (free, walled) = (problem(duffing()), duffing_above(0.3, 0.8));
+    // Terabytes, by the default limit.
+    let states = Simulation::new().samples(1 << 40).states(&free).err();
+    assert!((refused("states", states) - 16_384.0).abs() < 0.1);
+    let spectrum = Simulation::new().trajectories(1 << 17).samples(1 << 18).spectrum(0, 1 << 20);
+    assert!((refused("spectrum", spectrum.run(&free).err()) - 1024.0).abs() < 0.1);
+    for count in [1_000_000_000_000, usize::MAX] {
+        refused("pilot", Closure::new(4).pilot_states(count).solve(&free).err());
+    }
+    refused("elements", Grid::new().cells([1000, 1000]).solve(&free).err());
+    refused("coefficients", Closure::classical(400).solve(&free).err());
+    let chain = DuffingChain::new(&[0.3; 3], 1.0, 0.3, 0.5, 0.8).unwrap().problem().unwrap();
+    let many = |order: u32| Closure::new(order).pilot_states(5120);
+    refused("functions", many(10).memory_limit(1.0).solve(&chain).err());
+    // The factors' size is found from their pattern: 11 000 unknowns take a third of a gibibyte, above a wall 29 000 one or two.
+    let needed = refused("factors", Grid::new().memory_limit(0.2).solve(&free).err());
+    assert!((0.2..0.6).contains(&needed), "{needed}");
+    let needed = refused("factors above a wall", Grid::new().memory_limit(0.8).solve(&walled).err());
+    assert!((0.8..3.0).contains(&needed), "{needed}");
+    assert!(Grid::new().memory_limit(1.0).solve(&free).is_ok());
+    // No limit at all.
+    for limit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for error in [
+            Grid::new().memory_limit(limit).solve(&free).err(),
+            Closure::new(2).memory_limit(limit).solve(&free).err(),
+            Simulation::new().samples(1000).memory_limit(limit).run(&free).err(),
+        ] {
+            assert!(matches!(error, Some(Error::OutOfRange { name: "memory limit in GiB", .. })), "{error:?}");
+        }
+    }
 }
 
 /// What would take for ever is refused before it begins.

@@ -24,6 +24,7 @@ pub use solution::{Solution, Termination};
 use crate::density::{Frame, Support};
 use crate::error::{Error, Result, require};
 use crate::fokker_planck::FokkerPlanck;
+use crate::memory::MemoryLimit;
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::problem::{Problem, Wall};
 use crate::provenance::Provenance;
@@ -38,8 +39,8 @@ use std::fmt;
 use std::time::Instant;
 
 const METHOD: &str = "classical closure";
-/// The Jacobian of so many coefficients takes 3 GB.
-const MOST_COEFFICIENTS: f64 = 20_000.0;
+/// The Jacobian, its factors, and what they are made from.
+const COPIES: f64 = 3.0;
 
 /// What Q is a polynomial of, where there is a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -208,11 +209,8 @@ impl ClassicalClosure {
         let remedy = "above a wall the classical basis begins at order 2; ask for that or more";
         require(self.order > 1 || !even_only, name, order, remedy)?;
         let monomials = (1..=problem.dimension()).map(|i| (order + i as f64) / i as f64).product::<f64>().round();
-        let (name, remedy) = (
-            "number of coefficients of the classical closure",
-            "at most 20 000 can be solved for; ask for a lower order",
-        );
-        require(monomials - 1.0 <= MOST_COEFFICIENTS, name, monomials - 1.0, remedy).map(|_| ())
+        let numbers = COPIES * monomials * monomials;
+        MemoryLimit::default().holds("the Jacobian of the classical closure", numbers, "ask for a lower order")
     }
 }
 

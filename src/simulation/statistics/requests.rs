@@ -11,9 +11,6 @@ const MOST_PASSAGES: usize = 16;
 /// The highest degree of a moment: beyond, a sum of powers is one sample alone.
 const HIGHEST_DEGREE: u32 = 32;
 
-/// The most numbers that are kept of all paths together: half a gigabyte.
-const MOST_KEPT: usize = 1 << 26;
-
 /// What is asked of a simulation beyond the statistics that every one keeps.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub(in crate::simulation) struct Requests {
@@ -52,15 +49,14 @@ impl Requests {
         levels
     }
 
-    /// Looks at all of them, for `trajectories` trajectories of `states` states that are sampled at `interval` above a wall at
-    /// `wall`.
-    pub(in crate::simulation) fn validate(
-        &self,
-        states: usize,
-        trajectories: usize,
-        interval: f64,
-        wall: f64,
-    ) -> Result<()> {
+    /// The numbers that so many trajectories keep for their spectra.
+    pub(in crate::simulation) fn kept(&self, trajectories: usize) -> f64 {
+        let lengths: f64 = self.spectra.iter().map(|&(_, length)| length as f64).sum();
+        lengths * trajectories as f64
+    }
+
+    /// Looks at all of them, for trajectories of `states` states that are sampled at `interval` above a wall at `wall`.
+    pub(in crate::simulation) fn validate(&self, states: usize, interval: f64, wall: f64) -> Result<()> {
         at_most("number of moments", self.moments.len(), MOST_MOMENTS, "at most 64 can be named")?;
         at_most("number of points", self.points.len(), MOST_POINTS, "at most 256 can be watched")?;
         at_most("number of first passages", self.passages.len(), MOST_PASSAGES, "at most 16 can be waited for")?;
@@ -69,15 +65,12 @@ impl Requests {
             let degree = exponents.iter().fold(0_u32, |sum, &power| sum.saturating_add(power));
             at_most("degree of a moment", degree as usize, HIGHEST_DEGREE as usize, "at most 32")?;
         }
-        let mut kept = 0_usize;
         for (k, &(state, length)) in self.spectra.iter().enumerate() {
             state_index("the state of a spectrum", state, states)?;
             Segments::check(length, interval)?;
             let remedy = "its spectrum is asked for twice; one segment length can be given for each state";
             require(self.spectra[..k].iter().all(|&(other, _)| other != state), "state", state as f64, remedy)?;
-            kept += length * trajectories;
         }
-        at_most("number of samples in all segments", kept, MOST_KEPT, "take shorter segments or fewer trajectories")?;
         for (k, &PassageRequest { level, length, bins }) in self.passages.iter().enumerate() {
             finite("level", level)?;
             PassageWindow::new(length, interval, bins, false)?;

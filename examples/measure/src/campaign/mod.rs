@@ -40,7 +40,8 @@ pub(crate) struct Options {
     /// Random systems of three to six states whose density is known [default orders: 2,4]
     #[arg(long)]
     exact: bool,
-    /// With --exact, a column for what the order can do: the closure by a reference, or on sixteen times as many states
+    /// With --exact, a column for what the order can do where nothing warns: the closure by a reference, or on four times as
+    /// many states
     #[arg(long)]
     best: bool,
     /// The system of this index alone
