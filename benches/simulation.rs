@@ -77,7 +77,7 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     let group = Group::new("path-steps, models", 15).elements(steps);
     group.task("Duffing", || run(&duffing)).task("multiplicative noise", || run(&noisy)).run()?;
 
-    // What control variates cost, in two states and in four, of runs with as many samples as usual.
+    // The cost of control variates, in two states and in four, in runs with as many samples as usual.
     let sink = NonlinearEnergySink::new(Duffing::new(0.02, 1.0, 0.0, 0.02)?, 0.15, 0.4, 0.05)?.problem()?;
     let long = |problem: &Problem, calibrated| {
         let simulation = simulation().samples(LONG).time_step(0.03).sampling_interval(1.0);

@@ -7,7 +7,7 @@
 //! with its standard error, and beside the solution of the moment equations of degree 12, which need no chance; a figure in `out/coloured_noise/`. A Duffing oscillator behind such a filter, or one of
 //! second order, is a model: `models::FilteredDuffing`.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::models::CubicDamping;

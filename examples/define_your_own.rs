@@ -1,12 +1,12 @@
 //! How do I get the stationary density of my own oscillator?
 //!
-//! Answer: write its force once, and ask `Closure::new(order)`; it says how far it may be off, and here a simulation agrees. Copy
-//! this file: it is meant as a start. Run it with `cargo run --release --example define_your_own`.
+//! Answer: write its force once, and solve with `Closure::new(order)`; the answer has an estimate of its own error, and here
+//! a simulation agrees. Copy this file: it is meant as a start. Run it with `cargo run --release --example define_your_own`.
 //!
 //! The oscillator here is x″ + (c + β x²) x′ + k x + a x² + μ x³ = ξ, a shallow arch: asymmetric, with damping that grows
 //! away from the middle. No closed form is known.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use expoly::{Closure, Density, Intensity, Oscillator, Problem, Scalar, Simulation, compare};
 
@@ -36,7 +36,7 @@ fn main() -> expoly::Result<()> {
     let problem = Problem::of(arch)?;
     println!("{}\n", problem.operator().text(problem.states()));
 
-    // 4. A simulation to judge by: every value comes with its standard error.
+    // 4. A simulation to compare with: every value comes with its standard error.
     let simulated = Simulation::new().samples(2_000_000).seed(1).run(&problem)?;
     println!("simulation  E x = {:.4}   E x^2 = {:.4}", simulated.moment(&[1, 0])?, simulated.moment(&[2, 0])?);
 
@@ -57,7 +57,8 @@ fn main() -> expoly::Result<()> {
         }
     }
 
-    // 6. The closed density is a formula, valid where the oscillator goes; or name the error that you want.
+    // 6. The closed density is a formula, valid on its trust domain. `Closure::adaptive(target)` finds the order for a given
+    //    error.
     let density = Closure::new(4).solve(&problem)?;
     if let Some(formula) = density.log_polynomial() {
         println!("\nln p = {:.4}", formula.text(problem.states()));

@@ -4,10 +4,10 @@
 //! motion just crosses between the wells, and 18 % where it stays in one of them, which is what a linear harvester of
 //! the wells' frequency delivers at any D. Stronger noise stiffens the spring: from D = 0.4 on the linear one is
 //! better. The power is a second moment, which the closure calibrates: its error is a tenth of the simulation's beside
-//! it and less, although the density of so low an order is far from the truth, as its estimate says. A figure in
+//! it and less, although the density of so low an order is far from the truth, as its estimate shows. A figure in
 //! `out/harvester_power/`.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::models::{BistableHarvester, Duffing};

@@ -5,7 +5,7 @@
 //! κ (2x_i − x_{i−1} − x_{i+1}) = ξ_i. Second and fourth moments, with the closure's standard errors and a simulation's: they agree
 //! within these, in ten states too.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::{Closure, Density, Intensity, PolynomialSystem, Problem, Scalar, Simulation};

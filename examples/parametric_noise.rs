@@ -1,11 +1,12 @@
 //! What changes when the noise multiplies the state?
 //!
-//! Answer, by `cargo run --release --example parametric_noise`, in three parts. Itô's and Stratonovich's readings of one equation
-//! have different mean squares, 1.11 and 1.25 at the same weak noise, and lose them at different strengths. A density may have
-//! a power tail, which no polynomial follows: the closure is off by 5 % in L¹ and says that it should not be relied on. Where
-//! noise and damping grow together the density is an exponential again, and the closure exact. A figure of both tails goes to `out/`.
+//! Answer, by `cargo run --release --example parametric_noise`, in three parts. One equation in Itô's and in Stratonovich's
+//! sense has different mean squares, 1.11 and 1.25 at the same weak noise, and they become infinite at different strengths. A
+//! density may have a power tail, which no polynomial follows: the closure is off by 5 % in L¹ and carries a warning. Where
+//! noise and damping grow together the density is an exponential again, and the closure exact. A figure of both tails goes to
+//! `out/`.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::models::{DisplacementNoise, ParametricLinear, Solved};

@@ -6,7 +6,7 @@
 //! close by and writes a table and a figure to `out/restitution_sweep/`; an interrupted run goes on from the table. With
 //! `--restitution 0.8` it is the wall that moves, from b = −1 to 1.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::models::{Duffing, Solved};

@@ -3,7 +3,7 @@
 //! `cargo run --release --example statistics` simulates y″ + c y′ + k y + μ y³ = ξ above a wall at b = 0.2 that gives back
 //! nine tenths of the speed, c = D = 0.2, k = 1, μ = 0.3.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::models::{Duffing, VibroImpactDuffing};
@@ -11,7 +11,7 @@ use expoly::{Density, Error, Estimate, SimulatedDensity, Simulation};
 use std::process::ExitCode;
 use support::shown;
 
-/// An oscillator above a wall, and how long to look at it.
+/// An oscillator above a wall, and the samples to take of it.
 #[derive(Clone, Debug, Parser)]
 struct Options {
     /// Position of the wall
@@ -20,7 +20,7 @@ struct Options {
     /// Part of the speed that an impact gives back
     #[arg(long, default_value_t = 0.9)]
     restitution: f64,
-    /// Level whose crossings are counted and whose first passage is waited for
+    /// Level whose crossings are counted and whose first passage is measured
     #[arg(long, default_value_t = 1.5)]
     level: f64,
     /// Samples in all, a fifth of a unit of time apart

@@ -4,7 +4,7 @@
 //! one above a wall below its rest position. Exceedances and up-crossings come with their errors and stand beside a simulation
 //! that splits its paths; the time to failure follows under Poisson's assumption, and is late where crossings come in clumps.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::models::{Duffing, Solved};

@@ -1,4 +1,4 @@
-//! What does an absorber take from the structure that it is fixed to, and which order of the closure is enough to say?
+//! What does an absorber take from the structure that it is fixed to, and which order of the closure is enough for that?
 //!
 //! A structure x″ + c x′ + x + s = ξ₁ carries an absorber of the mass m, m y″ = s + m ξ₂, by a hardening spring and a damper,
 //! s = k (x − y) + μ (x − y)³ + γ (x′ − y′). Answer, by `cargo run --release --example two_degrees_of_freedom`: 61 % of
@@ -6,7 +6,7 @@
 //! simulation's beside them are of its own samples; the density itself is right to 0.2 in L¹ at order 2, and to 0.05 at order 4. A figure
 //! of its marginals goes to `out/two_degrees_of_freedom/`.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::{Closure, Density, Estimate, Intensity, PolynomialDrift, Problem, Result, Scalar, Simulation};

@@ -1,9 +1,9 @@
-//! Everything that can be wrong with a question, and what to do about it.
+//! The errors of the library, each with its cause and a remedy.
 
-/// Why a question has no answer.
+/// The reason why a call has no result.
 ///
-/// An `Err` stands for misuse, or for a density that does not exist. A run that did not converge is no error: it is a
-/// result whose provenance says so.
+/// An `Err` stands for misuse, or for a density that does not exist. A run that did not converge is no error: it is a result,
+/// and its provenance reports it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -21,14 +21,14 @@ pub enum Error {
         /// The offending coefficient.
         value: f64,
     },
-    /// A number lies outside the range in which it has a meaning.
+    /// A number lies outside its range.
     #[error("{name} = {value}: {remedy}")]
     OutOfRange {
-        /// What the number is.
+        /// The name of the number.
         name: &'static str,
         /// The offending value.
         value: f64,
-        /// What it must be.
+        /// The range, or what to do.
         remedy: &'static str,
     },
     /// What is requested would take more memory than the limit; nothing of it was allocated.
@@ -46,7 +46,7 @@ pub enum Error {
     /// A list of numbers has the wrong length, or an index points past the last state.
     #[error("{what}: {found} does not fit a system of {expected} states")]
     Dimension {
-        /// What was given.
+        /// The name of the list or the index.
         what: &'static str,
         /// The number of states.
         expected: usize,
@@ -65,7 +65,7 @@ pub enum Error {
     NoStationaryDensity {
         /// The state whose variance fails first.
         state: usize,
-        /// What the variance does.
+        /// The behaviour of the variance.
         behaviour: &'static str,
     },
     /// exp(Q) has no finite integral.
@@ -78,12 +78,12 @@ pub enum Error {
         /// A direction of the state space, of length one in scaled coordinates, in which Q does not fall.
         direction: Vec<f64>,
     },
-    /// The closure of an order came to nothing.
+    /// The closure of an order has no density.
     #[error("the closure of order {order} has no density: {reason}")]
     NotClosed {
         /// The order of the closure.
         order: u32,
-        /// What stands in the way, and what may help.
+        /// The obstacle, and a remedy.
         reason: &'static str,
     },
     /// A wall, a level or a power balance needs a displacement: a state whose rate of change is another state.
@@ -109,15 +109,15 @@ pub enum Error {
         /// The time step.
         step: f64,
     },
-    /// A simulation was asked for no samples.
-    #[error("{what} is zero: a simulation without samples estimates nothing; ask for at least {least}")]
+    /// A simulation has fewer samples than it needs.
+    #[error("{what} is too small: take at least {least}")]
     NoSamples {
-        /// What is missing.
+        /// The count that is too small.
         what: &'static str,
-        /// The least that works.
+        /// Its least value.
         least: usize,
     },
-    /// The caller asked the simulation to stop.
+    /// The caller stopped the simulation.
     #[error("the simulation was cancelled by its progress callback after {steps} path-steps")]
     Cancelled {
         /// How far it had come.
@@ -138,7 +138,7 @@ pub enum Error {
         action: &'static str,
         /// The file.
         path: String,
-        /// What the operating system says.
+        /// The operating system's message.
         reason: String,
     },
     /// A file is no checkpoint, or is damaged.
@@ -190,15 +190,15 @@ pub enum Error {
     Rank {
         /// The process.
         rank: usize,
-        /// What it says.
+        /// Its error message.
         reason: String,
     },
-    /// A density does not hold the answer to a question.
+    /// A density does not have a value.
     #[error("this density has no answer about {what}: {remedy}")]
     NotKnown {
-        /// What was asked.
+        /// The value that it does not have.
         what: String,
-        /// What may help.
+        /// A remedy.
         remedy: &'static str,
     },
     /// A method cannot serve a problem.
@@ -206,9 +206,9 @@ pub enum Error {
     NotServed {
         /// The method.
         method: &'static str,
-        /// The trait of the problem that stands in the way.
+        /// The property of the problem that the method does not serve.
         what: &'static str,
-        /// What serves it, or what to change.
+        /// A method that serves it, or an option to change.
         remedy: &'static str,
     },
     /// A text is no system.
@@ -223,7 +223,7 @@ pub enum Error {
     },
     /// The density does not end within the domain of a grid.
     #[error(
-        "at state {state} = {edge} the density is {level:.1e} of its peak, and {asked:.1e} was asked for: either the domain cuts it off, then widen `Grid::domain` or leave it out, or the drift has no stationary density"
+        "at state {state} = {edge} the density is {level:.1e} of its peak, above the accepted {asked:.1e}: either the domain cuts it off, then widen `Grid::domain` or leave it out, or the drift has no stationary density"
     )]
     DomainCut {
         /// The state whose limit is too close.
@@ -254,7 +254,7 @@ pub enum Error {
     NotAName {
         /// The name.
         name: String,
-        /// Why not.
+        /// The reason.
         problem: &'static str,
     },
     /// A density has no text in a language.
@@ -262,10 +262,10 @@ pub enum Error {
     NoText {
         /// The language.
         language: &'static str,
-        /// What stands in the way, and what to do.
+        /// The obstacle, and a remedy.
         reason: &'static str,
     },
-    /// The caller asked a study to stop.
+    /// The caller stopped a study.
     #[error(
         "the study was cancelled by its progress callback with {done} of {rows} rows done; with a file it goes on from there"
     )]
@@ -296,7 +296,7 @@ pub enum Error {
     /// A table has no column of a name.
     #[error("there is no column {name:?}; there are {columns:?}")]
     NoColumn {
-        /// The name asked for.
+        /// The name that was given.
         name: String,
         /// The names that there are.
         columns: Vec<String>,
@@ -306,7 +306,7 @@ pub enum Error {
 /// The result of a question to this library.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Refuses a number unless what is asked of it `holds`.
+/// Refuses a number unless its condition `holds`.
 pub(crate) fn require(holds: bool, name: &'static str, value: f64, remedy: &'static str) -> Result<f64> {
     if holds { Ok(value) } else { Err(Error::OutOfRange { name, value, remedy }) }
 }

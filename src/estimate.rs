@@ -1,4 +1,4 @@
-//! A number and how far it may be off.
+//! A number with its error.
 
 use std::fmt;
 

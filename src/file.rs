@@ -27,12 +27,12 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<()> {
         let save = |content: &[u8]| {
             let mut file = fs::File::create(&temporary)?;
             file.write_all(content)?;
-            // On the disk before it gets its name, so that a crash leaves the old file or the new one.
+            // The content is on the disk before the file gets its name, so that a crash leaves the old file or the new one.
             file.sync_all()?;
             fs::rename(&temporary, path)
         };
         save(content).inspect_err(|_| {
-            // That the half-written file cannot be removed either is less than the error itself.
+            // If the half-written file cannot be removed either, only the first error is reported.
             let _ = fs::remove_file(&temporary);
         })
     });

@@ -16,8 +16,8 @@
 //! | Which order is enough, what depends on a parameter? | [`study`] |
 //! | Which systems are solved? | [`models`] |
 //!
-//! All answers are a [`Density`], whichever method made them. The [`guide`] says how the method works, when to trust it, what
-//! the conventions are, and how to come here from other tools.
+//! The answer of every method is a [`Density`]. The [`guide`] explains the method, when to rely on it, the conventions, and
+//! the way here from other tools.
 
 mod closed_form;
 mod closure;

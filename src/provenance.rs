@@ -1,22 +1,22 @@
-//! How an answer came about.
+//! The record of how a result was computed.
 
 use crate::record::number;
 use serde::{Deserialize, Serialize};
 
-/// What ended a simulation.
+/// The limit that ended a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Stopped {
-    /// All samples that were asked for are there.
+    /// All requested samples have been taken.
     Samples,
-    /// Every estimate named in [`Simulation::until`](crate::Simulation::until) is as precise as asked.
+    /// Every estimate named in [`Simulation::until`](crate::Simulation::until) has the requested precision.
     Precision,
     /// The time of [`Simulation::time_budget`](crate::Simulation::time_budget) was over.
     TimeBudget,
 }
 
-/// How an answer came about, whichever method gave it. A field is none where the method has no such thing.
+/// The record of how a result was computed, by any method. A field is `None` where the method has no such number.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]
@@ -30,11 +30,11 @@ pub struct Provenance {
     pub basis: Option<String>,
     /// How an iteration ended.
     pub termination: Option<String>,
-    /// Where the chosen density came from.
+    /// The origin of the chosen density.
     pub origin: Option<String>,
     /// Why there is no density.
     pub refusal: Option<String>,
-    /// Why a closure has no reference although one was asked for, so that the answer is that of the pilot's states.
+    /// Why a closure has no reference although one was requested, so that the answer is that of the pilot's states.
     pub without_reference: Option<String>,
     /// Why the answer should not be relied on.
     pub warning: Option<String>,
@@ -50,7 +50,7 @@ pub struct Provenance {
     /// The residual tested against polynomials of a higher degree than Q's, in a norm of p̃.
     #[serde(with = "number::option")]
     pub indicator: Option<f64>,
-    /// The size of what is left of the equations that were solved.
+    /// The size of the residual of the equations that were solved.
     #[serde(with = "number::option")]
     pub residual: Option<f64>,
     /// The condition number of the last linear system.
@@ -65,7 +65,7 @@ pub struct Provenance {
     pub inflation: Option<f64>,
     /// Whether the pilot's earlier and later samples agree.
     pub stationary: Option<bool>,
-    /// The degree of the polynomials whose moment equations the calibrated means obey: those of a closure's pilot, or of a
+    /// The degree of the polynomials whose moment equations the calibrated means satisfy: those of a closure's pilot, or of a
     /// simulation ([`Simulation::control_variates`](crate::Simulation::control_variates)).
     pub calibration_degree: Option<u32>,
     /// The smallest weight that calibration gave to a state of the pilot, where 1 is the plain one; below −2 the pilot
@@ -93,7 +93,7 @@ pub struct Provenance {
     pub burn_in: Option<f64>,
     /// The time between two samples of a trajectory, as rounded.
     pub sampling_interval: Option<f64>,
-    /// What ended a simulation.
+    /// The limit that ended a simulation.
     pub stopped: Option<Stopped>,
 
     /// The cells of a grid along each state.

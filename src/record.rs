@@ -1,6 +1,6 @@
 //! Numbers that leave the program as text and come back bit for bit.
 
-/// What a reader finds wrong, in words for a sentence that begins with the document's name.
+/// The result of a reader; its error is the end of a sentence that begins with the document's name.
 pub(crate) type Read<T> = Result<T, String>;
 
 /// A number that may be infinite or no number at all, which JSON has no signs for: a text holds them as words. A binary
@@ -101,7 +101,7 @@ pub(crate) fn exponents(values: &[u32], states: usize, highest: u32) -> Read<()>
     Err(format!("the exponents {values:?} do not fit {states} states and powers up to {highest}"))
 }
 
-/// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo): it guards against accidents, not against intent.
+/// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo): it detects accidental damage, not deliberate changes.
 pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

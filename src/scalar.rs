@@ -17,11 +17,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// and multiplication.
 ///
 /// A state can be added, subtracted and multiplied, and raised to a whole power. Numbers may stand to the *right* of an
-/// operator (`x * 2.0`, `x / 3.0`): Rust has no room for `2.0 * x` on a generic type.
+/// operator (`x * 2.0`, `x / 3.0`): Rust has no `2.0 * x` for a generic type.
 ///
-/// There is no division by a state and no transcendental function, so that whatever compiles is a polynomial, and the
-/// closure, whose integrals are exact for polynomials, never has to trust a promise. A quotient of states is refused,
-/// because only a number may divide:
+/// There is no division by a state and no transcendental function, so that every drift that compiles is a polynomial, as the
+/// closure's exact integrals require. A quotient of states is refused, because only a number may divide:
 ///
 /// ```compile_fail,E0308
 /// use expoly::Scalar;

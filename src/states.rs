@@ -21,7 +21,7 @@ pub struct States {
     values: Vec<f64>,
 }
 
-/// What a text may say of a list.
+/// The parts of a list in a document.
 #[derive(Deserialize)]
 struct Parts {
     dimension: usize,
@@ -71,7 +71,7 @@ impl States {
         self.values.is_empty()
     }
 
-    /// Appends a state. What `x` has too much is left out, and what it has too little is 0.
+    /// Appends a state. Numbers of `x` beyond the dimension are left out, and missing ones are 0.
     pub fn push(&mut self, x: &[f64]) {
         let end = self.values.len() + self.dimension;
         self.values.extend_from_slice(&x[..x.len().min(self.dimension)]);
@@ -101,7 +101,7 @@ impl States {
         self.values.par_chunks(count * self.dimension)
     }
 
-    /// Leaves out the states that `keep` refuses.
+    /// Leaves out the states for which `keep` is false.
     pub(crate) fn retain(&mut self, keep: impl Fn(&[f64]) -> bool) {
         let kept = self.iter().filter(|x| keep(x)).flatten().copied().collect();
         self.values = kept;

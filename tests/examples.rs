@@ -36,7 +36,7 @@ fn json_is_one_object_with_the_promised_fields() {
     assert_eq!((closure["order"].as_u64(), closure["unknowns"].as_u64()), (Some(4), Some(14)));
     assert_eq!((closure["method"].as_str(), closure["basis"].as_str()), (Some("classical"), Some("folded")));
     assert_eq!(closure["termination"], "root");
-    // A method that does not judge itself says so.
+    // A method without estimates of its own error has nulls.
     for field in ["indicator", "l1_estimate", "least_residual", "warning", "refusal"] {
         assert!(closure[field].is_null(), "{field}: {closure}");
     }
@@ -64,7 +64,7 @@ fn json_is_one_object_with_the_promised_fields() {
     }
 }
 
-/// Without a basis the closure is the robust one, of order 8, which knows its own error.
+/// Without a basis the closure is the robust one, of order 8, which estimates its own error.
 #[test]
 fn the_closure_by_default_estimates_its_error() {
     let run_with = |more: &[&str]| -> Value {
@@ -251,7 +251,7 @@ fn an_order_study_sets_the_classical_closure_beside_the_robust_one() {
     assert_eq!(alone["rows"].as_array().unwrap().len(), 1);
 }
 
-/// Four states, on samples: no number is NaN, which JSON would refuse.
+/// Four states, on samples: no number is NaN, which JSON does not have.
 #[test]
 fn an_order_study_takes_more_than_two_states() {
     let options = ["--model", "two_degrees_of_freedom", "--orders", "2", "--nodes", "samples", "--method", "robust"];
@@ -260,7 +260,7 @@ fn an_order_study_takes_more_than_two_states() {
     assert!(row["origin"].as_str().unwrap() == "maximum likelihood" && row["l1_estimate"].is_number());
 }
 
-/// A run leaves its table, its figure and the numbers in it; another begins anew unless it shall go on.
+/// A run leaves its table, its figure and the numbers in it; another begins anew unless it is told to go on.
 #[test]
 fn an_order_study_goes_on_where_it_is_told_to() {
     let out = scratch("orders");
@@ -309,9 +309,9 @@ fn coloured_noise_prints_moments_beside_a_simulation() {
     let text = String::from_utf8(output.stdout).unwrap();
     let row = text.lines().find(|line| line.trim_start().starts_with("2 ")).unwrap();
     let numbers: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    // Second and fourth moments with their standard errors, both calibrated: 20 000 samples know them to 0.17 %, the closure's
-    // pilot has more of them and is two to five times as precise.
-    // Before them stands the second moment by the reference, of which the closure's is within its own standard error and a few.
+    // Second and fourth moments with their standard errors, both calibrated: 20 000 samples give them to 0.17 %, the
+    // closure's pilot has more of them and is two to five times as precise. Before them stands the second moment by the
+    // reference, of which the closure's is within its own standard error and a few.
     let [exactly, reference_error] = [numbers[1], numbers[2]];
     assert!((exactly - numbers[3]).abs() < 4.0 * numbers[4] && reference_error < 1e-5 * exactly, "{text}");
     for moment in [&numbers[3..7], &numbers[7..11]] {
@@ -365,7 +365,7 @@ fn solve(file: &str, options: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The fields of the promise, whichever method answers; what a method does not have is null.
+/// The documented fields, for every method; a field that a method does not have is null.
 #[test]
 fn a_file_is_solved_by_every_method_with_the_promised_fields() {
     let asked = ["--moments", "x^2,v^2,x^2*v^2", "--at", "-0.3,0.2;0.3,0.4", "--marginal", "x=0.5,1.0"];
@@ -417,11 +417,11 @@ fn a_file_is_solved_by_every_method_with_the_promised_fields() {
         assert_eq!(answer["unknowns"].is_u64(), method != "simulation", "{answer}");
         assert_eq!(answer["termination"].is_string(), method == "closure", "{answer}");
     }
-    // The classical closure of this wall at order 6 has no root: the object says so, and has no values.
+    // The classical closure of this wall at order 6 has no root: the object has the termination, and no values.
     let classical = solve("duffing", &["--method", "classical", "--order", "6"]);
     assert_eq!((&classical["termination"], &classical["impact_rate"]), (&"no root".into(), &Value::Null));
     assert!(classical["moments"].as_object().unwrap().is_empty());
-    // Splitting knows densities and exceedances at levels, and no moments.
+    // Splitting has densities and exceedances at levels, and no moments.
     let options = ["--method", "splitting", "--marginal", "x=1.0", "--exceedance", "x=2.5"];
     let tails = solve("duffing", &options);
     let exceedance = &tails["exceedance"][0];

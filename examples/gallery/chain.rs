@@ -55,12 +55,12 @@ pub(crate) fn of_chain(plan: &Plan) -> Outcome<(Section, Vec<String>)> {
     row("E x₁ x₂", closed.moment(&[1, 0, 1, 0])?, exact.moment(&[1, 1])?.value);
     row("E x₁′²", closed.moment(&[0, 2, 0, 0])?, TEMPERATURE);
     row("E x₂′²", closed.moment(&[0, 0, 0, 2])?, TEMPERATURE);
-    // ∫ |p̃ − p| = E~|1 − p/p̃|, with the mass that the trust domain leaves out.
+    // ∫ |p̃ − p| = E~|1 − p/p̃|, with the mass outside the trust domain.
     let velocities = (std::f64::consts::TAU * TEMPERATURE).ln();
     let log_exact = |x: &[f64]| -> expoly::Result<f64> {
         Ok(exact.log_pdf(&[x[0], x[2]])? - (x[1] * x[1] + x[3] * x[3]) / (2.0 * TEMPERATURE) - velocities)
     };
-    // Both know every state of four numbers.
+    // Both have a value at every state of four numbers.
     let ratio = |x: &[f64]| log_exact(x).and_then(|p| Ok((p - closed.log_pdf(x)?).exp())).unwrap_or(f64::NAN);
     let (inside, seen) = (closed.expectation(&|x| (1.0 - ratio(x)).abs())?, closed.expectation(&ratio)?);
     let distance = Estimate::new(inside.value + (1.0 - seen.value).max(0.0), inside.error + seen.error);

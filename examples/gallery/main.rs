@@ -1,10 +1,11 @@
-//! What do the densities of all models look like, and how far are they to be trusted?
+//! What are the densities of all models, and how accurate are they?
 //!
-//! `cargo run --release --example gallery` closes every model of the library and sets it beside what is known of it: the exact
-//! density, or the grid and a simulation. Answer: `out/gallery/index.html`, one page with a figure and a table for each model,
-//! how the error falls with the order, and how a density splits; every figure's numbers are beside it. `--quick` is coarser.
+//! `cargo run --release --example gallery` closes every model of the library and sets it beside a reference: the exact
+//! density, or the grid and a simulation. Answer: `out/gallery/index.html`, one page with a figure and a table for each
+//! model, how the error falls with the order, and how a density splits; every figure's numbers are beside it. `--quick` is
+//! coarser.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 mod chain;
 mod page;

@@ -7,9 +7,9 @@ use support::figure::{ContourPanel, Panel, Scale, Style, View, band, between, cu
 pub(crate) struct Drawn<'a> {
     pub(crate) closure: &'a ClosureDensity,
     pub(crate) truth: &'a dyn Density,
-    /// How the truth is called in the legend.
+    /// The name of the truth in the legend.
     pub(crate) known: &'static str,
-    /// What a simulation knows of the density and of the up-crossings, as abscissa, value and error; may be empty.
+    /// A simulation's density and up-crossings, as abscissa, value and error; may be empty.
     pub(crate) simulated: [Vec<[f64; 3]>; 2],
     /// The lowest value drawn on a logarithmic axis, relative to the peak.
     pub(crate) depth: f64,

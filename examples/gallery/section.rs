@@ -1,4 +1,4 @@
-//! A model's section: closed, compared with what is known of it, drawn.
+//! A model's section: closed, compared with its reference, drawn.
 
 use crate::page::{Section, Table};
 use crate::plan::Plan;

@@ -1,4 +1,4 @@
-//! What no single model shows: convergence with the order, and a density that changes its shape with a parameter.
+//! Two studies: convergence with the order, and a density that changes its shape with a parameter.
 
 use crate::page::{Section, Table};
 use crate::plan::Plan;
@@ -10,7 +10,7 @@ use expoly::{Closure, Density, Problem};
 use support::figure::{Panel, Scale, Style, View, band, between, curve, orders::views};
 use support::shown;
 
-/// The L¹ error of both closures, and what the robust one says of itself, over the order.
+/// The L¹ error of both closures, and the robust one's own estimate, over the order.
 pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
     const NAMES: [&str; 2] = ["closure", "classical closure"];
     let problem = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;

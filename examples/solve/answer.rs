@@ -47,7 +47,7 @@ pub(crate) struct AtPlace {
     pub(crate) found: Value,
 }
 
-/// What one method found.
+/// The answer of one method.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Answer {
     pub(crate) method: String,

@@ -1,9 +1,9 @@
-//! What is the stationary density of a system that stands in a file?
+//! What is the stationary density of a system in a file?
 //!
 //! Answer: name the file and a method. `cargo run --release --example solve -- examples/solve/duffing.toml` prints moments by
-//! the closure of order 6; `--method reference`, `grid`, `simulation`, `classical` or `splitting` ask another, `--orders 4,6,8` several
-//! orders, and `--json` gives one object for other programs. `--moments`, `--at`, `--marginal` and `--exceedance` say what is
-//! asked. No line of Rust is written for the system, and nothing is compiled.
+//! the closure of order 6; `--method reference`, `grid`, `simulation`, `classical` or `splitting` takes another method,
+//! `--orders 4,6,8` several orders, and `--json` gives one object for other programs. `--moments`, `--at`, `--marginal` and
+//! `--exceedance` choose the values. No line of Rust is written for the system, and nothing is compiled.
 
 mod answer;
 mod methods;
@@ -59,7 +59,7 @@ fn main() -> ExitCode {
     support::exit_code(run(&Options::parse()))
 }
 
-#[allow(clippy::print_stdout, reason = "an example speaks")]
+#[allow(clippy::print_stdout, reason = "an example prints its answer")]
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let path = options.file.display();
     let text = std::fs::read_to_string(&options.file).map_err(|error| format!("cannot read {path}: {error}"))?;

@@ -76,7 +76,7 @@ fn at_place(problem: &Problem, state: usize, at: f64, found: expoly::Result<Esti
     AtPlace { state: problem.states()[state].clone(), at, found: found.into() }
 }
 
-/// What a density answers.
+/// The values of a density.
 fn answered(
     density: &dyn Density,
     impact_rate: Option<Estimate>,

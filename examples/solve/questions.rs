@@ -1,4 +1,4 @@
-//! What is asked, from the command line.
+//! The requested values, from the command line.
 
 use expoly::Problem;
 
@@ -8,7 +8,7 @@ pub(crate) type Moment = (String, Vec<u32>);
 /// A state and a place on it.
 pub(crate) type Place = (usize, f64);
 
-/// What is asked of a density.
+/// The values requested of a density.
 #[derive(Clone, Debug)]
 pub(crate) struct Questions {
     pub(crate) moments: Vec<Moment>,

@@ -11,7 +11,7 @@ use support::shown;
 
 /// Points of a curve.
 const POINTS: usize = 240;
-/// The lowest value drawn, relative to the peak, where no simulation says what can be told apart.
+/// The lowest value drawn, relative to the peak, where there is no simulation to limit it.
 const DEPTH: f64 = 1e-6;
 /// Name and unit of each state, and of its density.
 const LABELS: [[&str; 2]; 2] =

@@ -2,10 +2,10 @@
 //!
 //! Answer, for four walls, by `cargo run --release --example vibro_impact`: its joint L¹ error is 2e-5 to 1.4e-4 at order 8,
 //! where the literature's, by way of Zhuravlev's transformation, is off by 3e-3 to 5e-2 at order 4 and has no root at 6.
-//! Judges are a simulation with exact impacts and a high-order solution of the Fokker-Planck equation on a grid.
-//! A table goes to the terminal, figures and the numbers behind them to `out/vibro_impact/`. `--help` lists the options.
+//! It is compared with a simulation with exact impacts and a high-order solution of the Fokker-Planck equation on a grid. A
+//! table goes to the terminal, figures and the numbers behind them to `out/vibro_impact/`. `--help` lists the options.
 
-#![allow(clippy::print_stdout, reason = "an example speaks")]
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 mod figures;
 mod options;

@@ -40,7 +40,7 @@ pub(crate) struct Options {
     /// The weight of the closure's fit: auto, density, or the share of the tails between 0 and 1
     #[arg(long, default_value = "auto", value_parser = weight, allow_negative_numbers = true)]
     pub(crate) weight: Weight,
-    /// Which methods answer
+    /// The methods to run
     #[arg(long, value_enum, default_value = "all")]
     pub(crate) method: Method,
     /// Samples of each simulation
@@ -88,7 +88,7 @@ pub(crate) enum Task {
 }
 
 impl Method {
-    /// Whether `method` is asked for.
+    /// Whether `method` is requested.
     pub(crate) fn includes(self, method: Method) -> bool {
         self == Method::All || self == method
     }

@@ -50,7 +50,7 @@ fn parameters(study: &Study, at: &[f64]) -> Outcome<Object> {
     Ok(object)
 }
 
-/// The statistics, and p_Y at the places that were asked for.
+/// The statistics, and p_Y at the requested places.
 fn statistics(statistics: &Statistics, pdf: &[Estimate], shown: Shown) -> Outcome<Object> {
     let mut object = Object::new();
     for (name, estimate) in statistics.all() {
@@ -61,7 +61,7 @@ fn statistics(statistics: &Statistics, pdf: &[Estimate], shown: Shown) -> Outcom
     Ok(object)
 }
 
-/// How an estimate is written.
+/// The format of an estimate.
 type Shown = fn(&'static str, Estimate) -> serde_json::Result<Value>;
 
 fn value(name: &'static str, estimate: Estimate) -> serde_json::Result<Value> {
@@ -72,7 +72,7 @@ fn sampled(name: &'static str, estimate: Estimate) -> serde_json::Result<Value> 
     to_value(Sampled::new(name, estimate))
 }
 
-/// Without a density the statistics are `null` and `refusal` says why; with one, `refusal` is `null`.
+/// Without a density the statistics are `null` and `refusal` is the reason; with one, `refusal` is `null`.
 fn closure(judged: &Judged, at: &[f64]) -> Outcome<Object> {
     let made = &judged.answer.provenance;
     let mut object = Object::new();

@@ -12,10 +12,10 @@ use std::sync::Arc;
 use std::time::Instant;
 use support::progress::{simulation_bar, spinner};
 
-/// What tables call the closure that gives a density at every order.
+/// The name in tables of the closure that gives a density at every order.
 const ROBUST: &str = "robust";
 
-/// What is compared between methods: E y, Var y, E y′², the impact rate, the power balance.
+/// The statistics that are compared between methods: E y, Var y, E y′², the impact rate, the power balance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Statistics([Estimate; 5]);
 
@@ -64,7 +64,7 @@ impl Judged {
     }
 
     /// The density to draw: the real one or, where the classical Q turns upwards, exp(Q) cut off at the range of the
-    /// samples. The flag tells the two apart.
+    /// samples. The flag is set for the latter.
     pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity>) -> Option<(Arc<dyn Density>, bool)> {
         if let Some(density) = &self.answer.density {
             return Some((density.clone(), false));
@@ -81,7 +81,7 @@ impl Judged {
     }
 }
 
-/// Everything that is known of one case.
+/// All results of one case.
 #[derive(Debug)]
 pub(crate) struct Study {
     pub(crate) parameters: Parameters,

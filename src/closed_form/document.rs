@@ -1,4 +1,4 @@
-//! The JSON document: what it is, who wrote it, the density, and a checksum.
+//! The JSON document: its format and version, the library that wrote it, the density, and a checksum.
 
 use super::{ClosedDensity, ClosedForm, names};
 use crate::density::Density;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 const FORMAT: &str = "expoly closed form";
-/// Raised whenever a document would be read otherwise than before.
+/// Raised whenever the meaning of a document changes.
 const VERSION: u32 = 2;
 
 #[derive(Deserialize, Serialize)]
@@ -23,7 +23,7 @@ struct Document {
     checksum: String,
 }
 
-/// What is read first, whatever else there may be.
+/// What is read first: a document of another format or version has these two entries as well.
 #[derive(Deserialize)]
 struct Heading {
     format: String,
@@ -32,7 +32,7 @@ struct Heading {
 
 pub(super) fn write(form: &ClosedForm) -> Read<String> {
     let density = serde_json::to_value(&form.density).map_err(|error| error.to_string())?;
-    // A number that JSON has no sign for has become a gap, which no reader takes for a number.
+    // A number that JSON cannot hold, infinite or NaN, has become null, which cannot be read back as a number.
     ClosedDensity::deserialize(&density).map_err(|error| format!("a number is not finite: {error}"))?;
     let states = form.names.clone();
     let checksum = digest(&states, &density)?;

@@ -1,4 +1,4 @@
-//! What a text in any language needs to hold of ln p.
+//! The content of ln p that a text in any language must contain.
 
 use super::{ClosedDensity, ClosedForm};
 use crate::closure::{ClosureDensity, Copula, Corner, Similarity, TrustDomain};
@@ -6,9 +6,9 @@ use crate::density::{Density, ExpPolynomial, Support};
 use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, total_degree};
 
-/// Powers of the states themselves are written if they are as exact as this, relative to ln p or to 1.
+/// Powers of the states themselves are written if their error is at most this, relative to ln p or to 1.
 const EXACT: f64 = 1e-13;
-/// Places along each state where that is tried.
+/// Places along each state where that error is measured: in up to two states, and in more.
 const TRIED: [usize; 2] = [33, 3];
 
 /// Exponents, or degrees of Legendre polynomials, and coefficients.
@@ -27,7 +27,7 @@ pub(super) struct Formula<'a> {
     pub(super) domain: Domain<'a>,
 }
 
-/// What the polynomial is written in.
+/// The coordinates that the polynomial is written in.
 pub(super) enum Coordinates<'a> {
     /// Powers of the states.
     States,
@@ -68,13 +68,13 @@ impl ClosedForm {
     }
 }
 
-/// The sentence that says what `log_p` is.
+/// The sentence that defines `log_p`.
 fn subject(names: &[String]) -> String {
     let arguments = names.join(", ");
     format!("ln p({arguments}): the natural logarithm of a stationary probability density, per unit of each state.")
 }
 
-/// The limits of the states in words.
+/// The limits of the states as inequalities.
 fn limits(names: &[String], bounds: &[[f64; 2]]) -> String {
     let sides = names.iter().zip(bounds).map(|(name, [low, high])| format!("{low:.6} <= {name} <= {high:.6}"));
     sides.collect::<Vec<_>>().join(", ")
@@ -170,7 +170,7 @@ fn of_exp_polynomial<'a>(density: &'a ExpPolynomial, names: &'a [String]) -> Res
     let (degree, count) = (polynomial.degree(), in_coordinates.terms().count());
     let facts = vec![
         subject(names),
-        format!("Exponential polynomial of order {degree}, {count} terms; it knows no error of its own."),
+        format!("Exponential polynomial of order {degree}, {count} terms; it has no estimate of its own error."),
         format!("Its mass is normalised to a relative error of {:.1e}; expoly {VERSION}.", mass.error),
         trust,
     ];

@@ -1,4 +1,4 @@
-//! What the languages have in common but for their punctuation.
+//! The parts of a text that are the same in all languages but for their punctuation.
 
 use super::formula::{Coordinates, CornerFormula, Domain, Formula};
 use crate::closure::{CLOSEST, PER_UNIT, SMALLEST, STEPS, TAYLOR};
@@ -37,13 +37,13 @@ pub(super) struct Language {
     pub(super) begin: fn(f64, &str) -> String,
     /// A statement that adds to q.
     pub(super) add: fn(&str) -> String,
-    /// A function of the states: whether something holds, or a number.
+    /// A function of the states that returns a truth value (if the flag is set) or a number.
     pub(super) function: fn(&str, &[String], bool, &str) -> String,
-    /// That a value lies between two limits.
+    /// The condition that a value lies between two limits.
     pub(super) within: fn(&str, [String; 2]) -> String,
-    /// The body of a function that says whether a condition holds.
+    /// The body of a function whose value is a condition.
     pub(super) holds: fn(&str) -> String,
-    /// The beginning of the body of one that a condition is necessary for.
+    /// The beginning of the body of a function that is false unless a condition holds.
     pub(super) necessary: fn(&str) -> String,
     /// The body of `inside` where there is no outside.
     pub(super) everywhere: fn(&[String]) -> String,
@@ -67,7 +67,7 @@ impl Language {
         format!("{begin}{}{end}", rows.iter().map(row).collect::<Vec<_>>().join(between))
     }
 
-    /// What is to be known of the density, as a comment.
+    /// The facts about the density, as a comment.
     pub(super) fn facts(&self, formula: &Formula<'_>) -> String {
         formula.facts.iter().map(|fact| format!("{} {fact}\n", self.comment)).collect()
     }

@@ -2,7 +2,7 @@ use super::{ClosedDensity, ClosedForm};
 use crate::density::{Density, Support};
 use crate::error::{Error, Result};
 
-/// The equation on one line, after a comment that says where it comes from.
+/// The equation on one line, after a comment on its origin.
 pub(super) fn text(form: &ClosedForm, symbols: &[&str]) -> Result<String> {
     let reason = "above a wall ln p has a singular part and kinks beside its polynomial; take Python, Rust or MATLAB, \
         which have them, or JSON";

@@ -96,7 +96,8 @@ impl ClosedForm {
         }
     }
 
-    /// ln p as a polynomial of the states, valid where the density lives; `None` where walls ask for more than polynomials.
+    /// ln p as a polynomial of the states, valid on the support of the density; `None` where walls add terms that are no
+    /// polynomials.
     pub fn log_polynomial(&self) -> Option<Polynomial> {
         match &self.density {
             ClosedDensity::Closure(density) => density.log_polynomial(),
@@ -123,7 +124,7 @@ impl ClosedForm {
     }
 
     /// A Python module: `log_p` of the states, a plain function of floats that needs nothing but Python 3; and `inside`,
-    /// which says where it is valid. Outside, `log_p` is −∞.
+    /// which is true where it is valid. Outside, `log_p` is −∞.
     ///
     /// # Errors
     /// [`Error::NoText`] where the density is of a form that is not written out.
@@ -192,7 +193,7 @@ impl ClosedForm {
     }
 }
 
-/// Questions that the density inside answers.
+/// Methods of [`Density`] that are passed on to the density inside.
 macro_rules! forwarded {
     ($(fn $question:ident(&self $(, $argument:ident: $kind:ty)*) -> $answer:ty;)*) => {$(
         fn $question(&self $(, $argument: $kind)*) -> $answer {

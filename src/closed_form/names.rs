@@ -1,7 +1,7 @@
 use crate::error::{Error, Result};
 
-/// Words that mean something else in one of the texts: the languages' own, and what the texts call by name where states
-/// are arguments.
+/// Words that have another meaning in one of the texts: the languages' keywords, and the names of functions and variables in
+/// scope where the states are arguments.
 const TAKEN: [&str; 4] = [
     // Python.
     "False None True and as assert async await break class continue def del elif else except finally for from global \

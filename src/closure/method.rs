@@ -8,7 +8,7 @@ use super::space::degrees::Degrees;
 use crate::error::{Result, positive, require};
 use crate::memory::MemoryLimit;
 
-/// The factor on the pilot's noise intensities that shows the tails.
+/// The factor on the pilot's noise intensities, by which its states reach the tails.
 const INFLATION: f64 = 3.0;
 /// The numbers that a pilot's state takes for each of its own.
 const COPIES: f64 = 4.0;
@@ -34,9 +34,9 @@ pub struct Closure {
     pub(super) weight: Weight,
     pub(super) guard: bool,
     pub(super) seed: u64,
-    /// Whether the pilot's states carry the density; none leaves it to the number of states.
+    /// Whether the pilot's states carry the density; `None` if that follows from the number of states.
     pub(super) on_samples: Option<bool>,
-    /// The defaults depend on the nodes.
+    /// None for the default, which depends on the method of integration.
     pub(super) states: Option<usize>,
     pub(super) inflation: f64,
     pub(super) degrees: Degrees,
@@ -69,8 +69,7 @@ impl Closure {
         }
     }
 
-    /// The closure of the lowest even order whose estimated L¹ error is at most `target`; where none is, the one with the
-    /// least.
+    /// The closure of the lowest even order whose estimated L¹ error is at most `target`, or else the one with the least.
     pub fn adaptive(target: f64) -> Self {
         Closure { order: Order::Adaptive(target), ..Closure::new(2) }
     }
@@ -80,13 +79,13 @@ impl Closure {
         ClassicalClosure::new(order)
     }
 
-    /// How much the fit cares for the tails.
+    /// The weight of the tails in the fit.
     pub fn weight(self, weight: Weight) -> Self {
         Closure { weight, ..self }
     }
 
     /// Whether the density continues beyond its trust domain, falling steeply from its value at the edge, so that it is a
-    /// density on the whole space. Without, it is 0 there.
+    /// density on the whole space. Otherwise it is 0 there.
     pub fn guard(self, guard: bool) -> Self {
         Closure { guard, ..self }
     }
@@ -97,20 +96,20 @@ impl Closure {
     }
 
     /// Whether Q is the most likely density for the calibrated means of the pilot's states; by default it is in three states
-    /// and more. Without, it is the density closest to a reference, the solution of the moment equations of a higher degree on
-    /// nodes: products of Gauss nodes in one state and in two (walls allow no other), a lattice in three and in four.
+    /// and more. Otherwise it is the density closest to a reference, the solution of the moment equations of a higher degree
+    /// on nodes: products of Gauss nodes in one state and in two (walls allow no other), a lattice in three and in four.
     ///
-    /// A reference gives every value an error of its own, and moments up to the order to six digits, for some seconds in three
-    /// states and up to half a minute in four. Where the equations have no good solution, as in weakly damped systems of four
-    /// states, or the pilot's moments contradict it, the answer is that of the samples, and
-    /// [`Provenance::without_reference`](crate::Provenance::without_reference) says why.
+    /// A reference gives every value an error of its own, and moments up to the order to six digits in three states and to
+    /// four or five in four, for some seconds in three states and up to half a minute in four. Where the equations have no
+    /// good solution, as in weakly damped systems of four states, or the pilot's moments contradict it, the answer is that of
+    /// the samples, and [`Provenance::without_reference`](crate::Provenance::without_reference) gives the reason.
     ///
     /// ```
     /// use expoly::{Closure, Density, Problem};
     /// // x″ = x − x³ + z, z′ = −x′ − z + ξ: a double well in a bath with memory, exp(−2(½x′² − ½x² + ¼x⁴ + ½z²)).
     /// let text = "states = [\"x\", \"v\", \"z\"]\n[drift]\nx = \"v\"\nv = \"x - x^3 + z\"\nz = \"-v - z\"\n[noise.w]\nz = \"1\"";
     /// let problem = Problem::from_toml(text)?;
-    /// // No Gaussian is near that density, but the reference's moments are.
+    /// // No Gaussian is near that density, but the moments, which are the reference's, are right.
     /// let square = Closure::new(2).on_samples(false).solve(&problem)?.moment(&[2, 0, 0])?;
     /// assert!((square.value - 0.893464970).abs() < 4.0 * square.error && square.error < 1e-6);
     /// # Ok::<(), expoly::Error>(())
@@ -124,8 +123,8 @@ impl Closure {
         Closure { states: Some(states), ..self }
     }
 
-    /// The factor on the intensities of the pilot that finds the tails, 3 by default; less where the system does not stand
-    /// it. Without effect on samples.
+    /// The factor on the intensities of the pilot that finds the tails, 3 by default; less where the system explodes under
+    /// it. It has no effect where the pilot's states carry the density.
     pub fn inflation(self, inflation: f64) -> Self {
         Closure { inflation, ..self }
     }
@@ -137,8 +136,9 @@ impl Closure {
 
     /// Starts from the density of a similar problem, or from none.
     ///
-    /// What the closure is measured against starts there, and settles after about half as many linear systems. Where that does
-    /// not settle, nothing is changed by it; in three states and more, where the search has one end, nothing is either.
+    /// The reference starts from that density's weight and settles after about half as many linear systems. Where it does not
+    /// settle, it is found as without a start. The closure on samples, in three states and more, has a unique maximum and
+    /// does not depend on the start.
     pub fn starting_from<'a>(self, similar: impl Into<Option<&'a ClosureDensity>>) -> Self {
         Closure { start: similar.into().map(ClosureDensity::start), ..self }
     }
@@ -167,7 +167,7 @@ impl Closure {
     pub(super) fn check(&self, states: usize, highest: u32) -> Result<()> {
         match self.order {
             Order::Fixed(order) => {
-                let remedy = "at this order there is no coefficient to find; ask for order 1 or more";
+                let remedy = "at this order there is no coefficient to find; take order 1 or more";
                 require(order > 0, "order of the closure", 0.0, remedy)?;
                 let remedy = "orders up to 16 are supported, and up to 10 next to walls";
                 require(order <= highest, "order of the closure", f64::from(order), remedy)?;
@@ -178,10 +178,10 @@ impl Closure {
         }
         if let Some(kept) = self.states {
             let name = "number of the pilot's states";
-            let remedy = "at least 1000 are needed to see where the density is";
+            let remedy = "at least 1000 are needed to find where the density is";
             require(kept >= 1000, name, kept as f64, remedy)?;
             let numbers = COPIES * kept as f64 * states as f64;
-            self.memory.holds("the pilot's states", numbers, "ask for fewer, or raise `memory_limit`")?;
+            self.memory.holds("the pilot's states", numbers, "take fewer, or raise `memory_limit`")?;
         }
         let (inflation, remedy) = (self.inflation, "it must lie between 1 and 100");
         require((1.0..=100.0).contains(&inflation), "inflation of the pilot's intensity", inflation, remedy)?;

@@ -1,19 +1,19 @@
 //! The exponential-polynomial closure: p = C exp(Q) with Q a polynomial of any order, in any number of states.
 //!
-//! [`Closure::new`] is a method that gives a density at every order. The literature's closure asks that the residual of
-//! exp(Q) be orthogonal to the polynomials that Q itself is made of, and at most orders no Q obeys. Here the residual is
+//! [`Closure::new`] is a method that gives a density at every order. The literature's closure requires the residual of exp(Q)
+//! to be orthogonal to the polynomials that Q itself is made of, and at most orders no Q satisfies that. Here the residual is
 //! tested with the functions whose mean rate of change those polynomials are, so that the moments of p̃ up to the order are
 //! those of the stationary density. These equations always have a solution, the best density of its order in the sense of
 //! Kullback and Leibler. The steps, each in its file:
 //!
 //! 1. `pilot`: a short simulation at inflated intensity;
-//! 2. `discretisation`: the trust domain, which is where the pilot has been, the nodes there, next to walls as well, and the
-//!    first guess of ln p by likelihood;
+//! 2. `discretisation`: the trust domain, which is the region that the pilot has visited, the nodes in it, next to walls as
+//!    well, and the initial ln p by likelihood;
 //! 3. `space`: the functions of an order and those of its reference, made orthonormal under a weight;
 //! 4. `reference`: a density of many more moment equations, E[Gψ] = 0, which are linear in its ratio to a weight, the weight
 //!    renewed until it follows the density;
-//! 5. `projection`: the exponential polynomial closest to it, by a convex minimisation; where a candidate is a solution itself,
-//!    that (`exact`);
+//! 5. `projection`: the exponential polynomial closest to it, by a convex minimisation; where a candidate near it solves the
+//!    equation exactly, that one (`exact`);
 //! 6. `candidates`: their errors, the choice among them, and the guard by the pilot's likelihood;
 //! 7. `density`: the answer with its trust domain, and its integrals with their errors.
 //!

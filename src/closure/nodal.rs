@@ -32,24 +32,24 @@ const SMOOTHED: f64 = 0.5;
 const VALIDATION_STATES: usize = 4000;
 /// An answer with a larger error is integrated again on finer nodes.
 const ROUGH: f64 = 0.2;
-/// A reference with a larger error is none.
+/// A reference with a larger error is not used.
 const UNKNOWN: f64 = 1.0;
 /// The relative error of the mass on a lattice.
 const ON_LATTICE: f64 = 1e-9;
 
-/// What the closures of one system share at all orders.
+/// The parts of a closure that are the same at all orders of one system.
 pub(super) struct NodalClosure {
     pub(super) discretisation: Discretisation,
-    /// What a similar system's reference has come to.
+    /// The start that a similar system's reference gives.
     pub(super) start: Option<Start>,
-    /// Under the system's own intensities.
+    /// The pilot under the system's own intensities.
     pub(super) pilot: Pilot,
     pub(super) inflation: f64,
     pub(super) weight: Weight,
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
-    /// The lattice that the discretisation's nodes are of, if they are of one, and where that is trusted.
+    /// The lattice of the discretisation's nodes, if they are on one, and its trust domain.
     pub(super) lattice: Option<(Lattice, Copula)>,
 }
 
@@ -62,7 +62,7 @@ impl NodalClosure {
         Ok(ClosureDensity::new(self.content(order)?))
     }
 
-    /// What the closure of an order is made of.
+    /// The content of an order's density.
     pub(super) fn content(&self, order: u32) -> Result<Content> {
         let failed = |reason| Error::NotClosed { order, reason };
         let discretisation = &self.discretisation;
@@ -73,7 +73,7 @@ impl NodalClosure {
                 .ok_or_else(|| failed("its moment equations have no solution; the noise may not reach every state"))?;
         let kept = Retained::above(discretisation, &reference);
         if kept.points.len() < nested.answer_columns {
-            return Err(failed("its moment equations leave no part of the trust domain to be judged on"));
+            return Err(failed("its moment equations leave no part of the trust domain to compare densities on"));
         }
         let values = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| table.values[(kept.nodes[i], k)]);
         let validation_states = self.validation_states();
@@ -116,7 +116,7 @@ impl NodalClosure {
         })
     }
 
-    /// How integrals of exp(Q) are taken. None where they are not finite.
+    /// The rules for integrals of exp(Q). None where they are not finite.
     pub(super) fn integrals(&self, exponent: &Exponent, nodes: &Nodes, lines: &[Rule]) -> Option<Integrals> {
         let Some((_, copula)) = &self.lattice else {
             return Some(Integrals::Panels { rules: nodes.rules.clone(), lines: lines.to_vec() });
@@ -140,7 +140,7 @@ impl NodalClosure {
         (table, after.get(.., ..nested.lower_columns).to_owned())
     }
 
-    /// Who judges the densities of an order: the reference, as it stands and as an exponential polynomial.
+    /// The scoring of an order's densities, by the reference as it stands and as an exponential polynomial.
     fn scoring<'a>(
         &'a self,
         nested: &NestedSpaces,
@@ -205,7 +205,7 @@ impl NodalClosure {
         (0.9..=1.1).contains(&mass)
     }
 
-    /// Some of the pilot's states, evenly chosen: enough for a guard that is to see gross errors.
+    /// Some of the pilot's states, evenly chosen: enough for a guard against gross errors.
     pub(super) fn validation_states(&self) -> States {
         let states = &self.pilot.states;
         let mut chosen = States::new(states.dimension());
@@ -228,8 +228,8 @@ impl NodalClosure {
         }
     }
 
-    /// The mean of ln p over the pilot's states that a good density has: the reference's, or that of the fit which the
-    /// first guess is if it is larger.
+    /// The mean of ln p over the pilot's states that a good density has: the reference's, or that of a polynomial fitted to
+    /// these states, if it is larger.
     pub(super) fn likelihood(&self, reference: &Reference, states: &States) -> f64 {
         let discretisation = &self.discretisation;
         let shift = reference.value(&discretisation.nodes.points[0]) - reference.logarithm[0];
@@ -240,7 +240,7 @@ impl NodalClosure {
         mean_logarithm(&fit, states).max(of_reference)
     }
 
-    /// The most likely density of the first guess's form for states under the system's own intensities.
+    /// The most likely density, in the functions of the initial fit, for states under the system's own intensities.
     fn fit(&self, states: &States) -> Option<Exponent> {
         let discretisation = &self.discretisation;
         likeliest(

@@ -30,7 +30,7 @@ pub(super) struct Pilot {
     pub(super) stationary: bool,
 }
 
-/// How to run pilots of one problem.
+/// The plan by which pilots of one problem run.
 pub(super) struct PilotPlan<'a> {
     problem: &'a Problem,
     seed: u64,
@@ -112,8 +112,9 @@ impl Pilot {
         (0..self.states.dimension()).map(|i| mean(i, 4) / mean(i, 2).powi(2)).fold(0.0, f64::max)
     }
 
-    /// How many consecutive states of a trajectory are worth one, at least 1: the square of the standard error of E x_i² between
-    /// trajectories over that of independent states, for the slowest state; and that of E x_i where no symmetry says what it is.
+    /// The number of consecutive states of a trajectory that are worth one independent state, at least 1: the square of the
+    /// standard error of E x_i² between trajectories over that of independent states, for the slowest state; and that of E
+    /// x_i where no symmetry makes it zero.
     pub(super) fn slowness(&self, symmetry: &Symmetry) -> f64 {
         let samples = self.states.len() / TRAJECTORIES;
         let slowness = |values: Vec<f64>| -> f64 {
@@ -162,7 +163,7 @@ fn stationary(states: &States) -> bool {
         let mean = differences.iter().sum::<f64>() / GROUPS as f64;
         let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (GROUPS * GROUPS) as f64;
         let level = square(states.values());
-        // A change below a hundredth matters to no pilot.
+        // A change below a hundredth does not matter for a pilot.
         mean.abs() <= DRIFTING * variance.sqrt() || mean.abs() <= 0.01 * level
     })
 }

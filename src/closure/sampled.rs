@@ -21,20 +21,21 @@ use std::time::Instant;
 pub(super) const DRAWS: usize = 400_000;
 /// The domain is as much wider than the pilot's states.
 pub(super) const WIDENING: f64 = 1.1;
-/// What follows the density farther out than the pilot's states can: a reference so many times, and an exact density.
+/// The factors by which the domain is widened where something better than the pilot's states carries the density: a
+/// reference, and an exact density.
 const BY_REFERENCE: f64 = 1.2;
 const EXACTLY: f64 = 1.8;
 /// An exact density's lattice has so many nodes at most, and resolves it if half of them give the mass to this.
 const NODES: usize = 1 << 18;
 const EVEN: f64 = 1e-4;
 
-/// The monomials of the order that judges an order.
+/// The most monomials of the order two higher, with which an order is compared.
 const MOST_LISTED: usize = 500_000;
 /// Matrices of all pairs of functions that are held at once: three sums on each of two stretches of nodes, their totals, the
 /// factors, and what those are made from.
 const MATRICES: f64 = 16.0;
 
-/// What the closures of one system on samples share at all orders.
+/// The parts of a closure on samples that are the same at all orders of one system.
 pub(super) struct Sampled {
     pub(super) problem: Problem,
     pub(super) symmetry: Symmetry,
@@ -49,12 +50,12 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// What the pilot's states make of an order, over what a copula trusts. None where they are too few.
+    /// The closure of an order on the pilot's states, within the trust domain of a copula. None where they are too few.
     pub(super) fn on_samples(&self, order: u32, copula: &Copula) -> Option<SampleClosure> {
         close_on_samples(&self.problem, &self.pilot, (&self.degrees, order), &self.symmetry, copula, self.seed)
     }
 
-    /// Where an exact density is followed to, with ln ∫ exp(Q) dx by a lattice there, if there is one.
+    /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
     fn far_lattice(&self, copula: Copula, exponent: &Exponent) -> (Copula, Option<(Lattice, Estimate)>) {
         let far = copula.clone().followed(EXACTLY);
         let Some((lattice, nodes)) = Lattice::finest(&self.pilot, &self.symmetry, &far, NODES) else {
@@ -64,7 +65,7 @@ impl Sampled {
         logs.iter_mut().zip(&nodes.base).for_each(|(log, base)| *log += base);
         let (top, mass) = scaled_mass(&logs, &vec![1.0; logs.len()]);
         let first = nodes.parts.first().copied().unwrap_or(0);
-        // Each half is a rule of its own; the whole is as much better than these as their errors cancel.
+        // Each half is a rule of its own, and their errors cancel in the whole.
         let half: f64 = 2.0 * logs[..first].iter().map(|log| (log - top).exp()).sum::<f64>();
         let uneven = (half / mass - 1.0).abs();
         if uneven > EVEN { (copula, None) } else { (far, Some((lattice, Estimate::new(mass.ln() + top, uneven)))) }
@@ -78,19 +79,17 @@ impl Sampled {
         let failed = |reason| Error::NotClosed { order, reason };
         let Sampled { symmetry, pilot, degrees, .. } = self;
         let states = self.problem.dimension();
-        // The density is judged by one two degrees higher.
+        // The density is compared with one two degrees higher.
         if degrees.are_more_than(MOST_LISTED, states, order + 2) {
-            return Err(failed(
-                "it has too many functions even to list them: ask for a lower one, or for fewer `degrees`",
-            ));
+            return Err(failed("it has too many functions even to list them: take a lower one, or fewer `degrees`"));
         }
         let functions = degrees.exponents(states, order, |alpha| symmetry.keeps(alpha)).len() as f64;
-        let remedy = "ask for a lower order or fewer `degrees`, or raise `memory_limit`";
+        let remedy = "take a lower order or fewer `degrees`, or raise `memory_limit`";
         self.memory.holds("the equations of the closure", MATRICES * functions * functions, remedy)?;
         let surface = "the pilot's states lie on a surface: the noise may not reach every state";
         let copula = Copula::new(pilot, symmetry).ok_or_else(|| failed(surface))?;
         let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };
-        let few = "the pilot's states are too few to tell its functions apart: ask for more of them";
+        let few = "the pilot's states are too few for so many functions: take more of them";
         let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
         let mut without_reference = None;
         if self.referred && !found.exact {
@@ -102,7 +101,7 @@ impl Sampled {
         let (copula, lattice) = if found.exact { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         let coefficients = &found.exponent.coefficients;
         let rule = ImportanceRule::new(&found.polynomials, coefficients, &copula, DRAWS, self.seed)
-            .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: ask for another order"))?;
+            .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: take another order"))?;
         let (lattice, on_lattice) = lattice.unzip();
         let rule = match on_lattice.or(found.log_mass) {
             Some(log_mass) => rule.with_log_mass(log_mass),
@@ -113,7 +112,7 @@ impl Sampled {
         let (centre, _) = pilot.spread(symmetry);
         let candidate = Candidate {
             origin: if found.exact { Origin::Exact } else { Origin::MaximumLikelihood },
-            // The domain's edge cuts off what no state has seen.
+            // The edge cuts off a mass of at most about that of one state.
             l1_estimate: match &lattice {
                 Some(_) => 0.0,
                 None => (found.l1_estimate + (pilot.states.len() as f64).recip()).min(2.0),

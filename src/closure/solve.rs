@@ -1,4 +1,4 @@
-//! From a problem and the options to the steps: which nodes, which orders, and what is tried again.
+//! The way from a problem and the options to the steps: the choice of nodes and orders, and further attempts.
 
 use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
@@ -26,10 +26,10 @@ const STATES_IN_MANY: usize = 102_400;
 /// Where more consecutive states than this are worth one, they are taken farther apart, up to so many times.
 const CORRELATED: f64 = 3.0;
 const LONGER: f64 = 64.0;
-/// Of states that are that far apart so many should not be worth one: the trajectories are then where they began.
+/// Where so many of the states taken farther apart are still worth only one, the trajectories have not left their starts.
 const UNMIXED: f64 = 16.0;
 
-/// So many of the pilot's states between two walls can say how likely a density is.
+/// The fewest of the pilot's states between two walls that suffice for the likelihood of a density.
 const LEAST_BETWEEN: usize = 100;
 
 const METHOD: &str = "closure";
@@ -95,8 +95,8 @@ impl Closure {
             } else if last && best.is_none() {
                 return closed;
             }
-            // Where ln p does not scale with the intensity the first guess may lead astray; nearer to the system it is less
-            // wrong.
+            // Where ln p does not scale with the intensity, the initial ln p may be far off; with less inflation its error is
+            // smaller.
             match best {
                 Some(density) if last || density.l1_estimate() <= ASTRAY => return Ok(density),
                 _ => inflation = (inflated.inflation / 2.0).max(1.0),
@@ -107,7 +107,7 @@ impl Closure {
     /// On Gauss nodes where the inflated pilot has been.
     fn on_panels(&self, problem: &Problem, pilots: [&Pilot; 2], begin: Instant) -> Result<ClosureDensity> {
         let [_, inflated] = pilots;
-        // Heavy tails stand little inflation: what the pilot then sees is too wide for any polynomial.
+        // With heavy tails an inflated pilot spreads too wide for any polynomial to fit.
         let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > HEAVY;
         let symmetry = problem.symmetry();
         let (centre, half_width) = inflated.spread(&symmetry);
@@ -122,13 +122,13 @@ impl Closure {
         self.check(2, walled::HIGHEST_ORDER)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
         if self.on_samples == Some(true) {
-            return refused("walls on samples", "nodes are graded towards walls; leave them to the method");
+            return refused("walls on samples", "nodes are graded towards walls; leave out `on_samples`");
         }
         if self.degrees != Degrees::complete() {
             return refused("walls with some monomials alone", "leave the degrees complete");
         }
-        // The pilot meets one wall, below the motion: what it does beyond a second one is left out, and a single one above
-        // the motion is met in a mirror.
+        // The pilot has one wall, below the motion: its states beyond a second wall are left out, and for a single wall above
+        // the motion the mirrored problem runs.
         let (met, turned) = match walls {
             [Some(lower), _] => (problem.without_walls().with_wall(lower)?, false),
             [None, _] => (problem.mirrored()?, true),
@@ -141,7 +141,7 @@ impl Closure {
         let inflated = run(self.inflation)?;
         let pilot = run(1.0)?.between([None, walls[1].map(|wall| wall.offset())]);
         if pilot.states.len() < LEAST_BETWEEN {
-            let reason = "hardly a state of the pilot lies between the walls: ask for more `pilot_states`, or the grid";
+            let reason = "hardly a state of the pilot lies between the walls: take more `pilot_states`, or the grid";
             return Err(Error::NotClosed { order: self.lowest(), reason });
         }
         let discretisation = walled::walled(problem, &inflated, walls);
@@ -158,7 +158,7 @@ impl Closure {
         let reason =
             "no polynomial fits the pilot's states; they may be too few, or the system has no stationary density";
         let discretisation = discretisation.ok_or(Error::NotClosed { order: self.lowest(), reason })?;
-        // The singular part is this wall's, whatever the similar one's was.
+        // The singular part is that of this problem's wall, not of the similar problem's.
         let own = |start: &Start| {
             let weight = Exponent { known: discretisation.known().to_vec(), ..start.weight.clone() };
             Start { weight, ..*start }
@@ -169,8 +169,8 @@ impl Closure {
         Ok(NodalClosure { discretisation, start, pilot, inflation, weight, guarded, seed, begin, lattice: None })
     }
 
-    /// The closure of the order that was asked for: given, or of the lowest even one that meets the target, or the best one
-    /// once the estimate has stopped falling.
+    /// The closure of the requested order: of the given one, or of the lowest even one that meets the target, or else the
+    /// best one when the estimate stops falling.
     fn at_order(&self, highest: u32, closed: impl Fn(u32) -> Result<ClosureDensity>) -> Result<ClosureDensity> {
         let target = match self.order {
             Order::Fixed(order) => return closed(order),

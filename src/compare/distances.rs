@@ -29,9 +29,9 @@ pub struct Distances {
 /// The distances of `density` from `reference`.
 ///
 /// In one state and in two they are integrals over both densities' bounds, on cells that are halved where the integrands are
-/// rough; values below zero, as a grid has them, count as 0. In more they are averages over the nodes of whichever density
-/// has them, the first one if both have; mass of the other outside the nodes is added. Where a reference differs from 0 by
-/// less than its error, the divergence takes the value within that error that is closest to p.
+/// rough; values below zero, as a grid has them, count as 0. In more they are averages over the nodes of the density that has
+/// them, the first one if both have; mass of the other outside the nodes is added. Where a reference differs from 0 by less
+/// than its error, the divergence takes the value within that error that is closest to p.
 ///
 /// # Errors
 /// [`Error::Dimension`](crate::Error::Dimension) for densities of different numbers of states;
@@ -110,7 +110,7 @@ fn integrands(p: f64, q: f64, told: f64) -> [f64; 3] {
 /// The integrands, and how far they move with the reference's error.
 fn with_errors(p: f64, q: Estimate) -> [Estimate; 3] {
     let (low, high) = (q.value - q.error, q.value + q.error);
-    // A reference that is not told from 0 may be what p is, as far as its error goes.
+    // A reference that does not differ from 0 by more than its error takes the value of p, as far as the error allows.
     let told = if 2.0 * q.error < q.value {
         [low, q.value, high]
     } else {
@@ -162,7 +162,7 @@ impl Piece {
         })
     }
 
-    /// By how much the cell is worth halving: where the reference's own error is larger than the change, it is not.
+    /// The priority of halving the cell: none where the reference's own error is larger than the change.
     fn roughness(&self) -> f64 {
         (0..3).map(|k| (self.change[k] - 0.01 * self.stated[k]).max(0.0)).fold(0.0, f64::max)
     }
@@ -225,7 +225,7 @@ fn over_nodes(density: &dyn Density, reference: &dyn Density, which: usize) -> R
             // Both have the mass 1: ∫ |p − q| dx = 2 ∫ (p − q)₊ dx, which needs nothing beyond the nodes.
             0 => base.expectation(&|x| {
                 let ratio = ratio(x);
-                // What is not a number stays so.
+                // A ratio that is NaN remains NaN.
                 if ratio > 1.0 { 0.0 } else { 2.0 * (1.0 - ratio) }
             })?,
             _ => base.expectation(&|x| {
@@ -243,8 +243,8 @@ fn over_nodes(density: &dyn Density, reference: &dyn Density, which: usize) -> R
             };
             base.expectation(&error)?.value
         };
-        // What the other has where there are no nodes counts in full, or by half; where only the reference has nodes, p ln p
-        // beyond them is not known. The sampled mean may be off by less than what is missing.
+        // The mass of the other density where there are no nodes counts in full, or by half; where only the reference has
+        // nodes, p ln p beyond them is not known. The error of the sampled mean may be less than the missing mass.
         let share = match which {
             0 => return Ok(Estimate::new(mean.value, mean.error + stated)),
             1 => 0.5,

@@ -9,11 +9,11 @@ pub struct HistogramDistance {
     /// Σ |p − h| · width over the bins: the L¹ distance, the histogram's noise included.
     pub l1: f64,
     /// The L¹ distance that the histogram's noise alone makes on average, Σ √(2/π) · standard error · width. A distance of
-    /// this size says that the two agree.
+    /// this size means that the two agree.
     pub noise: f64,
     /// The largest |log₁₀(p/h)| over the bins in which the standard error is below a tenth of h.
     pub tail: f64,
-    /// The smallest h, relative to the largest, of those bins: how far down the tail was looked at.
+    /// The smallest h, relative to the largest, of those bins: the level down to which the tail was compared.
     pub tail_level: f64,
 }
 

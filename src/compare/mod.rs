@@ -1,4 +1,4 @@
-//! How far apart two densities are, whichever methods made them.
+//! Distances between two densities, made by any methods.
 //!
 //! | distance | between | |
 //! |---|---|---|
@@ -10,7 +10,7 @@
 //! | a lower bound of ∫ \|p − q\| dx | a density and states that it was not fitted to | [`l1_at_least`] |
 //!
 //! The second density is the reference. The first is taken as it stands; what the reference states about its own error is
-//! folded into the error of every distance, together with that of the quadrature: `0.004 ± 0.001` says that the distance
+//! folded into the error of every distance, together with that of the quadrature: `0.004 ± 0.001` means that the distance
 //! from the truth that the reference stands for lies between 0.003 and 0.005, as far as the reference's errors are bounds.
 
 mod distances;

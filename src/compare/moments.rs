@@ -5,7 +5,7 @@ use crate::estimate::Estimate;
 use crate::polynomial::monomials;
 
 /// E_p[x^α] − E_q[x^α] for all monomials of total degree 1 to `degree`, with the reference's error. Moments that one of the
-/// two has no answer to are left out.
+/// two densities does not have are left out.
 ///
 /// # Errors
 /// [`Error::Dimension`] for densities of different numbers of states; as [`Density::moment`].

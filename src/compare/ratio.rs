@@ -4,17 +4,17 @@ use crate::error::{Error, Result, require};
 use crate::estimate::Estimate;
 use rayon::prelude::*;
 
-/// Lines along each state of the first look, and of the second.
+/// Lines along each state of the first scan, and of the second.
 const COARSE: usize = 64;
 const FINE: usize = 160;
 /// Bisections of an edge of the region above the level.
 const BISECTIONS: usize = 40;
 
-/// The largest |log₁₀(p/q)| where the reference q is at least `level` times its peak: how many decades a tail is off.
+/// The largest |log₁₀(p/q)| where the reference q is at least `level` times its peak: the error of a tail in decades.
 ///
 /// In one state and in two the region is scanned on 160 lines along each, with its edges found on every line, where the
-/// largest ratio usually is; the error is what every second line makes, and the reference's own error where the ratio is
-/// largest. In more states the density's or the reference's own nodes are looked at,
+/// largest ratio usually is; the error is the change from a scan of every second line, and the reference's own error where
+/// the ratio is largest. In more states the ratio is taken at the nodes of the density or of the reference,
 /// [`Density::weighted_states`]. Where p is not positive the answer is infinite.
 ///
 /// # Errors

@@ -5,14 +5,15 @@ use crate::estimate::Estimate;
 use crate::states::States;
 use rayon::prelude::*;
 
-/// What ∫ |p̃ − p| dx is at least, p being the unknown density that independent `states` come from: E_p g − E_p̃ g with
-/// g = sign(q − p̃), for a `judge` q that is closer to p.
+/// A lower bound of ∫ |p̃ − p| dx, p being the unknown density that independent `states` come from: E_p g − E_p̃ g with g =
+/// sign(q − p̃), for a `judge` q that is closer to p.
 ///
-/// No function between −1 and 1 has a larger difference of its means than the distance, and the sign of p − p̃ has all of it: the
-/// better the judge, a closure two orders higher, say, the closer the bound. It is honest as long as neither density was fitted to
-/// these states, and no property of p is assumed; a bound below zero says that the judge is no better. `states` are those of
-/// `trajectories` trajectories, one after the other, as [`Simulation::states`](crate::Simulation::states) gives them with a seed of
-/// its own; the spread between trajectories is the standard error, and what p̃'s own nodes add to it.
+/// For no function between −1 and 1 do the means differ by more than the distance, and for the sign of p − p̃ they differ by
+/// exactly that: the better the judge, a closure two orders higher, say, the closer the bound. It is valid as long as neither
+/// density was fitted to these states, and no property of p is assumed; a bound below zero means that the judge is no better
+/// than p̃. `states` are those of `trajectories` trajectories, one after the other, as
+/// [`Simulation::states`](crate::Simulation::states) gives them with a seed of its own; the spread between trajectories is
+/// the standard error, and what p̃'s own nodes add to it.
 ///
 /// # Errors
 /// [`Error::Dimension`] if the three are not of the same states, [`Error::NoSamples`] for fewer than two trajectories or fewer states
@@ -60,7 +61,7 @@ pub fn l1_at_least(
             let square: f64 = signs.iter().zip(&weights).map(|(g, w)| (w * (g - own)).powi(2)).sum();
             Estimate::new(own, square.sqrt() / mass)
         }
-        // Nodes of a rule: its error is far below that of the states, and p̃'s own is what is asked for.
+        // Nodes of a rule: their error is far below that of the states, and the mean is that of p̃ itself.
         None => Estimate::new(density.expectation(&sign)?.value, 0.0),
     };
     Ok(Estimate::new(mean - own.value, (spread / count / (count - 1.0)).sqrt().hypot(own.error)))

@@ -39,7 +39,7 @@ struct Step {
 pub(crate) struct Scratch {
     /// The coefficients b of the first-order part of what [`Products::apply`] applies.
     pub(crate) first: Vec<Lane>,
-    /// What [`Products::gradient`] has found.
+    /// The result of [`Products::gradient`].
     pub(crate) gradient: Vec<Lane>,
     /// P_k, P_k′, P_k″ by state and degree.
     table: Vec<[Lane; 3]>,
@@ -134,7 +134,7 @@ impl Products {
         }
     }
 
-    /// Places eight points where only values are asked for.
+    /// Places eight points where only values are needed.
     #[inline(always)]
     pub(crate) fn place_values(&self, x: &[Lane], scratch: &mut Scratch) {
         self.place_tables(x, scratch);

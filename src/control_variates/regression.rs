@@ -4,8 +4,8 @@ use faer::{Mat, Side};
 /// Added to the diagonal of a covariance whose diagonal is one.
 const RIDGE: f64 = 1e-11;
 
-/// β = S⁻¹ C, a column for each column of C, from the covariance S of the control variates and their covariances C with
-/// what they are to explain. `covariance` is asked for the entries of S, below the diagonal and on it, and `mixed` for
+/// β = S⁻¹ C, a column for each column of C, from the covariance S of the control variates and their covariances C with the
+/// functions that are regressed on them. `covariance` returns the entries of S, below the diagonal and on it, and `mixed`
 /// those of C. None where the control variates are dependent on each other.
 pub(crate) fn regression(
     [controls, functions]: [usize; 2],

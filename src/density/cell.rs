@@ -39,7 +39,7 @@ impl Cell {
     }
 }
 
-/// Equal steps over each side of a box, with further lines where `through` asks for them.
+/// Equal steps over each side of a box, with further lines at the places that `through` gives.
 pub(crate) fn lines(bounds: &[[f64; 2]], steps: usize, through: impl Fn(usize) -> Vec<f64>) -> Vec<Vec<f64>> {
     let along = |(i, [low, high]): (usize, &[f64; 2])| {
         let mut lines: Vec<f64> = (0..=steps).map(|k| low + (high - low) * k as f64 / steps as f64).collect();

@@ -29,7 +29,7 @@ pub struct ExpPolynomial {
 impl ExpPolynomial {
     /// The density exp(Q) for `q` in the coordinates z of `frame`.
     ///
-    /// `noise` is the relative size below which a value says nothing about the sign of Q far away.
+    /// `noise` is the relative size below which a value counts as rounding and leaves the sign of Q far away open.
     pub(crate) fn new(q: Polynomial, frame: Frame, support: Support, noise: f64) -> Result<Self> {
         dimension("a polynomial", q.dimension(), frame.dimension())?;
         q.terms().try_for_each(|(_, c)| finite("coefficient of Q", c).map(|_| ()))?;
@@ -68,8 +68,8 @@ impl ExpPolynomial {
 
     /// exp(Q) cut off at a box of the states, for `q` in the states themselves, whether or not Q falls outside.
     ///
-    /// This is how an exp(Q) that is no density on the whole space can still be compared where it is plausible; the
-    /// caller chooses the box and must say so.
+    /// An exp(Q) that is no density on the whole space can so be compared where it is plausible; the caller chooses the box,
+    /// and a result should be reported with it.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if a side of the box is not finite and positive, or Q not finite or too steep.
@@ -102,7 +102,7 @@ impl ExpPolynomial {
         self.q.compose(&self.frame.coordinate_polynomials()) + -self.log_mass.value
     }
 
-    /// Where the density lives.
+    /// The support of the density.
     pub fn support(&self) -> &Support {
         &self.support
     }
@@ -202,7 +202,7 @@ impl Density for ExpPolynomial {
 /// No density here has a polynomial of a higher degree.
 const HIGHEST: u32 = 60;
 
-/// All that the density is made of: Q in z, x = origin + scale z, the scale by rows. It is normalised anew, and the same
+/// The whole content of the density: Q in z, x = origin + scale z, the scale by rows. It is normalised anew, and the same
 /// numbers give the same bits.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]

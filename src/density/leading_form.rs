@@ -1,15 +1,15 @@
-//! Whether exp(Q) has a finite integral: the sign of Q far away.
+//! The test of whether exp(Q) has a finite integral: the sign of Q far away.
 
 use crate::polynomial::{Polynomial, power};
 
 /// A direction in which Q does not fall to −∞, if there is one.
 ///
-/// Along the ray ρe, Q is a polynomial in ρ whose coefficient of ρ^d is the homogeneous part Q_d(e). The highest one that
-/// does not vanish decides. Directions in which the leading form touches zero are where lower degrees take over, as v
-/// does in −x⁴ − v²; they are its local maxima on the sphere, found by ascent from a set of directions that contains
-/// the axes. A value counts as zero where its terms cancel to below `noise` times the sum of their sizes.
+/// Along the ray ρe, Q is a polynomial in ρ whose coefficient of ρ^d is the homogeneous part Q_d(e). The sign of the highest
+/// one that does not vanish is that of Q far away. Lower degrees determine it only in directions in which the leading form
+/// touches zero, as along v in −x⁴ − v²; they are its local maxima on the sphere, found by ascent from a set of directions
+/// that contains the axes. A value counts as zero where its terms cancel to below `noise` times the sum of their sizes.
 ///
-/// A channel that bends, such as x = v² in −(x − v²)², has no straight ray; the quadrature of the normalisation sees it
+/// A channel that bends, such as x = v² in −(x − v²)², has no straight ray; in the quadrature of the normalisation it shows
 /// as mass that never ends.
 pub(crate) fn escape_direction(q: &Polynomial, half_space: bool, noise: f64) -> Option<Vec<f64>> {
     let n = q.dimension();
@@ -112,7 +112,7 @@ mod tests {
         assert!(escapes(&loose, false));
     }
 
-    /// u ≥ 0 alone decides where the state is bounded on one side.
+    /// Where the state is bounded on one side, only directions with u ≥ 0 count.
     #[test]
     fn a_half_space_looks_one_way_only() {
         let q = [([3, 0], -1.0), ([0, 2], -1.0)];
@@ -120,7 +120,7 @@ mod tests {
         assert!(!escapes(&q, true));
     }
 
-    /// Three wells: close to the v-axis the sixth degree is tiny and the fourth positive, but the sixth decides.
+    /// Three wells: close to the v-axis the sixth degree is tiny and the fourth positive, but the sixth determines the sign.
     #[test]
     fn a_small_leading_value_is_not_zero() {
         assert!(!escapes(&[([6, 0], -0.1), ([4, 0], 0.45), ([2, 0], -0.5), ([0, 2], -0.5)], false));

@@ -1,4 +1,4 @@
-//! Densities, whichever method made them.
+//! Densities, made by any method.
 
 mod cell;
 mod exp_polynomial;
@@ -25,8 +25,8 @@ use crate::states::States;
 ///
 /// The states are those of the problem, in its order. Values that were sampled carry their standard error, values that
 /// were integrated their quadrature's error estimate. A state, or a list of powers, has one number for each state;
-/// another length is [`Error::Dimension`]. What a density has no answer to, as a simulation a moment that it did not sum up,
-/// is [`Error::NotKnown`].
+/// another length is [`Error::Dimension`]. A value that a density does not have, such as a moment that a simulation did not
+/// sum up, is [`Error::NotKnown`].
 pub trait Density: Send + Sync {
     /// The number of states n.
     fn dimension(&self) -> usize;
@@ -34,7 +34,7 @@ pub trait Density: Send + Sync {
     /// The density at `x`; 0 outside the support. Unit: one over the product of the states' units.
     ///
     /// # Errors
-    /// [`Error::Dimension`], [`Error::NotKnown`]; so for every question.
+    /// [`Error::Dimension`], [`Error::NotKnown`]; the same holds for all methods.
     fn pdf(&self, x: &[f64]) -> Result<Estimate>;
 
     /// ln p at `x`; −∞ outside the support.
@@ -45,8 +45,8 @@ pub trait Density: Send + Sync {
     /// The density of one state alone: the integral of p over all others, at x_`state` = `x`.
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate>;
 
-    /// The box, as lower and upper limits of each state, outside of which there is no mass worth speaking of, or none that the
-    /// density has any account of. A wall is a side of it.
+    /// The box, as lower and upper limits of each state, outside of which the mass is negligible or unknown to the density's
+    /// method. A wall is a side of it.
     fn bounds(&self) -> Vec<[f64; 2]>;
 
     /// E[g(X)]. g should be smooth for the error to be sharp.
@@ -59,20 +59,21 @@ pub trait Density: Send + Sync {
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
         let states = pair(states, self.dimension())?;
         if self.dimension() > 2 {
-            let remedy = "ask for the pair of states that it was made to watch, or ask another method";
+            let remedy =
+                "a simulation has it for the pair of states that its options name; take that pair, or another method";
             return Err(Error::NotKnown { what: "the joint density of these two states".into(), remedy });
         }
         self.pdf(&placed(states, x, self.dimension()))
     }
 
-    /// States with weights whose weighted means are the density's means, if it was made of such. The effective number of
+    /// States with weights whose weighted means are the density's means, if the density has such. The effective number of
     /// independent ones among them is (Σw)²/Σw².
     fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
         None
     }
 
-    /// What the density's samples answer themselves, if it was made of such. Values that were sampled together vary together:
-    /// [`statistics`](crate::statistics) take the standard error of what combines several of them from there.
+    /// The statistics of the density's samples, if it was made of samples. Values that were sampled together are correlated:
+    /// [`statistics`](crate::statistics) take the standard error of a combination of several values from here.
     fn sampled(&self) -> Option<&dyn Sampled> {
         None
     }
@@ -87,7 +88,7 @@ pub trait Density: Send + Sync {
     ///
     /// # Errors
     /// [`Error::Dimension`] for states that do not exist or are one, [`Error::OutOfRange`] for a level that is not finite and a
-    /// power above 200; [`Error::NotKnown`] where a simulation was not asked to watch the level.
+    /// power above 200; [`Error::NotKnown`] for a level that a simulation did not count.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;
 
     /// The variance of one state.
@@ -107,13 +108,13 @@ pub trait Density: Send + Sync {
     }
 }
 
-/// The power of a velocity, refused if it is so high that nothing but the last digits of a density decide.
+/// The power of a velocity, refused if it is so high that the integral depends on the last digits of the density.
 pub(crate) fn moderate(power: u32) -> Result<i32> {
     const HIGHEST: u32 = 200;
     require(power <= HIGHEST, "power of a flux", f64::from(power), "it must be at most 200").map(|_| power as i32)
 }
 
-/// Two states, refused if they do not exist or are one.
+/// Two states, refused if they do not exist or are the same.
 pub(crate) fn pair(states: [usize; 2], dimension: usize) -> Result<[usize; 2]> {
     for state in states {
         state_index("a state of a pair", state, dimension)?;
@@ -155,7 +156,7 @@ impl Crossing {
         Crossing { upward: false, ..Self::upward(level) }
     }
 
-    /// The two states, refused if they do not exist or are one, and if the level is no number.
+    /// The two states, refused if they do not exist or are the same, or if the level is not finite.
     pub(crate) fn states(&self, dimension: usize) -> Result<[usize; 2]> {
         finite("level of a crossing", self.level)?;
         let displacement = state_index("the displacement of a crossing", self.displacement, dimension)?;

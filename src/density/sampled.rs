@@ -15,7 +15,7 @@ pub trait Counted: Debug + Send + Sync {
     fn above(&self, x: f64) -> Estimate;
 }
 
-/// What a density made of samples answers from them, with the standard errors that follow from how they vary together.
+/// The statistics of a density made of samples, with standard errors that include the correlation between values.
 pub trait Sampled {
     /// A function of the raw moments 1, E x, E x², E x³ and E x⁴ of one state.
     ///

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// The part of R^n on which a density lives.
+/// The part of R^n outside of which a density is 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Support {
@@ -8,12 +8,12 @@ pub enum Support {
     WholeSpace,
     /// The half space in which state 0 is at least this: above a wall.
     Above(f64),
-    /// A box, as pairs of lower and upper limit. Outside, the density is 0 by decree and not by nature.
+    /// A box, as pairs of lower and upper limit. Outside, the density has been set to 0.
     Region(Vec<[f64; 2]>),
 }
 
 impl Support {
-    /// Whether the value `x` of state `state` lies inside, whatever the other states are.
+    /// Whether the value `x` of state `state` lies inside, for any values of the other states.
     pub fn contains(&self, state: usize, x: f64) -> bool {
         match self {
             Support::WholeSpace => true,

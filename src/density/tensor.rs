@@ -18,14 +18,14 @@ const DEPTH: f64 = 50.0;
 const TOLERANCE: f64 = 1e-13;
 /// Nodes of a rule at most: about a second of work.
 const MAX_NODES: usize = 4_000_000;
-/// Nodes of a rule that cost so little that every axis may be finer than need be.
+/// The size of a rule up to which every axis is made finer than the mass needs.
 const CHEAP: usize = 20_000;
 /// Grid lines per axis of the search for the box.
 const GRID: usize = 61;
 /// A box this wide, in units of the Gaussian closure's standard deviation, means that the mass never ends.
 const TOO_WIDE: f64 = 1e4;
 
-/// How one axis is covered.
+/// The rule along one axis.
 #[derive(Clone, Debug)]
 struct Axis {
     low: f64,
@@ -57,7 +57,7 @@ impl Axis {
     }
 }
 
-/// Which part of the space an integral runs over, in terms of the states.
+/// The part of the space that an integral runs over, in terms of the states.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Section {
     /// States held at values.
@@ -97,7 +97,7 @@ impl Section {
 #[derive(Clone, Debug)]
 pub(super) struct TensorRule {
     axes: Vec<Axis>,
-    /// Q at the highest point that the rule has seen; exp(Q) is scaled by it.
+    /// Q at the highest point of the search for the box; exp(Q) is scaled by it.
     pub(super) top: f64,
 }
 
@@ -106,8 +106,8 @@ impl TensorRule {
     /// finer still on every axis that needed refinement, and their difference estimates the error of the second.
     ///
     /// # Errors
-    /// [`Error::NotNormalisable`] if the mass never ends, [`Error::NotServed`] if the grid that looks for it has too many
-    /// points.
+    /// [`Error::NotNormalisable`] if the mass never ends, [`Error::NotServed`] if the grid that searches for its end has too
+    /// many points.
     pub(super) fn fitted(q: &Polynomial, frame: &Frame, support: &Support) -> Result<(Self, Self)> {
         let n = frame.dimension();
         let hermite = n > 2 && *support == Support::WholeSpace;
@@ -155,7 +155,7 @@ impl TensorRule {
         let mut finer = rule.clone();
         for d in 0..n {
             let needed = rule.axes[d].count() > first.axes[d].count();
-            // An axis that is fine enough for the mass may not be for what a mean is taken of.
+            // An axis that is fine enough for the mass may not be so for a mean.
             let most = if needed { MAX_NODES } else { CHEAP };
             if (needed || hermite) && finer.size() / rule.axes[d].count() * rule.axes[d].refined().count() <= most {
                 finer.axes[d] = rule.axes[d].refined();
@@ -198,8 +198,8 @@ impl TensorRule {
         })
     }
 
-    /// The sum over axis `d` and all after it. L is triangular, so that a state is known once its own coordinate and
-    /// those before it are.
+    /// The sum over axis `d` and all after it. L is triangular, so that a state is determined by its own coordinate and those
+    /// before it.
     fn sum_from(
         &self,
         d: usize,

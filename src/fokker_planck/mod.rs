@@ -6,8 +6,8 @@
 //! r(x; Q) = −∇·f − f·∇Q + ½ [ ∂_i∂_jB_ij + 2 (∂_jB_ij) ∂_iQ + B_ij (∂_i∂_jQ + ∂_iQ ∂_jQ) ],
 //!
 //! which is quadratic in the coefficients of Q. [`FokkerPlanck`] holds the operator as polynomials: exact degrees, exact
-//! Gaussian moments, an equation to print. [`Local`] is the operator at one point, as dual numbers find it from the user's own
-//! definition: what equations at nodes are assembled from.
+//! Gaussian moments, an equation to print. [`Local`] is the operator at one point, which dual numbers compute from the user's
+//! own definition; the equations at nodes are assembled from it.
 
 mod local;
 mod text;
@@ -59,7 +59,7 @@ impl FokkerPlanck {
         if diffusion.iter().flatten().all(Polynomial::is_zero) {
             return Err(Error::NoNoise);
         }
-        // Products of large coefficients may have none.
+        // Products of large finite coefficients may be infinite.
         for i in 0..n {
             all_finite("drift", i, &drift[i])?;
             diffusion[i].iter().try_for_each(|entry| all_finite("squared noise", i, entry))?;
@@ -147,7 +147,7 @@ impl FokkerPlanck {
         let in_z = |p: &Polynomial| p.evaluate(&state).polynomial(n);
         let drift: Vec<Polynomial> = self.drift.iter().map(in_z).collect();
         let diffusion: Vec<Vec<Polynomial>> = self.diffusion.iter().map(|row| row.iter().map(in_z).collect()).collect();
-        // Σ_j L⁻¹_ij p_j, leaving out what is zero anyway.
+        // Σ_j L⁻¹_ij p_j, without the terms that are zero.
         let combined = |i: usize, part: &dyn Fn(usize) -> Polynomial| {
             let used = (0..n).filter(|&j| inverse[(i, j)] != 0.0).map(|j| (inverse[(i, j)], part(j)));
             used.filter(|(_, p)| !p.is_zero()).fold(Polynomial::zero(n), |sum, (factor, p)| sum + p * factor)
@@ -202,7 +202,7 @@ impl FokkerPlanck {
     }
 }
 
-/// ½ Σ_jk G_jk ∂_j G_ik, what Stratonovich's mean rate of change has beyond the drift.
+/// ½ Σ_jk G_jk ∂_j G_ik, the difference between the mean rate of change and the drift in Stratonovich's sense.
 pub(crate) fn noise_induced_drift(columns: &[Vec<Polynomial>], n: usize) -> Vec<Polynomial> {
     let induced = |i: usize| {
         let mut sum = Polynomial::zero(n);
@@ -216,7 +216,7 @@ pub(crate) fn noise_induced_drift(columns: &[Vec<Polynomial>], n: usize) -> Vec<
     (0..n).map(induced).collect()
 }
 
-/// Refuses coefficients that are not finite, and degrees that nothing here is made for.
+/// Refuses coefficients that are not finite, and degrees above [`HIGHEST_DEGREE`].
 fn sound(part: &'static str, state: usize, polynomial: &Polynomial) -> Result<()> {
     all_finite(part, state, polynomial)?;
     let (degree, name) =

@@ -2,7 +2,7 @@ use super::FokkerPlanck;
 use crate::polynomial::Polynomial;
 use std::fmt;
 
-/// What of the operator is written.
+/// The equation that is written.
 #[derive(Clone, Copy, Debug)]
 enum Form {
     /// 0 = L p.
@@ -79,7 +79,7 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
         self.names.get(i).map_or("?", AsRef::as_ref)
     }
 
-    /// A polynomial with the precision that the whole was asked for.
+    /// A polynomial with the precision of the formatter, if it has one.
     fn polynomial(&self, f: &fmt::Formatter<'_>, p: &Polynomial) -> String {
         let written = |text: &dyn fmt::Display| match f.precision() {
             None => text.to_string(),

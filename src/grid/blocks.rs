@@ -1,10 +1,10 @@
-//! Dense blocks of a sparse matrix, one for each pair of elements that see each other.
+//! Dense blocks of a sparse matrix, one for each pair of coupled elements.
 
 use super::sparse::SparseMatrix;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
-/// Blocks of the matrix by (column element, row element), so that they come in the order of a matrix by columns.
+/// Blocks of the matrix by (column element, row element), in the order of a matrix by columns.
 #[derive(Debug, Default)]
 pub(super) struct Blocks(BTreeMap<(usize, usize), DMatrix<f64>>);
 
@@ -53,8 +53,8 @@ impl Blocks {
     }
 }
 
-/// Sets to zero what is zero but for rounding: products of Legendre polynomials are orthogonal to those of higher degree,
-/// and a matrix that knows it is several times sparser.
+/// Sets to zero what is zero but for rounding: products of Legendre polynomials are orthogonal to those of higher degree, and
+/// with exact zeros the matrix is several times sparser.
 pub(super) fn without_rounding(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
     let least = 64.0 * f64::EPSILON * matrix.amax();
     matrix.apply(|entry| {

@@ -11,10 +11,10 @@ use std::fmt;
 /// The highest power of a state that is integrated: a rule for it has a hundred nodes on every cell.
 const HIGHEST_POWER: u32 = 200;
 
-/// The stationary density as the grid found it: a piecewise polynomial.
+/// The stationary density on a grid: a piecewise polynomial.
 ///
 /// Every value carries the difference to the solution of one degree less on the same mesh as its error. Values may be
-/// negative within their error; nothing is clipped, and the provenance says how much there is of it.
+/// negative within their error; nothing is clipped, and the negative mass is in the provenance.
 #[derive(Clone)]
 pub struct GridDensity {
     pub(super) fine: Field,
@@ -29,7 +29,7 @@ pub struct GridDensity {
 }
 
 impl fmt::Debug for GridDensity {
-    /// How it was made, without the thousands of coefficients.
+    /// The provenance, without the thousands of coefficients.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("GridDensity").field("provenance", &self.provenance).finish_non_exhaustive()
     }
@@ -62,8 +62,8 @@ impl GridDensity {
         [0, 1].map(|side| (self.fine.space.sides[side] != Side::Open).then_some(self.domain[0][side]))
     }
 
-    /// What |x₁^p₁ x₂^p₂| has beyond the open edges, roughly: the edges' level times the peak of the marginal, falling as a
-    /// normal density does there. High powers see more of it than the degrees differ by.
+    /// A rough estimate of the mean of |x₁^p₁ x₂^p₂| beyond the open edges: the edges' level times the peak of the marginal,
+    /// falling as a normal density does there. For high powers it exceeds the difference of the two degrees.
     fn beyond(&self, powers: [u32; 2]) -> f64 {
         const SAFETY: f64 = 3.0;
         let field = &self.fine;
@@ -134,7 +134,7 @@ impl Density for GridDensity {
         }))
     }
 
-    /// The raw moment; its error is the difference of the two degrees and what lies beyond the domain.
+    /// The raw moment; its error is the difference of the two degrees and an estimate of the part beyond the domain.
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) unless there are two powers,

@@ -1,8 +1,8 @@
 //! The order of elimination: nested dissection of the mesh (A. George, 1973, doi:10.1137/0710032).
 //!
-//! Two lines of elements divide the rest into halves that do not see each other. The halves are eliminated first, the lines
-//! last, and so on within each half, so that factors fill only within lines. One line would do for the matrix A, but with
-//! row exchanges factors fill like those of AᵀA, in which elements two apart see each other.
+//! Two lines of elements divide the rest into halves that are not coupled. The halves are eliminated first, the lines last,
+//! and so on within each half, so that factors fill only within lines. One line would do for the matrix A, but with row
+//! exchanges factors fill like those of AᵀA, in which elements two apart are coupled.
 
 use super::legendre::Axis;
 use super::space::{Side, Space};

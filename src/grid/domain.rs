@@ -1,4 +1,4 @@
-//! Where the density is: the domain, measured by a pilot simulation and then by the solution itself.
+//! The domain that holds the density, found by a pilot simulation and then by the solution itself.
 
 use super::field::Field;
 use crate::error::Result;
@@ -6,10 +6,11 @@ use crate::numerics::Rule;
 use crate::problem::{Problem, Wall};
 use crate::simulation::Simulation;
 
-/// A pilot sees densities down to about 1e-5 of the peak. A Gaussian falls to 1e-10 at 1.6 times the distance.
+/// A pilot resolves densities down to about 1e-5 of the peak. A Gaussian falls to 1e-10 at 1.6 times the distance.
 const WIDENING: f64 = 1.6;
 
-/// The box that a short simulation says the density lives in. Of the walls it knows the one below the motion.
+/// The box that a short simulation finds to contain the density. Of the walls the simulation has the one below the motion
+/// alone.
 pub(super) fn pilot(problem: &Problem, walls: [Option<Wall>; 2]) -> Result<[[f64; 2]; 2]> {
     let free = problem.without_walls();
     let served = walls[0].map_or(Ok(free.clone()), |lower| free.with_wall(lower))?;
@@ -27,7 +28,7 @@ pub(super) fn pilot(problem: &Problem, walls: [Option<Wall>; 2]) -> Result<[[f64
         let middle = result.mean(state)?.value;
         *limit = range.map(|edge| middle + WIDENING * (edge - middle));
     }
-    // Below a wall that the pilot did not know there may be more than it saw.
+    // Without the wall above the motion the pilot may not have covered all of the domain below it.
     if let [None, Some(upper)] = walls {
         let [low, high] = limits[0];
         limits[0][0] = low.min(upper.offset() - (high - low) / 2.0);
@@ -61,8 +62,8 @@ impl Profile {
         point.map_or(0.0, |(_, p)| p / self.peak)
     }
 
-    /// Where the density has fallen to `level` of its peak for good, on one side. Beyond what the profile resolves the
-    /// fall is continued as ln p ~ −|x − m|^k.
+    /// Where the density has fallen to `level` of its peak for good, on one side. Beyond the points of the profile the fall
+    /// is continued as ln p ~ −|x − m|^k.
     pub(super) fn limit(&self, side: usize, level: f64) -> f64 {
         let middle = self.points.iter().fold((0.0, 0.0), |best, p| if p.1 > best.1 { *p } else { best }).0;
         let inwards: Vec<(f64, f64)> = match side {
@@ -80,7 +81,7 @@ impl Profile {
         let [near, far] = [NEAR, FAR].map(|share: f64| (outermost(share) - middle).abs());
         let power = ((FAR.ln() / NEAR.ln()).ln() / (far / near).ln()).clamp(0.5, 8.0);
         let reach = far * (level.ln() / FAR.ln()).powf(power.recip());
-        // A density that does not fall within the domain says nothing about what is far outside.
+        // From a density that does not fall within the domain nothing can be concluded far outside.
         let edge = if side == 0 { self.points.first() } else { self.points.last() };
         let farthest = 1.6 * edge.map_or(far, |(x, _)| (x - middle).abs());
         let reach = if reach.is_finite() { (SAFETY * reach).min(farthest) } else { farthest };
@@ -92,5 +93,5 @@ impl Profile {
 const NEAR: f64 = 1e-2;
 const FAR: f64 = 1e-4;
 
-/// A few percent more than the continued fall asks for.
+/// The factor beyond the limit by the continued fall: a few percent more.
 const SAFETY: f64 = 1.04;

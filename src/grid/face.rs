@@ -56,10 +56,10 @@ impl<'a> Face<'a> {
         }
     }
 
-    /// Advection: p comes from the side that the flux comes from, from nowhere at the domain's edge.
+    /// Advection: p is taken from the side that the flux comes from; nothing comes in at the domain's edge.
     pub(super) fn advect(&self, blocks: &mut Blocks) {
         for from in &self.neighbours {
-            // What leaves `from` through the face: F·n where that is positive.
+            // The flux out of `from` through the face: F·n where that is positive.
             let leaving = self.matrix(|value| (from.sign * value.advection[self.direction]).max(0.0), false);
             for to in &self.neighbours {
                 let sign = from.sign * to.sign;
@@ -77,7 +77,7 @@ impl<'a> Face<'a> {
         let normal = self.matrix(|value| row(value)[self.direction], false);
         let tangential = self.matrix(|value| row(value)[1 - self.direction], true);
         let narrowest = self.neighbours.iter().fold(f64::INFINITY, |w, n| w.min(n.width));
-        // Twice what the inverse inequality of polynomials asks for.
+        // Twice the penalty that the inverse inequality of polynomials requires.
         let penalty = 2.0 * (self.degree as f64 + 1.0).powi(2) / narrowest;
         for test in &self.neighbours {
             for trial in &self.neighbours {

@@ -71,7 +71,7 @@ impl<'a> March<'a> {
                 self.step = step * CHANGE;
             }
         }
-        let remedy = "too many steps are needed to get there: ask for an earlier time or a larger tolerance";
+        let remedy = "too many steps are needed to get there: take an earlier time or a larger tolerance";
         Err(Error::OutOfRange { name: "time", value: end, remedy })
     }
 

@@ -1,8 +1,8 @@
 //! Mesh lines: equal cells, and layers towards the point at which a trajectory grazes a wall.
 
-/// How many times farther from the wall each layer reaches than the one below it. Polynomials of degree 6 resolve powers of
-/// the distance to a few digits on such a layer. Along the velocity layers grow by the cube root, since the density near
-/// the grazing point is a function of w³/9Du times a power of u.
+/// The ratio between the distances from the wall to which a layer and the one below it reach. Polynomials of degree 6 resolve
+/// powers of the distance to a few digits on such a layer. Along the velocity layers grow by the cube root, since the density
+/// near the grazing point is a function of w³/9Du times a power of u.
 const POSITION_GROWTH: f64 = 7.0;
 
 /// `cells` equal cells from `low` to `high`; with `through` inside, a line goes through it and both parts have equal cells.
@@ -42,7 +42,7 @@ pub(super) struct Grazing {
 impl Grazing {
     /// Distances from the wall.
     pub(super) fn position(&self, length: f64, widest: f64) -> Vec<f64> {
-        // Below a billionth of the domain, rounding in the widths themselves would be felt.
+        // Cells of less than 1e-12 of the domain would lose their widths to rounding.
         let first = (self.speed.powi(3) / (9.0 * self.diffusion)).max(1e-12 * length);
         layered(length, widest, first, POSITION_GROWTH)
     }

@@ -5,7 +5,7 @@
 //!   rebounds;
 //! - `sparse`, `dissection`: LU factors; `stationary`: the null vector of the matrix;
 //! - `domain`: where the density is; `solver`: domain, mesh and two degrees for an error estimate;
-//! - `field`, `density`: the piecewise polynomial and what it answers;
+//! - `field`, `density`: the piecewise polynomial, and the density made of it;
 //! - `relaxation`, `march`, `transient`: the spectrum next to zero and p(x, t) on the same matrix.
 
 mod assembly;
@@ -99,12 +99,12 @@ impl Grid {
         Grid { domain: Some(domain), ..self }
     }
 
-    /// How large the density may be at the domain's edge, relative to its peak: 1e-10 by default.
+    /// The largest density at the domain's edge, relative to its peak: 1e-10 by default.
     ///
     /// A level up to the estimated L¹ error, and at most 1e-3, is accepted too: on a coarse mesh it is the error itself. A
-    /// density with a power tail may end there; [`Provenance::edge_level`](crate::Provenance::edge_level) says at which
-    /// level. What lies beyond is missing from moments, about 3e-10 of E x² and 3e-8 of E x⁶ for a Gaussian; an estimate
-    /// of it is part of their errors.
+    /// density with a power tail may end there; [`Provenance::edge_level`](crate::Provenance::edge_level) is the level
+    /// reached. The part beyond is missing from moments, about 3e-10 of E x² and 3e-8 of E x⁶ for a Gaussian; an estimate of
+    /// it is part of their errors.
     pub fn edge_level(self, level: f64) -> Self {
         Grid { edge_level: level, ..self }
     }
@@ -112,8 +112,8 @@ impl Grid {
     /// The smallest cell along the velocity next to a wall with r < 1, relative to the velocity's standard deviation, 1e-3
     /// by default.
     ///
-    /// At the point (b, 0), where trajectories graze the wall, the density is singular. Moments of the displacement feel the
-    /// fourth power of this number, impact rates its square.
+    /// At the point (b, 0), where trajectories graze the wall, the density is singular. The error of moments of the
+    /// displacement falls with the fourth power of this number, that of impact rates with its square.
     pub fn grazing(self, smallest: f64) -> Self {
         Grid { grazing: smallest, ..self }
     }
@@ -145,7 +145,7 @@ impl Grid {
     pub fn solve(&self, problem: &Problem) -> Result<GridDensity> {
         let begin = Instant::now();
         if problem.dimension() != 2 {
-            let (what, remedy) = ("a problem of other than two states", "ask the closure or the simulation");
+            let (what, remedy) = ("a problem of other than two states", "take the closure or the simulation");
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
         let walls = problem.walls_of_plane("grid")?;
@@ -162,7 +162,7 @@ impl Grid {
 
     /// Degree and cells, once every option has a meaning.
     fn validate(&self, walls: [Option<Wall>; 2]) -> Result<(usize, [usize; 2])> {
-        // The layers at a grazing point are many, and their density is singular: cheaper elements are better there.
+        // There are many layers at a grazing point, and the density there is singular: cheaper elements are better.
         let grazed = walls.iter().flatten().any(|wall| wall.restitution() < 1.0);
         let (degree, cells) = if grazed { (6, [8, 10]) } else { (10, [9, 10]) };
         let (degree, cells) = (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells));

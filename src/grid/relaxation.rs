@@ -73,7 +73,7 @@ fn listed(all: &[[f64; 2]], smaller: &[[f64; 2]], count: usize) -> Vec<Relaxatio
     let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let nearest = |a: &[f64; 2]| smaller.iter().map(|b| distance(a, b)).fold(f64::INFINITY, f64::min);
     let mode = |a: &[f64; 2]| Relaxation { rate: a[0], frequency: a[1], error: nearest(a) };
-    // Twice as many as asked for, so that those with a frequency, which lie further from zero, are among them.
+    // Twice as many as requested, so that those with a frequency, which lie further from zero, are among them.
     let mut modes: Vec<Relaxation> = all.iter().take(count.saturating_mul(2)).map(mode).collect();
     modes.sort_by(|a, b| a.rate.total_cmp(&b.rate));
     modes.truncate(count);

@@ -10,8 +10,8 @@ use crate::error::{Error, Result, positive};
 use crate::problem::{COLLAPSE, Problem, Wall};
 use crate::provenance::Provenance;
 
-/// The elements of the solutions that measure the domain, whatever the final ones are: cheap, and fine enough for a narrow
-/// ridge in a domain that is still too wide.
+/// The elements of the solutions by which the domain is adjusted, independent of the final ones: cheap, and fine enough for a
+/// narrow ridge in a domain that is still too wide.
 const SCOUT_DEGREE: usize = 5;
 const SCOUT_CELLS: [usize; 2] = [14, 14];
 
@@ -28,7 +28,7 @@ pub(super) struct Solver<'a> {
     pub(super) degree: usize,
     pub(super) cells: [usize; 2],
     pub(super) problem: &'a Problem,
-    /// Below the motion and above it.
+    /// The walls below the motion and above it.
     pub(super) walls: [Option<Wall>; 2],
 }
 
@@ -82,7 +82,7 @@ impl Solver<'_> {
         state == 1 || self.walls[side].is_none()
     }
 
-    /// Where the density of `field` falls to the level at the edges.
+    /// The domain at whose edges the density of `field` falls to the requested level.
     fn measured(&self, field: &Field) -> Domain {
         std::array::from_fn(|state| {
             let profile = Profile::new(field, state);
@@ -109,7 +109,7 @@ impl Solver<'_> {
         space.element(cells[0], cells[1])
     }
 
-    /// The elements on `domain`; `layers` asks for those at grazing points.
+    /// The elements on `domain`; with `layers`, also those at grazing points.
     fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Space {
         let [position, velocity] = domain;
         // Distances from a wall keep the widths of the smallest elements.

@@ -1,14 +1,14 @@
-//! The elements and what stands at the domain's four sides.
+//! The elements, and the conditions at the domain's sides.
 
 use super::legendre::{Axis, Table};
 use crate::numerics::Rule;
 
-/// What happens at one side of the domain.
+/// The condition at one side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Side {
-    /// Probability that is carried out is lost, nothing comes in.
+    /// Probability that is carried out is lost; none comes in.
     Open,
-    /// What leaves with velocity −w/r comes back with velocity w: a wall with restitution r.
+    /// A wall with restitution r: probability that leaves with velocity −w/r comes back with velocity w.
     Wall(f64),
 }
 

@@ -171,7 +171,7 @@ impl Factors {
     /// The solution of A x = `right`.
     ///
     /// # Errors
-    /// [`Error::SingularSystem`] if A is singular: the library divides by a zero pivot then, and does not say so.
+    /// [`Error::SingularSystem`] if A is singular: then the library divides by a zero pivot without an error.
     pub(crate) fn solve(&self, right: &[f64]) -> Result<Vec<f64>> {
         let n = self.size;
         let singular = Error::SingularSystem { unknowns: n };

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 
-/// A stationary density and how well it is one.
+/// A stationary density with its leak and its residual.
 #[derive(Clone, Debug)]
 pub(super) struct Stationary {
     pub(super) field: Field,
@@ -22,8 +22,8 @@ pub(super) struct Stationary {
 
 /// Solves K p = 0 with total mass 1.
 ///
-/// The columns of K sum to what leaves the domain, next to nothing: K is singular. A source of strength α (1 − p_k) in
-/// element k, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and nothing to
+/// The columns of K sum to the flux out of the domain, which is next to zero: K is singular. A source of strength α (1 − p_k)
+/// in element k, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and nothing to
 /// the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
 /// Its strength is the multiplier that a border would have had. `pin` is k, an element in which there is mass.
 pub(super) fn solve(problem: &Problem, space: &Space, pin: usize, memory: MemoryLimit) -> Result<Stationary> {

@@ -20,7 +20,7 @@ pub enum Start {
     /// A known state. No mesh holds a point: the density is followed as a Gaussian, with the exact moments of the Gaussian
     /// closure, until it is as wide as the mesh resolves, and on the mesh from then on.
     Point([f64; 2]),
-    /// A normal distribution. It should be wider than the mesh resolves, which the error estimates tell.
+    /// A normal distribution. It should be wide enough for the mesh, which the error estimates show.
     Gaussian(Gaussian),
 }
 
@@ -42,8 +42,8 @@ impl GridDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
     /// the leak. They are chosen among the 2`count` eigenvalues nearest to zero.
     ///
-    /// The second one tells how long a transient lasts: it is a thousandth after 7/rate. A bistable system's second rate is
-    /// the rate at which its wells mix.
+    /// A transient lasts as long as the second one: it has fallen to a thousandth after 7/rate. A bistable system's second
+    /// rate is the rate at which its wells mix.
     ///
     /// # Errors
     /// [`Error::SingularSystem`] if the shifted matrix is singular.
@@ -59,7 +59,7 @@ impl GridDensity {
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
         let operator = Discretisation::new(&self.problem, &self.fine.space, self.memory)?;
-        // What the noise brings into a state per unit time over what is in it: a rate of the right size.
+        // The growth of a state's variance by the noise per unit time over twice its second moment: a rate of the right size.
         let rate = |state: usize| -> Result<f64> {
             let injected = &self.problem.operator().diffusion()[state][state];
             Ok(self.expectation(&|x| injected.evaluate(x))?.value / 2.0 / self.variance(state)?.value)
@@ -79,7 +79,7 @@ impl GridDensity {
         positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
         let (begin, gaussian) = self.resolved(start)?;
         let first = times.first().copied().unwrap_or(begin);
-        let remedy = "before that time the density is narrower than the mesh resolves: take more cells or a later time";
+        let remedy = "before that time the density is too narrow for the mesh: take more cells or a later time";
         require(first >= begin, "first time of a transient", first, remedy)?;
         times.iter().try_for_each(|&time| finite("time of a transient", time).map(|_| ()))?;
         for pair in times.windows(2) {
@@ -153,7 +153,7 @@ impl GridDensity {
         };
         let start = Field::projected(space, density);
         let mass = start.mass();
-        let remedy = "the start must lie inside the domain, away from walls, and be wider than the mesh resolves";
+        let remedy = "the start must lie inside the domain, away from walls, and be wide enough for the mesh";
         require((mass - 1.0).abs() <= 1e-3, "mass of the start on the mesh", mass, remedy)?;
         let span = times.last().copied().unwrap_or(begin) - begin;
         let mut march = March::new(&operator, (begin, start.coefficients), span / 400.0, tolerance);

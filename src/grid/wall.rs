@@ -1,8 +1,9 @@
 //! The rebound from a wall: inflow p(b, w) = r⁻² p(b, −w/r).
 //!
-//! What hits the wall with velocity −w/r leaves it with w. The inflow of one element is the outflow of those that the
-//! mirrored interval −w/r meets. It is integrated over each overlap separately, where both are polynomials: exact for every
-//! r and every mesh, so that the mesh needs no matching lines, two walls can have different r, and no probability is lost.
+//! Trajectories that hit the wall with velocity −w/r leave it with w. The inflow of one element is the outflow of those that
+//! the mirrored interval −w/r meets. It is integrated over each overlap separately, where both are polynomials: exact for
+//! every r and every mesh, so that the mesh needs no matching lines, two walls can have different r, and no probability is
+//! lost.
 
 use super::blocks::{Blocks, without_rounding};
 use super::space::Space;

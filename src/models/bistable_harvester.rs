@@ -39,7 +39,7 @@ impl BistableHarvester {
         self.0.problem("V", listed("kappa1 kappa2 lambda", [back, forth, rate]))
     }
 
-    /// The mean power that the load takes, per unit mass: V²/R with V²/(m R) = (κ₁/κ₂) λ V², whatever the units of V.
+    /// The mean power that the load takes, per unit mass: V²/R with V²/(m R) = (κ₁/κ₂) λ V², in any units of V.
     ///
     /// The noise feeds the power D into every oscillator of unit mass, and damper and load take it:
     /// D = c E x′² + λ (κ₁/κ₂) E V² for the true density. Of the linear harvester, k > 0 = μ, the load takes the share

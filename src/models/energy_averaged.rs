@@ -18,7 +18,8 @@ const NODES: usize = 72;
 ///
 /// with Φ(s) = 2 ∫ √(2(s − U)) dy over the orbit of energy s above the wall, and U the potential. An orbit that reaches the
 /// wall loses (1 − r²)(s − U(b)) at its one impact and c Φ(s) to damping. It is exact for r = 1 and an asymptotic formula
-/// otherwise: a third opinion beside closure and simulation, not a truth. It treats a single well, k ≥ 0 and μ ≥ 0.
+/// otherwise: an independent approximation beside closure and simulation, not a reference. It treats a single well, k ≥ 0 and
+/// μ ≥ 0.
 ///
 /// # Reference
 /// R. L. Stratonovich, Topics in the Theory of Random Noise, volume 1, Gordon and Breach 1963, for the averaging of
@@ -43,12 +44,12 @@ impl EnergyAveraged {
     /// [`Error::OutOfRange`] unless damping, k + μ and D are positive and k, μ not negative.
     pub fn new(model: &VibroImpactDuffing) -> Result<Self> {
         let [damping, stiffness, cubic] = model.oscillator().coefficients();
-        positive("damping", damping, "without damping nothing is stationary")?;
+        positive("damping", damping, "without damping there is no stationary density")?;
         for (name, value) in [("stiffness k", stiffness), ("cubic stiffness μ", cubic)] {
             let remedy = "averaging needs a single well: k ≥ 0 and μ ≥ 0";
             require(value.is_finite() && value >= 0.0, name, value, remedy)?;
         }
-        positive("k + μ", stiffness + cubic, "without a spring nothing is stationary")?;
+        positive("k + μ", stiffness + cubic, "without a spring there is no stationary density")?;
         let (offset, d) = (model.wall().offset(), model.oscillator().intensity().d());
         let mut averaged =
             EnergyAveraged { model: *model, offset, lowest: 0.0, step: 0.0, table: Vec::new(), mass: 1.0 };
@@ -78,7 +79,7 @@ impl EnergyAveraged {
         let [damping, ..] = self.model.oscillator().coefficients();
         let reach = s - self.potential(self.offset);
         let restitution = self.model.wall().restitution();
-        // Where the wall stands above the rest position, Φ vanishes with s − U(b) like its power 3/2.
+        // Where the wall stands above the rest position, Φ vanishes like (s − U(b))^{3/2}.
         if reach <= 0.0 || restitution == 1.0 {
             return damping;
         }
@@ -100,7 +101,7 @@ impl EnergyAveraged {
     fn turning_point(&self, s: f64) -> f64 {
         let [_, k, mu] = self.model.oscillator().coefficients();
         let discriminant = (k * k + 4.0 * mu * s).sqrt();
-        // The form that does not cancel for small μ.
+        // The form without cancellation for small μ.
         (4.0 * s / (k + discriminant)).sqrt()
     }
 
@@ -174,7 +175,7 @@ impl Density for EnergyAveraged {
         Ok(self.estimate(|nodes| self.integral(nodes, |y, v| g(&[y, v]))))
     }
 
-    /// Of the displacement, state 0: the velocity is none.
+    /// The flux of the displacement, state 0, with state 1 as its velocity; no other pair has one.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
         let power = moderate(power)?;
         match crossing.states(2)? {

@@ -4,8 +4,8 @@ use crate::problem::Problem;
 use crate::scalar::Scalar;
 use crate::system::{Oscillator, PolynomialDrift};
 
-/// A Duffing oscillator that drives a state by its velocity and feels it: x″ + c x′ + k x + μ x³ + a z = ξ, z′ = b x′ −
-/// λ z.
+/// A Duffing oscillator that drives a further state by its velocity, with that state's force on it: x″ + c x′ + k x + μ x³ +
+/// a z = ξ, z′ = b x′ − λ z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Follower {
     pub(super) oscillator: Duffing,

@@ -109,7 +109,7 @@ pub trait Solved {
     }
 }
 
-/// Parameters with their names, which stand in one word after the other.
+/// Parameters with their names; `names` holds these as words.
 fn listed<const K: usize>(names: &str, values: [f64; K]) -> Vec<(String, f64)> {
     names.split(' ').map(str::to_owned).zip(values).collect()
 }

@@ -6,7 +6,7 @@ use crate::estimate::Estimate;
 use crate::problem::Problem;
 
 /// A structure, x″ + c x′ + k x + μ x³ + s = ξ, with a nonlinear energy sink of the mass ratio m,
-/// m y″ = s = ν (x − y)³ + γ (x′ − y′): without a frequency of its own that could miss the structure's.
+/// m y″ = s = ν (x − y)³ + γ (x′ − y′): without a linear spring, it has no frequency of its own to be tuned.
 ///
 /// The states are the displacements x and y and their velocities u and v; the noise acts on the structure alone. No
 /// closed form is known.

@@ -29,7 +29,7 @@ impl ParametricLinear {
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless all are finite and positive and the density exists, which
-    /// asks for δ > 1.
+    /// requires δ > 1.
     ///
     /// ```
     /// use expoly::{Density, models::ParametricLinear};
@@ -154,7 +154,8 @@ impl Density for PowerLaw {
         Ok(self.section(state, x, 0).scaled(2.0))
     }
 
-    /// Where the mass outside is 1e-20, but not beyond 10⁶ times the core: with δ near 1 the tail never ends.
+    /// The limits outside of which the mass is 1e-20, or 10⁶ times the core if that is less: with δ near 1 the tail never
+    /// ends.
     fn bounds(&self) -> Vec<[f64; 2]> {
         let reach = self.core.sqrt() * 1e20_f64.powf(0.5 / (self.exponent - 1.0)).min(1e6);
         vec![[-reach / self.frequency, reach / self.frequency], [-reach, reach]]

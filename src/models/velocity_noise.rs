@@ -9,7 +9,8 @@ use crate::system::{Interpretation, PolynomialDrift};
 ///
 /// d = (g₀ + g₁ x′)² (α + β H) x′ − g₁ (g₀ + g₁ x′).
 ///
-/// The last term is what the noise itself feeds into the mean velocity. Exact for the closure from order 4 (β = 0) or 8.
+/// The last term, on the right side of the equation, equals the drift that the noise induces in the velocity. Exact for the
+/// closure from order 4 (β = 0) or 8.
 ///
 /// # Reference
 /// Y. K. Lin and G. Q. Cai, Exact stationary response solution for second order nonlinear systems under parametric and

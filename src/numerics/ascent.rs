@@ -8,9 +8,9 @@ use faer::linalg::solvers::{Llt, Solve};
 const LONGEST: f64 = 1.0;
 /// Steps are halved down to this part.
 const SHORTEST: f64 = 1e-6;
-/// A step must make this share of the growth that the gradient promises (Larry Armijo, 1966, doi:10.2140/pjm.1966.16.1).
+/// A step must make this share of the growth that the gradient predicts (Larry Armijo, 1966, doi:10.2140/pjm.1966.16.1).
 const SUFFICIENT: f64 = 1e-4;
-/// What rounding may take from a value, relative to it and by itself.
+/// The rounding of a value, relative and absolute.
 const ROUNDING: [f64; 2] = [1e-13, 1e-15];
 /// Within this decrement a curvature serves the next steps too, while they fall to [`FALLING`] of one another.
 const CLOSE: f64 = 0.3;
@@ -18,7 +18,7 @@ const FALLING: f64 = 0.3;
 
 /// A concave function of some coefficients.
 pub(crate) trait Concave {
-    /// What an evaluation leaves for the derivatives.
+    /// The results of an evaluation that the derivatives use again.
     type At;
 
     /// The value. None where it is not finite.
@@ -138,7 +138,7 @@ mod tests {
                 assert!((a - truth).abs() < 1e-11, "{a} and {truth}");
             }
         }
-        // Cut short, it says so; from where nothing is finite, there is none.
+        // A search that is cut short has not converged; from a start where nothing is finite, there is no maximum.
         let early = Search { most: 2, ..search }.ascend(&Logarithmic, vec![-6.0, 6.0]).unwrap();
         assert!(!early.converged && early.steps == 2);
         assert!(search.ascend(&Logarithmic, vec![f64::INFINITY, 0.0]).is_none());

@@ -97,7 +97,7 @@ impl Recurrence {
         self.rule(guesses)
     }
 
-    /// The rule whose nodes Newton's method finds from `guesses`.
+    /// The rule whose nodes Newton's method finds from approximate ones, `guesses`.
     fn rule(&self, guesses: Vec<f64>) -> Rule {
         let mut rule = Rule { nodes: Vec::with_capacity(guesses.len()), weights: Vec::with_capacity(guesses.len()) };
         for mut x in guesses {
@@ -128,7 +128,7 @@ impl Recurrence {
 mod tests {
     use super::*;
 
-    /// Both rules integrate every power they promise to. The sums have up to 40 terms of the size of the result, so that
+    /// Both rules integrate every power up to their degree. The sums have up to 40 terms of the size of the result, so that
     /// 1e-13 relative is a few hundred rounding errors.
     #[test]
     fn rules_are_exact_for_the_powers_they_promise() {

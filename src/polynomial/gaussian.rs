@@ -3,7 +3,7 @@ use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 
-/// Means of higher degrees are not formed: they are beyond every number, but for the narrowest of densities.
+/// Means of higher degrees are not formed: they overflow, but for the narrowest of densities.
 const HIGHEST: u32 = 1000;
 
 /// A normal distribution, and the exact mean of any polynomial under it.

@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 
 /// A polynomial Σ c_α x^α in n variables, with terms in order of rising total degree.
 ///
-/// Terms whose coefficient is exactly zero are not kept; nothing is ever rounded away. Where polynomials in different
-/// numbers of variables meet, the variables that one lacks do not occur in it.
+/// Terms whose coefficient is exactly zero are not kept; nothing is ever rounded away. In an operation on polynomials in
+/// different numbers of variables, the variables that one lacks do not occur in it.
 ///
 /// ```
 /// use expoly::Polynomial;
@@ -41,7 +41,7 @@ pub struct Polynomial {
     coefficients: Vec<f64>,
 }
 
-/// What a text may say of a polynomial.
+/// The parts of a polynomial in a document.
 #[derive(Deserialize)]
 struct Parts {
     dimension: usize,

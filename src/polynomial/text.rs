@@ -79,7 +79,8 @@ impl<A: AsRef<str>> Text<'_, A> {
         }
     }
 
-    /// A coefficient, to twelve digits unless a precision was asked for: decimal where it is of ordinary size, with a power of ten where it is not.
+    /// A coefficient, to twelve digits unless the formatter has a precision: decimal where it is of ordinary size, with a
+    /// power of ten where it is not.
     fn number(&self, f: &mut fmt::Formatter<'_>, size: f64) -> fmt::Result {
         let ordinary = !size.is_finite() || size == 0.0 || (1e-4..1e7).contains(&size);
         let size = if f.precision().is_none() { twelve_digits(size) } else { size };

@@ -12,7 +12,7 @@ const MOST_TERMS: usize = 100_000;
 const LONGEST: usize = 10_000;
 const DEEPEST: usize = 100;
 
-/// What an expression stands for, or what is wrong with it.
+/// The value of an expression, or what is wrong with it.
 #[derive(Clone, Debug)]
 struct Value(Read<Polynomial>);
 
@@ -24,7 +24,7 @@ impl Default for Value {
 
 impl From<f64> for Value {
     fn from(value: f64) -> Self {
-        // A number has no variables; it takes those of what it meets.
+        // A number has no variables; an operation gives it those of the other operand.
         Value(Ok(Polynomial::constant(0, value)))
     }
 }
@@ -88,8 +88,9 @@ struct Operators;
 
 impl MakeOperators<Value> for Operators {
     fn make<'a>() -> Vec<Operator<'a, Value>> {
-        // Two numbers beside a commutative operator would be taken together before what stands to the left of them:
-        // a − x^3 + 2 x as a − (x^3 + 2 x). None is said to be commutative, so that equals go from left to right.
+        // The parser would combine two numbers beside a commutative operator before the operand to the left of them, and read
+        // a − x^3 + 2 x as a − (x^3 + 2 x). No operator is declared commutative, so that those of equal precedence go from
+        // left to right.
         let binary = |sign, prio, apply: fn(Value, Value) -> Value| {
             Operator::make_bin(sign, BinOp { apply, prio, is_commutative: false })
         };

@@ -13,11 +13,11 @@ pub(crate) struct Kicks<'a> {
     pub(crate) pairs: &'a [(usize, usize)],
     /// G, by rows.
     pub(crate) noise: &'a [f64],
-    /// What interrupts the steps.
+    /// The wall that interrupts the steps.
     pub(crate) wall: Nearness,
 }
 
-/// Where a trajectory of state 0 and its velocity is near a wall below the motion.
+/// The region in which a trajectory of state 0 and its velocity is near a wall below the motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness {
     /// The state that moves state 0.

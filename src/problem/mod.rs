@@ -1,4 +1,4 @@
-//! Problems: a system as data, made once from whatever defined it, with its walls.
+//! Problems: a system as data, made once from its definition, with its walls.
 
 mod expression;
 mod field;
@@ -31,7 +31,7 @@ use crate::system::{Interpretation, PolynomialDrift, PolynomialSystem};
 use std::fmt;
 use std::sync::Arc;
 
-/// What is asked: a system as data, with its walls. Every method takes one.
+/// A random dynamical system as data, with its walls. Every method takes one.
 ///
 /// It is made once from a [`PolynomialDrift`], an [`Oscillator`](crate::Oscillator) or a [`PolynomialSystem`], owns it, can
 /// be cloned at no cost, sent to other threads and kept in lists beside problems of other dimensions. It holds the system
@@ -92,7 +92,7 @@ impl Problem {
     /// The problem of a system whose number of states is a number at run time.
     ///
     /// # Errors
-    /// As [`Problem::of`]; [`Error::Dimension`] where drift or noise are not as long as the system says.
+    /// As [`Problem::of`]; [`Error::Dimension`] where drift or noise do not have the system's stated length.
     pub fn of_system(system: impl PolynomialSystem + 'static) -> Result<Self> {
         let (n, m) = (system.states(), system.processes());
         let arena = Arena::new(n);
@@ -108,7 +108,8 @@ impl Problem {
         Self::assembled((drift, columns, interpretation), names, parameters, field)
     }
 
-    /// The problem of equations as polynomials; `field` evaluates the same, told whether its noise induces a drift.
+    /// The problem of equations as polynomials; `field` makes the evaluation of the same, given whether the noise induces a
+    /// drift.
     fn assembled(
         (drift, columns, interpretation): (Vec<Polynomial>, Vec<Vec<Polynomial>>, Interpretation),
         names: Vec<String>,
@@ -188,7 +189,7 @@ impl Problem {
         self.states().iter().position(|state| state == name).ok_or_else(unknown)
     }
 
-    /// The parameters' names and values, as far as the system states them.
+    /// The names and values of the parameters that the system lists.
     pub fn parameters(&self) -> &[(String, f64)] {
         &self.equations.parameters
     }
@@ -203,12 +204,12 @@ impl Problem {
         &self.equations.drift
     }
 
-    /// The columns of G: `noise()[k][i]` is how strongly Wiener process k drives state i.
+    /// The columns of G: `noise()[k][i]` is the factor of Wiener process k in state i.
     pub fn noise(&self) -> &[Vec<Polynomial>] {
         &self.equations.columns
     }
 
-    /// How G(X) dW is meant.
+    /// The interpretation of G(X) dW, Itô's or Stratonovich's.
     pub fn interpretation(&self) -> Interpretation {
         self.equations.interpretation
     }
@@ -249,7 +250,7 @@ impl Problem {
         self.equations.constant_noise
     }
 
-    /// The definition itself, as what can be evaluated.
+    /// The definition itself, for evaluation at points.
     pub(crate) fn field(&self) -> &dyn Field {
         &*self.equations.field
     }

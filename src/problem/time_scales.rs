@@ -1,4 +1,4 @@
-//! How fast and how slowly a system moves.
+//! The fastest and the slowest rate of a system.
 
 use super::{Problem, units::natural_units};
 use crate::error::{Error, Result};
@@ -6,11 +6,11 @@ use crate::numerics::eigenvalues;
 use crate::polynomial::Gaussian;
 use nalgebra::{DMatrix, DVector};
 
-/// The slowest rates are taken for no slower than this part of the fastest.
+/// The slowest rate counts as at least this part of the fastest.
 const SLOWEST: f64 = 1e-3;
 
-/// The rates that decide how long a simulation takes to forget its start, and how often its states are worth a look. They scale
-/// with the user's unit of time, so that whatever is counted in them does not depend on it.
+/// The rates that determine a simulation's burn-in and the time between its samples. They scale with the user's unit of time,
+/// so that a count of the corresponding times does not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TimeScales {
     /// A bound on the moduli of the Jacobian's eigenvalues up to two standard deviations from the mean.
@@ -27,7 +27,7 @@ impl TimeScales {
     pub(crate) fn of(problem: &Problem) -> Result<Self> {
         let gaussian = match problem.gaussian() {
             Ok(gaussian) => gaussian,
-            // Where the Gaussian closure does not settle the system may still be stable: the simulation decides.
+            // Where the Gaussian closure does not settle the system may still be stable: if not, the simulation explodes.
             Err(Error::NoStationaryDensity { .. }) => {
                 let (frame, _) = natural_units(problem.operator())?;
                 let scale = frame.scale();
@@ -85,7 +85,7 @@ fn slowest(problem: &Problem, gaussian: &Gaussian) -> f64 {
 pub(crate) fn two_digits(x: f64) -> f64 {
     let unit = 10.0_f64.powi(x.log10().floor() as i32 - 1);
     let digits = (x / unit).floor();
-    // A quotient of whole numbers prints as the decimal number that it is meant to be.
+    // A quotient of whole numbers is the double nearest to the decimal number, and prints as that.
     if unit < 1.0 { digits / unit.recip().round() } else { digits * unit }
 }
 

@@ -32,7 +32,7 @@ impl PolynomialDrift<3, 2> for Dense {
     }
 }
 
-/// Every model, and what no model has, all at once.
+/// Every model, and a system with all the features that no model has.
 fn problems() -> Result<Vec<Problem>> {
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     Ok(vec![
@@ -104,7 +104,7 @@ fn both_routes_agree(problem: &Problem) -> Result<()> {
     Ok(())
 }
 
-/// What a simulation asks: the noise, and short flows of the drift and of the noise, at many states at once.
+/// The evaluations of a simulation: the noise, and short flows of the drift and of the noise, at many states at once.
 fn lanes_agree(problem: &Problem, stream: &mut ChaCha8Rng) {
     let (n, field, arch, tau) = (problem.dimension(), problem.field(), Arch::new(), 0.01);
     let x: Vec<Lane> = (0..n).map(|_| std::array::from_fn(|_| stream.random_range(-2.5..2.5))).collect();

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// With units σ_i and τ, a drift coefficient f of x^α in state i becomes f τ Π σ^α/σ_i, and likewise for the diffusion. The
 /// logarithms are chosen so that those of all coefficients together are least in the mean square. Rescaled systems get
-/// rescaled units, so that whatever is done in these units does not depend on the user's.
+/// rescaled units, so that a computation in these units does not depend on the user's.
 ///
 /// # Errors
 /// [`Error::OutOfRange`](crate::Error::OutOfRange) where coefficients differ so much that no units are finite.

@@ -1,7 +1,7 @@
 use crate::error::{Error, Result, finite};
 use serde::{Deserialize, Serialize};
 
-/// What every method says of a wall that trajectories collapse onto.
+/// The warning of every method for a wall that trajectories collapse onto.
 pub(crate) const COLLAPSE: &str = "the restitution is at most 0.163, where grazing impacts do not end: the impact rate is infinite, and \
     what is found of it is that of the shortest step or the smallest cell";
 
@@ -9,7 +9,7 @@ pub(crate) const COLLAPSE: &str = "the restitution is at most 0.163, where grazi
 ///
 /// The motion stays above it, y ≥ b, or below it, y ≤ b. The wall need not stand at the rest position: `offset` is b, in the
 /// unit of the displacement. `restitution` is r, the ratio of rebound to approach speed, 0 < r ≤ 1. For r ≤ 0.163 white noise lets
-/// trajectories collapse onto the wall after infinitely many impacts: moments are what they are, but the impact rate is infinite,
+/// trajectories collapse onto the wall after infinitely many impacts: moments stay finite, but the impact rate is infinite,
 /// and every method's provenance carries a warning.
 ///
 /// ```

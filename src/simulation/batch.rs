@@ -18,7 +18,7 @@ pub(super) struct Trajectories {
     pub(super) groups: Vec<Lanes>,
 }
 
-/// The trajectories of one batch, how far they are, and what is kept of them.
+/// The trajectories of one batch, the stretches they have completed, and the sums over them.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct Batch {
     pub(super) index: usize,
@@ -27,13 +27,13 @@ pub(super) struct Batch {
     pub(super) tally: Tally,
     pub(super) trajectories: Trajectories,
     pub(super) buffers: Buffers,
-    /// The path-steps that the progress callback has not been told of.
+    /// The path-steps that have not been reported to the progress callback.
     #[serde(skip)]
     pub(super) unreported: u64,
 }
 
-/// Deals trajectories 0..`trajectories` to batches: a fixed number of them, whatever the number of threads. Whole groups
-/// of lanes stay together where that leaves at least half as many batches.
+/// Deals trajectories 0..`trajectories` to batches: their number does not depend on the number of threads. Whole groups of
+/// lanes stay together where that leaves at least half as many batches.
 pub(super) fn deal(trajectories: usize) -> Vec<Range<u64>> {
     let unit = if trajectories >= BATCHES * LANES / 2 { LANES } else { 1 };
     let units = trajectories.div_ceil(unit);
@@ -67,7 +67,7 @@ impl Batch {
         Batch { index, done: 0, tally, trajectories, buffers, unreported: 0 }
     }
 
-    /// Whether a batch that was read has the trajectories of `range` and remembers what the layout asks for.
+    /// Whether a batch that was read has the trajectories of `range` and the sums of the layout.
     pub(super) fn fits(&self, range: &Range<u64>, layout: &Layout) -> bool {
         self.trajectories.are(range, self.tally.origin.seed, layout.axes.len())
             && layout.recorders.fit(&self.buffers, self.trajectories.count())

@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 
 /// Sums over blocks of consecutive samples of one trajectory, which the regression on control variates is made from.
 ///
-/// Let s be the sums over a block of what is tracked, h: the monomials, and the powers of speed at passages; and then of R =
-/// 𝓖ψ, with the jumps of ψ at impacts. Kept are Σ s and the products Σ R s of the
-/// closed blocks: they estimate how the means over a whole trajectory vary together, correlations within a block included.
-/// A block that begins after n samples is 2√n samples long, so that blocks outlast every memory in the end and grow in
-/// number as well. All trajectories of a batch begin a block at the same time.
+/// Let s be the sums over a block of the tracked functions h, which are the monomials and the powers of speed at passages,
+/// and of R = 𝓖ψ with the jumps of ψ at impacts. Kept are Σ s and the products Σ R s of the closed blocks: they estimate the
+/// covariances of means over a whole trajectory, correlations within a block included. A block that begins after n samples is
+/// 2√n samples long, so that blocks outlast every memory in the end and grow in number as well. All trajectories of a batch
+/// begin a block at the same time.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Blocks {
     trajectories: usize,
@@ -26,7 +26,7 @@ pub(super) struct Blocks {
     pub(super) closed: Vec<f64>,
     /// The sums of the open block, those of one group of trajectories after the other.
     open: Vec<Lane>,
-    /// Σ L h with the length L of a block, and then Σ R_k s, row by row; row k has what is tracked and R_0 to R_k.
+    /// Σ L h with the length L of a block, and then Σ R_k s, row by row; row k has the tracked functions and R_0 to R_k.
     products: Vec<f64>,
 }
 

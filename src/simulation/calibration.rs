@@ -5,14 +5,14 @@ use faer::Mat;
 /// Blocks that each control variate needs, in either half of the batches.
 const BLOCKS_EACH: usize = 30;
 
-/// A variance is judged no smaller than this part of the plain one: what is left then is rounding.
+/// A variance counts as at least this part of the plain one: below, it is rounding.
 const LEAST: f64 = 1e-8;
 
 /// The tracked sums with chance taken off, by the control variates 𝓖ψ.
 ///
 /// From the sum Σ h of a batch goes β·Σ𝓖ψ, where β is the regression of h on 𝓖ψ over the blocks of the *other* batches, the
-/// odd ones for an even batch and the other way round. So β knows nothing of the chance that it takes off: no mean is
-/// biased by it, and the spread between batches stays an honest error.
+/// odd ones for an even batch and the other way round. So β is independent of the deviations that it takes off: no mean is
+/// biased by it, and the spread between batches remains a valid error.
 #[derive(Clone, Debug)]
 pub(super) struct Calibration {
     /// The highest degree of ψ.
@@ -24,8 +24,8 @@ pub(super) struct Calibration {
 }
 
 impl Calibration {
-    /// By the degree that leaves the least of the spread between batches. None where blocks are too few, or plain sums
-    /// spread the least.
+    /// The calibration by the degree that leaves the smallest spread between batches. None where blocks are too few, or plain
+    /// sums spread the least.
     pub(super) fn new(batches: &[Tally], layout: &Layout) -> Option<Self> {
         if layout.control_variates.is_empty() {
             return None;
@@ -39,7 +39,7 @@ impl Calibration {
         let (before, mut best) = (spread(&plain), None);
         let mut least = 0.0;
         for (degree, controls) in layout.control_variates.degrees() {
-            // The higher the degree, the rarer are the states that decide.
+            // The higher the degree, the rarer are the states that determine the regression.
             let needed = (controls * BLOCKS_EACH).max(4_usize.pow(degree));
             if (needed as f64) > blocks {
                 break;

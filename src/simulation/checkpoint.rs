@@ -11,10 +11,11 @@ use crate::record::checksum;
 use serde::{Deserialize, Serialize};
 use std::{path::Path, path::PathBuf, time::Duration};
 
-/// The first bytes of a file: the version of the library, since another one may find other bits, and that of the format.
+/// The first bytes of a file: the version of the library, since another version may compute other bits, and that of the
+/// format.
 const MAGIC: &[u8] = concat!("expoly ", env!("CARGO_PKG_VERSION"), " simulation 3\n").as_bytes();
 
-/// Where the state of a run is kept, and how often it is written.
+/// The file that holds the state of a run, and the time between two writes.
 #[derive(Clone, Debug)]
 pub(super) struct Checkpoint {
     pub(super) path: PathBuf,
@@ -89,7 +90,7 @@ mod tests {
     use crate::problem::{Problem, Wall};
     use crate::simulation::{SimulatedDensity, Simulation};
 
-    /// Whatever the bytes, if only the checksum is right: a state is refused, or its numbers can be asked for.
+    /// A state with any bytes and a right checksum is refused, or its numbers can be computed without a panic.
     #[test]
     fn altered_states_with_a_right_checksum_do_no_harm() -> Result<()> {
         let problem = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?;

@@ -5,7 +5,7 @@ use std::sync::{
 };
 use std::{fmt, ops::ControlFlow};
 
-/// How far a simulation or a study has come, in steps or rows.
+/// The progress of a simulation or a study, in steps or rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Path-steps taken, time steps times trajectories; or the rows that are there, those of an earlier run included.
@@ -15,7 +15,7 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// What a user does about it.
+/// The user's progress callback.
 pub(super) struct Callback<'a>(pub(super) Box<dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a>);
 
 impl fmt::Debug for Callback<'_> {
@@ -24,13 +24,13 @@ impl fmt::Debug for Callback<'_> {
     }
 }
 
-/// The progress callback and what it was told last.
+/// The progress callback and the number last reported to it.
 struct Meter<'a> {
     progress: Progress,
     callback: Callback<'a>,
 }
 
-/// How batches report, and how they learn that they need not go on.
+/// The reports of batches, and the signal that they need not go on.
 pub(super) struct Control<'a> {
     meter: Option<Mutex<Meter<'a>>>,
     cancelled: AtomicBool,
@@ -78,7 +78,7 @@ impl<'a> Control<'a> {
         if stop { Err(Error::Cancelled { steps: self.done() }) } else { Ok(()) }
     }
 
-    /// The path-steps that the callback was told of.
+    /// The path-steps reported to the callback.
     pub(super) fn done(&self) -> u64 {
         self.meter().map_or(0, |meter| meter.progress.done)
     }

@@ -47,7 +47,7 @@ impl Density for SimulatedDensity {
     }
 
     /// E[g(X)] over the cells of the histogram, for one state and for two. Each sample counts as spread over its cell; the
-    /// error holds what g's curvature within a cell may make of that.
+    /// error includes the effect of g's curvature within a cell.
     ///
     /// # Errors
     /// [`Error::NotKnown`] for more states.
@@ -59,7 +59,7 @@ impl Density for SimulatedDensity {
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
         let [first, second] = pair(states, self.dimension())?;
         if first + second != 1 {
-            let remedy = "a simulation counts states 0 and 1 together; put these first, or ask another method";
+            let remedy = "a simulation counts states 0 and 1 together; put these first, or take another method";
             return Err(Error::NotKnown { what: format!("the joint density of states {first} and {second}"), remedy });
         }
         let x = if first == 0 { x } else { [x[1], x[0]] };
@@ -164,8 +164,7 @@ impl SimulatedDensity {
         if states <= 2 {
             return Ok(2 * (states - 1));
         }
-        let remedy =
-            "a simulation of more than two states counts marginals and moments; ask for these, or ask a closure";
+        let remedy = "a simulation of more than two states counts marginals and moments; take these, or a closure";
         Err(Error::NotKnown { what: what.to_owned(), remedy })
     }
 }

@@ -5,10 +5,10 @@ use super::{
 use crate::density::Counted;
 use crate::estimate::Estimate;
 
-/// The distribution of what a histogram counted, every value with its standard error by the jackknife over its batches.
+/// The distribution by the counts of a histogram, every value with its standard error by the jackknife over its batches.
 ///
-/// At the edges of bins it is what was counted; between them the integral of the histogram's quadratic reconstruction.
-/// Samples outside the range may lie on either side of it: they are an error of every probability.
+/// At the edges of bins it is exact for the counts; between them it is the integral of the histogram's quadratic
+/// reconstruction. Samples outside the range may be on either side of it: they are an error of every probability.
 #[derive(Clone, Debug)]
 pub(super) struct Distribution {
     axis: Axis,
@@ -46,7 +46,7 @@ impl Distribution {
         let sums = |(samples, below): &(f64, Vec<f64>)| [count(below), *samples];
         let share = |of: &Self| jackknife(&of.batches, sums, |[count, samples]| count / samples);
         let fine = share(self);
-        // What was never met has the error that one sample would have made.
+        // A probability without any sample has the error that one sample would have made.
         let chance = if fine.value == 0.0 { self.one_sample() } else { fine.error };
         let step = self.coarse.as_ref().map_or(0.0, |(coarse, part)| part * (share(coarse).value - fine.value));
         Estimate::new(fine.value, chance.hypot(step))
@@ -110,7 +110,7 @@ mod tests {
         Ok(())
     }
 
-    /// Nothing met is one sample at most, and samples beyond the range may be anywhere.
+    /// A probability without samples has the error of one, and samples beyond the range may be anywhere.
     #[test]
     fn what_is_not_known_is_an_error() -> Result<()> {
         let found = of([8, 0, 0, 0], 2)?;

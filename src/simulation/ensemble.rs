@@ -14,10 +14,10 @@ use crate::problem::LANES;
 use crate::states::States;
 use rayon::prelude::*;
 
-/// Path-steps of one batch between two looks at the progress callback.
+/// Path-steps of one batch between two calls of the progress callback.
 const REPORT: u64 = 1 << 14;
 
-/// All that the batches share.
+/// The data that all batches share.
 pub(super) struct Ensemble<'a> {
     pub(super) scheme: &'a Scheme<'a>,
     pub(super) boundaries: &'a Boundaries,
@@ -131,7 +131,7 @@ impl<'a> Ensemble<'a> {
         Ok(States::from_values(dimension, states.concat()))
     }
 
-    /// Takes trajectories through so many stretches and looks at each state after each.
+    /// Takes trajectories through so many stretches and passes each state after each of them to `observe`.
     pub(super) fn through(
         &self,
         place: usize,
@@ -157,8 +157,8 @@ impl<'a> Ensemble<'a> {
         Ok(())
     }
 
-    /// Takes trajectories through stretch number `stretch`, looks at each group at its end, with its number and its passages,
-    /// and returns its time steps.
+    /// Takes trajectories through stretch number `stretch`, passes each group at its end, with its number and its passages,
+    /// to `look`, and returns its time steps.
     fn stretch(
         &self,
         trajectories: &mut Trajectories,
@@ -181,8 +181,8 @@ impl<'a> Ensemble<'a> {
         Ok(steps as u64)
     }
 
-    /// Each item is one task, which is told its place; the results keep the order of the items, and so does the first
-    /// error.
+    /// Each item is one task, which is given its place; results are in the order of the items, and the error is the first in
+    /// that order.
     pub(super) fn on_all<I: Send, R: Send>(
         &self,
         items: &mut [I],

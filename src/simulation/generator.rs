@@ -10,8 +10,8 @@ use crate::problem::{LANES, Lane, Symmetry, Wall};
 use pulp::NullaryFnOnce;
 use serde::{Deserialize, Serialize};
 
-/// The highest degree of a polynomial ψ. What 𝓖ψ of a higher one leaves of a moment lies in the far tail, which few samples
-/// meet: then standard errors tend to be too small.
+/// The highest degree of a polynomial ψ. With a higher degree the rest of a moment after the regression depends on the far
+/// tail, where few samples are, and standard errors tend to be too small.
 const HIGHEST: u32 = 6;
 
 /// The most of them for each state: more take more time than a quarter of the simulation's own.
@@ -141,7 +141,7 @@ impl Images {
         }
     }
 
-    /// Adds the tracked monomials and, after what else is tracked, 𝓖ψ at the states `x` to `sums`, lane by lane.
+    /// Adds the tracked monomials and, after the other tracked functions, 𝓖ψ at the states `x` to `sums`, lane by lane.
     pub(super) fn add(&mut self, layout: &Layout, scheme: &Scheme<'_>, x: &[Lane], sums: &mut [Lane]) {
         scheme.coefficients(x, &mut self.drift, &mut self.diffusion);
         scheme.arch.dispatch(Add { layout, coupled: &scheme.coupled, x, images: self, sums });

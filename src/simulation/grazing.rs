@@ -1,14 +1,14 @@
-/// Shorter steps for trajectories that graze the wall: what becomes of chattering.
+/// Shorter steps for trajectories that graze the wall, and so the end of chattering.
 ///
 /// Near (y, v) = (b, 0) a trajectory that loses speed at each impact chatters: white noise brings it back to the wall
 /// again and again, after ever shorter times. For r > e^(−π/√3) = 0.163 it gets away with probability one (S. J. Cornell,
 /// M. R. Swift and A. J. Bray, 1998, doi:10.1103/PhysRevLett.81.1142), and the impact rate is finite; below, a trajectory
-/// collapses onto the wall, and the impact rate of white noise is infinite: what is found then is that of the shortest
-/// step. A force that presses onto the wall does not matter at small scales, where noise is stronger than any force.
+/// collapses onto the wall, and the impact rate of white noise is infinite: the rate found is then that of the shortest step.
+/// A force that presses onto the wall does not matter at small scales, where noise is stronger than any force.
 ///
 /// A step h does not resolve speeds below √(2Dh), with D = ½B_vv, and misses their impacts: the impact rate of a wall with
 /// r < 1 would be too low by a term of order h^(1 + 3g/2), where p ~ |v|^(3g) is the density's singularity at the grazing
-/// point (g = −0.04 for r = 0.9, −0.16 for r = 0.7), though moments hardly notice. A trajectory at the height u with the
+/// point (g = −0.04 for r = 0.9, −0.16 for r = 0.7), though moments hardly change. A trajectory at the height u with the
 /// velocity v therefore takes the longest step τ = h, h/2, h/4, ... that either
 ///
 /// - resolves the velocity, 2Dτ ≤ (v/a)², or
@@ -18,10 +18,10 @@
 /// So the noise of one step changes the speed of an impact by 1/a of it at most, at all scales alike, down to h/2²⁰, or
 /// h/2¹² for r ≤ 0.25: there is no endless loop.
 ///
-/// What is left is due to impacts at a few times √(2Dh), where the noise before an impact and that after it, which lost
-/// no energy, are told apart to one step only; it falls as h/a². Measured against the grid at r = 0.7, b = 0.5
-/// (c = D = 0.2, k = 1, μ = 0.3) for h = 0.08, the impact rate was 0.50, 0.05, −0.05 % high for a = 2, 3, 4 (±0.06), and
-/// −2.0 % without shorter steps; at h = 0.02 the same is four times smaller.
+/// The remaining error is due to impacts at a few times √(2Dh), where the noise before an impact and that after it, which
+/// lost no energy, are separated to one step only; it falls as h/a². Measured against the grid at r = 0.7, b = 0.5 (c = D =
+/// 0.2, k = 1, μ = 0.3) for h = 0.08, the impact rate was 0.50, 0.05, −0.05 % high for a = 2, 3, 4 (±0.06), and −2.0 %
+/// without shorter steps; at h = 0.02 the same is four times smaller.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grazing {
     /// The time step h.
@@ -42,8 +42,9 @@ const RESOLUTION: f64 = 3.0;
 /// The number m of steps for which the wall must be out of reach.
 const FORESIGHT: f64 = 2.0;
 
-/// How many times the step is shortened at most. What is missed falls with the power 1 + 3g/2 of it, one half at r = 0.5 and
-/// less for lower r. Few trajectories come so far down, so that depth costs little, but below r = 0.163 all do and stay there.
+/// The factor by which the step is shortened at most. The missing impacts fall with the power 1 + 3g/2 of the shortest step,
+/// one half at r = 0.5 and less for lower r. Few trajectories come so far down, so that depth costs little, but below r =
+/// 0.163 all do and stay there.
 fn depth(restitution: f64) -> f64 {
     if restitution > 0.25 { 2.0_f64.powi(20) } else { 2.0_f64.powi(12) }
 }

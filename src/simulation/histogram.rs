@@ -84,7 +84,7 @@ impl Axis {
     }
 }
 
-/// What one batch counted.
+/// The counts of one batch.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Counts {
     cells: Vec<u64>,
@@ -99,7 +99,8 @@ pub(super) struct Counts {
 pub struct Histogram {
     axes: Vec<Axis>,
     batches: Vec<Counts>,
-    /// The samples of each batch: sums over all cells, which are too many to be added up for every place that is asked for.
+    /// The samples of each batch: sums over all cells, which are too many to be added up for every place at which the density
+    /// is evaluated.
     samples: Vec<u64>,
 }
 
@@ -144,7 +145,7 @@ impl Histogram {
         Histogram { axes: axes.to_vec(), batches, samples }
     }
 
-    /// What each batch counted.
+    /// The counts of each batch.
     pub(super) fn into_batches(self) -> Vec<Counts> {
         self.batches
     }
@@ -271,7 +272,7 @@ impl Histogram {
         self.axes.get(along).into_iter().flat_map(Axis::edges)
     }
 
-    /// The number of samples of each batch, and how many of those in the range lie below each edge of a single state's bins.
+    /// The number of samples of each batch, and the number of those in the range below each edge of a single state's bins.
     pub(super) fn cumulated(&self) -> impl Iterator<Item = (f64, Vec<f64>)> + '_ {
         self.batches.iter().zip(&self.samples).map(|(b, samples)| {
             let sums = b.cells.iter().scan(0, |sum, count| {

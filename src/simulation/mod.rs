@@ -10,18 +10,18 @@
 //! - `start`: where trajectories begin;
 //! - `time_step`: the choice of the time step, by the system's own time scales;
 //! - `batch`, `ensemble`: batches of trajectories, and their way on all threads;
-//! - `pilot`: a few trajectories ahead of all others, which tell where the states are;
-//! - `tally`, `histogram`, `trend`, `blocks`: what a batch keeps of its samples;
-//! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments with the chance they tell
-//!   taken off;
-//! - `stationarity`: whether a run has forgotten its start;
+//! - `pilot`: a few trajectories ahead of all others, which show the range of the states;
+//! - `tally`, `histogram`, `trend`, `blocks`: the sums that a batch makes of its samples;
+//! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments less the chance that is
+//!   correlated with them;
+//! - `stationarity`: the test of whether a run still depends on its start;
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
-//! - `plan`, `timetable`: what decides which numbers are found, and when;
+//! - `plan`, `timetable`: the options that determine the results, and the times of samples;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
 //!   `checkpoint` (the state in a file), `processes` and `ranks` (several processes);
 //! - `splitting`: rare states;
-//! - `statistics`: what is kept beside the standard statistics, on request;
-//! - `setup`, `run`, `result`, `merge`, `density`: what the user asks, what is done, and what the user gets.
+//! - `statistics`: the statistics that are taken on request, beside the standard ones;
+//! - `setup`, `run`, `result`, `merge`, `density`: the user's options, the run, and the result.
 
 mod batch;
 mod blocks;

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_4;
 ///
 /// No branch and no table: only arithmetic, shifts and selections, so that the compiler may work on many at once. u is one
 /// of 2⁶⁴ equidistant numbers in (0, 1), small ones in full relative precision: the tails are right up to 9.4 standard
-/// deviations, beyond which fewer than one number in 10²⁰ should lie and none does.
+/// deviations, beyond which fewer than one number in 10²⁰ should be, and there is none.
 #[inline(always)]
 pub(super) fn pair([a, b]: [u64; 2]) -> [f64; 2] {
     let radius = (-2.0 * ln((a as f64 + 0.5) * 2.0_f64.powi(-64))).sqrt();

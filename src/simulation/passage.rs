@@ -24,15 +24,15 @@ pub(super) fn single_wall(problem: &Problem, method: &'static str) -> Result<Opt
     Err(Error::NotServed { method, what, remedy })
 }
 
-/// What the straight drift of the displacements meets: a wall, and levels whose crossings are counted.
+/// The boundaries in the straight drift of the displacements: a wall, and levels whose crossings are counted.
 #[derive(Clone, Debug)]
 pub(super) struct Boundaries {
     /// The velocity of each state that is a displacement. The wall and the levels belong to state 0 if there are any.
     velocities: Vec<Option<usize>>,
-    /// Where the wall is, at −∞ if there is none, and what is near it.
+    /// The wall's position, −∞ if there is none, and the region near it.
     pub(super) wall: Nearness,
     restitution: f64,
-    /// How short the steps must be there.
+    /// The rule for the length of steps near it.
     pub(super) grazing: Grazing,
     /// The levels whose up-crossings by state 0 are counted.
     pub(super) levels: Vec<f64>,
@@ -94,7 +94,7 @@ impl Passages {
         }
     }
 
-    /// Forgets which lane passed where, as the next group does not need it.
+    /// Clears the lanes of the passages, which belong to one group only.
     pub(super) fn forget(&mut self) {
         self.crossed.fill(0);
         self.record.clear();
@@ -117,7 +117,7 @@ impl Boundaries {
         Boundaries { velocities, wall, restitution, grazing, levels, speeds: None, recording: false }
     }
 
-    /// The boundaries that the trajectories of a system meet: the noise that rules grazing is that at rest on the wall.
+    /// The boundaries that the trajectories of a system meet: the noise in the rule for grazing is that at rest on the wall.
     pub(super) fn for_scheme(scheme: &Scheme<'_>, wall: Option<Wall>, levels: Vec<f64>) -> Self {
         let mut at_rest = vec![0.0; scheme.states];
         at_rest[0] = wall.map_or(0.0, |b| b.offset());
@@ -126,8 +126,8 @@ impl Boundaries {
         Boundaries::new((0..scheme.states).map(velocity).collect(), wall, levels, diffusion, scheme.step)
     }
 
-    /// The same boundaries, on which the crossings of `levels` and the `speeds` of impacts are counted, and all passages recorded
-    /// if that is asked for.
+    /// The same boundaries, on which the crossings of `levels` and the `speeds` of impacts are counted, and all passages
+    /// recorded if `recording`.
     pub(super) fn counting(self, levels: Vec<f64>, speeds: Option<Axis>, recording: bool) -> Self {
         Boundaries { levels, speeds, recording, ..self }
     }
@@ -301,7 +301,7 @@ mod tests {
         Ok(())
     }
 
-    /// Whatever the state, the wall holds, and a non-finite state ends the piece as well.
+    /// From every state the wall holds, and a non-finite state ends the piece as well.
     #[test]
     fn no_state_is_below_the_wall() -> Result<()> {
         let (mut x, mut passages) = ([[0.0; LANES]; 2], Passages::new(0));

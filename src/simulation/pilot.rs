@@ -12,8 +12,8 @@ const TRAJECTORIES: u64 = 64;
 /// The number of the pilot's first trajectory, which is also its stream: beyond every sampled one.
 const FIRST: u64 = 1 << 32;
 
-/// What a few trajectories tell about the states before any is sampled: the ranges of histograms, and where a trajectory
-/// has exploded.
+/// The ranges of histograms and the bounds beyond which a trajectory has exploded, from a few trajectories before any is
+/// sampled.
 ///
 /// The pilot has streams of its own, so that it depends on the system, the options and the seed alone, and not on which of
 /// the sampled trajectories run here: every part of a simulation repeats it and finds the same.
@@ -28,7 +28,7 @@ impl Pilot {
         TRAJECTORIES * timetable.steps(BURN_IN_STRETCHES) as u64
     }
 
-    /// Runs the pilot through the burn-in and looks at its states in the second half.
+    /// Runs the pilot through the burn-in and takes the range of its states in the second half.
     pub(super) fn run(ensemble: &Ensemble<'_>, seed: u64, start: &Start) -> Result<Self> {
         let nothing = vec![Reach::NONE; start.states()];
         let firsts = (FIRST..FIRST + TRAJECTORIES).step_by(LANES);
@@ -58,7 +58,7 @@ impl Pilot {
     }
 }
 
-/// How far one state reaches.
+/// The range of one state.
 #[derive(Clone, Copy, Debug)]
 struct Reach {
     count: f64,

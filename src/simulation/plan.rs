@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 pub(super) const MOST_TRAJECTORIES: usize = 1 << 20;
 pub(super) const MOST_BINS: usize = 1024;
 
-/// All that decides which numbers a simulation of given length finds: two runs of one plan are one run.
+/// The options and settings that determine the results of a simulation of given length: two runs of one plan have the same
+/// results.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct Plan {
     /// The system's equations, term by term.
@@ -51,7 +52,7 @@ pub(super) fn equations(problem: &Problem) -> Vec<String> {
     .collect()
 }
 
-/// Whether two levels are one, however each was computed.
+/// Whether two levels are the same up to rounding.
 pub(super) fn same_level(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * (a.abs() + b.abs() + 1e-300)
 }
@@ -131,7 +132,7 @@ impl Plan {
         ]
     }
 
-    /// Whether a plan that was read can be one, so that what is made of it has a meaning and fits into memory.
+    /// Whether a plan that was read can be one, so that its buffers have a meaning and fit into memory.
     pub(super) fn holds(&self) -> bool {
         let states = self.equations.len();
         let axes = || self.axes.iter().chain(self.plane.iter().flatten());

@@ -9,7 +9,7 @@ pub(super) trait Processes {
     /// The number of processes.
     fn count(&self) -> usize;
 
-    /// What every process gives, in the order of their ranks. All must call it together.
+    /// The data of all processes, in the order of their ranks. All must call it together.
     fn exchange(&self, mine: Vec<u8>) -> Result<Vec<Vec<u8>>>;
 }
 
@@ -31,7 +31,7 @@ impl Processes for OneProcess {
     }
 }
 
-/// What every process gives, or an error: that of this process first, else that of the first that failed.
+/// The data of all processes, or an error: that of this process first, else that of the first that failed.
 pub(super) fn all_gather(processes: &impl Processes, mine: Result<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
     if processes.count() == 1 {
         return Ok(vec![mine?]);
@@ -112,7 +112,7 @@ mod tests {
         }
     }
 
-    /// What each of `count` processes finds.
+    /// The results of `count` processes.
     fn among<R: Send>(count: usize, run: impl Fn(&Thread<'_>) -> Result<R> + Sync) -> Vec<Result<R>> {
         let (board, gate) = (Mutex::new(vec![Vec::new(); count]), sync::Barrier::new(count));
         let run = |rank| run(&Thread { rank, count, board: &board, gate: &gate });

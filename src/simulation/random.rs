@@ -1,12 +1,12 @@
 use super::normal::pair;
 use serde::{Deserialize, Serialize};
 
-/// Where the random numbers of a seed come from: Philox4x32-10, a bijection of 128-bit counters under a 64-bit key
-/// (J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, 2011, doi:10.1145/2063384.2063405).
+/// The generator of a seed's random numbers: Philox4x32-10, a bijection of 128-bit counters under a 64-bit key (J. K. Salmon,
+/// M. A. Moraes, R. O. Dror and D. E. Shaw, 2011, doi:10.1145/2063384.2063405).
 ///
-/// The key is the seed. The counter says which number is meant: a number's place in its sequence (64 bits), the purpose
-/// (24 bits) and the stream, one for each trajectory (40 bits). So there is no state to keep: every number can be asked
-/// for at any time, in any order, in any number of lanes, and a trajectory that is resumed needs nothing but its place.
+/// The key is the seed. The counter identifies the number: its place in its sequence (64 bits), the purpose (24 bits) and the
+/// stream, one for each trajectory (40 bits). So there is no state to keep: every number can be computed at any time, in any
+/// order, in any number of lanes, and a trajectory that is resumed needs nothing but its place.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct Random {
     seed: u64,
@@ -67,7 +67,7 @@ impl Random {
 const LOW: u64 = 0xffff_ffff;
 
 /// Ten rounds of Philox4x32. Words of 32 bits travel in the lower halves of words of 64, so that many of them can be
-/// multiplied at once; what the upper halves hold on the way is never read.
+/// multiplied at once; the contents of the upper halves are never read.
 #[inline(always)]
 fn philox(mut counter: [u64; 4], mut key: [u64; 2]) -> [u64; 4] {
     for _ in 0..10 {

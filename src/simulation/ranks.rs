@@ -11,8 +11,8 @@ impl Simulation<'_> {
     ///
     /// All ranks must call it together, with the same problem and options. A rank's threads never call MPI, so that
     /// `MPI_THREAD_FUNNELED` suffices. More than 64 ranks, one for each batch, are of no use. A checkpoint is one file,
-    /// read and written by rank 0: a run may go on with any number of ranks. The progress callback tells of its own
-    /// rank's share; what one rank decides, to cancel or that time is over, holds for all.
+    /// read and written by rank 0: a run may go on with any number of ranks. The progress callback reports the share of its
+    /// own rank; cancellation on one rank, and the end of its time, hold for all.
     ///
     /// # Errors
     /// As [`Simulation::run`], and [`Error::Rank`](crate::Error::Rank) on the ranks where nothing failed when another

@@ -13,10 +13,10 @@ use crate::error::{Error, Result, state_index};
 use crate::estimate::Estimate;
 use crate::provenance::{Provenance, Stopped};
 
-/// What calibration takes off a mean is known to this part of it: the ridge of the regression, and the rounding of its sums.
+/// The relative error of the correction that calibration makes: the ridge of the regression, and the rounding of its sums.
 const ROUNDING: f64 = 1e-8;
 
-/// The stationary density as a simulation found it: every value with its standard error.
+/// The stationary density by a simulation: every value with its standard error.
 ///
 /// Errors come from the spread between independent batches of trajectories, those of [`statistics`](crate::statistics) as
 /// well. Moments and rates are calibrated ([`Simulation::control_variates`](crate::Simulation::control_variates)), so that
@@ -59,7 +59,7 @@ impl SimulatedDensity {
     }
 
     /// The same simulation with twice the time step and the same noise, if
-    /// [`Simulation::two_steps`](crate::Simulation::two_steps) was asked for.
+    /// [`Simulation::two_steps`](crate::Simulation::two_steps) was set.
     pub fn coarse(&self) -> Option<&Self> {
         self.coarse.as_deref()
     }
@@ -89,7 +89,7 @@ impl SimulatedDensity {
         })
     }
 
-    /// The estimate, with the error of the time step added to its standard error if there is a coarse twin to tell it.
+    /// The estimate, with the error of the time step added to its standard error if there is a coarse twin to estimate it.
     ///
     /// The bias is of order h², so that it is a third of the change from h to 2h. Beside a wall with r < 1 the impact rate
     /// has a remainder of first order, which is the whole change.
@@ -112,7 +112,8 @@ impl SimulatedDensity {
     /// The histogram of one state.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state; so for every statistic of one state.
+    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state; the same holds for every statistic of one
+    /// state.
     pub fn histogram(&self, state: usize) -> Result<&Histogram> {
         Ok(&self.histograms[state_index("a state's index", state, self.layout.axes.len())?])
     }
@@ -178,7 +179,7 @@ impl SimulatedDensity {
         Sampled::mean_impact_speed(self, 1)
     }
 
-    /// What is missing in the power balance of the velocity v of state 0, relative to the power put in by noise:
+    /// The power missing in the balance of the velocity v of state 0, relative to the power put in by noise:
     ///
     /// 1 − { ½(1 − r²) ν E(v₋²) − E(v f_v) } / E(½B_vv),
     ///
@@ -189,16 +190,16 @@ impl SimulatedDensity {
         Some(self.estimate(|b| self.power_sums(b), missing_power))
     }
 
-    /// What [`missing_power`] is made of.
+    /// The sums in [`missing_power`].
     fn power_sums(&self, b: &Tally) -> [f64; 5] {
         let loss = self.plan.wall.map_or(0.0, |wall| (1.0 - wall.restitution().powi(2)) / 2.0);
         [b.moments[0], b.power[0], b.power[1], loss * b.passages.impacts[2], b.time]
     }
 
     /// The drift of E x_i² from the first half of the samples to the second, in units of its standard error, for each
-    /// state: beyond ±4 the burn-in was too short, or there is no stationary density, and [`Provenance::warning`] says
-    /// so. Where trajectories have fewer than sixteen samples, the drift to these from the states at three quarters of
-    /// the burn-in. Not a number where the result is of a single batch.
+    /// state: beyond ±4 the burn-in was too short, or there is no stationary density, and [`Provenance::warning`] is set.
+    /// Where trajectories have fewer than sixteen samples, the drift to these from the states at three quarters of the
+    /// burn-in. Not a number where the result is of a single batch.
     ///
     /// ```
     /// use expoly::{Problem, Simulation, models::Linear};
@@ -230,7 +231,7 @@ impl SimulatedDensity {
         self.layout.monomials.len() + POWERS * gate + power - 1
     }
 
-    /// A flux moment Σ|v|^(power − 1) per unit time. What was never met has the error of one passage at unit speed.
+    /// A flux moment Σ|v|^(power − 1) per unit time. A rate without any passage has the error of one passage at unit speed.
     pub(super) fn rate(&self, gate: usize, power: usize) -> Estimate {
         let interval = self.plan.interval();
         let places = [Some(0), Some(self.passages(gate, power))];

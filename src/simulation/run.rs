@@ -20,7 +20,7 @@ use crate::problem::{Problem, TimeScales, Wall, two_digits};
 use crate::states::States;
 use std::{ops::Range, time::Instant};
 
-/// The time between samples in the shortest of the system's times: states farther apart add little, and nearer ones nothing.
+/// The time between samples in the shortest of the system's times: states closer than that add little.
 const INTERVAL: f64 = 3.0;
 
 const SHORTER: &str = "take shorter segments or fewer trajectories, or raise `memory_limit`";
@@ -38,10 +38,10 @@ impl<'a> Simulation<'a> {
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning.
     /// - [`Error::TooMuchMemory`]: segments of spectra beyond [`Simulation::memory_limit`].
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
-    /// - [`Error::Cancelled`]: the progress callback said so.
+    /// - [`Error::Cancelled`]: the progress callback returned `Break`.
     /// - [`Error::OutOfTime`]: the time budget was over before the first sample.
     /// - [`Error::File`], [`Error::NotACheckpoint`], [`Error::OtherSimulation`]: a checkpoint that cannot be used.
-    /// - Those of the statistics that [`Simulation::until`] looks at.
+    /// - Those of the statistics given to [`Simulation::until`].
     pub fn run(self, problem: &Problem) -> Result<SimulatedDensity> {
         self.run_among(problem, &OneProcess)
     }
@@ -64,7 +64,7 @@ impl<'a> Simulation<'a> {
         Ok(fine)
     }
 
-    /// The options that decide the numbers found, without those that say when to stop.
+    /// The options that determine the results, without those that end a run.
     fn twin(&self) -> Self {
         Simulation {
             amplitude: self.amplitude,
@@ -93,7 +93,7 @@ impl<'a> Simulation<'a> {
         let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
         let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable);
         let pilot = Pilot::run(&ensemble, self.seed, &start);
-        // Every process runs the pilot, but only some may be cancelled in it, and the others must not wait for them.
+        // Every process runs the pilot, but only some may be cancelled in it, and the others must not be left waiting.
         if any_of(processes, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [false; 2])?[0] {
             return Err(Error::Cancelled { steps: ensemble.control.done() });
         }
@@ -163,7 +163,7 @@ impl<'a> Simulation<'a> {
         ensemble.collect(groups, BURN_IN_STRETCHES + samples, &pilot.bounds())
     }
 
-    /// The scheme and the plan, after all options have been looked at.
+    /// The scheme and the plan, after all options have been checked.
     fn prepared<'p>(&self, problem: &'p Problem, merged: bool) -> Result<Prepared<'p>> {
         let wall = single_wall(problem, "simulation")?;
         let velocity = problem.velocity_of(0);
@@ -224,7 +224,7 @@ impl<'a> Simulation<'a> {
         if self.samples == 0 {
             return Err(Error::NoSamples { what: "the number of samples", least: 1 });
         }
-        at_most("number of levels", self.levels.len(), MOST_LEVELS, "at most 64 levels can be watched at once")?;
+        at_most("number of levels", self.levels.len(), MOST_LEVELS, "at most 64 levels can be counted at once")?;
         at_most("number of trajectories", self.trajectories, MOST_TRAJECTORIES, "at most 2^20 fit into memory")?;
         at_most("number of bins", self.bins, MOST_BINS, "at most 1024 keep the joint histogram in memory")?;
         self.levels.iter().try_for_each(|&level| finite("level", level).map(|_| ()))?;
@@ -289,7 +289,7 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// What a run needs besides its options.
+/// The data of a run besides its options.
 struct Prepared<'a> {
     wall: Option<Wall>,
     /// The velocity of state 0.

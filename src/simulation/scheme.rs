@@ -5,8 +5,8 @@ use pulp::Arch;
 
 /// One step of weak order 2, by a symmetric splitting: A(h/2) F(h/2) W(h) F(h/2) A(h/2).
 ///
-/// - A moves every displacement straight on, x_i += τ x_j, with its velocity x_j frozen; that is exact, impacts
-///   included, and lives in [`Passages`](super::passage::Passages).
+/// - A moves every displacement straight on, x_i += τ x_j, with its velocity x_j frozen; that is exact, impacts included, and
+///   is done by [`Boundaries`](super::passage::Boundaries).
 /// - F is the flow of all other states under the Stratonovich drift with the displacements frozen, by the explicit
 ///   midpoint rule.
 /// - W is the flow of the noise fields G_k for the increments √h Z_k. Where no field changes along any field, it is the
@@ -37,11 +37,11 @@ pub(super) struct Scheme<'a> {
     /// A factor of all noises.
     amplitude: f64,
     noise: Noise,
-    /// How many times the noise-induced drift makes the Stratonovich drift of the drift as written.
+    /// The multiple of the noise-induced drift that is added to the drift as written to make the Stratonovich drift.
     induced: f64,
 }
 
-/// How the noise acts.
+/// The dependence of the noise on the state.
 enum Noise {
     /// G and G Gᵀ are the same everywhere, by rows, the first times the amplitude.
     Constant { noise: Vec<f64>, diffusion: Vec<f64> },
@@ -51,7 +51,7 @@ enum Noise {
     Curved,
 }
 
-/// What a step works on, made once for many of them.
+/// The buffers of a step, made once for many of them.
 pub(super) struct Scratch {
     lanes: [Vec<Lane>; 2],
     drift: Vec<f64>,
@@ -95,7 +95,7 @@ impl<'a> Scheme<'a> {
         }
     }
 
-    /// Whether the order of the noise fields matters, which a coin then decides at every step.
+    /// Whether the order of the noise fields matters; it is then drawn at random at every step.
     #[inline(always)]
     pub(super) fn curved(&self) -> bool {
         matches!(self.noise, Noise::Curved)

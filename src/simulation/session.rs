@@ -39,9 +39,9 @@ pub(super) struct Session<'a, P> {
 impl<P: Processes> Session<'_, P> {
     /// Runs round after round until a limit is reached.
     ///
-    /// All decisions fall between rounds, when all batches stand at the same stretch; only a cancelled run is left
-    /// uneven, and a resumed one therefore begins with making its batches even. At least one round is run whatever the
-    /// time budget, so that many short sessions come to an end as well.
+    /// All decisions fall between rounds, when all batches stand at the same stretch; only a cancelled run ends with batches
+    /// at different stretches, and a resumed one therefore begins by bringing all batches to the same stretch. At least one
+    /// round is run with any time budget, so that many short sessions come to an end as well.
     pub(super) fn run(mut self, part: Range<usize>, start: &Start) -> Result<SimulatedDensity> {
         let end = BURN_IN_STRETCHES + self.samples;
         let mut done = self.begin(part, start)?;
@@ -135,11 +135,11 @@ impl<P: Processes> Session<'_, P> {
         Ok(done)
     }
 
-    /// The state in the checkpoint: rank 0 reads it and tells the others.
+    /// The state in the checkpoint: rank 0 reads it and sends it to the others.
     fn load(&self) -> Result<Option<State>> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(None) };
         let mine = if self.processes.rank() == 0 { file::read(path) } else { Ok(None) };
-        // The content behind a byte that tells an empty file from no file.
+        // The content follows a byte that distinguishes an empty file from no file.
         let mine = mine.map(|content| content.map_or(Vec::new(), |content| [&[1], &content[..]].concat()));
         let words = all_gather(self.processes, mine)?;
         let content = words.first().and_then(|word| word.split_first());

@@ -52,10 +52,10 @@ pub struct Simulation<'a> {
     pub(super) amplitude: f64,
     pub(super) trajectories: usize,
     pub(super) samples: usize,
-    /// None: to be chosen.
+    /// None where it is to be chosen.
     pub(super) time_step: Option<f64>,
     pub(super) two_steps: bool,
-    /// None: by the system's rates; so for the next.
+    /// None where it follows from the system's rates, as the next option.
     pub(super) burn_in: Option<f64>,
     pub(super) sampling_interval: Option<f64>,
     pub(super) seed: u64,
@@ -123,7 +123,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// The time step h, in the system's unit of time. By default the library chooses it, and
-    /// [`Provenance`](crate::Provenance) says what it chose: h = 0.04/ω (0.03/ω beside a wall with r < 1), rounded down to two digits, with
+    /// [`Provenance`](crate::Provenance) has it: h = 0.04/ω (0.03/ω beside a wall with r < 1), rounded down to two digits,
+    /// with
     ///
     /// ω² = E[(ρ(∂f/∂x) + |∂G/∂x|²)²] + (πν)²,
     ///
@@ -131,28 +132,28 @@ impl<'a> Simulation<'a> {
     /// time. It is shorter where some state is more than six times faster, and at most a twentieth of the sampling interval
     /// and 1/640 of the burn-in. The choice costs a thousandth of a second.
     ///
-    /// Stationary means are off by O(h²), and standard errors alone do not know of it ([`Simulation::two_steps`] does), but for
-    /// calibrated moments, which lose that bias ([`Simulation::control_variates`]). So these numbers are those of plain ones.
-    /// Measured along common paths, for Duffing's oscillator with c = D = 0.5, k = 1, μ = 0.3, E v² changes by 1.16 ±
-    /// 0.02 % from h = 0.1 to 0.2 and by 4.88 ± 0.05 % from 0.2 to 0.4: the slope is 2.08 ± 0.03, and the bias 0.4 h², which
-    /// is 0.04 % at the chosen h = 0.031. With noise in displacement or velocity, in either interpretation, it is about the
-    /// same. Beside walls (c = D = 0.2), against the Fokker-Planck equation and from h = 0.14 to 0.28, E v² has the slopes
-    /// 2.18 ± 0.13 and 2.09 ± 0.06 (b = 0 and 0.5, r = 1) and 1.85 ± 0.13 and 1.65 ± 0.07 (r = 0.9); its bias at 0.14 is
-    /// 0.7 % at b = 0, and 1.8 and 1.3 % at b = 0.5. The impact rate is off by 0.17 % at most there. An elastic wall does not
-    /// cost the splitting its second order: the impact is inside the straight drift and falls at any instant of a step. For
-    /// r < 1 slow impacts break that rule and add a term of lower order. There trajectories take shorter steps of themselves,
-    /// and what is left in the impact rate at b = 0.5, r = 0.7 was 0.05 ± 0.05 % at h = 0.08, 0.08 ± 0.04 % at 0.04 and −0.017
-    /// ± 0.018 % at the chosen 0.015, where plain steps miss 2.0 and 1.0 % at the longer two.
+    /// Stationary means are off by O(h²), which standard errors do not include unless [`Simulation::two_steps`] is set.
+    /// Calibrated moments are free of that bias ([`Simulation::control_variates`]), so that the following numbers are those
+    /// of plain ones. Measured along common paths, for Duffing's oscillator with c = D = 0.5, k = 1, μ = 0.3, E v² changes by
+    /// 1.16 ± 0.02 % from h = 0.1 to 0.2 and by 4.88 ± 0.05 % from 0.2 to 0.4: the slope is 2.08 ± 0.03, and the bias 0.4 h²,
+    /// which is 0.04 % at the chosen h = 0.031. With noise in displacement or velocity, in either interpretation, it is about
+    /// the same. Beside walls (c = D = 0.2), against the Fokker-Planck equation and from h = 0.14 to 0.28, E v² has the
+    /// slopes 2.18 ± 0.13 and 2.09 ± 0.06 (b = 0 and 0.5, r = 1) and 1.85 ± 0.13 and 1.65 ± 0.07 (r = 0.9); its bias at 0.14
+    /// is 0.7 % at b = 0, and 1.8 and 1.3 % at b = 0.5. The impact rate is off by 0.17 % at most there. An elastic wall does
+    /// not cost the splitting its second order: the impact is inside the straight drift and falls at any instant of a step.
+    /// For r < 1 slow impacts break that rule and add a term of lower order. There trajectories take shorter steps
+    /// automatically, and the remaining error of the impact rate at b = 0.5, r = 0.7 was 0.05 ± 0.05 % at h = 0.08, 0.08 ±
+    /// 0.04 % at 0.04 and −0.017 ± 0.018 % at the chosen 0.015, where plain steps miss 2.0 and 1.0 % at the longer two.
     pub fn time_step(self, time_step: f64) -> Self {
         Simulation { time_step: Some(time_step), ..self }
     }
 
-    /// Runs with twice the time step as well, along the same Brownian paths, so that the change from one to the other tells
-    /// the bias of the time step: the error of every estimate then has both parts, √(s² + δ²), with the standard error s
-    /// and the bias δ. Off by default, since it takes half as long again.
+    /// Runs with twice the time step as well, along the same Brownian paths, so that the change from one to the other gives
+    /// the bias of the time step: the error of every estimate then has both parts, √(s² + δ²), with the standard error s and
+    /// the bias δ. Off by default, since it takes half as long again.
     ///
-    /// δ is a third of the change, as second order means, and beside a wall with r < 1 all of it. Chance hardly adds to it
-    /// where trajectories under the same noise stay together.
+    /// δ is a third of the change, as follows from the second order, and beside a wall with r < 1 all of it. Chance hardly
+    /// adds to it where trajectories under the same noise stay together.
     ///
     /// The second run follows the first without progress reports, and a checkpoint holds the first one only.
     ///
@@ -174,16 +175,17 @@ impl<'a> Simulation<'a> {
     /// from the system's rates, and [`Provenance`](crate::Provenance) has it.
     ///
     /// The default is 5/λ with the slowest decay λ of the system linearised about its Gaussian closure, between 60/ω and 2000/ω
-    /// with ω as below, rounded down to two digits: 10/c for a weakly damped oscillator, whose energy has then forgotten its
-    /// start to e⁻¹⁰. No choice is safe for every system: wells exchange more slowly than any of them relaxes. A result
-    /// that was not stationary has a warning ([`SimulatedDensity::stationarity`](crate::SimulatedDensity::stationarity)).
+    /// with ω as below, rounded down to two digits: 10/c for a weakly damped oscillator, in whose energy the effect of the
+    /// start has then fallen to e⁻¹⁰. No choice is safe for every system: exchange between wells is slower than relaxation
+    /// within each. A result that was not stationary has a warning
+    /// ([`SimulatedDensity::stationarity`](crate::SimulatedDensity::stationarity)).
     pub fn burn_in(self, burn_in: f64) -> Self {
         Simulation { burn_in: Some(burn_in), ..self }
     }
 
     /// The time between two samples of a trajectory, rounded to whole steps; 3/ω by default, rounded down to two digits, with a
     /// bound ω on the moduli of the Jacobian's eigenvalues up to two standard deviations of the Gaussian closure from its mean.
-    /// Samples closer than the relaxation time are correlated; they then add little, but no standard error is wrong for it.
+    /// Samples closer than the relaxation time are correlated; they then add little, but standard errors remain right.
     pub fn sampling_interval(self, sampling_interval: f64) -> Self {
         Simulation { sampling_interval: Some(sampling_interval), ..self }
     }
@@ -196,13 +198,13 @@ impl<'a> Simulation<'a> {
     /// Whether moments and rates are calibrated by control variates; by default they are.
     ///
     /// In the stationary state E\[𝓖ψ\] = 0 for every polynomial ψ, with the generator 𝓖 = f·∇ + ½ B:∇∇. The mean of 𝓖ψ
-    /// over the samples is therefore known to be chance, or the bias of the time step, and what is correlated with it
-    /// is taken off a mean:
+    /// over the samples is therefore known to be chance, or the bias of the time step, and the part of a mean that is
+    /// correlated with it is taken off:
     ///
     /// E h = h̄ − β · mean(𝓖ψ), β = Cov(𝓖ψ)⁻¹ Cov(𝓖ψ, h) over blocks of consecutive samples.
     ///
-    /// Above a wall an impact changes ψ as well, and what has the mean zero is 𝓖ψ + Σ (ψ₊ − ψ₋)/Δ, with the impacts between one
-    /// sample and the next and the time Δ between the two.
+    /// Above a wall an impact changes ψ as well, and the quantity with mean zero is 𝓖ψ + Σ (ψ₊ − ψ₋)/Δ, with the impacts
+    /// between one sample and the next and the time Δ between the two.
     ///
     /// ψ are all polynomials up to degree 2, 4 or 6 that the system's symmetries keep, at most 25 for each state; the
     /// degree is that which leaves the smallest errors
@@ -210,17 +212,17 @@ impl<'a> Simulation<'a> {
     /// ψ and 4^m blocks in either half of the batches. β comes from one half and is applied to the other, so that
     /// standard errors stay those of the spread between batches.
     ///
-    /// Calibrated are [`Density::moment`](crate::Density::moment), mean, variance, skewness, kurtosis and whatever is a
+    /// Calibrated are [`Density::moment`](crate::Density::moment), mean, variance, skewness, kurtosis and every other
     /// function of the tracked moments; rates of impacts and of up-crossings, and the moments of their speeds. Histograms,
-    /// probabilities, spectra and first passages are plain, and so is what a symmetry makes zero.
+    /// probabilities, spectra and first passages are plain, and so are moments that a symmetry makes zero.
     ///
     /// Measured with a million samples, standard errors of E x_i² and E x_i⁴ fell by a factor of 30 to 40 for Duffing's
     /// oscillator, 29 to 390 above walls with r = 0.9 and 1, 11 to 97 with r = 0.7, 38 and more with the noise behind a filter, 4
     /// to 20 for two masses with noise on one, 12 to 15 and more for a nonlinear energy sink; that of an impact rate fell by 2. E v²
     /// = D/c is exact. For h = 0.3, where plain moments of Duffing's oscillator are off by 1 to 7 %, calibrated ones were off by
-    /// 0.02 % at most, about two standard errors. Errors were honest: over 300 seeds of five systems with known densities
-    /// (estimate − truth)/error had a root mean square of 0.97 to 1.14, where 1 ± 0.04 is chance; that of plain means was 0.96
-    /// to 1.11. `expoly-measure calibration` prints all of this, with `--repeats 300`. A run takes 5 to 33 % more time.
+    /// 0.02 % at most, about two standard errors. Errors were right: over 300 seeds of five systems with known densities
+    /// (estimate − truth)/error had a root mean square of 0.97 to 1.14, where 1 ± 0.04 is chance; that of plain means was
+    /// 0.96 to 1.11. `expoly-measure calibration` prints all of this, with `--repeats 300`. A run takes 5 to 33 % more time.
     ///
     /// # Limits
     /// ψ must have a mean: where the density falls like a power, high degrees have none, and little is gained at low ones.
@@ -257,7 +259,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// The state that all trajectories start from. By default they start near 0, or near the wall if that stands above 0,
-    /// each with a Gaussian spread: what the noise at 0 does to the state within four steps, or 0.1 where it vanishes there.
+    /// each with a Gaussian spread: the deviation that the noise at 0 makes within four steps, or 0.1 where it vanishes
+    /// there.
     pub fn start(self, start: impl Into<Vec<f64>>) -> Self {
         Simulation { start: Some(start.into()), ..self }
     }
@@ -268,27 +271,29 @@ impl<'a> Simulation<'a> {
         Simulation { bins, ..self }
     }
 
-    /// The range of one state's histogram. By default a pilot of 64 trajectories finds it in the second half of its own
-    /// burn-in: where it has been, at least four standard deviations, widened by a quarter at both ends. At a wall it
-    /// begins exactly there.
+    /// The range of one state's histogram. By default it is the range of a pilot of 64 trajectories in the second half of its
+    /// own burn-in, at least four standard deviations to either side, widened by a quarter at both ends. At a wall it begins
+    /// exactly there.
     pub fn histogram_range(mut self, state: usize, lo: f64, hi: f64) -> Self {
         self.ranges.push((state, lo, hi));
         self
     }
 
-    /// A function that is told now and then how far the simulation is, from whichever thread; to stop it, it returns
-    /// [`ControlFlow::Break`]. It must not start parallel work of its own: its thread could be given a batch, and wait for
-    /// itself.
+    /// A callback for the progress of the simulation, called now and then from any of its threads; to stop the simulation, it
+    /// returns [`ControlFlow::Break`]. It must not start parallel work of its own: its thread could be given a batch, and
+    /// then wait for itself without end.
     pub fn progress(self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
         Simulation { progress: Some(Callback(Box::new(callback))), ..self }
     }
 
     /// Ends the run before all samples are taken, once the standard error of `statistic` is within `tolerance`; called
-    /// several times, once all of them are. By default no estimate ends a run. [`Provenance::stopped`] tells what did.
+    /// several times, once all of them are. By default no estimate ends a run. [`Provenance::stopped`] is the limit that
+    /// ended it.
     ///
-    /// Precision is looked at after 8 samples of each trajectory, and then whenever an eighth more is there: where a run
-    /// may end depends on nothing but these numbers, so that it is reproducible too. A standard error from 64 batches is
-    /// itself uncertain by 9 %, and a run tends to end where it came out low: by 2 % on average, where it was measured.
+    /// Precision is checked after 8 samples of each trajectory, and then whenever their number has grown by an eighth: the
+    /// places at which a run may end depend on nothing but these numbers, so that it is reproducible too. A standard error
+    /// from 64 batches is itself uncertain by 9 %, and a run tends to end where it is too low: by 2 % on average in a
+    /// measurement.
     ///
     /// ```
     /// use expoly::{Density, Simulation, Stopped, Tolerance, models::{Duffing, Solved}};
@@ -312,8 +317,8 @@ impl<'a> Simulation<'a> {
         self
     }
 
-    /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over. How far it
-    /// comes then depends on the machine; what it found is, bit for bit, what a run of that many samples finds.
+    /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over. The number of
+    /// samples then depends on the machine; the result is, bit for bit, that of a run of that many samples.
     pub fn time_budget(self, budget: Duration) -> Self {
         Simulation { time_budget: Some(budget), ..self }
     }

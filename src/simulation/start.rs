@@ -1,7 +1,8 @@
 use super::Simulation;
 use crate::problem::{Problem, Wall};
 
-/// The noise of so many steps spreads the default start: enough to tell trajectories apart, too little to leave the rest.
+/// The noise of so many steps spreads the default start: enough for trajectories to differ, too little to leave the rest
+/// position.
 const SPREAD_STEPS: f64 = 4.0;
 
 /// Where trajectories begin.
@@ -13,8 +14,8 @@ pub(super) struct Start {
 }
 
 impl Start {
-    /// Where the simulation says, or near 0 where there is no wall above: each state as far off as the noise at 0 takes
-    /// it in four steps.
+    /// The start given to the simulation, or near 0, or near the wall if that stands above 0; each state spreads as far as
+    /// the noise at 0 takes it in four steps.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, wall: Option<Wall>, step: f64) -> Self {
         let time = SPREAD_STEPS * step;
         let variance = |i: usize| {
@@ -34,7 +35,7 @@ impl Start {
         self.spread.len()
     }
 
-    /// Makes standard normal numbers the state that a trajectory begins at.
+    /// Turns standard normal numbers into the state that a trajectory begins at.
     pub(super) fn place(&self, x: &mut [f64]) {
         if let Some(fixed) = &self.fixed {
             return x.copy_from_slice(fixed);

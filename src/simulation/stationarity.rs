@@ -1,4 +1,4 @@
-//! Whether a run has forgotten its start, and has a density to come to.
+//! The tests of whether a run still depends on its start, and whether it has a stationary density.
 
 use super::{
     calibration::Calibration,
@@ -13,7 +13,7 @@ use crate::problem::COLLAPSE;
 const DRIFTING: f64 = 4.0;
 /// From so many batches their spread is known to about a third.
 const LEAST_BATCHES: usize = 32;
-/// So many samples of a trajectory have two halves worth comparing.
+/// The fewest samples of a trajectory whose two halves are compared.
 const LEAST_TREND: usize = 16;
 /// Weights that deviate more from 1 are no longer chance.
 const UNEVEN: f64 = 0.5;
@@ -35,8 +35,8 @@ pub(super) fn drifts(batches: &[Tally], states: usize) -> Vec<f64> {
     (0..states).map(of_state).collect()
 }
 
-/// The state that hangs together longest, and the time ∫₀^∞ R(τ) dτ/R(0) that x_i or x_i² does: from how much more its means over
-/// batches spread than those of independent samples would. None where batches are too few to say.
+/// The state with the longest correlation time ∫₀^∞ R(τ) dτ/R(0) of x_i or x_i², and that time: by the spread of its means
+/// over batches relative to that of independent samples. None where batches are too few for it.
 fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, f64)> {
     if batches.len() < LEAST_BATCHES {
         return None;
@@ -55,7 +55,7 @@ fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, 
     all.filter(|(_, time)| time.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Why a run should not be relied on, if it should not.
+/// Why a run should not be relied on, if there is a reason.
 pub(super) fn warning(
     batches: &[Tally],
     layout: &Layout,
@@ -65,8 +65,8 @@ pub(super) fn warning(
     let slowest = slowest(batches, layout, plan.interval());
     if let Some((state, time)) = slowest.filter(|(_, time)| *time > plan.burn_in()) {
         return Some(format!(
-            "not mixed: state {state} hangs together over a time of {time:.0}, which is longer than the burn-in; the answer depends \
-             on where trajectories began"
+            "not mixed: state {state} is correlated over a time of {time:.0}, which is longer than the burn-in; the answer \
+             depends on where trajectories began"
         ));
     }
     let drifts = drifts(batches, layout.axes.len());
@@ -81,7 +81,7 @@ pub(super) fn warning(
     }
     let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > UNEVEN)?;
     Some(format!(
-        "the samples do not obey the moment equations: they take weights 1 ± {far:.2}; take a longer burn-in, more samples or \
-         a shorter time step, if there is a stationary density at all"
+        "the samples do not satisfy the moment equations: they need weights 1 ± {far:.2}; take a longer burn-in, more samples \
+         or a shorter time step, if there is a stationary density at all"
     ))
 }

@@ -11,12 +11,12 @@ use crate::polynomial::{monomials, of_one};
 use serde::{Deserialize, Serialize};
 use std::slice;
 
-/// What every batch keeps count of.
+/// The layout of every batch's sums and counts.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     /// The exponents of the monomials whose means are tracked, each after those that it is made of: all of degree at most 4
-    /// for up to three states; for more states all of degree at most 2 and the powers of single states up to 4; and those
-    /// that were asked for.
+    /// for up to three states; for more states all of degree at most 2 and the powers of single states up to 4; and the
+    /// requested ones.
     pub(super) monomials: Vec<Vec<u32>>,
     /// Each monomial but the first as the product of an earlier one and a variable.
     pub(super) products: Vec<(usize, usize)>,
@@ -26,9 +26,9 @@ pub(super) struct Layout {
     pub(super) plane: Option<[Axis; 2]>,
     /// The number of levels and walls whose passages are counted.
     pub(super) gates: usize,
-    /// What else was asked for.
+    /// The recorders of the other requests.
     pub(super) recorders: Recorders,
-    /// The control variates, and what evaluates them.
+    /// The control variates.
     pub(super) control_variates: ControlVariates,
     pub(super) images: Products,
 }
@@ -60,7 +60,7 @@ pub(super) struct Tally {
     /// Those of each state alone, and those of states 0 and 1 together.
     pub(super) counts: Vec<Counts>,
     pub(super) recordings: Recordings,
-    /// What the regression on control variates is made from.
+    /// The sums over blocks for the regression on control variates.
     pub(super) blocks: Blocks,
     values: Vec<f64>,
 }

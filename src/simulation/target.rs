@@ -3,7 +3,7 @@ use crate::error::{Result, positive};
 use crate::estimate::Estimate;
 use std::fmt;
 
-/// How precise an estimate must be.
+/// The precision that an estimate must have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
     /// The largest standard error, in the unit of the estimate.
@@ -29,7 +29,7 @@ impl Tolerance {
 
 type Statistic<'a> = Box<dyn Fn(&SimulatedDensity) -> Result<Estimate> + Send + 'a>;
 
-/// A statistic and how precise it must be.
+/// A statistic with the precision that it must have.
 pub(super) struct Target<'a> {
     pub(super) tolerance: Tolerance,
     pub(super) statistic: Statistic<'a>,

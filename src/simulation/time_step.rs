@@ -19,10 +19,10 @@ const BESIDE_LOSSY_WALL: f64 = 0.03;
 /// The largest ωh anywhere on the way. At 2 the steps would be unstable.
 const LARGEST: f64 = 0.25;
 
-/// The first of the trajectories that the choice looks at, one group of lanes with streams of their own.
+/// The first of the trajectories for the choice, one group of lanes with streams of their own.
 const FIRST: u64 = 1 << 33;
 
-/// The stretches of their way; the rate is looked at after each of the second half.
+/// The stretches of their way; the rate is taken after each of the second half.
 const STRETCHES: usize = 64;
 
 /// The most steps tried. Each is at most half the one before.

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// The stretches that a burn-in is divided into; the pilot's states are looked at between them.
+/// The stretches that a burn-in is divided into; the pilot's states are taken between them.
 pub(super) const BURN_IN_STRETCHES: usize = 64;
 
 /// After so many of them the states are compared with the samples, where these are few.
@@ -9,7 +9,7 @@ pub(super) const LATE: usize = 48;
 /// Path-steps of all trajectories in one round, about: some hundredths of a second.
 const ROUND: usize = 1 << 21;
 
-/// Samples of each trajectory before precision is looked at for the first time.
+/// Samples of each trajectory before the first check of precision.
 const FIRST_LOOK: usize = 8;
 
 /// The time before the first sample and that between two, in the user's unit of time.
@@ -53,7 +53,7 @@ impl Timetable {
         (samples * self.interval_steps) as f64 * h * trajectories as f64
     }
 
-    /// The end of the next round: stretches that every trajectory completes before anything is decided. It depends on
+    /// The end of the next round: stretches that every trajectory completes before the next decision. It depends on
     /// `trajectories`, their number in the whole simulation, so that rounds end at the same places in all its parts.
     pub(super) fn next_round(&self, done: usize, trajectories: usize) -> usize {
         let (first, steps) =
@@ -69,9 +69,9 @@ pub(super) fn samples(stretches: usize) -> usize {
     stretches.saturating_sub(BURN_IN_STRETCHES)
 }
 
-/// The number of samples per trajectory at the first look at precision after `samples`: each look is an eighth after the
-/// one before. Where they fall depends on nothing else, so that a run that stops there can be repeated bit for bit; and
-/// they are few, since each look at a standard error that is itself uncertain is one more chance to stop too soon.
+/// The number of samples per trajectory at the first check of precision after `samples`: each check is an eighth after the
+/// one before. Where they fall depends on nothing else, so that a run that stops there can be repeated bit for bit; and they
+/// are few, since each check of a standard error that is itself uncertain is one more chance to stop too soon.
 pub(super) fn next_look(samples: usize) -> usize {
     let mut look = FIRST_LOOK;
     while look <= samples {

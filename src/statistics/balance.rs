@@ -6,11 +6,11 @@ use crate::polynomial::Polynomial;
 use crate::problem::Problem;
 
 /// The power balance of the oscillator of state 0, (injected − dissipated)/injected, which is 0 for the stationary
-/// density: a check that any answer can be put to, without knowing the truth.
+/// density: a check of any answer that needs no reference.
 ///
 /// The noise injects E[½ B_vv] (D for additive noise) and the drift f_v of the velocity dissipates −E[v f_v]; each wall of
 /// state 0 at b takes ½ (1 − r²) ∫ |v|³ p(b, v) dv over the velocities towards it. The error is the sum of the errors that
-/// the density states for its moments. A simulation's vary together:
+/// the density states for its moments. Those of a simulation are correlated:
 /// [`SimulatedDensity::energy_balance`](crate::SimulatedDensity::energy_balance) has the standard error.
 ///
 /// # Errors

@@ -5,8 +5,8 @@ use crate::error::{Result, finite, positive};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
 
-/// How often a displacement crosses a level from below, for every level: S. O. Rice's ν⁺(y) = ∫₀^∞ v p(y, v) dv per unit
-/// time (1944, doi:10.1002/j.1538-7305.1944.tb00874.x), and what follows from it.
+/// The rate at which a displacement crosses each level from below, S. O. Rice's ν⁺(y) = ∫₀^∞ v p(y, v) dv per unit time
+/// (1944, doi:10.1002/j.1538-7305.1944.tb00874.x), with the statistics that follow from it.
 ///
 /// ν⁺ itself is exact where the density is. Peaks follow from it if the response is narrow-band, one peak for each crossing
 /// of the mean; first passages and the largest value if crossings of high levels are independent of each other (Poisson's
@@ -24,7 +24,7 @@ impl Crossings {
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if there are no such states, or they are one;
-    /// [`Error::NotKnown`](crate::Error::NotKnown) from a simulation, which knows single levels only: ask
+    /// [`Error::NotKnown`](crate::Error::NotKnown) from a simulation, which counts crossings of single levels only: use
     /// [`Density::upcrossing_rate`] there.
     pub fn new(density: &dyn Density, [displacement, velocity]: [usize; 2]) -> Result<Self> {
         let states = density.dimension();
@@ -49,7 +49,8 @@ impl Crossings {
     /// ν⁺(`level`), the mean number of up-crossings per unit time.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite; so for every question about a level.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite; the same holds for every value at a
+    /// level.
     pub fn rate(&self, level: f64) -> Result<Estimate> {
         Ok(self.rate.value(finite("level", level)?))
     }

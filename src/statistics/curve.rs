@@ -12,7 +12,7 @@ const FLOOR: f64 = 1e-30;
 /// A function that is above this share of its largest value at an end of the interval ends there, as at a wall.
 const ENDS: f64 = 1e-12;
 
-/// How finely a curve is followed.
+/// The fineness of a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Effort {
     /// Equal panels to begin with.
@@ -28,9 +28,9 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// What the integrals over all other states are worth: in one state and in two they take microseconds, in more
-    /// milliseconds and tens of them. There each is a mean over draws, known to some thousandths at best, and a table
-    /// that is smoother than that by a factor would only follow their noise.
+    /// The fineness for integrals over all other states: in one state and in two each takes microseconds, in more states
+    /// milliseconds to tens of them. There each is a mean over draws, accurate to some thousandths at best, and a much finer
+    /// table would only follow their noise.
     pub(super) const fn of_states(states: usize) -> Self {
         if states > 2 {
             Effort { start: 6, order: 8, tolerance: 1e-3, of_the_error: 1.0, most: 12 }
@@ -99,7 +99,7 @@ impl Curve {
         let parts: Vec<Estimate> = panels.iter().map(Panel::whole).collect();
         let mut below = vec![Estimate::new(0.0, 0.0); parts.len()];
         let mut above = below.clone();
-        // What a function that falls on has beyond the interval is neglected, and belongs to the error.
+        // The integral of a falling function beyond the interval is neglected, and belongs to the error.
         below[0].error = panels[0].beyond(-1.0, peak);
         above[parts.len() - 1].error = panels[parts.len() - 1].beyond(1.0, peak);
         for k in 1..parts.len() {
@@ -197,7 +197,7 @@ impl Panel {
     }
 
     fn is_fine(&self, effort: &Effort, peak: f64) -> bool {
-        // What is not a number does not get better.
+        // A panel with NaN is not halved: it would not improve.
         let enough = (effort.tolerance * self.largest).max(effort.of_the_error * self.stated).max(FLOOR * peak);
         !self.truncation.is_finite() || self.truncation <= enough
     }
@@ -254,8 +254,8 @@ fn values(t: f64) -> [f64; ORDER + 1] {
 mod tests {
     use super::*;
 
-    /// exp(−x) on [0, 30]: tails are right relatively, to the tolerance and the rounding of 16 terms. What a function that
-    /// goes on falling has beyond 30, e^−30, belongs to the error.
+    /// exp(−x) on [0, 30]: tails are right relatively, to the tolerance and the rounding of 16 terms. The integral beyond 30
+    /// of a function that goes on falling, e^−30, belongs to the error.
     #[test]
     fn integrals_of_a_tail_keep_their_digits() {
         let curve = Curve::new(|x| Ok(Estimate::new((-x).exp(), 0.0)), [0.0, 30.0], Effort::of_states(2)).unwrap();
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!((curve.above(31.0).value, curve.below(-1.0).value, curve.value(31.0).value), (0.0, 0.0, 0.0));
     }
 
-    /// A value that is not a number ends no loop and hides nothing.
+    /// With a value that is not a number every loop ends, and the result is NaN.
     #[test]
     fn what_is_unknown_stays_unknown() {
         let curve =

@@ -9,7 +9,7 @@ use crate::estimate::Estimate;
 /// error and the second a bias.
 ///
 /// # Errors
-/// As [`Density::expectation`]: a simulation of more than two states does not know it.
+/// As [`Density::expectation`]: a simulation of more than two states does not have it.
 ///
 /// ```
 /// use expoly::{models::{Linear, Solved}, statistics::entropy};

@@ -25,7 +25,7 @@ pub struct Impacts {
 enum Speeds {
     /// w p(b, ∓w).
     Flux(Curve),
-    /// What a simulation counted.
+    /// The counts of a simulation.
     Counted(Arc<dyn Counted>),
 }
 
@@ -149,7 +149,7 @@ impl Impacts {
     }
 
     /// The mean energy lost in impacts per unit time, ½ (1 − r²) ∫ w³ p(b, ∓w) dw, for each unit of mass. Together with
-    /// c E v² of a linear damper it is what the noise puts in, D.
+    /// c E v² of a linear damper it equals the power D of the noise.
     pub fn power(&self) -> Estimate {
         self.power
     }

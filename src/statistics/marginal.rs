@@ -11,15 +11,15 @@ const SCAN: usize = 16;
 /// The distribution of one state: its marginal density, tabulated adaptively over the density's bounds.
 ///
 /// A table takes one to ten milliseconds for an exact density of two states, a tenth of a second for a closure, and
-/// seconds in more states; every question to it takes microseconds.
+/// seconds in more states; every value from it takes microseconds.
 ///
 /// Of a simulation, probabilities and quantiles are those of its histogram, with standard errors by its batches; a quantile
-/// takes half a millisecond. Samples outside the histogram's range are an error of every probability, since they may lie
-/// on either side.
+/// takes half a millisecond. Samples outside the histogram's range are an error of every probability, since they may be on
+/// either side.
 #[derive(Clone, Debug)]
 pub struct Marginal {
     curve: Curve,
-    /// What a simulation counted.
+    /// The counts of a simulation.
     counted: Option<Arc<dyn Counted>>,
 }
 
@@ -36,7 +36,7 @@ impl Marginal {
         Ok(Marginal { curve, counted })
     }
 
-    /// The interval outside of which there is no mass worth speaking of, or none known.
+    /// The interval outside of which the mass is negligible or unknown.
     pub fn range(&self) -> [f64; 2] {
         self.curve.range()
     }
@@ -44,7 +44,8 @@ impl Marginal {
     /// The density at x.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite; so for every question about a level.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite; the same holds for every value at a
+    /// level.
     pub fn pdf(&self, x: f64) -> Result<Estimate> {
         let x = finite("level", x)?;
         Ok(self.counted.as_ref().map_or_else(|| self.curve.value(x), |counted| counted.density(x)))
@@ -74,8 +75,8 @@ impl Marginal {
         Ok(self.above(finite("level", x)?))
     }
 
-    /// The x with P(X ≤ x) = `p`. Its error is how far it moves if the distribution moves by its error, infinite where
-    /// that is as large as `p`.
+    /// The x with P(X ≤ x) = `p`. Its error is its change when the distribution changes by its error, infinite where that is
+    /// as large as `p`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless 0 < p < 1.
@@ -171,7 +172,7 @@ impl Marginal {
     }
 }
 
-/// Where a monotone function has a value; the error is how far that moves if the function moves by its own.
+/// Where a monotone function has a value; the error is the change of that place when the function changes by its own error.
 pub(super) fn inverse(f: impl Fn(f64) -> Estimate, range: [f64; 2], target: f64, rising: bool) -> Estimate {
     let solve = |target: f64| crossing(|x| f(x).value - target, range, rising);
     let x = solve(target);

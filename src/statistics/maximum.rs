@@ -26,7 +26,7 @@ impl Maximum {
             .windows(2)
             .flat_map(|ends| (0..SCAN).map(|k| ends[0] + (ends[1] - ends[0]) * k as f64 / SCAN as f64))
             .collect();
-        // The local maxima of 1 − F, from right to left: the highest so far is what lower levels have at least.
+        // The local maxima of 1 − F, from right to left: lower levels have at least the highest so far.
         let values: Vec<f64> = scan.iter().map(|&y| formula(y).value).collect();
         let mut peaks: Vec<(f64, Estimate)> = Vec::new();
         for k in (1..scan.len().saturating_sub(1)).rev() {

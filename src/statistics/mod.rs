@@ -1,4 +1,4 @@
-//! Answers from any [`Density`](crate::Density), whichever method made it.
+//! Statistics of any [`Density`](crate::Density), independent of the method that made it.
 //!
 //! | question | answer |
 //! |---|---|
@@ -12,9 +12,9 @@
 //! | whether as much power goes in as out | [`energy_balance`] |
 //! | independent states with this density | [`samples`] |
 //!
-//! Every value carries its error: that of its own quadrature, estimated from the next coarser one, and what the density
-//! states for the values that went in. Errors of several values are added linearly (worst case). A simulation's values vary
-//! together: what combines several of them has one standard error, by the jackknife over the simulation's batches.
+//! Every value carries its error: that of its own quadrature, estimated from the next coarser one, and the errors that the
+//! density states for the values in it. Errors of several values are added linearly (worst case). A simulation's values are
+//! correlated: a combination of several has one standard error, by the jackknife over the simulation's batches.
 //!
 //! ```
 //! use expoly::{models::{Duffing, Solved}, statistics::{Crossings, Marginal}};
@@ -54,9 +54,9 @@ use crate::error::{Result, require};
 use crate::estimate::Estimate;
 use crate::problem::Wall;
 
-/// Refuses what is no probability strictly between 0 and 1.
+/// Refuses a number that is not strictly between 0 and 1.
 fn probability(value: f64) -> Result<f64> {
-    let remedy = "a probability here must lie strictly between 0 and 1";
+    let remedy = "a probability here must be strictly between 0 and 1";
     require(value > 0.0 && value < 1.0, "probability", value, remedy)
 }
 

@@ -3,7 +3,7 @@ use crate::error::{Error, Result};
 
 /// Points along each of one or two states in the scan for maxima.
 const SCAN: usize = 61;
-/// Points of the scan in more states, and how many of the highest are climbed from.
+/// Points of the scan in more states, and the number of the highest that are climbed from.
 const POINTS: usize = 4096;
 const STARTS: usize = 24;
 /// Two climbs that end this close, in units of the bounds, found one maximum.
@@ -14,10 +14,10 @@ const SAME: f64 = 1e-3;
 /// A coarse scan of the bounds gives the starts; each is climbed by a pattern search, and finished by Newton's method with
 /// differences of fourth order. In one state and in two the scan has 61 points along each, and a maximum narrower than its
 /// spacing can be missed; in more states it has 4096 points in all, and the 24 highest are climbed from. A ridge of equal
-/// height gives several points along it. What a simulation calls maxima are partly its noise.
+/// height gives several points along it. Some of the maxima of a simulation are its noise.
 ///
 /// # Errors
-/// [`Error::NotKnown`] if the density does not know its values, as a simulation of more than two states.
+/// [`Error::NotKnown`] if the density has no values at states, as a simulation of more than two states.
 ///
 /// ```
 /// use expoly::{models::{Duffing, Solved}, statistics::modes};
@@ -39,7 +39,7 @@ pub fn modes(density: &dyn Density) -> Result<Vec<(Vec<f64>, f64)>> {
         }
     }
     if found.is_empty() {
-        let remedy = "in more than two states ask a closure, or for the modes of single states";
+        let remedy = "in more than two states take a closure, or the modes of single states";
         return Err(Error::NotKnown { what: "its maxima".into(), remedy });
     }
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -133,7 +133,7 @@ fn finished(density: &dyn Density, mut at: Vec<f64>, bounds: &[[f64; 2]]) -> Res
             next[i] = if curvature < 0.0 && step.abs() < h { here + step } else { here };
         }
         let log_pdf = density.log_pdf(&next)?;
-        // Rounding of ln p decides nothing here.
+        // Differences of ln p by rounding do not count.
         if next == at || log_pdf.is_nan() || log_pdf < highest - 1e-12 * highest.abs().max(1.0) {
             break;
         }

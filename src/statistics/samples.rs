@@ -20,7 +20,7 @@ const SHARE: f64 = 1e-5;
 const HALVINGS: usize = 10;
 /// The density within a cell is taken to be at most this factor above its highest known value there.
 const MARGIN: f64 = 1.1;
-/// How often that factor is raised before the density is given up.
+/// The number of times that factor is raised before the density is given up.
 const ATTEMPTS: usize = 12;
 /// Trials for one state: on cells this even, of a density whose mass is 1, a few are enough.
 const TRIALS: usize = 100_000;
@@ -32,13 +32,13 @@ const WIDENED: f64 = 1.25;
 /// Draws `count` states from a density: the same bits for the same `seed` on any number of threads.
 ///
 /// In one state and in two the states are independent and exact, by rejection from a piecewise constant envelope: cells
-/// are halved until the density varies little on each, and an envelope that a draw finds too low is raised, and all draws
-/// begin anew. Only a peak that is narrower than a cell and never met would be missed. In more states they are drawn again from
-/// weighted ones: those that the density was integrated on, [`Density::weighted_states`], or draws from a normal density
-/// with the same mean and covariance; tails beyond these states are not there.
+/// are halved until the density varies little on each, and an envelope that is below the density at a draw is raised, and all
+/// draws begin anew. Only a peak that is narrower than a cell and at no evaluated point would be missed. In more states they
+/// are drawn again from weighted ones: those that the density was integrated on, [`Density::weighted_states`], or draws from
+/// a normal density with the same mean and covariance; tails beyond these states are not there.
 ///
-/// The number beside the states is how many independent ones the weighted ones are worth, (Σw)²/Σw², and none where all are
-/// independent. States repeat themselves when more than a fraction of that many are drawn.
+/// The number beside the states is the effective number of independent ones among the weighted ones, (Σw)²/Σw², and none
+/// where all are independent. States repeat themselves when more than a fraction of that many are drawn.
 ///
 /// # Errors
 /// [`Error::NoSamples`] for a `count` of zero, [`Error::TooMuchMemory`] for more than 2³⁰ numbers in all; [`Error::NotKnown`] if the density does not know its values, as a simulation
@@ -125,7 +125,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// Looks at corners, middles of sides and centre.
+    /// Evaluates the density at corners, middles of sides and centre.
     fn new(density: &dyn Density, cell: Cell) -> Result<Self> {
         let states = density.dimension();
         let mut piece = Piece { cell, highest: 0.0, lowest: f64::INFINITY };
@@ -180,7 +180,7 @@ fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States
                 let shares: Vec<f64> = (0..dimension).map(|_| stream.random()).collect();
                 let x = piece.cell.at(&shares);
                 let (p, envelope) = (density.pdf(&x)?.value, margin * piece.highest);
-                // What is not a number is no bound either.
+                // NaN is no bound either.
                 if p.is_nan() || p > envelope {
                     return Err(too_low.clone());
                 }

@@ -5,14 +5,14 @@ use crate::provenance::Provenance;
 use std::fmt;
 use std::sync::Arc;
 
-/// What a method found at one order: a density, or the reason why there is none.
+/// The result of a method at one order: a density, or the reason why there is none.
 #[derive(Clone)]
 pub struct Answer {
-    /// How it came about and how far it is to be trusted.
+    /// The record of its computation, with its error estimates and warnings.
     pub provenance: Provenance,
     /// The density.
     pub density: Option<Arc<dyn Density>>,
-    /// The classical method's last iterate, whatever became of it.
+    /// The classical method's last iterate, also where it is no density.
     pub solution: Option<Solution>,
 }
 

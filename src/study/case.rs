@@ -10,7 +10,7 @@ use std::time::Instant;
 type Solve<'a> = Box<dyn Fn(&Problem, u32) -> Result<Answer> + Sync + 'a>;
 type Known<'a> = Box<dyn Fn(&Problem) -> Result<Truth> + Sync + 'a>;
 
-/// A problem, what is true of it, and the methods that are tried on it.
+/// A problem, its truth to compare with, and the methods that are tried on it.
 pub struct Case<'a> {
     name: String,
     problem: Problem,
@@ -25,7 +25,7 @@ impl fmt::Debug for Case<'_> {
 }
 
 impl<'a> Case<'a> {
-    /// A problem under a name, and what makes its truth: it is called once in a run, if any row is missing.
+    /// A problem under a name, and a function that makes its truth, called once in a run, if any row is missing.
     pub fn new<T: Into<Truth>>(
         name: &str,
         problem: Problem,
@@ -35,8 +35,8 @@ impl<'a> Case<'a> {
         Case { name: name.to_owned(), problem, truth, methods: Vec::new() }
     }
 
-    /// Adds a method, which gets the problem and an order. A study that goes on from a file knows the problem's equation and
-    /// its walls, but the method only by its name: options that matter belong into it.
+    /// Adds a method, which gets the problem and an order. A study's file identifies the problem by its equation and its
+    /// walls, but the method only by its name: options that matter belong into the name.
     #[must_use]
     pub fn method<A: Into<Answer>>(
         mut self,
@@ -53,7 +53,7 @@ impl<'a> Case<'a> {
         self.methods.len()
     }
 
-    /// All that decides the rows, in words.
+    /// All settings that determine the rows, as text.
     pub(super) fn settings(&self) -> Result<String> {
         let names: Vec<&String> =
             std::iter::once(&self.name).chain(self.methods.iter().map(|(name, _)| name)).collect();

@@ -1,4 +1,4 @@
-//! How fast errors fall with the order, and how far that is worth while.
+//! The rate at which errors fall with the order, and the order beyond which that stops.
 
 use super::row::OrderRow;
 use crate::estimate::Estimate;
@@ -6,12 +6,12 @@ use std::fmt;
 
 /// An error is the method's own while it is above the truth's by this factor.
 const CLEAR: f64 = 3.0;
-/// Orders pay as long as a later one divides the indicator by this at least.
+/// Higher orders are worth while as long as a later one divides the indicator by at least this.
 const WORTH: f64 = 2.0;
-/// A line through fewer points says nothing.
+/// A line through fewer points has no meaningful scatter.
 const FEWEST: usize = 3;
 
-/// What a system's rows of one method say together.
+/// The convergence of one method on one system, from its rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
     /// The system.
@@ -27,15 +27,15 @@ pub struct Convergence {
     pub geometric_scatter: f64,
     /// That from the second line.
     pub algebraic_scatter: f64,
-    /// The order at which the indicator stops paying: the first at which no higher order of the study has an indicator below
-    /// half of its own. None if the highest order is still the first of that kind, so that higher ones may pay, or if
+    /// The order that is enough by the indicator: the first at which no higher order of the study has an indicator below half
+    /// of its own. None if the highest order is still the first of that kind, so that higher ones may be worth while, or if
     /// there is no indicator.
     pub enough: Option<u32>,
 }
 
 impl Convergence {
-    /// Judges the rows of one system and method. Orders whose error is within three times the truth's own do not count
-    /// for the slopes: there the truth is seen, and not the method.
+    /// The convergence from the rows of one system and method. Orders whose error is within three times the truth's own do
+    /// not count for the slopes: there the error is the truth's, and not the method's.
     pub(super) fn of(rows: &[&OrderRow]) -> Option<Self> {
         let first = rows.first()?;
         let clear =

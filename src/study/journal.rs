@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What a study calls after each row, one row at a time; `Break` ends the study.
+/// The callback of a study after each row, one row at a time; `Break` ends the study.
 pub(super) type Callback<'a> = Box<dyn FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a>;
 
 /// A table that is filled row by row.
@@ -23,20 +23,20 @@ pub(super) type Callback<'a> = Box<dyn FnMut(Progress, &str) -> ControlFlow<()> 
 pub(super) struct Journal<'a> {
     pub(super) columns: Vec<String>,
     pub(super) rows: usize,
-    /// All settings in words.
+    /// All settings as text.
     pub(super) settings: String,
     pub(super) path: Option<PathBuf>,
     pub(super) progress: Option<Callback<'a>>,
 }
 
-/// What the file holds from an earlier run.
+/// The content of the file from an earlier run.
 struct Kept<R> {
     rows: Vec<Option<R>>,
     /// The length of the file up to the end of its last whole line.
     sound: u64,
 }
 
-/// What rows share while they are computed.
+/// The state that rows share while they are computed.
 struct Shared<'a> {
     file: Option<File>,
     done: usize,
@@ -132,7 +132,7 @@ impl<'a> Journal<'a> {
                 kept
             })
             .collect();
-        // A row's own error says more than that others were not begun for it.
+        // A row's own error is reported before the cancellation of the rows that were not begun because of it.
         let own = |row: &Result<_>| row.as_ref().err().filter(|e| !matches!(e, Error::StudyCancelled { .. })).cloned();
         if let Some(error) = computed.iter().find_map(own) {
             return Err(error);
@@ -193,8 +193,8 @@ fn digest<'f>(fields: impl Iterator<Item = &'f str>) -> String {
     format!("{:016x}", checksum(joined.as_bytes()))
 }
 
-/// A row as CSV, below the names of its fields if that is asked for. Numbers keep all their bits, and what is missing is an
-/// empty field.
+/// A row as CSV, below the names of its fields if `names`. Numbers keep all their bits, and a missing value is an empty
+/// field.
 fn text(row: &impl Serialize, names: bool) -> Result<String> {
     let refused = |reason: String| Error::File { action: "write", path: String::from("a row of a study"), reason };
     let mut writer = csv::WriterBuilder::new().has_headers(names).from_writer(Vec::new());

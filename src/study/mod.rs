@@ -1,7 +1,7 @@
-//! Studies: which order is enough, and what depends on a parameter.
+//! Studies of the order that is enough, and of the dependence on a parameter.
 //!
-//! [`OrderStudy`] sets orders, problems and methods against what is true of the problems, in one table, and says how fast the
-//! errors fall and from which order on the indicator no longer pays. [`Sweep`] follows a parameter, each value started from
+//! [`OrderStudy`] compares methods at several orders with the truth of each problem, in one table, with the rate at which the
+//! errors fall and the order from which on the indicator hardly falls. [`Sweep`] follows a parameter, each value started from
 //! one close by. Both compute rows in parallel, report each as it finishes, can be cancelled, and can keep their rows in a
 //! file from which an interrupted study goes on.
 

@@ -62,7 +62,7 @@ impl<'a> OrderStudy<'a> {
 
     /// Calls back after each row, one at a time, with the row as it stands in the file, without number and checksum; `Break` ends the
     /// study, and rows that have begun are still finished. Rows of an earlier run count as done. The callback must not start
-    /// parallel work of its own: its thread could be given a row, and wait for itself.
+    /// parallel work of its own: its thread could be given a row, and then wait for itself without end.
     pub fn progress(self, callback: impl FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a) -> Self {
         OrderStudy { progress: Some(Box::new(callback)), ..self }
     }
@@ -72,8 +72,8 @@ impl<'a> OrderStudy<'a> {
     /// # Errors
     /// [`Error::OutOfRange`] for a study without rows, [`Error::NotAName`] for a name of more than one line;
     /// [`Error::OtherStudy`] for a file of another study, [`Error::SpoiledStudy`] for one that was altered, [`Error::File`];
-    /// [`Error::StudyCancelled`]; and what truths and methods return. That a method has no density at some order is a row,
-    /// and no error.
+    /// [`Error::StudyCancelled`]; and the errors of truths and methods. A method that has no density at some order makes a
+    /// row, not an error.
     pub fn run(self) -> Result<OrderTable> {
         let OrderStudy { cases, orders, file, progress } = self;
         let columns = columns::<OrderRow>()?;
@@ -94,7 +94,7 @@ impl<'a> OrderStudy<'a> {
         let truths: BTreeMap<usize, Truth> = truths.collect::<Result<_>>()?;
         let rows = journal.run(|row| {
             let (case, method, order) = keys[row];
-            // Only rows that were missing a moment ago are asked for.
+            // Only rows that were missing a moment ago are computed.
             match truths.get(&case) {
                 Some(truth) => cases[case].row(truth, method, order),
                 None => cases[case].row(&cases[case].truth()?, method, order),

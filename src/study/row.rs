@@ -1,7 +1,7 @@
 use crate::record::number;
 use serde::{Deserialize, Serialize};
 
-/// One row of the table of a study of orders. What is not known is missing.
+/// One row of the table of a study of orders. Values that are not known are `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct OrderRow {
@@ -15,7 +15,7 @@ pub struct OrderRow {
     pub basis: Option<String>,
     /// The number of coefficients.
     pub unknowns: Option<usize>,
-    /// How it ended, in a few words.
+    /// The end of the search, in a few words.
     pub termination: Option<String>,
     /// Where the chosen density comes from or, of the classical method, the search that ended there.
     pub origin: Option<String>,
@@ -39,11 +39,11 @@ pub struct OrderRow {
     pub iterations: Option<usize>,
     /// The seed of the pilot.
     pub seed: Option<u64>,
-    /// What the answer was compared with.
+    /// The truth that the answer was compared with.
     pub truth: String,
     /// ∫ |p̃ − p| dx; against a simulation, of the first state's marginal.
     pub l1: Option<f64>,
-    /// What the truth's own error makes of that distance.
+    /// The error of that distance due to the truth's own error.
     #[serde(with = "number::option")]
     pub l1_error: Option<f64>,
     /// The largest |log₁₀(p̃/p)| down to 1e-5 of the peak.

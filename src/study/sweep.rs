@@ -7,10 +7,10 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// Values that start from the same one, unless the sweep says otherwise.
+/// The default number of values that start from the same one.
 const SEGMENT: usize = 8;
 
-/// A study of what depends on one parameter: a row of numbers for each value, each started from a value close by.
+/// A study of the dependence on one parameter: a row of numbers for each value, each started from a value close by.
 ///
 /// The values are taken in segments of eight neighbours. The middle value of a segment is solved from nothing, and all others
 /// of the segment start from it, so that rows do not wait for one another, and a study that goes on from a file has to
@@ -73,7 +73,7 @@ impl<'a> Sweep<'a> {
         Sweep { segment, ..self }
     }
 
-    /// Whatever else decides the rows, in words: a file with other settings belongs to another study.
+    /// A text with all other settings that the rows depend on: a file with other settings belongs to another study.
     pub fn settings(self, settings: &str) -> Self {
         Sweep { settings: settings.to_owned(), ..self }
     }
@@ -88,13 +88,13 @@ impl<'a> Sweep<'a> {
         Sweep { progress: Some(Box::new(callback)), ..self }
     }
 
-    /// Computes the rows that are missing: `solve(value, near)` returns the numbers of the columns and what neighbours start
-    /// from; `near` is that of the segment's middle value, none for the middle value itself.
+    /// Computes the rows that are missing: `solve(value, near)` returns the numbers of the columns and the start for
+    /// neighbours; `near` is that of the segment's middle value, none for the middle value itself.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a sweep without values, for one that is not finite, and for an empty segment;
     /// [`Error::Dimension`] where `solve` returns not one number for each column; as
-    /// [`OrderStudy::run`](super::OrderStudy::run); and what `solve` returns.
+    /// [`OrderStudy::run`](super::OrderStudy::run); and the errors of `solve`.
     pub fn run<W: Send + Sync>(
         self,
         solve: impl Fn(f64, Option<&W>) -> Result<(Vec<f64>, W)> + Sync,

@@ -15,7 +15,7 @@ impl OrderTable {
         &self.rows
     }
 
-    /// How fast the errors of each system and method fall, in the order of the rows.
+    /// The convergence of each system and method, in the order of the rows.
     pub fn convergence(&self) -> Vec<Convergence> {
         let mut groups: Vec<Vec<&OrderRow>> = Vec::new();
         for row in &self.rows {
@@ -31,7 +31,7 @@ impl OrderTable {
 }
 
 impl fmt::Display for OrderTable {
-    /// The table as text, what methods said where they refused or warned, and a line on the convergence of each method.
+    /// The table as text, with the refusals and warnings of methods, and a line on the convergence of each method.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let longest =
             |of: fn(&OrderRow) -> &str| self.rows.iter().map(|row| of(row).chars().count()).max().unwrap_or(0);

@@ -8,10 +8,10 @@ use crate::polynomial::of_one;
 use crate::simulation::SimulatedDensity;
 use std::fmt;
 
-/// How far below its peak the truth is compared.
+/// The level, relative to the peak, down to which tails are compared.
 const LEVEL: f64 = 1e-5;
 
-/// What the answers of one case are compared with: an exact density, a solution on a grid, or a simulation.
+/// The reference for the answers of one case: an exact density, a solution on a grid, or a simulation.
 pub struct Truth(Kind);
 
 enum Kind {
@@ -59,7 +59,7 @@ impl Truth {
         }
     }
 
-    /// What it is, in a few words.
+    /// Its description, in a few words.
     pub(super) fn text(&self) -> String {
         match &self.0 {
             Kind::Exact(_) => String::from("exact density"),
@@ -77,7 +77,7 @@ impl Truth {
         }
     }
 
-    /// ∫ |p − q| dx of an answer, and what the truth's own error makes of it.
+    /// ∫ |p − q| dx of an answer, with the error due to the truth's own error.
     fn l1(&self, answer: &dyn Density) -> Result<Estimate> {
         match &self.0 {
             Kind::Exact(density) => compare::l1(answer, &**density),
@@ -89,7 +89,7 @@ impl Truth {
         }
     }
 
-    /// Writes the errors of an answer into its row; `velocity` is that of state 0. What cannot be compared is missing.
+    /// Writes the errors of an answer into its row; `velocity` is that of state 0. Values that cannot be compared are `None`.
     pub(super) fn compare(&self, answer: &dyn Density, velocity: Option<usize>, row: &mut OrderRow) -> Result<()> {
         let (truth, states) = (self.density(), answer.dimension());
         // ln p is known between samples too.
@@ -99,7 +99,7 @@ impl Truth {
             error.is_finite().then_some(error)
         };
         let mean_square = |state: usize| relative(&|density| density.moment(&of_one(states, state, 2)));
-        // A simulation has counted only the levels that it was asked to.
+        // A simulation has only the levels that it was given.
         let level = if smooth { truth.moment(&of_one(states, 0, 1))?.value } else { 0.0 };
         let l1 = Some(self.l1(answer)?).filter(|l1| l1.value.is_finite());
         row.l1 = l1.map(|l1| l1.value);

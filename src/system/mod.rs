@@ -1,4 +1,4 @@
-//! Systems: what the state does, written once and generically.
+//! Systems: the equations of motion, written once and generically.
 
 mod intensity;
 mod oscillator;
@@ -56,7 +56,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize>: Send + Sync {
     /// The drift f(x).
     fn drift<S: Scalar>(&self, x: [S; N]) -> [S; N];
 
-    /// The noise matrix G(x): row i holds how strongly each of the M Wiener processes drives state i.
+    /// The noise matrix G(x): row i holds the factors of the M Wiener processes in state i.
     fn noise<S: Scalar>(&self, x: [S; N]) -> [[S; M]; N];
 
     /// How the product G(X) dW is meant. Without effect where G is constant; Itô by default.

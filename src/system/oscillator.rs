@@ -3,7 +3,7 @@ use crate::scalar::Scalar;
 
 /// A single oscillator x″ + h(x, x′) = ξ with white noise ξ, E[ξ(t)ξ(t+τ)] = 2D δ(τ).
 ///
-/// Whatever implements it is a [`PolynomialDrift`] of two states, the displacement x and the velocity v = x′:
+/// Every type that implements it is a [`PolynomialDrift`] of two states, the displacement x and the velocity v = x′:
 ///
 /// ```
 /// use expoly::{Intensity, Oscillator, Scalar};

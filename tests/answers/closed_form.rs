@@ -22,8 +22,8 @@ impl PolynomialDrift<2, 1> for Loaded {
     }
 }
 
-/// What is written out: polynomials of a low and of a high order, an exact density, one above a wall, and four states. The
-/// texts use `k` and `reach` themselves, for other things.
+/// The densities that are written out: polynomials of a low and of a high order, an exact density, one above a wall, and four
+/// states. The texts use `k` and `reach` themselves, for other things.
 fn forms() -> &'static [(&'static str, ClosedForm)] {
     static FORMS: OnceLock<Vec<(&'static str, ClosedForm)>> = OnceLock::new();
     FORMS.get_or_init(solved)
@@ -195,7 +195,7 @@ fn bits(estimate: Estimate) -> [u64; 2] {
     [estimate.value, estimate.error].map(f64::to_bits)
 }
 
-/// What a loaded density answers, bit for bit.
+/// The values of a loaded density, bit for bit.
 fn same_bits(form: &ClosedForm) {
     let text = form.to_json().unwrap();
     let again = ClosedForm::from_json(&text).unwrap();
@@ -252,7 +252,7 @@ fn json_comes_back_to_the_same_bits() {
     let path = scratch("files").join("density.json");
     form.save(&path).unwrap();
     assert_eq!(ClosedForm::load(&path).unwrap().to_json().unwrap(), form.to_json().unwrap());
-    // Threads that save to one path: what is there is whole, whoever came last.
+    // Threads that save to one path: the file is whole, whichever thread was last.
     std::thread::scope(|scope| {
         let save = || (0..20).for_each(|_| form.save(&path).unwrap());
         let threads = [0, 1, 2].map(|_| scope.spawn(save));
@@ -263,9 +263,9 @@ fn json_comes_back_to_the_same_bits() {
     assert!(matches!(missing, Error::File { action: "read", .. }), "{missing}");
 }
 
-/// The text with a checksum that fits it, as one who means harm would write it.
+/// The text with a checksum that fits it, as after a deliberate change.
 fn signed(text: &str) -> String {
-    // What is no JSON has no checksum that fits.
+    // A text that is no JSON has no checksum that fits.
     let Ok(mut document) = serde_json::from_str::<Value>(text) else { return text.to_owned() };
     let bytes = serde_json::to_vec(&(&document["states"], &document["density"])).unwrap();
     let sum = bytes
@@ -291,7 +291,7 @@ fn a_corrupt_document_is_refused_by_name() {
     for end in (0..text.len()).step_by(text.len() / 60) {
         problem(&text[..end]);
     }
-    // A digit that changes is found by the checksum, whatever it belongs to.
+    // A changed digit is found by the checksum, in every entry.
     let digits: Vec<usize> = text.match_indices("0.1").map(|(at, _)| at + 2).filter(|at| *at > 100).collect();
     assert!(digits.len() > 40);
     for at in digits.iter().step_by(digits.len() / 40) {

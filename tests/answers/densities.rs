@@ -1,4 +1,4 @@
-//! Statistics of any density: closed forms, what was drawn, three methods beside each other, and questions without sense.
+//! Statistics of any density: closed forms, draws, three methods beside each other, and arguments without a meaning.
 //!
 //! The exact values are sums of this file's own: Boole's rule along the displacement and the trapezoidal rule along the
 //! velocity over exp of the model's formula, where the library uses Gauss rules on panels.
@@ -91,7 +91,7 @@ impl<'a> Truth<'a> {
     }
 }
 
-/// The largest relative distance of what was found from what is true, with what it was.
+/// The largest relative distance of a found value from the true one, with its name.
 struct Worst(f64, String);
 
 impl Worst {
@@ -108,8 +108,8 @@ impl Worst {
     }
 }
 
-/// All statistics of a density against the lattice's. 1e-8 is what is asked; the lattice's own error, by the orders of
-/// its rules and by halving it, is below 1e-10.
+/// All statistics of a density against the lattice's. The tolerance is 1e-8; the lattice's own error, by the orders of its
+/// rules and by halving it, is below 1e-10.
 fn check(name: &str, density: &dyn Density, log: &dyn Fn(f64, f64) -> f64, range: [f64; 2], fastest: f64) {
     let truth = Truth::new(log, range, fastest);
     let mut worst = Worst(0.0, String::new());
@@ -453,18 +453,18 @@ fn three_methods_agree_within_their_errors() {
         println!("{what}: grid {truth:.7}, closure {closure:.6}, simulation {simulation:.5}");
         assert!((closure.value - truth.value).abs() <= closure.error + truth.error, "{what}: {closure:.7}, {truth:.7}");
         assert!((simulation.value - truth.value).abs() <= 4.0 * simulation.error + truth.error, "{what}: {simulation}");
-        // An error that says something.
+        // The errors are small enough for the comparison to be sharp.
         assert!(closure.error < 0.01 && simulation.error < 0.1, "{what}: {closure} and {simulation}");
     }
     assert!(matches!(Crossings::new(&simulated, [0, 1]), Err(Error::NotKnown { .. })));
-    // What the methods share to draw from.
+    // Draws from the closure, which the grid's moments are compared with.
     drawn("closure", &*grid, &samples(&*closed, 20_000, 4).unwrap());
     assert_eq!(samples(&simulated, 1000, 4).unwrap().0.len(), 1000);
     // A problem has an impact rate where it has a wall, and none otherwise, by every method.
     assert_eq!([grid.impact_rate(), closed.impact_rate(), simulated.impact_rate()], [None; 3]);
 }
 
-/// A wall that takes energy: what the noise puts in, D, is c E v² and what the impacts take.
+/// A wall that takes energy: the power D of the noise is c E v² and the power that the impacts take.
 #[test]
 fn impacts_take_what_the_damper_leaves() {
     let problem = duffing_above(-0.5, 0.9);
@@ -480,7 +480,7 @@ fn impacts_take_what_the_damper_leaves() {
         assert!(left.abs() <= error && error < 1e-4, "{name}: {left:e} ± {error:e}");
         let product = impacts.rate().value * impacts.energy_loss().value;
         assert!((product / impacts.power().value - 1.0).abs() < 1e-12);
-        // The distribution begins at 1, as far as it is from the flux itself.
+        // The exceedance begins at 1, up to the error of the flux itself.
         let whole = impacts.speed_exceedance(0.0).unwrap();
         assert!((whole.value - 1.0).abs() <= whole.error + 1e-6, "{name}: {whole:.8}");
     }
@@ -534,7 +534,7 @@ fn questions_without_sense_are_refused() {
         assert!(matches!(samples(&exact, count, 1), Err(Error::TooMuchMemory { .. })));
     }
     assert!(compare::marginal_log_ratio(&exact, &exact, 2, 0.1).is_err());
-    // Beyond what is tabulated nothing is left, and nothing is not a number.
+    // Beyond the table every probability is 0 or 1, and none is NaN.
     assert_eq!((marginal.exceedance(1e9).unwrap().value, marginal.distribution(-1e9).unwrap().value), (0.0, 0.0));
     assert!((marginal.exceedance(-1e9).unwrap().value - 1.0).abs() < 1e-12);
     assert_eq!(crossings.rate(1e9).unwrap().value, 0.0);
@@ -557,7 +557,7 @@ fn distances_between_closed_forms() {
     let decades = compare::log_ratio(&one, &two, 1e-6).unwrap();
     let truth = 6.0 * 0.2 - 1.2_f64.log10();
     println!("decades {decades:?}, {truth}");
-    // What is between the last point that is high enough and the level is in the error.
+    // The part between the last point that is high enough and the level is in the error.
     assert!((decades.value - truth).abs() <= decades.error && decades.error < 1e-3, "{decades} and {truth}");
     let decades = compare::marginal_log_ratio(&one, &two, 0, 1e-6).unwrap();
     let truth = 6.0 * 0.2 - 0.5 * 1.2_f64.log10();
@@ -568,7 +568,7 @@ fn distances_between_closed_forms() {
     }
     let same = compare::distances(&two, &normal(0.6)).unwrap();
     assert!(same.l1.value < 1e-12 && same.hellinger.value < 1e-12 && same.kullback_leibler.value < 1e-12);
-    // A simulation's noise is in the error: what it simulates is not told from it.
+    // A simulation's noise is in the error: the simulated density does not differ from it by more.
     let problem = problem(Linear::new(0.5, 1.0, 0.5).unwrap());
     let simulated = Simulation::new().samples(100_000).seed(3).run(&problem).unwrap();
     let found = compare::distances(&one, &simulated).unwrap();
@@ -581,7 +581,7 @@ fn distances_between_closed_forms() {
     }
     let moments = compare::moment_differences(&one, &simulated, 4).unwrap();
     assert!(moments.iter().all(|(_, difference)| difference.deviation(0.0) < 4.0), "{moments:?}");
-    // What the simulation did not sum up is left out.
+    // Moments that the simulation did not sum up are left out.
     assert_eq!(compare::moment_differences(&one, &simulated, 5).unwrap().len(), moments.len());
     let balance = energy_balance(&problem, &one).unwrap();
     assert!(balance.value.abs() < 1e-12);

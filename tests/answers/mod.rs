@@ -1,4 +1,4 @@
-//! What can be done with a density: statistics, comparisons, studies, and closed forms for other programs.
+//! The uses of a density: statistics, comparisons, studies, and closed forms for other programs.
 
 mod closed_form;
 mod densities;

@@ -1,4 +1,4 @@
-//! Standard errors of what combines several means of one simulation: the spread over independent runs decides.
+//! Standard errors of combinations of several means of one simulation, against the spread over independent runs.
 
 use crate::common::*;
 use expoly::models::Solved;
@@ -69,7 +69,7 @@ fn mean_of_power(density: &SimulatedDensity, state: usize, power: u32) -> f64 {
     density.moment(&powers).unwrap().value
 }
 
-/// What a simulation answers itself it answers through `statistics`, value and error; the time step's share is in both.
+/// A simulation's own statistics are the same through `statistics`, value and error; the time step's share is in both.
 #[test]
 fn a_simulation_agrees_with_itself() {
     let problem = duffing_above(-0.3, 0.8);
@@ -110,7 +110,7 @@ fn a_simulation_agrees_with_itself() {
             assert!((found.value - counted.value).abs() < 1e-12 && found.error > 0.999 * counted.error);
         }
         let whole = marginal.distribution(-0.3).unwrap().value + marginal.exceedance(-0.3).unwrap().value;
-        // Only what lies outside the histogram is in neither.
+        // Only samples outside the histogram are in neither.
         let counted = density.histogram(0).unwrap();
         let outside = counted.outliers() as f64 / counted.samples() as f64;
         assert!((whole - (1.0 - outside)).abs() < 1e-12, "{whole}, {outside}");
@@ -123,7 +123,7 @@ fn a_simulation_agrees_with_itself() {
     let outside = counted.outliers() as f64 / counted.samples() as f64;
     let expected = (one.error - outside).hypot(twice.value - one.value) + outside;
     assert!((two.error - expected).abs() < 1e-12, "{two} is not ± {expected}");
-    // Raw moments are all that a simulation of four states knows.
+    // A simulation of four states has raw moments only.
     let four = Simulation::new().samples(20_000).run(&chain_of_two().problem().unwrap()).unwrap();
     assert_eq!(Ok(Cumulants::new(&four, 3).unwrap().kurtosis()), four.kurtosis(3));
 }

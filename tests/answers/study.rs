@@ -130,7 +130,8 @@ fn an_interrupted_study_goes_on_to_the_same_table() {
         assert!(matches!(error, Error::SpoiledStudy { .. }) && error.to_string().contains(said), "{error}");
     }
     assert!(matches!(study(&solved, &[]).run(), Err(Error::OutOfRange { .. })));
-    // An error that is no answer ends the study, and names itself rather than the rows that were not begun.
+    // An error other than a missing density ends the study, and is returned rather than the cancellation of the rows that
+    // were not begun.
     let bad = study(&solved, &[2, 17, 4]).run().unwrap_err();
     assert!(matches!(bad, Error::OutOfRange { name: "order of the closure", .. }), "{bad}");
     let nowhere = study(&solved, &orders).file(path.join("below/a/file")).run().unwrap_err();
@@ -141,7 +142,7 @@ fn an_interrupted_study_goes_on_to_the_same_table() {
 fn a_sweep_starts_near_and_goes_on_to_the_same_table() {
     let values = [1.0, 0.9, 0.8, 0.7, 0.6];
     let (cold, warm) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    // What is handed over is the value itself: which one it was shows in the table.
+    // The start that is handed over is the value itself, so that the table shows which one it was.
     let solve = |r: f64, near: Option<&f64>| {
         if near.is_some() { &warm } else { &cold }.fetch_add(1, Ordering::Relaxed);
         Ok((vec![r * r, near.copied().unwrap_or(r)], r))
@@ -177,7 +178,7 @@ fn a_warm_start_comes_to_the_same_density() {
         let iterations = [cold, warm].map(|density| density.provenance().iterations.unwrap());
         println!("{what}: L1 between {:.1e}, estimates {estimates:?}, iterations {iterations:?}", l1.value);
         assert!(l1.value < estimates[0] + estimates[1] && iterations[1] < iterations[0], "{what}");
-        // The warm start is no worse: its own estimate says so, within a tenth.
+        // The warm start is no worse, by its own estimate, within a tenth.
         assert!(estimates[1] < 1.1 * estimates[0], "{what}");
     };
     // A problem with its closure, and the closure of one that is similar to it.

@@ -1,4 +1,4 @@
-//! The closure above a wall: closed forms for r = 1, the reference solution for r < 1, and what the method cannot do.
+//! The closure above a wall: closed forms for r = 1, the reference solution for r < 1, and the limits of the method.
 //!
 //! `reference/vibro_impact_displacement_pdf.csv` holds p_Y at Gauss nodes with their weights, so that a weighted sum of
 //! |p − p_Y| is an L¹ distance; it is accurate to about 1e-6 near the peak and 1e-3 at the wall.
@@ -22,7 +22,7 @@ fn l1_to_reference(density: &ExpPolynomial, offset: f64, restitution: f64) -> f6
     distance
 }
 
-/// r = 1 in the folded basis is exact wherever the wall stands; L¹ ≤ 1e-9 is asked, measured are 1e-14 to 1e-12.
+/// r = 1 in the folded basis is exact wherever the wall stands; the bound is L¹ ≤ 1e-9, measured are 1e-14 to 1e-12.
 #[test]
 fn an_elastic_wall_is_exact_in_the_folded_basis() {
     for offset in [-0.5, 0.0, 0.2, 0.5] {
@@ -101,7 +101,7 @@ fn the_folded_closure_has_its_known_error() {
     }
 }
 
-/// Order 6 of the literature's method, r = 0.9: no usable density at any wall, and the solution says why.
+/// Order 6 of the literature's method, r = 0.9: no usable density at any wall, and the solution has the reason.
 #[test]
 fn the_classical_order_six_has_no_usable_density() {
     for offset in [0.0, 0.2, -0.5] {
@@ -114,8 +114,8 @@ fn the_classical_order_six_has_no_usable_density() {
     }
 }
 
-/// Across the wall's line the classical Q is smooth and even, so that approach and rebound are alike; the folded one tells
-/// them apart by the wall condition p(0, w) = r⁻² p(0, −w/r).
+/// Across the wall's line the classical Q is smooth and even, so that approach and rebound are alike; the folded one
+/// distinguishes them by the wall condition p(0, w) = r⁻² p(0, −w/r).
 #[test]
 fn the_bases_differ_at_the_wall_as_they_should() {
     let classical = solve(4, Basis::Classical, 0.0, 0.95).density().unwrap();
@@ -170,7 +170,7 @@ fn the_back_transformation_inverts_the_forward_one() {
     assert_eq!(wall.folded_density(plane, [0.1, 0.3]), 0.0);
 }
 
-/// Everything that a density says about itself fits together: marginals integrate to one and to the moments.
+/// The values of a density are consistent: marginals integrate to one and to the moments.
 #[test]
 fn marginals_moments_and_flux_fit_together() {
     let density = solve(4, Basis::Folded, -0.5, 0.9).density().unwrap();

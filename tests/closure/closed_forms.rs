@@ -8,7 +8,7 @@ use expoly::{
     Scalar, Solution, Termination, compare,
 };
 
-/// Solves at `order`, asks for a root and for a joint L¹ distance to the exact density.
+/// Solves at `order`, and requires a root and a joint L¹ distance to the exact density below `l1`.
 fn closes(name: &str, model: &impl Solved, order: u32, l1: f64) -> Solution {
     let solution = Closure::classical(order).solve(&model.problem().unwrap()).unwrap();
     assert_eq!(solution.termination(), Termination::Root, "{name} at order {order}");
@@ -32,7 +32,7 @@ fn density(model: &impl Solved, order: u32) -> ExpPolynomial {
     Closure::classical(order).solve(&model.problem().unwrap()).unwrap().density().unwrap()
 }
 
-/// Two states: L¹ ≤ 1e-10 is what is asked; measured are 1e-14 to 1e-12, κ ε for condition numbers up to 1e4.
+/// Two states: the bound is L¹ ≤ 1e-10; measured are 1e-14 to 1e-12, κ ε for condition numbers up to 1e4.
 #[test]
 fn the_closure_is_exact_at_the_order_of_the_truth() {
     closes("linear", &linear(), 2, 1e-10);
@@ -70,8 +70,8 @@ fn the_closure_is_exact_in_two_and_three_degrees_of_freedom() {
     assert!(worst < 1e-9, "{worst:e}");
 }
 
-/// Newton's method from the Gaussian misses the limit cycle; the homotopy from the linearised system finds it, and the
-/// solution says so.
+/// Newton's method from the Gaussian misses the limit cycle; the homotopy from the linearised system finds it, and is the
+/// solution's origin.
 #[test]
 fn the_homotopy_finds_what_newton_does_not() {
     for order in [4, 5, 6] {
@@ -123,7 +123,7 @@ fn moments_have_their_known_values() {
     near(&e4, [0, 2], 0.993314738104);
 }
 
-/// A density that no polynomial holds: every order is reported as what it is, and what is returned is a density.
+/// A density that no polynomial holds: the outcome of every order is reported, and every returned result is a density.
 #[test]
 fn the_power_law_is_reported_as_what_it_is() {
     let system = parametric_linear();

@@ -88,8 +88,8 @@ fn the_estimate_is_the_distance_from_exact_densities() {
     }
 }
 
-/// The estimate beside a bound that assumes nothing: what held-out trajectories say of the sign of the difference from the closure
-/// two orders higher: some nine tenths of the distance.
+/// The estimate beside a bound without assumptions: the mean over held-out trajectories of the sign of the difference from
+/// the closure two orders higher, which gives some nine tenths of the distance.
 #[test]
 fn held_out_trajectories_bound_the_error_from_below() {
     let problem = absorber().problem().unwrap();
@@ -106,8 +106,8 @@ fn held_out_trajectories_bound_the_error_from_below() {
     }
 }
 
-/// The noise's power D is what the dampers take: two identities between second moments, each with its calibrated error.
-/// The errors of several moments are added as if they had one source, and are 1 % of the power all the same.
+/// The noise's power D is the power that the dampers take: two identities between second moments, each with its calibrated
+/// error. The errors of several moments are added as if they had one source, and are 1 % of the power all the same.
 #[test]
 fn dampers_and_loads_take_the_power_of_the_noise() {
     let balance =
@@ -124,8 +124,8 @@ fn dampers_and_loads_take_the_power_of_the_noise() {
     balance("energy sink", &density, energy_sink().absorbed_power(&density).unwrap(), (0.02, &[0, 0, 2, 0]), 0.05);
 }
 
-/// A tilted double well that feels noise through a bath: at this intensity no trajectory leaves its well, and how many are in either
-/// is what they began with.
+/// A tilted double well with noise through a bath: at this intensity no trajectory leaves its well, and the number in each is
+/// that of the start.
 const UNMIXED: &str = r#"
     states = ["x", "v", "z"]
     [drift]
@@ -136,7 +136,7 @@ const UNMIXED: &str = r#"
     z = "0.2"
 "#;
 
-/// What no quartic can hold is said, and where the pilot has not mixed.
+/// There is a warning where no quartic is close to the density, and where the pilot has not mixed.
 #[test]
 fn a_doubtful_density_is_warned_of() {
     let unmixed = Closure::new(4).solve(&Problem::from_toml(UNMIXED).unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! The closures, the robust one and the literature's, where the truth is known and where a grid knows it.
+//! The closures, the robust one and the literature's, against known densities and against a grid's.
 
 mod classical_walls;
 mod closed_forms;

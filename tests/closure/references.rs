@@ -37,8 +37,8 @@ fn means(log: &dyn Fn(&[f64]) -> f64, reach: f64, powers: &[[u32; 3]]) -> Vec<f6
 }
 
 /// A double well in a bath with memory: x″ = x − x³ + z, z′ = −x′ − z + ξ, noise on the third state alone. Its density is known,
-/// and a quartic: exact at n = 4, where what is left is the residual that a root is found to, 6e-10 at most; at n = 2 the
-/// reference has it to 5e-8, and its errors say so.
+/// and a quartic: exact at n = 4 up to the residual of the root, 6e-10 at most; at n = 2 the reference has its moments to
+/// 5e-8, within their stated errors.
 #[test]
 fn a_double_well_in_a_bath_with_memory() {
     let text = r#"
@@ -84,7 +84,7 @@ fn a_reference_has_the_moments_of_exact_densities() {
     assert!((estimate / l1 - 1.0).abs() < 0.02, "{estimate} and {l1}");
 }
 
-/// Noise behind a filter, which nobody has a closed form for: the moments by the equations of degree 10 and of degree 12 are the
+/// Noise behind a filter, without a known closed form: the moments by the equations of degree 10 and of degree 12 are the
 /// same to six digits.
 #[test]
 fn moments_under_filtered_noise_are_known_to_six_digits() {

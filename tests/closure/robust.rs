@@ -7,7 +7,7 @@ use expoly::{
     Problem, Scalar, Simulation, Weight, compare,
 };
 
-/// A density is exact to 1e-8 at each order; measured are 1e-12 to 5e-9, what the quadratures of both sides leave.
+/// A density is exact to 1e-8 at each order; measured are 1e-12 to 5e-9, the errors of both quadratures.
 fn exact(name: &str, model: &impl Solved, orders: &[u32]) {
     let (truth, problem) = (model.exact().unwrap(), model.problem().unwrap());
     for &order in orders {
@@ -114,13 +114,13 @@ impl Case {
                 assert!(l1 < best, "{}, n = {order}: {l1:.3e} after {best:.3e}", self.name);
                 assert!(density.warning().is_none(), "{:?}", density.warning());
                 best = l1;
-                // 0.25 decades are asked for. Van der Pol's oscillator misses it for some seeds, with up to 0.28: the reference
-                // that the choice rests on is itself off by a tenth of a decade there.
+                // 0.25 decades are the bound. Van der Pol's oscillator misses it for some seeds, with up to 0.28: the
+                // reference that the choice rests on is itself off by a tenth of a decade there.
                 if [4, 12].contains(&order) {
                     let tail = tail(&density, &truth);
                     println!("{}, seed {seed}, n = {order}: tail {tail:.2}", self.name);
                     assert!(order == 4 || tail <= self.tail, "{}, seed {seed}: {tail}", self.name);
-                    // What the density says of its tails, where that is no near thing.
+                    // The density's own statement about its tails, where they are not close to the bound.
                     let right = density.tails_are_accurate();
                     assert!(if right { tail < 0.3 } else { tail > 0.2 }, "{}, n = {order}: {tail}", self.name);
                 }
@@ -178,7 +178,8 @@ fn second_moments_of_the_reference_table() {
     check("Duffing-van der Pol", duffing_van_der_pol(), &rows[4]);
 }
 
-/// Parametric noise makes a power tail, which no exponential polynomial has: the answers of low order are rough, and say so.
+/// Parametric noise makes a power tail, which no exponential polynomial has: the answers of low order are rough, and carry
+/// warnings.
 #[test]
 fn a_power_tail_is_flagged() {
     let (exact, problem) = (parametric_linear().exact(), problem(parametric_linear()));
@@ -225,7 +226,8 @@ fn samples_do_as_well_where_the_density_is_smooth() {
     }
 }
 
-/// The adaptive closure stops at the lowest order that meets the target, and says what it reached where none does.
+/// The adaptive closure stops at the lowest order that meets the target, and where none does, its estimate is the least that
+/// was reached.
 #[test]
 fn the_order_adapts_to_the_target() {
     let density = Closure::adaptive(1e-3).solve(&problem(cubic_damping())).unwrap();
@@ -260,7 +262,7 @@ fn the_weight_trades_the_middle_for_the_tails() {
 }
 
 /// Outside its trust domain a density is 0, or with a guard falls on steeply from its value at the edge; the mass there is
-/// what the density says that it does not see.
+/// the density's `truncated_mass`.
 #[test]
 fn a_density_knows_where_it_ends() {
     let problem = problem(van_der_pol());
@@ -299,7 +301,7 @@ fn one_state_is_exact_and_approached() {
     let ratio = |x: f64| density.pdf(&[x]).unwrap().value / shape(x);
     assert!((ratio(1.3) / ratio(0.1) - 1.0).abs() < 1e-8);
     assert_eq!(density.candidates()[0].origin, Origin::Exact);
-    // A sextic potential needs n = 6; n = 4 is told to be off, and n = 6 to be exact.
+    // A sextic potential needs n = 6; the estimate is large at n = 4, and 0 but for rounding at n = 6.
     let sextic = problem(Overdamped { cubic: 0.5, quintic: 0.3 });
     assert!(Closure::new(4).solve(&sextic).unwrap().l1_estimate() > 1e-3);
     assert_eq!(Closure::new(6).solve(&sextic).unwrap().candidates()[0].origin, Origin::Exact);

@@ -5,7 +5,7 @@ use expoly::models::Solved;
 use expoly::{Closure, Crossing, Degrees, Density, Error, Origin, compare};
 use support::walls;
 
-/// Elastic walls cut the density off: exact at the order of the truth and above, wherever they stand. 1e-8 is asked;
+/// Elastic walls cut the density off: exact at the order of the truth and above, wherever they stand. The bound is 1e-8;
 /// measured are 1e-9, the mass beyond the trust domain.
 #[test]
 fn elastic_walls_are_exact() {
@@ -128,7 +128,7 @@ fn bad_input_is_refused_by_name() {
         let refused = closure.solve(&above);
         assert!(matches!(refused, Err(Error::NotServed { method: "closure", .. })), "{refused:?}");
     }
-    // A gap that no state of the pilot was in.
+    // A gap without any state of the pilot.
     let narrow = Closure::new(2).pilot_states(1000).solve(&between(walls_at([-0.8, -0.8 + 1e-9], [0.9, 0.9])));
     assert!(matches!(narrow, Err(Error::NotClosed { order: 2, .. })), "{narrow:?}");
     let [lower, upper] = walls_at([0.0, -1.0], [0.9, 0.9]);

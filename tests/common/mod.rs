@@ -1,4 +1,4 @@
-//! What several tests need.
+//! The systems and solutions that several tests share.
 
 use expoly::models::{
     BistableHarvester, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping,
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// What several tests ask for, by its key: made for the first that asks.
+/// Values that several tests use, by key, each made at its first use.
 #[derive(Debug)]
 pub(crate) struct Shared<K, V>(Mutex<BTreeMap<K, Arc<OnceLock<Arc<V>>>>>);
 
@@ -185,7 +185,8 @@ pub(crate) fn harvester() -> BistableHarvester {
 }
 
 /// A structure with a hardening spring, x″ + 0.04 x′ + x + 0.8 x³ + s = 0.25 Ẇ, and a tuned absorber of a tenth of its mass,
-/// s = 0.09 (x − y) + 0.03 (x′ − y′): noise on one mass alone, which the other feels through two springs.
+/// s = 0.09 (x − y) + 0.03 (x′ − y′): noise on one mass alone, which the other is coupled to by the absorber's spring and
+/// damper.
 pub(crate) fn absorber() -> TunedAbsorber {
     let intensity = Intensity::from_sigma(0.25).unwrap().d();
     TunedAbsorber::new(Duffing::new(0.04, 1.0, 0.8, intensity).unwrap(), 0.1, 0.09, 0.03).unwrap()

@@ -151,7 +151,7 @@ fn a_transient_ends_in_the_stationary_density_at_the_slowest_rate() {
     assert!((measured / rate - 1.0).abs() < 1e-3, "{measured} and {rate}");
     let distance = l1_from(&bistable, &densities[2].density);
     println!("at the end: L1 {distance:.1e}, steps {:.1e}", densities[2].step_error);
-    // What is left of the slowest mode, e^−14 = 8e-7 times its size, besides the steps' error: twice the 3.4e-5 that was
+    // The rest of the slowest mode, e^−14 = 8e-7 times its size, besides the steps' error: twice the 3.4e-5 that was
     // measured, a tenth of what the steps' estimates add up to.
     assert!(distance < 7e-5 && distance < densities[2].step_error, "{distance:e}");
 }

@@ -1,4 +1,4 @@
-//! The grid against closed forms, reference solutions, a simulation of its own, and what it says about its own error.
+//! The grid against closed forms, reference solutions, a simulation of its own, and its own estimates of the error.
 
 use crate::common::*;
 use expoly::models::{Duffing, Linear, Solved};
@@ -11,8 +11,8 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use support::walls;
 
-/// The defaults promise about 1e-7 for a smooth density. The difference between two degrees is the error of the lower one,
-/// so that it must not be below the true error.
+/// The defaults give about 1e-7 for a smooth density. The difference between two degrees is the error of the lower one, so
+/// that it must not be below the true error.
 fn check_smooth(name: &str, density: &GridDensity, system: &impl Solved, tolerance: f64) {
     let (made, estimate) = (density.provenance(), density.l1_estimate());
     let distance = l1_from(density, &system.exact().unwrap());
@@ -50,7 +50,8 @@ fn three_wells_are_found() {
     check_smooth("three wells, finer", &finer, &three_wells(), 2e-6);
 }
 
-/// For an analytic density the error falls by a factor with each degree. On this mesh it is 6 to 8; 4 on average is asked.
+/// For an analytic density the error falls by a factor with each degree. On this mesh it is 6 to 8; the bound is 4 on
+/// average.
 #[test]
 fn the_error_falls_exponentially_with_the_degree() {
     let exact = duffing().exact().unwrap();
@@ -127,7 +128,7 @@ fn moment_equations_and_the_power_balance_hold_to_the_reported_error() {
 }
 
 /// tests/reference/smooth.csv to 1e-6: two meshes of the reference agree to 1e-8, and its domain ends at 1e-6 of the
-/// density at the origin, which its moments feel.
+/// density at the origin, which affects its moments.
 #[test]
 fn the_smooth_reference_table_is_reproduced() {
     let rows = reference("smooth.csv");
@@ -163,10 +164,10 @@ fn an_elastic_wall_is_exact() {
     }
 }
 
-/// The moments of tests/reference/vibro_impact.csv for r < 1, within the file's uncertainty and 1e-6, what the grid's two
-/// degrees agree to; at r ≤ 0.7 the reference's mesh is too coarse at the grazing point, and 1e-5 is asked.
-/// Its impact rates are low for the same reason, by 1e-5 (r = 0.98) to 6e-3 (r = 0.5): where that is more than 3e-5 a finer
-/// mesh's take their place, which the next test is about.
+/// The moments of tests/reference/vibro_impact.csv for r < 1, within the file's uncertainty and 1e-6, the agreement of the
+/// grid's two degrees; at r ≤ 0.7 the reference's mesh is too coarse at the grazing point, and the bound is 1e-5. Its impact
+/// rates are low for the same reason, by 1e-5 (r = 0.98) to 6e-3 (r = 0.5): where that is more than 3e-5 those of a finer
+/// mesh replace them, as the next test shows.
 fn check_row(row: &walls::Row) {
     let (offset, restitution) = (row.b, row.r);
     let density = on_grid_above(offset, restitution);
@@ -376,10 +377,10 @@ fn what_has_no_answer_is_refused_with_the_reason() {
         let error = solve(grid).unwrap_err();
         assert!(matches!(error, Error::OutOfRange { .. }), "{grid:?}: {error}");
     }
-    // A domain that cuts the density says where.
+    // The error of a domain that cuts the density contains the place.
     let error = solve(Grid::new().domain([[-1.5, 4.0], [-7.0, 7.0]])).unwrap_err();
     assert!(matches!(error, Error::DomainCut { state: 0, edge: -1.5, .. }), "{error}");
-    // Energy that grows fast is seen by the pilot, energy that grows slowly by the domain that never suffices.
+    // Energy that grows fast is an explosion of the pilot; with energy that grows slowly no domain suffices.
     for damping in [-2.0, -0.02] {
         let error = Grid::new().solve(&Problem::of(Unstable(damping)).unwrap()).unwrap_err();
         assert!(matches!(error, Error::Exploded { .. } | Error::DomainCut { .. }), "{damping}: {error}");

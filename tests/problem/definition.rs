@@ -1,4 +1,4 @@
-//! What a problem is made of, and what it refuses to be.
+//! The parts of a problem, and the errors of systems that are no problem.
 
 use crate::common::*;
 use expoly::models::Solved;
@@ -105,7 +105,7 @@ fn walls_need_a_displacement_and_room() -> Result<()> {
     Ok(())
 }
 
-/// As long as it says it is, or not.
+/// A system whose drift and noise have the stated length or another one.
 struct Uneven {
     drift: usize,
     rows: usize,

@@ -87,7 +87,7 @@ fn an_order_is_at_least_one() {
     }
 }
 
-/// No damping, negative damping, negative stiffness without a cubic term: nothing is stationary, and it is said.
+/// No damping, negative damping, negative stiffness without a cubic term: nothing is stationary, and the error is typed.
 #[test]
 fn a_drift_without_a_stationary_density_is_refused() {
     let unstable = [
@@ -222,7 +222,7 @@ fn densities_need_a_finite_mass_and_a_proper_frame() {
     assert_eq!(cut.pdf(&[0.0, 1.1]).unwrap().value, 0.0);
 }
 
-/// Q that is no number or too steep to be integrated is no density; nor is a power of a velocity beyond every use an answer.
+/// Q that is no number or too steep to be integrated is no density; nor is there a flux of a power beyond 200.
 #[test]
 fn densities_are_made_of_numbers() {
     let unit = Gaussian { mean: DVector::zeros(2), covariance: DMatrix::identity(2, 2) };
@@ -244,7 +244,7 @@ fn densities_are_made_of_numbers() {
             assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{level}, {power}: {refused:?}");
         }
     }
-    // No mean, of whatever is asked that has none.
+    // A mean that is not defined is NaN.
     let [one, two] = [1, 2].map(|n| Polynomial::variable(n, n - 1));
     let line = Gaussian { mean: DVector::zeros(1), covariance: DMatrix::identity(1, 1) };
     let misfit = Gaussian { mean: DVector::zeros(2), covariance: DMatrix::identity(1, 1) };
@@ -254,7 +254,7 @@ fn densities_are_made_of_numbers() {
     }
 }
 
-/// What no text of this library's making says.
+/// Texts that this library does not write.
 #[test]
 fn spoiled_texts_are_refused() {
     let polynomial = |text: &str| serde_json::from_str::<Polynomial>(text);
@@ -352,7 +352,7 @@ fn times_beyond_all_patience_are_refused() {
     }
 }
 
-/// At r ≤ 0.163 the impact rate is infinite, and the finite one that is found says so.
+/// At r ≤ 0.163 the impact rate is infinite, and the finite one that is found carries a warning.
 #[test]
 fn walls_that_trajectories_collapse_onto_are_warned_of() {
     let problem = duffing_above(0.0, 0.15);
@@ -365,8 +365,8 @@ fn walls_that_trajectories_collapse_onto_are_warned_of() {
     assert_eq!(simulated(&duffing_above(0.0, 0.3)).warning, None);
 }
 
-/// Random oscillators with extreme and odd parameters, some of them with a wall: whatever comes back is an answer or a
-/// typed error, and an answer's density is a density.
+/// Random oscillators with extreme and odd parameters, some of them with a wall: every result is an answer or a typed error,
+/// and an answer's density is a density.
 #[test]
 fn nothing_panics_on_random_systems() {
     struct Random([f64; 8], Intensity);
@@ -390,7 +390,7 @@ fn nothing_panics_on_random_systems() {
     let mut densities = 0;
     for k in 0..150usize {
         let mut c: [f64; 8] = points.array(1.0);
-        // Two in three are confined, so that there is something to close.
+        // Two in three are confined, so that many have a density.
         if k % 3 > 0 {
             [c[0], c[2], c[3], c[5]] = [c[0], c[2], c[3], c[5]].map(f64::abs);
         }
@@ -415,7 +415,7 @@ fn nothing_panics_on_random_systems() {
     assert!(densities > 150, "{densities}");
 }
 
-/// A density that is high where nobody is: at one corner of its bounds, and 1e-12 of that elsewhere.
+/// A density that is high at one corner of its bounds only, and 1e-12 of that elsewhere.
 struct Spike;
 
 impl Density for Spike {

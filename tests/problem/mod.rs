@@ -1,4 +1,4 @@
-//! Problems: what they are made of, their equations, problems as text, other units, and input that is refused.
+//! Problems: their parts, their equations, problems as text, other units, and input that is refused.
 
 mod definition;
 mod hostile;

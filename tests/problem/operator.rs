@@ -94,7 +94,7 @@ fn the_generator_is_the_adjoint_of_the_operator() {
 #[test]
 fn polynomial_derivatives_agree_with_dual_numbers() {
     let p = &problem(energy_damping()).operator().drift()[1].clone();
-    // What rounding is relative to: the sum of the terms without their signs.
+    // The scale of rounding: the sum of the terms without their signs.
     let absolute = Polynomial::from_terms(2, p.terms().map(|(alpha, c)| (alpha, c.abs()))).unwrap();
     let mut points = Points::new(5);
     for _ in 0..20 {

@@ -1,10 +1,11 @@
-//! Every door of a density: a state, a list of powers or an index of the wrong length is refused, whichever method made it.
+//! The arguments of every method of a density: a state, a list of powers or an index of the wrong length is refused, for
+//! densities of all methods.
 
 use crate::common::*;
 use expoly::models::{EnergyAveraged, Solved, VibroImpactDuffing};
 use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Simulation};
 
-/// Asks a density of n states everything with lengths and states that are not its own.
+/// Calls every method of a density of n states with lengths and states that are not its own.
 fn all_doors(name: &str, density: &dyn Density) {
     let n = density.dimension();
     let bounds = density.bounds();
@@ -36,12 +37,12 @@ fn all_doors(name: &str, density: &dyn Density) {
     }
     no_state(density.joint_marginal([0, 0], [0.1; 2]).unwrap_err());
     no_state(density.flux(Crossing { velocity: 0, ..Crossing::upward(0.1) }, 1).unwrap_err());
-    // What fits is answered.
+    // An argument of the right length has an answer.
     assert!(density.moment(&vec![0; n]).is_ok_and(|mass| (mass.value - 1.0).abs() < 1e-6), "{name}");
     assert!(density.marginal(n - 1, 0.1).is_ok_and(|p| p.value > 0.0), "{name}");
 }
 
-/// The closure's further doors.
+/// The further methods of a closure.
 fn closures_doors(name: &str, density: &ClosureDensity) {
     all_doors(name, density);
     let n = density.dimension();
@@ -75,7 +76,7 @@ fn a_wrong_length_is_refused_at_every_door() {
     }
 }
 
-/// A question that makes sense, and that this answer does not hold, is told from one that makes none.
+/// A value that exists but that this density does not have is another error than an argument without a meaning.
 #[test]
 fn what_is_not_known_is_no_number() {
     let chain = chain_of_two().problem().unwrap();

@@ -1,11 +1,11 @@
-//! Problems as TOML: they come back to the same bits, ask for the same answers, and errors name line and entry.
+//! Problems as TOML: they come back to the same bits, have the same answers, and errors name line and entry.
 
 use crate::common::*;
 use expoly::models::Solved;
 use expoly::{Closure, Density, Error, Grid, Interpretation, Problem, Result, Simulation, Wall};
 use std::path::Path;
 
-/// All that a problem says of itself.
+/// All public parts of a problem.
 fn assert_same(name: &str, one: &Problem, other: &Problem) {
     assert_eq!((one.states(), one.parameters()), (other.states(), other.parameters()), "{name}");
     assert_eq!((one.drift(), one.noise()), (other.drift(), other.noise()), "{name}");
@@ -102,7 +102,7 @@ fn expressions_parameters_and_interpretations_are_understood() -> Result<()> {
     Ok(())
 }
 
-/// Errors say in which line, about what, and what to write instead.
+/// Errors name the line, the entry, and the text to write instead.
 #[test]
 fn errors_name_the_line_and_the_entry() {
     let lines: Vec<&str> = DUFFING.trim_start().lines().collect();

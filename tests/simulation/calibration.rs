@@ -1,5 +1,5 @@
-//! Moments by control variates: the truth with small and honest errors, the same bits however a run is made, and warnings where
-//! a run was not stationary.
+//! Moments by control variates: the truth with small and right errors, the same bits however a run is made, and warnings
+//! where a run was not stationary.
 
 use crate::common::threads_of;
 use expoly::{
@@ -67,7 +67,7 @@ fn small_errors_are_honest() -> Result<()> {
     // independent ones: the root mean square is 1 ± 0.08. `expoly-measure calibration` takes 60 seeds and four systems.
     let mut squares = Vec::new();
     for (problem, exact) in systems()?.into_iter().skip(2) {
-        // E v² = D/c without a coupling to anything is exact: chance has no part in it.
+        // E v² = D/c without a coupling to anything is exact, without chance.
         let chance: Vec<_> = powers(problem.dimension()).filter(|p| problem.dimension() > 2 || p[1] != 2).collect();
         for seed in 0..16 {
             let result = Simulation::new().samples(50_000).seed(100 + seed).run(&problem)?;
@@ -172,8 +172,8 @@ fn short_runs_are_plain() -> Result<()> {
     Ok(())
 }
 
-/// Above an elastic wall the density is known. There impacts turn the velocity alone, so that only what is odd in it jumps; above
-/// a lossy wall all of it does, and E\[𝓖ψ\] without the jumps would be as far from zero as impacts take energy.
+/// Above an elastic wall the density is known. There impacts turn the velocity alone, so that only functions odd in it jump;
+/// above a lossy wall all of it does, and E\[𝓖ψ\] without the jumps would be as far from zero as impacts take energy.
 #[test]
 fn impacts_are_calibrated_with_the_rest() -> Result<()> {
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
@@ -189,7 +189,7 @@ fn impacts_are_calibrated_with_the_rest() -> Result<()> {
         let exact = if restitution == 1.0 { Some(duffing.exact_above(offset)?) } else { None };
         let approach = Crossing { upward: false, ..Crossing::upward(offset) };
         type Answer<'a> = &'a dyn Fn(&dyn Density) -> Result<Estimate>;
-        // Of each the gain that is to be had at least; those measured are 1.2 to 2.8 times as large.
+        // For each the least gain; those measured are 1.2 to 2.8 times as large.
         let answers: [(&str, f64, Answer<'_>); 6] = [
             ("E y", 4.0, &|d| d.moment(&[1, 0])),
             ("E y^2", 10.0, &|d| d.moment(&[2, 0])),
@@ -216,8 +216,8 @@ fn impacts_are_calibrated_with_the_rest() -> Result<()> {
     Ok(())
 }
 
-/// Damping below zero: energy grows and no density is stationary, above a wall that takes too little energy as well. However few
-/// samples there are, the answer says so or there is none.
+/// Damping below zero: energy grows and no density is stationary, above a wall that takes too little energy as well. With any
+/// number of samples, the answer has a warning or there is none.
 #[test]
 fn what_is_not_stationary_warns() -> Result<()> {
     for damping in [-0.3, -0.1, -0.02] {

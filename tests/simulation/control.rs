@@ -104,7 +104,7 @@ fn a_run_that_is_cancelled_again_and_again_finds_the_same() -> Result<()> {
     let run = || simulation(515).samples(515 * 60).bins(16);
     let result = run().run(&problem)?;
     let (whole, total) = (bits(&result)?, path_steps(&result));
-    // How far a run comes before a cancellation is seen depends on the threads; the result must not.
+    // The number of steps before a cancellation takes effect depends on the threads; the result must not.
     for sessions in [2, 5, 25] {
         let mut cancelled = 0;
         for session in 1..sessions {
@@ -150,7 +150,7 @@ fn a_run_in_many_short_sessions_finds_the_same() -> Result<()> {
     };
     assert_eq!(lengths, [10, 20]);
     assert!(bits(&result)? == bits(&run(25).run(&problem)?)?);
-    // A run that was over goes on when more samples are asked for.
+    // A run that was over goes on with a larger number of samples.
     let more = run(26).checkpoint(&file.0, Duration::from_secs(60)).run(&problem)?;
     assert!(bits(&more)? == bits(&run(26).run(&problem)?)?);
     Ok(())
@@ -237,7 +237,7 @@ fn precision_ends_a_run_and_the_run_can_be_repeated() -> Result<()> {
     assert_eq!(result.provenance().stopped, Some(Stopped::Precision));
     assert!(square.error <= 0.02 * square.value && rate.error <= 0.01);
     let samples = samples(&result);
-    // It stopped at the first look that sufficed, an eighth after one that did not: the error then is not far below.
+    // It stopped at the first check that sufficed, an eighth after one that did not: the error then is not far below.
     assert!(samples < 1_000_000 && (square.error > 0.016 * square.value || rate.error > 0.008));
     assert!(bits(&run(0.02)?)? == bits(&result)?);
     let shorter = long().samples(samples).run(&problem)?;
@@ -247,7 +247,7 @@ fn precision_ends_a_run_and_the_run_can_be_repeated() -> Result<()> {
     let never = simulation(64).samples(1000);
     let never = never.until(Tolerance::Absolute(1e-9), |found| found.mean(0)).run(&problem)?;
     assert_eq!(never.provenance().stopped, Some(Stopped::Samples));
-    // What is unknown is no target.
+    // A value that the density does not have is no target.
     let unknown = simulation(64).until(Tolerance::Absolute(1.0), |f| f.moment(&[9, 9])).run(&problem);
     assert!(matches!(unknown, Err(Error::NotKnown { .. })));
     let uncounted = simulation(64).until(Tolerance::Absolute(1.0), |f| f.upcrossing_rate(0.7)).run(&problem);
@@ -259,7 +259,7 @@ fn precision_ends_a_run_and_the_run_can_be_repeated() -> Result<()> {
     Ok(())
 }
 
-/// What ending a run at a precision does to its standard errors; `-- --nocapture` prints it.
+/// The effect of ending a run at a precision on its standard errors; `-- --nocapture` prints it.
 #[test]
 fn standard_errors_of_runs_that_were_ended_by_precision_cover() -> Result<()> {
     let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
@@ -303,7 +303,7 @@ fn spoiled_checkpoints_are_refused_and_left_as_they_are() -> Result<()> {
         let typed = both.iter().all(|error| matches!(error, Some(Error::NotACheckpoint { .. })));
         written && typed && fs::read(&file.0).is_ok_and(|kept| kept == content)
     };
-    // Cut off anywhere, with any byte altered, with something after it, and another file altogether.
+    // Cut off anywhere, with any byte altered, with bytes after it, and a file of another kind.
     for k in 1..40 {
         assert!(refused(&whole[..whole.len() * k / 40]), "{k} fortieths of it");
         let mut altered = whole.clone();
@@ -363,7 +363,7 @@ fn no_time_is_no_result() -> Result<()> {
     let (problem, file) = (problem()?, Scratch::new("no-time"));
     let none = simulation(64).time_budget(Duration::ZERO).run(&problem);
     assert!(matches!(none, Err(Error::OutOfTime { .. })));
-    // With a checkpoint of a run that was over there is something to return.
+    // With a checkpoint of a run that was over there is a result to return.
     checkpointed(&problem, &file.0)?;
     let kept = simulation(10).checkpoint(&file.0, Duration::ZERO).time_budget(Duration::ZERO).run(&problem)?;
     assert_eq!(kept.provenance().stopped, Some(Stopped::Samples));
@@ -381,7 +381,7 @@ fn explosions_are_the_same_error_on_any_number_of_threads() -> Result<()> {
     for threads in [1, 7] {
         assert_eq!(threads_of(threads).install(run).err().as_ref(), Some(&error), "{threads} threads");
     }
-    // A checkpoint does not turn the explosion into something else.
+    // A checkpoint does not change the error of the explosion.
     let file = Scratch::new("explosion");
     let again =
         || Simulation::new().time_step(0.02).burn_in(1.0).checkpoint(&file.0, Duration::ZERO).run(&growing).err();

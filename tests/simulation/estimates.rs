@@ -10,7 +10,7 @@ use support::walls::{self, Statistic};
 /// Values beyond four standard errors do not happen by chance here: one test in 8000, with 64 batches.
 const LIMIT: f64 = 4.0;
 
-/// Within four standard errors of the truth, and precise enough to mean something.
+/// Within four standard errors of the truth, with a standard error of at most `most`.
 fn assert_close(what: &str, estimate: Estimate, truth: f64, most: f64) {
     println!("{what}: {estimate}, exact {truth}, at most ± {most:.2e}");
     assert!(estimate.error <= most, "{what}: {estimate} is not precise to {most}");
@@ -18,7 +18,7 @@ fn assert_close(what: &str, estimate: Estimate, truth: f64, most: f64) {
 }
 
 fn assert_relative(what: &str, estimate: Estimate, truth: f64) {
-    // 0.3 %: a tenth of what an order-4 closure is off by.
+    // 0.3 %: a tenth of the error of an order-4 closure.
     assert_close(what, estimate, truth, 3e-3 * truth.abs());
 }
 
@@ -230,8 +230,8 @@ fn fields_that_do_not_commute_have_their_moments() -> Result<()> {
 #[test]
 fn standard_errors_cover() -> Result<()> {
     // Twenty seeds with five statistics of known value, of which x² and x⁴ are strongly correlated: about 70 independent
-    // ones. Their root mean square is 1 ± 1/√140 = 1 ± 0.085 where standard errors are honest, which 0.8 and 1.25 enclose
-    // by more than two deviations. Samples one time unit apart are strongly correlated here: errors that took them for
+    // ones. Their root mean square is 1 ± 1/√140 = 1 ± 0.085 where standard errors are right, which 0.8 and 1.25 enclose by
+    // more than two deviations. Samples one time unit apart are strongly correlated here: errors that took them for
     // independent would be half as large. Without control variates, since E v² and E xv are exact with them.
     let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
     let mut squares = Vec::new();
@@ -325,7 +325,7 @@ fn impossible_options_are_refused() -> Result<()> {
     assert!(matches!(new().trajectories(0).run(&free), Err(Error::NoSamples { least: 2, .. })));
     assert!(matches!(new().trajectories(1).run(&free), Err(Error::NoSamples { least: 2, .. })));
     assert!(new().trajectories(2).burn_in(0.0).run(&free).is_ok());
-    // One wall, which the motion is above, is what a simulation serves.
+    // A simulation serves one wall, with the motion above it.
     for problem in [free.with_wall(Wall::below(1.0, 0.9)?)?, walled.with_wall(Wall::below(1.0, 0.9)?)?] {
         let refused = new().run(&problem);
         assert!(matches!(refused, Err(Error::NotServed { method: "simulation", .. })), "{refused:?}");

@@ -1,4 +1,4 @@
-//! Statistics that are asked for, against closed forms; and that they are the same however a run is made.
+//! Statistics on request, against closed forms; and the same bits however a run is made.
 
 use crate::common::{OrnsteinUhlenbeck, threads_of};
 use expoly::{
@@ -55,7 +55,7 @@ fn a_linear_oscillator_has_its_spectrum_and_first_passages() -> Result<()> {
 }
 
 /// From the stationary state the Ornstein-Uhlenbeck process has not passed zero from below until t with probability
-/// ½ · (2/π) arcsin e^(−t): half of the starts lie above, and x(t) e^t is a Brownian motion in the time e^(2t) − 1. It is
+/// ½ · (2/π) arcsin e^(−t): half of the starts are above, and x(t) e^t is a Brownian motion in the time e^(2t) − 1. It is
 /// observed continuously there and at intervals h = 0.0025 here; the missed passages shift the level by 0.5826 √(2h), as for
 /// any Brownian motion (M. Broadie, P. Glasserman and S. Kou, 1997, doi:10.1111/1467-9965.00035), so that the level is put as
 /// much lower. What remains is of order h.
@@ -130,7 +130,7 @@ fn impacts_on_an_elastic_wall_have_rayleigh_speeds() -> Result<()> {
     Ok(())
 }
 
-/// Every number that was asked for, bit for bit.
+/// Every requested number, bit for bit.
 fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
     let mut values = vec![result.moment(&[3, 4])?, result.moment(&[0, 6])?, result.upcrossing_rate(0.6)?];
     for state in [0, 1] {
@@ -152,7 +152,7 @@ fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
     Ok(values.iter().flat_map(|e| [e.value.to_bits(), e.error.to_bits()]).collect())
 }
 
-/// All statistics at once, to be asked above a lossy wall, with some lanes idle.
+/// All statistics at once, to be run above a lossy wall, with some lanes idle.
 fn everything<'a>() -> Simulation<'a> {
     let simulation = Simulation::new().levels([0.6]).burn_in(5.0).seed(5);
     let simulation = simulation.trajectories(515).samples(515 * 100).sampling_interval(0.4).time_step(0.02);
@@ -180,7 +180,7 @@ fn all_statistics_are_the_same_however_the_run_is_made() -> Result<()> {
         let outcome = everything().checkpoint(&file, Duration::ZERO).progress(stop).run(&problem);
         assert!(matches!(outcome, Err(Error::Cancelled { .. })));
     }
-    // Another question is another simulation.
+    // Another request is another simulation.
     let other = everything().spectrum(0, 16).checkpoint(&file, Duration::ZERO).run(&problem);
     assert!(other.is_err());
     let other = everything().moments([[0, 8]]).checkpoint(&file, Duration::ZERO).run(&problem);
@@ -234,7 +234,7 @@ fn questions_without_a_meaning_are_refused() -> Result<()> {
     let below = small().points([[0.1, 0.0]], [0.1; 2]).run(&walled);
     assert!(matches!(below, Err(Error::OutOfRange { .. })));
     assert!(out_of_range(small().moments([[u32::MAX, 1]])) && out_of_range(small().moments([[1, 0]; 65])));
-    // Too short for one segment or one window; and what nobody asked for.
+    // Too short for one segment or one window; and statistics that were not requested.
     let short = small().spectrum(0, 16).first_passage(1.0, 20.0, 4).levels([0.0]).run(&problem)?;
     assert!(matches!(short.spectrum(0), Err(Error::OutOfRange { .. })));
     assert!(matches!(short.first_passage(1.0), Err(Error::OutOfRange { .. })));

@@ -1,4 +1,4 @@
-//! The simulation's time step: its order, its choice, and the error that is told from two steps.
+//! The simulation's time step: its order, its choice, and the error that is estimated from two steps.
 
 use crate::common::{Shared, duffing_above, on_grid_above};
 use expoly::models::{DisplacementNoise, Duffing, Linear, ParametricLinear, VelocityNoise};
@@ -111,7 +111,7 @@ fn the_step_follows_the_systems_time_scale() -> Result<()> {
         let step = time_step(&result) / time;
         assert!((0.036..=0.04).contains(&step), "{step}");
     }
-    // Stiff springs that the start does not feel: k + 3μ E x² counts, with E x² = 0.04 for μ = 1000 and D/c = 1.
+    // Stiff springs without effect at the start: k + 3μ E x² counts, with E x² = 0.04 for μ = 1000 and D/c = 1.
     let stiff = Problem::of(Duffing::new(0.5, 1.0, 1000.0, 0.5)?)?;
     let result = Simulation::new().samples(20_000).run(&stiff)?;
     assert!(time_step(&result) < 0.01, "{:?}", result.provenance());

@@ -17,7 +17,7 @@ fn assert_close(what: &str, estimate: Estimate, truth: f64) {
     assert!(estimate.deviation(truth) < LIMIT, "{what}: {} ± {} is not {truth}", estimate.value, estimate.error);
 }
 
-/// Density and up-crossings at all levels, the last of which lies at most at `share` of the density at the first.
+/// Density and up-crossings at all levels, the density at the last of which is at most `share` of that at the first.
 fn assert_tail(tails: &Tails, truth: &dyn Density, levels: &[f64], share: f64) -> Result<()> {
     let density = |y: f64| truth.marginal(0, y).map(|p| p.value);
     assert!(density(levels[levels.len() - 1])? < share * density(levels[0])?);
@@ -31,7 +31,7 @@ fn assert_tail(tails: &Tails, truth: &dyn Density, levels: &[f64], share: f64) -
     Ok(())
 }
 
-/// At the time step 0.02 the density at y = 3.5 is half a percent low, a tenth of the standard error asked for here.
+/// At the time step 0.02 the density at y = 3.5 is half a percent low, a tenth of the standard error allowed here.
 #[test]
 fn a_duffing_oscillator_has_its_gibbs_density() -> Result<()> {
     let levels = [0.0, 2.0, 3.0, 3.6];
@@ -62,7 +62,7 @@ fn an_elastic_wall_cuts_the_density_off() -> Result<()> {
     assert_tail(&tails, &duffing().exact_above(0.5)?, &levels, 1e-8)
 }
 
-/// The grid knows the density to 10⁻³ at 10⁻⁶ of the peak.
+/// The grid has the density to 10⁻³ at 10⁻⁶ of the peak.
 #[test]
 fn a_wall_that_takes_energy_has_the_tail_of_the_grid() -> Result<()> {
     let levels = [0.6, 1.5, 2.0, 2.4];
@@ -97,7 +97,7 @@ fn no_importance_function_biases_the_tail() -> Result<()> {
     Ok(())
 }
 
-/// Particles that are still climbing give themselves away. Measured for this case: 9 to 15.
+/// Particles that are still climbing show in `stationarity`. Measured for this case: 9 to 15.
 #[test]
 fn a_relaxation_too_short_is_seen() -> Result<()> {
     let tails = Splitting::new().particles(8).relaxation(1.0).duration(10.0).run(&duffing().problem()?)?;

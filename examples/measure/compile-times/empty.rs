@@ -1,4 +1,4 @@
-//! Nothing, linked against the library: what every program costs.
+//! An empty program, linked against the library: the cost that every program has.
 
 use expoly as _;
 

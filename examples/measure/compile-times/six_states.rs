@@ -1,7 +1,7 @@
 //! A system of six states as a user defines it: three masses in a row between two walls, with hardening springs and noise on
 //! the first and the last.
 
-#![allow(clippy::print_stdout, reason = "a program speaks")]
+#![allow(clippy::print_stdout, reason = "a program prints its answer")]
 
 use expoly::{Closure, Density, Intensity, PolynomialDrift, Problem, Scalar, Simulation};
 

@@ -1,7 +1,7 @@
-//! What control variates do to the errors of a simulation: how much smaller they make them, whether the smaller ones are
-//! honest, and what becomes of the bias of the time step. What they cost is a group of the bench `simulation`.
+//! What do control variates do to the errors of a simulation: how much smaller are these, are the smaller ones right, and how
+//! large is the remaining bias of the time step? Their cost is a group of the bench `simulation`.
 //!
-//! The factor is the standard error of a plain run over that of a calibrated one, which are the same paths; honest errors have
+//! The factor is the standard error of a plain run over that of a calibrated one, which are the same paths; right errors have
 //! (estimate − truth)/error of the root mean square 1 over many seeds, for truths that are known. `--repeats 60` is precise
 //! to a twentieth.
 
@@ -133,7 +133,7 @@ fn coverage(options: &Options) -> Outcome {
     Ok(())
 }
 
-/// Steps that are too long: how far moments are off, in percent.
+/// The errors of moments with steps that are too long, in percent.
 fn bias(options: &Options) -> Outcome {
     println!("\nDuffing's oscillator, distance from the exact moment in percent");
     let duffing = Duffing::new(0.5, 1.0, 0.3, 0.5)?;

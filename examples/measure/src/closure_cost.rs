@@ -79,7 +79,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     Ok(())
 }
 
-/// The least time of several, with what stays the same in all.
+/// The least time of several, with the numbers that are the same in all.
 fn timed(repeats: usize, name: &str, problem: &Problem, closure: &Closure) -> expoly::Result<Row> {
     let mut least = f64::INFINITY;
     let mut facts = [0.0; 4];

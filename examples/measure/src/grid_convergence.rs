@@ -24,7 +24,7 @@ pub(crate) struct Options {
     out: PathBuf,
 }
 
-/// What a solution of low degree may be at the edge of the finest one's domain, where it is noise.
+/// The largest value of a solution of low degree at the edge of the finest one's domain, where it is noise.
 const COARSE: f64 = 1e-2;
 
 pub(crate) fn run(options: &Options) -> Outcome {

@@ -3,7 +3,7 @@
 //! `cargo run --release -p expoly-measure -- --help` lists the questions; each has its own options, as in
 //! `cargo run --release -p expoly-measure -- campaign --count 10`. Figures and tables go to `out/`.
 
-#![allow(clippy::print_stdout, reason = "a program that measures speaks")]
+#![allow(clippy::print_stdout, reason = "a program that measures prints its results")]
 
 mod calibration;
 mod campaign;
@@ -27,11 +27,11 @@ use std::process::ExitCode;
 enum Question {
     /// What do control variates do to the errors of a simulation?
     Calibration(calibration::Options),
-    /// Does the closure give a density for every system, and is it as good as it says?
+    /// Does the closure give a density for every system, and is its estimate of the error right?
     Campaign(campaign::Options),
     /// What does a closure cost, over its order, its nodes and its states?
     ClosureCost(closure_cost::Options),
-    /// Does anything at all, fed to the library, make it panic, hang, or answer with what is no answer?
+    /// Does any input make the library panic, hang, or return a value that is no number?
     Fuzz(fuzz::Options),
     /// How accurate is the grid, and what does accuracy cost?
     GridConvergence(grid_convergence::Options),
@@ -42,7 +42,7 @@ enum Question {
     /// One simulation on all ranks of MPI, with all bits of its result
     #[cfg(feature = "mpi")]
     Ranks(ranks::Options),
-    /// How far into the tail does splitting see, and how well?
+    /// How far into the tail does splitting reach, and how accurately?
     Tails(tails::Options),
     /// Of which order is the simulation's time step?
     TimeStep(time_step::Options),

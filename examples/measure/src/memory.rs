@@ -1,5 +1,5 @@
 //! The largest resident memory of simulations of ever more path-steps: it does not depend on their number, or this fails.
-//! Linux only, where /proc tells it.
+//! Linux only, since the memory is read from /proc.
 
 use crate::Outcome;
 use clap::Args;
@@ -37,7 +37,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         let [steps, samples] =
             [made.path_steps, made.samples.map(|samples| samples as u64)].map(Option::unwrap_or_default);
         println!("{steps:>12} {samples:>12} {seconds:>8.1} {peak:>16}");
-        // A tenth for what the allocator does; samples that were kept would take gigabytes.
+        // A tenth is allowed for the allocator; samples that were kept would take gigabytes.
         if peak > *first.get_or_insert(peak) * 11 / 10 {
             return Err("the memory grew with the number of path-steps".into());
         }

@@ -27,7 +27,7 @@ pub(crate) struct Options {
     /// The milliseconds after which to stop
     #[arg(long)]
     milliseconds: Option<u64>,
-    /// A system that explodes, to see the error on every rank
+    /// A system that explodes, to print the error of every rank
     #[arg(long)]
     explode: bool,
 }

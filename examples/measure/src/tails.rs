@@ -1,4 +1,4 @@
-//! How far into the tail does splitting see, and how well?
+//! How far into the tail does splitting reach, and how accurately?
 //!
 //! The densities of four oscillators down to 10⁻⁸ of the peak are printed beside the exact ones, and the first is drawn beside
 //! a plain simulation of the same cost; the figure is `out/tails.svg`.
@@ -82,7 +82,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     Ok(())
 }
 
-/// Splits, and prints each level: exceedance, density and up-crossing rate with their standard errors, what is exact, and
+/// Splits, and prints each level: exceedance, density and up-crossing rate with their standard errors, the exact values, and
 /// the deviation in standard errors.
 fn measured(
     name: &str,

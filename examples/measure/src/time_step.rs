@@ -1,11 +1,12 @@
-//! The order of the simulation's time step, and what is left at the step that it chooses.
+//! The order of the simulation's time step, and the bias at the step that it chooses.
 //!
-//! The same Brownian paths are followed with steps h and 2h, twice: how a stationary mean changes, with its standard error,
+//! The same Brownian paths are followed with steps h and 2h, twice: the change of a stationary mean, with its standard error,
 //! and the slope of that change over h, which is 2 for a method of weak order 2. `--samples 4000000` is more precise.
 //!
-//! No mean is calibrated: control variates take away what is measured here. Beside a wall paths under the same noise part, so that the change would be known no better than the means. There the
-//! means at three steps are compared with the Fokker-Planck equation's own, from `tests/reference/vibro_impact.csv`.
-//! `wall-table` shows what is left at the step that the library chooses.
+//! No mean is calibrated: control variates remove the bias that is measured here. Beside a wall paths under the same noise
+//! part, so that the change would be known no better than the means. There the means at three steps are compared with the
+//! Fokker-Planck equation's own, from `tests/reference/vibro_impact.csv`. `wall-table` shows the bias at the step that the
+//! library chooses.
 
 use crate::Outcome;
 use clap::Args;

@@ -20,7 +20,7 @@ pub(crate) struct Options {
     /// Time step; by default the library chooses it
     #[arg(long)]
     step: Option<f64>,
-    /// Offset and restitution of the only wall wanted, as in `--wall 0.5,0.7`
+    /// Offset and restitution of a single wall, as in `--wall 0.5,0.7`
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     wall: Vec<f64>,
     /// Samples that each row begins with
@@ -49,7 +49,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
             if error <= options.error {
                 break (statistics, result);
             }
-            // A tenth more than the errors ask for, and never less than a half more than there were.
+            // A tenth more samples than the errors require, and at least half as many again as before.
             let growth = (1.1 * (error / options.error).powi(2)).max(1.5);
             samples = (samples as f64 * growth) as usize;
         };

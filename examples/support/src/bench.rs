@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Tasks that take turns, so that what slows the machine slows them alike. The first is what the others are compared with.
+/// Tasks that take turns, so that a slower machine slows them alike. The others are compared with the first.
 pub struct Group<'a> {
     name: String,
     tasks: Vec<(String, Task<'a>)>,
@@ -25,7 +25,7 @@ impl<'a> Group<'a> {
         Group { name: name.to_owned(), tasks: Vec::new(), rounds, elements: None }
     }
 
-    /// Says how many elements each task goes through, so that they are counted per second.
+    /// Sets the number of elements that each task goes through, so that they are counted per second.
     pub fn elements(self, elements: u64) -> Self {
         Group { elements: Some(elements), ..self }
     }
@@ -37,12 +37,12 @@ impl<'a> Group<'a> {
     }
 
     /// Runs all tasks in turns and prints of each the median time, and the median of its ratios to the first task in the same
-    /// round with the quartiles. On the command line `--test` asks for one round, `--rounds 3` for three, `--seconds` for the
-    /// median times alone, and a word for the groups whose names contain it.
+    /// round with the quartiles. On the command line `--test` stands for one round, `--rounds 3` for three, `--seconds` for
+    /// the median times alone, and a word for the groups whose names contain it.
     ///
     /// # Errors
     /// The first that a task returns.
-    #[allow(clippy::print_stdout, reason = "a bench speaks")]
+    #[allow(clippy::print_stdout, reason = "a bench prints its times")]
     pub fn run(mut self) -> expoly::Result<()> {
         let Asked { rounds, seconds_alone, words } = Asked::of(std::env::args().skip(1), self.rounds);
         if !words.is_empty() && !words.iter().any(|word| self.name.contains(word.as_str())) {
@@ -78,7 +78,7 @@ impl<'a> Group<'a> {
     }
 }
 
-/// What the command line asks for.
+/// The options of the command line.
 struct Asked {
     rounds: usize,
     seconds_alone: bool,
@@ -96,7 +96,7 @@ impl Asked {
                     asked.rounds = rounds.filter(|rounds| *rounds > 0).unwrap_or(asked.rounds);
                 }
                 "--seconds" => asked.seconds_alone = true,
-                // What `cargo bench` itself says.
+                // The argument that `cargo bench` itself adds.
                 "--bench" => {}
                 _ => asked.words.push(argument),
             }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{ffi::OsString, fs, io};
 
-/// Writes a file by way of a hidden one beside it, so that a reader never sees half of it; its folders are made.
+/// Writes a file by way of a hidden one beside it, so that a reader never gets half of it; its folders are made.
 pub fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     write_together(&[(path.to_owned(), content)])
 }
@@ -31,7 +31,7 @@ pub fn write_together(files: &[(PathBuf, &[u8])]) -> io::Result<()> {
         })
     });
     if outcome.is_err() {
-        // Half-written files are of no use; that one cannot be removed either is less than the error itself.
+        // Half-written files are of no use; if one cannot be removed either, only the first error is reported.
         complete.iter().for_each(|temporary| drop(fs::remove_file(temporary)));
     }
     outcome

@@ -1,4 +1,4 @@
-//! Numbers that refuse to become `null`: JSON has no NaN and no infinity, and serde_json writes both as `null`.
+//! Numbers that are an error instead of `null`: JSON has no NaN and no infinity, and serde_json writes both as `null`.
 
 use serde::{Serialize, Serializer, ser::Error};
 

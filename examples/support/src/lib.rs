@@ -27,7 +27,7 @@ pub fn exit_code(outcome: Result<(), Box<dyn std::error::Error>>) -> std::proces
     }
 }
 
-/// What an answer says of how it came about; a dash where its method has no such thing.
+/// A field of an answer's provenance; a dash where its method has no such field.
 pub fn shown<T: std::fmt::Display>(known: Option<T>) -> String {
     known.map_or_else(|| String::from("-"), |value| value.to_string())
 }

@@ -1,4 +1,5 @@
-//! The models of two states with the parameters that the examples give them, and what is known of their densities.
+//! The models of two states with the parameters that the examples give them, and their exact densities, where these are
+//! known.
 
 use expoly::models::{
     CubicDamping, DisplacementNoise, Duffing, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear, PowerLaw,
@@ -9,7 +10,7 @@ use expoly::{Density, ExpPolynomial, Problem, Result, study::Truth};
 /// One model.
 #[derive(Debug)]
 pub struct Model {
-    /// What it is called.
+    /// Its names.
     pub about: About,
     /// The system with its walls.
     pub problem: Problem,
@@ -19,7 +20,7 @@ pub struct Model {
     pub exact: Option<Exact>,
 }
 
-/// What a model is called: as a word to type, and as a heading.
+/// The names of a model: as a word to type, and as a heading.
 #[derive(Clone, Copy, Debug)]
 pub struct About {
     /// The word to type.

@@ -1,4 +1,4 @@
-//! Models as cases of a study of orders, as the command line asks for it.
+//! Models as cases of a study of orders, with the options of the command line.
 
 use crate::models::{About, Exact, Model, models};
 use clap::{Args, ValueEnum};
@@ -77,7 +77,7 @@ impl Setup {
     /// The models of these names as cases of a study.
     ///
     /// # Errors
-    /// For a name that no model has, and a reference that is not to be had.
+    /// For a name that no model has, and a reference that is not available.
     pub fn cases(&self, names: &[String]) -> Result<Vec<(About, Case<'_>)>, Box<dyn std::error::Error>> {
         let models = models()?;
         let known: Vec<&str> = models.iter().map(|model| model.about.name).chain([CHAIN.name]).collect();

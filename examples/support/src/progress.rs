@@ -3,7 +3,7 @@
 use indicatif::{ProgressBar, ProgressStyle};
 use std::ops::ControlFlow;
 
-/// A sign that something without a measure of its progress is at work.
+/// A sign of activity for work without a measure of its progress.
 pub fn spinner(name: &str) -> ProgressBar {
     let spinner = ProgressBar::new_spinner().with_message(name.to_owned());
     spinner.enable_steady_tick(std::time::Duration::from_millis(100));
@@ -38,7 +38,7 @@ pub fn study_bar() -> (ProgressBar, impl FnMut(expoly::Progress, &str) -> Contro
 fn bar(name: &str) -> ProgressBar {
     let bar = ProgressBar::new(1);
     let template = "{msg:32} [{bar:40}] {percent:>3} % {eta_precise}";
-    // A template that does not parse would only change the looks.
+    // A template that does not parse would only change the appearance.
     bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.set_message(name.to_owned());
     bar

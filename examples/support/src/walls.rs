@@ -61,19 +61,19 @@ const REFINED: f64 = 5e-5;
 /// A number of the table beside that of a simulation.
 #[derive(Clone, Copy, Debug)]
 pub struct Statistic {
-    /// What it is.
+    /// Its name.
     pub name: &'static str,
-    /// The table's value, with what two meshes differ by for an error.
+    /// The table's value, with the difference of two meshes as its error.
     pub truth: Estimate,
-    /// What a standard error is compared with: the value itself; of E y the standard deviation, and 1 for the skewness, which may
-    /// be zero.
+    /// The scale of a standard error: the value itself; of E y the standard deviation, and 1 for the skewness, which may be
+    /// zero.
     pub scale: f64,
     /// The simulation's value.
     pub found: Estimate,
 }
 
 impl Statistic {
-    /// How far the simulation is from the table, in standard errors, with its sign.
+    /// The deviation of the simulation from the table, in standard errors, with its sign.
     pub fn deviation(&self) -> f64 {
         (self.found.value - self.truth.value) / self.found.error.hypot(self.truth.error)
     }

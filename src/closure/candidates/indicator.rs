@@ -1,4 +1,4 @@
-//! How far a density is from satisfying the Fokker-Planck equation.
+//! The distance of a density from satisfying the Fokker-Planck equation.
 
 use super::retained::Retained;
 use crate::closure::density::exponent::Exponent;
@@ -23,7 +23,7 @@ pub(crate) struct Indication {
     pub(in crate::closure) residual: f64,
 }
 
-/// Where a density is probed, and with what.
+/// The test functions and the nodes that a density is probed with.
 pub(in crate::closure) struct Probe<'a> {
     pub(in crate::closure) kept: &'a Retained,
     /// The test functions at the kept nodes, the constant first, then those of Q.
@@ -37,8 +37,8 @@ pub(in crate::closure) struct Probe<'a> {
 }
 
 /// The indicator η = ‖∫ r ψ_k p̃ dx‖/√(1 + n) of a density, with test functions ψ_k of a higher degree than its own,
-/// orthonormal under it, and the norm ‖F‖ of those of Q alone. Where there are walls, what fails to return from them is
-/// part of the residual.
+/// orthonormal under it, and the norm ‖F‖ of those of Q alone. Where there are walls, the flux that fails to return from them
+/// is part of the residual.
 pub(in crate::closure) fn indicate(
     discretisation: &Discretisation,
     exponent: &Exponent,
@@ -57,7 +57,7 @@ pub(in crate::closure) fn indicate(
     let tested = Mat::from_fn(residuals.len(), 1, |i, _| measure[i].sqrt() * residuals[i]);
     let mut f = basis.weighted.transpose() * tested;
     if !discretisation.passages.is_empty() {
-        // What comes back at the speed after the impact, against what leaves the wall there.
+        // The flux out of the wall at the speed after the impact less the flux into it before.
         let missing = Mat::from_fn(discretisation.passages.len(), 1, |i, _| {
             let passage = &discretisation.passages[i];
             if !kept.domain.contains(&passage.before) || !kept.domain.contains(&passage.after) {

@@ -1,6 +1,7 @@
 //! The candidates for an order's answer, and the choice among them.
 //!
-//! `retained` is where they are judged, and `indicator` what of the Fokker-Planck equation they leave.
+//! `retained` is the part of the trust domain on which they are compared, and `indicator` the residual that they leave in the
+//! Fokker-Planck equation.
 
 pub(super) mod indicator;
 pub(super) mod retained;
@@ -23,9 +24,9 @@ const TAIL: f64 = 1e-5;
 const WELL: f64 = 0.17;
 pub(super) const ENOUGH: f64 = 0.25;
 const PRICE: f64 = 1.33;
-/// The largest share of the weight that the tails get unasked, and the bisections for the smallest that suffices.
+/// The largest share of the weight that the tails get by default, and the bisections for the smallest that suffices.
 const LARGEST_SHARE: f64 = 0.14;
-/// Where the largest share makes the tails no better than this, it is not worth its price.
+/// Where the largest share leaves the tails off by more decades than this, it is not used.
 const HOPELESS: f64 = 0.5;
 /// While the estimated L¹ error is larger, all weight goes to the middle.
 const MIDDLE: f64 = 0.0115;
@@ -57,7 +58,7 @@ impl fmt::Display for Origin {
     }
 }
 
-/// One density that was tried, and what is known of its error.
+/// One density that was tried, with the estimates of its error.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Candidate {
@@ -72,7 +73,7 @@ pub struct Candidate {
     /// How much less likely than under the most likely density of degree 8 a state of the pilot is on average, in ln p.
     #[serde(with = "number")]
     pub likelihood_loss: f64,
-    /// Whether the likelihood guard let it pass.
+    /// Whether it passed the likelihood guard.
     pub accepted: bool,
 }
 
@@ -94,8 +95,8 @@ pub(super) struct Scoring<'a> {
     pub(super) weights: Vec<f64>,
     /// ln p̂ at the kept nodes, normalised over them.
     pub(super) target: Vec<f64>,
-    /// The same without the ripples that a polynomial ratio leaves in the tails: an exponential polynomial of a higher
-    /// degree.
+    /// The same as an exponential polynomial of a higher degree, without the ripples that a polynomial ratio leaves in the
+    /// tails.
     pub(super) smooth: Vec<f64>,
     /// States under the system's own intensity, and the mean of ln p over them under the most likely density.
     pub(super) pilot: &'a States,
@@ -116,7 +117,8 @@ impl Scoring<'_> {
         let right = |c: &Candidate, least: f64| {
             c.tail_estimate <= WELL || (c.tail_estimate <= ENOUGH && c.l1_estimate >= PRICE * least)
         };
-        // Without any candidate that is right, the tail that one must reach to be preferred to one with a smaller error.
+        // Without any candidate whose tails are right, the tail estimate at which one is preferred to another with a smaller
+        // error.
         let mut wanted = None;
         match weight {
             Weight::Density => drop(fit(0.0)),

@@ -4,7 +4,7 @@ use crate::closure::reference::Reference;
 use crate::fokker_planck::Local;
 use crate::states::States;
 
-/// The part of the trust domain on which a reference is large enough to be asked, with its nodes.
+/// The part of the trust domain on which a reference is large enough to be relied on, with its nodes.
 pub(in crate::closure) struct Retained {
     pub(in crate::closure) domain: TrustDomain,
     /// The nodes' places among those of the discretisation.

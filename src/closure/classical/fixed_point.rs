@@ -1,18 +1,18 @@
-//! The Gaussian that a map leaves as it is.
+//! The Gaussian that is a fixed point of a map.
 
 use crate::polynomial::Gaussian;
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 
 const MAX_ITERATIONS: usize = 60;
-/// Earlier iterates that a step looks back on.
+/// Earlier iterates that a step is combined from.
 const MEMORY: usize = 4;
 const TOLERANCE: f64 = 1e-12;
 
 /// Iterates `map` from `start` to its fixed point, with Anderson's acceleration (D. G. Anderson, 1965,
 /// doi:10.1145/321296.321305) on the mean and the logarithmic Cholesky factor, in which every vector is a Gaussian.
 ///
-/// Returns the last iterate where `map` gives nothing or the iterations run out: as a weight any Gaussian will do, a
-/// fixed one only makes it definite.
+/// Returns the last iterate where `map` gives nothing or the iterations run out: any Gaussian serves as a weight, and the
+/// fixed point only makes the choice definite.
 pub(super) fn fixed_point(start: Gaussian, map: impl Fn(&Gaussian) -> Option<Gaussian>) -> Gaussian {
     // The mean in units of `start`'s deviations, so that a map which keeps the mean has it kept by every combination.
     let unit = [0, 1].map(|i| start.covariance[(i, i)].sqrt());
@@ -42,7 +42,7 @@ pub(super) fn fixed_point(start: Gaussian, map: impl Fn(&Gaussian) -> Option<Gau
     gaussian
 }
 
-/// The combination of the remembered steps whose changes cancel best.
+/// The combination of the stored steps whose changes cancel best.
 fn accelerated(history: &[(DVector<f64>, DVector<f64>)]) -> DVector<f64> {
     let Some(((x, change), earlier)) = history.split_last() else { return DVector::zeros(0) };
     let columns: Vec<DVector<f64>> = earlier.iter().map(|(_, c)| change - c).collect();

@@ -1,14 +1,14 @@
 //! The literature's closure.
 //!
-//! The method (G.-K. Er, 1998, doi:10.1023/A:1008346204836) asks that the residual of exp(Q) in the
-//! Fokker-Planck equation be orthogonal, under the Gaussian closure f_N as weight, to the polynomials that Q itself is
-//! made of: N equations ∫ r(x; a) ψ_k f_N dx = 0, quadratic in the N coefficients. The steps, in order:
+//! The method (G.-K. Er, 1998, doi:10.1023/A:1008346204836) requires the residual of exp(Q) in the Fokker-Planck equation to
+//! be orthogonal, under the Gaussian closure f_N as weight, to the polynomials that Q itself is made of: N equations ∫ r(x;
+//! a) ψ_k f_N dx = 0, quadratic in the N coefficients. The steps, in order:
 //!
 //! 1. [`Problem::gaussian`]: the moments of f_N;
 //! 2. `hermite`, `galerkin`: the equations on the whole space, in polynomials orthonormal under f_N;
 //!    `half_plane`: the same with a wall;
 //! 3. `search`, by `newton` and `homotopy`: a root;
-//! 4. `solution`: what was found, and whether it is a density.
+//! 4. `solution`: the last iterate, and whether it is a density.
 
 mod fixed_point;
 mod galerkin;
@@ -42,7 +42,7 @@ const METHOD: &str = "classical closure";
 /// The Jacobian, its factors, and what they are made from.
 const COPIES: f64 = 3.0;
 
-/// What Q is a polynomial of, where there is a wall.
+/// The basis of the polynomial Q where there is a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Basis {
     /// Polynomials on Zhuravlev's transformed plane, of even total degree by its symmetry; the literature's basis. With
@@ -200,17 +200,17 @@ impl ClassicalClosure {
         })
     }
 
-    /// Refuses orders that leave no coefficient to find, and those that ask for too many.
+    /// Refuses orders that leave no coefficient to find, and those with too many.
     fn check(&self, problem: &Problem) -> Result<()> {
         let (name, order) = ("order of the closure", f64::from(self.order));
-        let remedy = "at this order there is no coefficient to find; ask for order 1 or more";
+        let remedy = "at this order there is no coefficient to find; take order 1 or more";
         require(self.order > 0, name, order, remedy)?;
         let even_only = self.basis == Basis::Classical && !problem.walls().is_empty();
-        let remedy = "above a wall the classical basis begins at order 2; ask for that or more";
+        let remedy = "above a wall the classical basis begins at order 2; take that or more";
         require(self.order > 1 || !even_only, name, order, remedy)?;
         let monomials = (1..=problem.dimension()).map(|i| (order + i as f64) / i as f64).product::<f64>().round();
         let numbers = COPIES * monomials * monomials;
-        MemoryLimit::default().holds("the Jacobian of the classical closure", numbers, "ask for a lower order")
+        MemoryLimit::default().holds("the Jacobian of the classical closure", numbers, "take a lower order")
     }
 }
 

@@ -1,4 +1,4 @@
-//! The search for a root that is a density: which starts are tried, and what is kept.
+//! The search for a root that is a density: the starts, in their order, and the choice among their results.
 
 use super::galerkin::GalerkinEquations;
 use super::homotopy::homotopy;
@@ -28,9 +28,9 @@ pub(super) struct Found {
 }
 
 impl<A, B> Search<A, B> {
-    /// Tries Newton's method from the Gaussian, then the homotopy from the linearised system, then Newton's method from
-    /// what order n − 2 found; stops at the first root that is a density. Without one, the first root is kept, and without
-    /// a root the iterate with the smallest ‖F‖.
+    /// Tries Newton's method from the Gaussian, then the homotopy from the linearised system, then Newton's method from the
+    /// result of order n − 2; stops at the first root that is a density. Without one, the first root is kept, and without a
+    /// root the iterate with the smallest ‖F‖.
     pub(super) fn run<E: GalerkinEquations>(&self, order: u32) -> Found
     where
         A: Fn(u32) -> E,
@@ -45,7 +45,7 @@ impl<A, B> Search<A, B> {
             let end = homotopy(&easy, &equations, start);
             best = best.or(self.judged(&equations, end, "homotopy from the linearised system"));
         }
-        // Below order 2 there is nothing to learn.
+        // Only orders from 2 on give a start.
         if best.termination != Termination::Root && order > 3 {
             let lower = self.run(order - 2).iterate.a;
             let start = lower.resize_vertically(equations.gaussian().len(), 0.0);

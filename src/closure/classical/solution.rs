@@ -57,21 +57,21 @@ impl Solution {
         &self.provenance
     }
 
-    /// The last iterate's Q in the states themselves, without its constant, whatever the termination.
+    /// The last iterate's Q in the states themselves, without its constant, for every termination.
     ///
-    /// Where Q turns upwards, [`ExpPolynomial::cut_off`] makes of it the curve that the literature draws: no solution of the
-    /// Fokker-Planck equation, but exp(Q) within a box of the states.
+    /// Where Q turns upwards, [`ExpPolynomial::cut_off`] gives the curve that the literature draws: exp(Q) within a box of
+    /// the states, which is no solution of the Fokker-Planck equation.
     pub fn log_polynomial(&self) -> Polynomial {
         self.q.compose(&self.frame.coordinate_polynomials()).filtered(|alpha, _| total_degree(alpha) > 0)
     }
 
     /// The density C exp(Q).
     ///
-    /// Coefficients at the level of their own rounding are left out: with the truth of a lower degree than the order, they
-    /// are noise that would decide over the density's far tail.
+    /// Coefficients at the level of their own rounding are left out: where the truth is of a lower degree than the order,
+    /// they are noise that would determine the density's far tail.
     ///
     /// # Errors
-    /// [`Error::NotClosed`] or [`Error::NotNormalisable`], as the termination says.
+    /// [`Error::NotClosed`] or [`Error::NotNormalisable`], according to the termination.
     pub fn density(&self) -> Result<ExpPolynomial> {
         let order = self.order;
         let reason = match self.termination {
@@ -90,8 +90,8 @@ impl Solution {
     }
 }
 
-/// κ ε with a factor for the sums behind it, at least 1e-13 and at most 1e-8: beyond that the condition number is a bound
-/// that rounding does not reach, and what would be left out might be seen in the tail.
+/// κ ε with a factor for the sums behind it, at least 1e-13 and at most 1e-8: beyond that the condition number overestimates
+/// the rounding, and the coefficients left out could change the tail.
 pub(super) fn rounding_noise(condition: f64) -> f64 {
     (4.0 * f64::EPSILON * condition).clamp(1e-13, 1e-8)
 }

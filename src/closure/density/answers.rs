@@ -1,4 +1,4 @@
-//! What a closure's density answers: integrals on Gauss nodes, on a lattice or on draws, each with its distance from that of the
+//! The integrals of a closure's density, on Gauss nodes, on a lattice or on draws, each with its distance from that of the
 //! reference.
 
 use super::content::{Content, Integrals};
@@ -66,7 +66,7 @@ impl Density for ClosureDensity {
         let p = self.log_pdf(x)?.exp();
         Ok(match &self.content.reference {
             Some(reference) if self.trusts(x) => Estimate::new(p, (p - reference.value(x).exp()).abs()),
-            // Where nothing better is known: the error in the mean.
+            // Without a better estimate, the error in the mean.
             _ => Estimate::new(p, p * self.l1_estimate()),
         })
     }
@@ -100,7 +100,7 @@ impl Density for ClosureDensity {
         Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt()))
     }
 
-    /// In three states and more those of Q's own functions are the pilot's calibrated ones, with their standard errors.
+    /// In three states and more the moments of Q's own functions are the pilot's calibrated ones, with their standard errors.
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.dimension())?;
         let own = || self.expectation(&|x| power(x, powers));

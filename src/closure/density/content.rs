@@ -16,7 +16,7 @@ const UNRELIABLE: f64 = 0.2;
 /// The most nodes of a rule along one state.
 const MOST_NODES: usize = 2000;
 
-/// All that a closure's density is made of, and all of it that is saved.
+/// The whole content of a closure's density, which is also what is saved.
 #[derive(Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Content {
@@ -25,10 +25,10 @@ pub(crate) struct Content {
     pub(in crate::closure) reference: Option<Reference>,
     pub(in crate::closure) domain: TrustDomain,
     pub(in crate::closure) integrals: Integrals,
-    /// Where means are taken instead of on draws, in three states and four.
+    /// The lattice on which means are taken, instead of on draws, in three states and four.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(in crate::closure) lattice: Option<Lattice>,
-    /// Moments that are known better than the density's own; none on Gauss nodes.
+    /// Moments that are more accurate than integrals of the density itself; none on Gauss nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(in crate::closure) moments: Vec<Moment>,
     pub(in crate::closure) guarded: bool,
@@ -38,7 +38,7 @@ pub(crate) struct Content {
     pub(in crate::closure) provenance: Provenance,
 }
 
-/// How integrals over the trust domain are taken.
+/// The rules for integrals over the trust domain.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(in crate::closure) enum Integrals {
@@ -66,10 +66,10 @@ impl Content {
         } else if !chosen.accepted {
             Some("the pilot's states are unlikely under this density")
         } else if self.exponent.space.corners().iter().any(|corner| corner.wall().collapses()) {
-            // This is why the estimated error is large there.
+            // Where a trajectory collapses onto a wall, this is the reason for the large estimate.
             Some(COLLAPSE)
         } else if chosen.l1_estimate > UNRELIABLE {
-            Some("the estimated error is large: ask for a higher order")
+            Some("the estimated error is large: take a higher order")
         } else {
             None
         }

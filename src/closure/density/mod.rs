@@ -1,7 +1,7 @@
 //! The answer: a density with its trust domain and its errors.
 //!
 //! - `exponent`: Q; `content`: all that an answer is made of, as it is stored;
-//! - `answers`: the questions of every density.
+//! - `answers`: the methods of [`Density`].
 
 pub(super) mod answers;
 pub(super) mod content;
@@ -134,7 +134,7 @@ impl ClosureDensity {
         self.content.candidates[0].tail_estimate <= ENOUGH
     }
 
-    /// ln p as a polynomial of the states, valid on the trust domain; `None` where walls ask for more than polynomials.
+    /// ln p as a polynomial of the states, valid on the trust domain; `None` where walls add terms that are no polynomials.
     pub fn log_polynomial(&self) -> Option<Polynomial> {
         let Exponent { space, constant, coefficients, .. } = &self.content.exponent;
         let polynomials = space.polynomials()?;
@@ -151,8 +151,8 @@ impl ClosureDensity {
         })
     }
 
-    /// How many independent draws from the density would integrate as well as those that were made; none where Gauss nodes
-    /// were used.
+    /// The number of independent draws from the density that would integrate as well as those that were made; none where
+    /// Gauss nodes were used.
     pub fn effective_draws(&self) -> Option<f64> {
         match &self.content.integrals {
             Integrals::Panels { .. } => None,
@@ -174,8 +174,8 @@ impl ClosureDensity {
         Ok(self.trusts(x))
     }
 
-    /// The mass that integrals over the trust domain do not see, if ln p falls on outwards at the rate that it has at the
-    /// edge. In three states and more it is less than one over the number of the pilot's states, which is returned.
+    /// The mass outside the trust domain, which integrals leave out, if ln p falls on outwards at the rate that it has at the
+    /// edge. In three states and more it is less than one over the number of the pilot's states, and that bound is returned.
     pub fn truncated_mass(&self) -> f64 {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.mass_beyond(|x| self.content.exponent.value(x)),
@@ -193,7 +193,7 @@ impl ClosureDensity {
         rates.filter_map(Result::ok).reduce(Estimate::plus)
     }
 
-    /// Where a similar system's reference may start.
+    /// The start for the reference of a similar system.
     pub(super) fn start(&self) -> Start {
         match &self.content.reference {
             Some(reference) => Start { weight: reference.weight.clone(), settled: reference.size },
@@ -206,7 +206,7 @@ impl ClosureDensity {
         &self.content.exponent
     }
 
-    /// Where it is trusted: within an ellipsoid in normal scores, or in a star-shaped domain.
+    /// The trust domain: star-shaped, or an ellipsoid in normal scores.
     pub(crate) fn domain(&self) -> std::result::Result<&TrustDomain, &Copula> {
         match &self.content.integrals {
             Integrals::Panels { .. } => Ok(&self.content.domain),
@@ -214,7 +214,7 @@ impl ClosureDensity {
         }
     }
 
-    /// Whether the density goes on beyond its trust domain.
+    /// Whether the density continues beyond its trust domain.
     pub(crate) fn is_guarded(&self) -> bool {
         self.content.guarded
     }
@@ -237,7 +237,7 @@ impl ClosureDensity {
         }
     }
 
-    /// What the errors of integrals over the reference are relative to their root mean square.
+    /// The relative error of the reference, as a factor on the root mean square of an integrand under it.
     pub(super) fn reference_error(&self) -> f64 {
         let exact = if self.content.lattice.is_some() { SOLVED } else { ROUNDING };
         self.content.reference.as_ref().map_or(exact, |reference| reference.error)

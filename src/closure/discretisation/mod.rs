@@ -1,7 +1,8 @@
-//! All that a closure of one system needs at any order: where the density is, and the points that stand for integrals.
+//! The part of a closure that is the same at every order of one system: the domain of the density, and the nodes for
+//! integrals.
 //!
-//! - `trust_domain`: where the pilot has been;
-//! - `nodes`: Gauss nodes there; `table`: functions and what the operator makes of them, at the nodes;
+//! - `trust_domain`: the region that the pilot has visited;
+//! - `nodes`: Gauss nodes there; `table`: the functions and their images under the operator, at the nodes;
 //! - `likelihood`: the first guess of ln p;
 //! - `walled`: the same next to walls.
 
@@ -29,7 +30,7 @@ const FIT: u32 = 8;
 /// Nodes along each state for that fit, and for everything else, in one state and in two.
 const COARSE: usize = 40;
 pub(super) const FINE: [usize; 2] = [240, 80];
-/// A low order's functions are smoother, and the answer is to come fast.
+/// Up to this order, whose functions are smoother, fewer nodes suffice, and the answer is faster.
 const LOW_ORDER: u32 = 5;
 const LOW_ORDER_NODES: usize = 44;
 /// Nodes on either side of 0 along a line.
@@ -65,7 +66,7 @@ pub(super) struct Discretisation {
     pub(super) fixed: Vec<f64>,
     /// The first guess of ln p, with that part.
     pub(super) guess: Exponent,
-    /// How far below its peak, in ln p, the answer is still defined.
+    /// The depth below its peak, in ln p, down to which the answer is defined.
     pub(super) drop: f64,
 }
 
@@ -105,7 +106,7 @@ impl Discretisation {
         Discretisation { family, domain, nodes, locals, lines, passages, fixed, guess, drop: f64::INFINITY }
     }
 
-    /// Whether the nodes are those of a lattice, which ends where the density does: there is no edge to keep away from.
+    /// Whether the nodes are those of a lattice, which ends where the density does: there is no edge to stay away from.
     pub(super) fn is_on_lattice(&self) -> bool {
         self.nodes.rules.is_empty()
     }

@@ -20,8 +20,8 @@ impl Nodes {
 
     /// The nodes of a product of one-dimensional rules that lie inside the domain.
     ///
-    /// The rules take no account of the domain's edge. The density there is below a millionth of its peak, and so is the
-    /// error.
+    /// The rules take no account of the domain's edge. The density there is below a millionth of its peak, and the error is
+    /// of the same size.
     pub(in crate::closure) fn tensor(domain: &TrustDomain, rules: Vec<Rule>) -> Self {
         let mut nodes = Nodes { points: States::new(rules.len()), weights: Vec::new(), rules: Vec::new() };
         nodes.extend(domain, &rules, &mut Vec::with_capacity(rules.len()), 1.0);

@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 /// Angular sectors in two states.
 const SECTORS: usize = 48;
 
-/// Steps along a ray when its end is looked for.
+/// Steps along a ray in the search for its end.
 const RAY: usize = 128;
 /// The guard's least fall for each reach.
 const STEEP: f64 = 20.0;
-/// A logarithmic density that rises this far below its peak is no longer believed.
+/// A logarithmic density that rises again this far below its peak is not followed any farther.
 const RISING: f64 = 5.0;
 
-/// Where the pilot has been, slightly widened: the part of the state space on which a closure is defined.
+/// The part of the state space on which a closure is defined: the region that the pilot has visited, slightly widened.
 ///
 /// It is star-shaped about its centre. In one state it is an interval, in two its reach depends on the direction, by 48
 /// sectors, and in more it is an ellipsoid along the states' axes.
@@ -61,7 +61,7 @@ impl TrustDomain {
             reach[sector] = reach[sector].max(domain.distance(x));
         });
         domain.reach = match centre.len() {
-            // A sector that few states have met reaches at least as far as the mean of its neighbours.
+            // A sector with few states reaches at least as far as the mean of its neighbours.
             2 => (0..SECTORS)
                 .map(|k| reach[k].max((reach[k] + reach[(k + 1) % SECTORS] + reach[(k + SECTORS - 1) % SECTORS]) / 3.0))
                 .collect(),
@@ -163,8 +163,8 @@ impl TrustDomain {
     }
 
     /// The domain cut back, in each direction, to the outermost point where a logarithmic density is not yet `drop` below
-    /// its highest value on any ray, the centre itself left out: above a wall the density may be infinite there. Nor do
-    /// points of the wall count that a ray behind it leads to beyond the domain.
+    /// its highest value on any ray, the centre itself left out: above a wall the density may be infinite there. Points of
+    /// the wall that a ray behind it reaches beyond the domain do not count either.
     ///
     /// In three states and more it stays as it is.
     pub(in crate::closure) fn above(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64) -> Self {
@@ -216,7 +216,7 @@ impl TrustDomain {
         log(&edge) - self.fall(&edge, &log) * (excess - 1.0)
     }
 
-    /// How steeply a logarithmic density falls outwards at a point of the edge, for each reach; at least `STEEP`.
+    /// The slope at which a logarithmic density falls outwards at a point of the edge, for each reach; at least `STEEP`.
     fn fall(&self, edge: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
         const NEAR: f64 = 0.99;
         let inner: Vec<f64> = self.centre.iter().zip(edge).map(|(c, edge)| c + NEAR * (edge - c)).collect();
@@ -228,7 +228,7 @@ impl TrustDomain {
         (low..=high).contains(&x)
     }
 
-    /// How far the domain extends along one state, in units of its scale.
+    /// The extent of the domain along one state, in units of its scale.
     fn extent(&self, state: usize) -> f64 {
         if self.dimension() != 2 {
             return self.reach.iter().copied().fold(0.0, f64::max);

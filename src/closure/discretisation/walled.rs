@@ -32,7 +32,7 @@ const SPEED_NODES: [usize; 6] = [7, 7, 7, 8, 9, 9];
 /// Nodes in each of these panels on the wall itself.
 const WALL_NODES: usize = 16;
 
-/// The highest order that a wall's reference can scoring.
+/// The highest order for which a wall's reference is accurate enough.
 pub(in crate::closure) const HIGHEST_ORDER: u32 = 10;
 
 /// The discretisation of an oscillator whose displacement (state 0, its velocity state 1) meets a wall below, above, or both.

@@ -15,7 +15,7 @@ use crate::closure::reference::{Reference, normalised};
 
 /// The orders at which known densities are exact.
 const LOWER_ORDERS: [u32; 4] = [2, 4, 6, 8];
-/// A density farther from the reference than so many times that one's own error is not an exact one.
+/// A density whose distance from the reference exceeds the reference's own error by this factor is not exact.
 const POLISHABLE: f64 = 30.0;
 const ROUNDING: f64 = 1e-6;
 /// An exact density is followed down to e^−30 = 1e-13 of its peak, at most to three times the pilot's domain.
@@ -23,8 +23,8 @@ const EXACT_DROP: f64 = 30.0;
 const EXACT_WIDENING: f64 = 3.0;
 
 impl NodalClosure {
-    /// The exact density that the chosen one is close to, or that a lower order is: where a lower order is exact already,
-    /// the higher one is all but singular at its density.
+    /// The exact density next to the chosen one, or the density of a lower order if that is exact: the equations of the
+    /// higher order are then all but singular at it.
     pub(in crate::closure) fn exact_at(
         &self,
         order: u32,
@@ -34,7 +34,7 @@ impl NodalClosure {
     ) -> Option<Exponent> {
         let discretisation = &self.discretisation;
         let solution = |exponent: &Exponent| polished(discretisation, exponent, kept);
-        // An exact density is as near to the reference as that one's own error.
+        // The distance of an exact density from the reference is the reference's own error.
         let polishable = POLISHABLE * scoring.reference.doubt + ROUNDING;
         let measure = tempered(&scoring.target, &kept.weights, 1.0);
         let lower = LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
@@ -50,7 +50,8 @@ impl NodalClosure {
         lower.or_else(|| (chosen.candidate.l1_estimate <= polishable).then(|| solution(&chosen.exponent))?)
     }
 
-    /// An exact density: it is its own reference, and trusted as far as it falls. None where it has no integral there.
+    /// An exact density: it is its own reference, and its trust domain extends as far as it falls. None where it has no
+    /// integral there.
     pub(in crate::closure) fn exact(
         &self,
         order: u32,

@@ -1,6 +1,7 @@
 //! The exponential polynomial closest to a density.
 //!
-//! `weight` is what the tails count for; `exact` finds the density itself where it is of the order, and `polish` its last digits.
+//! `weight` is the weight of the tails; `exact` finds the density itself where it is an exponential polynomial of the order,
+//! and `polish` its last digits.
 
 pub(super) mod exact;
 pub(super) mod polish;
@@ -12,7 +13,7 @@ use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 use faer::{Mat, MatRef, Side};
 
-/// Its decrement is a distance between logarithms.
+/// The tolerance is on the decrement, which is a distance between logarithms.
 const SEARCH: Search = Search { tolerance: 1e-10, most: 60 };
 /// The powers of w under which Newton's method finds a start.
 const FLATTENED: [f64; 4] = [1.0, 0.6, 0.3, 0.1];
@@ -34,7 +35,7 @@ pub(super) struct Projection {
 /// The Q that makes Σ w [e^{Q−ln p̂} − (Q − ln p̂)] least, `measure` being the w at the nodes.
 ///
 /// The sum is convex in a and least at Q = ln p̂. For w = p̂ it is the Kullback-Leibler distance, and its minimum has the
-/// moments of p̂; flatter w care more for the tails. `values` holds the functions' values at the nodes, the constant's
+/// moments of p̂; flatter w give more weight to the tails. `values` holds the functions' values at the nodes, the constant's
 /// first; `fixed` is Q₀. `None` where the functions are linearly dependent.
 pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], measure: &[f64]) -> Option<Projection> {
     let basis = Orthonormal::new(values, measure)?;
@@ -44,7 +45,7 @@ pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], me
     // Least squares in ln p̂ to begin with. Under w itself they may turn upwards where w is small; under flatter weights
     // they do not, but are worse in the middle.
     let start = |share: f64| {
-        // √w^share: the rule's own weights are flattened too, which no start minds.
+        // √w^share: the rule's own weights are flattened too, which does no harm in a start.
         let roots: Vec<f64> = measure.iter().map(|w| w.powf(share / 2.0)).collect();
         let right = Mat::from_fn(rows, 1, |i, _| roots[i] * (target[i] - fixed[i]));
         let c = Mat::from_fn(rows, columns, |i, k| roots[i] * psi[(i, k)]).qr().solve_lstsq(right);

@@ -17,13 +17,13 @@ const MAX_STEPS: usize = 8;
 const SOLVED: f64 = 1e-9;
 /// Singular values below this share of the norm are left alone.
 const NEGLIGIBLE: f64 = 1e-9;
-/// It must fall by this factor in every step: Newton's method does, near a solution.
+/// The residual must fall by this factor in every step, as it does in Newton's method near a solution.
 const FALLING: f64 = 0.5;
 /// Candidates that are farther off, in the same measure, are not tried.
 const NEAR: f64 = 0.3;
 
 /// Newton's method on ∫ r ψ_k p̃ dx = 0 from an exponent that is close already. Where the order contains the exact density
-/// the residual vanishes at every node, and this, which most roots do not, is what is asked for; otherwise `None`.
+/// the residual vanishes at every node, and this, which does not hold for most roots, is required; otherwise `None`.
 ///
 /// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way.
 pub(in crate::closure) fn polished(
@@ -73,7 +73,7 @@ pub(in crate::closure) fn polished(
         if size < SOLVED {
             return Some(current);
         }
-        // The negation also refuses NaN.
+        // The negation also excludes NaN.
         if !(size < NEAR && size < FALLING * last) {
             return None;
         }

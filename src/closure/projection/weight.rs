@@ -5,15 +5,15 @@ use std::fmt;
 /// The power of the density that stands for its tails.
 const FLAT: f64 = 0.3;
 
-/// How much the fit of Q cares for the tails.
+/// The weight of the tails in the fit of Q.
 ///
 /// Q is fitted under the weight (1 − λ) p + λ p^0.3, both parts with integral 1. λ = 0 gives the least error in the
 /// Kullback-Leibler sense, and moments up to the order that are right; some percent of λ cost a third of the accuracy in
 /// the middle and make the density right to a factor of two where it is 1e-5 of its peak.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Weight {
-    /// λ = 0 while the estimated L¹ error exceeds 1.15 %, for the middle comes first. Then the smallest λ ≤ 0.14 that makes
-    /// the tails right to 0.25 decades down to 1e-5 of the peak, or 0.14 if that makes them right to half a decade.
+    /// λ = 0 while the estimated L¹ error exceeds 1.15 %, so that the middle is fitted first. Then the smallest λ ≤ 0.14 that
+    /// makes the tails right to 0.25 decades down to 1e-5 of the peak, or 0.14 if that makes them right to half a decade.
     #[default]
     Automatic,
     /// λ = 0.
@@ -26,7 +26,7 @@ impl Weight {
     /// Refuses a share that is none.
     pub(in crate::closure) fn check(self) -> Result<()> {
         if let Weight::Tails(share) = self {
-            let remedy = "it is the share of the weight that the tails get, between 0 and 1";
+            let remedy = "it is the share of the tails in the weight, between 0 and 1";
             finite("share of the tails", share)?;
             require((0.0..=1.0).contains(&share), "share of the tails", share, remedy)?;
         }

@@ -1,4 +1,4 @@
-//! The density that the closures of one system are measured against: a solution of many more moment equations.
+//! The reference that the closures of one system are compared with: a density that solves many more moment equations.
 //!
 //! `moment_equations` solves them once; `on_lattice` makes a reference in three states and four.
 
@@ -27,8 +27,8 @@ use serde::{Deserialize, Serialize};
 const RENEWALS: usize = 8;
 /// The weight follows the density with this power of it: flatter than the density, for the tails' sake.
 const FLATNESS: f64 = 0.6;
-/// A weight settles within so many renewals from a first guess, and from the weight of a similar system once its correction
-/// is as small as that one's, up to this factor.
+/// A weight settles within so many renewals from an initial one, and from the weight of a similar system once its correction
+/// is as small as in that system, up to this factor.
 const SETTLING: usize = 3;
 const AS_SMALL: f64 = 1.6;
 /// The correction below which the weight is the solution to rounding.
@@ -39,16 +39,16 @@ const CONVERGING: f64 = 0.5;
 const PATIENCE: f64 = 2.0;
 /// A later density is preferred to an earlier one whose error is smaller by less than this factor.
 const LATER: f64 = 1.5;
-/// A first guess that leads to a larger error than this has led astray.
+/// Where the initial weight leads to a larger error than this, another one is tried.
 const GOOD: f64 = 0.05;
-/// A reference's error that is below this share of the answer's distance from it hardly counts.
+/// A reference's error below this share of the answer's distance from it needs no further attempt.
 const MINOR: f64 = 0.7;
 /// Nor does one that is as small as this.
 const FINE: f64 = 2e-5;
 /// 1 + δ is cut off here before its logarithm is taken.
 const CUT: [f64; 2] = [0.05, 20.0];
 
-/// Where a reference may start: with the weight of a similar system's, and with what is known of its corrections.
+/// A start for a reference: the weight of a similar system's, and the size of its correction.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Start {
     pub(super) weight: Exponent,
@@ -80,7 +80,7 @@ pub(crate) struct Reference {
     /// ln p̂ at the nodes, normalised over them.
     #[serde(skip)]
     pub(super) logarithm: Vec<f64>,
-    /// The largest of such estimates of the error, if there were several attempts.
+    /// The largest estimate of the error over all attempts.
     #[serde(skip)]
     pub(super) doubt: f64,
     /// The number of linear systems solved.
@@ -90,9 +90,9 @@ pub(crate) struct Reference {
 
 impl Reference {
     /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error that
-    /// the edge of the domain makes, as ripples; where they are larger than what the answer leaves out anyway, a correction
-    /// without them is tried too. A lattice has no edge, and its first guess is a fit of the pilot's means already: there is one
-    /// way. `None` if no system had a solution.
+    /// the edge of the domain makes, as ripples; where they are larger than the distance between the reference and the
+    /// answer, a correction without them is tried too. A lattice has no edge, and its initial weight is already a fit of the
+    /// pilot's means: nothing else is tried. `None` if no system had a solution.
     pub(super) fn new(
         discretisation: &Discretisation,
         nested: &NestedSpaces,
@@ -118,8 +118,8 @@ impl Reference {
         better.map(|better| Reference { doubt, ..better })
     }
 
-    /// The same with a truncation, from the first guess. That one is good in the tails, but where ln p does not scale
-    /// with the intensity it puts the mass elsewhere: `fit`, right in the middle, is the start then.
+    /// The same with a truncation, from the initial ln p of the discretisation. It is good in the tails, but where ln p does
+    /// not scale with the intensity its mass is misplaced: then `fit`, which is right in the middle, is the start.
     fn with_truncation(
         discretisation: &Discretisation,
         nested: &NestedSpaces,
@@ -150,7 +150,7 @@ impl Reference {
         fit.map_or(0.0, |fit| distance(&fit.logarithm, &self.logarithm, weights))
     }
 
-    /// Renews a weight until that no longer helps, and returns the best density on the way.
+    /// Renews a weight until the correction no longer falls, and returns the best density on the way.
     fn renewed(
         discretisation: &Discretisation,
         nested: &NestedSpaces,
@@ -162,7 +162,7 @@ impl Reference {
         let mut log = weight.values(&nodes.points);
         let mut best: Option<Self> = None;
         let mut change = f64::INFINITY;
-        // One bad weight may be followed by a good one; two in all are not.
+        // One bad weight may be followed by a good one; after a second one the search ends.
         let mut strikes = 0;
         for solved in 1..=RENEWALS {
             let measure = tempered(&log, &nodes.weights, 1.0);
@@ -172,7 +172,7 @@ impl Reference {
                 .iter()
                 .map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass)
                 .collect();
-            // Where there are impacts the residual is not all that is left of the equations.
+            // Where there are impacts, the equations have other terms besides the residual.
             let r = discretisation.passages.is_empty().then(|| residuals(discretisation, &weight));
             let Some(found) = resolve(table, &measure, &passages, r.as_deref(), truncation) else { break };
             let error = found.error;
@@ -197,7 +197,7 @@ impl Reference {
                     size: found.size,
                 });
             }
-            // After the first renewals the correction is what a polynomial of the weight's degree leaves.
+            // After the first renewals the correction is the part that a polynomial of the weight's degree cannot represent.
             let settled = solved > 1 && change <= AS_SMALL * settled;
             if change < EXACT || settled || (solved > SETTLING && change > CONVERGING * before) || solved == RENEWALS {
                 break;

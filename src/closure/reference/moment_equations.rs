@@ -27,12 +27,12 @@ pub(in crate::closure) struct Resolved {
 
 /// Solves the moment equations, by two expressions for F.
 ///
-/// F_k = ∫ ω Gψ_k dx asks for nothing but ω. F_k = ∫ ω r ψ_k dx, with the residual r of ω, differs from it by what flows
-/// through the edge of the domain, and is exactly zero where ω is the solution. The one is the better where ω is far off at
-/// the edge, the other near the solution; the smoother of both is returned, and their distance is part of its error.
+/// F_k = ∫ ω Gψ_k dx needs no derivatives of ω. F_k = ∫ ω r ψ_k dx, with the residual r of ω, differs from it by the flux
+/// through the edge of the domain, and is exactly zero where ω is the solution. The first is better where ω is far off at the
+/// edge, the second near the solution; the smoother of the two is returned, and their distance is part of its error.
 ///
-/// `measure` holds ω times the quadrature weights, with sum 1, at the rows of `table`; rows
-/// beyond its length carry `passages`, equations' other terms: impacts. `None` where the functions are linearly dependent
+/// `measure` holds ω times the quadrature weights, with sum 1, at the rows of `table`; the rows beyond its length are
+/// impacts, the equations' other terms, and `passages` holds their weights. `None` where the functions are linearly dependent
 /// under ω or the system is singular.
 pub(in crate::closure) fn resolve(
     table: &Table,

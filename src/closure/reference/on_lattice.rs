@@ -13,20 +13,21 @@ use crate::closure::space::nested_spaces::Smooth;
 const ENTRIES: usize = 16_000_000;
 /// More functions than this are not worth their time: degree 18 in three states, 10 in four.
 const MOST_FUNCTIONS: usize = 800;
-/// The reference's own error, from which on it is none.
+/// A reference with a larger error than this is not used.
 const UNSOLVED: f64 = 0.1;
-/// How many standard errors the reference's moments may be from the pilot's.
+/// The distance of the reference's moments from the pilot's, in standard errors, above which the pilot contradicts it.
 const CONTRADICTED: f64 = 5.0;
 /// The moment equations start from a density of at least this order.
 const LEAST_GUESS: u32 = 4;
-/// Two ways to one number.
+/// Rounding, relative to a moment, between two ways to compute it.
 const ROUNDING: f64 = 1e-9;
 
 impl Sampled {
-    /// The closure of an order by a reference of its own, that starts from what was found on the pilot's states.
+    /// The closure of an order by a reference of its own, which starts from the density found on the pilot's states.
     ///
     /// # Errors
-    /// Why there is none: no lattice or too many functions, equations without a good solution, or one that the pilot contradicts.
+    /// The reason why there is none: no lattice or too many functions, equations without a good solution, or one that the
+    /// pilot contradicts.
     pub(in crate::closure) fn by_reference(
         &self,
         order: u32,
@@ -44,7 +45,7 @@ impl Sampled {
         let (lattice, nodes) = guess.lattice.as_ref().ok_or(coarse)?;
         let functions = family.functions(family.reference_degree(order)).len();
         if functions > MOST_FUNCTIONS {
-            return Err("its moment equations are too many: ask for a lower order");
+            return Err("its moment equations are too many: take a lower order");
         }
         let room = ENTRIES / functions;
         let (lattice, nodes) = if nodes.points.len() <= room {
@@ -77,7 +78,7 @@ impl Sampled {
             if apart > CONTRADICTED * known.error.hypot(own.error) {
                 return Err("the pilot's moments contradict the solution of its moment equations");
             }
-            // Of both the one that is known better.
+            // The more accurate of the two.
             if known.error < own.error {
                 own.clone_from(known);
             }

@@ -27,10 +27,10 @@ const LOTS: usize = 16;
 
 /// Means of functions φ under the stationary density, from the pilot's states and the moment equations together.
 ///
-/// E\[𝓖ψ\] = 0 holds for every ψ, so that the mean of 𝓖ψ over the states is chance alone; what is correlated with it is taken
-/// off the mean of φ, Eφ = φ̄ − β·𝓖ψ̄ with β the regression of φ on 𝓖ψ over blocks of consecutive states: control variates (A. Mira,
-/// R. Solgi and D. Imparato, 2013, doi:10.1007/s11222-012-9344-6). The same weights on the states give all means, so that
-/// these are the means of one signed measure. The generator is exact, and with it the bias of the time step goes.
+/// E\[𝓖ψ\] = 0 holds for every ψ, so that the mean of 𝓖ψ over the states is chance alone; the part of φ̄ that is correlated
+/// with it is taken off, Eφ = φ̄ − β·𝓖ψ̄ with β the regression of φ on 𝓖ψ over blocks of consecutive states: control variates
+/// (A. Mira, R. Solgi and D. Imparato, 2013, doi:10.1007/s11222-012-9344-6). The same weights on the states give all means,
+/// so that these are the means of one signed measure. The generator is exact, and with it the bias of the time step goes.
 #[derive(Clone, Debug)]
 pub(super) struct Calibration {
     /// E φ_k.
@@ -39,7 +39,7 @@ pub(super) struct Calibration {
     pub(super) halves: [Vec<f64>; 2],
     /// The covariance of the means of the first functions, at most [`COVARIANT`].
     pub(super) covariance: Mat<f64>,
-    /// How far the mean of φ_k over each trajectory, with the regression of the other half taken off, is from that of its half.
+    /// The mean of φ_k over each trajectory, with the regression of the other half taken off, less that of its half.
     residuals: Mat<f64>,
     /// The degree of ψ; none where the states are too few for any.
     pub(super) degree: Option<u32>,
@@ -97,7 +97,7 @@ impl Sums {
         phi.iter().enumerate().map(|(l, mean)| mean - taken(l)).collect()
     }
 
-    /// The covariance of what the regression leaves of the first functions φ, block by block, in their mean.
+    /// The covariance of the means of the first functions φ less their regression, by the spread between blocks.
     fn covariance(&self, Regression { beta, .. }: &Regression) -> Mat<f64> {
         let [r, phi] = self.means();
         let size = self.own.nrows();
@@ -125,8 +125,9 @@ struct Tested {
 }
 
 impl Calibration {
-    /// Of the functions φ = `functions`, whose box is that of ψ as well; the degree of ψ is that which leaves the least of the
-    /// variances of the first `judged`. None where the pilot's states are fewer than its trajectories, or lie on a surface.
+    /// Of the functions φ = `functions`, whose box is that of ψ as well; the degree of ψ is that which leaves the smallest
+    /// share of the variances of the first `judged`. None where the pilot's states are fewer than its trajectories, or lie on
+    /// a surface.
     pub(super) fn new(
         problem: &Problem,
         pilot: &Pilot,
@@ -164,7 +165,7 @@ impl Calibration {
             return None;
         }
         let mean = |t: usize, kind: usize| lots[t % LOTS].1[t / LOTS][kind].as_slice();
-        // By what is left of the functions' variances between trajectories, where no test leaves all.
+        // The share of the functions' variances between trajectories that each degree leaves; without tests, all of it.
         let mut plain = Vec::new();
         let mut found: Vec<Tested> = Vec::new();
         for (degree, tests) in degrees {
@@ -185,7 +186,8 @@ impl Calibration {
             let lambda = &tested.regressions[0].lambda;
             1.0 + r.iter().zip(lambda).map(|(r, l)| r * l).sum::<f64>() - paths.largest(lambda)
         };
-        // A few far states must not carry a high degree alone; where they carry all, the pilot has not mixed.
+        // A few far states must not determine the regression of a high degree alone; where they do so at every degree, the
+        // pilot has not mixed.
         let sound = found.iter().position(|tested| weight(tested) > LEAST_WEIGHT).unwrap_or(0);
         let smallest_weight = weight(found.get(sound)?);
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
@@ -215,7 +217,7 @@ impl Calibration {
     }
 }
 
-/// How far the mean of φ_k over each trajectory, with the regression β of the other half taken off, is from that of its half.
+/// The mean of φ_k over each trajectory, with the regression β of the other half taken off, less that of its half.
 fn residuals<'a>(mean: &impl Fn(usize, usize) -> &'a [f64], betas: [&Mat<f64>; 2]) -> Mat<f64> {
     let (tests, count) = (betas[0].nrows(), betas[0].ncols());
     let mut residuals = Mat::zeros(TRAJECTORIES, count);

@@ -12,14 +12,14 @@ const KNOTS: usize = 13;
 const SPACING: f64 = 0.5;
 /// The variance of the draws relative to the pilot's.
 const WIDENED: f64 = 1.1;
-/// The farthest a draw is trusted, relative to the farthest of the pilot's states.
+/// The radius of the trust domain, relative to the farthest of the pilot's states.
 const TRUSTED: f64 = 1.1;
 
 /// Normal scores with the pilot's correlations, stretched state by state to the pilot's quantiles: a Gaussian copula.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Copula {
-    /// The distance between the normal scores that belong to the values of `knots`; the middle one's is 0.
+    /// The distance between the normal scores that belong to the values of `knots`; the score of the middle one is 0.
     pub(crate) spacing: f64,
     /// For each state, its values at the scores.
     pub(crate) knots: Vec<Vec<f64>>,
@@ -27,7 +27,7 @@ pub(crate) struct Copula {
     covariance: Vec<Vec<f64>>,
     /// L⁻¹ of the covariance L Lᵀ, by rows: for distances.
     pub(crate) inverse: Vec<Vec<f64>>,
-    /// The square of the farthest trusted distance.
+    /// The square of the radius of the trust domain.
     pub(crate) farthest: f64,
 }
 
@@ -61,12 +61,12 @@ fn distance(inverse: &[Vec<f64>], z: &[f64]) -> f64 {
 }
 
 impl Copula {
-    /// The same, trusted so many times farther.
+    /// The same with a trust domain so many times wider.
     pub(in crate::closure) fn followed(self, times: f64) -> Self {
         Copula { farthest: self.farthest * times * times, ..self }
     }
 
-    /// The farthest that is trusted, relative to the farthest of the pilot's states.
+    /// The radius of the trust domain, relative to the farthest of the pilot's states.
     pub(super) fn beyond(&self, pilot: &Pilot) -> f64 {
         let farthest = pilot.states.iter().map(|x| distance(&self.inverse, &self.scores(x))).fold(0.0, f64::max);
         (self.farthest / farthest).sqrt()
@@ -109,7 +109,7 @@ impl Copula {
         Some(Copula { spacing: SPACING, knots, covariance, inverse, farthest: farthest * TRUSTED * TRUSTED })
     }
 
-    /// The same for `n` states, once its numbers have been looked at.
+    /// The same for `n` states, if its numbers have a meaning.
     pub(super) fn checked(self, n: usize) -> Read<Self> {
         if self.spacing != SPACING {
             return Err(format!("the spacing of its scores is {}, not {SPACING}", self.spacing));
@@ -158,7 +158,7 @@ impl Copula {
         Ok(Sampler { copula: self, order, lower, steepness, held })
     }
 
-    /// Whether a state lies where the pilot has been, or a little farther out.
+    /// Whether a state lies in the trust domain: where the pilot has been, or a little farther out.
     pub(super) fn trusts(&self, x: &[f64]) -> bool {
         distance(&self.inverse, &self.scores(x)) <= self.farthest
     }
@@ -179,8 +179,8 @@ pub(super) struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// Enters a state from normal numbers, and gives the logarithm of the density with which it is drawn. None where no
-    /// state is trusted: the density there is zero.
+    /// Enters a state from normal numbers, and gives the logarithm of the density with which it is drawn. None where the
+    /// state lies outside the trust domain, where the density is zero.
     pub(super) fn draw(&self, u: &mut [f64], x: &mut [f64]) -> Option<f64> {
         u.iter_mut().zip(&self.held).for_each(|(u, (held, _))| *u = *held);
         // Distances do not depend on the order of the states.
@@ -202,7 +202,7 @@ impl Sampler<'_> {
     }
 }
 
-/// Φ(z), by Zelen and Severo's rational approximation: seven digits, which no quantile of a sample needs.
+/// Φ(z), by Zelen and Severo's rational approximation: seven digits, more than a quantile of a sample needs.
 fn normal_distribution(z: f64) -> f64 {
     let t = 1.0 / (1.0 + 0.231_641_9 * z.abs());
     let series =

@@ -1,4 +1,4 @@
-//! How far the most likely density is from the density: by one two degrees higher.
+//! The distance of the most likely density from the true one, estimated by a density two degrees higher.
 
 use super::calibration::{COVARIANT, Calibration};
 use super::likelihood::{Fit, Likelihood, Nodes, distance};
@@ -6,15 +6,15 @@ use super::products::Products;
 use crate::numerics::Search;
 use crate::problem::Problem;
 
-/// A density that only judges is found to this part of its distance.
+/// The density two degrees higher is found to this part of its distance.
 const FINE: f64 = 0.02;
 const MOST: usize = 24;
-/// The distance where nothing has been said about it.
+/// The distance assumed where there is no estimate of it.
 const UNKNOWN: f64 = 0.15;
 
-/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit`, of which the first of `higher` are the functions: the distance to what the
-/// pilot's means and the moment equations of all of `higher` make of it, less what chance makes of that, and what a search that
-/// did not end leaves open; 2 where nothing can be found.
+/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit`, of which the first of `higher` are the functions: the distance from the
+/// density that the pilot's means and the moment equations of all of `higher` give, less the part of it that is chance, plus
+/// the last step of a search that did not end; 2 where there is no such density.
 pub(super) fn l1_estimate(
     problem: &Problem,
     nodes: &Nodes,
@@ -35,12 +35,12 @@ pub(super) fn l1_estimate(
     } else {
         None
     };
-    // A step that leads to means of no density near is none.
+    // A step to means that no density nearby has is not taken.
     let by_both = reconciled.and_then(|found| {
         let (distance, above) = apart(&found.means, found.size.min(1.0)).filter(|(_, above)| above.converged)?;
         Some((distance, distance * (found.noise / found.size).min(1.0), above.next))
     });
-    // Half of what the two halves of the states make of the higher order is the noise of both together.
+    // Half the distance between the higher order by one half of the states and by the other is the noise of the two together.
     let by_pilot = || {
         let (distance, above) = apart(&calibration.means, UNKNOWN)?;
         let change = likelihood.change(&above, calibration.halves.each_ref().map(Vec::as_slice));

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// Random shifts of the lattice: the spread between them is the standard error.
 const SHIFTS: usize = 16;
-/// A section gets this part of the draws that a mean gets: a marginal is asked for at many places.
+/// A section gets this part of the draws that a mean gets: a marginal is computed at many places.
 const OF_A_SECTION: usize = 8;
 /// Draws that a thread takes at a time.
 const BLOCK: usize = 2048;
@@ -24,7 +24,7 @@ const MOST_BLOCKS: usize = 1 << 16;
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ImportanceRule {
-    /// The density that the draws come from, and how far they are trusted.
+    /// The density that the draws come from, with its trust domain.
     pub(crate) copula: Copula,
     /// The random shifts, a number for each state.
     shifts: Vec<Vec<f64>>,
@@ -32,10 +32,10 @@ pub(crate) struct ImportanceRule {
     blocks: usize,
     /// Taken off all logarithms, so that no weight overflows.
     shift: f64,
-    /// ∫ exp(Q − shift) dx over the trusted part of the state space, and its standard error.
+    /// ∫ exp(Q − shift) dx over the trust domain, and its standard error.
     mass: [f64; 2],
     effective: f64,
-    /// What the lattice advances by from point to point, for each state.
+    /// The step of the lattice from point to point, for each state.
     #[serde(skip)]
     advance: Vec<f64>,
     #[serde(skip)]
@@ -94,7 +94,7 @@ impl ImportanceRule {
         ImportanceRule { advance: square_roots(products.dimension()), products, coefficients, ..self }
     }
 
-    /// The same for Q of these functions and coefficients, once its numbers have been looked at.
+    /// The same for Q of these functions and coefficients, if its numbers have a meaning.
     pub(in crate::closure) fn checked(self, functions: &Polynomials, coefficients: &[f64]) -> Read<Self> {
         let n = functions.centre().len();
         if self.shifts.len() != SHIFTS {
@@ -112,19 +112,19 @@ impl ImportanceRule {
         Ok(ImportanceRule { copula, ..self }.over(functions, coefficients))
     }
 
-    /// ln ∫ exp(Q) dx over the trusted part of the state space.
+    /// ln ∫ exp(Q) dx over the trust domain.
     pub(in crate::closure) fn log_mass(&self) -> Estimate {
         let [mass, error] = self.mass;
         Estimate::new(mass.ln() + self.shift, error / mass)
     }
 
-    /// The same with a value of ln ∫ exp(Q) dx that is known better.
+    /// The same with a more accurate value of ln ∫ exp(Q) dx.
     pub(in crate::closure) fn with_log_mass(self, log_mass: Estimate) -> Self {
         let mass = (log_mass.value - self.shift).exp();
         ImportanceRule { mass: [mass, mass * log_mass.error], ..self }
     }
 
-    /// How many independent draws from the density itself would do as well.
+    /// The number of independent draws from the density itself that would do as well.
     pub(in crate::closure) fn effective(&self) -> f64 {
         self.effective
     }
@@ -140,7 +140,7 @@ impl ImportanceRule {
         Ok(spread(sums.iter().map(|part| part[2] / part[0])))
     }
 
-    /// All trusted draws with their weights, and where each shift's end.
+    /// All draws in the trust domain with their weights, and the place where those of each shift end.
     pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>, Vec<usize>)> {
         let n = self.products.dimension();
         let sampler = self.copula.sampler(&[])?;
@@ -190,7 +190,7 @@ impl ImportanceRule {
         Ok(parts.chunks(blocks).map(|parts| parts.iter().fold([0.0; 3], added)).collect())
     }
 
-    /// The trusted draws of one block, each with the logarithm of its weight.
+    /// The draws of one block in the trust domain, each with the logarithm of its weight.
     fn block(&self, sampler: &Sampler<'_>, shift: usize, block: usize, mut each: impl FnMut(&[f64], f64)) {
         let n = self.products.dimension();
         let mut scratch = self.products.scratch();

@@ -1,4 +1,4 @@
-//! Nodes for integrals in a few states: a cubic lattice over where the density is.
+//! Nodes for integrals in a few states: a cubic lattice over the region that holds the density.
 
 use super::copula::Copula;
 use super::likelihood::Nodes;
@@ -10,14 +10,15 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{SeedableRng, rngs::ChaCha8Rng, seq::SliceRandom};
 use serde::{Deserialize, Serialize};
 
-/// The lattice's spacing in standard deviations: what no density needs finer, and what no density forgives coarser.
+/// The range of the lattice's spacing in standard deviations: no density needs a finer one, and none is resolved by a coarser
+/// one.
 const FINEST: f64 = 0.12;
 const COARSEST: f64 = 1.2;
-/// A lattice with too many nodes gives way to one that is so much wider.
+/// The spacing of a lattice with too many nodes is widened by this factor.
 const WIDER: f64 = 1.04;
 /// The places of the lattice in a ball around the density, for each node that there may be.
 const SEARCHED: f64 = 64.0;
-/// More nodes than this are none of a lattice that was made here.
+/// No lattice that is made here has more nodes than this.
 const MOST: usize = 1 << 22;
 
 /// A cubic lattice in the states' principal axes.
@@ -27,14 +28,14 @@ pub(crate) struct Lattice {
     centre: Vec<f64>,
     /// The lower triangle L of the states' covariance L Lᵀ, by rows.
     axes: Vec<Vec<f64>>,
-    /// How far nodes are from the centre at most, and from each other, in standard deviations.
+    /// The largest distance of nodes from the centre, and their spacing, in standard deviations.
     radius: f64,
     spacing: f64,
 }
 
 impl Lattice {
-    /// The finest lattice with as many nodes as `most` at the utmost, wherever the copula trusts, and its nodes: the trapezoidal
-    /// rule, whose error falls faster than any power of the spacing where the integrand is smooth and vanishes at the edge (L. N.
+    /// The finest lattice over the copula's trust domain with at most `most` nodes, and its nodes: the trapezoidal rule,
+    /// whose error falls faster than any power of the spacing where the integrand is smooth and vanishes at the edge (L. N.
     /// Trefethen and J. A. C. Weideman, 2014, doi:10.1137/130932132). None where the lattice would be too coarse.
     pub(in crate::closure) fn finest(
         pilot: &Pilot,
@@ -100,8 +101,8 @@ impl Lattice {
         Ok(self)
     }
 
-    /// The nodes that the copula trusts; of mirror images one stands for all. They come in two halves, like the black and the
-    /// white fields of a chessboard, each a coarser rule. None where they are more than `most`.
+    /// The nodes in the copula's trust domain; of mirror images one stands for all. They come in two halves, like the black
+    /// and the white fields of a chessboard, each a coarser rule. None where they are more than `most`.
     fn nodes(&self, symmetry: &Symmetry, copula: &Copula, most: usize) -> Option<Nodes> {
         let n = self.centre.len();
         let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
@@ -129,7 +130,7 @@ impl Lattice {
             let mut nodes = Nodes::empty(n);
             let (mut points, mut stream) = (Vec::new(), ChaCha8Rng::seed_from_u64(0));
             for (half, weights) in &halves {
-                // In no order, so that a few of them lie everywhere.
+                // Shuffled, so that the first few of them are spread over the whole domain.
                 let mut order: Vec<usize> = (0..weights.len()).collect();
                 order.shuffle(&mut stream);
                 points.extend(order.iter().flat_map(|k| &half[k * n..(k + 1) * n]));

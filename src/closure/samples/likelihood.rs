@@ -37,7 +37,7 @@ impl Nodes {
     }
 }
 
-/// Q = Σ a_k φ_k and what the draws say of exp(Q).
+/// Q = Σ a_k φ_k, with the mass of exp(Q) at each draw.
 #[derive(Clone, Debug)]
 pub(super) struct Fit {
     /// Constant first, which is zero.

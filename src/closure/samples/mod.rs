@@ -1,10 +1,10 @@
 //! The closure in many states: the most likely density with the pilot's calibrated means.
 //!
-//! Where the density is no exponential polynomial, no exp(Q) obeys the moment equations, and equations that are tested on the
-//! pilot's fixed states do not know about mass that leaves them. What the states do know is a list of means, and the moment
-//! equations make these ten times more precise; of all densities with these means exp(Q) is the one of largest entropy, it
-//! always exists, and is found by a concave maximisation. A step that serves both the means and the moment equations under
-//! exp(Q) itself, each as far as it is known, then takes off what is left of the pilot's noise.
+//! Where the density is no exponential polynomial, no exp(Q) satisfies the moment equations, and equations that are tested on
+//! the pilot's fixed states do not depend on mass of exp(Q) away from them. What the states do determine is a list of means,
+//! and the moment equations make these ten times more precise; of all densities with these means exp(Q) is the one of largest
+//! entropy, it always exists, and is found by a concave maximisation. A step that serves both the means and the moment
+//! equations under exp(Q) itself, each as accurately as it is known, then removes the rest of the pilot's noise.
 
 mod calibration;
 mod copula;
@@ -36,8 +36,8 @@ pub(in crate::closure) use likelihood::Nodes;
 use likelihood::{Fit, Likelihood, effective};
 use moments::moments;
 
-/// The density is judged by one two degrees higher, of at most so many functions; of more, only those of one and of two states
-/// are taken beyond the order.
+/// The density is compared with one two degrees higher, of at most so many functions; of more, only those of one and of two
+/// states are taken beyond the order.
 const MOST_FUNCTIONS: usize = 700;
 /// Nodes of the maximisation: for each function, at least, and at most.
 const NODES_EACH: usize = 300;
@@ -55,7 +55,7 @@ const ROUGH: Search = Search { tolerance: 3e-3, most: 24 };
 const RECONCILED: usize = 3;
 /// A change of ln p, by its standard deviation, is made if it is at most so large, relative to 1 and to the one before.
 const FALLING: f64 = 0.5;
-/// Of so many nodes one must count.
+/// The least effective share of the nodes.
 const LEAST_EFFECTIVE: f64 = 1e-3;
 
 /// ln p up to a constant, as found on samples.
@@ -65,7 +65,7 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) exponent: Exponent,
     /// The functions of Q.
     pub(in crate::closure) polynomials: Polynomials,
-    /// ln ∫ exp(Q) dx over what the copula trusts, where a lattice gave it.
+    /// ln ∫ exp(Q) dx over the copula's trust domain, where a lattice gave it.
     pub(in crate::closure) log_mass: Option<Estimate>,
     /// The calibrated moments that Q was made of.
     pub(in crate::closure) moments: Vec<Moment>,
@@ -78,7 +78,8 @@ pub(in crate::closure) struct SampleClosure {
     /// Whether the states carry the density: the search ended, with enough effective draws and no state of a large negative
     /// weight.
     pub(in crate::closure) carried: bool,
-    /// The degree of the functions whose moment equations the means obey, and the smallest weight that this gives a state.
+    /// The degree of the functions whose moment equations the means satisfy, and the smallest weight of a state that this
+    /// makes.
     pub(in crate::closure) calibrated: (Option<u32>, f64),
     /// The steps of the maximisation and of the search for a root.
     pub(in crate::closure) steps: usize,
@@ -87,7 +88,7 @@ pub(in crate::closure) struct SampleClosure {
 }
 
 /// Closes at one order on the pilot's states, by integrals over a lattice where that resolves the density, and over draws from
-/// the states' copula otherwise. None where they are too few to tell its functions apart.
+/// the states' copula otherwise. None where they are too few for its functions.
 pub(in crate::closure) fn close_on_samples(
     problem: &Problem,
     pilot: &Pilot,
@@ -176,7 +177,7 @@ pub(in crate::closure) fn close_on_samples(
     })
 }
 
-/// The most likely density whose means serve the pilot's and the equations, as far as either is known.
+/// The most likely density whose means satisfy both the pilot's means and the equations, each as accurately as it is known.
 fn reconciled(problem: &Problem, likelihood: &Likelihood<'_>, fit: Fit, calibration: &Calibration) -> Fit {
     let size = likelihood.products.len() - 1;
     let mut fit = fit;
@@ -199,7 +200,7 @@ fn reconciled(problem: &Problem, likelihood: &Likelihood<'_>, fit: Fit, calibrat
     fit
 }
 
-/// Tells the draws of the maximisation from those of the answers, which are independent of them.
+/// A mask of the seed, which makes the draws of the maximisation independent of those of the answers.
 const FITTED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The farthest that a state has been from the centre.

@@ -1,4 +1,4 @@
-//! The pilot's means and the moment equations, each believed as far as its own covariance goes.
+//! The combination of the pilot's means and the moment equations, each weighted by the inverse of its covariance.
 
 use super::likelihood::{Fit, Likelihood};
 use super::root::{Columns, Equations};
@@ -6,21 +6,22 @@ use crate::problem::Problem;
 use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef, Side};
 
-/// The equations are believed less and less, until the means that they leave are those of the pilot but for chance.
+/// The factors κ on the covariance of the equations; it is raised until the remaining deviation from the pilot's means is
+/// chance.
 const DOUBTS: [f64; 13] = [1.0, 3.0, 10.0, 30.0, 1e2, 3e2, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7, 1e8];
 /// Added to the diagonal of a covariance whose diagonal is one.
 const RIDGE: f64 = 1e-10;
-/// The equations are never exacter than this part of what they sum up: rounding, and draws that are as good as alike.
+/// The least error of the equations, relative to the terms that they sum up: rounding, and draws that hardly differ.
 const ROUNDING: f64 = 1e-12;
 
-/// What the density is from exp(Q): p = exp(Q)(1 + δ), δ a combination of the functions less their means.
+/// The first-order change from exp(Q) to p = exp(Q)(1 + δ), δ a combination of the functions less their means.
 #[derive(Clone, Debug)]
 pub(super) struct Reconciled {
     /// E φ_k of p, the constant left out.
     pub(super) means: Vec<f64>,
     /// The coefficients of δ, constant first.
     pub(super) change: Vec<f64>,
-    /// √E δ² and what chance makes of it.
+    /// √E δ², and the part of it that is chance.
     pub(super) size: f64,
     pub(super) noise: f64,
 }
@@ -30,7 +31,7 @@ impl Likelihood<'_> {
     /// the moment equations E\[𝓖φ (1 + δ)\] = 0, whose integrals are known to a covariance Λ: of
     /// (Hd − m)ᵀ Σ⁻¹ (Hd − m) + (F + Ad)ᵀ Λ⁻¹ (F + Ad)/κ the least, with H = Cov φ, m what the means are off by, F = E\[r φ\]
     /// and A = E\[𝓖φ φᵀ\] (generalised least squares: A. C. Aitken, 1935, doi:10.1017/S0370164600014346).
-    /// κ ≥ 1 allows for what no combination of the functions can mend. None where no κ leaves the pilot's means as
+    /// κ ≥ 1 allows for residuals that no combination of the functions removes. None where no κ leaves the pilot's means as
     /// likely as they should be.
     pub(super) fn reconciled(
         &self,
@@ -111,7 +112,7 @@ impl Likelihood<'_> {
     }
 }
 
-/// What turns a vector of this covariance into one of covariance 1. None where the covariance is none.
+/// The map of a vector of this covariance to one of covariance 1. None where the matrix is not positive definite.
 fn standardised(covariance: &Mat<f64>) -> Option<impl Fn(&Mat<f64>) -> Mat<f64> + use<>> {
     let size = covariance.nrows();
     let scale: Vec<f64> = (0..size).map(|k| covariance[(k, k)].sqrt().recip()).collect();

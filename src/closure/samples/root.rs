@@ -9,8 +9,8 @@ use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
-/// The size of the residual, relative to its parts, at which the Fokker-Planck equation is solved; what must follow from
-/// step to step; and the steps at most.
+/// The size of the residual, relative to its parts, at which the Fokker-Planck equation counts as solved; the largest ratio
+/// of it from one step to the next; and the most steps.
 const SOLVED: f64 = 1e-9;
 const HALVED: f64 = 0.5;
 const POLISHES: usize = 12;
@@ -19,8 +19,8 @@ const FEWEST: usize = 1 << 14;
 const ROOT_EACH: usize = 80;
 
 impl Likelihood<'_> {
-    /// The root of E\[r φ_k\] = 0 under exp(Q) itself near `fit`, where the residual r vanishes at every draw: Q is then exact,
-    /// whatever the draws. None where there is none.
+    /// The root of E\[r φ_k\] = 0 under exp(Q) itself near `fit`, where the residual r vanishes at every draw: Q is then
+    /// exact and does not depend on the draws. None where there is no such root.
     pub(super) fn polished(&self, problem: &Problem, fit: &Fit) -> Option<Fit> {
         let size = self.products.len() - 1;
         let zeros = vec![0.0; size];
@@ -64,8 +64,7 @@ impl Likelihood<'_> {
         None
     }
 
-    /// How far Q is from what the equations under exp(Q) ask for: the root mean square of the residual, and its size relative to
-    /// its parts.
+    /// The root mean square of the residual of Q under exp(Q), and its size relative to its parts.
     pub(super) fn residual(&self, problem: &Problem, fit: &Fit) -> [f64; 2] {
         let Equations { root, size, .. } = self.equations(problem, &fit.a, &fit.masses, Columns::None);
         [root, size]
@@ -174,10 +173,10 @@ fn linearised(sites: &Sites, scratch: &mut Scratch) {
     }
 }
 
-/// What the columns of the matrix are the images under.
+/// The operator whose images are the columns of the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Columns {
-    /// There is no matrix: only the size of the residual is asked for.
+    /// There is no matrix: only the size of the residual is needed.
     None,
     /// The linearised residual L′.
     Linearised,
@@ -191,8 +190,8 @@ pub(super) struct Equations {
     pub(super) matrix: Mat<f64>,
     /// E\[r φ_k\].
     pub(super) tested: Vec<f64>,
-    /// The sums of (p r)² φ_k φ_l and of p² φ_k φ_l over the draws, where the generator is asked for: the covariances of
-    /// E\[r φ\] and of E φ by independent draws.
+    /// The sums of (p r)² φ_k φ_l and of p² φ_k φ_l over the draws, where the columns are those of the generator: the
+    /// covariances of E\[r φ\] and of E φ by independent draws.
     pub(super) noise: Mat<f64>,
     pub(super) spread: Mat<f64>,
     /// √E r².

@@ -4,7 +4,7 @@ use super::products::{LANES, Lane, ZERO};
 use crate::fokker_planck::Local;
 use crate::problem::Problem;
 
-/// Eight states and what the closure needs of the operator there.
+/// Eight states with the coefficients of the operator there.
 #[derive(Clone, Debug)]
 pub(super) struct Sites {
     pub(super) x: Vec<Lane>,

@@ -17,7 +17,7 @@ pub(crate) struct Corner {
 }
 
 impl Corner {
-    /// A wall in a domain that reaches as far as u and |w| say.
+    /// A wall in a domain whose largest u and |w| are `reach`.
     pub(in crate::closure) fn new(wall: Wall, intensity: f64, reach: [f64; 2]) -> Self {
         Corner { wall, intensity, reach, similarity: Similarity::new(wall.restitution(), intensity) }
     }

@@ -51,7 +51,7 @@ impl Degrees {
     /// million monomials.
     pub fn count(&self, states: usize, order: u32) -> Result<usize> {
         self.check(states)?;
-        let remedy = "it has more than a million monomials, which no method here takes: ask for a lower one";
+        let remedy = "it has more than a million monomials, which no method here takes: take a lower one";
         require(!self.are_more_than(MOST, states, order), "order of the monomials", f64::from(order), remedy)?;
         Ok(self.exponents(states, order, |_| true).len())
     }

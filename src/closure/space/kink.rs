@@ -4,7 +4,7 @@ use super::{Corner, PlaneJet};
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
 
-/// What keeps B = w⁶ + (κu)² from 0 where it is divided by.
+/// Added to B = w⁶ + (κu)², so that it can be divided by.
 pub(crate) const SMALLEST: f64 = 1e-60;
 
 /// The highest power in a kink.

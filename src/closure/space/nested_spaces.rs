@@ -2,8 +2,7 @@ use super::degrees::Degrees;
 use crate::closure::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
 use crate::problem::Symmetry;
 
-/// The degree of a reference above that of the closure, where nothing singular is in the way; in four states there would be too
-/// many functions.
+/// The degree of a reference above that of the closure, without walls; four states, with too many functions, have less.
 const EXCESS: u32 = 8;
 const EXCESS_OF_FOUR: u32 = 4;
 /// The highest degrees, where the edge of the domain shows as ripples; a correction may be cut off below them.
@@ -16,22 +15,23 @@ const ALL: WallLevel = WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 };
 
 /// The nested spaces that an order needs. Each but the last holds the first functions of the next.
 pub(in crate::closure) struct NestedSpaces {
-    /// What the closure's Q is made of.
+    /// The functions of the closure's Q.
     pub(in crate::closure) answer: Functions,
-    /// What the reference's weight is made of; it contains the answer's functions, though not as its first.
+    /// The functions of the reference's weight, which contain the answer's, though not as the first ones.
     pub(in crate::closure) weight: Functions,
-    /// What the correction of the weight is made of, and what the moment equations are tested with.
+    /// The functions of the correction of the weight, which also test the moment equations.
     pub(in crate::closure) all: Functions,
     /// The columns, the constant's included, of `all` that hold the answer, the weight, and all but the last degrees.
     pub(in crate::closure) answer_columns: usize,
     pub(in crate::closure) weight_columns: usize,
     pub(in crate::closure) lower_columns: usize,
-    /// The columns whose share in the correction is its error, and the end of what is kept of it: all, or less than that.
+    /// Two truncations, each with the columns whose share in the correction is its error and the end of the columns kept:
+    /// all, or fewer.
     pub(in crate::closure) whole: Truncation,
     pub(in crate::closure) cut: Option<Truncation>,
 }
 
-/// Columns by which a correction is judged, and where it ends.
+/// The columns by which a correction's error is estimated, and the place where it ends.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::closure) struct Truncation {
     pub(in crate::closure) judged: usize,

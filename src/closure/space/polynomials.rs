@@ -6,7 +6,7 @@ use crate::polynomial::Polynomial;
 use crate::record::{Read, exponents, positive_states, states};
 use serde::{Deserialize, Serialize};
 
-/// Entries of a table that lie on the stack: those of two states to the highest degree, or of ten to the fourth.
+/// The most entries of a table on the stack: those of two states to the highest degree, or of ten to the fourth.
 const ON_STACK: usize = 2 * (HIGHEST as usize + 1);
 
 /// Products of Legendre polynomials in each state, scaled to a box.
@@ -102,7 +102,7 @@ impl Polynomials {
         });
     }
 
-    /// `start` and one after the other of a_k φ_k added to it.
+    /// `start` + Σ a_k φ_k, the terms added one after the other.
     pub(super) fn added(&self, start: f64, x: &[f64], a: &[f64]) -> f64 {
         let product =
             |table: &[f64], factors: &[(usize, usize)]| factors.iter().map(|&(_, at)| table[at]).product::<f64>();

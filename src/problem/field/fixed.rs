@@ -1,4 +1,4 @@
-//! Systems of a number of states that the compiler has: arrays, several lanes at once.
+//! Systems of a number of states that is known to the compiler: arrays, several lanes at once.
 
 use super::super::flow::{Kicks, kick, midpoint, runge_kutta};
 use super::{Field, LANES, Lane};
@@ -72,8 +72,8 @@ impl<F: Fn([f64; N]) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, 
     }
 }
 
-/// The flow of column k of G at all lanes, likewise. Four evaluations of the user's noise are too long for a closure to become
-/// part of the call: it would take one lane after another.
+/// The flow of column k of G at all lanes, likewise. A closure with four evaluations of the user's noise would be too long to
+/// be inlined, and would take one lane after another.
 struct OnFlow<'a, T, const N: usize, const M: usize> {
     system: &'a T,
     k: usize,
@@ -83,7 +83,7 @@ struct OnFlow<'a, T, const N: usize, const M: usize> {
 }
 
 impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> OnFlow<'_, T, N, M> {
-    /// Column k: chosen and not looked up, so that the other columns need no memory.
+    /// Column k, by a choice and not by an index, so that the other columns need no memory.
     #[inline(always)]
     fn column(&self, x: &[f64; N]) -> [f64; N] {
         let noise = self.system.noise(*x);

@@ -1,5 +1,4 @@
-//! The user's own definition as what can be evaluated, by a trait object: nothing beyond this folder is compiled for a user's
-//! type.
+//! The user's own definition behind a trait object: nothing outside this folder is compiled for a user's type.
 
 mod any_size;
 mod fixed;
@@ -17,9 +16,9 @@ pub(crate) const LANES: usize = 16;
 /// One state of each of them.
 pub(crate) type Lane = [f64; LANES];
 
-/// What the methods ask of a system. First derivatives come from [`Dual64`](num_dual::Dual64), second ones from
-/// [`HyperDual64`](num_dual::HyperDual64), and the derivatives of the noise-induced drift from dual numbers over those, so that
-/// nothing is ever differenced.
+/// A system as the methods evaluate it. First derivatives come from [`Dual64`](num_dual::Dual64), second ones from
+/// [`HyperDual64`](num_dual::HyperDual64), and the derivatives of the noise-induced drift from dual numbers over those, so
+/// that nothing is ever differenced.
 pub(crate) trait Field: Send + Sync {
     /// Column k of G at [`LANES`] states: `x[i][l]` is state i of lane l.
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]);
@@ -27,9 +26,9 @@ pub(crate) trait Field: Send + Sync {
     /// The flow of column k of G over the times `s`, by the classical Runge-Kutta rule.
     fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]);
 
-    /// The flow of the drift as it was written over the time `tau`, by the explicit midpoint rule. It takes with it `induced`
-    /// times ½ Σ_k (G_k·∇)G_k, what Stratonovich's mean rate of change has beyond the drift, and states whose factor in
-    /// `moved` is 1, not those whose factor is 0.
+    /// The flow of the drift as it was written over the time `tau`, by the explicit midpoint rule. It includes `induced`
+    /// times ½ Σ_k (G_k·∇)G_k, the difference between the mean rate of change and the drift in Stratonovich's sense, and
+    /// moves the states whose factor in `moved` is 1, not those whose factor is 0.
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]);
 
     /// Takes the states `x` through [`Kicks::run`] for the increments `w`.

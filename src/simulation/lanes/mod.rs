@@ -12,13 +12,13 @@ use std::ops::Range;
 /// Sixteen trajectories advanced in lockstep, the lanes of wide registers.
 ///
 /// Trajectory i draws from stream i of the seed and from nothing else, so that its path does not depend on the lanes next
-/// to it, nor on the number of threads. What is random is a function of the stream and of the number of steps taken: the
+/// to it, nor on the number of threads. Random numbers are a function of the stream and of the number of steps taken: the
 /// whole state of a group is in these fields.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct Lanes {
     random: Random,
     first: u64,
-    /// The number of lanes that hold a trajectory; the others idle along and count for nothing.
+    /// The number of lanes that hold a trajectory; the others run along and are not counted.
     active: usize,
     /// The time steps taken so far.
     taken: u64,

@@ -9,11 +9,11 @@ use crate::simulation::{
 };
 use pulp::NullaryFnOnce;
 
-/// How many steps' random numbers are drawn at a time; even, since they come in pairs of steps, and few, so that a processor
-/// draws some while it waits for the numbers of the steps before.
+/// The number of steps whose random numbers are drawn at a time; even, since they come in pairs of steps, and few, so that a
+/// processor draws some while it waits for the numbers of the steps before.
 const BLOCK: usize = 4;
 
-/// What the steps work on, made once for many of them.
+/// The buffers of the steps, made once for many of them.
 pub(in crate::simulation) struct Workspace {
     /// The increments of some steps: those of all processes for each step.
     increments: Vec<Lane>,
@@ -97,7 +97,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
             let (mut step, stop) = (offset, offset + length);
             while step < stop {
                 let Workspace { increments, kicked, scratch, .. } = &mut *self.work;
-                // Levels are looked at after each step, lanes that are ahead wait for the others, and the last step ends with
+                // Levels are checked after each step, lanes that are ahead wait for the others, and the last step ends with
                 // half a drift.
                 let free = (stop - step).min((end - 1 - self.lanes.taken) as usize);
                 let free = if any_ahead || !boundaries.levels.is_empty() { 0 } else { free };
@@ -166,7 +166,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
 
 impl Advance<'_, '_> {
     /// The first half drift of a step. A trajectory that grazes the wall takes the whole step at once instead, in shorter
-    /// ones; returned is which do and are then ahead of the others.
+    /// ones; returned are the lanes that do so, which are then ahead of the others.
     #[inline(always)]
     fn begin(&mut self, x: &mut [Lane]) -> [bool; LANES] {
         let (boundaries, active, velocity) = (self.boundaries, self.lanes.active, self.boundaries.velocity());

@@ -4,13 +4,13 @@ use crate::{problem::Problem, states::States};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::fmt;
 
-/// The function ξ(x) whose large values are the rare states. It decides the variance; it cannot bias anything.
+/// The function ξ(x) whose large values are the rare states. The variance depends on it; no value is biased by it.
 pub(super) enum Importance<'a> {
     /// The mechanical energy of a system of oscillators.
     Energy(Polynomial),
     /// The squared distance from the mean, in standard deviations of the stationary states.
     Distance { mean: DVector<f64>, scale: Cholesky<f64, Dyn> },
-    /// What the user says.
+    /// The user's function.
     Given(Box<Function<'a>>),
 }
 

@@ -2,10 +2,10 @@
 //!
 //! - `importance`: the function of the state whose large values are rare;
 //! - `population`: the weighted particles of one replica, sorted into bins of that function;
-//! - `resampling`: as many particles for each bin as it should have, without bias;
+//! - `resampling`: the same number of particles for each bin, without bias;
 //! - `pilot`: the bins' edges, and the scale of the tail at each level;
-//! - `tally`: what a replica measures;
-//! - `setup`, `run`, `result`: what the user asks, what is done, and what the user gets.
+//! - `tally`: the measurements of a replica;
+//! - `setup`, `run`, `result`: the user's options, the run, and the result.
 
 mod importance;
 mod pilot;

@@ -6,13 +6,13 @@ use super::{
 use crate::{error::Result, simulation::passage::Boundaries};
 use std::f64::consts::E;
 
-/// A threshold is set only where so large a share of the weight seen lies beyond it.
+/// A threshold is set only if at least this share of the weight beyond the last one lies beyond it.
 const SEEN: f64 = 0.1;
 
-/// So many of the starting states lie beyond the last threshold that they set.
+/// The least number of starting states beyond the last threshold that is set from them.
 const LEAST_STATES: f64 = 30.0;
 
-/// The most bins, whatever the importance function does.
+/// The most bins, for any importance function.
 const MOST_BINS: usize = 200;
 
 /// So many rounds may pass without a new threshold before the importance function counts as exhausted.
@@ -25,7 +25,7 @@ const CELL_ROUNDS: usize = 4;
 /// there. For an exponential tail the cells then err by 6·10⁻⁵ of the density.
 const CELL: f64 = 1.0 / 3.0;
 
-/// The run that finds the thresholds, before anything is measured.
+/// The run that finds the thresholds, before the measurement.
 pub(super) struct Pilot<'a> {
     pub(super) motion: &'a Motion<'a>,
     pub(super) boundaries: &'a Boundaries,
@@ -39,7 +39,7 @@ pub(super) struct Pilot<'a> {
 /// From fewer particles beyond a level the mean excess is not taken.
 const LEAST_SEEN: f64 = 50.0;
 
-/// What the states do beyond one level and below it: Σ1, Σw and Σw|x − y|.
+/// Sums over the states beyond one level and below it: Σ1, Σw and Σw|x − y|.
 #[derive(Clone, Copy, Default)]
 struct Excess {
     above: [f64; 3],
@@ -47,8 +47,8 @@ struct Excess {
 }
 
 impl Pilot<'_> {
-    /// Thresholds that each leave a share of e⁻¹ beyond them. A round of some cycles sees a little farther than the last
-    /// threshold, and sets the next ones.
+    /// Thresholds that each leave a share of e⁻¹ beyond them. In a round of some cycles particles pass a little beyond the
+    /// last threshold, and the next ones are set from them.
     pub(super) fn thresholds(&self, population: &mut Population, states: &Particles) -> Result<Vec<f64>> {
         let least = LEAST_STATES / states.len() as f64;
         let mut thresholds = quantiles(values(self.motion.importance, states)?, least, f64::NEG_INFINITY);
@@ -115,7 +115,7 @@ impl Excess {
     }
 }
 
-/// The scale at each of some rising levels. Those too far out to be seen take the scale of the nearest that is known; if
+/// The scale at each of some rising levels. Those that too few states reach take the scale of the nearest that is known; if
 /// there is none, it is zero.
 fn scales(seen: &[Excess]) -> Vec<f64> {
     let known: Vec<(usize, f64)> = seen.iter().enumerate().filter_map(|(k, e)| Some((k, e.scale()?))).collect();
@@ -131,7 +131,7 @@ fn values(importance: &Importance<'_>, states: &Particles) -> Result<Vec<(f64, f
 fn quantiles(mut values: Vec<(f64, f64)>, least: f64, above: f64) -> Vec<f64> {
     values.sort_by(|a, b| b.0.total_cmp(&a.0));
     let total: f64 = values.iter().map(|&(_, w)| w).sum();
-    // A threshold that nothing lies below divides nothing.
+    // A threshold with no state below it would not divide the states.
     let above = values.last().map_or(above, |&(lowest, _)| above.max(lowest));
     let shares = std::iter::successors(Some(1.0 / E), |share| Some(share / E)).take_while(|&share| share >= least);
     let mut found = Vec::new();

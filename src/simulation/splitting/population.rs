@@ -68,11 +68,11 @@ struct Bin {
     weight: f64,
 }
 
-/// What moves the particles.
+/// The motion of the particles: the scheme, the boundaries, and the steps between two resamplings.
 pub(super) struct Motion<'a> {
     pub(super) scheme: &'a Scheme<'a>,
     pub(super) importance: &'a Importance<'a>,
-    /// A state beyond has exploded.
+    /// The moduli beyond which a state has exploded.
     pub(super) bounds: Vec<f64>,
     /// Time steps between two resamplings.
     pub(super) steps: usize,

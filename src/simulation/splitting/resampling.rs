@@ -1,7 +1,7 @@
 /// Systematic resampling: which of the `weights` are kept, and how often, when `count` equal weights replace them.
 ///
 /// Every particle is kept count × w/W times in the mean, exactly, so that any weighted sum over the particles keeps its
-/// expectation; the number differs from that by less than one. One uniform number in [0, 1) decides all.
+/// expectation; the number differs from that by less than one. One uniform number in [0, 1) serves all.
 pub(super) fn systematic(
     weights: impl ExactSizeIterator<Item = f64> + Clone,
     count: usize,

@@ -4,14 +4,14 @@ use crate::estimate::Estimate;
 use crate::provenance::Provenance;
 use crate::simulation::{jackknife::jackknife, plan::same_level};
 
-/// A standard error from fewer replicas that saw anything is a guess.
+/// With fewer replicas that met a state, its standard error is unreliable.
 const LEAST_REPLICAS: usize = 8;
 
 /// The tails of a stationary density: every value with its standard error.
 ///
-/// Errors come from the spread between independent replicas. They cover chance, not the time step. What fewer than eight
-/// replicas have met gets an infinite error, and so does what none has met, whose value is 0; a relative error above one
-/// half says little more. Ask for smaller probabilities by [`Splitting::rarest`](crate::Splitting::rarest).
+/// Errors come from the spread between independent replicas. They cover chance, not the time step. A value that fewer than
+/// eight replicas have met has an infinite error, and so does one that none has met, which is 0; a relative error above one
+/// half is hardly more informative. Smaller probabilities are reached by [`Splitting::rarest`](crate::Splitting::rarest).
 #[derive(Clone, Debug)]
 pub struct Tails {
     replicas: Vec<Tally>,
@@ -35,7 +35,7 @@ impl Tails {
     /// P(X ≥ y) for a state X and one of its levels y.
     ///
     /// # Errors
-    /// [`Error::NotKnown`] if the level was not named before the run; so for every question about a level.
+    /// [`Error::NotKnown`] if the level was not named before the run; the same holds for every value at a level.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         let (k, (level, _)) = self.find(state, level)?;
         Ok(self.mean(|tally| tally.above(k, &self.watched, level)))
@@ -77,9 +77,9 @@ impl Tails {
         Ok(self.mean(|tally| tally.crossings[k] / tally.time))
     }
 
-    /// How far the bins changed from the first half of the measuring time to the second: their probabilities, and how often
-    /// they were occupied, in units of the standard error of the change; the largest of all. Beyond ±4 the relaxation or the
-    /// burn-in was too short.
+    /// The change of the bins from the first half of the measuring time to the second, in their probabilities and in the time
+    /// for which they were occupied, in units of the standard error of the change; the largest of all. Beyond ±4 the
+    /// relaxation or the burn-in was too short.
     pub fn stationarity(&self) -> f64 {
         let change = |bin: usize, what: usize| {
             let change = |tally: &Tally| [tally.halves[1][bin][what] - tally.halves[0][bin][what], 1.0];

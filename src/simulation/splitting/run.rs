@@ -20,7 +20,7 @@ use crate::simulation::{
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Path-steps of one replica between two looks at the progress callback.
+/// Path-steps of one replica between two calls of the progress callback.
 const REPORT: u64 = 1 << 18;
 
 /// The starting states of one replica: as many as leave a few beyond the fourth threshold.
@@ -58,7 +58,7 @@ impl Splitting<'_> {
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning, a level that is not finite or not above
     ///   the wall, an importance function that is not a number somewhere.
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any starting state.
-    /// - [`Error::Cancelled`]: the progress callback said so.
+    /// - [`Error::Cancelled`]: the progress callback returned `Break`.
     pub fn run(mut self, problem: &Problem) -> Result<Tails> {
         let begin = Instant::now();
         let (n, wall) = (problem.dimension(), single_wall(problem, "splitting")?);
@@ -153,7 +153,7 @@ impl Splitting<'_> {
         })
     }
 
-    /// Looks at all options that the starting states do not need.
+    /// Checks all options that the starting states do not need.
     fn plan(&self, states: usize, wall: Option<Wall>, spans: Spans) -> Result<Plan> {
         if self.particles == 0 {
             return Err(Error::NoSamples { what: "the number of particles", least: 1 });
@@ -196,7 +196,7 @@ impl Splitting<'_> {
         let states = levels.chunk_by(|a, b| a.0 == b.0);
         let sorted: Vec<(usize, Vec<f64>)> = states.map(|s| (s[0].0, s.iter().map(|&(_, y)| y).collect())).collect();
         for (_, levels) in &sorted {
-            at_most("number of levels", levels.len(), MOST_LEVELS, "at most 64 levels of one state can be watched")?;
+            at_most("number of levels", levels.len(), MOST_LEVELS, "at most 64 levels of one state can be counted")?;
         }
         Ok(sorted)
     }
@@ -225,7 +225,7 @@ struct Plan {
     measuring: usize,
 }
 
-/// What one replica needs.
+/// The data of one replica.
 struct Replica<'a, 'c> {
     motion: &'a Motion<'a>,
     /// Without levels and with them.

@@ -8,15 +8,15 @@ use std::ops::ControlFlow;
 /// each of which leaves about the share 1/e of the probability beyond it, divide the states into bins. Every bin holds the
 /// same number of particles, whose weights add up to its probability. Particles move as in a
 /// [`Simulation`](crate::Simulation), and after each interval those of a bin are replaced by equally many of equal weight,
-/// drawn from them in proportion to their weights. Weighted means keep their expectation through this exactly, whatever ξ and
-/// the bins are. They begin with equal weights, at states that a plain simulation has made stationary, and so stay unbiased
-/// at all times; ξ decides on their variance alone. A time of relaxation lets the particles climb into the tail before they
-/// are measured.
+/// drawn from them in proportion to their weights. Weighted means keep their expectation through this exactly, for any ξ and
+/// any bins. They begin with equal weights, at states that a plain simulation has made stationary, and so stay unbiased at
+/// all times; ξ affects their variance alone. A time of relaxation lets the particles climb into the tail before they are
+/// measured.
 ///
 /// ```
 /// use expoly::{Density, Splitting, models::{Duffing, Solved}};
 /// let oscillator = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-/// // A small run, 3·10⁻⁵ of the peak; the defaults see 10⁻⁸ of it within 5 %.
+/// // A small run, 3·10⁻⁵ of the peak; the defaults reach 10⁻⁸ of it within 5 %.
 /// let tails = Splitting::new().levels([3.0]).rarest(1e-5).particles(8).replicas(16);
 /// let tails = tails.burn_in(20.0).relaxation(10.0).duration(10.0).seed(1).run(&oscillator.problem()?)?;
 /// let density = tails.marginal(0, 3.0)?;
@@ -42,7 +42,7 @@ pub struct Splitting<'a> {
     pub(super) rarest: f64,
     pub(super) particles: usize,
     pub(super) replicas: usize,
-    /// None: by the system's rates; so for the next four.
+    /// None where it follows from the system's rates, as the next four.
     pub(super) time_step: Option<f64>,
     pub(super) burn_in: Option<f64>,
     pub(super) relaxation: Option<f64>,
@@ -108,8 +108,8 @@ impl<'a> Splitting<'a> {
         Splitting { rarest: probability, ..self }
     }
 
-    /// The number of particles in each bin of a replica, 16 by default; multiples of 16 are fastest. What counts is
-    /// particles × replicas: standard errors fall with its square root.
+    /// The number of particles in each bin of a replica, 16 by default; multiples of 16 are fastest. Standard errors fall
+    /// with the square root of particles × replicas.
     pub fn particles(self, particles: usize) -> Self {
         Splitting { particles, ..self }
     }
@@ -125,8 +125,8 @@ impl<'a> Splitting<'a> {
     /// for the oscillator below.
     ///
     /// The scheme moves energies by O(h²), and the density is an exponential of the energy: with the restoring force G′ and
-    /// E v² = T, its density at a displacement y is off by the relative amount −h² G′(y)²/24T or so, of which standard errors
-    /// know nothing. For x″ + 0.2 x′ + x + 0.3 x³ = ξ with D = 0.2 and h = 0.08 the density was measured 4.1 ± 1.3 % too low
+    /// E v² = T, its density at a displacement y is off by the relative amount −h² G′(y)²/24T or so, which standard errors do
+    /// not include. For x″ + 0.2 x′ + x + 0.3 x³ = ξ with D = 0.2 and h = 0.08 the density was measured 4.1 ± 1.3 % too low
     /// at y = 3 and 7.6 ± 1.2 % at y = 3.5, which is 3·10⁻⁸ of the peak; for h = 0.02 that makes half a percent.
     pub fn time_step(self, time_step: f64) -> Self {
         Splitting { time_step: Some(time_step), ..self }
@@ -140,7 +140,7 @@ impl<'a> Splitting<'a> {
 
     /// The time that the particles take to fill the bins before they are measured, as long as the burn-in by default. Nothing is biased if it is
     /// too short, but then few particles have arrived, and their weights differ so much that the standard errors of the
-    /// rarest states cannot be trusted. [`Tails::stationarity`](crate::Tails::stationarity) tells. A tenth of it is one round
+    /// rarest states are unreliable; [`Tails::stationarity`](crate::Tails::stationarity) shows it. A tenth of it is one round
     /// of the pilot that finds the thresholds.
     pub fn relaxation(self, relaxation: f64) -> Self {
         Splitting { relaxation: Some(relaxation), ..self }
@@ -168,9 +168,9 @@ impl<'a> Splitting<'a> {
         Splitting { seed, ..self }
     }
 
-    /// A function that is told now and then how far the replicas are, from whichever thread; to stop them, it returns
-    /// [`ControlFlow::Break`]. The starting states and the pilot, a small part of the work, are not counted. It must not start
-    /// parallel work of its own: its thread could be given a replica, and wait for itself.
+    /// A callback for the progress of the replicas, called now and then from any of their threads; to stop them, it returns
+    /// [`ControlFlow::Break`]. The starting states and the pilot, a small part of the work, are not counted. It must not
+    /// start parallel work of its own: its thread could be given a replica, and then wait for itself without end.
     pub fn progress(self, callback: impl FnMut(Progress) -> ControlFlow<()> + Send + 'a) -> Self {
         Splitting { progress: Some(Callback(Box::new(callback))), ..self }
     }

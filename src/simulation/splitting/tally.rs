@@ -1,4 +1,4 @@
-/// One state and the levels that are looked at, each with the cells around it.
+/// One state and its levels, each with the cells around it.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
     pub(super) state: usize,
@@ -8,10 +8,10 @@ pub(super) struct Levels {
     edges: Vec<f64>,
 }
 
-/// What one replica measures.
+/// The measurements of one replica.
 #[derive(Clone, Debug)]
 pub(super) struct Tally {
-    /// The number of instants at which the particles were looked at; at each the weights have the sum 1.
+    /// The number of instants at which the particles were counted; at each the weights have the sum 1.
     pub(super) instants: f64,
     /// For each of [`Levels`], the weight between neighbouring edges, summed over the instants.
     mass: Vec<Vec<f64>>,
@@ -55,14 +55,14 @@ impl Tally {
         }
     }
 
-    /// Looks at one particle.
+    /// Counts one particle.
     pub(super) fn observe(&mut self, watched: &[Levels], (x, weight): (&[f64], f64)) {
         for (levels, mass) in watched.iter().zip(&mut self.mass) {
             mass[levels.place(x[levels.state])] += weight;
         }
     }
 
-    /// Looks at the weight of each bin.
+    /// Adds the weight of each bin.
     pub(super) fn occupy(&mut self, half: usize, masses: impl Iterator<Item = f64>) {
         for (sums, mass) in self.halves[half].iter_mut().zip(masses) {
             *sums = [sums[0] + mass, sums[1] + f64::from(u8::from(mass > 0.0))];

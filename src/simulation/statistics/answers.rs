@@ -7,14 +7,14 @@ impl SimulatedDensity {
     /// The spectral density and the autocovariance of one state.
     ///
     /// # Errors
-    /// [`Error::NotKnown`] if [`Simulation::spectrum`](crate::Simulation::spectrum) did not ask for it, [`Error::OutOfRange`]
-    /// if the run was shorter than a segment, [`Error::Dimension`] if there is no such state.
+    /// [`Error::NotKnown`] if it was not requested by [`Simulation::spectrum`](crate::Simulation::spectrum),
+    /// [`Error::OutOfRange`] if the run was shorter than a segment, [`Error::Dimension`] if there is no such state.
     pub fn spectrum(&self, state: usize) -> Result<Spectrum> {
         let state = state_index("a state's index", state, self.layout.axes.len())?;
         let spectra = &self.layout.recorders.spectra;
         let place = spectra.iter().position(|&(other, _)| other == state).ok_or_else(|| Error::NotKnown {
             what: format!("the spectrum of state {state}"),
-            remedy: "ask for it by `Simulation::spectrum` before the run",
+            remedy: "request it by `Simulation::spectrum` before the run",
         })?;
         let tallies = self.batches.iter().map(|b| b.recordings.spectra[place].clone()).collect();
         Spectrum::new(spectra[place].1.clone(), tallies)
@@ -23,14 +23,14 @@ impl SimulatedDensity {
     /// The time that a stationary path takes to pass a level from below.
     ///
     /// # Errors
-    /// [`Error::NotKnown`] if [`Simulation::first_passage`](crate::Simulation::first_passage) did not ask for it,
+    /// [`Error::NotKnown`] if it was not requested by [`Simulation::first_passage`](crate::Simulation::first_passage),
     /// [`Error::OutOfRange`] if the run was shorter than a window.
     pub fn first_passage(&self, level: f64) -> Result<FirstPassage> {
         let passages = &self.layout.recorders.passages;
         let place = passages.iter().position(|waiting| same_level(waiting.level, level));
         let place = place.ok_or_else(|| Error::NotKnown {
             what: format!("the first passage of the level {level}"),
-            remedy: "ask for it by `Simulation::first_passage` before the run",
+            remedy: "request it by `Simulation::first_passage` before the run",
         })?;
         let tallies = self.batches.iter().map(|b| b.recordings.passages[place].clone()).collect();
         FirstPassage::new(passages[place].window, tallies)
@@ -49,7 +49,7 @@ impl SimulatedDensity {
     /// with the mean densities, in which errors of the order δ² cancel. What remains is
     /// −(3/640) Σ_i δ_i⁴ ∂_i⁴p − (1/576) Σ_(i<j) δ_i²δ_j² ∂_i²∂_j²p: for a normal density and δ a third of each standard
     /// deviation 4·10⁻⁴ of the peak at the peak in two dimensions, and 2·10⁻⁵ for half of that. The standard error, the
-    /// other part, grows like (δ₁ ... δ_N)^(−1/2). Cells that nothing has met have the error of one sample.
+    /// other part, grows like (δ₁ ... δ_N)^(−1/2). Cells without a sample have the error of one sample.
     pub fn at_points(&self) -> Vec<(Vec<f64>, Estimate)> {
         let found = |(k, point): (usize, &Point)| {
             let count = 2.0 * point.at.len() as f64;
@@ -85,7 +85,7 @@ impl SimulatedDensity {
         let width = self.layout.recorders.slabs[place].width;
         if width <= 0.0 {
             let what = format!("the flow through the level {level} by its states");
-            let remedy = "the wall leaves no room for a cell about it: ask for another level";
+            let remedy = "the wall leaves no room for a cell about it: take another level";
             return Err(Error::NotKnown { what, remedy });
         }
         let sums = |b: &Tally| {

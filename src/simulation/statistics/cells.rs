@@ -31,15 +31,15 @@ impl Point {
     }
 }
 
-/// A level, and cells of the width δ about it in which up-crossings are told from densities.
+/// A level, and cells of the width δ about it, from whose samples the rate of up-crossings follows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::simulation) struct Slab {
     level: f64,
     pub(super) width: f64,
 }
 
-/// A state's velocity is looked at in cells of this share of the range of its histogram, a third of the standard deviation
-/// for a normal density.
+/// The velocity of a state is averaged in cells of this share of the range of its histogram, a third of the standard
+/// deviation for a normal density.
 const SHARE: f64 = 1.0 / 36.0;
 
 impl Slab {

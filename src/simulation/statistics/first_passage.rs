@@ -3,18 +3,18 @@ use crate::estimate::Estimate;
 use crate::simulation::jackknife::jackknife;
 use serde::{Deserialize, Serialize};
 
-/// How a stationary path is cut into windows, each of which begins at a stationary state and waits for the first passage.
+/// The windows of equal length that a stationary path is cut into, each of which has a first passage or none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::simulation) struct PassageWindow {
     /// Observations in a window.
     count: usize,
     interval: f64,
     bins: usize,
-    /// Whether the path is watched between observations too.
+    /// Whether passages between observations count too.
     continuous: bool,
 }
 
-/// Where one trajectory is in its window.
+/// The place of one trajectory in its window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub(in crate::simulation) struct PassageClock {
     observed: usize,
@@ -71,7 +71,7 @@ impl PassageTally {
         self.passages.len()
     }
 
-    /// Takes one observation of a trajectory: whether it lies beyond the level, and whether it has come there since the last
+    /// Takes one observation of a trajectory: whether it is beyond the level, and whether it has passed it since the last
     /// one. The first observation of a window is its beginning; each trajectory has its own clock.
     pub(super) fn push(&mut self, window: &PassageWindow, clock: &mut PassageClock, [beyond, since]: [bool; 2]) {
         if (beyond || since && clock.observed > 0) && !clock.passed {
@@ -96,9 +96,9 @@ impl PassageTally {
 /// The time T that a stationary path takes to pass a level from below, with standard errors from batches of independent
 /// trajectories.
 ///
-/// Each window begins at a stationary state: T is zero if that lies beyond the level already. A window that ends without a
-/// passage tells T > W, its length W. All windows have the same length, so that nothing but W itself is censored: the
-/// distribution function is exact up to W, and nothing is known beyond. Windows of one trajectory follow each other and are
+/// Each window begins at a stationary state: T is zero if that lies beyond the level already. A window of the length W that
+/// ends without a passage means T > W. All windows have the same length, so that times are censored at W alone: the
+/// distribution function is unbiased up to W, and not known beyond. Windows of one trajectory follow each other and are
 /// correlated; batches are not. Errors cover chance, not the time step.
 #[derive(Clone, Debug)]
 pub struct FirstPassage {
@@ -113,7 +113,7 @@ impl FirstPassage {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if fewer than two batches have a window that has ended.
     pub(super) fn new(window: PassageWindow, mut batches: Vec<PassageTally>) -> Result<Self> {
         batches.retain(|batch| batch.windows > 0.0);
-        let remedy = "too few trajectories were watched for so long; ask for more samples or a shorter window";
+        let remedy = "too few trajectories ran for so long; take more samples or a shorter window";
         require(batches.len() >= 2, "window of a first passage", window.length(), remedy)?;
         Ok(FirstPassage { window, batches })
     }
@@ -129,15 +129,16 @@ impl FirstPassage {
         (0..=self.window.bins).map(until).collect()
     }
 
-    /// The restricted mean E min(T, W), which is ∫ P(T > t) dt over the window. Where the path is watched at all times, a
-    /// passage counts in the middle of its sampling interval Δ, which leaves an error of order Δ².
+    /// The restricted mean E min(T, W), which is ∫ P(T > t) dt over the window. Where passages between samples count, each
+    /// counts in the middle of its sampling interval Δ, which leaves an error of order Δ².
     pub fn restricted_mean(&self) -> Estimate {
         jackknife(&self.batches, |b| [b.windows, b.waited], |[windows, waited]| waited / windows)
     }
 
     /// The mean E T as it would be if passages went on at a constant rate, P(T > t) = P₀ exp(−λt) with P₀ = P(T > 0):
     /// the mean P₀/λ, with λ passages per unit time of waiting. Exact for no oscillator; close where the level is high,
-    /// so that passages are rare and forget the start. [`FirstPassage::distribution`] shows whether the rate is constant.
+    /// so that passages are rare and do not depend on the start. [`FirstPassage::distribution`] shows whether the rate is
+    /// constant.
     pub fn extrapolated_mean(&self) -> Estimate {
         let sums = |b: &PassageTally| [b.windows, b.waited, b.passages[0], b.passages[1..].iter().sum()];
         jackknife(&self.batches, sums, |[windows, waited, at_once, later]| (1.0 - at_once / windows) * waited / later)

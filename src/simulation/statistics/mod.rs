@@ -1,11 +1,11 @@
-//! Statistics beyond those that every run keeps, computed while it runs, in constant memory.
+//! Statistics beyond those of every run, computed while it runs, in constant memory.
 //!
-//! - `requests`, `options`: what the user asks for;
+//! - `requests`, `options`: the user's requests;
 //! - `spectrum`: autocovariance and spectral density from segments;
 //! - `first_passage`: the time that a stationary state takes to reach a level;
 //! - `cells`: densities and up-crossings in small cells about points and levels;
-//! - `recorders`: what looks at each sample, what a batch keeps of it, and the buffers of each path;
-//! - `answers`: what the user gets.
+//! - `recorders`: the counting of each sample, the sums of a batch, and the buffers of each path;
+//! - `answers`: the results.
 
 mod answers;
 mod cells;

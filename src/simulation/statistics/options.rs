@@ -3,9 +3,9 @@ use crate::simulation::Simulation;
 
 impl Simulation<'_> {
     /// Moments to be kept besides those that always are (all degrees up to 4 for up to three states): the exponents of each,
-    /// of degree 32 at most. [`Density::moment`](crate::Density::moment) then knows them.
+    /// of degree 32 at most. [`Density::moment`](crate::Density::moment) then has them.
     ///
-    /// High moments live in the tail: the relative standard error of E x^k grows about like 2^(k/2) for a normal density.
+    /// High moments depend on the tail: the relative standard error of E x^k grows about like 2^(k/2) for a normal density.
     pub fn moments(mut self, exponents: impl IntoIterator<Item = impl AsRef<[u32]>>) -> Self {
         self.requests.moments.extend(exponents.into_iter().map(|exponents| exponents.as_ref().to_vec()));
         self
@@ -14,7 +14,7 @@ impl Simulation<'_> {
     /// Keeps the spectral density and the autocovariance of one state, from segments of `length` samples each (8 to 2²⁰).
     /// [`SimulatedDensity::spectrum`](crate::SimulatedDensity::spectrum) gives them.
     ///
-    /// The path is looked at once in each sampling interval Δ: frequencies beyond π/Δ are folded back, and a segment lasts
+    /// The path is sampled once in each sampling interval Δ: frequencies beyond π/Δ are folded back, and a segment lasts
     /// `length` × Δ, which should be many relaxation times. The present segment of every trajectory is kept in memory.
     ///
     /// ```
@@ -33,19 +33,20 @@ impl Simulation<'_> {
         self
     }
 
-    /// Waits for the first passage of state 0 through `level` from below, in windows of the length `window`, each begun at
-    /// a stationary state, and keeps the distribution of the time at `bins` equal times in them.
+    /// Measures the time to the first passage of state 0 through `level` from below, in windows of the length `window`, each
+    /// begun at a stationary state, and keeps its distribution at `bins` equal times in them.
     /// [`SimulatedDensity::first_passage`](crate::SimulatedDensity::first_passage) gives it.
     ///
-    /// The path of a displacement is watched at all times and its passages are told to a sampling interval; of any other
-    /// state 0 only the samples are seen. The window is rounded to whole sampling intervals for each of the `bins`.
+    /// The path of a displacement is followed at all times, and its passages are located to a sampling interval; of any other
+    /// state 0 only the samples are used. The window is rounded to whole sampling intervals for each of the `bins`.
     pub fn first_passage(mut self, level: f64, window: f64, bins: usize) -> Self {
         self.requests.passages.push(PassageRequest { level, length: window, bins });
         self
     }
 
     /// Points of the state space whose density is to be measured in cells of the given widths about each, for any number of
-    /// states. [`SimulatedDensity::at_points`](crate::SimulatedDensity::at_points) gives it, and says what widths do.
+    /// states. [`SimulatedDensity::at_points`](crate::SimulatedDensity::at_points) gives it, with the errors that the widths
+    /// make.
     pub fn points(mut self, points: impl IntoIterator<Item = impl AsRef<[f64]>>, widths: impl AsRef<[f64]>) -> Self {
         let point = |at: &[f64]| Point { at: at.to_vec(), widths: widths.as_ref().to_vec() };
         self.requests.points.extend(points.into_iter().map(|at| point(at.as_ref())));

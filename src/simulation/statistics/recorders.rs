@@ -7,7 +7,7 @@ use super::{
 use crate::simulation::plan::same_level;
 use serde::{Deserialize, Serialize};
 
-/// How a run looks at its samples to answer [`Requests`].
+/// The counting of samples for [`Requests`].
 #[derive(Clone, Debug, Default)]
 pub(in crate::simulation) struct Recorders {
     pub(super) spectra: Vec<(usize, Segments)>,
@@ -18,7 +18,7 @@ pub(in crate::simulation) struct Recorders {
     velocity: usize,
 }
 
-/// A level whose first passage is waited for.
+/// A level whose first passage is measured.
 #[derive(Clone, Debug)]
 pub(super) struct FirstPassageRecorder {
     pub(super) level: f64,
@@ -27,7 +27,7 @@ pub(super) struct FirstPassageRecorder {
     pub(super) window: PassageWindow,
 }
 
-/// What one batch has found.
+/// The counts of one batch.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(in crate::simulation) struct Recordings {
     pub(super) spectra: Vec<SpectralTally>,
@@ -37,7 +37,7 @@ pub(in crate::simulation) struct Recordings {
     pub(super) slabs: Vec<[f64; 3]>,
 }
 
-/// What is remembered of the paths of a batch until a segment or a window is whole.
+/// The parts of the paths of a batch that are kept until a segment or a window is whole.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(in crate::simulation) struct Buffers {
     /// For each trajectory the segments of all spectra.
@@ -120,7 +120,7 @@ impl Recorders {
             && clocks.iter().zip(self.passages.iter().cycle()).all(|(clock, waiting)| waiting.window.remembers(clock))
     }
 
-    /// Looks at one sample.
+    /// Counts one sample.
     pub(in crate::simulation) fn observe(&self, recordings: &mut Recordings, buffers: &mut Buffers, seen: Sample<'_>) {
         let Sample { trajectory, x, crossed, lane } = seen;
         let segments = buffers.segments.iter_mut().skip(trajectory * self.spectra.len());

@@ -3,26 +3,26 @@ use crate::error::{Result, dimension, finite, positive, require, state_index};
 use crate::simulation::{plan::same_level, run::at_most};
 use serde::{Deserialize, Serialize};
 
-/// Each moment, point or state that is asked for costs time at every sample.
+/// The most moments; each moment, point or state that is requested costs time at every sample.
 const MOST_MOMENTS: usize = 64;
 const MOST_POINTS: usize = 256;
 const MOST_PASSAGES: usize = 16;
 
-/// The highest degree of a moment: beyond, a sum of powers is one sample alone.
+/// The highest degree of a moment: beyond, a sum of powers is dominated by a single sample.
 const HIGHEST_DEGREE: u32 = 32;
 
-/// What is asked of a simulation beyond the statistics that every one keeps.
+/// The statistics requested of a simulation beyond those of every run.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub(in crate::simulation) struct Requests {
     /// The exponents of moments.
     pub(in crate::simulation) moments: Vec<Vec<u32>>,
-    /// States whose spectra are wanted, each with the number of samples in a segment.
+    /// States whose spectra are requested, each with the number of samples in a segment.
     pub(in crate::simulation) spectra: Vec<(usize, usize)>,
     pub(in crate::simulation) passages: Vec<PassageRequest>,
     pub(in crate::simulation) points: Vec<Point>,
 }
 
-/// A level of state 0, the length of the windows in which its first passage is waited for, and the number of times in one.
+/// A level of state 0, the length of the windows in which its first passage is measured, and the number of times in one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub(in crate::simulation) struct PassageRequest {
     pub(in crate::simulation) level: f64,
@@ -30,7 +30,7 @@ pub(in crate::simulation) struct PassageRequest {
     pub(in crate::simulation) bins: usize,
 }
 
-/// A point whose density is wanted, and the widths of the cells about it.
+/// A point whose density is requested, and the widths of the cells about it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(in crate::simulation) struct Point {
     pub(in crate::simulation) at: Vec<f64>,
@@ -55,11 +55,11 @@ impl Requests {
         lengths * trajectories as f64
     }
 
-    /// Looks at all of them, for trajectories of `states` states that are sampled at `interval` above a wall at `wall`.
+    /// Checks all of them, for trajectories of `states` states that are sampled at `interval` above a wall at `wall`.
     pub(in crate::simulation) fn validate(&self, states: usize, interval: f64, wall: f64) -> Result<()> {
         at_most("number of moments", self.moments.len(), MOST_MOMENTS, "at most 64 can be named")?;
-        at_most("number of points", self.points.len(), MOST_POINTS, "at most 256 can be watched")?;
-        at_most("number of first passages", self.passages.len(), MOST_PASSAGES, "at most 16 can be waited for")?;
+        at_most("number of points", self.points.len(), MOST_POINTS, "at most 256 can be named")?;
+        at_most("number of first passages", self.passages.len(), MOST_PASSAGES, "at most 16 can be measured")?;
         for exponents in &self.moments {
             dimension("the exponents of a moment", exponents.len(), states)?;
             let degree = exponents.iter().fold(0_u32, |sum, &power| sum.saturating_add(power));
@@ -68,13 +68,13 @@ impl Requests {
         for (k, &(state, length)) in self.spectra.iter().enumerate() {
             state_index("the state of a spectrum", state, states)?;
             Segments::check(length, interval)?;
-            let remedy = "its spectrum is asked for twice; one segment length can be given for each state";
+            let remedy = "its spectrum is requested twice; one segment length can be given for each state";
             require(self.spectra[..k].iter().all(|&(other, _)| other != state), "state", state as f64, remedy)?;
         }
         for (k, &PassageRequest { level, length, bins }) in self.passages.iter().enumerate() {
             finite("level", level)?;
             PassageWindow::new(length, interval, bins, false)?;
-            let remedy = "its first passage is asked for twice; one window can be given for each level";
+            let remedy = "its first passage is requested twice; one window can be given for each level";
             require(self.passages[..k].iter().all(|other| !same_level(other.level, level)), "level", level, remedy)?;
         }
         for Point { at, widths } in &self.points {

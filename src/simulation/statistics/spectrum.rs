@@ -7,14 +7,14 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-/// How the path of one state is cut into segments for its spectral density and autocovariance (P. D. Welch, 1967,
+/// The segments that the path of one state is cut into for its spectral density and autocovariance (P. D. Welch, 1967,
 /// doi:10.1109/TAU.1967.1161901).
 #[derive(Clone)]
 pub(in crate::simulation) struct Segments {
     length: usize,
     interval: f64,
     window: Vec<f64>,
-    /// |Σ_t w_t exp(−iω_j t)|², what a mean of 1 adds to the periodogram.
+    /// |Σ_t w_t exp(−iω_j t)|², the contribution of a mean of 1 to the periodogram.
     of_mean: Vec<f64>,
     /// Σ w².
     energy: f64,
@@ -147,8 +147,8 @@ impl SpectralTally {
 /// x″ + c x′ + k x = ξ it is S = (D/π) / ((k − ω²)² + c²ω²).
 ///
 /// It is a mean over segments that overlap by a half, each under a Hann window (P. D. Welch, 1967,
-/// doi:10.1109/TAU.1967.1161901). Segments of the length T smooth it and add ⅔ (π/T)² S″; what lies above the highest
-/// frequency is folded back below it. Errors cover chance, and none of these.
+/// doi:10.1109/TAU.1967.1161901). Segments of the length T smooth it and add ⅔ (π/T)² S″; power above the highest frequency
+/// is folded back below it. Errors cover chance, but neither of these.
 #[derive(Clone, Debug)]
 pub struct Spectrum {
     segments: Segments,
@@ -162,7 +162,7 @@ impl Spectrum {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if fewer than two batches have a whole segment.
     pub(super) fn new(segments: Segments, mut batches: Vec<SpectralTally>) -> Result<Self> {
         batches.retain(|batch| batch.segments > 0.0);
-        let remedy = "too few trajectories have so many samples; ask for more samples or a shorter segment";
+        let remedy = "too few trajectories have so many samples; take more samples or a shorter segment";
         require(batches.len() >= 2, "length of a segment", segments.length as f64, remedy)?;
         Ok(Spectrum { segments, batches })
     }
@@ -173,8 +173,8 @@ impl Spectrum {
         (0..segments.of_mean.len()).map(move |j| TAU * j as f64 / (segments.length as f64 * segments.interval))
     }
 
-    /// The two-sided spectral density S at ω_j, smoothed by the window. The mean is taken off: what it adds is known. At
-    /// ω = 0 and next to it that costs precision.
+    /// The two-sided spectral density S at ω_j, smoothed by the window. The contribution of the mean is taken off, which
+    /// costs precision at ω = 0 and next to it.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if there is no such frequency.

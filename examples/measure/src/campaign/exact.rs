@@ -11,7 +11,8 @@ use support::exact::{Exact, Truth};
 
 /// Draws from the exact density.
 const DRAWS: usize = 40_000;
-/// The closure of an order is as good as can be by a reference in up to so many states, and in more on so many states of a pilot.
+/// The best closure of an order is that by a reference in up to so many states, and in more that on so many states of a
+/// pilot.
 const REFERRED: usize = 4;
 const BEST: usize = 409_600;
 

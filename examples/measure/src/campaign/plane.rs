@@ -12,12 +12,12 @@ use std::time::Instant;
 /// The grid's own L¹ error that counts as the truth, and the meshes and degrees that are tried for it in turn.
 const KNOWN: f64 = 1e-3;
 const GRIDS: [([usize; 2], usize); 3] = [([9, 10], 10), ([14, 14], 10), ([14, 14], 13)];
-/// A density on a smaller domain takes fewer cells, and what lies outside is far below all errors here.
+/// A density on a smaller domain takes fewer cells, and the mass outside is far below all errors here.
 const EDGE: f64 = 1e-7;
 const OUTSIDE: f64 = 1e-6;
 /// A moment that is off by more than this should come with a warning.
 const WRONG: f64 = 0.1;
-/// The order that the warnings are judged at.
+/// The order at which the warnings are counted.
 const JUDGED: u32 = 8;
 
 /// One density against the truth.
@@ -87,7 +87,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     Ok(())
 }
 
-/// The first grid that knows the density well enough.
+/// The first grid whose density is accurate enough.
 fn truth(_: usize, problem: &Problem) -> Result<GridDensity, String> {
     let mut reason = String::new();
     for (cells, degree) in GRIDS {
@@ -145,7 +145,7 @@ fn summary(order: u32, rows: &[&OnThePlane]) {
     println!("\nn = {order}: {} densities", rows.len());
     println!("  L1: median {:.1e}, 90 % {:.1e}, worst {:.1e}", l1(0.5), l1(0.9), l1(1.0));
     println!(
-        "  estimate within a factor 3: {}; not judged {}; estimate/L1 5 % {:.2}, median {:.2}, 95 % {:.2}",
+        "  estimate within a factor 3: {}; not comparable {}; estimate/L1 5 % {:.2}, median {:.2}, 95 % {:.2}",
         share(judged.iter().filter(|right| **right).count(), judged.len()),
         rows.len() - judged.len(),
         ratio(0.05),

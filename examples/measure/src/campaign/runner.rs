@@ -1,4 +1,4 @@
-//! What every campaign does: a truth for each system, a row for each order, and a table that an interrupted campaign goes on
+//! The run of every campaign: a truth for each system, a row for each order, and a table that an interrupted campaign goes on
 //! from.
 
 use crate::Outcome;
@@ -14,7 +14,7 @@ pub(crate) trait Named: Display {
 
 /// One density against the truth.
 pub(crate) trait Row: Display + Sized {
-    /// What its numbers are.
+    /// The names of its numbers.
     const COLUMNS: &'static [&'static str];
 
     fn place(&self) -> Place;
@@ -31,12 +31,12 @@ pub(crate) struct Place {
     pub(crate) order: u32,
 }
 
-/// What became of a system at one order.
+/// The outcome of a system at one order.
 enum Line<R> {
     /// With or without a warning.
     Density(R),
     NotClosed(Place, String),
-    /// No truth is known well enough.
+    /// No truth is accurate enough.
     Unknown(Place, String),
 }
 
@@ -91,17 +91,17 @@ pub(crate) struct Campaign {
     pub(crate) orders: Vec<u32>,
 }
 
-/// A campaign's findings. What could not be judged is named.
+/// A campaign's findings, with the systems that have none.
 pub(crate) struct Findings<R> {
     pub(crate) rows: Vec<R>,
-    /// Systems whose density no grid knows well enough.
+    /// Systems whose density no grid has accurately enough.
     unknown: Vec<usize>,
     failures: Vec<String>,
 }
 
 impl Campaign {
-    /// Closes the systems of all indices at all orders, prints each row as it comes, and keeps the table after each system. What
-    /// is in the table already is not done again.
+    /// Closes the systems of all indices at all orders, prints each row as it comes, and keeps the table after each system.
+    /// Rows that are in the table already are not computed again.
     ///
     /// # Errors
     /// Where the file is no table of this campaign, or cannot be written.
@@ -156,7 +156,7 @@ impl Campaign {
         Ok(write_whole(&self.path, &table)?)
     }
 
-    /// What was asked for now, in order.
+    /// The lines of this run's systems and orders, in order.
     fn sorted<R: Row>(&self, mut lines: Vec<Line<R>>) -> Findings<R> {
         lines.sort_by_key(|line| (line.place().index, line.place().order));
         lines.retain(|line| self.indices.contains(&line.place().index) && self.orders.contains(&line.place().order));
@@ -180,7 +180,7 @@ fn columns<R: Row>() -> Vec<String> {
 }
 
 impl<R> Findings<R> {
-    /// Names what has no row.
+    /// Prints the systems that have no row.
     pub(crate) fn print_missing(&self) {
         println!("\ntruth unknown: {} {:?}", self.unknown.len(), self.unknown);
         println!("without a density: {}", self.failures.len());

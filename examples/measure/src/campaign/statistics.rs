@@ -1,8 +1,8 @@
-//! What a campaign has to say in a few numbers.
+//! The summary of a campaign in a few numbers.
 
 use super::runner::Row;
 
-/// How far off the estimate of an error may be.
+/// The factor by which the estimate of an error may be off.
 pub(crate) const FACTOR: f64 = 3.0;
 
 /// The value below which a share of all values is; NaN if there are none.
@@ -18,10 +18,11 @@ pub(crate) fn share(count: usize, of: usize) -> String {
     format!("{count} of {of} ({:.1} %)", 100.0 * count as f64 / of.max(1) as f64)
 }
 
-/// An L¹ error that no one minds, whatever was estimated.
+/// An L¹ error that is small enough, whatever was estimated.
 const SMALL: f64 = 1e-4;
 
-/// Whether an L¹ error is at most [`FACTOR`] times its estimate, or [`SMALL`]; `None` where the truth is not known well enough.
+/// Whether an L¹ error is at most [`FACTOR`] times its estimate, or [`SMALL`]; `None` where the truth is not accurate enough
+/// for that.
 pub(crate) fn kept(estimate: f64, l1: f64, truth_error: f64) -> Option<bool> {
     let most = (FACTOR * estimate).max(SMALL);
     let kept = l1 <= most;
@@ -45,7 +46,7 @@ pub(crate) fn promises<'a, R: Row + 'a>(
     )
 }
 
-/// Whether an estimate of an error is right to [`FACTOR`]; `None` where the truth is not known well enough to say.
+/// Whether an estimate of an error is right to [`FACTOR`]; `None` where the truth is not accurate enough for that.
 pub(crate) fn right(estimate: f64, l1: f64, truth_error: f64) -> Option<bool> {
     (l1 > truth_error).then(|| (FACTOR.recip()..=FACTOR).contains(&(estimate / l1)))
 }

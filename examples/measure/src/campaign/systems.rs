@@ -1,4 +1,4 @@
-//! Random systems: each is known by the campaign's seed and its own index.
+//! Random systems: each is determined by the campaign's seed and its own index.
 
 use super::runner::Named;
 use crate::draw::Draw;

@@ -96,7 +96,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     Ok(())
 }
 
-/// The grid's density; what the literature's closure makes of the wall is printed beside it.
+/// The grid's density; the errors of the literature's closure are printed beside it.
 fn truth(_: usize, problem: &Problem) -> Result<GridDensity, String> {
     let truth = Grid::new().edge_level(EDGE).solve(problem).map_err(|error| error.to_string())?;
     let shown = [Basis::Classical, Basis::Folded].map(|basis| {
@@ -193,12 +193,12 @@ fn summary(order: u32, rows: &[&AboveAWall]) {
     println!("  E Y'^2: {}", three(|row| row.moments[1].abs()));
     println!("  impact rate: {}", three(|row| row.moments[2].abs()));
     println!(
-        "  estimate within a factor 3: {}; not judged {}",
+        "  estimate within a factor 3: {}; not comparable {}",
         share(judged.iter().filter(|right| **right).count(), judged.len()),
         rows.len() - judged.len()
     );
     println!("  {}", promises(rows.iter().copied(), AboveAWall::kept));
     let unsaid = rows.iter().filter(|row| row.bad_unsaid()).count();
-    println!("  L1 above {BAD} unsaid: {}", share(unsaid, rows.len()));
+    println!("  L1 above {BAD} without a warning or a large estimate: {}", share(unsaid, rows.len()));
     println!("  seconds: median {:.2}", of(|row| row.seconds, 0.5));
 }

@@ -1,4 +1,4 @@
-//! Questions to a density, sensible ones and others.
+//! Calls of a density, with sensible arguments and others.
 
 use super::probe::Probe;
 use expoly::statistics::{self, Crossings, Cumulants, Impacts, Marginal};
@@ -6,7 +6,7 @@ use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Problem, Si
 
 pub(super) const ODD: [f64; 6] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e-300, 0.0];
 
-/// What must be numbers, and not below zero, and the statistics.
+/// The values that must be numbers, and not below zero, and the statistics.
 pub(super) fn probe(probe: &mut Probe, problem: &Problem, density: &dyn Density) {
     let n = density.dimension();
     let bounds = density.bounds();
@@ -37,7 +37,7 @@ pub(super) fn probe(probe: &mut Probe, problem: &Problem, density: &dyn Density)
     compared(probe, problem, density);
 }
 
-/// Questions of which nothing is asked but that they end.
+/// Calls that need only end.
 pub(super) fn harmless(probe: &mut Probe, density: &dyn Density) {
     let n = density.dimension();
     let odd = [probe.draw.of(ODD), probe.draw.of(ODD), probe.draw.of(ODD), probe.draw.of(ODD)];
@@ -113,7 +113,7 @@ fn compared(probe: &mut Probe, problem: &Problem, density: &dyn Density) {
     }
 }
 
-/// What a closure says of itself, and its document.
+/// A closure's estimates of itself, and its document.
 pub(super) fn of_closure(probe: &mut Probe, density: &ClosureDensity, problem: &Problem) {
     for (name, value) in [("L1 estimate", density.l1_estimate()), ("truncated mass", density.truncated_mass())] {
         probe.value(name, 0.0, || Ok(value));
@@ -134,7 +134,7 @@ pub(super) fn of_closure(probe: &mut Probe, density: &ClosureDensity, problem: &
     }
 }
 
-/// What a simulation alone answers.
+/// The methods that a simulation alone has.
 pub(super) fn of_simulation(probe: &mut Probe, density: &SimulatedDensity, states: usize) {
     for state in 0..states {
         probe.value("mean", f64::NEG_INFINITY, || Ok(density.mean(state)?.value));

@@ -43,7 +43,7 @@ impl Documents {
     }
 }
 
-/// Whatever a text says, it is refused, or it is a system that can be written and read again.
+/// Every text is refused, or is a system that can be written and read again.
 fn system(probe: &mut Probe, text: &str) {
     probe.documents += 1;
     let bytes = mutant(&mut probe.draw, text.as_bytes());
@@ -66,8 +66,8 @@ pub(super) fn written(probe: &mut Probe, problem: &Problem) {
     }
 }
 
-/// A damaged document is refused, or the damage is in nothing that matters. With its checksum set right it may say anything,
-/// as long as questions to it end.
+/// A damaged document is refused, or the density is the same. With its checksum set right it may be any density, as long as
+/// all calls of it end.
 fn document(probe: &mut Probe, form: &ClosedForm, text: &str) {
     probe.documents += 1;
     let mut text = String::from_utf8_lossy(&mutant(&mut probe.draw, text.as_bytes())).into_owned();

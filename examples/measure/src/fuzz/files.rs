@@ -13,18 +13,18 @@ const MUTANTS: usize = 60;
 /// Not to be cancelled.
 const ALL: u64 = u64::MAX;
 
-/// Files as they are when nothing happens to them.
+/// Files before any damage.
 #[derive(Default)]
 pub(super) struct Files(Vec<File>);
 
 struct File {
     content: Vec<u8>,
-    /// What goes on from it says in the end.
+    /// The answer of a run that goes on from it.
     answer: String,
     again: Again,
 }
 
-/// Goes on from a file, and says what it finds.
+/// Goes on from a file, and returns its answer as text.
 type Again = Box<dyn Fn(&Path) -> expoly::Result<String>>;
 
 impl Files {
@@ -75,7 +75,7 @@ fn sound(path: &Path) -> expoly::Result<Vec<File>> {
     ])
 }
 
-/// The file that something leaves, which may have been cancelled, and what going on from it says.
+/// The file that a run leaves, which may have been cancelled, and the answer of a run that goes on from it.
 fn file(path: &Path, make: &dyn Fn(&Path) -> expoly::Result<String>, again: Again) -> expoly::Result<File> {
     let _ = std::fs::remove_file(path);
     let _ = make(path);

@@ -1,4 +1,4 @@
-//! Does anything at all, fed to the library, make it panic, hang, or answer with what is no answer?
+//! Does any input make the library panic, hang, or return a value that is no number?
 //!
 //! An input is a function of the seed and its number: a random system for one of the methods and for the statistics of what
 //! comes back, mutants of a text or a document, or damaged files of a simulation or a study. Inputs run one after another in

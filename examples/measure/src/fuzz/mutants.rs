@@ -2,7 +2,7 @@
 
 use crate::draw::Draw;
 
-/// Words that mean something in one of the formats, or that are too much of something.
+/// Words with a meaning in one of the formats, and numbers that are too large or too long.
 const WORDS: [&str; 24] = [
     "nan",
     "inf",
@@ -47,7 +47,7 @@ pub(super) fn mutant(draw: &mut Draw, original: &[u8]) -> Vec<u8> {
             4 => bytes.truncate(at),
             5 if at < bytes.len() => bytes[at] = b'0' + draw.below(10) as u8,
             _ => {
-                // A parser that calls itself for every bracket needs a limit.
+                // A recursive parser needs a limit for brackets.
                 let times = if draw.with(0.9) { 1 } else { draw.of([100, 10_000, 100_000]) };
                 let word = draw.of(WORDS).repeat(times);
                 bytes.splice(from..from, word.bytes());

@@ -1,4 +1,4 @@
-//! The process that runs the inputs: it says on its standard output what it is about to do and what it finds.
+//! The process that runs the inputs: it prints each step before it begins, and each finding.
 
 use super::{Options, documents::Documents, files::Files, systems};
 use crate::draw::Draw;
@@ -6,10 +6,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Where the last panic was, and what it said.
+/// The place and the message of the last panic.
 static PANIC: Mutex<String> = Mutex::new(String::new());
 
-/// One input, as what asks the library questions.
+/// The calls of the library for one input, and their findings.
 pub(super) struct Probe {
     pub(super) draw: Draw,
     pub(super) folder: PathBuf,
@@ -40,7 +40,7 @@ pub(super) fn work(options: &Options, folder: &Path) {
 }
 
 impl Probe {
-    /// Something that must return.
+    /// A call that must return.
     pub(super) fn step<T>(&mut self, name: &str, question: impl FnOnce() -> T) -> Option<T> {
         println!("step {name}");
         let answer = catch_unwind(AssertUnwindSafe(question));
@@ -51,7 +51,7 @@ impl Probe {
         answer.ok()
     }
 
-    /// A question whose answer may be an error, which must say what to do about it.
+    /// A call that may return an error, which must contain a remedy.
     pub(super) fn ask<T>(&mut self, name: &str, question: impl FnOnce() -> expoly::Result<T>) -> Option<T> {
         match self.step(name, question)? {
             Ok(answer) => Some(answer),
@@ -87,7 +87,7 @@ impl Probe {
     }
 }
 
-/// Whether an error says more than what is wrong: a clause of some words after the first.
+/// Whether an error contains more than what is wrong: a clause of some words after the first.
 fn has_remedy(error: &expoly::Error) -> bool {
     let text = error.to_string();
     let stopped = matches!(error, expoly::Error::Cancelled { .. } | expoly::Error::StudyCancelled { .. });

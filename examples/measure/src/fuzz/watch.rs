@@ -1,4 +1,4 @@
-//! The process that runs the inputs, as the one that watches it sees it.
+//! The process that runs the inputs, from the side of the one that watches it.
 
 use super::Options;
 use std::io::{BufRead, BufReader};
@@ -9,7 +9,7 @@ use std::time::Duration;
 
 pub(super) const MOST_GIGABYTES: f64 = 6.0;
 
-/// What comes from the process.
+/// A report from the process.
 pub(super) enum Report {
     /// An input begins.
     Input(u64),
@@ -17,7 +17,7 @@ pub(super) enum Report {
     Step(String),
     /// An input is done, with so many damaged texts and files.
     Done(u64),
-    /// Its kind and what it is.
+    /// Its kind and its text.
     Finding(String, String),
     /// A line for the reader.
     Text(String),
@@ -78,7 +78,7 @@ impl Worker {
         }
     }
 
-    /// The memory that it holds; 0 where the system does not say.
+    /// The memory that it holds; 0 where the operating system does not report it.
     pub(super) fn gigabytes(&self) -> f64 {
         let pages = std::fs::read_to_string(format!("/proc/{}/statm", self.child.id())).unwrap_or_default();
         let resident: f64 = pages.split(' ').nth(1).and_then(|pages| pages.parse().ok()).unwrap_or(0.0);

@@ -8,8 +8,8 @@ use kuva::render::render::Scene;
 use std::io;
 use std::sync::Arc;
 
-/// Okabe and Ito's palette, told apart by colour-blind readers and in grey; its yellow is left
-/// out because it vanishes on white.
+/// Okabe and Ito's palette, whose colours colour-blind readers can distinguish, also in grey; its yellow is left out because
+/// it vanishes on white.
 const PALETTE: [&str; 7] = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
 /// Mean advance of a character in running text, in units of the font size, rounded up.
 const ADVANCE: f64 = 0.57;

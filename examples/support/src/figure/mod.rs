@@ -1,7 +1,7 @@
 //! Figures of the examples: panels of densities and contours, as one SVG file with its numbers beside it.
 //!
 //! Every figure is 960 px wide and meant for 16 cm in print, so that one pixel is 0.47 pt and
-//! the sizes are the same on paper in every figure, whatever its number of columns.
+//! the sizes are the same on paper in every figure, for any number of columns.
 
 mod axes;
 mod numbers;
@@ -169,7 +169,7 @@ pub fn error_bars(colour: usize, points: &[[f64; 3]]) -> Curve {
     curve("", Style::Solid, colour, &points.iter().flat_map(bar).collect::<Vec<_>>())
 }
 
-/// What a histogram knows at the places x: points where the standard error is below a third of the value.
+/// The density by a histogram at the places x, where its standard error is below a third of the value.
 pub fn clear(histogram: &Histogram, x: &[f64]) -> Result<Vec<[f64; 2]>> {
     let mut known = values(x, |x| histogram.density_at(&[x]))?;
     known.retain(|[_, p, error]| *p > 3.0 * error);

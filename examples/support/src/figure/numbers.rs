@@ -7,7 +7,7 @@ use std::io;
 /// A point of a curve has a y, of a band a low and a high one, of a contour panel a y and a value.
 const COLUMNS: [&str; 9] = ["title", "abscissa", "ordinate", "series", "x", "y", "low", "high", "value"];
 
-/// What is drawn of one thing: x, y, low, high, value.
+/// The points of one curve, band or contour panel: x, y, low, high, value.
 struct Series<'a> {
     panel: [&'a str; 3],
     name: &'a str,

@@ -1,9 +1,9 @@
-//! How errors fall with the order.
+//! Errors over the order.
 
 use super::{Panel, Scale, Style, View, curve};
 use expoly::study::OrderTable;
 
-/// A panel for each system: the error of every method, and what the closure itself says of its own, against the order.
+/// A panel for each system: the error of every method, and the closure's own estimate of its error, against the order.
 pub fn views(table: &OrderTable) -> Vec<View> {
     let mut systems: Vec<&str> = table.rows().iter().map(|row| &*row.system).collect();
     systems.dedup();
@@ -26,7 +26,7 @@ fn panel(table: &OrderTable, system: &str) -> Panel {
     for (k, method) in methods.iter().enumerate() {
         let of_method = || rows().filter(|row| row.method == *method);
         let at = |order: u32, value: Option<f64>| value.map(|value| [f64::from(order), value]);
-        // An estimate that is right lies on its error: it must be seen above it.
+        // A right estimate lies on its error: it is drawn above it, in another colour.
         let [colour, of_estimate, of_indicator] = [1, 5, 3].map(|colour| colour + k);
         add(method, Style::Solid, colour, of_method().filter_map(|row| at(row.order, row.l1)).collect());
         let estimates = of_method().filter_map(|row| at(row.order, row.l1_estimate)).collect();

@@ -38,7 +38,7 @@ pub(super) fn render(caption: &str, columns: usize, views: &[View]) -> io::Resul
                 extra_attrs: None,
             });
             figure.elements.extend(scene.elements);
-            // The library's own legend has swatches too short to tell dashes from dots.
+            // The library's own legend has swatches too short to distinguish dashes from dots.
             legend_rows = legend_rows.max(legend(&mut figure, &entries, size));
             figure.add(Primitive::GroupEnd);
         }

@@ -1,8 +1,8 @@
 //! The Galerkin equations of an oscillator with a wall, on the half plane y ≥ b.
 //!
 //! On the plane of Zhuravlev's transformation x₁ = ±(y − b) both halves carry the same equation, so that everything is
-//! written once on the half plane, in which the drift is a polynomial again. The two bases differ in what they assume on
-//! the line x₁ = 0 and so in the term that the wall adds; see [`WallTerm`].
+//! written once on the half plane, in which the drift is a polynomial again. The two bases differ in the condition on the
+//! line x₁ = 0 and so in the term that the wall adds; see [`WallTerm`].
 
 mod basis;
 mod weight;
