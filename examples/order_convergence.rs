@@ -1,7 +1,7 @@
 //! Which order of the closure is enough, and is its estimate of the error right?
 //!
 //! Answer: where ln p is a polynomial, its degree; elsewhere it depends on the system, and the closure's estimate shows it.
-//! For van der Pol's oscillator the L¹ error is 0.15 at n = 4, 0.03 at 8 and 0.017 at 12, and so are the estimates. Run
+//! For van der Pol's oscillator the L¹ error is 0.15 at n = 4, 0.03 at 8 and 0.016 at 12, and so are the estimates. Run
 //! `cargo run --release --example order_convergence`: it compares the closure and the literature's with the grid on three
 //! oscillators that no closed form is known of, at n = 4 to 12, in half a minute: a row for each order and method, the rates
 //! of convergence, a figure. `--model` takes others, `--resume` goes on where a run was interrupted.
