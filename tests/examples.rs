@@ -9,11 +9,15 @@ use expoly::Estimate;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
+use support::commands::{self, Program};
 use support::{file, json};
 
+fn executable(example: &str) -> PathBuf {
+    std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("examples").join(example)
+}
+
 fn run(example: &str, arguments: &[&str]) -> Output {
-    let folder = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("examples");
-    Command::new(folder.join(example)).args(arguments).output().unwrap()
+    Command::new(executable(example)).args(arguments).output().unwrap()
 }
 
 fn scratch(name: &str) -> PathBuf {
@@ -481,4 +485,25 @@ fn wrong_files_and_questions_name_the_value() {
         assert!(message.starts_with("error: ") && !message.contains("panicked"), "{arguments:?}: {message}");
         assert!(expected.iter().all(|word| message.contains(word)), "{arguments:?}: {message}");
     }
+}
+
+/// The commands of README and guide, their options read before `--help` ends the program; files that they name are there. What
+/// takes no options is not run.
+#[test]
+fn commands_of_the_documents_are_understood() {
+    let mut understood = 0;
+    for command in commands::commands().unwrap() {
+        let Program::Example(example) = &command.program else { continue };
+        assert!(executable(example).exists(), "{}: there is no example {example}", command.place);
+        for argument in command.arguments.iter().filter(|argument| argument.ends_with(".toml")) {
+            assert!(commands::root().join(argument).exists(), "{}: there is no {argument}", command.place);
+        }
+        if !command.arguments.is_empty() {
+            let arguments: Vec<&str> = command.arguments.iter().map(String::as_str).chain(["--help"]).collect();
+            let output = run(example, &arguments);
+            assert!(output.status.success(), "{}: {}", command.place, String::from_utf8_lossy(&output.stderr));
+        }
+        understood += 1;
+    }
+    assert!(understood >= 21, "{understood} commands");
 }

@@ -1,7 +1,8 @@
 //! What the examples, tests and benches share: systems, studies of orders, figures, files, numbers in JSON, progress bars,
-//! timings.
+//! timings, the commands that documents name.
 
 pub mod bench;
+pub mod commands;
 pub mod exact;
 pub mod figure;
 pub mod file;
