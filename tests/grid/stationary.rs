@@ -42,7 +42,7 @@ fn smooth_densities_are_exact_to_the_tolerance_of_the_defaults() {
 /// Three wells far apart need more: 2.2e-5 by the defaults, at an estimate of 3.1e-5, and 6e-7 with 13 cells along each state.
 #[test]
 fn three_wells_are_found() {
-    let density = Grid::new().solve(&problem(three_wells())).unwrap();
+    let density = on_grid("three wells", &problem(three_wells()));
     let (distance, estimate) = (l1_from(&density, &three_wells().exact().unwrap()), density.l1_estimate());
     println!("three wells: {distance:.1e}, estimate {estimate:.1e}");
     assert!(distance < 5e-5 && distance < estimate && estimate < 1e-4, "{distance:e}, {estimate:e}");
