@@ -211,6 +211,7 @@ impl Density for ClosedForm {
         fn bounds(&self) -> Vec<[f64; 2]>;
         fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate>;
         fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate>;
+        fn marginals_are_costly(&self) -> bool;
         fn weighted_states(&self) -> Option<(States, Vec<f64>)>;
         fn moment(&self, powers: &[u32]) -> Result<Estimate>;
         fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;

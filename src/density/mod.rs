@@ -72,6 +72,12 @@ pub trait Density: Send + Sync {
         None
     }
 
+    /// Whether a marginal density takes milliseconds and more, as an integral over draws does, or over two states and more. Tables
+    /// of marginals are coarser then.
+    fn marginals_are_costly(&self) -> bool {
+        self.dimension() > 2
+    }
+
     /// The statistics of the density's samples, if it was made of samples. Values that were sampled together are correlated:
     /// [`statistics`](crate::statistics) take the standard error of a combination of several values from here.
     fn sampled(&self) -> Option<&dyn Sampled> {

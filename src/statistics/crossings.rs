@@ -30,7 +30,7 @@ impl Crossings {
         let states = density.dimension();
         let at = |level: f64| Crossing { displacement, velocity, level, upward: true };
         at(0.0).states(states)?;
-        let effort = Effort::of_states(states);
+        let effort = Effort::of(density);
         let rate = Curve::new(|level| density.flux(at(level), 1), density.bounds()[displacement], effort)?;
         let mean = density.moment(&of_one(states, displacement, 1))?.value;
         Ok(Crossings { displacement: Marginal::new(density, displacement)?, rate, mean })

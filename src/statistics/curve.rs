@@ -1,5 +1,6 @@
 //! A function of one variable as piecewise polynomials, and its integrals.
 
+use crate::density::Density;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::{Rule, legendre};
@@ -28,16 +29,18 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// The fineness for integrals over all other states: in one state and in two each takes microseconds, in more states
-    /// milliseconds to tens of them. There each is a mean over draws, accurate to some thousandths at best, and a much finer
-    /// table would only follow their noise.
-    pub(super) const fn of_states(states: usize) -> Self {
-        if states > 2 {
+    /// The fineness for marginals of `density`. Where each of them is costly it is a mean over draws, accurate to some
+    /// thousandths at best, and a much finer table would only follow their noise.
+    pub(super) fn of(density: &dyn Density) -> Self {
+        if density.marginals_are_costly() {
             Effort { start: 6, order: 8, tolerance: 1e-3, of_the_error: 1.0, most: 12 }
         } else {
-            Effort { start: 8, order: ORDER, tolerance: 1e-12, of_the_error: 0.1, most: 600 }
+            Effort::FINE
         }
     }
+
+    /// The fineness for functions that take microseconds.
+    pub(super) const FINE: Self = Effort { start: 8, order: ORDER, tolerance: 1e-12, of_the_error: 0.1, most: 600 };
 }
 
 /// The function on one panel: Σ c_k P_k(t), −1 ≤ t ≤ 1.
@@ -258,7 +261,7 @@ mod tests {
     /// of a function that goes on falling, e^−30, belongs to the error.
     #[test]
     fn integrals_of_a_tail_keep_their_digits() {
-        let curve = Curve::new(|x| Ok(Estimate::new((-x).exp(), 0.0)), [0.0, 30.0], Effort::of_states(2)).unwrap();
+        let curve = Curve::new(|x| Ok(Estimate::new((-x).exp(), 0.0)), [0.0, 30.0], Effort::FINE).unwrap();
         for x in [0.0, 0.7, 5.0, 12.3, 20.0, 25.0_f64] {
             let tail = (-x).exp() - (-30.0_f64).exp();
             let above = curve.above(x);
@@ -274,8 +277,7 @@ mod tests {
     /// With a value that is not a number every loop ends, and the result is NaN.
     #[test]
     fn what_is_unknown_stays_unknown() {
-        let curve =
-            Curve::new(|_| Ok(Estimate::new(f64::NAN, f64::INFINITY)), [0.0, 1.0], Effort::of_states(2)).unwrap();
+        let curve = Curve::new(|_| Ok(Estimate::new(f64::NAN, f64::INFINITY)), [0.0, 1.0], Effort::FINE).unwrap();
         assert!(curve.total().value.is_nan());
     }
 }

@@ -100,7 +100,7 @@ impl Impacts {
             mean_square_speed: ratio(third, rate),
             energy_loss: ratio(power, rate),
             power,
-            speeds: Speeds::Flux(Curve::new(at, range, Effort::of_states(states))?),
+            speeds: Speeds::Flux(Curve::new(at, range, Effort::of(density))?),
         })
     }
 

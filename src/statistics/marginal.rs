@@ -31,7 +31,7 @@ impl Marginal {
     pub fn new(density: &dyn Density, state: usize) -> Result<Self> {
         let states = density.dimension();
         let state = state_index("the state of a marginal", state, states)?;
-        let curve = Curve::new(|x| density.marginal(state, x), density.bounds()[state], Effort::of_states(states))?;
+        let curve = Curve::new(|x| density.marginal(state, x), density.bounds()[state], Effort::of(density))?;
         let counted = density.sampled().map(|sampled| sampled.distribution(state)).transpose()?;
         Ok(Marginal { curve, counted })
     }

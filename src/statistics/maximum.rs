@@ -41,7 +41,7 @@ impl Maximum {
             let above = peaks.iter().filter(|(at, _)| *at >= y).map(|(_, top)| *top);
             Ok(above.fold(here, |most, top| if top.value > most.value { top } else { most }))
         };
-        Ok(Maximum { passage: Curve::new(monotone, [low, high], Effort::of_states(1))? })
+        Ok(Maximum { passage: Curve::new(monotone, [low, high], Effort::FINE)? })
     }
 
     /// The probability that the maximum exceeds `level`.

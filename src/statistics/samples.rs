@@ -18,6 +18,9 @@ const UNEVEN: f64 = 1.5;
 const SHARE: f64 = 1e-5;
 /// this often at most.
 const HALVINGS: usize = 10;
+/// A cell that is still as uneven then has a singularity, as where a lossy wall is grazed. The density is cut off at this factor
+/// above its value in the cell's middle; next to nothing of the mass is so close.
+const SINGULAR: f64 = 10.0;
 /// The density within a cell is taken to be at most this factor above its highest known value there.
 const MARGIN: f64 = 1.1;
 /// The number of times that factor is raised before the density is given up.
@@ -116,19 +119,23 @@ fn chosen(cumulative: &[f64], u: f64) -> usize {
     cumulative.partition_point(|sum| *sum <= u * total).min(cumulative.len() - 1)
 }
 
-/// A cell, the highest and the lowest density met on it.
+/// A cell, the highest and the lowest density met on it, and that at its centre.
 #[derive(Clone, Debug)]
 struct Piece {
     cell: Cell,
     highest: f64,
     lowest: f64,
+    centre: f64,
+    /// Whether a singularity of the density is cut off at `highest`.
+    capped: bool,
 }
 
 impl Piece {
     /// Evaluates the density at corners, middles of sides and centre.
     fn new(density: &dyn Density, cell: Cell) -> Result<Self> {
         let states = density.dimension();
-        let mut piece = Piece { cell, highest: 0.0, lowest: f64::INFINITY };
+        let centre = density.pdf(&cell.at(&vec![0.5; states]))?.value.max(0.0);
+        let mut piece = Piece { cell, highest: 0.0, lowest: f64::INFINITY, centre, capped: false };
         for k in 0..3_usize.pow(states as u32) {
             let shares: Vec<f64> = (0..states).map(|i| (k / 3_usize.pow(i as u32) % 3) as f64 / 2.0).collect();
             let p = density.pdf(&piece.cell.at(&shares))?.value.max(0.0);
@@ -148,8 +155,10 @@ fn pieces(density: &dyn Density) -> Result<Vec<Piece>> {
         cells.into_par_iter().map(|cell| Piece::new(density, cell)).collect()
     };
     let mut pieces = of(Cell::between(&cell_lines(&density.bounds(), CELLS, |_| Vec::new())))?;
+    // Not by the highest values, of which one may be infinite.
+    let total = |pieces: &[Piece]| pieces.iter().map(|piece| piece.centre * piece.cell.volume()).sum::<f64>();
     for _ in 0..HALVINGS {
-        let total: f64 = pieces.iter().map(Piece::mass).sum();
+        let total = total(&pieces);
         let (uneven, even): (Vec<_>, Vec<_>) =
             pieces.into_iter().partition(|piece| piece.mass() > SHARE * total && piece.highest > UNEVEN * piece.lowest);
         pieces = even;
@@ -157,6 +166,12 @@ fn pieces(density: &dyn Density) -> Result<Vec<Piece>> {
             break;
         }
         pieces.extend(of(uneven.iter().flat_map(|piece| piece.cell.children()).collect())?);
+    }
+    let total = total(&pieces);
+    for piece in &mut pieces {
+        if piece.mass() > SHARE * total && piece.highest > SINGULAR * piece.centre {
+            (piece.highest, piece.capped) = (SINGULAR * piece.centre, true);
+        }
     }
     pieces.retain(|piece| piece.highest > 0.0 && piece.highest.is_finite());
     Ok(pieces)
@@ -181,7 +196,7 @@ fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States
                 let x = piece.cell.at(&shares);
                 let (p, envelope) = (density.pdf(&x)?.value, margin * piece.highest);
                 // NaN is no bound either.
-                if p.is_nan() || p > envelope {
+                if p.is_nan() || p > envelope && !piece.capped {
                     return Err(too_low.clone());
                 }
                 if stream.random::<f64>() * envelope < p {

@@ -343,6 +343,11 @@ fn draws_have_the_density() {
             assert!(z.abs() < 4.0, "{name}: {share} above the quantile {q}");
         }
     }
+    // Infinite where a lossy wall is grazed, by closure and by grid.
+    for (b, r) in [(-0.5, 0.9), (0.5, 0.7)] {
+        let closed = closed_above(8, b, r);
+        drawn("closure above a wall", &*closed, &samples(&*closed, 40_000, 5).unwrap());
+    }
     let power = parametric_linear().exact();
     let found = samples(&power, 20_000, 5).unwrap();
     let fast = found.0.iter().filter(|x| x[1] > 5.0).count() as f64 / 2e4;

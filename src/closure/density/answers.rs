@@ -123,6 +123,10 @@ impl Density for ClosureDensity {
     }
 
     /// The draws that integrals are taken on, in more than two states.
+    fn marginals_are_costly(&self) -> bool {
+        self.dimension() > 2 || matches!(self.content.integrals, Integrals::Draws(_))
+    }
+
     fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
         match &self.content.integrals {
             Integrals::Panels { .. } => None,
