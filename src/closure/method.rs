@@ -29,6 +29,7 @@ pub(super) const HIGHEST_ORDER: u32 = 16;
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Closure {
     pub(super) order: Order,
     pub(super) weight: Weight,

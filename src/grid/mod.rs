@@ -54,6 +54,7 @@ use std::time::Instant;
 /// B. Cockburn and C.-W. Shu, Runge-Kutta discontinuous Galerkin methods for convection-dominated problems, Journal of
 /// Scientific Computing 16 (2001) 173-261, doi:10.1023/A:1012873910884.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Grid {
     degree: Option<usize>,
     cells: Option<[usize; 2]>,

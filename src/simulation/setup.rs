@@ -47,6 +47,7 @@ use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 /// # Ok::<(), Error>(())
 /// ```
 #[derive(Debug)]
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Simulation<'a> {
     /// A factor of all noises.
     pub(super) amplitude: f64,

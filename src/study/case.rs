@@ -11,6 +11,7 @@ type Solve<'a> = Box<dyn Fn(&Problem, u32) -> Result<Answer> + Sync + 'a>;
 type Known<'a> = Box<dyn Fn(&Problem) -> Result<Truth> + Sync + 'a>;
 
 /// A problem, its truth to compare with, and the methods that are tried on it.
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Case<'a> {
     name: String,
     problem: Problem,
@@ -37,7 +38,6 @@ impl<'a> Case<'a> {
 
     /// Adds a method, which gets the problem and an order. A study's file identifies the problem by its equation and its
     /// walls, but the method only by its name: options that matter belong into the name.
-    #[must_use]
     pub fn method<A: Into<Answer>>(
         mut self,
         name: &str,

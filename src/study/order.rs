@@ -27,6 +27,7 @@ use std::path::{Path, PathBuf};
 /// assert!(table.rows()[0].l1.is_some_and(|l1| l1 > 0.05) && table.rows()[1].l1.is_some_and(|l1| l1 < 1e-8));
 /// # Ok::<(), expoly::Error>(())
 /// ```
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct OrderStudy<'a> {
     cases: Vec<Case<'a>>,
     orders: Vec<u32>,
@@ -48,7 +49,6 @@ impl<'a> OrderStudy<'a> {
     }
 
     /// Adds a case.
-    #[must_use]
     pub fn case(mut self, case: Case<'a>) -> Self {
         self.cases.push(case);
         self

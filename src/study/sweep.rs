@@ -27,6 +27,7 @@ const SEGMENT: usize = 8;
 /// assert!(sweep.column("E x^2")?.is_sorted_by(|a, b| a < b));
 /// # Ok::<(), expoly::Error>(())
 /// ```
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Sweep<'a> {
     parameter: String,
     values: Vec<f64>,

@@ -76,6 +76,7 @@ impl fmt::Display for Basis {
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct ClassicalClosure {
     order: u32,
     basis: Basis,

@@ -13,6 +13,7 @@ use crate::error::{Result, finite, require, state_index};
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Degrees {
     /// States and the highest power of each.
     most: Vec<(usize, u32)>,

@@ -36,6 +36,7 @@ use std::ops::ControlFlow;
 /// D. M. Zuckerman, The "weighted ensemble" path sampling method is statistically exact for a broad class of stochastic
 /// processes and binning procedures, Journal of Chemical Physics 132 (2010) 054107, doi:10.1063/1.3306345.
 #[derive(Debug)]
+#[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Splitting<'a> {
     pub(super) importance: Option<Importance<'a>>,
     pub(super) levels: Vec<(usize, f64)>,
