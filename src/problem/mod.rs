@@ -7,6 +7,7 @@ mod gaussian_closure;
 mod mirror;
 mod pack;
 mod symmetry;
+mod tangent;
 mod text;
 mod time_scales;
 #[cfg(test)]

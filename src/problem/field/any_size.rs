@@ -2,10 +2,12 @@
 
 use super::super::flow::{Kicks, kick, midpoint, runge_kutta};
 use super::super::pack::Pack;
-use super::{Field, LANES, Lane};
+use super::super::tangent::Tangent;
+use super::{Field, Lane};
 use crate::fokker_planck::Local;
+use crate::scalar::Scalar;
 use crate::system::PolynomialSystem;
-use num_dual::{Dual, Dual64, DualNum, HyperDual64};
+use num_dual::{Dual64, HyperDual64};
 use num_traits::Zero;
 use pulp::{Arch, NullaryFnOnce};
 
@@ -17,21 +19,23 @@ pub(in crate::problem) struct AnySize<T> {
 }
 
 impl<T: PolynomialSystem> AnySize<T> {
-    fn ito<S: DualNum<Primitive = f64> + Copy>(&self, x: &[S]) -> Vec<S> {
+    /// The Itô drift, on packs as well.
+    fn ito<S: Scalar>(&self, x: &[S]) -> Vec<S> {
         let mut drift = self.system.drift(x);
         if self.induces {
-            drift.iter_mut().zip(self.along(x)).for_each(|(f, induced)| *f += induced);
+            drift.iter_mut().zip(self.along(x)).for_each(|(f, induced)| *f = *f + induced);
         }
         drift
     }
 
-    fn along<S: DualNum<Primitive = f64> + Copy>(&self, x: &[S]) -> Vec<S> {
-        let mut induced = vec![S::from(0.0); x.len()];
+    /// ½ Σ_k (G_k·∇)G_k, likewise.
+    fn along<S: Scalar>(&self, x: &[S]) -> Vec<S> {
+        let mut induced = vec![S::zero(); x.len()];
         let noise = self.system.noise(x);
         for k in 0..self.system.processes() {
-            let at: Vec<Dual<S>> = x.iter().zip(&noise).map(|(x, row)| Dual::new(*x, row[k])).collect();
-            let along = self.system.noise(&at);
-            induced.iter_mut().zip(along).for_each(|(induced, row)| *induced += row[k].eps * 0.5);
+            let at = |(value, row): (&S, &Vec<S>)| Tangent { value: *value, slope: row[k] };
+            let along = self.system.noise(&x.iter().zip(&noise).map(at).collect::<Vec<_>>());
+            induced.iter_mut().zip(along).for_each(|(induced, row)| *induced = *induced + row[k].slope * 0.5);
         }
         induced
     }
@@ -76,9 +80,8 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
         let drift = |x: &Vec<Pack>| {
             let mut drift = self.system.drift(x);
-            for l in (0..LANES).filter(|_| induced != 0.0) {
-                let state: Vec<f64> = x.iter().map(|pack| pack.0[l]).collect();
-                drift.iter_mut().zip(self.along(&state)).for_each(|(f, more)| f.0[l] += induced * more);
+            if induced != 0.0 {
+                drift.iter_mut().zip(self.along(x)).for_each(|(f, more)| *f = *f + more * induced);
             }
             drift
         };
@@ -105,14 +108,7 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
     }
 
     fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
-        if !self.induces {
-            arch.dispatch(OnPacks(|| unpacked(self.system.drift(&packed(x)), drift)));
-            return;
-        }
-        for l in 0..LANES {
-            let state: Vec<f64> = x.iter().map(|x| x[l]).collect();
-            drift.iter_mut().zip(self.ito(&state)).for_each(|(lanes, f)| lanes[l] = f);
-        }
+        arch.dispatch(OnPacks(|| unpacked(self.ito(&packed(x)), drift)));
     }
 
     fn divergence(&self, x: &[f64]) -> f64 {
