@@ -16,6 +16,8 @@ const INTERVAL: f64 = 4.0;
 /// How often the burn-in is doubled while the samples still change, and the step halved after an explosion.
 const DOUBLINGS: u32 = 5;
 const HALVINGS: u32 = 3;
+/// A pilot is made longer only up to so many time steps of all trajectories: seconds.
+const MOST_PATH_STEPS: f64 = 2.5e8;
 /// The two halves of the samples may differ by so many standard errors.
 const DRIFTING: f64 = 6.0;
 
@@ -47,9 +49,17 @@ impl<'a> PilotPlan<'a> {
         Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }
 
-    /// The same with `factor` times the time between states, and before the first.
-    pub(super) fn slower(self, factor: f64) -> Self {
+    /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.
+    pub(super) fn slower(self, factor: f64, count: usize) -> Self {
+        let most = MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);
+        let factor = factor.min(most).max(1.0);
         PilotPlan { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
+    }
+
+    /// The time steps of all trajectories of a pilot of `count` states.
+    fn path_steps(&self, count: usize, burn_in: f64, step: f64) -> f64 {
+        let samples = count.div_ceil(TRAJECTORIES) as f64;
+        TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.
@@ -78,7 +88,8 @@ impl<'a> PilotPlan<'a> {
             match simulation.states(self.problem) {
                 Ok(states) => {
                     let stationary = stationary(&states);
-                    if stationary || doubled == DOUBLINGS {
+                    let longer = self.path_steps(count, 2.0 * burn_in, step) <= MOST_PATH_STEPS;
+                    if stationary || doubled == DOUBLINGS || !longer {
                         return Ok(Pilot { states, inflation, stationary });
                     }
                     (burn_in, doubled) = (2.0 * burn_in, doubled + 1);

@@ -70,7 +70,7 @@ impl Closure {
             let mut pilot = plan.pilot(states, 1.0)?;
             let slowness = pilot.slowness(&symmetry);
             if slowness > CORRELATED {
-                pilot = plan.slower(slowness.min(LONGER)).pilot(states, 1.0)?;
+                pilot = plan.slower(slowness.min(LONGER), states).pilot(states, 1.0)?;
                 pilot.stationary &= pilot.slowness(&symmetry) < UNMIXED;
             }
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
