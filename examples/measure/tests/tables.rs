@@ -1,0 +1,61 @@
+//! The tables of the campaigns that are kept give the numbers that README prints.
+
+#![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
+
+use std::path::Path;
+use std::process::Command;
+
+/// What a campaign prints of a table that is complete, so that nothing is solved.
+fn summary(arguments: &[&str]) -> String {
+    let tables = Path::new(env!("CARGO_MANIFEST_DIR")).join("tables");
+    let mut program = Command::new(env!("CARGO_BIN_EXE_expoly-measure"));
+    let output = program.arg("campaign").args(arguments).arg("--out").arg(tables).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The text that follows a phrase in each line that has it.
+fn after<'a>(text: &'a str, phrase: &'a str) -> impl Iterator<Item = &'a str> {
+    text.lines().filter_map(move |line| Some(line.split_once(phrase)?.1.trim()))
+}
+
+/// The first whole numbers of a text.
+fn numbers<const N: usize>(text: &str) -> [usize; N] {
+    let found: Vec<usize> = text.split_whitespace().filter_map(|word| word.parse().ok()).take(N).collect();
+    found.try_into().unwrap()
+}
+
+/// Densities without a warning that kept what they promised, and those that did or could not be judged.
+fn kept(summary: &str) -> [usize; 2] {
+    let mut sums = [0; 2];
+    for line in after(summary, "within 3 estimates or 1e-4:") {
+        let ([kept, judged], [unjudged]) = (numbers(line), numbers(line.split_once("not judged").unwrap().1));
+        sums = [sums[0] + kept, sums[1] + judged + unjudged];
+    }
+    sums
+}
+
+#[test]
+fn readme_prints_what_the_tables_hold() {
+    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md")).unwrap();
+    let readme = readme.split_whitespace().collect::<Vec<_>>().join(" ");
+    let says = |phrase: String| assert!(readme.contains(&phrase), "README should have: {phrase}");
+
+    let plane = summary(&["--count", "220"]);
+    let [unknown] = numbers(after(&plane, "truth unknown:").next().unwrap());
+    says(format!("(`--count 220`; {unknown} of them no grid resolves)"));
+    let wrong: usize = after(&plane, "off by 10 % without a warning:").map(|line| numbers::<1>(line)[0]).sum();
+    assert_eq!(wrong, 0, "none off by a tenth is what README says");
+    let [sound, plain] = kept(&plane);
+    says(format!("of {plain} densities without a warning {sound} were within three times their estimate"));
+
+    let [sound, plain] = kept(&summary(&["--walls"]));
+    says(format!("{sound} of {plain} at n = 8 above random walls"));
+
+    let exact = summary(&["--exact", "--best", "--orders", "4"]);
+    let [right, plain] = numbers(after(&exact, "within a factor 1.5:").next().unwrap());
+    says(format!("of {plain} at n = 4 without a warning"));
+    says(format!("within a factor 1.5 for {right}"));
+    let worst = after(&exact, "best of its order:").next().unwrap().split_once("worst ").unwrap().1;
+    says(format!("than {worst} times the best polynomial of its order"));
+}
