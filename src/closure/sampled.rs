@@ -84,6 +84,9 @@ impl Sampled {
             return Err(failed("it has too many functions even to list them: take a lower one, or fewer `degrees`"));
         }
         let functions = degrees.exponents(states, order, |alpha| symmetry.keeps(alpha)).len() as f64;
+        if functions == 0.0 {
+            return Err(failed("the system's symmetry leaves no function of it: take the next order"));
+        }
         let remedy = "take a lower order or fewer `degrees`, or raise `memory_limit`";
         self.memory.holds("the equations of the closure", MATRICES * functions * functions, remedy)?;
         let surface = "the pilot's states lie on a surface: the noise may not reach every state";

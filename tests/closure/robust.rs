@@ -393,6 +393,9 @@ fn bad_input_is_refused_by_name() {
     let chain = DuffingChain::new(&[0.3; 5], 1.0, 0.3, 0.5, 0.8).unwrap().problem().unwrap();
     let many = Closure::new(16).pilot_states(5120).solve(&chain);
     assert!(matches!(many, Err(Error::NotClosed { order: 16, .. })), "{many:?}");
+    // Every function of order 1 is odd, and the chain is symmetric.
+    let odd = Closure::new(1).pilot_states(5120).solve(&chain);
+    assert!(matches!(odd, Err(Error::NotClosed { order: 1, .. })), "{odd:?}");
     assert_eq!(refused(Closure::new(4).inflation(0.5)), "inflation of the pilot's intensity");
     assert_eq!(refused(Closure::new(4).weight(Weight::Tails(1.5))), "share of the tails");
     assert_eq!(refused(Closure::new(4).degrees(Degrees::complete().weighted(0, 0.0))), "weight of a degree");
