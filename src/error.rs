@@ -123,9 +123,10 @@ pub enum Error {
         /// How far it had come.
         steps: u64,
     },
-    /// The time budget of a simulation ended before its first sample.
+    /// The time budget of a simulation ended before every trajectory had a sample.
     #[error(
-        "the time budget was over after {steps} path-steps, before the first sample: allow more time, or shorten the burn-in"
+        "the time budget was over after {steps} path-steps, before every trajectory had a sample: allow more time, or \
+         shorten the burn-in and the sampling interval"
     )]
     OutOfTime {
         /// How far it had come.
@@ -243,6 +244,15 @@ pub enum Error {
         /// The number of unknowns.
         unknowns: usize,
     },
+    /// Much of the solution on a grid is below zero.
+    #[error(
+        "the solution on the grid is below zero with a mass of {mass:.2}: it is no density; take more cells or a higher \
+         degree, and check that the noise reaches every state"
+    )]
+    Negative {
+        /// ∫ max(−p, 0) dx, where ∫ p dx = 1.
+        mass: f64,
+    },
     /// A text is no closed form that this library wrote, or is damaged.
     #[error("this is no closed form to load: {problem}; restore it from a copy, or solve anew and save it again")]
     NotAClosedForm {
@@ -329,4 +339,16 @@ pub(crate) fn state_index(what: &'static str, index: usize, states: usize) -> Re
 /// Refuses a list that has not one number for each state.
 pub(crate) fn dimension(what: &'static str, found: usize, states: usize) -> Result<()> {
     if found == states { Ok(()) } else { Err(Error::Dimension { what, expected: states, found }) }
+}
+
+/// Refuses a point that has not one finite number for each state.
+pub(crate) fn point(x: &[f64], states: usize) -> Result<()> {
+    dimension("a state", x.len(), states)?;
+    x.iter().try_for_each(|&x| finite("coordinate of a state", x).map(|_| ()))
+}
+
+/// Refuses the value of a state that does not exist, or that is no finite number.
+pub(crate) fn coordinate(what: &'static str, state: usize, x: f64, states: usize) -> Result<usize> {
+    finite("coordinate of a state", x)?;
+    state_index(what, state, states)
 }

@@ -123,11 +123,16 @@ impl Pilot {
         (0..self.states.dimension()).map(|i| mean(i, 4) / mean(i, 2).powi(2)).fold(0.0, f64::max)
     }
 
+    /// The number of states of each trajectory.
+    pub(super) fn samples(&self) -> usize {
+        self.states.len() / TRAJECTORIES
+    }
+
     /// The number of consecutive states of a trajectory that are worth one independent state, at least 1: the square of the
     /// standard error of E x_i² between trajectories over that of independent states, for the slowest state; and that of E
     /// x_i where no symmetry makes it zero.
     pub(super) fn slowness(&self, symmetry: &Symmetry) -> f64 {
-        let samples = self.states.len() / TRAJECTORIES;
+        let samples = self.samples();
         let slowness = |values: Vec<f64>| -> f64 {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             let alone = values.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (values.len() * values.len()) as f64;

@@ -26,8 +26,10 @@ const STATES_IN_MANY: usize = 102_400;
 /// Where more consecutive states than this are worth one, they are taken farther apart, up to so many times.
 const CORRELATED: f64 = 3.0;
 const LONGER: f64 = 64.0;
-/// Where so many of the states taken farther apart are still worth only one, the trajectories have not left their starts.
+/// Where so many of the states taken farther apart are still worth only one, or such a share of all of a trajectory's, the
+/// trajectories have not left their starts.
 const UNMIXED: f64 = 16.0;
+const ALL_BUT_ALL: f64 = 0.75;
 
 /// The fewest of the pilot's states between two walls that suffice for the likelihood of a density.
 const LEAST_BETWEEN: usize = 100;
@@ -68,16 +70,18 @@ impl Closure {
             let symmetry = problem.symmetry();
             let states = self.states.unwrap_or(STATES_IN_MANY);
             let mut pilot = plan.pilot(states, 1.0)?;
-            let slowness = pilot.slowness(&symmetry);
+            let mut slowness = pilot.slowness(&symmetry);
             if slowness > CORRELATED {
                 pilot = plan.slower(slowness.min(LONGER), states).pilot(states, 1.0)?;
-                pilot.stationary &= pilot.slowness(&symmetry) < UNMIXED;
+                slowness = pilot.slowness(&symmetry);
             }
+            let samples = pilot.samples();
+            pilot.stationary &= samples == 1 || slowness < UNMIXED.min(ALL_BUT_ALL * samples as f64);
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
             let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
             let referred = self.on_samples == Some(false);
             let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, memory, begin };
-            return self.at_order(HIGHEST_ORDER, |order| nodal.closed(order));
+            return self.at_order(HIGHEST_ORDER, 1, |order| nodal.closed(order));
         }
         let states = self.states.unwrap_or(STATES);
         let pilot = plan.pilot(states, 1.0)?;
@@ -114,7 +118,7 @@ impl Closure {
         let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
         let discretisation = if heavy { None } else { Discretisation::new(problem, inflated, family, self.highest()) };
         let nodal = self.nodal(discretisation, pilots, begin)?;
-        self.at_order(HIGHEST_ORDER, |order| nodal.closed(order))
+        self.at_order(HIGHEST_ORDER, 2, |order| nodal.closed(order))
     }
 
     /// The closure of an oscillator next to one wall, or between two.
@@ -146,7 +150,7 @@ impl Closure {
         }
         let discretisation = walled::walled(problem, &inflated, walls);
         let nodal = self.nodal(discretisation, [&pilot, &inflated], begin)?;
-        self.at_order(walled::HIGHEST_ORDER, |order| nodal.closed(order))
+        self.at_order(walled::HIGHEST_ORDER, 2, |order| nodal.closed(order))
     }
 
     fn nodal(
@@ -170,20 +174,28 @@ impl Closure {
     }
 
     /// The closure of the requested order: of the given one, or of the lowest even one that meets the target, or else the
-    /// best one when the estimate stops falling.
-    fn at_order(&self, highest: u32, closed: impl Fn(u32) -> Result<ClosureDensity>) -> Result<ClosureDensity> {
+    /// best one when the estimate stops falling: after two orders that are no better, or where one was, after `patience` of them.
+    /// On samples a further one is noisier still, and much dearer.
+    fn at_order(
+        &self,
+        highest: u32,
+        patience: u32,
+        closed: impl Fn(u32) -> Result<ClosureDensity>,
+    ) -> Result<ClosureDensity> {
         let target = match self.order {
             Order::Fixed(order) => return closed(order),
             Order::Adaptive(target) => target,
         };
         let mut best = closed(2)?;
-        let mut failures = 0;
+        let (mut failures, mut patient) = (0, 2);
         for order in (4..=highest).step_by(2) {
-            if best.l1_estimate() <= target || failures == 2 {
+            if best.l1_estimate() <= target || failures >= patient {
                 break;
             }
             match closed(order) {
-                Ok(density) if density.l1_estimate() < best.l1_estimate() => (best, failures) = (density, 0),
+                Ok(density) if density.l1_estimate() < best.l1_estimate() => {
+                    (best, failures, patient) = (density, 0, patience);
+                }
                 // A higher order may fail where a lower one did not: too many functions for the pilot's states.
                 _ => failures += 1,
             }

@@ -1,6 +1,6 @@
 use super::tensor::{Section, TensorRule};
 use super::{Crossing, Density, Frame, Support, escape_direction, moderate, pair};
-use crate::error::{Error, Result, dimension, finite, positive, state_index};
+use crate::error::{Error, Result, coordinate, dimension, finite, point, positive};
 use crate::estimate::Estimate;
 use crate::polynomial::{Gaussian, Polynomial, total_degree};
 use crate::record::Read;
@@ -155,12 +155,12 @@ impl Density for ExpPolynomial {
     }
 
     fn log_pdf(&self, x: &[f64]) -> Result<f64> {
-        dimension("a state", x.len(), self.dimension())?;
+        point(x, self.dimension())?;
         Ok(self.log_density(x))
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        state_index("the state of a marginal", state, self.dimension())?;
+        coordinate("the state of a marginal", state, x, self.dimension())?;
         if !self.support.contains(state, x) {
             return Ok(Estimate::exact(0.0));
         }
@@ -182,7 +182,7 @@ impl Density for ExpPolynomial {
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let states = pair(states, self.dimension())?;
+        let states = pair(states, x, self.dimension())?;
         if states.iter().zip(x).any(|(&state, x)| !self.support.contains(state, x)) {
             return Ok(Estimate::exact(0.0));
         }

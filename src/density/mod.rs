@@ -16,7 +16,7 @@ pub(crate) use sampled::central;
 pub use sampled::{Counted, Sampled};
 pub use support::Support;
 
-use crate::error::{Error, Result, dimension, finite, require, state_index};
+use crate::error::{Error, Result, coordinate, dimension, finite, require, state_index};
 use crate::estimate::Estimate;
 use crate::polynomial::power;
 use crate::states::States;
@@ -57,7 +57,7 @@ pub trait Density: Send + Sync {
     /// # Errors
     /// [`Error::Dimension`] also where the two states are one.
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let states = pair(states, self.dimension())?;
+        let states = pair(states, x, self.dimension())?;
         if self.dimension() > 2 {
             let remedy =
                 "a simulation has it for the pair of states that its options name; take that pair, or another method";
@@ -121,9 +121,9 @@ pub(crate) fn moderate(power: u32) -> Result<i32> {
 }
 
 /// Two states, refused if they do not exist or are the same.
-pub(crate) fn pair(states: [usize; 2], dimension: usize) -> Result<[usize; 2]> {
-    for state in states {
-        state_index("a state of a pair", state, dimension)?;
+pub(crate) fn pair(states: [usize; 2], x: [f64; 2], dimension: usize) -> Result<[usize; 2]> {
+    for (state, x) in states.into_iter().zip(x) {
+        coordinate("a state of a pair", state, x, dimension)?;
     }
     if states[0] == states[1] {
         return Err(Error::Dimension { what: "a pair of a state and itself", expected: dimension, found: states[1] });

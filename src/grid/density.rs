@@ -1,7 +1,7 @@
 use super::field::Field;
 use super::space::Side;
 use crate::density::{Crossing, Density};
-use crate::error::{Result, dimension, require, state_index};
+use crate::error::{Result, coordinate, dimension, point, require};
 use crate::estimate::Estimate;
 use crate::memory::MemoryLimit;
 use crate::problem::Problem;
@@ -113,7 +113,7 @@ impl Density for GridDensity {
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        let state = state_index("the state of a marginal", state, 2)?;
+        let state = coordinate("the state of a marginal", state, x, 2)?;
         Ok(self.estimate(|field| {
             let (at, over) = (field.point(state, x), field.weights(1 - state, 0, EVERYWHERE, |_| 1.0));
             integral(field, state, &at, &over)
@@ -164,7 +164,7 @@ impl Density for GridDensity {
 const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 fn plane(x: &[f64]) -> Result<[f64; 2]> {
-    dimension("a state", x.len(), 2)?;
+    point(x, 2)?;
     Ok([x[0], x[1]])
 }
 

@@ -134,6 +134,7 @@ impl Grid {
     /// - [`Error::Exploded`], [`Error::DomainCut`]: the density does not end within any domain that was tried, or
     ///   within the one given: the drift has no stationary density, or the domain is too small;
     /// - [`Error::SingularSystem`]: more than one density is stationary, or none;
+    /// - [`Error::Negative`]: a tenth of the solution is below zero, since the mesh does not resolve the density;
     /// - [`Error::TooMuchMemory`]: a mesh beyond [`Grid::memory_limit`].
     ///
     /// ```

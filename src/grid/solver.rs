@@ -21,6 +21,9 @@ const ATTEMPTS: usize = 6;
 /// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.
 const CUT: f64 = 1e-3;
 
+/// A solution with a larger mass below zero does not resolve its density.
+const NEGATIVE: f64 = 0.1;
+
 type Domain = [[f64; 2]; 2];
 
 pub(super) struct Solver<'a> {
@@ -174,6 +177,9 @@ impl Solver<'_> {
             (peak, least) = (peak.max(p), least.min(p));
             negative_mass += weight * (-p).max(0.0);
         });
+        if negative_mass.is_nan() || negative_mass > NEGATIVE {
+            return Err(Error::Negative { mass: negative_mass });
+        }
         let provenance = Provenance {
             method: "grid".into(),
             cells: Some(field.space.axes.each_ref().map(Axis::cells)),

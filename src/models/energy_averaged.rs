@@ -1,6 +1,6 @@
 use super::VibroImpactDuffing;
 use crate::density::{Crossing, Density, moderate};
-use crate::error::{Error, Result, dimension, positive, require, state_index};
+use crate::error::{Error, Result, coordinate, point, positive, require};
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::system::Oscillator;
@@ -151,12 +151,12 @@ impl Density for EnergyAveraged {
     }
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        dimension("a state", x.len(), 2)?;
+        point(x, 2)?;
         Ok(Estimate::exact(if x[0] >= self.offset { self.unscaled(x[0], x[1]) / self.mass } else { 0.0 }))
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        Ok(match state_index("the state of a marginal", state, 2)? {
+        Ok(match coordinate("the state of a marginal", state, x, 2)? {
             0 if x < self.offset => Estimate::exact(0.0),
             0 => self.estimate(|nodes| self.over_velocity(nodes, x, [true, true], |_| 1.0)),
             _ => self.estimate(|nodes| {

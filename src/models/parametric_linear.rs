@@ -1,6 +1,6 @@
 use super::listed;
 use crate::density::{Crossing, Density, moderate};
-use crate::error::{Result, dimension, positive, state_index};
+use crate::error::{Result, coordinate, dimension, point, positive, state_index};
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::scalar::Scalar;
@@ -144,13 +144,13 @@ impl Density for PowerLaw {
     }
 
     fn log_pdf(&self, x: &[f64]) -> Result<f64> {
-        dimension("a state", x.len(), 2)?;
+        point(x, 2)?;
         let square = self.core + x[1] * x[1] + (self.frequency * x[0]).powi(2);
         Ok(self.normalisation().ln() - self.exponent * square.ln())
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        let state = state_index("the state of a marginal", state, 2)?;
+        let state = coordinate("the state of a marginal", state, x, 2)?;
         Ok(self.section(state, x, 0).scaled(2.0))
     }
 

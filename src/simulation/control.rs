@@ -3,7 +3,7 @@ use std::sync::{
     Mutex, MutexGuard, PoisonError,
     atomic::{AtomicBool, AtomicUsize, Ordering},
 };
-use std::{fmt, ops::ControlFlow};
+use std::{fmt, ops::ControlFlow, time::Instant};
 
 /// The progress of a simulation or a study, in steps or rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,15 +24,17 @@ impl fmt::Debug for Callback<'_> {
     }
 }
 
-/// The progress callback and the number last reported to it.
+/// What has been done, and the callback that it is reported to.
 struct Meter<'a> {
     progress: Progress,
-    callback: Callback<'a>,
+    callback: Option<Callback<'a>>,
 }
 
 /// The reports of batches, and the signal that they need not go on.
 pub(super) struct Control<'a> {
-    meter: Option<Mutex<Meter<'a>>>,
+    meter: Mutex<Meter<'a>>,
+    /// When work that has not come to an end is given up.
+    deadline: Option<Instant>,
     cancelled: AtomicBool,
     /// The place of the first batch that failed: later ones may stop, so that the error reported is the same on any
     /// number of threads.
@@ -40,14 +42,14 @@ pub(super) struct Control<'a> {
 }
 
 impl<'a> Control<'a> {
-    /// Nothing of `total` path-steps has been done.
-    pub(super) fn new(callback: Option<Callback<'a>>, total: u64) -> Self {
-        let meter = |callback| Mutex::new(Meter { progress: Progress { done: 0, total }, callback });
-        Control { meter: callback.map(meter), cancelled: AtomicBool::new(false), failed: AtomicUsize::new(usize::MAX) }
+    /// Nothing has been done.
+    pub(super) fn new(callback: Option<Callback<'a>>, deadline: Option<Instant>) -> Self {
+        let meter = Mutex::new(Meter { progress: Progress { done: 0, total: 0 }, callback });
+        Control { meter, deadline, cancelled: AtomicBool::new(false), failed: AtomicUsize::new(usize::MAX) }
     }
 
-    fn meter(&self) -> Option<MutexGuard<'_, Meter<'a>>> {
-        Some(self.meter.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner))
+    fn meter(&self) -> MutexGuard<'_, Meter<'a>> {
+        self.meter.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn fail(&self, place: usize) {
@@ -56,30 +58,37 @@ impl<'a> Control<'a> {
 
     /// Sets what has been done and what there is to do.
     pub(super) fn set(&self, done: u64, total: u64) {
-        if let Some(mut meter) = self.meter() {
-            meter.progress = Progress { done, total };
-        }
+        self.meter().progress = Progress { done, total };
     }
 
     /// Reports `steps` more path-steps.
     pub(super) fn report(&self, steps: u64) {
-        let Some(mut meter) = self.meter() else { return };
+        let mut meter = self.meter();
         if !self.cancelled.load(Ordering::Relaxed) {
             meter.progress.done += steps;
             let progress = meter.progress;
-            let verdict = (meter.callback.0)(progress);
-            self.cancelled.store(verdict == ControlFlow::Break(()), Ordering::Relaxed);
+            let verdict = meter.callback.as_mut().map(|callback| (callback.0)(progress));
+            self.cancelled.store(verdict == Some(ControlFlow::Break(())), Ordering::Relaxed);
         }
     }
 
-    /// Whether a batch is to go on.
+    /// Whether a batch is to go on with another stretch.
     pub(super) fn check(&self, place: usize) -> Result<()> {
         let stop = self.cancelled.load(Ordering::Relaxed) || self.failed.load(Ordering::Relaxed) < place;
         if stop { Err(Error::Cancelled { steps: self.done() }) } else { Ok(()) }
     }
 
-    /// The path-steps reported to the callback.
+    /// Whether work that can be given up anywhere is to go on.
+    pub(super) fn check_anywhere(&self) -> Result<()> {
+        self.check(0)?;
+        match self.deadline {
+            Some(deadline) if Instant::now() >= deadline => Err(Error::OutOfTime { steps: self.done() }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The path-steps reported.
     pub(super) fn done(&self) -> u64 {
-        self.meter().map_or(0, |meter| meter.progress.done)
+        self.meter().progress.done
     }
 }

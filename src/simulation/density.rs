@@ -1,6 +1,6 @@
 use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level};
 use crate::density::{Counted, Crossing, Density, Sampled, central, pair};
-use crate::error::{Error, Result, dimension, require, state_index};
+use crate::error::{Error, Result, coordinate, dimension, point, require, state_index};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ impl Density for SimulatedDensity {
     /// [`Error::Dimension`] unless x has one number for each state, [`Error::NotKnown`] for more than two states, whose
     /// histogram would be empty almost everywhere. Marginals are there for any number of states.
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        dimension("a state", x.len(), self.dimension())?;
+        point(x, self.dimension())?;
         let histogram = self.whole("the density at a state")?;
         if self.below_wall(0, x[0]) {
             return Ok(NOTHING);
@@ -34,7 +34,7 @@ impl Density for SimulatedDensity {
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        state_index("the state of a marginal", state, self.dimension())?;
+        coordinate("the state of a marginal", state, x, self.dimension())?;
         if self.below_wall(state, x) {
             return Ok(NOTHING);
         }
@@ -57,7 +57,7 @@ impl Density for SimulatedDensity {
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let [first, second] = pair(states, self.dimension())?;
+        let [first, second] = pair(states, x, self.dimension())?;
         if first + second != 1 {
             let remedy = "a simulation counts states 0 and 1 together; put these first, or take another method";
             return Err(Error::NotKnown { what: format!("the joint density of states {first} and {second}"), remedy });
@@ -111,7 +111,8 @@ impl Density for SimulatedDensity {
     }
 
     fn variance(&self, state: usize) -> Result<Estimate> {
-        self.of_moments(state, &|raw| central(raw)[0])
+        // Control variates and rounding may put that of a state that hardly moves below zero.
+        self.of_moments(state, &|raw| central(raw)[0].max(0.0))
     }
 
     fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {

@@ -17,11 +17,16 @@ use rayon::prelude::*;
 /// Path-steps of one batch between two calls of the progress callback.
 const REPORT: u64 = 1 << 14;
 
+/// The most steps in lockstep before the states are checked: some milliseconds.
+const PIECE: usize = 1 << 12;
+
 /// The data that all batches share.
 pub(super) struct Ensemble<'a> {
     pub(super) scheme: &'a Scheme<'a>,
     pub(super) boundaries: &'a Boundaries,
     pub(super) timetable: Timetable,
+    /// The number of trajectories in the whole simulation.
+    pub(super) trajectories: usize,
     /// The state whose power balance is drawn up.
     pub(super) velocity: Option<usize>,
     pub(super) control: Control<'a>,
@@ -153,12 +158,13 @@ impl<'a> Ensemble<'a> {
             let steps = self.stretch(trajectories, stretch, bounds, &mut unseen, &mut work, look)?;
             self.control.report(steps * trajectories.count() as u64);
             self.control.check(place)?;
+            self.control.check_anywhere()?;
         }
         Ok(())
     }
 
     /// Takes trajectories through stretch number `stretch`, passes each group at its end, with its number and its passages,
-    /// to `look`, and returns its time steps.
+    /// to `look`, and returns its time steps. A long stretch may be given up on the way.
     fn stretch(
         &self,
         trajectories: &mut Trajectories,
@@ -171,11 +177,16 @@ impl<'a> Ensemble<'a> {
         let before = self.timetable.steps(stretch);
         let steps = self.timetable.steps(stretch + 1) - before;
         let h = self.scheme.step;
-        let time = (before + steps) as f64 * h;
         for (group, lanes) in trajectories.groups.iter_mut().enumerate() {
             passages.forget();
-            lanes.advance(self.scheme, self.boundaries, steps, passages, work);
-            lanes.check(bounds, time, h)?;
+            for piece in (0..steps).step_by(PIECE) {
+                let end = steps.min(piece + PIECE);
+                lanes.advance(self.scheme, self.boundaries, end - piece, passages, work);
+                lanes.check(bounds, (before + end) as f64 * h, h)?;
+                if self.timetable.is_long(stretch, self.trajectories) {
+                    self.control.check_anywhere()?;
+                }
+            }
             look(group, lanes, passages, work);
         }
         Ok(steps as u64)

@@ -64,11 +64,16 @@ fn exchanged<T: Serialize + DeserializeOwned>(processes: &impl Processes, mine: 
 }
 
 /// Whether any process was cancelled, and whether any raises each of the flags; or the error of one of them.
-pub(super) fn any_of(processes: &impl Processes, outcome: Result<()>, flags: [bool; 2]) -> Result<[bool; 3]> {
+pub(super) fn any_of<const N: usize>(
+    processes: &impl Processes,
+    outcome: Result<()>,
+    flags: [bool; N],
+) -> Result<(bool, [bool; N])> {
     let cancelled = matches!(outcome, Err(Error::Cancelled { .. }));
-    let mine = [cancelled, flags[0], flags[1]].map(u8::from).to_vec();
+    let mine: Vec<u8> = flags.into_iter().chain([cancelled]).map(u8::from).collect();
     let words = all_gather(processes, if cancelled { Ok(mine) } else { outcome.map(|()| mine) })?;
-    Ok(std::array::from_fn(|k| words.iter().any(|word| word.get(k) == Some(&1))))
+    let any = |k: usize| words.iter().any(|word| word.get(k) == Some(&1));
+    Ok((any(N), std::array::from_fn(any)))
 }
 
 #[cfg(test)]

@@ -18,12 +18,26 @@ use super::{
 use crate::error::{Error, Result, dimension, finite, positive, require, state_index};
 use crate::problem::{Problem, TimeScales, Wall, two_digits};
 use crate::states::States;
-use std::{ops::Range, time::Instant};
+use std::{
+    ops::Range,
+    time::{Duration, Instant},
+};
 
 /// The time between samples in the shortest of the system's times: states closer than that add little.
 const INTERVAL: f64 = 3.0;
 
 const SHORTER: &str = "take shorter segments or fewer trajectories, or raise `memory_limit`";
+
+/// A run that has not come to the end of its first round is given up after the time budget or so much, so that sessions of any
+/// length get on.
+const LEAST_BUDGET: Duration = Duration::from_secs(1);
+
+/// The most time steps of a burn-in whose length is not an option: where the rates of a system without its wall lie a thousand
+/// times apart, impacts may be twenty times faster.
+const MOST_DEFAULT_STEPS: f64 = 1e6;
+
+const TOO_FAST: &str = "next to the slowest rate it is so fast that the burn-in would take more than a million steps of 0.04 over \
+    it: give `burn_in`, or `time_step`, and a `time_budget`";
 
 /// The most levels whose crossings one simulation counts: each costs time in every step.
 const MOST_LEVELS: usize = 64;
@@ -35,11 +49,12 @@ impl<'a> Simulation<'a> {
     /// - [`Error::NotServed`]: a wall that is not the only one, or that the motion of state 0 is not above.
     /// - [`Error::NotADisplacement`]: a level for a state 0 that has no velocity.
     /// - [`Error::NoSamples`]: no samples, or fewer than two trajectories.
-    /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning.
+    /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning; and a rate of impacts so far above the
+    ///   system's own rates that the default burn-in has more than a million steps.
     /// - [`Error::TooMuchMemory`]: segments of spectra beyond [`Simulation::memory_limit`].
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
     /// - [`Error::Cancelled`]: the progress callback returned `Break`.
-    /// - [`Error::OutOfTime`]: the time budget was over before the first sample.
+    /// - [`Error::OutOfTime`]: the time budget was over before every trajectory had a sample.
     /// - [`Error::File`], [`Error::NotACheckpoint`], [`Error::OtherSimulation`]: a checkpoint that cannot be used.
     /// - Those of the statistics given to [`Simulation::until`].
     pub fn run(self, problem: &Problem) -> Result<SimulatedDensity> {
@@ -88,13 +103,16 @@ impl<'a> Simulation<'a> {
     /// Runs the simulation, or its twin with the noise of two steps `merged` into one.
     fn run_once(mut self, problem: &Problem, processes: &impl Processes, merged: bool) -> Result<SimulatedDensity> {
         let begin = Instant::now();
-        let Prepared { wall, velocity, scheme, rate, timetable, samples, start } = self.prepared(problem, merged)?;
+        let deadline = self.time_budget.map(|budget| begin + budget.max(LEAST_BUDGET));
+        let control = Control::new(self.progress.take(), deadline);
+        let Prepared { wall, velocity, scheme, rate, timetable, samples, start } =
+            self.prepared(problem, merged, &control)?;
         let part = self.batches_of_part()?;
         let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
-        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable);
+        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable, control);
         let pilot = Pilot::run(&ensemble, self.seed, &start);
         // Every process runs the pilot, but only some may be cancelled in it, and the others must not be left waiting.
-        if any_of(processes, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [false; 2])?[0] {
+        if any_of(processes, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [])?.0 {
             return Err(Error::Cancelled { steps: ensemble.control.done() });
         }
         let pilot = pilot?;
@@ -152,11 +170,13 @@ impl<'a> Simulation<'a> {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn states(mut self, problem: &Problem) -> Result<States> {
-        let Prepared { wall, velocity, scheme, timetable, samples, start, .. } = self.prepared(problem, false)?;
+        let control = Control::new(self.progress.take(), None);
+        let Prepared { wall, velocity, scheme, timetable, samples, start, .. } =
+            self.prepared(problem, false, &control)?;
         let numbers = samples as f64 * self.trajectories as f64 * problem.dimension() as f64;
         self.memory.holds("the sampled states", numbers, "take fewer samples, or raise `memory_limit`")?;
         let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
-        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable);
+        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable, control);
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
         let group = |range| Trajectories::new(range, self.seed, &start);
         let groups = deal(self.trajectories).into_iter().map(group).collect();
@@ -164,7 +184,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The scheme and the plan, after all options have been checked.
-    fn prepared<'p>(&self, problem: &'p Problem, merged: bool) -> Result<Prepared<'p>> {
+    fn prepared<'p>(&self, problem: &'p Problem, merged: bool, control: &Control<'_>) -> Result<Prepared<'p>> {
         let wall = single_wall(problem, "simulation")?;
         let velocity = problem.velocity_of(0);
         self.validate(problem.dimension(), wall, velocity)?;
@@ -172,7 +192,9 @@ impl<'a> Simulation<'a> {
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
-                let (step, rate) = self.chosen_step(problem, wall, times)?;
+                let (step, rate) = self.chosen_step(problem, wall, times, control)?;
+                let soon = self.burn_in.is_some() || times.burn_in / step <= MOST_DEFAULT_STEPS;
+                require(soon, "rate of the motion", rate, TOO_FAST)?;
                 (step, Some(rate))
             }
         };
@@ -189,19 +211,16 @@ impl<'a> Simulation<'a> {
     }
 
     fn ensemble<'b>(
-        &mut self,
+        &self,
         scheme: &'b Scheme<'b>,
         boundaries: &'b Boundaries,
         velocity: Option<usize>,
         timetable: Timetable,
-    ) -> Ensemble<'b>
-    where
-        'a: 'b,
-    {
+        control: Control<'b>,
+    ) -> Ensemble<'b> {
         let stretches = BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
-        let path_steps = Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64;
-        let control = Control::new(self.progress.take(), path_steps);
-        Ensemble { scheme, boundaries, timetable, velocity, control }
+        control.set(0, Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
+        Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, velocity, control }
     }
 
     /// The numbers of the batches to be run here.

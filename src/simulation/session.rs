@@ -41,7 +41,7 @@ impl<P: Processes> Session<'_, P> {
     ///
     /// All decisions fall between rounds, when all batches stand at the same stretch; only a cancelled run ends with batches
     /// at different stretches, and a resumed one therefore begins by bringing all batches to the same stretch. At least one
-    /// round is run with any time budget, so that many short sessions come to an end as well.
+    /// round is run with any time budget, unless it is given up on its way, so that many short sessions come to an end as well.
     pub(super) fn run(mut self, part: Range<usize>, start: &Start) -> Result<SimulatedDensity> {
         let end = BURN_IN_STRETCHES + self.samples;
         let mut done = self.begin(part, start)?;
@@ -49,12 +49,21 @@ impl<P: Processes> Session<'_, P> {
         self.ensemble.control.set(self.path_steps(), self.plan.path_steps(trajectories, self.samples));
         let (mut saved, mut rounds) = (Instant::now(), 0);
         let mut look = next_look(samples(done).saturating_sub(1));
+        let (mut before, mut kept) = (done, self.kept(done));
         let mut outcome = self.advance(done, end);
         let stopped = loop {
-            let [cancelled, late, due] = self.any_of(outcome, saved)?;
+            let (cancelled, [late, due, given_up]) = self.any_of(outcome, saved)?;
+            if let Some(kept) = kept.filter(|_| cancelled || given_up) {
+                self.batches = kept;
+            }
             if cancelled {
                 self.save(None)?;
                 return Err(Error::Cancelled { steps: self.path_steps() });
+            }
+            if given_up {
+                // Before the first round, batches that were resumed may be at different stretches, and there is no result.
+                done = if rounds > 0 { before } else { 0 };
+                break Stopped::TimeBudget;
             }
             if samples(done) >= look {
                 look = next_look(samples(done));
@@ -74,7 +83,8 @@ impl<P: Processes> Session<'_, P> {
             }
             let round = self.plan.timetable.next_round(done, self.plan.trajectories);
             let next = if self.targets.is_empty() { end } else { BURN_IN_STRETCHES + look };
-            done = round.min(next).min(end);
+            (before, done) = (done, round.min(next).min(end));
+            kept = self.kept(done);
             outcome = self.advance(done, end);
             rounds += 1;
         };
@@ -85,6 +95,12 @@ impl<P: Processes> Session<'_, P> {
         self.save(Some(stopped))?;
         let (tallies, seconds) = (self.tallies()?, self.seconds());
         Ok(SimulatedDensity::new(tallies, self.plan, seconds, stopped))
+    }
+
+    /// A copy of the batches if the way to stretch `goal` may be given up in the midst of a stretch.
+    fn kept(&self, goal: usize) -> Option<Vec<Batch>> {
+        let long = self.plan.timetable.is_long(goal.saturating_sub(1), self.plan.trajectories);
+        long.then(|| self.batches.clone())
     }
 
     fn advance(&mut self, goal: usize, end: usize) -> Result<()> {
@@ -158,12 +174,13 @@ impl<P: Processes> Session<'_, P> {
         all_gather(self.processes, written.map(|()| Vec::new())).map(|_| ())
     }
 
-    /// Whether any process was cancelled after a round, is out of time, or is due to write a checkpoint; or the error
-    /// of one of them.
-    fn any_of(&self, outcome: Result<()>, saved: Instant) -> Result<[bool; 3]> {
+    /// Whether any process was cancelled; and whether any is out of time after a round, is due to write a checkpoint, or gave
+    /// the round up because it was out of time; or the error of one of them.
+    fn any_of(&self, outcome: Result<()>, saved: Instant) -> Result<(bool, [bool; 3])> {
         let late = self.time_budget.is_some_and(|budget| self.begin.elapsed() >= budget);
         let due = self.checkpoint.as_ref().is_some_and(|c| saved.elapsed() >= c.every);
-        any_of(self.processes, outcome, [late, due])
+        let given_up = matches!(outcome, Err(Error::OutOfTime { .. }));
+        any_of(self.processes, if given_up { Ok(()) } else { outcome }, [late, due, given_up])
     }
 
     /// The tallies of all processes, in the order of the batches.

@@ -1,5 +1,6 @@
 use super::{
     Simulation,
+    control::Control,
     lanes::{Lanes, Workspace},
     passage::{Boundaries, Passages},
     scheme::Scheme,
@@ -28,7 +29,7 @@ const STRETCHES: usize = 64;
 /// The most steps tried. Each is at most half the one before.
 const ATTEMPTS: usize = 12;
 
-/// The most steps in a stretch: a try reports nothing and cannot be cancelled. Default times never take so many.
+/// The most steps in a stretch: a try reports nothing. Default times never take so many.
 const MOST_STEPS: f64 = 4096.0;
 
 impl Simulation<'_> {
@@ -42,8 +43,14 @@ impl Simulation<'_> {
     /// tried turns out to be too long, the trajectories go again with a shorter one.
     ///
     /// # Errors
-    /// [`Error::Exploded`](crate::Error::Exploded) if they explode with the shortest step too.
-    pub(super) fn chosen_step(&self, problem: &Problem, wall: Option<Wall>, times: Times) -> Result<(f64, f64)> {
+    /// [`Error::Exploded`] if they explode with the shortest step too, and [`Error::OutOfTime`].
+    pub(super) fn chosen_step(
+        &self,
+        problem: &Problem,
+        wall: Option<Wall>,
+        times: Times,
+        control: &Control<'_>,
+    ) -> Result<(f64, f64)> {
         let lossy = wall.is_some_and(|wall| wall.restitution() < 1.0);
         let resolution = if lossy { BESIDE_LOSSY_WALL } else { RESOLUTION };
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
@@ -53,7 +60,7 @@ impl Simulation<'_> {
         let mut attempt = 0;
         loop {
             attempt += 1;
-            match self.rates(problem, wall, step, times) {
+            match self.rates(problem, wall, step, times, control) {
                 Err(error @ Error::Exploded { .. }) if attempt == ATTEMPTS => return Err(error),
                 Err(Error::Exploded { .. }) => step /= 4.0,
                 Err(error) => return Err(error),
@@ -69,7 +76,14 @@ impl Simulation<'_> {
     }
 
     /// The root mean square of the rate and the largest one along the way with this step.
-    fn rates(&self, problem: &Problem, wall: Option<Wall>, step: f64, times: Times) -> Result<(f64, f64)> {
+    fn rates(
+        &self,
+        problem: &Problem,
+        wall: Option<Wall>,
+        step: f64,
+        times: Times,
+        control: &Control<'_>,
+    ) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
         let start = Start::new(self, problem, wall, step);
@@ -84,6 +98,7 @@ impl Simulation<'_> {
             }
             lanes.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
             lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
+            control.check_anywhere()?;
             if stretch >= STRETCHES / 2 {
                 for x in &lanes.states() {
                     let rate = rate(problem, self.amplitude, x);

@@ -9,6 +9,10 @@ pub(super) const LATE: usize = 48;
 /// Path-steps of all trajectories in one round, about: some hundredths of a second.
 const ROUND: usize = 1 << 21;
 
+/// Path-steps of all trajectories in a stretch that can be given up on its way, at the price of a copy of their states: more
+/// than about a second.
+const LONG: usize = 1 << 26;
+
 /// Samples of each trajectory before the first check of precision.
 const FIRST_LOOK: usize = 8;
 
@@ -38,6 +42,12 @@ impl Timetable {
     pub(super) fn steps(&self, stretches: usize) -> usize {
         let samples = samples(stretches);
         (stretches - samples) * self.burn_in_steps + samples * self.interval_steps
+    }
+
+    /// Whether stretch number `stretch` is long for so many trajectories.
+    pub(super) fn is_long(&self, stretch: usize, trajectories: usize) -> bool {
+        let steps = self.steps(stretch + 1) - self.steps(stretch);
+        steps.saturating_mul(trajectories) > LONG
     }
 
     /// Whether so many trajectories with so many samples each are steps that can be counted exactly: 2⁵³, which at a billion a

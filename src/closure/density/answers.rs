@@ -6,7 +6,7 @@ use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
 use crate::closure::samples::ImportanceRule;
 use crate::density::{Crossing, Density, moderate, pair, placed};
-use crate::error::{Result, dimension, state_index};
+use crate::error::{Result, coordinate, dimension, point};
 use crate::estimate::Estimate;
 use crate::polynomial::power;
 use crate::states::States;
@@ -72,12 +72,12 @@ impl Density for ClosureDensity {
     }
 
     fn log_pdf(&self, x: &[f64]) -> Result<f64> {
-        dimension("a state", x.len(), self.dimension())?;
+        point(x, self.dimension())?;
         Ok(self.log_density(x))
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        state_index("the state of a marginal", state, self.dimension())?;
+        coordinate("the state of a marginal", state, x, self.dimension())?;
         self.section(state, x, |_| 1.0)
     }
 
@@ -115,7 +115,7 @@ impl Density for ClosureDensity {
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
-        let states = pair(states, self.dimension())?;
+        let states = pair(states, x, self.dimension())?;
         match &self.content.integrals {
             Integrals::Panels { .. } => self.pdf(&placed(states, x, self.dimension())),
             Integrals::Draws(rule) => self.drawn_section(rule, &[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),

@@ -13,7 +13,7 @@ use super::discretisation::trust_domain::TrustDomain;
 use super::reference::Start;
 use super::samples::Copula;
 use crate::density::{Crossing, Density, escape_direction};
-use crate::error::{Result, dimension};
+use crate::error::{Result, point};
 use crate::estimate::Estimate;
 use crate::polynomial::Polynomial;
 use crate::provenance::Provenance;
@@ -170,7 +170,7 @@ impl ClosureDensity {
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
     pub fn contains(&self, x: &[f64]) -> Result<bool> {
-        dimension("a state", x.len(), self.dimension())?;
+        point(x, self.dimension())?;
         Ok(self.trusts(x))
     }
 

@@ -41,6 +41,8 @@ const PATIENCE: f64 = 2.0;
 const LATER: f64 = 1.5;
 /// Where the initial weight leads to a larger error than this, another one is tried.
 const GOOD: f64 = 0.05;
+/// A fit of the pilot's means that is as far as this from the solution is a start of none.
+const HOPELESS: f64 = 1.0;
 /// A reference's error below this share of the answer's distance from it needs no further attempt.
 const MINOR: f64 = 0.7;
 /// Nor does one that is as small as this.
@@ -176,6 +178,9 @@ impl Reference {
             let r = discretisation.passages.is_empty().then(|| residuals(discretisation, &weight));
             let Some(found) = resolve(table, &measure, &passages, r.as_deref(), truncation) else { break };
             let error = found.error;
+            if discretisation.is_on_lattice() && error > HOPELESS {
+                break;
+            }
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
             strikes += u32::from(error > PATIENCE * least);
             if strikes > 1 {

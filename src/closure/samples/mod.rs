@@ -117,7 +117,7 @@ pub(in crate::closure) fn close_on_samples(
     // Order by order, each from the one before.
     let lower: Vec<Products> =
         (2..order).step_by(2).map(|order| Products::new(&functions(&exponents(order)))).collect();
-    let fitted = |nodes: Nodes| -> Option<(Nodes, Fit)> {
+    let fitted = |nodes: Nodes, search: Search| -> Option<(Nodes, Fit)> {
         let (mut steps, mut start) = (0, Vec::new());
         let mut fitted = |products: &Products, search| {
             start.resize(products.len(), 0.0);
@@ -128,24 +128,25 @@ pub(in crate::closure) fn close_on_samples(
             Some(Fit { steps, ..fit })
         };
         lower.iter().try_for_each(|products| fitted(products, ROUGH).map(|_| ()))?;
-        let fit = fitted(&products, FOUND)?;
+        let fit = fitted(&products, search)?;
         Some((nodes, fit))
     };
-    // Fewer nodes where they are as good as more.
+    // Fewer nodes where they are as good as more; where they are not, the search on them may not end.
     let on_lattice = || {
-        let on = |most, uneven| {
+        let on = |most, uneven, search| {
             let (lattice, nodes) = Lattice::finest(pilot, symmetry, copula, most)?;
-            let (nodes, fit) = fitted(nodes)?;
+            let (nodes, fit) = fitted(nodes, search)?;
             let even = Likelihood { nodes: &nodes, products: &judging }.unevenness(&fit.masses) < uneven;
             even.then_some((Some(lattice), nodes, fit))
         };
-        on(most / FEWER, EVEN).or_else(|| on(most, UNEVEN))
+        let few = on(most / FEWER, EVEN, Search { most: FOUND.most / 2, ..FOUND });
+        few.filter(|(_, _, fit)| fit.converged).or_else(|| on(most, UNEVEN, FOUND))
     };
     let drawn = || {
         let rule = ImportanceRule::new(&polynomials, &vec![0.0; kept.len()], copula, most, seed ^ FITTED)?;
         let (points, weights, parts) = rule.drawn().ok()?;
         let base = weights.iter().map(|w| w.ln()).collect();
-        let (nodes, fit) = fitted(Nodes { points, base, parts, measured: false })?;
+        let (nodes, fit) = fitted(Nodes { points, base, parts, measured: false }, FOUND)?;
         Some((None, nodes, fit))
     };
     let (lattice, nodes, fit) = on_lattice().or_else(drawn)?;

@@ -87,7 +87,8 @@ impl Splitting<'_> {
 
         let cycles = plan.relaxing + plan.measuring;
         let most = (self.replicas * (thresholds.len() + 1) * self.particles * plan.steps) as u64 * cycles as u64;
-        let control = Control::new(self.progress.take(), most);
+        let control = Control::new(self.progress.take(), None);
+        control.set(0, most);
         let replica = |(index, states): (usize, &[f64])| -> Result<(Tally, u64)> {
             let mut population = Population::new(&scheme, self.seed, 1 + index as u64, self.particles);
             population.set_thresholds(&thresholds);

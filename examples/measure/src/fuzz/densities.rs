@@ -17,7 +17,8 @@ pub(super) fn probe(probe: &mut Probe, problem: &Problem, density: &dyn Density)
     probe.value("mass", 0.5, || Ok(density.moment(&vec![0; n])?.value));
     for state in 0..n {
         let powers: Vec<u32> = (0..n).map(|i| if i == state { 2 } else { 0 }).collect();
-        probe.value("second moment", 0.0, || Ok(density.moment(&powers)?.value));
+        // An estimate may be below zero by its standard error.
+        probe.value("second moment", 0.0, || density.moment(&powers).map(|found| found.value + 6.0 * found.error));
         probe.value("variance", 0.0, || Ok(density.variance(state)?.value));
         let middle = (bounds[state][0] + bounds[state][1]) / 2.0;
         // A polynomial on elements may be below zero where there is next to nothing.
