@@ -2,18 +2,12 @@
 
 use super::classical::ClassicalClosure;
 use super::density::ClosureDensity;
-use super::projection::weight::Weight;
+use super::projection::Weight;
 use super::reference::Start;
 use super::space::degrees::Degrees;
+use super::tuning;
 use crate::error::{Result, positive, require};
 use crate::memory::MemoryLimit;
-
-/// The factor on the pilot's noise intensities, by which its states reach the tails.
-const INFLATION: f64 = 3.0;
-/// The numbers that a pilot's state takes for each of its own.
-const COPIES: f64 = 4.0;
-/// The highest order.
-pub(super) const HIGHEST_ORDER: u32 = 16;
 
 /// The exponential-polynomial closure as a method: a value that can be applied to any problem.
 ///
@@ -63,7 +57,7 @@ impl Closure {
             seed: 0,
             on_samples: None,
             states: None,
-            inflation: INFLATION,
+            inflation: tuning::pilot::INFLATION,
             degrees: Degrees::complete(),
             start: None,
             memory: MemoryLimit::default(),
@@ -153,7 +147,7 @@ impl Closure {
     pub(super) fn highest(&self) -> u32 {
         match self.order {
             Order::Fixed(order) => order,
-            Order::Adaptive(_) => HIGHEST_ORDER,
+            Order::Adaptive(_) => tuning::space::HIGHEST_ORDER,
         }
     }
 
@@ -181,7 +175,8 @@ impl Closure {
             let name = "number of the pilot's states";
             let remedy = "at least 1000 are needed to find where the density is";
             require(kept >= 1000, name, kept as f64, remedy)?;
-            let numbers = COPIES * kept as f64 * states as f64;
+            // The states, and what they are made from and sorted into.
+            let numbers = 4.0 * kept as f64 * states as f64;
             self.memory.holds("the pilot's states", numbers, "take fewer, or raise `memory_limit`")?;
         }
         let (inflation, remedy) = (self.inflation, "it must lie between 1 and 100");

@@ -19,8 +19,8 @@
 //!
 //! `method` holds the options, and `solve` the way from a problem to the steps: `nodal` takes them on Gauss nodes in one and two
 //! states, also next to walls. In three and more, `sampled` and `samples`, the pilot's states take the place of the reference:
-//! their means, made precise by the moment equations, have one most likely exponential polynomial; `reference::on_lattice`
-//! solves the equations of a reference in three states and four.
+//! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
+//! reference as well. `tuning` lists the constants that decide something, step by step.
 //!
 //! `classical` is the literature's method.
 
@@ -37,13 +37,14 @@ mod sampled;
 mod samples;
 mod solve;
 mod space;
+mod tuning;
 
 pub use candidates::{Candidate, Origin};
 pub use classical::{Basis, ClassicalClosure, Solution, Termination};
 pub use density::ClosureDensity;
 pub(crate) use discretisation::trust_domain::TrustDomain;
 pub use method::Closure;
-pub use projection::weight::Weight;
+pub use projection::Weight;
 pub(crate) use samples::Copula;
 pub use space::degrees::Degrees;
 pub(crate) use space::{CLOSEST, Corner, PER_UNIT, SMALLEST, STEPS, Similarity, TAYLOR};

@@ -1,22 +1,20 @@
 //! The closure of one and two states, from the discretisation to the density.
 
 use super::candidates::indicator::{Indication, Probe, indicate};
-use super::candidates::retained::Retained;
-use super::candidates::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
+use super::candidates::{Candidate, Fitted, Origin, Retained, Scoring, mean_logarithm};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
-use super::discretisation::nodes::Nodes;
-use super::discretisation::table::{self, Table};
+use super::discretisation::likelihood::likeliest;
+use super::discretisation::nodes::{self, Nodes, Table};
 use super::discretisation::trust_domain::TrustDomain;
-use super::discretisation::{Discretisation, FINE, Passage, likeliest};
+use super::discretisation::{Discretisation, Passage};
 use super::pilot::Pilot;
-use super::projection::weight::Weight;
-use super::projection::{project, tempered};
+use super::projection::{Weight, project, tempered};
 use super::reference::{Reference, Start, normalised};
-use super::sampled::DRAWS;
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::nested_spaces::NestedSpaces;
+use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
@@ -24,18 +22,6 @@ use crate::provenance::Provenance;
 use crate::states::States;
 use faer::{Mat, MatRef};
 use std::time::Instant;
-
-/// The power of the reference under which it is smoothed, for the tails' sake.
-const SMOOTHED: f64 = 0.5;
-
-/// The pilot's states whose likelihood is taken.
-const VALIDATION_STATES: usize = 4000;
-/// An answer with a larger error is integrated again on finer nodes.
-const ROUGH: f64 = 0.2;
-/// A reference with a larger error is not used.
-const UNKNOWN: f64 = 1.0;
-/// The relative error of the mass on a lattice.
-const ON_LATTICE: f64 = 1e-9;
 
 /// The parts of a closure that are the same at all orders of one system.
 pub(super) struct NodalClosure {
@@ -86,7 +72,7 @@ impl NodalClosure {
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
         let Fitted { exponent, .. } = tried.swap_remove(0);
-        if candidates[0].l1_estimate > ROUGH && !self.resolved(&exponent, &kept.domain) {
+        if candidates[0].l1_estimate > tuning::UNRELIABLE && !self.resolved(&exponent, &kept.domain) {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
         let (values, at_walls) = (values.as_ref(), after.as_ref());
@@ -122,9 +108,9 @@ impl NodalClosure {
             return Some(Integrals::Panels { rules: nodes.rules.clone(), lines: lines.to_vec() });
         };
         let polynomials = exponent.space.polynomials()?;
-        let rule = ImportanceRule::new(polynomials, &exponent.coefficients, copula, DRAWS, self.seed)?;
+        let rule = ImportanceRule::new(polynomials, &exponent.coefficients, copula, tuning::density::DRAWS, self.seed)?;
         // The density is normalised on the lattice.
-        Some(Integrals::Draws(Box::new(rule.with_log_mass(Estimate::new(-exponent.constant, ON_LATTICE)))))
+        Some(Integrals::Draws(Box::new(rule.with_log_mass(Estimate::new(-exponent.constant, tuning::SOLVED)))))
     }
 
     /// All functions at the nodes and before impacts, less what they are after them; and what they are after them.
@@ -133,7 +119,7 @@ impl NodalClosure {
         let ends = |end: fn(&Passage) -> &[f64; 2]| {
             let mut points = States::new(nodes.points.dimension());
             passages.iter().for_each(|passage| points.push(end(passage)));
-            table::values(&nested.all, &points)
+            nodes::values(&nested.all, &points)
         };
         let (before, after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
         let table = Table::new(&nested.all, &nodes.points, locals).with_impacts(&before, &after);
@@ -154,7 +140,7 @@ impl NodalClosure {
         let target: Vec<f64> = kept.nodes.iter().map(|&i| reference.logarithm[i]).collect();
         let target = normalised(&target, &weights);
         let fixed: Vec<f64> = kept.nodes.iter().map(|&i| discretisation.fixed[i]).collect();
-        let smooth = project(values, &fixed, &target, &tempered(&target, &weights, SMOOTHED))
+        let smooth = project(values, &fixed, &target, &tempered(&target, &weights, tuning::candidates::SMOOTHED))
             .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
         let likelihood = self.likelihood(reference, validation_states);
         let values = values.get(.., ..nested.answer_columns);
@@ -177,7 +163,8 @@ impl NodalClosure {
     fn tried(&self, scoring: &Scoring<'_>, kept: &Retained) -> Vec<Fitted> {
         let discretisation = &self.discretisation;
         let mut tried = scoring.candidates(self.weight);
-        let doubted = scoring.reference.error > UNKNOWN || !tried.first().is_some_and(|f| f.candidate.accepted);
+        let doubted = scoring.reference.error > tuning::reference::UNKNOWN
+            || !tried.first().is_some_and(|f| f.candidate.accepted);
         if doubted && self.lattice.is_none() {
             // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
             let fit = likeliest(
@@ -200,7 +187,8 @@ impl NodalClosure {
         if !self.discretisation.family.is_smooth() || self.lattice.is_some() {
             return true;
         }
-        let finer = Nodes::gauss(domain, 2 * FINE[self.discretisation.nodes.points.dimension().min(2) - 1]);
+        let finer =
+            Nodes::gauss(domain, 2 * tuning::nodes::FINE[self.discretisation.nodes.points.dimension().min(2) - 1]);
         let mass: f64 = exponent.values(&finer.points).iter().zip(&finer.weights).map(|(log, w)| w * log.exp()).sum();
         (0.9..=1.1).contains(&mass)
     }
@@ -209,7 +197,10 @@ impl NodalClosure {
     pub(super) fn validation_states(&self) -> States {
         let states = &self.pilot.states;
         let mut chosen = States::new(states.dimension());
-        states.iter().step_by((states.len() / VALIDATION_STATES).max(1)).for_each(|x| chosen.push(x));
+        states
+            .iter()
+            .step_by((states.len() / tuning::candidates::VALIDATION_STATES).max(1))
+            .for_each(|x| chosen.push(x));
         chosen
     }
 

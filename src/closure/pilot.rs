@@ -1,25 +1,10 @@
 //! The pilot: a short simulation that finds where the density is, before anything is computed.
 
+use super::tuning;
 use crate::error::{Error, Result};
 use crate::problem::{Problem, Symmetry, TimeScales};
 use crate::simulation::Simulation;
 use crate::states::States;
-
-/// Path-steps are cheapest in multiples of this many trajectories.
-pub(super) const TRAJECTORIES: usize = 512;
-/// Groups of trajectories, whose spread is the error.
-const GROUPS: usize = 32;
-/// The time step times the fastest rate. A pilot need not be exact: its moments are off by some tenths of a percent.
-const STEP: f64 = 0.4;
-/// The time between states times the fastest rate.
-const INTERVAL: f64 = 4.0;
-/// How often the burn-in is doubled while the samples still change, and the step halved after an explosion.
-const DOUBLINGS: u32 = 5;
-const HALVINGS: u32 = 3;
-/// A pilot is made longer only up to so many time steps of all trajectories: seconds.
-const MOST_PATH_STEPS: f64 = 2.5e8;
-/// The two halves of the samples may differ by so many standard errors.
-const DRIFTING: f64 = 6.0;
 
 /// The states that a pilot has visited once stationary.
 #[derive(Clone, Debug)]
@@ -45,21 +30,21 @@ impl<'a> PilotPlan<'a> {
     /// Time step and burn-in from the system's rates.
     pub(super) fn new(problem: &'a Problem, seed: u64) -> Result<Self> {
         let scales = TimeScales::of(problem)?;
-        let (step, interval) = (scales.short(STEP), scales.short(INTERVAL));
+        let (step, interval) = (scales.short(tuning::pilot::STEP), scales.short(tuning::pilot::INTERVAL));
         Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }
 
     /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.
     pub(super) fn slower(self, factor: f64, count: usize) -> Self {
-        let most = MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);
+        let most = tuning::pilot::MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);
         let factor = factor.min(most).max(1.0);
         PilotPlan { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
     }
 
     /// The time steps of all trajectories of a pilot of `count` states.
     fn path_steps(&self, count: usize, burn_in: f64, step: f64) -> f64 {
-        let samples = count.div_ceil(TRAJECTORIES) as f64;
-        TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step
+        let samples = count.div_ceil(tuning::pilot::TRAJECTORIES) as f64;
+        tuning::pilot::TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.
@@ -79,7 +64,7 @@ impl<'a> PilotPlan<'a> {
         loop {
             let simulation = Simulation::new()
                 .amplified(inflation.sqrt())
-                .trajectories(TRAJECTORIES)
+                .trajectories(tuning::pilot::TRAJECTORIES)
                 .samples(count)
                 .time_step(step)
                 .burn_in(burn_in)
@@ -88,13 +73,15 @@ impl<'a> PilotPlan<'a> {
             match simulation.states(self.problem) {
                 Ok(states) => {
                     let stationary = stationary(&states);
-                    let longer = self.path_steps(count, 2.0 * burn_in, step) <= MOST_PATH_STEPS;
-                    if stationary || doubled == DOUBLINGS || !longer {
+                    let longer = self.path_steps(count, 2.0 * burn_in, step) <= tuning::pilot::MOST_PATH_STEPS;
+                    if stationary || doubled == tuning::pilot::DOUBLINGS || !longer {
                         return Ok(Pilot { states, inflation, stationary });
                     }
                     (burn_in, doubled) = (2.0 * burn_in, doubled + 1);
                 }
-                Err(Error::Exploded { .. }) if halved < HALVINGS => (step, halved) = (step / 2.0, halved + 1),
+                Err(Error::Exploded { .. }) if halved < tuning::pilot::HALVINGS => {
+                    (step, halved) = (step / 2.0, halved + 1);
+                }
                 Err(error) => return Err(error),
             }
         }
@@ -125,7 +112,7 @@ impl Pilot {
 
     /// The number of states of each trajectory.
     pub(super) fn samples(&self) -> usize {
-        self.states.len() / TRAJECTORIES
+        self.states.len() / tuning::pilot::TRAJECTORIES
     }
 
     /// The number of consecutive states of a trajectory that are worth one independent state, at least 1: the square of the
@@ -137,7 +124,9 @@ impl Pilot {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             let alone = values.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (values.len() * values.len()) as f64;
             let paths = values.chunks_exact(samples).map(|path| path.iter().sum::<f64>() / samples as f64);
-            paths.map(|m| (m - mean).powi(2)).sum::<f64>() / (TRAJECTORIES * TRAJECTORIES) as f64 / alone
+            paths.map(|m| (m - mean).powi(2)).sum::<f64>()
+                / (tuning::pilot::TRAJECTORIES * tuning::pilot::TRAJECTORIES) as f64
+                / alone
         };
         let of = |i: usize, power: i32| slowness(self.states.iter().map(|x| x[i].powi(power)).collect());
         let own = |i: usize| if symmetry.flips(i) { of(i, 2) } else { of(i, 1).max(of(i, 2)) };
@@ -159,27 +148,28 @@ impl Pilot {
 /// Whether means of squares agree between the earlier and the later half of each trajectory's samples.
 fn stationary(states: &States) -> bool {
     let n = states.dimension();
-    let samples = states.len() / TRAJECTORIES;
-    let group = TRAJECTORIES / GROUPS * samples * n;
+    let samples = states.len() / tuning::pilot::TRAJECTORIES;
+    let group = tuning::pilot::TRAJECTORIES / tuning::pilot::GROUPS * samples * n;
     (0..n).all(|i| {
         let square = |part: &[f64]| part.chunks_exact(n).map(|x| x[i] * x[i]).sum::<f64>() / (part.len() / n) as f64;
         let differences: Vec<f64> = states
             .values()
             .chunks_exact(group)
-            .take(GROUPS)
+            .take(tuning::pilot::GROUPS)
             .map(|group| {
                 let trajectories = group.chunks_exact(samples * n);
                 let change = trajectories.map(|trajectory| {
                     let (early, late) = trajectory.split_at(samples / 2 * n);
                     square(late) - square(early)
                 });
-                change.sum::<f64>() * GROUPS as f64 / TRAJECTORIES as f64
+                change.sum::<f64>() * tuning::pilot::GROUPS as f64 / tuning::pilot::TRAJECTORIES as f64
             })
             .collect();
-        let mean = differences.iter().sum::<f64>() / GROUPS as f64;
-        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (GROUPS * GROUPS) as f64;
+        let mean = differences.iter().sum::<f64>() / tuning::pilot::GROUPS as f64;
+        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>()
+            / (tuning::pilot::GROUPS * tuning::pilot::GROUPS) as f64;
         let level = square(states.values());
         // A change below a hundredth does not matter for a pilot.
-        mean.abs() <= DRIFTING * variance.sqrt() || mean.abs() <= 0.01 * level
+        mean.abs() <= tuning::pilot::DRIFTING * variance.sqrt() || mean.abs() <= 0.01 * level
     })
 }

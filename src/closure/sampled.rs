@@ -5,35 +5,22 @@ use super::candidates::{Candidate, Origin};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
+use super::discretisation::Discretisation;
 use super::discretisation::trust_domain::TrustDomain;
+use super::nodal::NodalClosure;
 use super::pilot::Pilot;
+use super::projection::Weight;
 use super::reference::scaled_mass;
 use super::samples::{Copula, ImportanceRule, Lattice, SampleClosure, close_on_samples};
-use super::space::degrees::Degrees;
+use super::space::degrees::{self, Degrees};
+use super::space::nested_spaces::Smooth;
+use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::memory::MemoryLimit;
 use crate::problem::{Problem, Symmetry};
 use crate::provenance::Provenance;
 use std::time::Instant;
-
-/// Draws for integrals: a standard error of some tenths of a percent for fourth moments in ten states.
-pub(super) const DRAWS: usize = 400_000;
-/// The domain is as much wider than the pilot's states.
-pub(super) const WIDENING: f64 = 1.1;
-/// The factors by which the domain is widened where something better than the pilot's states carries the density: a
-/// reference, and an exact density.
-const BY_REFERENCE: f64 = 1.2;
-const EXACTLY: f64 = 1.8;
-/// An exact density's lattice has so many nodes at most, and resolves it if half of them give the mass to this.
-const NODES: usize = 1 << 18;
-const EVEN: f64 = 1e-4;
-
-/// The most monomials of the order two higher, with which an order is compared.
-const MOST_LISTED: usize = 500_000;
-/// Matrices of all pairs of functions that are held at once: three sums on each of two stretches of nodes, their totals, the
-/// factors, and what those are made from.
-const MATRICES: f64 = 16.0;
 
 /// The parts of a closure on samples that are the same at all orders of one system.
 pub(super) struct Sampled {
@@ -57,8 +44,9 @@ impl Sampled {
 
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
     fn far_lattice(&self, copula: Copula, exponent: &Exponent) -> (Copula, Option<(Lattice, Estimate)>) {
-        let far = copula.clone().followed(EXACTLY);
-        let Some((lattice, nodes)) = Lattice::finest(&self.pilot, &self.symmetry, &far, NODES) else {
+        let far = copula.clone().followed(tuning::domain::EXACT_ON_LATTICE);
+        let Some((lattice, nodes)) = Lattice::finest(&self.pilot, &self.symmetry, &far, tuning::likelihood::MOST_NODES)
+        else {
             return (copula, None);
         };
         let mut logs = exponent.values(&nodes.points);
@@ -68,7 +56,11 @@ impl Sampled {
         // Each half is a rule of its own, and their errors cancel in the whole.
         let half: f64 = 2.0 * logs[..first].iter().map(|log| (log - top).exp()).sum::<f64>();
         let uneven = (half / mass - 1.0).abs();
-        if uneven > EVEN { (copula, None) } else { (far, Some((lattice, Estimate::new(mass.ln() + top, uneven)))) }
+        if uneven > tuning::likelihood::EVEN {
+            (copula, None)
+        } else {
+            (far, Some((lattice, Estimate::new(mass.ln() + top, uneven))))
+        }
     }
 
     /// The closure of an order.
@@ -80,7 +72,7 @@ impl Sampled {
         let Sampled { symmetry, pilot, degrees, .. } = self;
         let states = self.problem.dimension();
         // The density is compared with one two degrees higher.
-        if degrees.are_more_than(MOST_LISTED, states, order + 2) {
+        if degrees.are_more_than(degrees::MOST, states, order + 2) {
             return Err(failed("it has too many functions even to list them: take a lower one, or fewer `degrees`"));
         }
         let functions = degrees.exponents(states, order, |alpha| symmetry.keeps(alpha)).len() as f64;
@@ -88,10 +80,12 @@ impl Sampled {
             return Err(failed("the system's symmetry leaves no function of it: take the next order"));
         }
         let remedy = "take a lower order or fewer `degrees`, or raise `memory_limit`";
-        self.memory.holds("the equations of the closure", MATRICES * functions * functions, remedy)?;
+        // Matrices of all pairs of functions that are held at once: three sums on each of two stretches of nodes, their totals,
+        // the factors, and what those are made from.
+        self.memory.holds("the equations of the closure", 16.0 * functions * functions, remedy)?;
         let surface = "the pilot's states lie on a surface: the noise may not reach every state";
         let copula = Copula::new(pilot, symmetry).ok_or_else(|| failed(surface))?;
-        let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };
+        let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
         let few = "the pilot's states are too few for so many functions: take more of them";
         let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
         if found.l1_estimate.is_nan() || found.l1_estimate >= 2.0 {
@@ -108,7 +102,7 @@ impl Sampled {
         }
         let (copula, lattice) = if found.exact { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         let coefficients = &found.exponent.coefficients;
-        let rule = ImportanceRule::new(&found.polynomials, coefficients, &copula, DRAWS, self.seed)
+        let rule = ImportanceRule::new(&found.polynomials, coefficients, &copula, tuning::density::DRAWS, self.seed)
             .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: take another order"))?;
         let (lattice, on_lattice) = lattice.unzip();
         let rule = match on_lattice.or(found.log_mass) {
@@ -147,7 +141,7 @@ impl Sampled {
         Ok(ClosureDensity::new(Content {
             exponent,
             reference: None,
-            domain: TrustDomain::new(pilot, symmetry, centre, [None, None], WIDENING),
+            domain: TrustDomain::new(pilot, symmetry, centre, [None, None], tuning::domain::WIDENING),
             integrals: Integrals::Draws(Box::new(rule)),
             lattice,
             guarded: self.guarded,
@@ -156,5 +150,72 @@ impl Sampled {
             indication: Indication { indicator: found.residual[0], residual: found.residual[1] },
             provenance,
         }))
+    }
+
+    /// The closure of an order by a reference of its own, which starts from the density found on the pilot's states.
+    ///
+    /// # Errors
+    /// The reason why there is none: no lattice or too many functions, equations without a good solution, or one that the
+    /// pilot contradicts.
+    fn by_reference(
+        &self,
+        order: u32,
+        found: &SampleClosure,
+        copula: &Copula,
+    ) -> std::result::Result<ClosureDensity, &'static str> {
+        let coarse = "no lattice that fits into memory resolves the density";
+        let guess =
+            if order < tuning::guess::LOW_DEGREE { self.on_samples(tuning::guess::LOW_DEGREE, copula) } else { None };
+        let guess = guess.as_ref().unwrap_or(found);
+        let Sampled { problem, symmetry, degrees, pilot, .. } = self;
+        let (centre, _) = pilot.spread(symmetry);
+        let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], tuning::domain::WIDENING);
+        let half_width = guess.polynomials.half_width().to_vec();
+        let family = Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width };
+        let (lattice, nodes) = guess.lattice.as_ref().ok_or(coarse)?;
+        let functions = family.functions(family.reference_degree(order)).len();
+        if functions > tuning::space::MOST {
+            return Err("its moment equations are too many: take a lower order");
+        }
+        let room = tuning::reference::MOST_ENTRIES / functions;
+        let (lattice, nodes) = if nodes.points.len() <= room {
+            (lattice.clone(), nodes.clone())
+        } else {
+            Lattice::finest(pilot, symmetry, copula, room).ok_or(coarse)?
+        };
+        let weights = nodes.base.iter().map(|log| log.exp()).collect();
+        let discretisation =
+            Discretisation::on_lattice(problem, (domain, family), (nodes.points, weights), guess.exponent.clone());
+        let nodal = NodalClosure {
+            discretisation,
+            start: None,
+            pilot: pilot.clone(),
+            inflation: 1.0,
+            weight: Weight::Density,
+            guarded: self.guarded,
+            seed: self.seed,
+            begin: self.begin,
+            lattice: Some((lattice, copula.clone())),
+        };
+        let unsolved = "its moment equations have no good solution";
+        let mut content = nodal.content(order).map_err(|_| unsolved)?;
+        if content.reference.as_ref().is_some_and(|reference| reference.error > tuning::reference::UNSOLVED) {
+            return Err(unsolved);
+        }
+        for own in &mut content.moments {
+            let Some(known) = found.moments.iter().find(|known| known.powers == own.powers) else { continue };
+            let apart = (own.value - known.value).abs() - tuning::SOLVED * own.value.abs();
+            if apart > tuning::reference::CONTRADICTED * known.error.hypot(own.error) {
+                return Err("the pilot's moments contradict the solution of its moment equations");
+            }
+            // The more accurate of the two.
+            if known.error < own.error {
+                own.clone_from(known);
+            }
+        }
+        content.candidates[0].accepted = true;
+        (content.provenance.calibration_degree, content.provenance.smallest_weight) =
+            (found.calibrated.0, Some(found.calibrated.1));
+        Ok(ClosureDensity::new(content))
     }
 }

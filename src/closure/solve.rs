@@ -4,35 +4,17 @@ use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
 use super::discretisation::walled;
-use super::method::{Closure, HIGHEST_ORDER, Order};
+use super::method::{Closure, Order};
 use super::nodal::NodalClosure;
 use super::pilot::{Pilot, PilotPlan};
 use super::reference::Start;
 use super::sampled::Sampled;
 use super::space::degrees::Degrees;
 use super::space::nested_spaces::Smooth;
+use super::tuning;
 use crate::error::{Error, Result};
 use crate::problem::{Problem, Wall};
 use std::time::Instant;
-
-/// The states of a pilot, without their mirror images.
-const STATES: usize = 20_000;
-/// An estimated L¹ error above this is worth another try with a pilot of less inflation.
-const ASTRAY: f64 = 0.2;
-/// A kurtosis above this is that of a power tail; limit cycles, wells and hardening springs are below 3 or near it.
-const HEAVY: f64 = 8.0;
-/// The same where they carry the density themselves.
-const STATES_IN_MANY: usize = 102_400;
-/// Where more consecutive states than this are worth one, they are taken farther apart, up to so many times.
-const CORRELATED: f64 = 3.0;
-const LONGER: f64 = 64.0;
-/// Where so many of the states taken farther apart are still worth only one, or such a share of all of a trajectory's, the
-/// trajectories have not left their starts.
-const UNMIXED: f64 = 16.0;
-const ALL_BUT_ALL: f64 = 0.75;
-
-/// The fewest of the pilot's states between two walls that suffice for the likelihood of a density.
-const LEAST_BETWEEN: usize = 100;
 
 const METHOD: &str = "closure";
 
@@ -60,7 +42,7 @@ impl Closure {
 
     fn in_open_space(&self, problem: &Problem, begin: Instant) -> Result<ClosureDensity> {
         let dimension = problem.dimension();
-        self.check(dimension, HIGHEST_ORDER)?;
+        self.check(dimension, tuning::space::HIGHEST_ORDER)?;
         let plan = PilotPlan::new(problem, self.seed)?;
         if dimension > 4 && self.on_samples == Some(false) {
             let remedy = "take the pilot's states, as is the default";
@@ -68,22 +50,22 @@ impl Closure {
         }
         if dimension > 2 || self.on_samples == Some(true) {
             let symmetry = problem.symmetry();
-            let states = self.states.unwrap_or(STATES_IN_MANY);
+            let states = self.states.unwrap_or(tuning::pilot::CARRYING_STATES);
             let mut pilot = plan.pilot(states, 1.0)?;
             let mut slowness = pilot.slowness(&symmetry);
-            if slowness > CORRELATED {
-                pilot = plan.slower(slowness.min(LONGER), states).pilot(states, 1.0)?;
+            if slowness > tuning::pilot::CORRELATED {
+                pilot = plan.slower(slowness.min(tuning::pilot::LONGER), states).pilot(states, 1.0)?;
                 slowness = pilot.slowness(&symmetry);
             }
             let samples = pilot.samples();
-            pilot.stationary &= samples == 1 || slowness < UNMIXED.min(ALL_BUT_ALL * samples as f64);
+            pilot.stationary &= samples == 1 || slowness < tuning::pilot::unmixed(samples);
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
             let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
             let referred = self.on_samples == Some(false);
             let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, memory, begin };
-            return self.at_order(HIGHEST_ORDER, 1, |order| nodal.closed(order));
+            return self.at_order(tuning::space::HIGHEST_ORDER, 1, |order| nodal.closed(order));
         }
-        let states = self.states.unwrap_or(STATES);
+        let states = self.states.unwrap_or(tuning::pilot::STATES);
         let pilot = plan.pilot(states, 1.0)?;
         let mut best: Option<ClosureDensity> = None;
         let mut inflation = self.inflation;
@@ -102,7 +84,7 @@ impl Closure {
             // Where ln p does not scale with the intensity, the initial ln p may be far off; with less inflation its error is
             // smaller.
             match best {
-                Some(density) if last || density.l1_estimate() <= ASTRAY => return Ok(density),
+                Some(density) if last || density.l1_estimate() <= tuning::UNRELIABLE => return Ok(density),
                 _ => inflation = (inflated.inflation / 2.0).max(1.0),
             }
         }
@@ -112,18 +94,18 @@ impl Closure {
     fn on_panels(&self, problem: &Problem, pilots: [&Pilot; 2], begin: Instant) -> Result<ClosureDensity> {
         let [_, inflated] = pilots;
         // With heavy tails an inflated pilot spreads too wide for any polynomial to fit.
-        let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > HEAVY;
+        let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > tuning::pilot::HEAVY;
         let symmetry = problem.symmetry();
         let (centre, half_width) = inflated.spread(&symmetry);
         let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
         let discretisation = if heavy { None } else { Discretisation::new(problem, inflated, family, self.highest()) };
         let nodal = self.nodal(discretisation, pilots, begin)?;
-        self.at_order(HIGHEST_ORDER, 2, |order| nodal.closed(order))
+        self.at_order(tuning::space::HIGHEST_ORDER, 2, |order| nodal.closed(order))
     }
 
     /// The closure of an oscillator next to one wall, or between two.
     fn next_to_walls(&self, problem: &Problem, walls: [Option<Wall>; 2], begin: Instant) -> Result<ClosureDensity> {
-        self.check(2, walled::HIGHEST_ORDER)?;
+        self.check(2, tuning::space::HIGHEST_ORDER_AT_WALLS)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
         if self.on_samples == Some(true) {
             return refused("walls on samples", "nodes are graded towards walls; leave out `on_samples`");
@@ -139,18 +121,18 @@ impl Closure {
         };
         let plan = PilotPlan::new(&met, self.seed)?;
         let run = |inflation: f64| {
-            let pilot = plan.pilot(self.states.unwrap_or(STATES), inflation)?;
+            let pilot = plan.pilot(self.states.unwrap_or(tuning::pilot::STATES), inflation)?;
             Ok(if turned { pilot.mirrored() } else { pilot })
         };
         let inflated = run(self.inflation)?;
         let pilot = run(1.0)?.between([None, walls[1].map(|wall| wall.offset())]);
-        if pilot.states.len() < LEAST_BETWEEN {
+        if pilot.states.len() < tuning::pilot::LEAST_BETWEEN {
             let reason = "hardly a state of the pilot lies between the walls: take more `pilot_states`, or the grid";
             return Err(Error::NotClosed { order: self.lowest(), reason });
         }
         let discretisation = walled::walled(problem, &inflated, walls);
         let nodal = self.nodal(discretisation, [&pilot, &inflated], begin)?;
-        self.at_order(walled::HIGHEST_ORDER, 2, |order| nodal.closed(order))
+        self.at_order(tuning::space::HIGHEST_ORDER_AT_WALLS, 2, |order| nodal.closed(order))
     }
 
     fn nodal(
@@ -174,8 +156,8 @@ impl Closure {
     }
 
     /// The closure of the requested order: of the given one, or of the lowest even one that meets the target, or else the
-    /// best one when the estimate stops falling: after two orders that are no better, or where one was, after `patience` of them.
-    /// On samples a further one is noisier still, and much dearer.
+    /// best one when the estimate stops falling: after two orders that are no better, or, once one was, after `patience` of
+    /// them. On samples a further one is noisier still, and much dearer.
     fn at_order(
         &self,
         highest: u32,

@@ -1,8 +1,6 @@
+use crate::numerics::definite;
+use faer::Mat;
 use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
-
-/// Added to the diagonal of a covariance whose diagonal is one.
-const RIDGE: f64 = 1e-11;
 
 /// β = S⁻¹ C, a column for each column of C, from the covariance S of the control variates and their covariances C with the
 /// functions that are regressed on them. `covariance` returns the entries of S, below the diagonal and on it, and `mixed`
@@ -16,11 +14,10 @@ pub(crate) fn regression(
     if !scale.iter().all(|s| s.is_finite()) {
         return None;
     }
-    let ridge = |k: usize, l: usize| if k == l { RIDGE } else { 0.0 };
-    let entry = |k: usize, l: usize| covariance(k.max(l), k.min(l)) * scale[k] * scale[l] + ridge(k, l);
+    let entry = |k: usize, l: usize| covariance(k.max(l), k.min(l)) * scale[k] * scale[l];
     let matrix = Mat::from_fn(controls, controls, entry);
     let right = Mat::from_fn(controls, functions, |k, l| scale[k] * mixed(k, l));
-    let solved = matrix.llt(Side::Lower).ok()?.solve(right);
+    let solved = definite(matrix)?.solve(right);
     Some(Mat::from_fn(controls, functions, |k, l| scale[k] * solved[(k, l)]))
 }
 

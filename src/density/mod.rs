@@ -72,8 +72,8 @@ pub trait Density: Send + Sync {
         None
     }
 
-    /// Whether a marginal density takes milliseconds and more, as an integral over draws does, or over two states and more. Tables
-    /// of marginals are coarser then.
+    /// Whether a marginal density takes milliseconds and more, as an integral over draws does, or over two states and more.
+    /// Tables of marginals are coarser then.
     fn marginals_are_costly(&self) -> bool {
         self.dimension() > 2
     }

@@ -32,16 +32,49 @@ impl Local {
         self.diffusion_curvature += curvature;
     }
 
+    /// −∇·f + ½ ∂_i∂_jB_ij, the residual of a constant Q.
+    pub(crate) fn source(&self) -> f64 {
+        0.5 * self.diffusion_curvature - self.divergence
+    }
+
+    /// −f_i + ∂_jB_ij, the residual's coefficient of ∂_iQ.
+    pub(crate) fn backward(&self, i: usize) -> f64 {
+        self.diffusion_divergence[i] - self.drift[i]
+    }
+
     /// The residual r(x; Q) for a Q with this gradient and this Hessian, by rows, at the point.
     pub(crate) fn residual(&self, gradient: &[f64], hessian: &[f64]) -> f64 {
         let n = self.drift.len();
-        let mut r = 0.5 * self.diffusion_curvature - self.divergence;
+        let mut r = self.source();
         for i in 0..n {
-            r += (self.diffusion_divergence[i] - self.drift[i]) * gradient[i];
+            r += self.backward(i) * gradient[i];
             for j in 0..n {
                 r += 0.5 * self.diffusion[i * n + j] * (hessian[i * n + j] + gradient[i] * gradient[j]);
             }
         }
         r
     }
+
+    /// Enters −f + ∂B + B∇Q for a Q with this gradient: the residual's derivative along δ is its product with ∇δ, and
+    /// ½ B:∇∇δ, which is the generator of the process run backwards in time if exp(Q) is its density.
+    pub(crate) fn reversed(&self, gradient: &[f64], drift: &mut [f64]) {
+        for (i, row) in self.diffusion.chunks_exact(self.drift.len()).enumerate() {
+            let spread: f64 = row.iter().zip(gradient).map(|(b, q)| b * q).sum();
+            drift[i] = spread + self.diffusion_divergence[i] - self.drift[i];
+        }
+    }
+}
+
+/// The generator f·∇φ + ½ B:∇∇φ, the mean rate of change of φ, for a function of this gradient and Hessian; B and the Hessian
+/// by rows.
+pub(crate) fn generator((drift, diffusion): (&[f64], &[f64]), gradient: &[f64], hessian: &[f64]) -> f64 {
+    let n = drift.len();
+    let mut rate = 0.0;
+    for i in 0..n {
+        rate += drift[i] * gradient[i];
+        for j in 0..n {
+            rate += 0.5 * diffusion[n * i + j] * hessian[n * i + j];
+        }
+    }
+    rate
 }

@@ -12,7 +12,7 @@
 mod local;
 mod text;
 
-pub(crate) use local::Local;
+pub(crate) use local::{Local, generator};
 
 use crate::density::Frame;
 use crate::error::{Error, Result, require};
@@ -106,6 +106,11 @@ impl FokkerPlanck {
         self.diffusion.iter().map(row).collect()
     }
 
+    /// −f_i + Σ_j ∂_jB_ij, the residual's coefficients of ∂_iQ.
+    pub(crate) fn backward(&self) -> Vec<Polynomial> {
+        self.diffusion_divergence().iter().zip(&self.drift).map(|(spread, f)| spread - f).collect()
+    }
+
     /// The residual r(x; Q) = L exp(Q) / exp(Q) as a polynomial. It vanishes identically if exp(Q) is stationary.
     ///
     /// ```
@@ -119,10 +124,10 @@ impl FokkerPlanck {
     pub fn residual(&self, q: &Polynomial) -> Polynomial {
         let n = self.dimension();
         let gradient: Vec<Polynomial> = (0..n).map(|i| q.derivative(i)).collect();
-        let spread = self.diffusion_divergence();
+        let (spread, backward) = (self.diffusion_divergence(), self.backward());
         let mut r = &self.divergence() * -1.0;
         for i in 0..n {
-            r = r + &(&spread[i] - &self.drift[i]) * &gradient[i] + spread[i].derivative(i) * 0.5;
+            r = r + &backward[i] * &gradient[i] + spread[i].derivative(i) * 0.5;
             for j in 0..n {
                 let curvature = gradient[i].derivative(j) + &gradient[i] * &gradient[j];
                 r = r + &self.diffusion[i][j] * &curvature * 0.5;

@@ -2,12 +2,10 @@
 
 use super::field::Field;
 use crate::error::Result;
+use crate::grid::tuning;
 use crate::numerics::Rule;
 use crate::problem::{Problem, Wall};
 use crate::simulation::Simulation;
-
-/// A pilot resolves densities down to about 1e-5 of the peak. A Gaussian falls to 1e-10 at 1.6 times the distance.
-const WIDENING: f64 = 1.6;
 
 /// The box that a short simulation finds to contain the density. Of the walls the simulation has the one below the motion
 /// alone.
@@ -26,7 +24,7 @@ pub(super) fn pilot(problem: &Problem, walls: [Option<Wall>; 2]) -> Result<[[f64
             }
         }
         let middle = result.mean(state)?.value;
-        *limit = range.map(|edge| middle + WIDENING * (edge - middle));
+        *limit = range.map(|edge| middle + tuning::domain::WIDENING * (edge - middle));
     }
     // Without the wall above the motion the pilot may not have covered all of the domain below it.
     if let [None, Some(upper)] = walls {
@@ -78,20 +76,14 @@ impl Profile {
             let beyond = first.checked_sub(1).map(|k| inwards[k]).filter(|(_, q)| *q > 0.0);
             beyond.map_or(x, |(y, q)| y + (x - y) * (level / q).ln() / (p / q).ln())
         };
-        let [near, far] = [NEAR, FAR].map(|share: f64| (outermost(share) - middle).abs());
-        let power = ((FAR.ln() / NEAR.ln()).ln() / (far / near).ln()).clamp(0.5, 8.0);
-        let reach = far * (level.ln() / FAR.ln()).powf(power.recip());
+        let [near, far] =
+            [tuning::domain::NEAR, tuning::domain::FAR].map(|share: f64| (outermost(share) - middle).abs());
+        let power = ((tuning::domain::FAR.ln() / tuning::domain::NEAR.ln()).ln() / (far / near).ln()).clamp(0.5, 8.0);
+        let reach = far * (level.ln() / tuning::domain::FAR.ln()).powf(power.recip());
         // From a density that does not fall within the domain nothing can be concluded far outside.
         let edge = if side == 0 { self.points.first() } else { self.points.last() };
         let farthest = 1.6 * edge.map_or(far, |(x, _)| (x - middle).abs());
-        let reach = if reach.is_finite() { (SAFETY * reach).min(farthest) } else { farthest };
+        let reach = if reach.is_finite() { (tuning::domain::SAFETY * reach).min(farthest) } else { farthest };
         if side == 0 { middle - reach } else { middle + reach }
     }
 }
-
-/// The two shares of the peak from which a fall is continued; a coarse solution resolves them well.
-const NEAR: f64 = 1e-2;
-const FAR: f64 = 1e-4;
-
-/// The factor beyond the limit by the continued fall: a few percent more.
-const SAFETY: f64 = 1.04;

@@ -3,6 +3,7 @@
 use super::assembly::Discretisation;
 use super::sparse::Factors;
 use crate::error::{Error, Result};
+use crate::grid::tuning;
 
 /// The L-stable singly diagonally implicit Runge-Kutta method of order 4 with five stages (E. Hairer and G. Wanner, Solving
 /// Ordinary Differential Equations II, 1996, table IV.6.5): every stage needs the same factors.
@@ -17,11 +18,6 @@ const STAGES: [[f64; 4]; 5] = [
 const WEIGHTS: [f64; 5] = [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0, 0.25];
 /// The weights less those of the embedded method of order 3.
 const ERROR_WEIGHTS: [f64; 5] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25];
-
-/// A step changes by this factor only, since each new one costs new factors.
-const CHANGE: f64 = 3.0;
-/// Steps before the march is given up.
-const MAX_STEPS: usize = 20_000;
 
 /// The state of a march.
 #[derive(Debug)]
@@ -48,7 +44,7 @@ impl<'a> March<'a> {
     /// # Errors
     /// [`Error::OutOfRange`] if the steps become too many.
     pub(super) fn advance(&mut self, end: f64) -> Result<()> {
-        for _ in 0..MAX_STEPS {
+        for _ in 0..tuning::march::MAX_STEPS {
             let left = end - self.time;
             if left <= 0.0 {
                 return Ok(());
@@ -57,7 +53,7 @@ impl<'a> March<'a> {
             let step = left / (left / self.step).ceil().max(1.0);
             let (next, error) = self.tried(step)?;
             if error > self.tolerance {
-                self.step = step / CHANGE;
+                self.step = step / tuning::march::CHANGE;
                 // So short a step no longer moves the time.
                 if self.step < f64::EPSILON * left {
                     break;
@@ -67,8 +63,8 @@ impl<'a> March<'a> {
             (self.p, self.time) = (next, if left <= step * (1.0 + 1e-12) { end } else { self.time + step });
             self.error += error;
             // The error of a longer step grows with the fourth power of the length.
-            if error < self.tolerance / (2.0 * CHANGE.powi(4)) {
-                self.step = step * CHANGE;
+            if error < self.tolerance / (2.0 * tuning::march::CHANGE.powi(4)) {
+                self.step = step * tuning::march::CHANGE;
             }
         }
         let remedy = "too many steps are needed to get there: take an earlier time or a larger tolerance";

@@ -1,9 +1,6 @@
 //! Mesh lines: equal cells, and layers towards the point at which a trajectory grazes a wall.
 
-/// The ratio between the distances from the wall to which a layer and the one below it reach. Polynomials of degree 6 resolve
-/// powers of the distance to a few digits on such a layer. Along the velocity layers grow by the cube root, since the density
-/// near the grazing point is a function of w³/9Du times a power of u.
-const POSITION_GROWTH: f64 = 7.0;
+use crate::grid::tuning;
 
 /// `cells` equal cells from `low` to `high`; with `through` inside, a line goes through it and both parts have equal cells.
 pub(super) fn equal(low: f64, high: f64, cells: usize, through: Option<f64>) -> Vec<f64> {
@@ -44,12 +41,12 @@ impl Grazing {
     pub(super) fn position(&self, length: f64, widest: f64) -> Vec<f64> {
         // Cells of less than 1e-12 of the domain would lose their widths to rounding.
         let first = (self.speed.powi(3) / (9.0 * self.diffusion)).max(1e-12 * length);
-        layered(length, widest, first, POSITION_GROWTH)
+        layered(length, widest, first, tuning::mesh::POSITION_GROWTH)
     }
 
     /// Speeds of one sign.
     pub(super) fn velocity(&self, length: f64, widest: f64) -> Vec<f64> {
-        layered(length, widest, self.speed, POSITION_GROWTH.cbrt())
+        layered(length, widest, self.speed, tuning::mesh::POSITION_GROWTH.cbrt())
     }
 }
 

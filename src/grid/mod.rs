@@ -25,6 +25,7 @@ mod space;
 mod sparse;
 mod stationary;
 mod transient;
+mod tuning;
 mod wall;
 
 pub use density::GridDensity;

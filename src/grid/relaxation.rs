@@ -2,14 +2,9 @@
 
 use super::assembly::Discretisation;
 use crate::error::Result;
+use crate::grid::tuning;
 use crate::numerics::eigenvalues;
 use nalgebra::{Complex, DMatrix, DVector};
-
-/// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
-/// known to rounding.
-const KRYLOV: usize = 80;
-/// The smaller space whose eigenvalues estimate the error of the larger one's.
-const SMALLER: usize = 60;
 
 /// One mode of relaxation, p(x, t) ~ exp(−rate t) cos(frequency t).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +23,7 @@ pub struct Relaxation {
 pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Result<Vec<Relaxation>> {
     let factors = operator.shifted(shift)?;
     let size = operator.matrix.size;
-    let krylov = KRYLOV.min(size);
+    let krylov = tuning::march::KRYLOV.min(size);
     // Any vector with a part in every slow mode serves; this one has no symmetry of a mesh.
     let start = DVector::from_fn(size, |i, _| ((i as f64 + 1.0) * 0.754_877_666).fract() - 0.5);
     let mut basis = vec![&start / start.norm()];
@@ -46,7 +41,7 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
         let norm = next.norm();
         if k + 1 == krylov || norm < 1e-14 * hessenberg.column(k).norm() {
             let used = k + 1;
-            let smaller = rates(&hessenberg, SMALLER.min(used * 3 / 4), shift);
+            let smaller = rates(&hessenberg, tuning::march::SMALLER.min(used * 3 / 4), shift);
             return Ok(listed(&rates(&hessenberg, used, shift), &smaller, count));
         }
         hessenberg[(k + 1, k)] = norm;

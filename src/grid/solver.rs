@@ -7,22 +7,9 @@ use super::legendre::Axis;
 use super::space::{Side, Space};
 use super::{Grid, mesh, stationary};
 use crate::error::{Error, Result, positive};
+use crate::grid::tuning;
 use crate::problem::{COLLAPSE, Problem, Wall};
 use crate::provenance::Provenance;
-
-/// The elements of the solutions by which the domain is adjusted, independent of the final ones: cheap, and fine enough for a
-/// narrow ridge in a domain that is still too wide.
-const SCOUT_DEGREE: usize = 5;
-const SCOUT_CELLS: [usize; 2] = [14, 14];
-
-/// How often a domain is adjusted before the search is given up.
-const ATTEMPTS: usize = 6;
-
-/// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.
-const CUT: f64 = 1e-3;
-
-/// A solution with a larger mass below zero does not resolve its density.
-const NEGATIVE: f64 = 0.1;
 
 type Domain = [[f64; 2]; 2];
 
@@ -43,15 +30,15 @@ impl Solver<'_> {
             positive("side of the domain", high - low, "give lower and upper limits in this order, around the walls")?;
         }
         let mut scout: Option<Field> = None;
-        for attempt in 1..=ATTEMPTS {
-            let space = self.space(domain, SCOUT_DEGREE, SCOUT_CELLS, false);
+        for attempt in 1..=tuning::domain::ATTEMPTS {
+            let space = self.space(domain, tuning::domain::SCOUT_DEGREE, tuning::domain::SCOUT_CELLS, false);
             let centre = space.elements() / 2 + space.axes[1].cells() / 2;
             let pin = scout.as_ref().map_or(centre, |field| self.same_place(field, &space));
             let field = stationary::solve(self.problem, &space, pin, memory)?.field;
             let next = self.between_walls(self.measured(&field));
             let settled = self.settled(domain, next);
-            if !adjust || attempt == ATTEMPTS {
-                self.edge_level(&field, domain, CUT)?;
+            if !adjust || attempt == tuning::domain::ATTEMPTS {
+                self.edge_level(&field, domain, tuning::domain::CUT)?;
             }
             scout = Some(field);
             if !adjust {
@@ -171,13 +158,13 @@ impl Solver<'_> {
     fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
         let stationary::Stationary { field, leak, residual, nonzeros } = fine;
         let error = difference(&field, &coarse);
-        let edge_level = self.edge_level(&field, domain, self.grid.edge_level.max(error.min(CUT)))?;
+        let edge_level = self.edge_level(&field, domain, self.grid.edge_level.max(error.min(tuning::domain::CUT)))?;
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
         field.for_each_node(field.space.rule(0), |_, weight, p| {
             (peak, least) = (peak.max(p), least.min(p));
             negative_mass += weight * (-p).max(0.0);
         });
-        if negative_mass.is_nan() || negative_mass > NEGATIVE {
+        if negative_mass.is_nan() || negative_mass > tuning::domain::NEGATIVE {
             return Err(Error::Negative { mass: negative_mass });
         }
         let provenance = Provenance {

@@ -10,6 +10,7 @@ use super::space::Space;
 use crate::density::{Density, Frame};
 use crate::error::{Error, Result, dimension, finite, positive, require};
 use crate::estimate::Estimate;
+use crate::grid::tuning;
 use crate::polynomial::Gaussian;
 use crate::problem::gaussian_after;
 use nalgebra::{DMatrix, DVector};
@@ -34,9 +35,6 @@ pub struct Transient {
     /// The sum of the time steps' error estimates up to here, relative to the root mean square of p.
     pub step_error: f64,
 }
-
-/// The smallest standard deviation that a mesh holds, in units of a cell's width over the degree.
-const RESOLVED: f64 = 1.25;
 
 impl GridDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
@@ -115,7 +113,7 @@ impl GridDensity {
         let least: [f64; 2] = std::array::from_fn(|i| {
             let axis = &self.fine.space.axes[i];
             let cell = axis.locate(x[i] - axis.origin).unwrap_or(0);
-            RESOLVED * axis.width(cell) / self.fine.space.degree as f64
+            tuning::mesh::RESOLVED * axis.width(cell) / self.fine.space.degree as f64
         });
         let wide = |g: &Gaussian| (0..2).all(|i| g.covariance[(i, i)].sqrt() >= least[i]);
         // From far below the time in which noise crosses a cell, by steps of a tenth.

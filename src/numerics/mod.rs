@@ -2,10 +2,12 @@
 //! concave functions.
 
 mod ascent;
+mod definite;
 mod eigenvalues;
 pub(crate) mod legendre;
 mod quadrature;
 
 pub(crate) use ascent::{Concave, Search};
+pub(crate) use definite::definite;
 pub(crate) use eigenvalues::eigenvalues;
 pub(crate) use quadrature::Rule;

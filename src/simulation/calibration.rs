@@ -1,12 +1,7 @@
 use super::{blocks::Blocks, tally::Layout, tally::Tally};
 use crate::control_variates::regression;
+use crate::simulation::tuning;
 use faer::Mat;
-
-/// Blocks that each control variate needs, in either half of the batches.
-const BLOCKS_EACH: usize = 30;
-
-/// A variance counts as at least this part of the plain one: below, it is rounding.
-const LEAST: f64 = 1e-8;
 
 /// The tracked sums with chance taken off, by the control variates 𝓖ψ.
 ///
@@ -40,7 +35,7 @@ impl Calibration {
         let mut least = 0.0;
         for (degree, controls) in layout.control_variates.degrees() {
             // The higher the degree, the rarer are the states that determine the regression.
-            let needed = (controls * BLOCKS_EACH).max(4_usize.pow(degree));
+            let needed = (controls * tuning::calibration::BLOCKS_EACH).max(4_usize.pow(degree));
             if (needed as f64) > blocks {
                 break;
             }
@@ -51,7 +46,7 @@ impl Calibration {
                 plain[b].iter().enumerate().map(|(l, sum)| sum - taken(l)).collect()
             };
             let sums: Vec<Vec<f64>> = (0..batches.len()).map(calibrated).collect();
-            let gain = |(before, after): (&f64, &f64)| (after / before).max(LEAST).ln();
+            let gain = |(before, after): (&f64, &f64)| (after / before).max(tuning::calibration::LEAST).ln();
             let left: f64 = before.iter().zip(&spread(&sums)).filter(|(b, _)| **b > 0.0).map(gain).sum();
             if left < least {
                 (least, best) = (left, Some((degree, controls, sums)));

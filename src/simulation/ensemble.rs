@@ -7,18 +7,16 @@ use super::{
     scheme::Scheme,
     statistics::Sample,
     tally::Layout,
-    timetable::{BURN_IN_STRETCHES, LATE, Timetable, samples},
+    timetable::{Timetable, samples},
 };
 use crate::error::{Error, Result};
 use crate::problem::LANES;
+use crate::simulation::tuning::timetable::{BURN_IN_STRETCHES, LATE, PIECE};
 use crate::states::States;
 use rayon::prelude::*;
 
 /// Path-steps of one batch between two calls of the progress callback.
 const REPORT: u64 = 1 << 14;
-
-/// The most steps in lockstep before the states are checked: some milliseconds.
-const PIECE: usize = 1 << 12;
 
 /// The data that all batches share.
 pub(super) struct Ensemble<'a> {

@@ -7,21 +7,9 @@ use super::{
 use crate::control_variates::products::{self, Products};
 use crate::polynomial::monomials;
 use crate::problem::{LANES, Lane, Symmetry, Wall};
+use crate::simulation::tuning;
 use pulp::NullaryFnOnce;
 use serde::{Deserialize, Serialize};
-
-/// The highest degree of a polynomial ψ. With a higher degree the rest of a moment after the regression depends on the far
-/// tail, where few samples are, and standard errors tend to be too small.
-const HIGHEST: u32 = 6;
-
-/// The most of them for each state: more take more time than a quarter of the simulation's own.
-const MOST_EACH: usize = 25;
-
-/// The box is this part of the range of the histograms: some two and a half standard deviations to either side.
-const BOX: f64 = 0.4;
-
-/// Numbers kept for each trajectory, of all trajectories together: a quarter of a gigabyte.
-const MOST_NUMBERS: usize = 1 << 25;
 
 /// The polynomials ψ whose images 𝓖ψ under the generator are control variates: products of Legendre polynomials on a box, of
 /// rising degree; none where the simulation is not calibrated.
@@ -40,7 +28,7 @@ impl ControlVariates {
         let (axes, tracked) = (&layout.axes, layout.tracked());
         let states = axes.len();
         let mut exponents = Vec::new();
-        for degree in (2..=HIGHEST).step_by(2) {
+        for degree in (2..=tuning::calibration::HIGHEST).step_by(2) {
             let mut all = monomials(states, degree);
             all.retain(|alpha| alpha.iter().any(|&power| power > 0) && symmetry.keeps(alpha));
             all.sort_by_key(|alpha| alpha.iter().sum::<u32>());
@@ -51,9 +39,9 @@ impl ControlVariates {
         }
         let side = |(i, axis): (usize, &Axis)| {
             let (lo, hi) = (axis.edge(0), axis.edge(axis.bins()));
-            let half_width = BOX * (hi - lo) / 2.0;
+            let half_width = tuning::calibration::BOX * (hi - lo) / 2.0;
             if symmetry.flips(i) {
-                (0.0, BOX * lo.abs().max(hi.abs()))
+                (0.0, tuning::calibration::BOX * lo.abs().max(hi.abs()))
             } else if wall.is_some_and(|wall| wall.state() == i) {
                 (lo + half_width, half_width)
             } else {
@@ -75,10 +63,9 @@ impl ControlVariates {
         self.is_empty()
             || box_holds()
                 && fits(states, self.len(), tracked, trajectories)
-                && self
-                    .exponents
-                    .iter()
-                    .all(|alpha| alpha.len() == states && degree(alpha).is_some_and(|d| d <= HIGHEST))
+                && self.exponents.iter().all(|alpha| {
+                    alpha.len() == states && degree(alpha).is_some_and(|d| d <= tuning::calibration::HIGHEST)
+                })
     }
 
     /// The number of them.
@@ -93,7 +80,7 @@ impl ControlVariates {
     /// Each even degree with the number of polynomials up to it.
     pub(super) fn degrees(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         let count = |most: u32| self.exponents.iter().take_while(|alpha| alpha.iter().sum::<u32>() <= most).count();
-        let degrees = (2..=HIGHEST).step_by(2).map(move |degree| (degree, count(degree)));
+        let degrees = (2..=tuning::calibration::HIGHEST).step_by(2).map(move |degree| (degree, count(degree)));
         let mut before = 0;
         degrees.filter(move |&(_, count)| std::mem::replace(&mut before, count) < count)
     }
@@ -104,7 +91,8 @@ impl ControlVariates {
 }
 
 fn fits(states: usize, controls: usize, tracked: usize, trajectories: usize) -> bool {
-    controls <= MOST_EACH * states && (controls + tracked).saturating_mul(trajectories) <= MOST_NUMBERS
+    controls <= tuning::calibration::MOST_EACH * states
+        && (controls + tracked).saturating_mul(trajectories) <= tuning::calibration::MOST_NUMBERS
 }
 
 /// Room for the tracked monomials and 𝓖ψ at sixteen states.

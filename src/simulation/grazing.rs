@@ -1,3 +1,5 @@
+use crate::simulation::tuning;
+
 /// Shorter steps for trajectories that graze the wall, and so the end of chattering.
 ///
 /// Near (y, v) = (b, 0) a trajectory that loses speed at each impact chatters: white noise brings it back to the wall
@@ -36,12 +38,6 @@ pub(super) struct Grazing {
     shortest: f64,
 }
 
-/// The ratio a of a trajectory's own speed to what noise adds in one step.
-const RESOLUTION: f64 = 3.0;
-
-/// The number m of steps for which the wall must be out of reach.
-const FORESIGHT: f64 = 2.0;
-
 /// The factor by which the step is shortened at most. The missing impacts fall with the power 1 + 3g/2 of the shortest step,
 /// one half at r = 0.5 and less for lower r. Few trajectories come so far down, so that depth costs little, but below r =
 /// 0.163 all do and stay there.
@@ -57,7 +53,13 @@ impl Grazing {
         let gain = (noise * step).sqrt();
         let (speed, height) = if restitution < 1.0 {
             // From mτ|v| ≤ u with |v| = a √(2Dh) and from 2D(mτ)³ ≤ u², at τ = h.
-            (RESOLUTION * gain, FORESIGHT * step * gain * RESOLUTION.max(FORESIGHT.sqrt()))
+            (
+                tuning::grazing::RESOLUTION * gain,
+                tuning::grazing::FORESIGHT
+                    * step
+                    * gain
+                    * tuning::grazing::RESOLUTION.max(tuning::grazing::FORESIGHT.sqrt()),
+            )
         } else {
             (0.0, 0.0)
         };
@@ -67,10 +69,10 @@ impl Grazing {
     /// The step at the height u and the velocity v, both below their bounds, if it must be shorter than usual.
     #[inline]
     pub(super) fn step_at(&self, u: f64, v: f64) -> Option<f64> {
-        let resolved = v * v / (RESOLUTION * RESOLUTION * self.noise);
+        let resolved = v * v / (tuning::grazing::RESOLUTION * tuning::grazing::RESOLUTION * self.noise);
         let mut step = self.step;
         while step > resolved && step > self.shortest {
-            let time = FORESIGHT * step;
+            let time = tuning::grazing::FORESIGHT * step;
             if time * v.abs() <= u && self.noise * time * time * time <= u * u {
                 break;
             }
@@ -93,7 +95,7 @@ mod tests {
         // Half the speed is resolved by a quarter of the step.
         assert_eq!(grazing.step_at(0.0, -0.501 * speed), Some(h / 4.0));
         // At rest at the height √(2D (mτ)³), with τ a little above h/8.
-        let higher = (noise * (1.01 * FORESIGHT * h / 8.0).powi(3)).sqrt();
+        let higher = (noise * (1.01 * tuning::grazing::FORESIGHT * h / 8.0).powi(3)).sqrt();
         assert_eq!(grazing.step_at(higher, 0.0), Some(h / 8.0));
         for (u, v) in [(0.0, speed), (height, 0.0), (0.99 * height, 0.5 * speed), (f64::NAN, f64::NAN)] {
             assert_eq!(grazing.step_at(u, v), None, "{u}, {v}");

@@ -59,6 +59,7 @@ mod target;
 mod time_step;
 mod timetable;
 mod trend;
+mod tuning;
 
 pub use control::Progress;
 pub use histogram::Histogram;

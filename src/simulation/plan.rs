@@ -5,16 +5,14 @@ use super::{
     pilot::Pilot,
     statistics::{Recorders, Requests},
     tally::Layout,
-    timetable::{BURN_IN_STRETCHES, Timetable},
+    timetable::Timetable,
 };
 use crate::error::{Error, Result, positive};
 use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Wall};
+use crate::simulation::tuning;
+use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 use serde::{Deserialize, Serialize};
-
-/// A simulation holds all trajectories and all bins of every batch at once: at most about a third of a gigabyte each.
-pub(super) const MOST_TRAJECTORIES: usize = 1 << 20;
-pub(super) const MOST_BINS: usize = 1024;
 
 /// The options and settings that determine the results of a simulation of given length: two runs of one plan have the same
 /// results.
@@ -138,13 +136,13 @@ impl Plan {
         let axes = || self.axes.iter().chain(self.plane.iter().flatten());
         let empty = || Layout::new(self.axes.clone(), self.plane, &self.requests.moments, Recorders::default());
         let tracked = || empty().with(ControlVariates::default(), self.gates()).tracked();
-        (2..=MOST_TRAJECTORIES).contains(&self.trajectories)
+        (2..=tuning::limits::MOST_TRAJECTORIES).contains(&self.trajectories)
             && positive("time step", self.time_step, "").is_ok()
             && self.timetable.holds(self.trajectories, 0)
             && states > 0
             && self.axes.len() == states
             && self.plane.is_some() == (states > 1)
-            && axes().all(|axis| axis.holds(MOST_BINS))
+            && axes().all(|axis| axis.holds(tuning::limits::MOST_BINS))
             && self.velocity.is_none_or(|velocity| velocity < states)
             && self.wall.is_none_or(|wall| wall.checked().is_ok() && wall.state() == 0 && self.velocity.is_some())
             && self.start.as_ref().is_none_or(|start| start.len() == states)

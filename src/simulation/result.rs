@@ -12,9 +12,7 @@ use crate::density::{Sampled, central};
 use crate::error::{Error, Result, state_index};
 use crate::estimate::Estimate;
 use crate::provenance::{Provenance, Stopped};
-
-/// The relative error of the correction that calibration makes: the ridge of the regression, and the rounding of its sums.
-const ROUNDING: f64 = 1e-8;
+use crate::simulation::tuning;
 
 /// The stationary density by a simulation: every value with its standard error.
 ///
@@ -85,7 +83,10 @@ impl SimulatedDensity {
             let plain = jackknife(&density.batches, |b| sums(&b.tracked(&density.layout)), &value);
             let Some(calibration) = &density.calibration else { return plain };
             let calibrated = jackknife(&calibration.sums, |tracked| sums(tracked), &value);
-            Estimate::new(calibrated.value, calibrated.error.hypot(ROUNDING * (calibrated.value - plain.value)))
+            Estimate::new(
+                calibrated.value,
+                calibrated.error.hypot(tuning::calibration::ROUNDING * (calibrated.value - plain.value)),
+            )
         })
     }
 

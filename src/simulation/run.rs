@@ -7,40 +7,24 @@ use super::{
     histogram::Axis,
     passage::{Boundaries, single_wall},
     pilot::Pilot,
-    plan::{MOST_BINS, MOST_TRAJECTORIES, Plan, equations},
+    plan::{Plan, equations},
     processes::{OneProcess, Processes, any_of},
     result::SimulatedDensity,
     scheme::Scheme,
     session::Session,
     start::Start,
-    timetable::{BURN_IN_STRETCHES, Times, Timetable, whole},
+    timetable::{Times, Timetable, whole},
 };
 use crate::error::{Error, Result, dimension, finite, positive, require, state_index};
 use crate::problem::{Problem, TimeScales, Wall, two_digits};
+use crate::simulation::tuning;
 use crate::states::States;
-use std::{
-    ops::Range,
-    time::{Duration, Instant},
-};
-
-/// The time between samples in the shortest of the system's times: states closer than that add little.
-const INTERVAL: f64 = 3.0;
+use std::{ops::Range, time::Instant};
 
 const SHORTER: &str = "take shorter segments or fewer trajectories, or raise `memory_limit`";
 
-/// A run that has not come to the end of its first round is given up after the time budget or so much, so that sessions of any
-/// length get on.
-const LEAST_BUDGET: Duration = Duration::from_secs(1);
-
-/// The most time steps of a burn-in whose length is not an option: where the rates of a system without its wall lie a thousand
-/// times apart, impacts may be twenty times faster.
-const MOST_DEFAULT_STEPS: f64 = 1e6;
-
-const TOO_FAST: &str = "next to the slowest rate it is so fast that the burn-in would take more than a million steps of 0.04 over \
-    it: give `burn_in`, or `time_step`, and a `time_budget`";
-
-/// The most levels whose crossings one simulation counts: each costs time in every step.
-const MOST_LEVELS: usize = 64;
+const TOO_FAST: &str = "next to the slowest rate it is so fast that the default burn-in would have more than 40 000 of its times, a \
+    million steps: give `burn_in`, or `time_step`, and a `time_budget`";
 
 impl<'a> Simulation<'a> {
     /// Runs the simulation.
@@ -103,7 +87,7 @@ impl<'a> Simulation<'a> {
     /// Runs the simulation, or its twin with the noise of two steps `merged` into one.
     fn run_once(mut self, problem: &Problem, processes: &impl Processes, merged: bool) -> Result<SimulatedDensity> {
         let begin = Instant::now();
-        let deadline = self.time_budget.map(|budget| begin + budget.max(LEAST_BUDGET));
+        let deadline = self.time_budget.map(|budget| begin + budget.max(tuning::timetable::LEAST_BUDGET));
         let control = Control::new(self.progress.take(), deadline);
         let Prepared { wall, velocity, scheme, rate, timetable, samples, start } =
             self.prepared(problem, merged, &control)?;
@@ -180,7 +164,7 @@ impl<'a> Simulation<'a> {
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
         let group = |range| Trajectories::new(range, self.seed, &start);
         let groups = deal(self.trajectories).into_iter().map(group).collect();
-        ensemble.collect(groups, BURN_IN_STRETCHES + samples, &pilot.bounds())
+        ensemble.collect(groups, tuning::timetable::BURN_IN_STRETCHES + samples, &pilot.bounds())
     }
 
     /// The scheme and the plan, after all options have been checked.
@@ -193,7 +177,7 @@ impl<'a> Simulation<'a> {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
                 let (step, rate) = self.chosen_step(problem, wall, times, control)?;
-                let soon = self.burn_in.is_some() || times.burn_in / step <= MOST_DEFAULT_STEPS;
+                let soon = self.burn_in.is_some() || times.burn_in * rate <= tuning::timetable::LONGEST_DEFAULT;
                 require(soon, "rate of the motion", rate, TOO_FAST)?;
                 (step, Some(rate))
             }
@@ -218,7 +202,7 @@ impl<'a> Simulation<'a> {
         timetable: Timetable,
         control: Control<'b>,
     ) -> Ensemble<'b> {
-        let stretches = BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
+        let stretches = tuning::timetable::BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
         control.set(0, Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
         Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, velocity, control }
     }
@@ -243,9 +227,24 @@ impl<'a> Simulation<'a> {
         if self.samples == 0 {
             return Err(Error::NoSamples { what: "the number of samples", least: 1 });
         }
-        at_most("number of levels", self.levels.len(), MOST_LEVELS, "at most 64 levels can be counted at once")?;
-        at_most("number of trajectories", self.trajectories, MOST_TRAJECTORIES, "at most 2^20 fit into memory")?;
-        at_most("number of bins", self.bins, MOST_BINS, "at most 1024 keep the joint histogram in memory")?;
+        at_most(
+            "number of levels",
+            self.levels.len(),
+            tuning::limits::MOST_LEVELS,
+            "at most 64 levels can be counted at once",
+        )?;
+        at_most(
+            "number of trajectories",
+            self.trajectories,
+            tuning::limits::MOST_TRAJECTORIES,
+            "at most 2^20 fit into memory",
+        )?;
+        at_most(
+            "number of bins",
+            self.bins,
+            tuning::limits::MOST_BINS,
+            "at most 1024 keep the joint histogram in memory",
+        )?;
         self.levels.iter().try_for_each(|&level| finite("level", level).map(|_| ()))?;
         self.targets.iter().try_for_each(|target| target.tolerance.validate())?;
         if let Some(start) = &self.start {
@@ -272,7 +271,7 @@ impl<'a> Simulation<'a> {
         let scales = TimeScales::of(problem)?;
         Ok(Times {
             burn_in: self.burn_in.unwrap_or_else(|| two_digits(scales.memory())),
-            interval: self.sampling_interval.unwrap_or_else(|| two_digits(scales.short(INTERVAL))),
+            interval: self.sampling_interval.unwrap_or_else(|| two_digits(scales.short(tuning::timetable::INTERVAL))),
         })
     }
 
@@ -281,9 +280,11 @@ impl<'a> Simulation<'a> {
         let count = self.samples.div_ceil(self.trajectories);
         // Whole steps of twice the length, if such are to be taken at the same times.
         let unit = if self.two_steps && !merged { 2.0 } else { 1.0 };
-        let burn_in = unit * whole(times.burn_in / (unit * step) / BURN_IN_STRETCHES as f64).max(1.0);
+        let burn_in =
+            unit * whole(times.burn_in / (unit * step) / tuning::timetable::BURN_IN_STRETCHES as f64).max(1.0);
         let interval = unit * (times.interval / (unit * step)).round().max(1.0);
-        let path = self.trajectories as f64 * (burn_in * BURN_IN_STRETCHES as f64 + interval * count as f64);
+        let path = self.trajectories as f64
+            * (burn_in * tuning::timetable::BURN_IN_STRETCHES as f64 + interval * count as f64);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
         let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or fewer samples";
         require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;

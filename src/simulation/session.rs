@@ -8,9 +8,10 @@ use super::{
     start::Start,
     tally::{Layout, Origin, Tally},
     target::Target,
-    timetable::{BURN_IN_STRETCHES, next_look, samples},
+    timetable::{next_look, samples},
 };
 use crate::error::{Error, Result};
+use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 use crate::{file, provenance::Stopped};
 use std::{
     ops::Range,

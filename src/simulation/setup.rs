@@ -320,8 +320,8 @@ impl<'a> Simulation<'a> {
 
     /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over: the choice of the
     /// time step and the pilot count. The number of samples then depends on the machine; the result is, bit for bit, that of
-    /// a run of that many samples. What has not come to an end after the budget, or after a second if that is more, is given up:
-    /// a pilot, or a round of long sampling intervals. The second simulation of [`Simulation::two_steps`] is as long as the
+    /// a run of that many samples. What has not come to an end after the budget, or after a second if that is more, is given
+    /// up: a pilot, or a round of long sampling intervals. The second simulation of [`Simulation::two_steps`] is as long as the
     /// first one then is, and takes half as much time again.
     pub fn time_budget(self, budget: Duration) -> Self {
         Simulation { time_budget: Some(budget), ..self }

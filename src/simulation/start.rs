@@ -1,9 +1,6 @@
 use super::Simulation;
 use crate::problem::{Problem, Wall};
-
-/// The noise of so many steps spreads the default start: enough for trajectories to differ, too little to leave the rest
-/// position.
-const SPREAD_STEPS: f64 = 4.0;
+use crate::simulation::tuning;
 
 /// Where trajectories begin.
 #[derive(Debug)]
@@ -17,7 +14,7 @@ impl Start {
     /// The start given to the simulation, or near 0, or near the wall if that stands above 0; each state spreads as far as
     /// the noise at 0 takes it in four steps.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, wall: Option<Wall>, step: f64) -> Self {
-        let time = SPREAD_STEPS * step;
+        let time = tuning::timetable::SPREAD_STEPS * step;
         let variance = |i: usize| {
             let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * simulation.amplitude);
             at_rest.map(|g| g * g).sum::<f64>() * time

@@ -8,22 +8,14 @@ use super::{
 };
 use crate::polynomial::of_one;
 use crate::problem::COLLAPSE;
-
-/// The mean square of a state that changes by more standard errors has not become stationary.
-const DRIFTING: f64 = 4.0;
-/// From so many batches their spread is known to about a third.
-const LEAST_BATCHES: usize = 32;
-/// The fewest samples of a trajectory whose two halves are compared.
-const LEAST_TREND: usize = 16;
-/// Weights that deviate more from 1 are no longer chance.
-const UNEVEN: f64 = 0.5;
+use crate::simulation::tuning;
 
 /// As [`SimulatedDensity::stationarity`](super::SimulatedDensity::stationarity).
 pub(super) fn drifts(batches: &[Tally], states: usize) -> Vec<f64> {
     let of_state = |i: usize| {
         let sums = |b: &Tally| {
             let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
-            if b.samples < LEAST_TREND {
+            if b.samples < tuning::errors::LEAST_TREND {
                 [b.before[0], b.before[i + 1], n1 + n2, first + second]
             } else {
                 [n1, first, n2, second]
@@ -38,7 +30,7 @@ pub(super) fn drifts(batches: &[Tally], states: usize) -> Vec<f64> {
 /// The state with the longest correlation time ∫₀^∞ R(τ) dτ/R(0) of x_i or x_i², and that time: by the spread of its means
 /// over batches relative to that of independent samples. None where batches are too few for it.
 fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, f64)> {
-    if batches.len() < LEAST_BATCHES {
+    if batches.len() < tuning::errors::LEAST_BATCHES {
         return None;
     }
     let states = layout.axes.len();
@@ -70,7 +62,7 @@ pub(super) fn warning(
         ));
     }
     let drifts = drifts(batches, layout.axes.len());
-    if let Some((state, drift)) = drifts.iter().enumerate().find(|(_, drift)| drift.abs() > DRIFTING) {
+    if let Some((state, drift)) = drifts.iter().enumerate().find(|(_, drift)| drift.abs() > tuning::errors::DRIFTING) {
         return Some(format!(
             "not stationary: the mean square of state {state} still changes, by {drift:.1} standard errors; take a longer \
              burn-in, if there is a stationary density at all"
@@ -79,7 +71,7 @@ pub(super) fn warning(
     if plan.wall.is_some_and(|wall| wall.collapses()) {
         return Some(COLLAPSE.to_owned());
     }
-    let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > UNEVEN)?;
+    let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > tuning::errors::UNEVEN)?;
     Some(format!(
         "the samples do not satisfy the moment equations: they need weights 1 ± {far:.2}; take a longer burn-in, more samples \
          or a shorter time step, if there is a stationary density at all"

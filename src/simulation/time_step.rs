@@ -10,27 +10,11 @@ use super::{
 use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
 use crate::problem::{LANES, Problem, Wall, two_digits};
+use crate::simulation::tuning;
 use nalgebra::DMatrix;
-
-/// The step of time as a part of the time scale 1/ω: ωh. The bias of means is (ωh)²/10 without and (ωh)²/3 beside a wall
-/// with r < 1, about: below 0.02 % and 0.05 %.
-const RESOLUTION: f64 = 0.04;
-const BESIDE_LOSSY_WALL: f64 = 0.03;
-
-/// The largest ωh anywhere on the way. At 2 the steps would be unstable.
-const LARGEST: f64 = 0.25;
 
 /// The first of the trajectories for the choice, one group of lanes with streams of their own.
 const FIRST: u64 = 1 << 33;
-
-/// The stretches of their way; the rate is taken after each of the second half.
-const STRETCHES: usize = 64;
-
-/// The most steps tried. Each is at most half the one before.
-const ATTEMPTS: usize = 12;
-
-/// The most steps in a stretch: a try reports nothing. Default times never take so many.
-const MOST_STEPS: f64 = 4096.0;
 
 impl Simulation<'_> {
     /// Chooses the time step from the system's own time scales, where the trajectories are. Returns the rate ω too.
@@ -52,7 +36,7 @@ impl Simulation<'_> {
         control: &Control<'_>,
     ) -> Result<(f64, f64)> {
         let lossy = wall.is_some_and(|wall| wall.restitution() < 1.0);
-        let resolution = if lossy { BESIDE_LOSSY_WALL } else { RESOLUTION };
+        let resolution = if lossy { tuning::time_step::BESIDE_LOSSY_WALL } else { tuning::time_step::RESOLUTION };
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
         let burn_in = if times.burn_in > 0.0 { times.burn_in / 640.0 } else { f64::INFINITY };
         let longest = (times.interval / 20.0).min(burn_in);
@@ -61,12 +45,12 @@ impl Simulation<'_> {
         loop {
             attempt += 1;
             match self.rates(problem, wall, step, times, control) {
-                Err(error @ Error::Exploded { .. }) if attempt == ATTEMPTS => return Err(error),
+                Err(error @ Error::Exploded { .. }) if attempt == tuning::time_step::ATTEMPTS => return Err(error),
                 Err(Error::Exploded { .. }) => step /= 4.0,
                 Err(error) => return Err(error),
                 Ok((rate, largest)) => {
-                    let fits = (resolution / rate).min(LARGEST / largest).min(longest);
-                    if fits >= step / 2.0 || attempt == ATTEMPTS {
+                    let fits = (resolution / rate).min(tuning::time_step::LARGEST / largest).min(longest);
+                    if fits >= step / 2.0 || attempt == tuning::time_step::ATTEMPTS {
                         return Ok((two_digits(fits), rate));
                     }
                     step = fits;
@@ -89,17 +73,18 @@ impl Simulation<'_> {
         let start = Start::new(self, problem, wall, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
-        let steps = (time / step / STRETCHES as f64).ceil().clamp(1.0, MOST_STEPS) as usize;
+        let steps = (time / step / tuning::time_step::STRETCHES as f64).ceil().clamp(1.0, tuning::time_step::MOST_STEPS)
+            as usize;
         let (mut passages, mut work) = (Passages::new(0), Workspace::new(&scheme));
         let (mut squares, mut largest, mut count) = (0.0, 0.0_f64, 0.0);
-        for stretch in 0..STRETCHES {
-            if stretch == STRETCHES / 2 {
+        for stretch in 0..tuning::time_step::STRETCHES {
+            if stretch == tuning::time_step::STRETCHES / 2 {
                 passages = Passages::new(0);
             }
             lanes.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
             lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
             control.check_anywhere()?;
-            if stretch >= STRETCHES / 2 {
+            if stretch >= tuning::time_step::STRETCHES / 2 {
                 for x in &lanes.states() {
                     let rate = rate(problem, self.amplitude, x);
                     squares += rate * rate;

@@ -1,20 +1,5 @@
+use crate::simulation::tuning;
 use serde::{Deserialize, Serialize};
-
-/// The stretches that a burn-in is divided into; the pilot's states are taken between them.
-pub(super) const BURN_IN_STRETCHES: usize = 64;
-
-/// After so many of them the states are compared with the samples, where these are few.
-pub(super) const LATE: usize = 48;
-
-/// Path-steps of all trajectories in one round, about: some hundredths of a second.
-const ROUND: usize = 1 << 21;
-
-/// Path-steps of all trajectories in a stretch that can be given up on its way, at the price of a copy of their states: more
-/// than about a second.
-const LONG: usize = 1 << 26;
-
-/// Samples of each trajectory before the first check of precision.
-const FIRST_LOOK: usize = 8;
 
 /// The time before the first sample and that between two, in the user's unit of time.
 #[derive(Clone, Copy, Debug)]
@@ -47,13 +32,13 @@ impl Timetable {
     /// Whether stretch number `stretch` is long for so many trajectories.
     pub(super) fn is_long(&self, stretch: usize, trajectories: usize) -> bool {
         let steps = self.steps(stretch + 1) - self.steps(stretch);
-        steps.saturating_mul(trajectories) > LONG
+        steps.saturating_mul(trajectories) > tuning::timetable::LONG
     }
 
     /// Whether so many trajectories with so many samples each are steps that can be counted exactly: 2⁵³, which at a billion a
     /// second are a hundred days.
     pub(super) fn holds(&self, trajectories: usize, samples: usize) -> bool {
-        let stretches = [(self.burn_in_steps, BURN_IN_STRETCHES), (self.interval_steps, samples)];
+        let stretches = [(self.burn_in_steps, tuning::timetable::BURN_IN_STRETCHES), (self.interval_steps, samples)];
         let path: f64 = stretches.iter().map(|&(steps, count)| steps as f64 * count as f64).sum();
         self.burn_in_steps > 0 && self.interval_steps > 0 && trajectories as f64 * path <= 2.0_f64.powi(53)
     }
@@ -66,24 +51,27 @@ impl Timetable {
     /// The end of the next round: stretches that every trajectory completes before the next decision. It depends on
     /// `trajectories`, their number in the whole simulation, so that rounds end at the same places in all its parts.
     pub(super) fn next_round(&self, done: usize, trajectories: usize) -> usize {
-        let (first, steps) =
-            if done < BURN_IN_STRETCHES { (0, self.burn_in_steps) } else { (BURN_IN_STRETCHES, self.interval_steps) };
-        let round = (ROUND / trajectories.saturating_mul(steps)).max(1);
+        let (first, steps) = if done < tuning::timetable::BURN_IN_STRETCHES {
+            (0, self.burn_in_steps)
+        } else {
+            (tuning::timetable::BURN_IN_STRETCHES, self.interval_steps)
+        };
+        let round = (tuning::timetable::ROUND / trajectories.saturating_mul(steps)).max(1);
         let end = first + ((done - first) / round + 1).saturating_mul(round);
-        if first == 0 { end.min(BURN_IN_STRETCHES) } else { end }
+        if first == 0 { end.min(tuning::timetable::BURN_IN_STRETCHES) } else { end }
     }
 }
 
 /// The samples of each trajectory after so many stretches.
 pub(super) fn samples(stretches: usize) -> usize {
-    stretches.saturating_sub(BURN_IN_STRETCHES)
+    stretches.saturating_sub(tuning::timetable::BURN_IN_STRETCHES)
 }
 
 /// The number of samples per trajectory at the first check of precision after `samples`: each check is an eighth after the
 /// one before. Where they fall depends on nothing else, so that a run that stops there can be repeated bit for bit; and they
 /// are few, since each check of a standard error that is itself uncertain is one more chance to stop too soon.
 pub(super) fn next_look(samples: usize) -> usize {
-    let mut look = FIRST_LOOK;
+    let mut look = tuning::timetable::FIRST_LOOK;
     while look <= samples {
         look += look / 8;
     }

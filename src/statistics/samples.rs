@@ -18,8 +18,8 @@ const UNEVEN: f64 = 1.5;
 const SHARE: f64 = 1e-5;
 /// this often at most.
 const HALVINGS: usize = 10;
-/// A cell that is still as uneven then has a singularity, as where a lossy wall is grazed. The density is cut off at this factor
-/// above its value in the cell's middle; next to nothing of the mass is so close.
+/// A cell that is still as uneven then has a singularity, as where a lossy wall is grazed. The density is cut off at this
+/// factor above its value in the cell's middle; next to nothing of the mass is so close.
 const SINGULAR: f64 = 10.0;
 /// The density within a cell is taken to be at most this factor above its highest known value there.
 const MARGIN: f64 = 1.1;

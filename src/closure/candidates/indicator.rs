@@ -1,14 +1,13 @@
 //! The distance of a density from satisfying the Fokker-Planck equation.
 
-use super::retained::Retained;
+use super::Retained;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::Discretisation;
 use crate::closure::projection::tempered;
-use crate::closure::space::Jet;
 use crate::closure::space::orthonormal::Orthonormal;
-use crate::fokker_planck::Local;
 use crate::record::number;
 use faer::{Mat, MatRef};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// How large the residual of a density is.
@@ -48,12 +47,7 @@ pub(in crate::closure) fn indicate(
     let log: Vec<f64> = kept.points.iter().map(|x| exponent.value(x)).collect();
     let measure = tempered(&log, &kept.weights, 1.0);
     let basis = Orthonormal::new(values, &measure)?;
-    let mut jet = Jet::zero(kept.points.dimension());
-    let residual = |(x, local): (&[f64], &Local)| {
-        exponent.jet(x, &mut jet);
-        local.residual(&jet.gradient, &jet.hessian)
-    };
-    let residuals: Vec<f64> = kept.locals(discretisation).map(residual).collect();
+    let residuals = exponent.residuals(&kept.points, kept.nodes.par_iter().map(|&i| &discretisation.locals[i]));
     let tested = Mat::from_fn(residuals.len(), 1, |i, _| measure[i].sqrt() * residuals[i]);
     let mut f = basis.weighted.transpose() * tested;
     if !discretisation.passages.is_empty() {

@@ -1,36 +1,21 @@
 //! The candidates for an order's answer, and the choice among them.
 //!
-//! `retained` is the part of the trust domain on which they are compared, and `indicator` the residual that they leave in the
-//! Fokker-Planck equation.
+//! `indicator` is the residual that they leave in the Fokker-Planck equation.
 
 pub(super) mod indicator;
-pub(super) mod retained;
 
 use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
-use super::projection::weight::{Weight, mixed};
-use super::projection::{distance, project};
+use super::discretisation::trust_domain::TrustDomain;
+use super::projection::{Weight, distance, mixed, project};
 use super::reference::{Reference, normalised};
 use super::space::Functions;
+use crate::closure::tuning;
 use crate::record::number;
 use crate::states::States;
 use faer::MatRef;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-
-/// The tails are compared with the reference's down to this share of the peak. They are right within `WELL` decades of it,
-/// and within `ENOUGH` where the estimated L¹ error is a third above the least already.
-const TAIL: f64 = 1e-5;
-const WELL: f64 = 0.17;
-pub(super) const ENOUGH: f64 = 0.25;
-const PRICE: f64 = 1.33;
-/// The largest share of the weight that the tails get by default, and the bisections for the smallest that suffices.
-const LARGEST_SHARE: f64 = 0.14;
-/// Where the largest share leaves the tails off by more decades than this, it is not used.
-const HOPELESS: f64 = 0.5;
-/// While the estimated L¹ error is larger, all weight goes to the middle.
-const MIDDLE: f64 = 0.0115;
-const BISECTIONS: usize = 5;
 
 /// Where a candidate comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -115,7 +100,8 @@ impl Scoring<'_> {
         };
         let mut least = f64::INFINITY;
         let right = |c: &Candidate, least: f64| {
-            c.tail_estimate <= WELL || (c.tail_estimate <= ENOUGH && c.l1_estimate >= PRICE * least)
+            c.tail_estimate <= tuning::candidates::WELL
+                || (c.tail_estimate <= tuning::candidates::ENOUGH && c.l1_estimate >= tuning::candidates::PRICE * least)
         };
         // Without any candidate whose tails are right, the tail estimate at which one is preferred to another with a smaller
         // error.
@@ -127,16 +113,19 @@ impl Scoring<'_> {
                 let middle = fit(0.0);
                 least = middle.map_or(f64::INFINITY, |c| c.l1_estimate);
                 let right = |c: Option<Candidate>| c.is_some_and(|c| right(&c, least));
-                if !right(middle) && least <= MIDDLE {
-                    if right(fit(LARGEST_SHARE)) {
-                        // In ln λ: a hundredth of the largest share is next to nothing.
-                        let mut bracket = [LARGEST_SHARE / 100.0, LARGEST_SHARE];
-                        for _ in 0..BISECTIONS {
+                if !right(middle) && least <= tuning::candidates::MIDDLE {
+                    if right(fit(tuning::candidates::LARGEST_SHARE)) {
+                        // In ln λ: a hundredth of the largest share is next to nothing, and five bisections leave a seventh of
+                        // an e-fold.
+                        let mut bracket =
+                            [tuning::candidates::LARGEST_SHARE / 100.0, tuning::candidates::LARGEST_SHARE];
+                        for _ in 0..5 {
                             let share = (bracket[0] * bracket[1]).sqrt();
                             bracket[usize::from(right(fit(share)))] = share;
                         }
                     } else {
-                        wanted = Some(HOPELESS);
+                        // Where even that share leaves them off by more than twice as much, it is not used.
+                        wanted = Some(2.0 * tuning::candidates::ENOUGH);
                     }
                 }
             }
@@ -173,7 +162,7 @@ impl Scoring<'_> {
         let distance = distance(&normal, &self.target, &self.weights);
         let peak = self.target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let tail = (0..normal.len())
-            .filter(|&i| self.target[i] > peak + TAIL.ln())
+            .filter(|&i| self.target[i] > peak + tuning::candidates::TAIL.ln())
             .map(|i| (normal[i] - self.smooth[i]).abs() / std::f64::consts::LN_10)
             .fold(0.0, f64::max);
         let likelihood_loss = self.likelihood - mean_logarithm(&exponent, self.pilot);
@@ -192,14 +181,34 @@ impl Scoring<'_> {
     /// trajectory are correlated.
     fn tolerance(&self) -> f64 {
         let functions = self.values.ncols() as f64;
-        (50.0 * functions / (2.0 * self.pilot.len() as f64)).max(LEAST_LOSS)
+        (tuning::candidates::CORRELATED * functions / (2.0 * self.pilot.len() as f64))
+            .max(tuning::candidates::LEAST_LOSS)
     }
 }
-
-/// A low order may lose this much and still be the best of its order: an L¹ error of .2 costs about this.
-const LEAST_LOSS: f64 = 0.05;
 
 /// The mean of ln p over states.
 pub(super) fn mean_logarithm(exponent: &Exponent, states: &States) -> f64 {
     exponent.values(states).iter().sum::<f64>() / states.len() as f64
+}
+
+/// The part of the trust domain on which a reference is large enough to be relied on, with its nodes.
+pub(super) struct Retained {
+    pub(super) domain: TrustDomain,
+    /// The nodes' places among those of the discretisation.
+    pub(super) nodes: Vec<usize>,
+    pub(super) points: States,
+    pub(super) weights: Vec<f64>,
+}
+
+impl Retained {
+    pub(super) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
+        let domain = discretisation.domain.above(|x| reference.value(x), discretisation.drop);
+        let all = &discretisation.nodes;
+        let kept = |i: &usize| discretisation.is_on_lattice() || domain.contains(&all.points[*i]);
+        let nodes: Vec<usize> = (0..all.len()).filter(kept).collect();
+        let mut points = States::with_capacity(all.points.dimension(), nodes.len());
+        nodes.iter().for_each(|&i| points.push(&all.points[i]));
+        let weights = nodes.iter().map(|&i| all.weights[i]).collect();
+        Retained { domain, nodes, points, weights }
+    }
 }

@@ -42,15 +42,13 @@ struct Triple {
     value: f64,
 }
 
-/// The number of each basis function.
-type Rows = HashMap<Vec<u32>, usize>;
-
 impl HermiteGalerkin {
     /// The equations of order `order` for an operator in scaled coordinates.
     pub(super) fn new(operator: &FokkerPlanck, order: u32) -> Self {
         let states = operator.dimension();
         let basis = monomials(states, order).split_off(1);
-        let rows: Rows = basis.iter().cloned().zip(0..).collect();
+        // The number of each basis function.
+        let rows: HashMap<Vec<u32>, usize> = basis.iter().cloned().zip(0..).collect();
         let terms = OperatorSeries::new(operator);
         let table = ProductTable::new(terms.degree + order);
         let mut constant = DVector::zeros(basis.len());
@@ -106,9 +104,8 @@ struct OperatorSeries {
 impl OperatorSeries {
     fn new(operator: &FokkerPlanck) -> Self {
         let states = operator.dimension();
-        let spread = operator.diffusion_divergence();
         let constant = operator.residual(&Polynomial::zero(states));
-        let gradient: Vec<_> = spread.iter().zip(operator.drift()).map(|(spread, f)| spread - f).collect();
+        let gradient = operator.backward();
         let mut degree = gradient.iter().map(Polynomial::degree).max().unwrap_or(0);
         let mut diffusion = Vec::new();
         for (p, row) in operator.diffusion().iter().enumerate() {
@@ -140,7 +137,13 @@ impl OperatorSeries {
     }
 
     /// All T_kij: the projections of ½ Σ B_pq ∂_pψ_i ∂_qψ_j, counted twice for i < j.
-    fn quadratic(&self, table: &ProductTable, basis: &[Vec<u32>], rows: &Rows, order: u32) -> Vec<Triple> {
+    fn quadratic(
+        &self,
+        table: &ProductTable,
+        basis: &[Vec<u32>],
+        rows: &HashMap<Vec<u32>, usize>,
+        order: u32,
+    ) -> Vec<Triple> {
         let mut triples = Vec::new();
         let mut row = vec![0.0; basis.len()];
         for (i, index) in basis.iter().enumerate() {

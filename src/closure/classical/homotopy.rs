@@ -2,16 +2,8 @@
 
 use super::galerkin::GalerkinEquations;
 use super::newton::{Iterate, Outcome, newton};
+use crate::closure::tuning;
 use nalgebra::{DMatrix, DVector};
-
-/// Steps along the path before it is given up.
-const MAX_STEPS: usize = 600;
-const LONGEST_STEP: f64 = 0.3;
-const SHORTEST_STEP: f64 = 1e-7;
-/// Correctors that need more iterations than this halve the step.
-const MAX_CORRECTIONS: usize = 6;
-/// Coefficients this large (in an orthonormal basis) mean that the path goes to infinity.
-const FAR_AWAY: f64 = 1e4;
 
 /// Follows (1 − s) F₀(a) + s F₁(a) = 0 from a root of F₀ at s = 0 to s = 1 by its arc length, so that the path may turn
 /// back in s (H. B. Keller, 1977, in Applications of Bifurcation Theory, pp. 359-384). Ends with Newton's method on F₁.
@@ -24,7 +16,7 @@ pub(super) fn homotopy<E: GalerkinEquations>(easy: &E, hard: &E, start: DVector<
     tangent[unknowns] = 1.0;
     let mut length: f64 = 0.02;
     let mut iterations = 0;
-    for _ in 0..MAX_STEPS {
+    for _ in 0..tuning::classical::PATH_STEPS {
         let Some(next_tangent) = path_tangent(systems, &point, &tangent) else { break };
         let remaining = (1.0 - point[unknowns]) / next_tangent[unknowns];
         let reach = if remaining > 0.0 { length.min(remaining) } else { length };
@@ -32,15 +24,15 @@ pub(super) fn homotopy<E: GalerkinEquations>(easy: &E, hard: &E, start: DVector<
         iterations += count;
         let Some(corrected) = corrected.filter(|c| (c - &point).norm() < 2.0 * reach + 1e-12) else {
             length = reach * 0.5;
-            if length < SHORTEST_STEP {
+            if length < tuning::classical::SHORTEST {
                 break;
             }
             continue;
         };
         (point, tangent) = (corrected, next_tangent);
-        length = if count <= 3 { (length * 1.5).min(LONGEST_STEP) } else { length };
+        length = if count <= 3 { (length * 1.5).min(tuning::classical::LONGEST) } else { length };
         let s = point[unknowns];
-        if s < -0.5 || point.amax() > FAR_AWAY {
+        if s < -0.5 || point.amax() > tuning::classical::FAR_AWAY {
             break;
         }
         if s >= 1.0 - 1e-9 {
@@ -93,7 +85,7 @@ fn correct<E: GalerkinEquations>(
     tangent: &DVector<f64>,
 ) -> (Option<DVector<f64>>, usize) {
     let mut point = predicted.clone();
-    for count in 1..=MAX_CORRECTIONS {
+    for count in 1..=tuning::classical::CORRECTIONS {
         let (matrix, f) = bordered(systems, &point, tangent);
         let right = (-f).push(0.0);
         let Some(step) = matrix.lu().solve(&right).filter(|step| step.norm().is_finite()) else { break };
@@ -102,5 +94,5 @@ fn correct<E: GalerkinEquations>(
             return (Some(point), count);
         }
     }
-    (None, MAX_CORRECTIONS)
+    (None, tuning::classical::CORRECTIONS)
 }

@@ -10,7 +10,6 @@
 //! 3. `search`, by `newton` and `homotopy`: a root;
 //! 4. `solution`: the last iterate, and whether it is a density.
 
-mod fixed_point;
 mod galerkin;
 mod half_plane;
 mod hermite;
@@ -28,9 +27,8 @@ use crate::memory::MemoryLimit;
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::problem::{Problem, Wall};
 use crate::provenance::Provenance;
-use fixed_point::fixed_point;
 use galerkin::{GalerkinEquations, HermiteGalerkin};
-use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator};
+use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator, fixed_point};
 use nalgebra::{Matrix2, Vector2, dmatrix, dvector};
 use newton::newton;
 use search::{Found, Search};
@@ -39,8 +37,6 @@ use std::fmt;
 use std::time::Instant;
 
 const METHOD: &str = "classical closure";
-/// The Jacobian, its factors, and what they are made from.
-const COPIES: f64 = 3.0;
 
 /// The basis of the polynomial Q where there is a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -210,7 +206,8 @@ impl ClassicalClosure {
         let remedy = "above a wall the classical basis begins at order 2; take that or more";
         require(self.order > 1 || !even_only, name, order, remedy)?;
         let monomials = (1..=problem.dimension()).map(|i| (order + i as f64) / i as f64).product::<f64>().round();
-        let numbers = COPIES * monomials * monomials;
+        // The Jacobian, its factors, and what they are made from.
+        let numbers = 3.0 * monomials * monomials;
         MemoryLimit::default().holds("the Jacobian of the classical closure", numbers, "take a lower order")
     }
 }

@@ -1,14 +1,8 @@
 //! Damped Newton iteration.
 
 use super::galerkin::GalerkinEquations;
+use crate::closure::tuning;
 use nalgebra::DVector;
-
-/// Iterations before the search counts as stalled; roots are found in 4 to 20.
-const MAX_ITERATIONS: usize = 60;
-/// A step is cut at most to 2⁻¹².
-const MAX_HALVINGS: u32 = 12;
-/// A full step this much smaller than the iterate is at the level of the Jacobian's own rounding.
-const STEP_TOLERANCE: f64 = 1e-11;
 
 /// How an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,12 +29,12 @@ pub(super) struct Iterate {
 pub(super) fn newton(equations: &impl GalerkinEquations, start: DVector<f64>) -> Iterate {
     let (mut f, mut jacobian) = equations.evaluate(&start);
     let mut last = Iterate { a: start, outcome: Outcome::Stalled, iterations: 0, residual: f.norm() };
-    while last.iterations < MAX_ITERATIONS {
+    while last.iterations < tuning::classical::STEPS {
         last.iterations += 1;
         let Some(step) = jacobian.lu().solve(&-&f).filter(|step| step.norm().is_finite()) else {
             return Iterate { outcome: Outcome::NoDescent, ..last };
         };
-        let converged = step.norm() <= STEP_TOLERANCE * (1.0 + last.a.norm());
+        let converged = step.norm() <= tuning::classical::STEP * (1.0 + last.a.norm());
         let trial = |length: f64| {
             let a = &last.a + &step * length;
             let (f, jacobian) = equations.evaluate(&a);
@@ -53,7 +47,7 @@ pub(super) fn newton(equations: &impl GalerkinEquations, start: DVector<f64>) ->
             let (a, residual) = if better { (a, f.norm()) } else { (last.a, last.residual) };
             return Iterate { a, outcome: Outcome::Root, residual, iterations: last.iterations };
         }
-        let lowered = (0..=MAX_HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|length| {
+        let lowered = (0..=tuning::classical::HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|length| {
             let (a, f, jacobian) = trial(length);
             (f.norm() <= (1.0 - 1e-4 * length) * last.residual).then_some((a, f, jacobian))
         });

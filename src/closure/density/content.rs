@@ -5,15 +5,14 @@ use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::Reference;
 use crate::closure::samples::{ImportanceRule, Lattice, Moment};
 use crate::closure::space::degrees::HIGHEST;
+use crate::closure::tuning;
 use crate::numerics::Rule;
 use crate::problem::COLLAPSE;
 use crate::provenance::Provenance;
 use crate::record::{Read, exponents};
 use serde::{Deserialize, Serialize};
 
-/// A density above this estimated error is flagged as unreliable.
-const UNRELIABLE: f64 = 0.2;
-/// The most nodes of a rule along one state.
+/// The most nodes of a rule along one state in a file.
 const MOST_NODES: usize = 2000;
 
 /// The whole content of a closure's density, which is also what is saved.
@@ -68,7 +67,7 @@ impl Content {
         } else if self.exponent.space.corners().iter().any(|corner| corner.wall().collapses()) {
             // Where a trajectory collapses onto a wall, this is the reason for the large estimate.
             Some(COLLAPSE)
-        } else if chosen.l1_estimate > UNRELIABLE {
+        } else if chosen.l1_estimate > tuning::UNRELIABLE {
             Some("the estimated error is large: take a higher order")
         } else {
             None

@@ -1,4 +1,5 @@
 use crate::closure::space::{Corner, Functions, Jet};
+use crate::fokker_planck::Local;
 use crate::record::Read;
 use crate::states::States;
 use rayon::prelude::*;
@@ -34,6 +35,19 @@ impl Exponent {
         self.space.combine(x, &self.coefficients, jet);
         jet.value += self.constant;
         self.known.iter().for_each(|corner| corner.add_singular(x, jet));
+    }
+
+    /// The residual of exp(Q) at many states, given the Fokker-Planck operator there.
+    pub(in crate::closure) fn residuals<'a>(
+        &self,
+        points: &States,
+        locals: impl IndexedParallelIterator<Item = &'a Local>,
+    ) -> Vec<f64> {
+        let residual = |jet: &mut Jet, (x, local): (&[f64], &Local)| {
+            self.jet(x, jet);
+            local.residual(&jet.gradient, &jet.hessian)
+        };
+        points.par_iter().zip(locals).map_init(|| Jet::zero(points.dimension()), residual).collect()
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

@@ -7,11 +7,12 @@ pub(super) mod answers;
 pub(super) mod content;
 pub(super) mod exponent;
 
-use super::candidates::{Candidate, ENOUGH};
+use super::candidates::Candidate;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::reference::Start;
 use super::samples::Copula;
+use crate::closure::tuning;
 use crate::density::{Crossing, Density, escape_direction};
 use crate::error::{Result, point};
 use crate::estimate::Estimate;
@@ -24,22 +25,13 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// The relative error of integrals over an exact density.
-const ROUNDING: f64 = 1e-12;
-/// The same where it was found on a lattice.
-const SOLVED: f64 = 1e-9;
-/// The relative size below which a leading coefficient is taken for rounding.
-const ROUNDING_OF_FORM: f64 = 1e-9;
-/// ‖F‖ below which all Galerkin equations hold to rounding.
-const ROOT: f64 = 1e-8;
-
 /// The closure's answer: p = C exp(Q) on its trust domain, with estimates of its own error.
 ///
 /// Moments, marginals and fluxes are integrals over the trust domain. In one state and in two their errors are the
 /// distances from the same integrals of the reference, the solution of the moment equations of a higher degree, and so they are
-/// in three and four by [`Closure::on_samples`](crate::Closure::on_samples)`(false)`. Otherwise moments up to the order have the
-/// standard errors of the pilot's calibrated means and other values those of the integration, and the closure's own error is
-/// in [`ClosureDensity::l1_estimate`].
+/// in three and four by [`Closure::on_samples`](crate::Closure::on_samples)`(false)`. Otherwise moments up to the order have
+/// the standard errors of the pilot's calibrated means and other values those of the integration, and the closure's own error
+/// is in [`ClosureDensity::l1_estimate`].
 #[derive(Clone, Deserialize)]
 #[serde(try_from = "Content")]
 pub struct ClosureDensity {
@@ -69,7 +61,11 @@ impl ClosureDensity {
         let chosen = content.candidates[0];
         content.provenance = Provenance {
             method: String::from("closure"),
-            termination: Some(String::from(if content.indication.residual > ROOT { "least residual" } else { "root" })),
+            termination: Some(String::from(if content.indication.residual > tuning::density::ROOT {
+                "least residual"
+            } else {
+                "root"
+            })),
             origin: Some(chosen.origin.to_string()),
             warning: content.warning().map(str::to_owned),
             l1_estimate: Some(chosen.l1_estimate),
@@ -121,7 +117,7 @@ impl ClosureDensity {
 
     /// Whether all Galerkin equations hold: an exact density is a root, most others are the best of their order and none.
     pub fn is_root(&self) -> bool {
-        self.residual() <= ROOT
+        self.residual() <= tuning::density::ROOT
     }
 
     /// Why this density should not be relied on, if there is a reason.
@@ -131,7 +127,7 @@ impl ClosureDensity {
 
     /// Whether the tails are estimated to be right to 0.25 decades down to 1e-5 of the peak.
     pub fn tails_are_accurate(&self) -> bool {
-        self.content.candidates[0].tail_estimate <= ENOUGH
+        self.content.candidates[0].tail_estimate <= tuning::candidates::ENOUGH
     }
 
     /// ln p as a polynomial of the states, valid on the trust domain; `None` where walls add terms that are no polynomials.
@@ -146,8 +142,8 @@ impl ClosureDensity {
     pub fn is_normalisable(&self) -> bool {
         self.content.exponent.space.polynomials().is_some_and(|polynomials| {
             let q = polynomials.in_powers(&self.content.exponent.coefficients);
-            let least = ROUNDING_OF_FORM * q.max_coefficient();
-            escape_direction(&q.filtered(|_, c| c.abs() > least), false, ROUNDING_OF_FORM).is_none()
+            let least = tuning::SOLVED * q.max_coefficient();
+            escape_direction(&q.filtered(|_, c| c.abs() > least), false, tuning::SOLVED).is_none()
         })
     }
 
@@ -239,7 +235,7 @@ impl ClosureDensity {
 
     /// The relative error of the reference, as a factor on the root mean square of an integrand under it.
     pub(super) fn reference_error(&self) -> f64 {
-        let exact = if self.content.lattice.is_some() { SOLVED } else { ROUNDING };
+        let exact = if self.content.lattice.is_some() { tuning::SOLVED } else { tuning::ROUNDING };
         self.content.reference.as_ref().map_or(exact, |reference| reference.error)
     }
 }

@@ -1,28 +1,56 @@
 //! The start: the exponential polynomial under which the pilot's states are most likely.
 
+use super::nodes::{self, Nodes};
+use crate::closure::density::exponent::{Exponent, known_value};
 use crate::closure::projection::tempered;
 use crate::closure::reference::scaled_mass;
-use crate::numerics::{Concave, Search};
+use crate::closure::space::{Corner, Functions};
+use crate::closure::tuning;
+use crate::numerics::{Concave, definite};
+use crate::states::States;
 use faer::linalg::solvers::Llt;
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, MatRef};
+use rayon::prelude::*;
 
-/// Far closer to the maximum than the states' noise allows.
-const SEARCH: Search = Search { tolerance: 1e-6, most: 80 };
-/// Added to the curvature, relative to its mean diagonal entry.
-const RIDGE: f64 = 1e-12;
+/// The most likely Q of a space for a pilot's states, times `inflation`; a known part of ln p is kept as it is.
+pub(in crate::closure) fn likeliest(
+    space: Functions,
+    known: Vec<Corner>,
+    nodes: &Nodes,
+    states: &States,
+    inflation: f64,
+) -> Option<Exponent> {
+    let mean = means(&space, states);
+    let table = nodes::values(&space, &nodes.points);
+    let fixed: Vec<f64> = nodes.points.iter().map(|x| known_value(&known, x)).collect();
+    let a = most_likely(table.get(.., 1..), &fixed, &nodes.weights, &mean)?;
+    Some(Exponent { known, space, constant: 0.0, coefficients: a.iter().map(|a| inflation * a).collect() })
+}
+
+/// States whose functions' values are added up at a time: sums of sums are the same on any number of threads.
+const CHUNK: usize = 512;
+
+/// The means of a space's functions over some states.
+fn means(space: &Functions, states: &States) -> Vec<f64> {
+    let sums = |chunk: &[f64]| {
+        let (mut sums, mut values) = (vec![0.0; space.len()], vec![0.0; space.len()]);
+        for x in chunk.chunks_exact(states.dimension()) {
+            space.values(x, &mut values);
+            sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += value);
+        }
+        sums
+    };
+    let parts: Vec<Vec<f64>> = states.par_chunks(CHUNK).map(sums).collect();
+    (0..space.len()).map(|k| parts.iter().map(|part| part[k]).sum::<f64>() / states.len() as f64).collect()
+}
 
 /// The coefficients a that maximise the mean log-likelihood a·m̄ − ln ∫ exp(Q₀ + Σ a_k φ_k) over the trust domain, m̄ the
 /// mean of φ over the pilot's states. It is concave, and damped Newton steps climb it from the uniform density.
 ///
 /// `values` holds the functions at the nodes, without the constant.
-pub(in crate::closure) fn most_likely(
-    values: MatRef<'_, f64>,
-    fixed: &[f64],
-    weights: &[f64],
-    mean: &[f64],
-) -> Option<Vec<f64>> {
+fn most_likely(values: MatRef<'_, f64>, fixed: &[f64], weights: &[f64], mean: &[f64]) -> Option<Vec<f64>> {
     let likelihood = Likelihood { values, fixed, weights, mean };
-    Some(SEARCH.ascend(&likelihood, vec![0.0; values.ncols()])?.a)
+    Some(tuning::guess::SEARCH.ascend(&likelihood, vec![0.0; values.ncols()])?.a)
 }
 
 struct Likelihood<'a> {
@@ -52,9 +80,6 @@ impl Concave for Likelihood<'_> {
     fn curvature(&self, density: &Vec<f64>, gradient: &[f64]) -> Option<Llt<f64>> {
         let (rows, columns) = (density.len(), gradient.len());
         let off = |i: usize, k: usize| self.values[(i, k)] - (self.mean[k] - gradient[k]);
-        let mut covariance = self.values.transpose() * Mat::from_fn(rows, columns, |i, k| density[i] * off(i, k));
-        let trace: f64 = (0..columns).map(|k| covariance[(k, k)]).sum();
-        (0..columns).for_each(|k| covariance[(k, k)] += RIDGE * trace / columns as f64);
-        covariance.llt(Side::Lower).ok()
+        definite(self.values.transpose() * Mat::from_fn(rows, columns, |i, k| density[i] * off(i, k)))
     }
 }

@@ -2,44 +2,28 @@
 //! integrals.
 //!
 //! - `trust_domain`: the region that the pilot has visited;
-//! - `nodes`: Gauss nodes there; `table`: the functions and their images under the operator, at the nodes;
-//! - `likelihood`: the first guess of ln p;
+//! - `nodes`: Gauss nodes there, with the values of functions and their images under the operator;
+//! - `likelihood`: the first guess of ln p, by which the pilot's states are most likely;
 //! - `walled`: the same next to walls.
 
 pub(super) mod likelihood;
 pub(super) mod nodes;
-pub(super) mod table;
 pub(super) mod trust_domain;
 pub(super) mod walled;
 
-use super::density::exponent::{Exponent, known_value};
+use super::density::exponent::Exponent;
 use super::pilot::Pilot;
+use super::space::Corner;
 use super::space::nested_spaces::{Smooth, SpaceFamily};
-use super::space::{Corner, Functions};
+use crate::closure::tuning;
 use crate::fokker_planck::Local;
 use crate::numerics::Rule;
 use crate::problem::Problem;
 use crate::states::States;
-use likelihood::most_likely;
+use likelihood::likeliest;
 use nodes::Nodes;
 use rayon::prelude::*;
 use trust_domain::TrustDomain;
-
-/// The degree of the polynomial that the pilot's states are fitted by.
-const FIT: u32 = 8;
-/// Nodes along each state for that fit, and for everything else, in one state and in two.
-const COARSE: usize = 40;
-pub(super) const FINE: [usize; 2] = [240, 80];
-/// Up to this order, whose functions are smoother, fewer nodes suffice, and the answer is faster.
-const LOW_ORDER: u32 = 5;
-const LOW_ORDER_NODES: usize = 44;
-/// Nodes on either side of 0 along a line.
-const LINE: usize = 72;
-/// The answer is defined where the reference is above e^−13.8 = 1e-6 of its peak.
-const KEPT: f64 = 13.8;
-/// The domain ends where the fit is e^−18 = 1.5e-8 of its peak, but not beyond 1.4 times the pilot's reach.
-const DROP: f64 = 18.0;
-const WIDENING: f64 = 1.4;
 
 /// A jump that trajectories make where they meet a wall.
 #[derive(Clone, Copy, Debug)]
@@ -78,18 +62,22 @@ impl Discretisation {
     /// serve up to `highest_order`. `None` if the states cannot be fitted.
     pub(super) fn new(problem: &Problem, pilot: &Pilot, family: Smooth, highest_order: u32) -> Option<Self> {
         let met = TrustDomain::new(pilot, &family.symmetry, family.centre.clone(), [None, None], 1.0);
-        let coarse = Nodes::gauss(&met, COARSE);
+        let coarse = Nodes::gauss(&met, tuning::nodes::COARSE);
         let (centre, half_width) = met.box_around();
-        let space = Smooth { centre, half_width, ..family.clone() }.functions(FIT);
+        let space = Smooth { centre, half_width, ..family.clone() }.functions(tuning::guess::DEGREE);
         let guess = likeliest(space, Vec::new(), &coarse, &pilot.states, pilot.inflation)?;
-        let domain = met.following(|x| guess.value(x), DROP, WIDENING);
+        let domain = met.following(|x| guess.value(x), tuning::domain::DROP, tuning::domain::FOLLOWED);
         let states = problem.dimension();
-        let along = if states == 2 && highest_order <= LOW_ORDER { LOW_ORDER_NODES } else { FINE[states.min(2) - 1] };
+        let along = if states == 2 && highest_order <= tuning::nodes::LOW_ORDER {
+            tuning::nodes::LOW_ORDER_NODES
+        } else {
+            tuning::nodes::FINE[states.min(2) - 1]
+        };
         let nodes = Nodes::gauss(&domain, along);
         let (centre, half_width) = domain.box_around();
         let family = SpaceFamily::Smooth(Smooth { centre, half_width, ..family });
         let (lines, locals, fixed) = (lines(&domain), locals(problem, &nodes), vec![0.0; nodes.len()]);
-        let (passages, drop) = (Vec::new(), KEPT);
+        let (passages, drop) = (Vec::new(), tuning::domain::KEPT);
         Some(Discretisation { family, domain, nodes, locals, lines, passages, fixed, guess, drop })
     }
 
@@ -111,6 +99,11 @@ impl Discretisation {
         self.nodes.rules.is_empty()
     }
 
+    /// The residual of exp(Q) at the nodes.
+    pub(super) fn residuals(&self, q: &Exponent) -> Vec<f64> {
+        q.residuals(&self.nodes.points, self.locals.par_iter())
+    }
+
     /// The walls whose grazing impacts make the part of ln p that no function here can follow.
     pub(super) fn known(&self) -> &[Corner] {
         &self.guess.known
@@ -129,43 +122,11 @@ pub(super) fn locals(problem: &Problem, nodes: &Nodes) -> Vec<Local> {
 
 /// Rules across a domain along each state, in two panels that meet at 0 or in the middle.
 pub(super) fn lines(domain: &TrustDomain) -> Vec<Rule> {
-    let rule = Rule::legendre(LINE);
+    let rule = Rule::legendre(tuning::nodes::LINE);
     let across = |&[low, high]: &[f64; 2]| {
         let middle = if low < 0.0 && high > 0.0 { 0.0 } else { (low + high) / 2.0 };
         let (left, right) = (rule.on(low, middle), rule.on(middle, high));
         Rule { nodes: [left.nodes, right.nodes].concat(), weights: [left.weights, right.weights].concat() }
     };
     domain.bounds().iter().map(across).collect()
-}
-
-/// The most likely Q of a space for a pilot's states, times `inflation`; a known part of ln p is kept as it is.
-pub(super) fn likeliest(
-    space: Functions,
-    known: Vec<Corner>,
-    nodes: &Nodes,
-    states: &States,
-    inflation: f64,
-) -> Option<Exponent> {
-    let mean = means(&space, states);
-    let table = table::values(&space, &nodes.points);
-    let fixed: Vec<f64> = nodes.points.iter().map(|x| known_value(&known, x)).collect();
-    let a = most_likely(table.get(.., 1..), &fixed, &nodes.weights, &mean)?;
-    Some(Exponent { known, space, constant: 0.0, coefficients: a.iter().map(|a| inflation * a).collect() })
-}
-
-/// States whose functions' values are added up at a time: sums of sums are the same on any number of threads.
-const CHUNK: usize = 512;
-
-/// The means of a space's functions over some states.
-fn means(space: &Functions, states: &States) -> Vec<f64> {
-    let sums = |chunk: &[f64]| {
-        let (mut sums, mut values) = (vec![0.0; space.len()], vec![0.0; space.len()]);
-        for x in chunk.chunks_exact(states.dimension()) {
-            space.values(x, &mut values);
-            sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += value);
-        }
-        sums
-    };
-    let parts: Vec<Vec<f64>> = states.par_chunks(CHUNK).map(sums).collect();
-    (0..space.len()).map(|k| parts.iter().map(|part| part[k]).sum::<f64>() / states.len() as f64).collect()
 }

@@ -1,4 +1,5 @@
 use crate::closure::pilot::Pilot;
+use crate::closure::tuning;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive_states, states};
 use rayon::prelude::*;
@@ -9,10 +10,6 @@ const SECTORS: usize = 48;
 
 /// Steps along a ray in the search for its end.
 const RAY: usize = 128;
-/// The guard's least fall for each reach.
-const STEEP: f64 = 20.0;
-/// A logarithmic density that rises again this far below its peak is not followed any farther.
-const RISING: f64 = 5.0;
 
 /// The part of the state space on which a closure is defined: the region that the pilot has visited, slightly widened.
 ///
@@ -109,7 +106,7 @@ impl TrustDomain {
             let mut step = inner;
             while step < RAY
                 && ray[step] > highest - drop
-                && !(ray[step + 1] > ray[step] && ray[step] < highest - RISING)
+                && !(ray[step + 1] > ray[step] && ray[step] < highest - tuning::domain::RISING)
             {
                 step += 1;
             }
@@ -218,9 +215,9 @@ impl TrustDomain {
 
     /// The slope at which a logarithmic density falls outwards at a point of the edge, for each reach; at least `STEEP`.
     fn fall(&self, edge: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
-        const NEAR: f64 = 0.99;
-        let inner: Vec<f64> = self.centre.iter().zip(edge).map(|(c, edge)| c + NEAR * (edge - c)).collect();
-        ((log(&inner) - log(edge)) / (1.0 - NEAR)).max(STEEP)
+        let near = 0.99;
+        let inner: Vec<f64> = self.centre.iter().zip(edge).map(|(c, edge)| c + near * (edge - c)).collect();
+        ((log(&inner) - log(edge)) / (1.0 - near)).max(tuning::domain::STEEP)
     }
 
     fn between_walls(&self, x: f64) -> bool {

@@ -1,26 +1,20 @@
 //! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
 
-use super::polish::polished;
 use crate::closure::candidates::indicator::Indication;
-use crate::closure::candidates::retained::Retained;
-use crate::closure::candidates::{Candidate, Fitted, Origin, Scoring, mean_logarithm};
+use crate::closure::candidates::{Candidate, Fitted, Origin, Retained, Scoring, mean_logarithm};
 use crate::closure::density::content::Content;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::nodes::Nodes;
-use crate::closure::discretisation::table;
-use crate::closure::discretisation::{FINE, lines};
+use crate::closure::discretisation::nodes::{self, Nodes};
+use crate::closure::discretisation::{Discretisation, lines};
 use crate::closure::nodal::NodalClosure;
 use crate::closure::projection::{distance, project, tempered};
-use crate::closure::reference::{Reference, normalised};
-
-/// The orders at which known densities are exact.
-const LOWER_ORDERS: [u32; 4] = [2, 4, 6, 8];
-/// A density whose distance from the reference exceeds the reference's own error by this factor is not exact.
-const POLISHABLE: f64 = 30.0;
-const ROUNDING: f64 = 1e-6;
-/// An exact density is followed down to e^−30 = 1e-13 of its peak, at most to three times the pilot's domain.
-const EXACT_DROP: f64 = 30.0;
-const EXACT_WIDENING: f64 = 3.0;
+use crate::closure::reference::{Reference, normalised, scaled_mass};
+use crate::closure::space::Jet;
+use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::tuning;
+use crate::states::States;
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
 
 impl NodalClosure {
     /// The exact density next to the chosen one, or the density of a lower order if that is exact: the equations of the
@@ -35,11 +29,11 @@ impl NodalClosure {
         let discretisation = &self.discretisation;
         let solution = |exponent: &Exponent| polished(discretisation, exponent, kept);
         // The distance of an exact density from the reference is the reference's own error.
-        let polishable = POLISHABLE * scoring.reference.doubt + ROUNDING;
+        let polishable = tuning::exact::POLISHABLE * scoring.reference.doubt + tuning::reference::FINE;
         let measure = tempered(&scoring.target, &kept.weights, 1.0);
-        let lower = LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
+        let lower = tuning::exact::LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
             let space = discretisation.family.nested(lower).answer;
-            let values = table::values(&space, &kept.points);
+            let values = nodes::values(&space, &kept.points);
             let fit = project(values.as_ref(), &scoring.fixed, &scoring.target, &measure)?;
             if distance(&fit.logarithm, &scoring.target, &kept.weights) > polishable {
                 return None;
@@ -60,8 +54,12 @@ impl NodalClosure {
     ) -> Option<Content> {
         let discretisation = &self.discretisation;
         let (domain, nodes, lines) = if discretisation.family.is_smooth() && self.lattice.is_none() {
-            let domain = discretisation.domain.following(|x| exponent.value(x), EXACT_DROP, EXACT_WIDENING);
-            let nodes = Nodes::gauss(&domain, FINE[domain.centre.len().min(2) - 1]);
+            let domain = discretisation.domain.following(
+                |x| exponent.value(x),
+                tuning::domain::FULL_DROP,
+                tuning::domain::EXACT_FOLLOWED,
+            );
+            let nodes = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]);
             let lines = lines(&domain);
             (domain, nodes, lines)
         } else {
@@ -94,4 +92,90 @@ impl NodalClosure {
             provenance: self.provenance(order, unknowns, reference.solved),
         })
     }
+}
+
+/// Newton's method on ∫ r ψ_k p̃ dx = 0 from an exponent that is close already. Where the order contains the exact density
+/// the residual vanishes at every node, and this, which does not hold for most roots, is required; otherwise `None`.
+///
+/// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way.
+fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retained) -> Option<Exponent> {
+    let Retained { points, weights, .. } = kept;
+    let (states, count) = (points.dimension(), exponent.coefficients.len());
+    let mut current = exponent.clone();
+    let mut ends = States::new(states);
+    discretisation
+        .passages
+        .iter()
+        .for_each(|passage| [passage.before, passage.after].iter().for_each(|x| ends.push(x)));
+    let walls = nodes::values(&exponent.space, &ends);
+    let mut last = f64::INFINITY;
+    let (mut row, mut rates) = (vec![1.0; count + 1], vec![0.0; count + 1]);
+    let (mut jet, mut reversed) = (Jet::zero(states), vec![0.0; states]);
+    for _ in 0..tuning::exact::STEPS {
+        let log: Vec<f64> = points.iter().map(|x| current.value(x)).collect();
+        let measure = tempered(&log, weights, 1.0);
+        let (mut square, mut parts) = (0.0, 0.0);
+        let mut values = Mat::zeros(points.len(), count + 1);
+        // The linearised residual of each function, and the residual in the first column.
+        let mut images = Mat::zeros(points.len(), count + 1);
+        for (i, x) in points.iter().enumerate() {
+            let local = &discretisation.locals[kept.nodes[i]];
+            current.jet(x, &mut jet);
+            let r = local.residual(&jet.gradient, &jet.hessian);
+            local.reversed(&jet.gradient, &mut reversed);
+            exponent.space.rates(x, (&reversed, &local.diffusion), &mut row[1..], &mut rates[1..]);
+            let root = measure[i].sqrt();
+            for k in 0..=count {
+                values[(i, k)] = row[k];
+                images[(i, k)] = root * rates[k];
+            }
+            images[(i, 0)] = root * r;
+            square += measure[i] * r * r;
+            parts += measure[i] * (0..states).map(|a| (local.drift[a] * jet.gradient[a]).powi(2)).sum::<f64>();
+        }
+        let size = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
+        if size < tuning::SOLVED {
+            return Some(current);
+        }
+        // The negation also excludes NaN.
+        if !(size < tuning::exact::NEAR && size < tuning::CONVERGING * last) {
+            return None;
+        }
+        last = size;
+        let basis = Orthonormal::new(values.as_ref(), &measure)?;
+        // Coefficients in units in which every function has the same size under p̃.
+        let scale: Vec<f64> = (1..=count)
+            .map(|k| {
+                let square: f64 = (0..points.len()).map(|i| measure[i] * values[(i, k)] * values[(i, k)]).sum();
+                square.sqrt().recip()
+            })
+            .collect();
+        let mut system = basis.weighted.transpose() * &images;
+        if !ends.is_empty() {
+            let impacts = discretisation.passages.len();
+            let (top, mass) = scaled_mass(&log, weights);
+            let density: Vec<f64> = ends.iter().map(|x| (current.value(x) - top).exp() / mass).collect();
+            let after = Mat::from_fn(impacts, count + 1, |i, k| walls[(2 * i + 1, k)]);
+            let tests = basis.transformed(after.as_ref());
+            let missing = Mat::from_fn(impacts, count + 1, |i, k| {
+                let passage = &discretisation.passages[i];
+                let [before, after] = [0, 1].map(|end| density[2 * i + end] * walls[(2 * i + end, k)]);
+                passage.weight * (passage.contraction * after - before)
+            });
+            // The first column is that of the constant function: the mismatch itself.
+            system -= tests.transpose() * missing;
+        }
+        // Next to an exact solution many functions about a wall do nothing: the least step is taken.
+        let matrix = DMatrix::from_fn(count, count, |k, l| system[(k + 1, l + 1)] * scale[l]);
+        let right = DVector::from_fn(count, |k, _| -system[(k + 1, 0)]);
+        let cut = tuning::SOLVED * matrix.norm();
+        let step = matrix.svd(true, true).solve(&right, cut).ok()?;
+        for k in 0..count {
+            current.coefficients[k] += scale[k] * step[k];
+        }
+        if !current.coefficients.iter().all(|a| a.is_finite()) {
+            return None;
+        }
+    }
+    None
 }

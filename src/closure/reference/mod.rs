@@ -1,20 +1,18 @@
 //! The reference that the closures of one system are compared with: a density that solves many more moment equations.
 //!
-//! `moment_equations` solves them once; `on_lattice` makes a reference in three states and four.
+//! `moment_equations` solves them once.
 
 pub(super) mod moment_equations;
-pub(super) mod on_lattice;
 
 use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
-use super::discretisation::nodes::Nodes;
-use super::discretisation::table::Table;
+use super::discretisation::nodes::{Nodes, Table};
 use super::projection::{distance, project, tempered};
 use super::samples::Moment;
+use super::space::Functions;
 use super::space::nested_spaces::{NestedSpaces, Truncation};
-use super::space::{Functions, Jet};
+use crate::closure::tuning;
 use crate::error::{Result, dimension};
-use crate::fokker_planck::Local;
 use crate::polynomial::power;
 use crate::record::{Read, number};
 use crate::states::States;
@@ -22,33 +20,6 @@ use faer::Mat;
 use moment_equations::resolve;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-
-/// How often the weight is renewed at most.
-const RENEWALS: usize = 8;
-/// The weight follows the density with this power of it: flatter than the density, for the tails' sake.
-const FLATNESS: f64 = 0.6;
-/// A weight settles within so many renewals from an initial one, and from the weight of a similar system once its correction
-/// is as small as in that system, up to this factor.
-const SETTLING: usize = 3;
-const AS_SMALL: f64 = 1.6;
-/// The correction below which the weight is the solution to rounding.
-const EXACT: f64 = 1e-12;
-/// A correction that has come down to this share of the one before is still converging.
-const CONVERGING: f64 = 0.5;
-/// The error may grow by this factor while the weight settles.
-const PATIENCE: f64 = 2.0;
-/// A later density is preferred to an earlier one whose error is smaller by less than this factor.
-const LATER: f64 = 1.5;
-/// Where the initial weight leads to a larger error than this, another one is tried.
-const GOOD: f64 = 0.05;
-/// A fit of the pilot's means that is as far as this from the solution is a start of none.
-const HOPELESS: f64 = 1.0;
-/// A reference's error below this share of the answer's distance from it needs no further attempt.
-const MINOR: f64 = 0.7;
-/// Nor does one that is as small as this.
-const FINE: f64 = 2e-5;
-/// 1 + δ is cut off here before its logarithm is taken.
-const CUT: [f64; 2] = [0.05, 20.0];
 
 /// A start for a reference: the weight of a similar system's, and the size of its correction.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,8 +62,8 @@ pub(crate) struct Reference {
 }
 
 impl Reference {
-    /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error that
-    /// the edge of the domain makes, as ripples; where they are larger than the distance between the reference and the
+    /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error
+    /// that the edge of the domain makes, as ripples; where they are larger than the distance between the reference and the
     /// answer, a correction without them is tried too. A lattice has no edge, and its initial weight is already a fit of the
     /// pilot's means: nothing else is tried. `None` if no system had a solution.
     pub(super) fn new(
@@ -109,7 +80,8 @@ impl Reference {
         let whole = Self::with_truncation(discretisation, nested, table, nested.whole, start, &fit);
         let Some(cut) = nested.cut else { return whole };
         let minor = |whole: &Self| {
-            whole.error <= FINE || whole.error <= MINOR * whole.distance_to_answer(discretisation, nested, table)
+            whole.error <= tuning::reference::FINE
+                || whole.error <= tuning::reference::MINOR * whole.distance_to_answer(discretisation, nested, table)
         };
         if whole.as_ref().is_some_and(minor) {
             return whole;
@@ -131,12 +103,12 @@ impl Reference {
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
         let similar = start.and_then(|start| Self::renewed(discretisation, nested, table, truncation, start.clone()));
-        if similar.as_ref().is_some_and(|similar| similar.error <= GOOD) {
+        if similar.as_ref().is_some_and(|similar| similar.error <= tuning::reference::GOOD) {
             return similar;
         }
         let afresh = |weight| Self::renewed(discretisation, nested, table, truncation, Start { weight, settled: 0.0 });
         let first = afresh(discretisation.guess.clone());
-        if first.as_ref().is_some_and(|first| first.error <= GOOD) {
+        if first.as_ref().is_some_and(|first| first.error <= tuning::reference::GOOD) {
             return first;
         }
         let second = fit().and_then(afresh);
@@ -166,7 +138,7 @@ impl Reference {
         let mut change = f64::INFINITY;
         // One bad weight may be followed by a good one; after a second one the search ends.
         let mut strikes = 0;
-        for solved in 1..=RENEWALS {
+        for solved in 1..=tuning::reference::RENEWALS {
             let measure = tempered(&log, &nodes.weights, 1.0);
             let (top, mass) = scaled_mass(&log, &nodes.weights);
             let passages: Vec<f64> = discretisation
@@ -175,22 +147,21 @@ impl Reference {
                 .map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass)
                 .collect();
             // Where there are impacts, the equations have other terms besides the residual.
-            let r = discretisation.passages.is_empty().then(|| residuals(discretisation, &weight));
+            let r = discretisation.passages.is_empty().then(|| discretisation.residuals(&weight));
             let Some(found) = resolve(table, &measure, &passages, r.as_deref(), truncation) else { break };
             let error = found.error;
-            if discretisation.is_on_lattice() && error > HOPELESS {
+            if discretisation.is_on_lattice() && error > tuning::reference::UNKNOWN {
                 break;
             }
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
-            strikes += u32::from(error > PATIENCE * least);
+            strikes += u32::from(error > tuning::reference::PATIENCE * least);
             if strikes > 1 {
                 break;
             }
-            let target: Vec<f64> =
-                log.iter().zip(&found.correction).map(|(q, d)| q + (1.0 + d).clamp(CUT[0], CUT[1]).ln()).collect();
+            let target: Vec<f64> = log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d)).collect();
             let before = std::mem::replace(&mut change, found.size);
             // Of two that are about as good the later one is better in the tails.
-            if error < LATER * least {
+            if error < tuning::reference::SAME * least {
                 best = Some(Reference {
                     weight: weight.clone(),
                     space: nested.all.clone(),
@@ -203,15 +174,22 @@ impl Reference {
                 });
             }
             // After the first renewals the correction is the part that a polynomial of the weight's degree cannot represent.
-            let settled = solved > 1 && change <= AS_SMALL * settled;
-            if change < EXACT || settled || (solved > SETTLING && change > CONVERGING * before) || solved == RENEWALS {
+            let settled = solved > 1 && change <= tuning::reference::SAME * settled;
+            if change < tuning::ROUNDING
+                || settled
+                || (solved > tuning::reference::SETTLING && change > tuning::CONVERGING * before)
+                || solved == tuning::reference::RENEWALS
+            {
                 break;
             }
             let values = table.values.get(.., ..nested.weight_columns);
             let values = values.get(..nodes.len(), ..);
-            let Some(next) =
-                project(values, &discretisation.fixed, &target, &tempered(&target, &nodes.weights, FLATNESS))
-            else {
+            let Some(next) = project(
+                values,
+                &discretisation.fixed,
+                &target,
+                &tempered(&target, &nodes.weights, tuning::reference::FLATNESS),
+            ) else {
                 break;
             };
             weight = Exponent {
@@ -239,7 +217,7 @@ impl Reference {
         let part = |table: &Mat<f64>| table.get(.., ..columns).to_owned();
         let lower = Table { values: part(&table.values), rates: part(&table.rates) };
         let truncation = Truncation { judged: columns, end: columns };
-        let lower = resolve(&lower, &measure, &[], Some(&residuals(discretisation, &self.weight)), truncation);
+        let lower = resolve(&lower, &measure, &[], Some(&discretisation.residuals(&self.weight)), truncation);
         let own: Vec<f64> = points.par_iter().map(|x| self.correction_at(x)).collect();
         let masses = |correction: &[f64]| -> Vec<f64> {
             let all: Vec<f64> = measure.iter().zip(correction).map(|(w, delta)| w * (1.0 + delta)).collect();
@@ -274,7 +252,7 @@ impl Reference {
 
     /// ln p̂ at a state, up to a constant.
     pub(super) fn value(&self, x: &[f64]) -> f64 {
-        self.weight.value(x) + (1.0 + self.correction_at(x)).clamp(CUT[0], CUT[1]).ln()
+        self.weight.value(x) + log_ratio(self.correction_at(x))
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
@@ -289,15 +267,9 @@ impl Reference {
     }
 }
 
-/// The residual of exp(Q) at the nodes.
-fn residuals(discretisation: &Discretisation, q: &Exponent) -> Vec<f64> {
-    let points = discretisation.nodes.points.par_iter().zip(&discretisation.locals);
-    let states = discretisation.nodes.points.dimension();
-    let residual = |jet: &mut Jet, (x, local): (&[f64], &Local)| {
-        q.jet(x, jet);
-        local.residual(&jet.gradient, &jet.hessian)
-    };
-    points.map_init(|| Jet::zero(states), residual).collect()
+/// ln (1 + δ), cut off where δ is far from small.
+fn log_ratio(correction: f64) -> f64 {
+    (1.0 + correction).clamp(tuning::reference::CUT.recip(), tuning::reference::CUT).ln()
 }
 
 /// The highest of some logarithms, and the sum over the nodes of their exponentials relative to it.

@@ -1,6 +1,6 @@
 //! The moment equations as a linear system for the ratio of the density to a reference weight.
 
-use crate::closure::discretisation::table::Table;
+use crate::closure::discretisation::nodes::Table;
 use crate::closure::space::nested_spaces::Truncation;
 use crate::closure::space::orthonormal::Orthonormal;
 use faer::prelude::*;

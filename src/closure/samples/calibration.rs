@@ -1,27 +1,17 @@
 //! Means over the pilot's states under which the moment equations hold.
 
+use super::equations::Sites;
 use super::products::{LANES, Products, Scratch};
-use super::sites::Sites;
-use crate::closure::pilot::{Pilot, TRAJECTORIES};
+use crate::closure::pilot::Pilot;
 use crate::closure::space::Polynomials;
 use crate::closure::space::degrees::Degrees;
+use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::regression;
 use crate::problem::{Problem, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
-/// The degrees of the functions ψ that may be tested, blocks of states that each of them needs, and how many are worth their time
-/// beyond the sixth degree.
-const DEGREES: [u32; 6] = [2, 4, 6, 8, 10, 12];
-const BLOCKS_EACH: usize = 60;
-const AFFORDED: usize = 300;
-/// A smaller weight of a state means that the pilot has not mixed.
-pub(super) const LEAST_WEIGHT: f64 = -2.0;
-/// The covariance of more means than this is not worth its time.
-pub(super) const COVARIANT: usize = 300;
-/// A trajectory has at least so many blocks, if it has as many states.
-const LEAST_BLOCKS: usize = 5;
 /// Trajectories are summed in so many lots, of which every other one makes the first half.
 const LOTS: usize = 16;
 
@@ -37,7 +27,7 @@ pub(super) struct Calibration {
     pub(super) means: Vec<f64>,
     /// The same from either half of the trajectories alone.
     pub(super) halves: [Vec<f64>; 2],
-    /// The covariance of the means of the first functions, at most [`COVARIANT`].
+    /// The covariance of the means of the first functions, as many as are afforded.
     pub(super) covariance: Mat<f64>,
     /// The mean of φ_k over each trajectory, with the regression of the other half taken off, less that of its half.
     residuals: Mat<f64>,
@@ -59,7 +49,7 @@ struct Sums {
 impl Sums {
     fn new(tests: usize, functions: usize) -> Self {
         let (square, mixed) = (Mat::zeros(tests, tests), Mat::zeros(tests, functions));
-        let own = Mat::zeros(functions.min(COVARIANT), functions.min(COVARIANT));
+        let own = Mat::zeros(functions.min(tuning::space::MANY), functions.min(tuning::space::MANY));
         Sums { blocks: 0.0, first: [vec![0.0; tests], vec![0.0; functions]], square, mixed, own }
     }
 
@@ -136,13 +126,15 @@ impl Calibration {
         judged: usize,
     ) -> Option<Self> {
         let samples = pilot.states.len() / TRAJECTORIES;
-        let length = (pilot.slowness(symmetry).ceil() as usize).min((samples / LEAST_BLOCKS).max(1));
+        let length =
+            (pilot.slowness(symmetry).ceil() as usize).min((samples / tuning::calibration::LEAST_BLOCKS).max(1));
         let blocks = (samples / length) * TRAJECTORIES;
         let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
         // From below, so that the many functions of a high degree in many states are not listed in vain.
-        let tested = DEGREES.iter().map(|&degree| (degree, exponents(degree)));
+        let tested = tuning::calibration::DEGREES.iter().map(|&degree| (degree, exponents(degree)));
         let allowed = tested.take_while(|(degree, tests)| {
-            tests.len() * BLOCKS_EACH <= blocks && (*degree <= 6 || tests.len() <= AFFORDED)
+            tests.len() * tuning::calibration::BLOCKS_EACH <= blocks
+                && (*degree <= 6 || tests.len() <= tuning::space::MANY)
         });
         let (mut degrees, mut exponents) = (vec![(None, 0)], Vec::new());
         for (degree, tests) in allowed {
@@ -188,7 +180,7 @@ impl Calibration {
         };
         // A few far states must not determine the regression of a high degree alone; where they do so at every degree, the
         // pilot has not mixed.
-        let sound = found.iter().position(|tested| weight(tested) > LEAST_WEIGHT).unwrap_or(0);
+        let sound = found.iter().position(|tested| weight(tested) > tuning::calibration::LEAST_WEIGHT).unwrap_or(0);
         let smallest_weight = weight(found.get(sound)?);
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
         let mut calibration = Calibration {
@@ -289,7 +281,8 @@ impl Paths<'_> {
         (sums, means)
     }
 
-    /// Places both kinds of functions at the states of trajectory `t`, eight at a time: how many there are, and the first of them.
+    /// Places both kinds of functions at the states of trajectory `t`, eight at a time: how many there are, and the first of
+    /// them.
     fn each(&self, t: usize, scratch: &mut [Scratch; 2], mut look: impl FnMut(usize, usize, &[Scratch; 2])) {
         let n = self.problem.dimension();
         let used = self.samples / self.length * self.length;

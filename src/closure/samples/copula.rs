@@ -1,6 +1,7 @@
 //! A density that is easy to draw from and close to the pilot's.
 
 use crate::closure::pilot::Pilot;
+use crate::closure::tuning;
 use crate::error::{Error, Result};
 use crate::problem::Symmetry;
 use crate::record::{Read, positive, states};
@@ -10,10 +11,6 @@ use serde::{Deserialize, Serialize};
 /// Normal scores between which a state is a linear function of its score.
 const KNOTS: usize = 13;
 const SPACING: f64 = 0.5;
-/// The variance of the draws relative to the pilot's.
-const WIDENED: f64 = 1.1;
-/// The radius of the trust domain, relative to the farthest of the pilot's states.
-const TRUSTED: f64 = 1.1;
 
 /// Normal scores with the pilot's correlations, stretched state by state to the pilot's quantiles: a Gaussian copula.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -100,13 +97,19 @@ impl Copula {
             }
             count += 1.0;
         }
-        covariance *= WIDENED / count;
+        covariance *= tuning::domain::WIDENING / count;
         let rows =
             |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|row| row.iter().copied().collect()).collect() };
         let inverse = rows(&Cholesky::new(covariance.clone())?.l().try_inverse()?);
         let farthest = pilot.states.iter().map(|x| distance(&inverse, &scores(x))).fold(0.0, f64::max);
         let covariance = rows(&covariance);
-        Some(Copula { spacing: SPACING, knots, covariance, inverse, farthest: farthest * TRUSTED * TRUSTED })
+        Some(Copula {
+            spacing: SPACING,
+            knots,
+            covariance,
+            inverse,
+            farthest: farthest * tuning::domain::WIDENING * tuning::domain::WIDENING,
+        })
     }
 
     /// The same for `n` states, if its numbers have a meaning.

@@ -3,6 +3,7 @@
 use super::copula::{Copula, Sampler};
 use super::products::{LANES, Products, ZERO};
 use crate::closure::space::Polynomials;
+use crate::closure::tuning;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::record::{Read, positive, states};
@@ -11,13 +12,10 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Random shifts of the lattice: the spread between them is the standard error.
-const SHIFTS: usize = 16;
-/// A section gets this part of the draws that a mean gets: a marginal is computed at many places.
-const OF_A_SECTION: usize = 8;
 /// Draws that a thread takes at a time.
 const BLOCK: usize = 2048;
-/// The most blocks of draws for each shift: some minutes of work for an integral.
+
+/// The most blocks of draws for each shift in a file: some minutes of work for an integral.
 const MOST_BLOCKS: usize = 1 << 16;
 
 /// Integrates exp(Q) times any function, with standard errors; the same, bit for bit, on any number of threads.
@@ -63,11 +61,11 @@ impl ImportanceRule {
     ) -> Option<Self> {
         let n = copula.knots.len();
         let mut stream = ChaCha8Rng::seed_from_u64(seed);
-        let shifts = (0..SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
+        let shifts = (0..tuning::density::SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
         let rule = ImportanceRule {
             copula: copula.clone(),
             shifts,
-            blocks: draws.div_ceil(BLOCK * SHIFTS).max(1),
+            blocks: draws.div_ceil(BLOCK * tuning::density::SHIFTS).max(1),
             shift: 0.0,
             mass: [1.0, 0.0],
             effective: 0.0,
@@ -97,12 +95,12 @@ impl ImportanceRule {
     /// The same for Q of these functions and coefficients, if its numbers have a meaning.
     pub(in crate::closure) fn checked(self, functions: &Polynomials, coefficients: &[f64]) -> Read<Self> {
         let n = functions.centre().len();
-        if self.shifts.len() != SHIFTS {
-            return Err(format!("there are {} shifts, not {SHIFTS}", self.shifts.len()));
+        if self.shifts.len() != tuning::density::SHIFTS {
+            return Err(format!("there are {} shifts, not {}", self.shifts.len(), tuning::density::SHIFTS));
         }
         self.shifts.iter().try_for_each(|shift| states("a shift of the draws", shift, n))?;
         if !(1..=MOST_BLOCKS).contains(&self.blocks) {
-            return Err(format!("{} blocks of draws are not between 1 and {MOST_BLOCKS}", self.blocks));
+            return Err(format!("{} blocks of draws are not between 1 and {}", self.blocks, MOST_BLOCKS));
         }
         states("the shift of the weights", &[self.shift], 1)?;
         states("the mass", &self.mass, 2)?;
@@ -144,7 +142,7 @@ impl ImportanceRule {
     pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>, Vec<usize>)> {
         let n = self.products.dimension();
         let sampler = self.copula.sampler(&[])?;
-        let blocks = (0..SHIFTS * self.blocks).into_par_iter().map(|task| {
+        let blocks = (0..tuning::density::SHIFTS * self.blocks).into_par_iter().map(|task| {
             let (mut values, mut weights) = (Vec::with_capacity(BLOCK * n), Vec::with_capacity(BLOCK));
             self.block(&sampler, task / self.blocks, task % self.blocks, |x, logarithm| {
                 values.extend_from_slice(x);
@@ -153,7 +151,7 @@ impl ImportanceRule {
             (values, weights)
         });
         let (values, weights): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.unzip();
-        let mut ends = Vec::with_capacity(SHIFTS);
+        let mut ends = Vec::with_capacity(tuning::density::SHIFTS);
         for blocks in weights.chunks(self.blocks) {
             ends.push(ends.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
         }
@@ -167,7 +165,7 @@ impl ImportanceRule {
         held: &[(usize, f64)],
         g: &(dyn Fn(&[f64]) -> f64 + Sync),
     ) -> Result<Estimate> {
-        let blocks = self.blocks.div_ceil(OF_A_SECTION);
+        let blocks = self.blocks.div_ceil(tuning::density::OF_A_SECTION);
         let sums = self.sums(held, blocks, g)?;
         let [mass, error] = self.mass;
         let integral = spread(sums.iter().map(|part| part[2] / draws_in(blocks)));
@@ -186,7 +184,7 @@ impl ImportanceRule {
             });
             sums
         };
-        let parts: Vec<Sums> = (0..SHIFTS * blocks).into_par_iter().map(part).collect();
+        let parts: Vec<Sums> = (0..tuning::density::SHIFTS * blocks).into_par_iter().map(part).collect();
         Ok(parts.chunks(blocks).map(|parts| parts.iter().fold([0.0; 3], added)).collect())
     }
 

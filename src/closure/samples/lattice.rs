@@ -3,6 +3,7 @@
 use super::copula::Copula;
 use super::likelihood::Nodes;
 use crate::closure::pilot::Pilot;
+use crate::closure::tuning;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive, states};
 use crate::states::States;
@@ -10,14 +11,6 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{SeedableRng, rngs::ChaCha8Rng, seq::SliceRandom};
 use serde::{Deserialize, Serialize};
 
-/// The range of the lattice's spacing in standard deviations: no density needs a finer one, and none is resolved by a coarser
-/// one.
-const FINEST: f64 = 0.12;
-const COARSEST: f64 = 1.2;
-/// The spacing of a lattice with too many nodes is widened by this factor.
-const WIDER: f64 = 1.04;
-/// The places of the lattice in a ball around the density, for each node that there may be.
-const SEARCHED: f64 = 64.0;
 /// No lattice that is made here has more nodes than this.
 const MOST: usize = 1 << 22;
 
@@ -60,23 +53,25 @@ impl Lattice {
         let radius = copula.beyond(pilot) * pilot.states.iter().map(length).fold(0.0, f64::max);
         // A ball of so many more places is not searched.
         let ball = (1..=n).rev().step_by(2).map(|k| if k == 1 { 2.0 } else { std::f64::consts::TAU / k as f64 });
-        if ball.product::<f64>() * (radius / COARSEST).powi(n as i32) > SEARCHED * most as f64 {
+        if ball.product::<f64>() * (radius / tuning::lattice::COARSEST).powi(n as i32)
+            > tuning::lattice::SEARCHED * most as f64
+        {
             return None;
         }
         let axes = axes.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let mut lattice = Lattice { centre, axes, radius, spacing: COARSEST };
+        let mut lattice = Lattice { centre, axes, radius, spacing: tuning::lattice::COARSEST };
         // The volume by a coarse lattice, then the finest that there is room for.
         let coarse = lattice.nodes(symmetry, copula, most)?;
         let room = most as f64 / coarse.points.len().max(1) as f64;
         lattice.spacing *= room.powf(-(n as f64).recip());
-        while lattice.spacing < COARSEST {
-            lattice.spacing = lattice.spacing.max(FINEST);
+        while lattice.spacing < tuning::lattice::COARSEST {
+            lattice.spacing = lattice.spacing.max(tuning::lattice::FINEST);
             if let Some(nodes) = lattice.nodes(symmetry, copula, most) {
                 return Some((lattice, nodes));
             }
-            lattice.spacing *= WIDER;
+            lattice.spacing *= 1.04;
         }
-        Some((Lattice { spacing: COARSEST, ..lattice }, coarse))
+        Some((Lattice { spacing: tuning::lattice::COARSEST, ..lattice }, coarse))
     }
 
     /// All nodes with their weights, none for its mirror images.
@@ -95,7 +90,7 @@ impl Lattice {
         self.axes.iter().try_for_each(|row| states("an axis of the lattice", row, n))?;
         positive("the radius of the lattice", self.radius)?;
         positive("the spacing of the lattice", self.spacing)?;
-        if (2.0 * self.radius / self.spacing).powi(n as i32) > SEARCHED * MOST as f64 {
+        if (2.0 * self.radius / self.spacing).powi(n as i32) > tuning::lattice::SEARCHED * MOST as f64 {
             return Err(format!("a lattice of the spacing {} has too many nodes", self.spacing));
         }
         Ok(self)

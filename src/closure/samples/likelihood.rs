@@ -1,23 +1,19 @@
 //! The most likely exponential polynomial with given means, by integrals over draws.
 
 use super::products::{LANES, Products, Scratch, ZERO};
+use crate::closure::tuning;
 use crate::estimate::Estimate;
-use crate::numerics::{Concave, Search};
+use crate::numerics::{Concave, Search, definite};
 use crate::states::States;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Accum, Mat, Par, Side};
+use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
 /// Draws in a block: its tables stay in a core's cache.
 pub(super) const BLOCK: usize = 512;
 /// Matrices that are summed side by side hold about so many numbers together.
 pub(super) const ROOM: usize = 30_000_000;
-/// With more functions than this every fourth draw makes the curvature; all make the gradient.
-const MANY: usize = 400;
-const EVERY: usize = 4;
-/// Added to the curvature, relative to its mean diagonal entry.
-const RIDGE: f64 = 1e-10;
 
 /// Nodes with weights for integrals of exp(Q): of a lattice, or draws from some density near exp(Q).
 #[derive(Clone, Debug)]
@@ -67,8 +63,8 @@ pub(super) struct Likelihood<'a> {
 }
 
 impl Likelihood<'_> {
-    /// The most likely density whose functions have the `means`, the constant left out: a·m − ln ∫ exp(Q) is concave. None where
-    /// integrals are not finite.
+    /// The most likely density whose functions have the `means`, the constant left out: a·m − ln ∫ exp(Q) is concave. None
+    /// where integrals are not finite.
     pub(super) fn most_likely(&self, means: &[f64], start: Vec<f64>, search: Search) -> Option<Fit> {
         let summit = search.ascend(&Towards { likelihood: self, means }, start[1..].to_vec())?;
         let (steps, converged, next, masses) = (summit.steps, summit.converged, summit.next, summit.at);
@@ -201,13 +197,13 @@ impl Likelihood<'_> {
 
     /// The factors of Cov φ.
     fn curvature(&self, masses: &[f64], means: &[f64]) -> Option<Llt<f64>> {
-        self.covariance(masses, means).llt(Side::Lower).ok()
+        definite(self.covariance(masses, means))
     }
 
-    /// Cov φ, with as much on its diagonal as keeps it definite.
+    /// Cov φ.
     pub(super) fn covariance(&self, masses: &[f64], means: &[f64]) -> Mat<f64> {
         let size = means.len();
-        let every = if size > MANY { EVERY } else { 1 };
+        let every = if size > tuning::space::MANY { tuning::likelihood::FEWER } else { 1 };
         let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).step_by(every).collect();
         let stretches = (ROOM / (size * size)).clamp(2, 64);
         let stretch = |blocks: &[usize]| {
@@ -236,12 +232,11 @@ impl Likelihood<'_> {
             sum += part;
             mass += m;
         }
-        let trace = (0..size).map(|k| sum[(k, k)]).sum::<f64>() / mass;
-        let ridge = RIDGE * trace / size as f64;
-        Mat::from_fn(size, size, |k, l| sum[(k, l)] / mass + if k == l { ridge } else { 0.0 })
+        Mat::from_fn(size, size, |k, l| sum[(k, l)] / mass)
     }
 
-    /// Places the functions at `count` draws from `first` on, eight at a time: the place of the first of them, and their number.
+    /// Places the functions at `count` draws from `first` on, eight at a time: the place of the first of them, and their
+    /// number.
     fn each(&self, first: usize, count: usize, scratch: &mut Scratch, mut look: impl FnMut(usize, usize, &Scratch)) {
         let n = self.products.dimension();
         let mut lanes = vec![ZERO; n];

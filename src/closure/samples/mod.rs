@@ -8,14 +8,12 @@
 
 mod calibration;
 mod copula;
-mod estimate;
+mod equations;
 mod importance;
 mod lattice;
 mod likelihood;
 mod moments;
 mod reconciliation;
-mod root;
-mod sites;
 
 pub(crate) use copula::Copula;
 pub(crate) use importance::ImportanceRule;
@@ -26,37 +24,15 @@ use super::density::exponent::Exponent;
 use super::pilot::Pilot;
 use super::space::degrees::Degrees;
 use super::space::{Functions, Polynomials};
+use crate::closure::tuning;
 use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;
 use crate::numerics::Search;
 use crate::problem::{Problem, Symmetry};
-use calibration::{COVARIANT, Calibration, LEAST_WEIGHT};
-use estimate::l1_estimate;
+use calibration::Calibration;
 pub(in crate::closure) use likelihood::Nodes;
-use likelihood::{Fit, Likelihood, effective};
+use likelihood::{Fit, Likelihood, distance, effective};
 use moments::moments;
-
-/// The density is compared with one two degrees higher, of at most so many functions; of more, only those of one and of two
-/// states are taken beyond the order.
-const MOST_FUNCTIONS: usize = 700;
-/// Nodes of the maximisation: for each function, at least, and at most.
-const NODES_EACH: usize = 300;
-const FEWEST_NODES: usize = 1 << 16;
-const MOST_NODES: usize = 1 << 18;
-/// A lattice resolves a density if no mean by one half of its nodes is farther from that by the other, in standard deviations;
-/// one of so many times fewer nodes does if they are as close as this.
-const UNEVEN: f64 = 0.02;
-const EVEN: f64 = 1e-5;
-const FEWER: usize = 4;
-/// A density is found once the next step, in standard deviations of ln p, is so short; one that starts another may be rougher.
-const FOUND: Search = Search { tolerance: 1e-6, most: 80 };
-const ROUGH: Search = Search { tolerance: 3e-3, most: 24 };
-/// How often the pilot's means and the equations are reconciled.
-const RECONCILED: usize = 3;
-/// A change of ln p, by its standard deviation, is made if it is at most so large, relative to 1 and to the one before.
-const FALLING: f64 = 0.5;
-/// The least effective share of the nodes.
-const LEAST_EFFECTIVE: f64 = 1e-3;
 
 /// ln p up to a constant, as found on samples.
 #[derive(Clone, Debug)]
@@ -101,7 +77,7 @@ pub(in crate::closure) fn close_on_samples(
     let exponents = |order| degrees.exponents(n, order, |alpha| symmetry.keeps(alpha));
     let kept = exponents(order);
     let mut higher = exponents(order + 2);
-    if higher.len() > MOST_FUNCTIONS {
+    if higher.len() > tuning::space::MOST {
         let few = |alpha: &Vec<u32>| alpha.iter().filter(|power| **power > 0).count() <= 2;
         let beyond: Vec<Vec<u32>> = higher.into_iter().filter(|alpha| few(alpha) && !kept.contains(alpha)).collect();
         higher = kept.iter().cloned().chain(beyond).collect();
@@ -113,7 +89,9 @@ pub(in crate::closure) fn close_on_samples(
 
     let polynomials = functions(&kept);
     let [products, judging] = [&polynomials, &functions(&higher)].map(Products::new);
-    let most = (NODES_EACH * kept.len()).max(NODES_EACH / 2 * higher.len()).clamp(FEWEST_NODES, MOST_NODES);
+    let most = (tuning::likelihood::NODES_EACH * kept.len())
+        .max(tuning::likelihood::NODES_EACH / 2 * higher.len())
+        .clamp(tuning::likelihood::FEWEST_NODES, tuning::likelihood::MOST_NODES);
     // Order by order, each from the one before.
     let lower: Vec<Products> =
         (2..order).step_by(2).map(|order| Products::new(&functions(&exponents(order)))).collect();
@@ -127,7 +105,7 @@ pub(in crate::closure) fn close_on_samples(
             start.clone_from(&fit.a);
             Some(Fit { steps, ..fit })
         };
-        lower.iter().try_for_each(|products| fitted(products, ROUGH).map(|_| ()))?;
+        lower.iter().try_for_each(|products| fitted(products, tuning::likelihood::ROUGH).map(|_| ()))?;
         let fit = fitted(&products, search)?;
         Some((nodes, fit))
     };
@@ -139,14 +117,16 @@ pub(in crate::closure) fn close_on_samples(
             let even = Likelihood { nodes: &nodes, products: &judging }.unevenness(&fit.masses) < uneven;
             even.then_some((Some(lattice), nodes, fit))
         };
-        let few = on(most / FEWER, EVEN, Search { most: FOUND.most / 2, ..FOUND });
-        few.filter(|(_, _, fit)| fit.converged).or_else(|| on(most, UNEVEN, FOUND))
+        let search = tuning::guess::SEARCH;
+        let few =
+            on(most / tuning::likelihood::FEWER, tuning::likelihood::EVEN, Search { most: search.most / 2, ..search });
+        few.filter(|(_, _, fit)| fit.converged).or_else(|| on(most, tuning::likelihood::UNEVEN, search))
     };
     let drawn = || {
         let rule = ImportanceRule::new(&polynomials, &vec![0.0; kept.len()], copula, most, seed ^ FITTED)?;
         let (points, weights, parts) = rule.drawn().ok()?;
         let base = weights.iter().map(|w| w.ln()).collect();
-        let (nodes, fit) = fitted(Nodes { points, base, parts, measured: false }, FOUND)?;
+        let (nodes, fit) = fitted(Nodes { points, base, parts, measured: false }, tuning::guess::SEARCH)?;
         Some((None, nodes, fit))
     };
     let (lattice, nodes, fit) = on_lattice().or_else(drawn)?;
@@ -171,7 +151,9 @@ pub(in crate::closure) fn close_on_samples(
         exact,
         l1_estimate,
         residual,
-        carried: fit.converged && fit.effective > LEAST_EFFECTIVE && calibration.smallest_weight > LEAST_WEIGHT,
+        carried: fit.converged
+            && fit.effective > tuning::likelihood::LEAST_EFFECTIVE
+            && calibration.smallest_weight > tuning::calibration::LEAST_WEIGHT,
         calibrated: (calibration.degree, calibration.smallest_weight),
         steps: fit.steps,
         lattice: lattice.map(|lattice| (lattice, nodes)),
@@ -182,14 +164,14 @@ pub(in crate::closure) fn close_on_samples(
 fn reconciled(problem: &Problem, likelihood: &Likelihood<'_>, fit: Fit, calibration: &Calibration) -> Fit {
     let size = likelihood.products.len() - 1;
     let mut fit = fit;
-    if size > COVARIANT {
+    if size > tuning::space::MANY {
         return fit;
     }
     let (means, covariance) = (&calibration.means[..size], calibration.covariance.get(..size, ..size));
     let mut last = 1.0;
-    for _ in 0..RECONCILED {
+    for _ in 0..tuning::likelihood::RECONCILED {
         let Some(found) = likelihood.reconciled(problem, &fit, means, covariance) else { break };
-        if found.size > FALLING * last {
+        if found.size > tuning::CONVERGING * last {
             break;
         }
         last = found.size;
@@ -199,6 +181,44 @@ fn reconciled(problem: &Problem, likelihood: &Likelihood<'_>, fit: Fit, calibrat
         fit = Fit { a, effective: effective(&masses), steps: fit.steps + 1, masses, ..fit };
     }
     fit
+}
+
+/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit`, of which the first of `higher` are the functions: the distance from the
+/// density that the pilot's means and the moment equations of all of `higher` give, less the part of it that is chance, plus
+/// the last step of a search that did not end; 2 where there is no such density.
+fn l1_estimate(problem: &Problem, nodes: &Nodes, higher: &Products, fit: &Fit, calibration: &Calibration) -> f64 {
+    let likelihood = Likelihood { nodes, products: higher };
+    let size = higher.len() - 1;
+    let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(size + 1).collect();
+    let apart = |means: &[f64], size: f64| {
+        let above = likelihood.most_likely(
+            means,
+            start.clone(),
+            Search { tolerance: tuning::likelihood::FINE * size, most: tuning::likelihood::ROUGH.most },
+        )?;
+        Some((distance(&fit.masses, &above.masses), above))
+    };
+    let reconciled = if size <= tuning::space::MANY {
+        let begin = Fit { a: start.clone(), ..fit.clone() };
+        likelihood.reconciled(problem, &begin, &calibration.means, calibration.covariance.as_ref())
+    } else {
+        None
+    };
+    // A step to means that no density nearby has is not taken.
+    let by_both = reconciled.and_then(|found| {
+        let (distance, above) = apart(&found.means, found.size.min(1.0)).filter(|(_, above)| above.converged)?;
+        Some((distance, distance * (found.noise / found.size).min(1.0), above.next))
+    });
+    // Half the distance between the higher order by one half of the states and by the other is the noise of the two together.
+    let by_pilot = || {
+        let (distance, above) = apart(&calibration.means, tuning::likelihood::UNKNOWN)?;
+        let change = likelihood.change(&above, calibration.halves.each_ref().map(Vec::as_slice));
+        Some((distance, 0.5 * change.unwrap_or(2.0), above.next))
+    };
+    by_both.or_else(by_pilot).map_or(2.0, |(found, noise, open)| {
+        let beyond_noise = (found * found - noise * noise).max(0.0).sqrt();
+        (beyond_noise + 0.5 * noise).hypot(open).min(2.0)
+    })
 }
 
 /// A mask of the seed, which makes the draws of the maximisation independent of those of the answers.

@@ -1,18 +1,12 @@
 //! The combination of the pilot's means and the moment equations, each weighted by the inverse of its covariance.
 
+use super::equations::{Columns, Equations};
 use super::likelihood::{Fit, Likelihood};
-use super::root::{Columns, Equations};
+use crate::closure::tuning;
+use crate::numerics::definite;
 use crate::problem::Problem;
 use faer::linalg::solvers::SolveLstsq;
-use faer::{Mat, MatRef, Side};
-
-/// The factors κ on the covariance of the equations; it is raised until the remaining deviation from the pilot's means is
-/// chance.
-const DOUBTS: [f64; 13] = [1.0, 3.0, 10.0, 30.0, 1e2, 3e2, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7, 1e8];
-/// Added to the diagonal of a covariance whose diagonal is one.
-const RIDGE: f64 = 1e-10;
-/// The least error of the equations, relative to the terms that they sum up: rounding, and draws that hardly differ.
-const ROUNDING: f64 = 1e-12;
+use faer::{Mat, MatRef};
 
 /// The first-order change from exp(Q) to p = exp(Q)(1 + δ), δ a combination of the functions less their means.
 #[derive(Clone, Debug)]
@@ -45,7 +39,7 @@ impl Likelihood<'_> {
         let Equations { matrix, tested, noise, spread, .. } =
             self.equations(problem, &fit.a, &fit.masses, Columns::Generator);
         // In functions that are orthonormal under exp(Q), H = 1.
-        let factor = self.covariance(&fit.masses, &found).llt(Side::Lower).ok()?;
+        let factor = definite(self.covariance(&fit.masses, &found))?;
         let lower = factor.L();
         let whitened = |mut matrix: Mat<f64>| -> Mat<f64> {
             lower.solve_lower_triangular_in_place(matrix.as_mut());
@@ -75,12 +69,12 @@ impl Likelihood<'_> {
         let variances = self.variances(&fit.masses, &found);
         let even: Vec<f64> = (0..size).map(|k| (variances[k] / spread[(k, k)]).sqrt()).collect();
         let of_means = Mat::from_fn(size, size, |k, l| covariance[(k, l)] + even[k] * even[l] * spread[(k, l)]);
-        let floor = ROUNDING * operator.squared_norm_l2() / size as f64;
+        let floor = tuning::ROUNDING * operator.squared_norm_l2() / size as f64;
         let noise = Mat::from_fn(size, size, |k, l| noise[(k, l)] + if k == l { floor } else { 0.0 });
         let (pilot, equations) = (standardised(&whitened(of_means))?, standardised(&noise)?);
         let (by_pilot, off_by_pilot) = (pilot(&Mat::identity(size, size)), pilot(&off));
         let (by_equations, force) = (equations(&operator), equations(&force));
-        DOUBTS.iter().find_map(|doubt| {
+        tuning::likelihood::DOUBTS.iter().find_map(|doubt| {
             let share = doubt.sqrt().recip();
             let stacked = Mat::from_fn(2 * size, size, |k, l| {
                 if k < size { by_pilot[(k, l)] } else { share * by_equations[(k - size, l)] }
@@ -119,9 +113,7 @@ fn standardised(covariance: &Mat<f64>) -> Option<impl Fn(&Mat<f64>) -> Mat<f64> 
     if !scale.iter().all(|scale| scale.is_finite()) {
         return None;
     }
-    let ridge = |k: usize, l: usize| if k == l { RIDGE } else { 0.0 };
-    let unit = Mat::from_fn(size, size, |k, l| scale[k] * scale[l] * covariance[(k, l)] + ridge(k, l));
-    let factor = unit.llt(Side::Lower).ok()?;
+    let factor = definite(Mat::from_fn(size, size, |k, l| scale[k] * scale[l] * covariance[(k, l)]))?;
     Some(move |matrix: &Mat<f64>| {
         let mut scaled = Mat::from_fn(size, matrix.ncols(), |k, l| scale[k] * matrix[(k, l)]);
         factor.L().solve_lower_triangular_in_place(scaled.as_mut());

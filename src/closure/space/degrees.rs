@@ -23,8 +23,8 @@ pub struct Degrees {
 
 /// No rule here is made for polynomials of a higher degree.
 pub(in crate::closure) const HIGHEST: u32 = 30;
-/// Nor is any for more monomials.
-const MOST: usize = 1_000_000;
+/// Nor are more monomials listed.
+pub(in crate::closure) const MOST: usize = 1_000_000;
 
 impl Degrees {
     /// All monomials up to the order.

@@ -1,7 +1,7 @@
 //! The functions that ln p and its corrections are combined from.
 //!
 //! - `degrees`: which monomials are of an order; `polynomials`: products of Legendre polynomials of them;
-//! - `corner`, `similarity`, `kink`, `wall`: the functions next to walls;
+//! - `corner`, `similarity`, `wall`: the functions next to walls;
 //! - `nested_spaces`: the spaces that an order needs; `orthonormal`: their bases under a weight.
 
 pub(super) mod degrees;
@@ -9,16 +9,11 @@ pub(super) mod nested_spaces;
 pub(super) mod orthonormal;
 
 mod corner;
-mod jet;
-mod kink;
 mod polynomials;
 mod similarity;
 mod wall;
 
-pub(crate) use corner::Corner;
-pub(super) use jet::Jet;
-use jet::PlaneJet;
-pub(crate) use kink::{Kink, SMALLEST};
+pub(crate) use corner::{Corner, Kink, SMALLEST};
 pub(crate) use polynomials::Polynomials;
 pub(crate) use similarity::{CLOSEST, PER_UNIT, STEPS, Similarity, TAYLOR};
 pub(super) use wall::{WallFunctions, WallLevel};
@@ -119,4 +114,49 @@ impl Functions {
             Functions::Walls(_) => return Err(format!("walls stand in two states, not in {states}")),
         })
     }
+}
+
+/// A value with its derivatives at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::closure) struct Jet {
+    pub(in crate::closure) value: f64,
+    pub(in crate::closure) gradient: Vec<f64>,
+    /// By rows.
+    pub(in crate::closure) hessian: Vec<f64>,
+}
+
+impl Jet {
+    pub(in crate::closure) fn zero(states: usize) -> Self {
+        Jet { value: 0.0, gradient: vec![0.0; states], hessian: vec![0.0; states * states] }
+    }
+
+    /// Makes all numbers 0 again.
+    pub(in crate::closure) fn clear(&mut self) {
+        self.value = 0.0;
+        self.gradient.fill(0.0);
+        self.hessian.fill(0.0);
+    }
+
+    /// Adds `factor` times the jet of a function of two states.
+    pub(super) fn add(&mut self, factor: f64, other: &PlaneJet) {
+        self.value += factor * other.value;
+        for i in 0..2 {
+            self.gradient[i] += factor * other.gradient[i];
+            for j in 0..2 {
+                self.hessian[2 * i + j] += factor * other.hessian[i][j];
+            }
+        }
+    }
+}
+
+/// The same of a function of two states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PlaneJet {
+    pub(super) value: f64,
+    pub(super) gradient: [f64; 2],
+    pub(super) hessian: [[f64; 2]; 2],
+}
+
+impl PlaneJet {
+    pub(super) const ZERO: Self = PlaneJet { value: 0.0, gradient: [0.0; 2], hessian: [[0.0; 2]; 2] };
 }

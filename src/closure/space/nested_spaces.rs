@@ -1,17 +1,7 @@
 use super::degrees::Degrees;
 use crate::closure::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
+use crate::closure::tuning;
 use crate::problem::Symmetry;
-
-/// The degree of a reference above that of the closure, without walls; four states, with too many functions, have less.
-const EXCESS: u32 = 8;
-const EXCESS_OF_FOUR: u32 = 4;
-/// The highest degrees, where the edge of the domain shows as ripples; a correction may be cut off below them.
-const BUFFER: u32 = 4;
-
-/// Next to walls, the level that the weight is sought in, and that of the reference with the next lower one.
-const WEIGHT: WallLevel = WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7 };
-const LOWER: WallLevel = WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9 };
-const ALL: WallLevel = WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 };
 
 /// The nested spaces that an order needs. Each but the last holds the first functions of the next.
 pub(in crate::closure) struct NestedSpaces {
@@ -73,8 +63,9 @@ impl SpaceFamily {
                     _ => 6,
                 });
                 let spaces = [order, weight, degree - 2, degree].map(|d| smooth.functions(d));
-                let cut = (degree > order + BUFFER).then(|| {
-                    let [judged, end] = [BUFFER + 2, BUFFER].map(|less| smooth.functions(degree - less).len() + 1);
+                let cut = (degree > order + tuning::space::BUFFER).then(|| {
+                    let [judged, end] = [tuning::space::BUFFER + 2, tuning::space::BUFFER]
+                        .map(|less| smooth.functions(degree - less).len() + 1);
                     Truncation { judged, end }
                 });
                 NestedSpaces::new(spaces, cut)
@@ -101,7 +92,7 @@ pub(in crate::closure) struct Smooth {
 impl Smooth {
     /// The degree of the reference of an order.
     pub(in crate::closure) fn reference_degree(&self, order: u32) -> u32 {
-        order + if self.centre.len() > 3 { EXCESS_OF_FOUR } else { EXCESS }
+        order + tuning::space::EXCESS[self.centre.len().min(4) - 1]
     }
 
     pub(in crate::closure) fn functions(&self, degree: u32) -> Functions {
@@ -122,8 +113,9 @@ impl Walled {
     /// The spaces of the answer, the weight, and the reference and the one below it.
     fn spaces(&self, order: u32) -> [Functions; 4] {
         // From order 9 on the weight is of the answer's own level.
-        let weight = if order <= WEIGHT.degree { WEIGHT } else { level(order) };
-        let levels = [level(order), weight, LOWER, ALL];
+        let [weight, lower, all] = tuning::space::WALLED;
+        let weight = if order <= weight.degree { weight } else { level(order) };
+        let levels = [level(order), weight, lower, all];
         [1, 2, 3, 4].map(|steps| {
             let corners = self.corners.clone();
             Functions::Walls(WallFunctions::new(corners, &self.centre, &self.half_width, &levels[..steps]))

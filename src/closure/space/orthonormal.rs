@@ -1,3 +1,4 @@
+use crate::closure::tuning;
 use faer::prelude::*;
 use faer::{Mat, MatRef};
 
@@ -9,9 +10,6 @@ pub(in crate::closure) struct Orthonormal {
     /// Upper triangular, φ = ψ R.
     triangle: Mat<f64>,
 }
-
-/// A function that is a combination of those before it up to this relative size is dependent on them.
-const DEPENDENT: f64 = 1e-13;
 
 impl Orthonormal {
     /// Orthonormalises the columns of `values` under the weights `measure` of its rows. `None` where they are linearly
@@ -27,7 +25,7 @@ impl Orthonormal {
         for k in 0..triangle.ncols() {
             let column = scaled.col(k).norm_l2();
             let own = triangle[(k, k)].abs();
-            if own.is_nan() || own <= DEPENDENT * column {
+            if own.is_nan() || own <= tuning::space::DEPENDENT * column {
                 return None;
             }
         }

@@ -221,6 +221,7 @@ mod tests {
     use super::*;
     use crate::closure::space::Functions;
     use crate::control_variates::products::{LANES, Lane};
+    use crate::fokker_planck::generator;
 
     /// The jet, the rates and the powers are three routes to the same function.
     #[test]
@@ -238,7 +239,7 @@ mod tests {
         let powers = space.in_powers(&a).compose(&space.coordinates());
         // Sums of a few products of numbers near one.
         assert!((dot(&values) - jet.value).abs() < 1e-13 && (space.added(0.5, &x, &a) - 0.5 - jet.value).abs() < 1e-13);
-        assert!((dot(&rates) - jet.generator(local)).abs() < 1e-12);
+        assert!((dot(&rates) - generator(local, &jet.gradient, &jet.hessian)).abs() < 1e-12);
         assert!((powers.evaluate(&x) - jet.value).abs() < 1e-12);
         for i in 0..3 {
             assert!((powers.gradient(&x)[i] - jet.gradient[i]).abs() < 1e-12);

@@ -1,19 +1,20 @@
-use super::kink::{Kink, Radius};
+use super::corner::{Kink, Radius};
 use super::{Corner, Jet, Polynomials};
+use crate::fokker_planck::generator;
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
 
 /// How many functions of each kind, with A = (w⁶ + (κu)²)^{1/6}, which grows like |w| and u^{1/3}.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::closure) struct WallLevel {
+pub(crate) struct WallLevel {
     /// Polynomials of total degree 1 to this.
-    pub(in crate::closure) degree: u32,
+    pub(crate) degree: u32,
     /// Kinks A u^i w^j with i + j up to this.
-    pub(in crate::closure) kinks: u32,
+    pub(crate) kinks: u32,
     /// Angular functions A^{d−j} wʲ with d from 1 to this,
-    pub(in crate::closure) depth: u32,
+    pub(crate) depth: u32,
     /// and j from 0 to this.
-    pub(in crate::closure) angular: u32,
+    pub(crate) angular: u32,
 }
 
 /// Functions for ln p next to walls: polynomials, and at each wall functions with the singularity of grazing impacts.
@@ -137,7 +138,8 @@ impl WallFunctions {
             for (radius, corner) in radii.iter().zip(&self.corners) {
                 for kink in kinks {
                     let jet = corner.turned(radius.jet(kink));
-                    (values[at], rates[at]) = (jet.value, jet.generator(local));
+                    values[at] = jet.value;
+                    rates[at] = generator(local, &jet.gradient, jet.hessian.as_flattened());
                     at += 1;
                 }
             }
@@ -229,7 +231,10 @@ mod tests {
                 let mut jet = Jet::zero(2);
                 functions.combine(&x, &a, &mut jet);
                 assert!((functions.sum(&x, &a) - jet.value).abs() < 1e-14 * (1.0 + jet.value.abs()), "{k}");
-                assert!((jet.generator(local) - rates[k]).abs() < 1e-12 * (1.0 + rates[k].abs()), "{k}");
+                assert!(
+                    (generator(local, &jet.gradient, &jet.hessian) - rates[k]).abs() < 1e-12 * (1.0 + rates[k].abs()),
+                    "{k}"
+                );
                 let slopes = [(e[k] - w[k]) / (2.0 * h), (n[k] - s[k]) / (2.0 * h)];
                 let bends = [(e[k] + w[k] - 2.0 * here[k]) / (h * h), (n[k] + s[k] - 2.0 * here[k]) / (h * h)];
                 let mixed = (ne[k] + sw[k] - nw[k] - se[k]) / (4.0 * h * h);

@@ -2,10 +2,8 @@ use super::tally::{Levels, Tally};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::provenance::Provenance;
+use crate::simulation::tuning;
 use crate::simulation::{jackknife::jackknife, plan::same_level};
-
-/// With fewer replicas that met a state, its standard error is unreliable.
-const LEAST_REPLICAS: usize = 8;
 
 /// The tails of a stationary density: every value with its standard error.
 ///
@@ -95,7 +93,7 @@ impl Tails {
     fn mean(&self, value: impl Fn(&Tally) -> f64) -> Estimate {
         let mean = jackknife(&self.replicas, |tally| [value(tally), 1.0], |[sum, count]| sum / count);
         let met = self.replicas.iter().filter(|&tally| value(tally) != 0.0).count();
-        if met < LEAST_REPLICAS { Estimate::new(mean.value, f64::INFINITY) } else { mean }
+        if met < tuning::splitting::LEAST_MET { Estimate::new(mean.value, f64::INFINITY) } else { mean }
     }
 
     /// The place of a state's levels, the level as it was named, and the width of its cells.

@@ -1,4 +1,5 @@
 use super::requests::Point;
+use crate::simulation::tuning;
 use serde::{Deserialize, Serialize};
 
 /// Counts in the cell about a point and in its 2N neighbours.
@@ -38,15 +39,11 @@ pub(in crate::simulation) struct Slab {
     pub(super) width: f64,
 }
 
-/// The velocity of a state is averaged in cells of this share of the range of its histogram, a third of the standard
-/// deviation for a normal density.
-const SHARE: f64 = 1.0 / 36.0;
-
 impl Slab {
     /// The cells about a level of a state that lies between `lo` and `hi`, above a wall at `wall`. They are empty for a level
     /// on the wall or below it.
     pub(super) fn new(level: f64, [lo, hi]: [f64; 2], wall: f64) -> Self {
-        Slab { level, width: (SHARE * (hi - lo)).min((level - wall) / 1.5).max(0.0) }
+        Slab { level, width: (tuning::timetable::CELL * (hi - lo)).min((level - wall) / 1.5).max(0.0) }
     }
 
     /// Adds max(v, 0) to the sum over the cell that holds y.

@@ -1,15 +1,8 @@
 use super::{first_passage::PassageWindow, spectrum::Segments};
 use crate::error::{Result, dimension, finite, positive, require, state_index};
+use crate::simulation::tuning;
 use crate::simulation::{plan::same_level, run::at_most};
 use serde::{Deserialize, Serialize};
-
-/// The most moments; each moment, point or state that is requested costs time at every sample.
-const MOST_MOMENTS: usize = 64;
-const MOST_POINTS: usize = 256;
-const MOST_PASSAGES: usize = 16;
-
-/// The highest degree of a moment: beyond, a sum of powers is dominated by a single sample.
-const HIGHEST_DEGREE: u32 = 32;
 
 /// The statistics requested of a simulation beyond those of every run.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -57,13 +50,18 @@ impl Requests {
 
     /// Checks all of them, for trajectories of `states` states that are sampled at `interval` above a wall at `wall`.
     pub(in crate::simulation) fn validate(&self, states: usize, interval: f64, wall: f64) -> Result<()> {
-        at_most("number of moments", self.moments.len(), MOST_MOMENTS, "at most 64 can be named")?;
-        at_most("number of points", self.points.len(), MOST_POINTS, "at most 256 can be named")?;
-        at_most("number of first passages", self.passages.len(), MOST_PASSAGES, "at most 16 can be measured")?;
+        at_most("number of moments", self.moments.len(), tuning::limits::MOST_MOMENTS, "at most 64 can be named")?;
+        at_most("number of points", self.points.len(), tuning::limits::MOST_POINTS, "at most 256 can be named")?;
+        at_most(
+            "number of first passages",
+            self.passages.len(),
+            tuning::limits::MOST_PASSAGES,
+            "at most 16 can be measured",
+        )?;
         for exponents in &self.moments {
             dimension("the exponents of a moment", exponents.len(), states)?;
             let degree = exponents.iter().fold(0_u32, |sum, &power| sum.saturating_add(power));
-            at_most("degree of a moment", degree as usize, HIGHEST_DEGREE as usize, "at most 32")?;
+            at_most("degree of a moment", degree as usize, tuning::limits::HIGHEST_DEGREE as usize, "at most 32")?;
         }
         for (k, &(state, length)) in self.spectra.iter().enumerate() {
             state_index("the state of a spectrum", state, states)?;

@@ -1,6 +1,7 @@
 use crate::error::{Result, positive, require};
 use crate::estimate::Estimate;
 use crate::simulation::jackknife::jackknife;
+use crate::simulation::tuning;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -35,15 +36,13 @@ pub(in crate::simulation) struct SpectralTally {
     products: Vec<f64>,
 }
 
-/// The most samples in a segment.
-const LONGEST: usize = 1 << 20;
-
 impl Segments {
     /// Refuses intervals that are not finite and positive, and lengths that do not lie between 8 and 2²⁰.
     pub(super) fn check(length: usize, interval: f64) -> Result<()> {
         positive("sampling interval", interval, "it must be finite and above zero")?;
         let remedy = "a segment holds from 8 to 2^20 samples";
-        require((8..=LONGEST).contains(&length), "length of a segment", length as f64, remedy).map(|_| ())
+        require((8..=tuning::limits::LONGEST_SEGMENT).contains(&length), "length of a segment", length as f64, remedy)
+            .map(|_| ())
     }
 
     /// Segments of `length` samples that are `interval` apart.

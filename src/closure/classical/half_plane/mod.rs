@@ -7,7 +7,7 @@
 mod basis;
 mod weight;
 
-pub(super) use weight::Weight;
+pub(super) use weight::{Weight, fixed_point};
 
 use super::Basis;
 use super::galerkin::GalerkinEquations;
@@ -59,8 +59,8 @@ impl HalfPlaneGalerkin {
         let psi = functions.at(&nodes.z);
 
         let at = |p: &Polynomial| DVector::from_iterator(nodes.z.len(), nodes.z.iter().map(|z| p.evaluate(z)));
-        let spread = scaled.diffusion_divergence();
-        let along = [0, 1].map(|p| at(&(&spread[p] - &scaled.drift()[p])));
+        let backward = scaled.backward();
+        let along = [0, 1].map(|p| at(&backward[p]));
         let half_diffusion = at(&scaled.diffusion()[1][1]) * 0.5;
         let r_linear = DMatrix::from_fn(nodes.z.len(), functions.len(), |i, k| {
             along[0][i] * psi.first[(i, k)]

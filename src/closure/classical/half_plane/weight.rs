@@ -1,14 +1,18 @@
+use crate::closure::tuning;
 use crate::density::Frame;
 use crate::error::Result;
 use crate::numerics::Rule;
 use crate::polynomial::Gaussian;
+use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 /// Nodes on a half line for a Gaussian times a smooth function: the error is below 1e-13 up to polynomials of degree 40.
 const HALF_LINE: usize = 64;
+
 /// The rule of [`HALF_LINE`] nodes on [−1, 1], made once.
 static HALF_LINE_RULE: LazyLock<Rule> = LazyLock::new(|| Rule::legendre(HALF_LINE));
+
 /// The Gaussian weight is cut where it has fallen by e^−60.
 const CUT: f64 = 60.0;
 
@@ -79,4 +83,59 @@ impl Weight {
     fn mean_at_wall(&self) -> f64 {
         self.frame.origin()[1] + self.frame.scale()[(1, 0)] * self.wall
     }
+}
+
+/// Iterates `map` from `start` to its fixed point, with Anderson's acceleration (D. G. Anderson, 1965,
+/// doi:10.1145/321296.321305) on the mean and the logarithmic Cholesky factor, in which every vector is a Gaussian.
+///
+/// Returns the last iterate where `map` gives nothing or the iterations run out: any Gaussian serves as a weight, and the
+/// fixed point only makes the choice definite.
+pub(in crate::closure::classical) fn fixed_point(
+    start: Gaussian,
+    map: impl Fn(&Gaussian) -> Option<Gaussian>,
+) -> Gaussian {
+    // The mean in units of `start`'s deviations, so that a map which keeps the mean has it kept by every combination.
+    let unit = [0, 1].map(|i| start.covariance[(i, i)].sqrt());
+    let pack = |gaussian: &Gaussian| -> Option<DVector<f64>> {
+        let scale = gaussian.scale().ok()?;
+        let mean = [0, 1].map(|i| gaussian.mean[i] / unit[i]);
+        Some(dvector![mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / unit[1]])
+    };
+    let mut gaussian = start;
+    let mut history: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
+    for _ in 0..tuning::classical::STEPS {
+        let mapped = map(&gaussian).and_then(|next| pack(&next));
+        let Some((x, y)) = pack(&gaussian).zip(mapped) else { break };
+        let change = &y - &x;
+        if change.amax() < tuning::ROUNDING {
+            break;
+        }
+        history.push((x, change));
+        if history.len() > tuning::classical::MEMORY {
+            history.remove(0);
+        }
+        let x = accelerated(&history);
+        let scale = dmatrix![x[2].exp(), 0.0; x[4] * unit[1], x[3].exp()];
+        let mean = dvector![x[0] * unit[0], x[1] * unit[1]];
+        gaussian = Gaussian { mean, covariance: &scale * scale.transpose() };
+    }
+    gaussian
+}
+
+/// The combination of the stored steps whose changes cancel best.
+fn accelerated(history: &[(DVector<f64>, DVector<f64>)]) -> DVector<f64> {
+    let Some(((x, change), earlier)) = history.split_last() else { return DVector::zeros(0) };
+    let columns: Vec<DVector<f64>> = earlier.iter().map(|(_, c)| change - c).collect();
+    let plain = x + change;
+    if columns.is_empty() {
+        return plain;
+    }
+    let differences = DMatrix::from_columns(&columns);
+    let Ok(share) = differences.svd(true, true).solve(change, 1e-10) else { return plain };
+    let mut next = plain.clone();
+    for (share, (x_old, change_old)) in share.iter().zip(earlier) {
+        next -= (&plain - x_old - change_old) * *share;
+    }
+    // A combination that leaps is worse than the plain step.
+    if (&next - x).amax() < 2.0 { next } else { plain }
 }

@@ -1,22 +1,63 @@
-//! The root of the Galerkin equations under exp(Q) itself, where there is one.
+//! The Galerkin equations under exp(Q), with the Fokker-Planck operator at eight states at a time, and their root where there
+//! is one.
 
 use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, effective};
 use super::products::{LANES, Lane, Scratch, ZERO};
-use super::sites::Sites;
+use crate::closure::tuning;
+use crate::fokker_planck::Local;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
-/// The size of the residual, relative to its parts, at which the Fokker-Planck equation counts as solved; the largest ratio
-/// of it from one step to the next; and the most steps.
-const SOLVED: f64 = 1e-9;
-const HALVED: f64 = 0.5;
-const POLISHES: usize = 12;
-const FEWEST: usize = 1 << 14;
-/// Nodes for each function that a root is sought on: where there is one, few find it as well as many.
-const ROOT_EACH: usize = 80;
+/// Eight states with the coefficients of the operator there.
+#[derive(Clone, Debug)]
+pub(super) struct Sites {
+    pub(super) x: Vec<Lane>,
+    /// f.
+    pub(super) drift: Vec<Lane>,
+    /// B, by rows.
+    pub(super) diffusion: Vec<Lane>,
+    /// −f + ∂B.
+    pub(super) backward: Vec<Lane>,
+    /// −∇·f + ½ ∂∂B.
+    pub(super) source: Lane,
+    /// The states i with some B_ij ≠ 0, j ≠ i.
+    pub(super) coupled: Vec<usize>,
+    /// The states with noise.
+    pub(super) noisy: Vec<usize>,
+    local: Local,
+}
+
+impl Sites {
+    pub(super) fn new(problem: &Problem) -> Self {
+        let n = problem.dimension();
+        let [x, drift, backward] = [(); 3].map(|()| vec![ZERO; n]);
+        let b = problem.operator().diffusion();
+        let coupled = problem.operator().coupled();
+        let noisy = (0..n).filter(|&i| !b[i][i].is_zero()).collect();
+        let (diffusion, local) = (vec![ZERO; n * n], Local::new(n));
+        Sites { x, drift, diffusion, backward, source: ZERO, coupled, noisy, local }
+    }
+
+    /// Up to eight states, one after the other in `states`; the last stands in for those that are missing.
+    pub(super) fn place(&mut self, problem: &Problem, states: &[f64]) {
+        let n = problem.dimension();
+        let count = states.len() / n;
+        for l in 0..LANES {
+            let x = &states[l.min(count - 1) * n..][..n];
+            problem.local(x, &mut self.local);
+            for i in 0..n {
+                self.x[i][l] = x[i];
+                self.drift[i][l] = self.local.drift[i];
+                self.backward[i][l] = self.local.backward(i);
+            }
+            self.diffusion.iter_mut().zip(&self.local.diffusion).for_each(|(lane, b)| lane[l] = *b);
+            self.source[l] = self.local.source();
+        }
+    }
+}
 
 impl Likelihood<'_> {
     /// The root of E\[r φ_k\] = 0 under exp(Q) itself near `fit`, where the residual r vanishes at every draw: Q is then
@@ -24,7 +65,9 @@ impl Likelihood<'_> {
     pub(super) fn polished(&self, problem: &Problem, fit: &Fit) -> Option<Fit> {
         let size = self.products.len() - 1;
         let zeros = vec![0.0; size];
-        let enough = (ROOT_EACH * size).max(FEWEST);
+        // Where there is a root, few nodes find it as well as many.
+        let enough =
+            (tuning::likelihood::NODES_EACH * size).max(tuning::likelihood::FEWEST_NODES) / tuning::likelihood::FEWER;
         let parts = &self.nodes.parts;
         let count = parts.iter().copied().find(|end| *end >= enough).unwrap_or(fit.masses.len());
         let first = |masses: &[f64]| -> Vec<f64> {
@@ -32,11 +75,11 @@ impl Likelihood<'_> {
             masses[..count].iter().map(|p| p / sum).collect()
         };
         let (mut a, mut all, mut last) = (fit.a.clone(), fit.masses.clone(), f64::INFINITY);
-        for steps in 0..POLISHES {
+        for steps in 0..tuning::exact::STEPS {
             let masses = first(&all);
             let found = self.means(&masses);
             let equations = self.equations(problem, &a, &masses, Columns::Linearised);
-            if equations.size < SOLVED {
+            if equations.size < tuning::SOLVED {
                 return Some(Fit {
                     a,
                     effective: effective(&all),
@@ -46,7 +89,7 @@ impl Likelihood<'_> {
                     masses: all,
                 });
             }
-            if equations.size.is_nan() || equations.size >= HALVED * last {
+            if equations.size.is_nan() || equations.size >= tuning::CONVERGING * last {
                 return None;
             }
             last = equations.size;

@@ -1,0 +1,153 @@
+//! The constants that decide something in a simulation, in the order of its course, each with its unit and where its value
+//! comes from.
+
+/// Bounds on memory and on work.
+pub(super) mod limits {
+    /// The most trajectories, which a simulation holds at once: about a third of a gigabyte.
+    pub(crate) const MOST_TRAJECTORIES: usize = 1 << 20;
+    /// The most bins of every batch likewise.
+    pub(crate) const MOST_BINS: usize = 1024;
+    /// The most levels whose crossings one simulation counts: each costs time in every step.
+    pub(crate) const MOST_LEVELS: usize = 64;
+    /// The most moments; each moment, point or state that is requested costs time at every sample.
+    pub(crate) const MOST_MOMENTS: usize = 64;
+    /// The most points.
+    pub(crate) const MOST_POINTS: usize = 256;
+    /// The most states whose first passages are counted.
+    pub(crate) const MOST_PASSAGES: usize = 16;
+    /// The highest degree of a moment: beyond, a sum of powers is dominated by a single sample.
+    pub(crate) const HIGHEST_DEGREE: u32 = 32;
+    /// The most samples in a segment.
+    pub(crate) const LONGEST_SEGMENT: usize = 1 << 20;
+}
+
+/// The time step.
+pub(super) mod time_step {
+    /// The step of time as a part of the time scale 1/ω: ωh. The bias of means is (ωh)²/10, about: below 0.02 %.
+    pub(crate) const RESOLUTION: f64 = 0.04;
+    /// The same beside a wall with r < 1, where the bias is (ωh)²/3, about: below 0.05 %.
+    pub(crate) const BESIDE_LOSSY_WALL: f64 = 0.03;
+    /// The largest ωh anywhere on the way. At 2 the steps would be unstable.
+    pub(crate) const LARGEST: f64 = 0.25;
+    /// The stretches of their way; the rate is taken after each of the second half.
+    pub(crate) const STRETCHES: usize = 64;
+    /// The most steps tried. Each is at most half the one before.
+    pub(crate) const ATTEMPTS: usize = 12;
+    /// The most steps in a stretch: a try reports nothing. Default times never take so many.
+    pub(crate) const MOST_STEPS: f64 = 4096.0;
+}
+
+/// Steps beside a wall.
+pub(super) mod grazing {
+    /// The ratio a of a trajectory's own speed to what noise adds in one step.
+    pub(crate) const RESOLUTION: f64 = 3.0;
+    /// The number m of steps for which the wall must be out of reach.
+    pub(crate) const FORESIGHT: f64 = 2.0;
+}
+
+/// The start, the burn-in, and the samples.
+pub(super) mod timetable {
+    use std::time::Duration;
+
+    /// The noise of so many steps spreads the default start: enough for trajectories to differ, too little to leave the rest
+    /// position.
+    pub(crate) const SPREAD_STEPS: f64 = 4.0;
+    /// The trajectories of the pilot.
+    pub(crate) const PILOT_TRAJECTORIES: u64 = 64;
+    /// The stretches that a burn-in is divided into; the pilot's states are taken between them.
+    pub(crate) const BURN_IN_STRETCHES: usize = 64;
+    /// After so many of them the states are compared with the samples, where these are few.
+    pub(crate) const LATE: usize = 48;
+    /// Samples of each trajectory before the first check of precision.
+    pub(crate) const FIRST_LOOK: usize = 8;
+    /// Path-steps of all trajectories in one round, about: some hundredths of a second.
+    pub(crate) const ROUND: usize = 1 << 21;
+    /// Path-steps of all trajectories in a stretch that can be given up on its way, at the price of a copy of their states:
+    /// more than about a second.
+    pub(crate) const LONG: usize = 1 << 26;
+    /// The most steps in lockstep before the states are checked: some milliseconds.
+    pub(crate) const PIECE: usize = 1 << 12;
+    /// A run that has not come to the end of its first round is given up after the time budget or so much, so that sessions of
+    /// any length get on.
+    pub(crate) const LEAST_BUDGET: Duration = Duration::from_secs(1);
+    /// The longest burn-in that is not an option, times the rate of the motion: at most 2000 by the rates of the system without
+    /// its wall, and impacts may be twenty times faster.
+    pub(crate) const LONGEST_DEFAULT: f64 = 4e4;
+    /// The time between samples in the shortest of the system's times: states closer than that add little.
+    pub(crate) const INTERVAL: f64 = 3.0;
+    /// The velocity of a state is averaged in cells of this share of the range of its histogram, a third of the standard
+    /// deviation for a normal density.
+    pub(crate) const CELL: f64 = 1.0 / 36.0;
+}
+
+/// Standard errors, and what shows that a run was not stationary.
+pub(super) mod errors {
+    /// The number of batches, which standard errors are made from: enough for an error known to 9 %, few enough to be cheap.
+    pub(crate) const BATCHES: usize = 64;
+    /// The most blocks of time that are kept.
+    pub(crate) const MOST_BLOCKS: usize = 32;
+    /// The mean square of a state that changes by more standard errors has not become stationary.
+    pub(crate) const DRIFTING: f64 = 4.0;
+    /// From so many batches their spread is known to about a third.
+    pub(crate) const LEAST_BATCHES: usize = 32;
+    /// The fewest samples of a trajectory whose two halves are compared.
+    pub(crate) const LEAST_TREND: usize = 16;
+    /// Weights that deviate more from 1 are no longer chance.
+    pub(crate) const UNEVEN: f64 = 0.5;
+}
+
+/// Control variates.
+pub(super) mod calibration {
+    /// The highest degree of a polynomial ψ. With a higher degree the rest of a moment after the regression depends on the far
+    /// tail, where few samples are, and standard errors tend to be too small.
+    pub(crate) const HIGHEST: u32 = 6;
+    /// The most of them for each state: more take more time than a quarter of the simulation's own.
+    pub(crate) const MOST_EACH: usize = 25;
+    /// The box is this part of the range of the histograms: some two and a half standard deviations to either side.
+    pub(crate) const BOX: f64 = 0.4;
+    /// Numbers kept for each trajectory, of all trajectories together: a quarter of a gigabyte.
+    pub(crate) const MOST_NUMBERS: usize = 1 << 25;
+    /// Blocks that each control variate needs, in either half of the batches.
+    pub(crate) const BLOCKS_EACH: usize = 30;
+    /// A variance counts as at least this part of the plain one: below, it is rounding.
+    pub(crate) const LEAST: f64 = 1e-8;
+    /// The relative error of the correction that calibration makes: the ridge of the regression, and the rounding of its sums.
+    pub(crate) const ROUNDING: f64 = 1e-8;
+}
+
+/// Splitting.
+pub(super) mod splitting {
+    /// The starting states of one replica: as many as leave a few beyond the fourth threshold.
+    pub(crate) const STATES: usize = 128;
+    /// From fewer replicas a standard error is known to worse than 18 %.
+    pub(crate) const LEAST_REPLICAS: usize = 16;
+    /// More would need more starting states than one simulation holds.
+    pub(crate) const MOST_REPLICAS: usize = 2048;
+    /// The most particles in a bin; two hundred bins of so many fit into memory on any number of threads.
+    pub(crate) const MOST_PARTICLES: usize = 4096;
+    /// The pilot's particles in a bin, as a multiple of a replica's.
+    pub(crate) const PILOT: usize = 4;
+    /// The time step in the shortest of the system's times: 0.02 for the oscillator that it was chosen with.
+    pub(crate) const STEP: f64 = 0.058;
+    /// The resampling interval likewise: 0.1 for that oscillator.
+    pub(crate) const INTERVAL: f64 = 0.29;
+    /// One round of the pilot, as a share of the relaxation.
+    pub(crate) const ROUND: f64 = 0.1;
+    /// With fewer replicas that met a state, its standard error is unreliable.
+    pub(crate) const LEAST_MET: usize = 8;
+    /// A threshold is set only if at least this share of the weight beyond the last one lies beyond it.
+    pub(crate) const SEEN: f64 = 0.1;
+    /// The least number of starting states beyond the last threshold that is set from them.
+    pub(crate) const LEAST_STATES: f64 = 30.0;
+    /// The most bins, for any importance function.
+    pub(crate) const MOST_BINS: usize = 200;
+    /// So many rounds may pass without a new threshold before the importance function counts as exhausted.
+    pub(crate) const PATIENCE: usize = 10;
+    /// The rounds that the scale of the tail is taken from.
+    pub(crate) const CELL_ROUNDS: usize = 4;
+    /// The width δ of a cell about a level, as a share of the mean excess E(X − y | X > y), which is the scale of the tail
+    /// there. For an exponential tail the cells then err by 6·10⁻⁵ of the density.
+    pub(crate) const CELL: f64 = 1.0 / 3.0;
+    /// From fewer particles beyond a level the mean excess is not taken.
+    pub(crate) const LEAST_SEEN: f64 = 50.0;
+}
