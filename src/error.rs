@@ -224,7 +224,7 @@ pub enum Error {
     },
     /// The density does not end within the domain of a grid.
     #[error(
-        "at state {state} = {edge} the density is {level:.1e} of its peak, above the accepted {asked:.1e}: either the domain cuts it off, then widen `Grid::domain` or leave it out, or the drift has no stationary density"
+        "at state {state} = {edge} the density is {level:.1e} of its peak, above the accepted {accepted:.1e}: either the domain cuts it off, then widen `Grid::domain` or leave it out, or the drift has no stationary density"
     )]
     DomainCut {
         /// The state whose limit is too close.
@@ -234,7 +234,7 @@ pub enum Error {
         /// The density there, relative to the peak.
         level: f64,
         /// The highest level accepted.
-        asked: f64,
+        accepted: f64,
     },
     /// The linear equations of a grid have no unique solution.
     #[error(

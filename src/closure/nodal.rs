@@ -176,7 +176,7 @@ impl NodalClosure {
             );
             if let Some(fit) = fit {
                 let log: Vec<f64> = kept.points.iter().map(|x| fit.value(x)).collect();
-                tried.insert(0, scoring.judged(Origin::MaximumLikelihood, fit, &log));
+                tried.insert(0, scoring.scored(Origin::MaximumLikelihood, fit, &log));
             }
         }
         tried

@@ -90,17 +90,17 @@ pub(super) fn of_one_dimension(density: &dyn Density, reference: &dyn Density) -
 }
 
 /// |p − q|, ½ (√p − √q)² and, with another value of q, p ln(p/q) − p + q.
-fn integrands(p: f64, q: f64, told: f64) -> [f64; 3] {
+fn integrands(p: f64, q: f64, raised: f64) -> [f64; 3] {
     if p.is_nan() || q.is_nan() {
         return [f64::NAN; 3];
     }
     let positive = p.max(0.0);
     let divergence = match () {
-        () if positive == 0.0 => told.max(0.0),
-        () if told <= 0.0 => f64::INFINITY,
+        () if positive == 0.0 => raised.max(0.0),
+        () if raised <= 0.0 => f64::INFINITY,
         // With t = q/p − 1 this is p (t − ln(1 + t)), which loses nothing where p and q are close.
         () => {
-            let t = (told - positive) / positive;
+            let t = (raised - positive) / positive;
             positive * (t - t.ln_1p())
         }
     };
@@ -111,14 +111,14 @@ fn integrands(p: f64, q: f64, told: f64) -> [f64; 3] {
 fn with_errors(p: f64, q: Estimate) -> [Estimate; 3] {
     let (low, high) = (q.value - q.error, q.value + q.error);
     // A reference that does not differ from 0 by more than its error takes the value of p, as far as the error allows.
-    let told = if 2.0 * q.error < q.value {
+    let raised = if 2.0 * q.error < q.value {
         [low, q.value, high]
     } else {
         let (least, most) = (0.5 * q.error, high.max(q.error));
         [least, p.max(least).min(most), most]
     };
     let [below, here, above] =
-        [(low, told[0]), (q.value, told[1]), (high, told[2])].map(|(q, told)| integrands(p, q, told));
+        [(low, raised[0]), (q.value, raised[1]), (high, raised[2])].map(|(q, raised)| integrands(p, q, raised));
     std::array::from_fn(|k| Estimate::new(here[k], (below[k] - here[k]).abs().max((above[k] - here[k]).abs())))
 }
 

@@ -6,11 +6,11 @@ use crate::states::States;
 use rayon::prelude::*;
 
 /// A lower bound of ∫ |p̃ − p| dx, p being the unknown density that independent `states` come from: E_p g − E_p̃ g with g =
-/// sign(q − p̃), for a `judge` q that is closer to p.
+/// sign(q − p̃), for a `comparison` q that is closer to p.
 ///
 /// For no function between −1 and 1 do the means differ by more than the distance, and for the sign of p − p̃ they differ by
-/// exactly that: the better the judge, a closure two orders higher, say, the closer the bound. It is valid as long as neither
-/// density was fitted to these states, and no property of p is assumed; a bound below zero means that the judge is no better
+/// exactly that: the better the comparison, a closure two orders higher, say, the closer the bound. It is valid as long as neither
+/// density was fitted to these states, and no property of p is assumed; a bound below zero means that the comparison is no better
 /// than p̃. `states` are those of `trajectories` trajectories, one after the other, as
 /// [`Simulation::states`](crate::Simulation::states) gives them with a seed of its own; the spread between trajectories is
 /// the standard error, and what p̃'s own nodes add to it.
@@ -22,20 +22,20 @@ use rayon::prelude::*;
 /// ```
 /// use expoly::{Closure, Problem, Simulation, compare, models::CubicDamping};
 /// let problem = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
-/// let [density, judge] = [2, 6].map(|order| Closure::new(order).solve(&problem));
+/// let [density, comparison] = [2, 6].map(|order| Closure::new(order).solve(&problem));
 /// let density = density?;
 /// let states = Simulation::new().trajectories(256).samples(51_200).seed(7).states(&problem)?;
-/// let least = compare::l1_at_least(&density, &judge?, &states, 256)?;
+/// let least = compare::l1_at_least(&density, &comparison?, &states, 256)?;
 /// assert!((least.value - density.l1_estimate()).abs() < 4.0 * least.error && least.error < 0.01);
 /// # Ok::<(), expoly::Error>(())
 /// ```
 pub fn l1_at_least(
     density: &dyn Density,
-    judge: &dyn Density,
+    comparison: &dyn Density,
     states: &States,
     trajectories: usize,
 ) -> Result<Estimate> {
-    let n = of_one_dimension(density, judge)?;
+    let n = of_one_dimension(density, comparison)?;
     dimension("the held-out states", states.dimension(), n)?;
     if trajectories < 2 {
         return Err(Error::NoSamples { what: "the number of trajectories", least: 2 });
@@ -45,7 +45,7 @@ pub fn l1_at_least(
         return Err(Error::NoSamples { what: "the number of held-out states", least: trajectories });
     }
     let sign = |x: &[f64]| -> f64 {
-        let [own, other] = [density, judge].map(|density| density.log_pdf(x).unwrap_or(f64::NEG_INFINITY));
+        let [own, other] = [density, comparison].map(|density| density.log_pdf(x).unwrap_or(f64::NEG_INFINITY));
         f64::from(i8::from(other > own) - i8::from(other < own))
     };
     let path = |path: &[f64]| path.chunks_exact(n).map(sign).sum::<f64>() / samples as f64;

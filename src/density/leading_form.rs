@@ -114,7 +114,7 @@ mod tests {
 
     /// Where the state is bounded on one side, only directions with u ≥ 0 count.
     #[test]
-    fn a_half_space_looks_one_way_only() {
+    fn a_half_space_has_directions_of_one_side_only() {
         let q = [([3, 0], -1.0), ([0, 2], -1.0)];
         assert!(escapes(&q, false));
         assert!(!escapes(&q, true));

@@ -29,18 +29,18 @@ impl Solver<'_> {
         for [low, high] in domain {
             positive("side of the domain", high - low, "give lower and upper limits in this order, around the walls")?;
         }
-        let mut scout: Option<Field> = None;
+        let mut trial: Option<Field> = None;
         for attempt in 1..=tuning::domain::ATTEMPTS {
-            let space = self.space(domain, tuning::domain::SCOUT_DEGREE, tuning::domain::SCOUT_CELLS, false);
+            let space = self.space(domain, tuning::domain::TRIAL_DEGREE, tuning::domain::TRIAL_CELLS, false);
             let centre = space.elements() / 2 + space.axes[1].cells() / 2;
-            let pin = scout.as_ref().map_or(centre, |field| self.same_place(field, &space));
+            let pin = trial.as_ref().map_or(centre, |field| self.same_place(field, &space));
             let field = stationary::solve(self.problem, &space, pin, memory)?.field;
             let next = self.between_walls(self.measured(&field));
             let settled = self.settled(domain, next);
             if !adjust || attempt == tuning::domain::ATTEMPTS {
                 self.edge_level(&field, domain, tuning::domain::CUT)?;
             }
-            scout = Some(field);
+            trial = Some(field);
             if !adjust {
                 break;
             }
@@ -51,7 +51,7 @@ impl Solver<'_> {
         }
         let degree = self.degree;
         let space = self.space(domain, degree, self.cells, true);
-        let pin = scout.as_ref().map_or(0, |field| self.same_place(field, &space));
+        let pin = trial.as_ref().map_or(0, |field| self.same_place(field, &space));
         let coarse =
             stationary::solve(self.problem, &Space { degree: degree - 1, ..space.clone() }, pin, memory)?.field;
         let fine = stationary::solve(self.problem, &space, coarse.peak_element(), memory)?;
@@ -146,8 +146,8 @@ impl Solver<'_> {
             for side in (0..2).filter(|side| self.open(state, *side)) {
                 let level = profile.edge(side);
                 if level.is_nan() || level > accepted {
-                    let asked = self.grid.edge_level;
-                    return Err(Error::DomainCut { state, edge: domain[state][side], level, asked });
+                    let accepted = self.grid.edge_level;
+                    return Err(Error::DomainCut { state, edge: domain[state][side], level, accepted });
                 }
                 highest = level.max(highest);
             }

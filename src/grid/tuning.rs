@@ -11,9 +11,9 @@ pub(super) mod domain {
     /// The factor beyond the limit by the continued fall: a few percent more.
     pub(crate) const SAFETY: f64 = 1.04;
     /// The degree of the solutions by which the domain is adjusted, independent of the final one.
-    pub(crate) const SCOUT_DEGREE: usize = 5;
+    pub(crate) const TRIAL_DEGREE: usize = 5;
     /// Their cells: cheap, and fine enough for a narrow ridge in a domain that is still too wide.
-    pub(crate) const SCOUT_CELLS: [usize; 2] = [14, 14];
+    pub(crate) const TRIAL_CELLS: [usize; 2] = [14, 14];
     /// How often a domain is adjusted before the search is given up.
     pub(crate) const ATTEMPTS: usize = 6;
     /// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.

@@ -67,8 +67,8 @@ impl<'a> Control<'a> {
         if !self.cancelled.load(Ordering::Relaxed) {
             meter.progress.done += steps;
             let progress = meter.progress;
-            let verdict = meter.callback.as_mut().map(|callback| (callback.0)(progress));
-            self.cancelled.store(verdict == Some(ControlFlow::Break(())), Ordering::Relaxed);
+            let answer = meter.callback.as_mut().map(|callback| (callback.0)(progress));
+            self.cancelled.store(answer == Some(ControlFlow::Break(())), Ordering::Relaxed);
         }
     }
 

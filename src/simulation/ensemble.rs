@@ -143,17 +143,17 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
         mut observe: impl FnMut(usize, &[f64]),
     ) -> Result<()> {
-        let (mut unseen, mut work) = (self.boundaries.passages(), Workspace::new(self.scheme));
+        let (mut passages, mut work) = (self.boundaries.passages(), Workspace::new(self.scheme));
         let mut x = vec![0.0; self.scheme.states];
         for stretch in 0..stretches {
             let bounds = if stretch < BURN_IN_STRETCHES { &[] } else { bounds };
-            let look = |_, lanes: &Lanes, _: &Passages, _: &mut Workspace| {
+            let visit = |_, lanes: &Lanes, _: &Passages, _: &mut Workspace| {
                 for lane in 0..lanes.trajectories() {
                     lanes.read_state(lane, &mut x);
                     observe(stretch, &x);
                 }
             };
-            let steps = self.stretch(trajectories, stretch, bounds, &mut unseen, &mut work, look)?;
+            let steps = self.stretch(trajectories, stretch, bounds, &mut passages, &mut work, visit)?;
             self.control.report(steps * trajectories.count() as u64);
             self.control.check(place)?;
             self.control.check_anywhere()?;
@@ -162,7 +162,7 @@ impl<'a> Ensemble<'a> {
     }
 
     /// Takes trajectories through stretch number `stretch`, passes each group at its end, with its number and its passages,
-    /// to `look`, and returns its time steps. A long stretch may be given up on the way.
+    /// to `visit`, and returns its time steps. A long stretch may be given up on the way.
     fn stretch(
         &self,
         trajectories: &mut Trajectories,
@@ -170,7 +170,7 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
         passages: &mut Passages,
         work: &mut Workspace,
-        mut look: impl FnMut(usize, &Lanes, &Passages, &mut Workspace),
+        mut visit: impl FnMut(usize, &Lanes, &Passages, &mut Workspace),
     ) -> Result<u64> {
         let before = self.timetable.steps(stretch);
         let steps = self.timetable.steps(stretch + 1) - before;
@@ -185,7 +185,7 @@ impl<'a> Ensemble<'a> {
                     self.control.check_anywhere()?;
                 }
             }
-            look(group, lanes, passages, work);
+            visit(group, lanes, passages, work);
         }
         Ok(steps as u64)
     }

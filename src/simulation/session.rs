@@ -8,7 +8,7 @@ use super::{
     start::Start,
     tally::{Layout, Origin, Tally},
     target::Target,
-    timetable::{next_look, samples},
+    timetable::{next_check, samples},
 };
 use crate::error::{Error, Result};
 use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
@@ -49,7 +49,7 @@ impl<P: Processes> Session<'_, P> {
         let trajectories = self.batches.iter().map(|b| b.trajectories.count()).sum();
         self.ensemble.control.set(self.path_steps(), self.plan.path_steps(trajectories, self.samples));
         let (mut saved, mut rounds) = (Instant::now(), 0);
-        let mut look = next_look(samples(done).saturating_sub(1));
+        let mut check = next_check(samples(done).saturating_sub(1));
         let (mut before, mut kept) = (done, self.kept(done));
         let mut outcome = self.advance(done, end);
         let stopped = loop {
@@ -66,8 +66,8 @@ impl<P: Processes> Session<'_, P> {
                 done = if rounds > 0 { before } else { 0 };
                 break Stopped::TimeBudget;
             }
-            if samples(done) >= look {
-                look = next_look(samples(done));
+            if samples(done) >= check {
+                check = next_check(samples(done));
                 if self.on_target()? {
                     break Stopped::Precision;
                 }
@@ -83,7 +83,7 @@ impl<P: Processes> Session<'_, P> {
                 saved = Instant::now();
             }
             let round = self.plan.timetable.next_round(done, self.plan.trajectories);
-            let next = if self.targets.is_empty() { end } else { BURN_IN_STRETCHES + look };
+            let next = if self.targets.is_empty() { end } else { BURN_IN_STRETCHES + check };
             (before, done) = (done, round.min(next).min(end));
             kept = self.kept(done);
             outcome = self.advance(done, end);

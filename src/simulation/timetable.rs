@@ -70,12 +70,12 @@ pub(super) fn samples(stretches: usize) -> usize {
 /// The number of samples per trajectory at the first check of precision after `samples`: each check is an eighth after the
 /// one before. Where they fall depends on nothing else, so that a run that stops there can be repeated bit for bit; and they
 /// are few, since each check of a standard error that is itself uncertain is one more chance to stop too soon.
-pub(super) fn next_look(samples: usize) -> usize {
-    let mut look = tuning::timetable::FIRST_LOOK;
-    while look <= samples {
-        look += look / 8;
+pub(super) fn next_check(samples: usize) -> usize {
+    let mut check = tuning::timetable::FIRST_CHECK;
+    while check <= samples {
+        check += check / 8;
     }
-    look
+    check
 }
 
 #[cfg(test)]
@@ -94,10 +94,10 @@ mod tests {
     }
 
     #[test]
-    fn looks_are_an_eighth_apart() {
-        let looks: Vec<usize> = std::iter::successors(Some(0), |&n| Some(next_look(n))).skip(1).take(6).collect();
-        assert_eq!(looks, [8, 9, 10, 11, 12, 13]);
-        assert_eq!(next_look(1000), next_look(1001));
-        assert!((1000..=1125).contains(&next_look(1000)));
+    fn checks_are_an_eighth_apart() {
+        let checks: Vec<usize> = std::iter::successors(Some(0), |&n| Some(next_check(n))).skip(1).take(6).collect();
+        assert_eq!(checks, [8, 9, 10, 11, 12, 13]);
+        assert_eq!(next_check(1000), next_check(1001));
+        assert!((1000..=1125).contains(&next_check(1000)));
     }
 }

@@ -59,7 +59,7 @@ pub(super) mod timetable {
     /// After so many of them the states are compared with the samples, where these are few.
     pub(crate) const LATE: usize = 48;
     /// Samples of each trajectory before the first check of precision.
-    pub(crate) const FIRST_LOOK: usize = 8;
+    pub(crate) const FIRST_CHECK: usize = 8;
     /// Path-steps of all trajectories in one round, about: some hundredths of a second.
     pub(crate) const ROUND: usize = 1 << 21;
     /// Path-steps of all trajectories in a stretch that can be given up on its way, at the price of a copy of their states:

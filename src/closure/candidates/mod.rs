@@ -152,11 +152,11 @@ impl Scoring<'_> {
             constant: projection.constant,
             coefficients: projection.coefficients,
         };
-        Some(self.judged(Origin::MomentEquations { tails: share }, exponent, &projection.logarithm))
+        Some(self.scored(Origin::MomentEquations { tails: share }, exponent, &projection.logarithm))
     }
 
     /// A density with the estimates of its error. `logarithm` holds its values at the kept nodes.
-    pub(super) fn judged(&self, origin: Origin, mut exponent: Exponent, logarithm: &[f64]) -> Fitted {
+    pub(super) fn scored(&self, origin: Origin, mut exponent: Exponent, logarithm: &[f64]) -> Fitted {
         let normal = normalised(logarithm, &self.weights);
         exponent.constant += normal[0] - logarithm[0];
         let distance = distance(&normal, &self.target, &self.weights);

@@ -216,7 +216,7 @@ impl Reference {
         let columns = nested.lower_columns;
         let part = |table: &Mat<f64>| table.get(.., ..columns).to_owned();
         let lower = Table { values: part(&table.values), rates: part(&table.rates) };
-        let truncation = Truncation { judged: columns, end: columns };
+        let truncation = Truncation { lower: columns, end: columns };
         let lower = resolve(&lower, &measure, &[], Some(&discretisation.residuals(&self.weight)), truncation);
         let own: Vec<f64> = points.par_iter().map(|x| self.correction_at(x)).collect();
         let masses = |correction: &[f64]| -> Vec<f64> {

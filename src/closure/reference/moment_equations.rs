@@ -75,7 +75,7 @@ pub(in crate::closure) fn resolve(
         let kept = truncation.end - 1;
         let d: Vec<f64> = std::iter::once(0.0).chain((0..kept).map(|k| solved[(k, 0)])).collect();
         let highest: Vec<f64> =
-            d.iter().enumerate().map(|(k, d)| if k < truncation.judged { 0.0 } else { *d }).collect();
+            d.iter().enumerate().map(|(k, d)| if k < truncation.lower { 0.0 } else { *d }).collect();
         let rough: f64 = measure.iter().zip(at_nodes(&basis.coefficients(&highest))).map(|(w, d)| w * d.abs()).sum();
         let coefficients = basis.coefficients(&d);
         let correction = at_nodes(&coefficients);

@@ -116,14 +116,14 @@ struct Tested {
 
 impl Calibration {
     /// Of the functions φ = `functions`, whose box is that of ψ as well; the degree of ψ is that which leaves the smallest
-    /// share of the variances of the first `judged`. None where the pilot's states are fewer than its trajectories, or lie on
+    /// share of the variances of the first `wanted`. None where the pilot's states are fewer than its trajectories, or lie on
     /// a surface.
     pub(super) fn new(
         problem: &Problem,
         pilot: &Pilot,
         symmetry: &Symmetry,
         functions: &Polynomials,
-        judged: usize,
+        wanted: usize,
     ) -> Option<Self> {
         let samples = pilot.states.len() / TRAJECTORIES;
         let length =
@@ -167,9 +167,9 @@ impl Calibration {
             let residuals = residuals(&mean, [&regressions[1].beta, &regressions[2].beta]);
             let variances = |l: usize| residuals.col(l).squared_norm_l2();
             if degree.is_none() {
-                plain = (0..judged).map(variances).collect();
+                plain = (0..wanted).map(variances).collect();
             }
-            let left = (0..judged).map(|l| variances(l) / plain[l].max(f64::MIN_POSITIVE)).sum();
+            let left = (0..wanted).map(|l| variances(l) / plain[l].max(f64::MIN_POSITIVE)).sum();
             found.push(Tested { degree, regressions, residuals, left });
         }
         found.sort_by(|a, b| a.left.total_cmp(&b.left));
@@ -283,7 +283,7 @@ impl Paths<'_> {
 
     /// Places both kinds of functions at the states of trajectory `t`, eight at a time: how many there are, and the first of
     /// them.
-    fn each(&self, t: usize, scratch: &mut [Scratch; 2], mut look: impl FnMut(usize, usize, &[Scratch; 2])) {
+    fn each(&self, t: usize, scratch: &mut [Scratch; 2], mut visit: impl FnMut(usize, usize, &[Scratch; 2])) {
         let n = self.problem.dimension();
         let used = self.samples / self.length * self.length;
         let first = t * self.samples;
@@ -296,7 +296,7 @@ impl Paths<'_> {
             self.products[1].place_values(&sites.x, &mut scratch[1]);
             scratch[0].first.copy_from_slice(&sites.drift);
             self.products[0].apply(&sites.diffusion, &sites.coupled, &mut scratch[0]);
-            look(count, at, scratch);
+            visit(count, at, scratch);
         }
     }
 

@@ -237,7 +237,7 @@ impl Likelihood<'_> {
 
     /// Places the functions at `count` draws from `first` on, eight at a time: the place of the first of them, and their
     /// number.
-    fn each(&self, first: usize, count: usize, scratch: &mut Scratch, mut look: impl FnMut(usize, usize, &Scratch)) {
+    fn each(&self, first: usize, count: usize, scratch: &mut Scratch, mut visit: impl FnMut(usize, usize, &Scratch)) {
         let n = self.products.dimension();
         let mut lanes = vec![ZERO; n];
         for at in (0..count).step_by(LANES) {
@@ -247,7 +247,7 @@ impl Likelihood<'_> {
                 lanes.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);
             }
             self.products.place_values(&lanes, scratch);
-            look(at, used, scratch);
+            visit(at, used, scratch);
         }
     }
 }

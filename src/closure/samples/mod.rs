@@ -88,7 +88,7 @@ pub(in crate::closure) fn close_on_samples(
     let calibration = Calibration::new(problem, pilot, symmetry, &functions(&higher), kept.len())?;
 
     let polynomials = functions(&kept);
-    let [products, judging] = [&polynomials, &functions(&higher)].map(Products::new);
+    let [products, comparing] = [&polynomials, &functions(&higher)].map(Products::new);
     let most = (tuning::likelihood::NODES_EACH * kept.len())
         .max(tuning::likelihood::NODES_EACH / 2 * higher.len())
         .clamp(tuning::likelihood::FEWEST_NODES, tuning::likelihood::MOST_NODES);
@@ -114,7 +114,7 @@ pub(in crate::closure) fn close_on_samples(
         let on = |most, uneven, search| {
             let (lattice, nodes) = Lattice::finest(pilot, symmetry, copula, most)?;
             let (nodes, fit) = fitted(nodes, search)?;
-            let even = Likelihood { nodes: &nodes, products: &judging }.unevenness(&fit.masses) < uneven;
+            let even = Likelihood { nodes: &nodes, products: &comparing }.unevenness(&fit.masses) < uneven;
             even.then_some((Some(lattice), nodes, fit))
         };
         let search = tuning::guess::SEARCH;
@@ -137,7 +137,7 @@ pub(in crate::closure) fn close_on_samples(
         Some(root) => (0.0, root),
         None => {
             let fit = reconciled(problem, &likelihood, fit, &calibration);
-            (l1_estimate(problem, &nodes, &judging, &fit, &calibration), fit)
+            (l1_estimate(problem, &nodes, &comparing, &fit, &calibration), fit)
         }
     };
     let residual = likelihood.residual(problem, &fit);

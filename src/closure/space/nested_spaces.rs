@@ -24,7 +24,7 @@ pub(in crate::closure) struct NestedSpaces {
 /// The columns by which a correction's error is estimated, and the place where it ends.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::closure) struct Truncation {
-    pub(in crate::closure) judged: usize,
+    pub(in crate::closure) lower: usize,
     pub(in crate::closure) end: usize,
 }
 
@@ -35,7 +35,7 @@ impl NestedSpaces {
             answer_columns: answer.len() + 1,
             weight_columns: weight.len() + 1,
             lower_columns: lower.len() + 1,
-            whole: Truncation { judged: lower.len() + 1, end: all.len() + 1 },
+            whole: Truncation { lower: lower.len() + 1, end: all.len() + 1 },
             cut,
             answer,
             weight,
@@ -64,9 +64,9 @@ impl SpaceFamily {
                 });
                 let spaces = [order, weight, degree - 2, degree].map(|d| smooth.functions(d));
                 let cut = (degree > order + tuning::space::BUFFER).then(|| {
-                    let [judged, end] = [tuning::space::BUFFER + 2, tuning::space::BUFFER]
+                    let [lower, end] = [tuning::space::BUFFER + 2, tuning::space::BUFFER]
                         .map(|less| smooth.functions(degree - less).len() + 1);
-                    Truncation { judged, end }
+                    Truncation { lower, end }
                 });
                 NestedSpaces::new(spaces, cut)
             }

@@ -169,14 +169,14 @@ mod tests {
     use super::*;
     use crate::problem::Wall;
 
-    const LADDER: [WallLevel; 3] = [
+    const LEVELS: [WallLevel; 3] = [
         WallLevel { degree: 4, kinks: 3, depth: 3, angular: 5 },
         WallLevel { degree: 6, kinks: 3, depth: 3, angular: 7 },
         WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7 },
     ];
 
     fn functions(corners: Vec<Corner>) -> WallFunctions {
-        WallFunctions::new(corners, &[1.0, 0.0], &[1.5, 4.0], &LADDER)
+        WallFunctions::new(corners, &[1.0, 0.0], &[1.5, 4.0], &LEVELS)
     }
 
     fn lower() -> Corner {
@@ -191,12 +191,12 @@ mod tests {
     fn levels_are_nested_and_counted() {
         let counts = |corners: &[Corner]| {
             [1, 2, 3]
-                .map(|steps| WallFunctions::new(corners.to_vec(), &[1.0, 0.0], &[1.5, 4.0], &LADDER[..steps]).len())
+                .map(|steps| WallFunctions::new(corners.to_vec(), &[1.0, 0.0], &[1.5, 4.0], &LEVELS[..steps]).len())
         };
         assert_eq!(counts(&[lower()]), [36, 55, 83]);
         assert_eq!(counts(&[lower(), upper()]), [58, 83, 122]);
         let (all, first) =
-            (functions(vec![lower()]), WallFunctions::new(vec![lower()], &[1.0, 0.0], &[1.5, 4.0], &LADDER[..1]));
+            (functions(vec![lower()]), WallFunctions::new(vec![lower()], &[1.0, 0.0], &[1.5, 4.0], &LEVELS[..1]));
         let (mut long, mut short) = ([0.0; 83], [0.0; 36]);
         all.values(&[0.3, 1.2], &mut long);
         first.values(&[0.3, 1.2], &mut short);

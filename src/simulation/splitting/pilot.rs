@@ -61,18 +61,18 @@ impl Pilot<'_> {
     }
 
     /// The widths of the cells about the levels of each state.
-    pub(super) fn cells(&self, population: &mut Population, asked: &[(usize, Vec<f64>)]) -> Result<Vec<Levels>> {
-        let mut seen: Vec<Vec<Excess>> = asked.iter().map(|(_, y)| vec![Excess::default(); y.len()]).collect();
+    pub(super) fn cells(&self, population: &mut Population, requested: &[(usize, Vec<f64>)]) -> Result<Vec<Levels>> {
+        let mut seen: Vec<Vec<Excess>> = requested.iter().map(|(_, y)| vec![Excess::default(); y.len()]).collect();
         for _ in 0..tuning::splitting::CELL_ROUNDS * self.cycles {
             let states = population.advance(self.motion, self.boundaries, &mut [])?;
-            for ((state, levels), seen) in asked.iter().zip(&mut seen) {
+            for ((state, levels), seen) in requested.iter().zip(&mut seen) {
                 for (y, excess) in levels.iter().zip(seen) {
                     states.iter().for_each(|(x, weight)| excess.add(x[*state] - y, weight));
                 }
             }
             population.place(self.motion.importance, &states)?;
         }
-        let watched = asked.iter().zip(seen).map(|((state, levels), seen)| {
+        let watched = requested.iter().zip(seen).map(|((state, levels), seen)| {
             let floor = if *state == 0 { self.floor } else { f64::NEG_INFINITY };
             let scales = scales(&seen);
             let width = |(&y, scale): (&f64, f64)| (y, (tuning::splitting::CELL * scale).min((y - floor) / 1.5));

@@ -79,10 +79,10 @@ impl Recorders {
     ) -> Self {
         let segments = |&(state, length): &(usize, usize)| (state, Segments::new(length, interval));
         let crossing = |level: f64| levels.iter().position(|&y| same_level(y, level)).filter(|_| velocity.is_some());
-        let waiting = requests.passages.iter().filter_map(|asked| {
-            let crossing = crossing(asked.level);
-            let window = PassageWindow::new(asked.length, interval, asked.bins, crossing.is_some()).ok()?;
-            Some(FirstPassageRecorder { level: asked.level, crossing, window })
+        let waiting = requests.passages.iter().filter_map(|requested| {
+            let crossing = crossing(requested.level);
+            let window = PassageWindow::new(requested.length, interval, requested.bins, crossing.is_some()).ok()?;
+            Some(FirstPassageRecorder { level: requested.level, crossing, window })
         });
         Recorders {
             spectra: requests.spectra.iter().map(segments).collect(),
