@@ -10,7 +10,7 @@
 //! 2. `discretisation`: the trust domain, which is the region that the pilot has visited, the nodes in it, next to walls as
 //!    well, and the initial ln p by likelihood;
 //! 3. `space`: the functions of an order and those of its reference, made orthonormal under a weight;
-//! 4. `reference`: a density of many more moment equations, E[Gψ] = 0, which are linear in its ratio to a weight, the weight
+//! 4. `reference`: a density of many more moment equations, E\[Gψ\] = 0, which are linear in its ratio to a weight, the weight
 //!    renewed until it follows the density;
 //! 5. `projection`: the exponential polynomial closest to it, by a convex minimisation; where a candidate near it solves the
 //!    equation exactly, that one (`exact`);

@@ -2,7 +2,7 @@
 //!
 //! | distance | between | |
 //! |---|---|---|
-//! | ∫ \|p − q\| dx, Hellinger's, Kullback's and Leibler's | two densities | [`distances`], [`l1`] |
+//! | ∫ \|p − q\| dx, Hellinger's, Kullback's and Leibler's | two densities | [`distances()`], [`l1`] |
 //! | the largest \|log₁₀ p/q\| down to a level | two densities, or marginals | [`log_ratio`], [`marginal_log_ratio`] |
 //! | ∫ \|p − q\| dx | marginals | [`marginal_l1`] |
 //! | E_p − E_q of all monomials | two densities | [`moment_differences`] |

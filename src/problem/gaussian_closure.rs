@@ -13,10 +13,10 @@ const UNBOUNDED: f64 = 1e12;
 
 /// The Gaussian closure of a system.
 ///
-/// Stationarity of mean m and covariance S means 0 = E[f] and 0 = A S + S Aᵀ + E[B], A = E[∂f/∂x], all means taken under N(m,
+/// Stationarity of mean m and covariance S means 0 = E\[f\] and 0 = A S + S Aᵀ + E\[B\], A = E\[∂f/∂x\], all means taken under N(m,
 /// S), exactly. The moments' own evolution in time is followed by implicit steps of growing length (pseudo-transient
 /// continuation, C. T. Kelley and D. E. Keyes, 1998, doi:10.1137/S0036142996304796), which keeps S positive definite, picks
-/// an attracting solution and ends as Newton's method. The exact Jacobian uses ∂E[g]/∂m_k = E[∂_k g] and ∂E[g]/∂S_kl = ½
+/// an attracting solution and ends as Newton's method. The exact Jacobian uses ∂E\[g\]/∂m_k = E\[∂_k g\] and ∂E\[g\]/∂S_kl = ½
 /// E[∂_k∂_l g]. It starts from unit variance in the system's natural units.
 ///
 /// # Errors

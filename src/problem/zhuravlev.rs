@@ -46,7 +46,7 @@ impl Wall {
     /// The transformed oscillator's equation as text.
     ///
     /// # Errors
-    /// [`Error::NotServed`](crate::Error::NotServed) unless the problem is one of a displacement and its velocity.
+    /// [`Error::NotServed`] unless the problem is one of a displacement and its velocity.
     ///
     /// ```
     /// use expoly::{Wall, models::{Duffing, Solved}};

@@ -113,7 +113,7 @@ impl SimulatedDensity {
     /// The histogram of one state.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state; the same holds for every statistic of one
+    /// [`Error::Dimension`] if there is no such state; the same holds for every statistic of one
     /// state.
     pub fn histogram(&self, state: usize) -> Result<&Histogram> {
         Ok(&self.histograms[state_index("a state's index", state, self.layout.axes.len())?])

@@ -4,13 +4,13 @@
 //! |---|---|
 //! | mean, variance, skewness, kurtosis of a state | [`Cumulants`] |
 //! | probabilities, exceedances, quantiles and modes of a state | [`Marginal`] |
-//! | the most likely states | [`modes`] |
-//! | the differential entropy | [`entropy`] |
+//! | the most likely states | [`modes()`] |
+//! | the differential entropy | [`entropy()`] |
 //! | how often a level is crossed; peaks; first passage | [`Crossings`] |
 //! | the largest displacement within a time | [`Maximum`] |
 //! | how often and how hard walls are hit | [`Impacts`] |
 //! | whether as much power goes in as out | [`energy_balance`] |
-//! | independent states with this density | [`samples`] |
+//! | independent states with this density | [`samples()`] |
 //!
 //! Every value carries its error: that of its own quadrature, estimated from the next coarser one, and the errors that the
 //! density states for the values in it. Errors of several values are added linearly (worst case). A simulation's values are

@@ -6,7 +6,7 @@ use crate::closure::space::orthonormal::Orthonormal;
 use faer::prelude::*;
 use faer::{Mat, MatRef};
 
-/// The density p̂ = ω (1 + δ) that satisfies the moment equations E[Gψ_k] = 0 of a whole space of functions, δ itself
+/// The density p̂ = ω (1 + δ) that satisfies the moment equations E\[Gψ_k\] = 0 of a whole space of functions, δ itself
 /// a combination of them.
 ///
 /// The equations are linear in δ, Σ_l A_kl d_l = −F_k with A_kl = ∫ ω ψ_l Gψ_k dx, and the derivatives stand on the test
