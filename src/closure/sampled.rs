@@ -88,11 +88,6 @@ impl Sampled {
         let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
         let few = "the pilot's states are too few for so many functions: take more of them";
         let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
-        if found.l1_estimate.is_nan() || found.l1_estimate >= 2.0 {
-            return Err(failed(
-                "no density that has the moments of the pilot's states was found: take more of them, or a lower order",
-            ));
-        }
         let mut without_reference = None;
         if self.referred && !found.exact {
             match self.by_reference(order, &found, &copula) {

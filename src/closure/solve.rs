@@ -18,6 +18,9 @@ use std::time::Instant;
 
 const METHOD: &str = "closure";
 
+/// ∫ |p̃ − p| dx of two densities that share no state.
+const FARTHEST: f64 = 2.0;
+
 impl Closure {
     /// Closes a problem: on the whole space or, in two states, above a wall, below one, or between two.
     ///
@@ -164,25 +167,29 @@ impl Closure {
         patience: u32,
         closed: impl Fn(u32) -> Result<ClosureDensity>,
     ) -> Result<ClosureDensity> {
+        let closed = |order| {
+            let density = closed(order)?;
+            let reason = "it has nothing in common with the density: take more of the pilot's states, another order, or the grid";
+            if density.l1_estimate() < FARTHEST { Ok(density) } else { Err(Error::NotClosed { order, reason }) }
+        };
         let target = match self.order {
             Order::Fixed(order) => return closed(order),
             Order::Adaptive(target) => target,
         };
-        let mut best = closed(2)?;
+        let mut best = closed(2);
         let (mut failures, mut patient) = (0, 2);
         for order in (4..=highest).step_by(2) {
-            if best.l1_estimate() <= target || failures >= patient {
+            let least = best.as_ref().map_or(f64::INFINITY, ClosureDensity::l1_estimate);
+            if least <= target || failures >= patient {
                 break;
             }
             match closed(order) {
-                Ok(density) if density.l1_estimate() < best.l1_estimate() => {
-                    (best, failures, patient) = (density, 0, patience);
-                }
+                Ok(density) if density.l1_estimate() < least => (best, failures, patient) = (Ok(density), 0, patience),
                 // A higher order may fail where a lower one did not: too many functions for the pilot's states.
                 _ => failures += 1,
             }
         }
-        Ok(best)
+        best
     }
 }
 

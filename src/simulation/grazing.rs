@@ -18,7 +18,7 @@ use crate::simulation::tuning;
 ///   mτ|v| ≤ u and 2D(mτ)³ ≤ u².
 ///
 /// So the noise of one step changes the speed of an impact by 1/a of it at most, at all scales alike, down to h/2²⁰, or
-/// h/2¹² for r ≤ 0.25: there is no endless loop.
+/// h/2¹² for r ≤ 0.25, and not below the step whose heights are lost in the rounding of b: there is no endless loop.
 ///
 /// The remaining error is due to impacts at a few times √(2Dh), where the noise before an impact and that after it, which
 /// lost no energy, are separated to one step only; it falls as h/a². Measured against the grid at r = 0.7, b = 0.5 (c = D =
@@ -46,11 +46,14 @@ fn depth(restitution: f64) -> f64 {
 }
 
 impl Grazing {
-    /// For the restitution r, D = `diffusion` at rest on the wall, and the time step. An elastic wall needs none of it:
+    /// For the restitution r, b = `offset`, D = `diffusion` at rest on the wall, and the time step. An elastic wall needs none of it:
     /// its trajectories are those of a smooth motion, folded.
-    pub(super) fn new(restitution: f64, diffusion: f64, step: f64) -> Self {
+    pub(super) fn new(restitution: f64, offset: f64, diffusion: f64, step: f64) -> Self {
         let noise = 2.0 * diffusion;
         let gain = (noise * step).sqrt();
+        // √(2D (mτ)³) = ε|b|.
+        let rounding = (f64::EPSILON * offset.abs()).powi(2) / noise.max(f64::MIN_POSITIVE);
+        let unresolved = rounding.cbrt() / tuning::grazing::FORESIGHT;
         let (speed, height) = if restitution < 1.0 {
             // From mτ|v| ≤ u with |v| = a √(2Dh) and from 2D(mτ)³ ≤ u², at τ = h.
             (
@@ -63,7 +66,7 @@ impl Grazing {
         } else {
             (0.0, 0.0)
         };
-        Grazing { step, noise, speed, height, shortest: step / depth(restitution) }
+        Grazing { step, noise, speed, height, shortest: (step / depth(restitution)).max(unresolved) }
     }
 
     /// The step at the height u and the velocity v, both below their bounds, if it must be shorter than usual.
@@ -89,7 +92,7 @@ mod tests {
     #[test]
     fn steps_shrink_towards_the_grazing_point_and_are_whole_outside() {
         let (h, noise) = (0.02, 0.4);
-        let grazing = Grazing::new(0.9, noise / 2.0, h);
+        let grazing = Grazing::new(0.9, 0.1, noise / 2.0, h);
         let (speed, height) = (grazing.speed, grazing.height);
         assert_eq!(grazing.step_at(0.0, 0.0), Some(h / 2.0_f64.powi(20)));
         // Half the speed is resolved by a quarter of the step.
@@ -100,6 +103,8 @@ mod tests {
         for (u, v) in [(0.0, speed), (height, 0.0), (0.99 * height, 0.5 * speed), (f64::NAN, f64::NAN)] {
             assert_eq!(grazing.step_at(u, v), None, "{u}, {v}");
         }
-        assert_eq!(Grazing::new(1.0, noise / 2.0, h).height, 0.0);
+        assert_eq!(Grazing::new(1.0, 0.1, noise / 2.0, h).height, 0.0);
+        // Where the heights that noise reaches in a step are lost in the rounding of the wall's place, no step is shortened.
+        assert_eq!(Grazing::new(0.9, 0.1, 1e-36, 1e-3).step_at(0.0, 0.0), None);
     }
 }

@@ -111,7 +111,8 @@ impl Boundaries {
         step: f64,
     ) -> Self {
         let (floor, restitution) = wall.map_or((f64::NEG_INFINITY, 1.0), |b| (b.offset(), b.restitution()));
-        let grazing = Grazing::new(restitution, diffusion, step);
+        let offset = wall.map_or(0.0, |b| b.offset());
+        let grazing = Grazing::new(restitution, offset, diffusion, step);
         let velocity = velocities[0].unwrap_or(0);
         let wall = Nearness { velocity, floor, height: grazing.height, speed: grazing.speed };
         Boundaries { velocities, wall, restitution, grazing, levels, speeds: None, recording: false }

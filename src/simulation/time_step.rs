@@ -9,7 +9,7 @@ use super::{
 };
 use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
-use crate::problem::{LANES, Problem, Wall, two_digits};
+use crate::problem::{LANES, Problem, TimeScales, Wall, two_digits};
 use crate::simulation::tuning;
 use nalgebra::DMatrix;
 
@@ -39,7 +39,12 @@ impl Simulation<'_> {
         let resolution = if lossy { tuning::time_step::BESIDE_LOSSY_WALL } else { tuning::time_step::RESOLUTION };
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
         let burn_in = if times.burn_in > 0.0 { times.burn_in / 640.0 } else { f64::INFINITY };
-        let longest = (times.interval / 20.0).min(burn_in);
+        let slow = TimeScales::of(problem)?.short(tuning::timetable::INTERVAL);
+        // A wall may hold the trajectories where they would hardly ever be without it, and all rates are larger.
+        let mut at_rest = vec![0.0; problem.dimension()];
+        at_rest[0] = wall.map_or(0.0, |wall| wall.offset());
+        let at_wall = wall.map_or(0.0, |_| rate(problem, self.amplitude, &at_rest));
+        let longest = (times.interval.min(slow) / 20.0).min(burn_in).min(tuning::time_step::LARGEST / at_wall);
         let mut step = longest;
         let mut attempt = 0;
         loop {
