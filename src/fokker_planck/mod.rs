@@ -18,7 +18,6 @@ use crate::density::Frame;
 use crate::error::{Error, Result, require};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::Interpretation;
-use nalgebra::{DMatrix, DVector};
 
 /// The Fokker-Planck operator as polynomials: the Itô drift f and the diffusion matrix B = G Gᵀ.
 #[derive(Clone, Debug, PartialEq)]
@@ -171,12 +170,16 @@ impl FokkerPlanck {
         FokkerPlanck { drift: scaled(&self.drift), diffusion: self.diffusion.iter().map(scaled).collect() }
     }
 
-    /// The linear system with the drift `slopes`·(x − `centre`) and the constant diffusion `diffusion`.
-    pub(crate) fn linear(slopes: &DMatrix<f64>, centre: &DVector<f64>, diffusion: &DMatrix<f64>) -> Self {
+    /// The linear system with the drift Σ_j `slope`(i, j) (x_j − `centre`_j) and the constant diffusion `diffusion`(i, j).
+    pub(crate) fn linear(
+        slope: impl Fn(usize, usize) -> f64,
+        centre: &[f64],
+        diffusion: impl Fn(usize, usize) -> f64,
+    ) -> Self {
         let n = centre.len();
         let from = |j: usize| Polynomial::variable(n, j) + -centre[j];
-        let drift = |i: usize| (0..n).fold(Polynomial::zero(n), |sum, j| sum + from(j) * slopes[(i, j)]);
-        let constant = |i: usize, j: usize| Polynomial::constant(n, diffusion[(i, j)]);
+        let drift = |i: usize| (0..n).fold(Polynomial::zero(n), |sum, j| sum + from(j) * slope(i, j));
+        let constant = |i: usize, j: usize| Polynomial::constant(n, diffusion(i, j));
         FokkerPlanck {
             drift: (0..n).map(drift).collect(),
             diffusion: (0..n).map(|i| (0..n).map(|j| constant(i, j)).collect()).collect(),
@@ -185,10 +188,9 @@ impl FokkerPlanck {
 
     /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation.
     pub(crate) fn linearised(&self, gaussian: &Gaussian) -> Self {
-        let n = self.dimension();
-        let slopes = DMatrix::from_fn(n, n, |i, j| gaussian.expectation(&self.drift[i].derivative(j)));
-        let diffusion = DMatrix::from_fn(n, n, |i, j| gaussian.expectation(&self.diffusion[i][j]));
-        Self::linear(&slopes, &gaussian.mean, &diffusion)
+        let slope = |i: usize, j: usize| gaussian.expectation(&self.drift[i].derivative(j));
+        let diffusion = |i: usize, j: usize| gaussian.expectation(&self.diffusion[i][j]);
+        Self::linear(slope, gaussian.mean.as_slice(), diffusion)
     }
 
     /// The rate of change of the mean of `statistic` as a polynomial: f·∇φ + ½ B:∇∇φ. Its stationary mean is zero,

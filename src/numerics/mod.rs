@@ -1,13 +1,15 @@
-//! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, maxima of
-//! concave functions.
+//! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, least
+//! squares, maxima of concave functions.
 
 mod ascent;
 mod definite;
 mod eigenvalues;
+mod least_norm;
 pub(crate) mod legendre;
 mod quadrature;
 
 pub(crate) use ascent::{Concave, Search};
 pub(crate) use definite::definite;
 pub(crate) use eigenvalues::eigenvalues;
+pub(crate) use least_norm::least_norm;
 pub(crate) use quadrature::Rule;

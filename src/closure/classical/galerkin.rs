@@ -3,7 +3,7 @@
 use super::hermite::{ProductTable, combination, derivative, in_hermite, standard_normal};
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::{Polynomial, monomials, total_degree};
-use nalgebra::{DMatrix, DVector};
+use faer::{Col, Mat};
 use std::collections::HashMap;
 
 /// As many nonlinear equations as unknowns, with their exact Jacobian.
@@ -11,13 +11,13 @@ use std::collections::HashMap;
 /// The functions of a lower order come first, so that its solution followed by zeros is a start for a higher one.
 pub(super) trait GalerkinEquations {
     /// The left sides F(a) and the Jacobian ∂F/∂a.
-    fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
+    fn evaluate(&self, a: &Col<f64>) -> (Col<f64>, Mat<f64>);
 
     /// The coefficients of ln f_N itself, −|z|²/2, the start of every search.
-    fn gaussian(&self) -> DVector<f64>;
+    fn gaussian(&self) -> Col<f64>;
 
     /// Q as a polynomial in the scaled coordinates; its constant part is left out.
-    fn polynomial(&self, a: &DVector<f64>) -> Polynomial;
+    fn polynomial(&self, a: &Col<f64>) -> Polynomial;
 }
 
 /// F_k(a) = c_k + Σ_i L_ki a_i + Σ_{i≤j} T_kij a_i a_j, with coefficients exact but for rounding.
@@ -28,8 +28,8 @@ pub(super) trait GalerkinEquations {
 pub(super) struct HermiteGalerkin {
     states: usize,
     basis: Vec<Vec<u32>>,
-    constant: DVector<f64>,
-    linear: DMatrix<f64>,
+    constant: Col<f64>,
+    linear: Mat<f64>,
     quadratic: Vec<Triple>,
 }
 
@@ -51,13 +51,13 @@ impl HermiteGalerkin {
         let rows: HashMap<Vec<u32>, usize> = basis.iter().cloned().zip(0..).collect();
         let terms = OperatorSeries::new(operator);
         let table = ProductTable::new(terms.degree + order);
-        let mut constant = DVector::zeros(basis.len());
+        let mut constant = Col::zeros(basis.len());
         for (m, c) in terms.constant.terms() {
             if let Some(&k) = rows.get(m) {
                 constant[k] = c;
             }
         }
-        let mut linear = DMatrix::zeros(basis.len(), basis.len());
+        let mut linear = Mat::zeros(basis.len(), basis.len());
         for (i, index) in basis.iter().enumerate() {
             terms.linear(&table, index, &mut |m, c| {
                 let Some(row) = (total_degree(m) <= order).then(|| rows.get(m)).flatten() else { return };
@@ -70,7 +70,7 @@ impl HermiteGalerkin {
 }
 
 impl GalerkinEquations for HermiteGalerkin {
-    fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    fn evaluate(&self, a: &Col<f64>) -> (Col<f64>, Mat<f64>) {
         let mut jacobian = self.linear.clone();
         for t in &self.quadratic {
             let (k, i, j) = (t.k as usize, t.i as usize, t.j as usize);
@@ -82,11 +82,11 @@ impl GalerkinEquations for HermiteGalerkin {
         (residual, jacobian)
     }
 
-    fn gaussian(&self) -> DVector<f64> {
+    fn gaussian(&self) -> Col<f64> {
         standard_normal(&self.basis)
     }
 
-    fn polynomial(&self, a: &DVector<f64>) -> Polynomial {
+    fn polynomial(&self, a: &Col<f64>) -> Polynomial {
         combination(self.states, &self.basis, a)
     }
 }

@@ -5,7 +5,7 @@
 //! states.
 
 use crate::polynomial::{Polynomial, total_degree};
-use nalgebra::DVector;
+use faer::Col;
 
 /// The coefficients of a polynomial in the Hermite basis.
 pub(super) fn in_hermite(polynomial: &Polynomial) -> Polynomial {
@@ -18,16 +18,16 @@ fn in_powers(series: &Polynomial) -> Polynomial {
 }
 
 /// Σ a_k h_α(k) in powers of z, without its constant.
-pub(super) fn combination(states: usize, indices: &[Vec<u32>], a: &DVector<f64>) -> Polynomial {
+pub(super) fn combination(states: usize, indices: &[Vec<u32>], a: &Col<f64>) -> Polynomial {
     let mut series = Polynomial::zero(states);
     indices.iter().zip(a.iter()).for_each(|(index, a)| series.add_term(index, *a));
     in_powers(&series).filtered(|alpha, _| total_degree(alpha) > 0)
 }
 
 /// The coefficients of ln f_N = −|z|²/2 = −Σ_d h₂(z_d)/√2 + constant.
-pub(super) fn standard_normal(indices: &[Vec<u32>]) -> DVector<f64> {
+pub(super) fn standard_normal(indices: &[Vec<u32>]) -> Col<f64> {
     let square = |index: &Vec<u32>| total_degree(index) == 2 && index.contains(&2);
-    DVector::from_iterator(indices.len(), indices.iter().map(|index| f64::from(square(index)) * -0.5_f64.sqrt()))
+    indices.iter().map(|index| f64::from(square(index)) * -0.5_f64.sqrt()).collect()
 }
 
 /// Replaces each one-dimensional factor by a row of `tables`.

@@ -27,9 +27,10 @@ use crate::memory::MemoryLimit;
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::problem::{Problem, Wall};
 use crate::provenance::Provenance;
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side, col, mat};
 use galerkin::{GalerkinEquations, HermiteGalerkin};
-use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator, fixed_point};
-use nalgebra::{Matrix2, Vector2, dmatrix, dvector};
+use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator, fixed_point, in_plane};
 use newton::newton;
 use search::{Found, Search};
 use solution::rounding_noise;
@@ -131,7 +132,7 @@ impl ClassicalClosure {
             basis: Some(self.basis.to_string()),
             termination: Some(found.termination.to_string()),
             origin: Some(found.origin.to_owned()),
-            unknowns: Some(found.iterate.a.len()),
+            unknowns: Some(found.iterate.a.nrows()),
             iterations: Some(found.iterations),
             residual: finite(found.iterate.residual),
             condition: finite(found.condition),
@@ -183,10 +184,7 @@ impl ClassicalClosure {
             Basis::Folded => free,
             Basis::Classical => {
                 let spread = free.covariance[(0, 0)] + (free.mean[0] - wall.offset()).powi(2);
-                Gaussian {
-                    mean: dvector![wall.offset(), 0.0],
-                    covariance: dmatrix![spread, 0.0; 0.0, free.covariance[(1, 1)]],
-                }
+                in_plane([wall.offset(), 0.0], &mat![[spread, 0.0], [0.0, free.covariance[(1, 1)]]])
             }
         };
         fixed_point(start, |gaussian| {
@@ -215,9 +213,9 @@ impl ClassicalClosure {
 /// The Gaussian exp(Q) of a quadratic Q in the coordinates of `frame`, if its form is negative definite.
 fn gaussian_of(q: &Polynomial, frame: &Frame) -> Option<Gaussian> {
     let (gradient, hessian) = (q.gradient(&[0.0; 2]), q.hessian(&[0.0; 2]));
-    let precision = Matrix2::from_fn(|i, j| -hessian[i][j]);
-    let covariance = precision.cholesky()?.inverse();
-    let mean = covariance * Vector2::new(gradient[0], gradient[1]);
-    let scale = frame.scale();
-    Some(Gaussian { mean: frame.state(mean.as_slice()).into(), covariance: scale * covariance * scale.transpose() })
+    let precision = Mat::from_fn(2, 2, |i, j| -hessian[i][j]);
+    let covariance = precision.llt(Side::Lower).ok()?.inverse();
+    let mean = &covariance * col![gradient[0], gradient[1]];
+    let (mean, scale) = (frame.state(&[mean[0], mean[1]]), Mat::from_fn(2, 2, |i, j| frame.scale()[(i, j)]));
+    Some(in_plane([mean[0], mean[1]], &(&scale * covariance * scale.transpose())))
 }

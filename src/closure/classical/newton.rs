@@ -2,7 +2,8 @@
 
 use super::galerkin::GalerkinEquations;
 use crate::closure::tuning;
-use nalgebra::DVector;
+use faer::Col;
+use faer::prelude::Solve;
 
 /// How an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +19,7 @@ pub(super) enum Outcome {
 /// The last iterate and how it was reached.
 #[derive(Clone, Debug)]
 pub(super) struct Iterate {
-    pub(super) a: DVector<f64>,
+    pub(super) a: Col<f64>,
     pub(super) outcome: Outcome,
     pub(super) iterations: usize,
     /// ‖F(a)‖.
@@ -26,15 +27,17 @@ pub(super) struct Iterate {
 }
 
 /// Newton's method with the exact Jacobian; a step is halved until it lowers ‖F‖.
-pub(super) fn newton(equations: &impl GalerkinEquations, start: DVector<f64>) -> Iterate {
+pub(super) fn newton(equations: &impl GalerkinEquations, start: Col<f64>) -> Iterate {
     let (mut f, mut jacobian) = equations.evaluate(&start);
-    let mut last = Iterate { a: start, outcome: Outcome::Stalled, iterations: 0, residual: f.norm() };
+    let mut last = Iterate { a: start, outcome: Outcome::Stalled, iterations: 0, residual: f.norm_l2() };
     while last.iterations < tuning::classical::STEPS {
         last.iterations += 1;
-        let Some(step) = jacobian.lu().solve(&-&f).filter(|step| step.norm().is_finite()) else {
+        let step = jacobian.partial_piv_lu().solve(-&f);
+        // A singular Jacobian makes a step that is infinite or no number.
+        if !step.is_all_finite() {
             return Iterate { outcome: Outcome::NoDescent, ..last };
-        };
-        let converged = step.norm() <= tuning::classical::STEP * (1.0 + last.a.norm());
+        }
+        let converged = step.norm_l2() <= tuning::classical::STEP * (1.0 + last.a.norm_l2());
         let trial = |length: f64| {
             let a = &last.a + &step * length;
             let (f, jacobian) = equations.evaluate(&a);
@@ -43,18 +46,18 @@ pub(super) fn newton(equations: &impl GalerkinEquations, start: DVector<f64>) ->
         if converged {
             // One last full step costs nothing and takes the iterate to the level of its rounding.
             let (a, f, _) = trial(1.0);
-            let better = f.norm() <= last.residual;
-            let (a, residual) = if better { (a, f.norm()) } else { (last.a, last.residual) };
+            let better = f.norm_l2() <= last.residual;
+            let (a, residual) = if better { (a, f.norm_l2()) } else { (last.a, last.residual) };
             return Iterate { a, outcome: Outcome::Root, residual, iterations: last.iterations };
         }
         let lowered = (0..=tuning::classical::HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|length| {
             let (a, f, jacobian) = trial(length);
-            (f.norm() <= (1.0 - 1e-4 * length) * last.residual).then_some((a, f, jacobian))
+            (f.norm_l2() <= (1.0 - 1e-4 * length) * last.residual).then_some((a, f, jacobian))
         });
         let Some((a, next_f, next_jacobian)) = lowered else {
             return Iterate { outcome: Outcome::NoDescent, ..last };
         };
-        last.residual = next_f.norm();
+        last.residual = next_f.norm_l2();
         last.a = a;
         (f, jacobian) = (next_f, next_jacobian);
     }

@@ -5,7 +5,8 @@ use super::homotopy::homotopy;
 use super::newton::{Iterate, Outcome, newton};
 use super::solution::{Termination, falls};
 use crate::polynomial::Polynomial;
-use nalgebra::{DMatrix, DVectorView};
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
 
 /// The equations of every order, and those of the linearised system.
 pub(super) struct Search<A, B> {
@@ -47,15 +48,15 @@ impl<A, B> Search<A, B> {
         }
         // Only orders from 2 on give a start.
         if best.termination != Termination::Root && order > 3 {
-            let lower = self.run(order - 2).iterate.a;
-            let start = lower.resize_vertically(equations.gaussian().len(), 0.0);
+            let mut start = self.run(order - 2).iterate.a;
+            start.resize_with(equations.gaussian().nrows(), |_| 0.0);
             best = best.or(self.judged(&equations, newton(&equations, start), "Newton from the order below"));
         }
         best
     }
 
     fn judged(&self, equations: &impl GalerkinEquations, iterate: Iterate, origin: &'static str) -> Found {
-        let condition = condition_number(equations.evaluate(&iterate.a).1);
+        let condition = condition_number(&equations.evaluate(&iterate.a).1);
         let q = equations.polynomial(&iterate.a);
         let termination = match iterate.outcome {
             Outcome::Root if falls(&q, self.half_space, condition) => Termination::Root,
@@ -85,8 +86,26 @@ impl Found {
 }
 
 /// ‖J‖₁‖J⁻¹‖₁, infinite where J is singular.
-fn condition_number(jacobian: DMatrix<f64>) -> f64 {
-    let norm = |m: &DMatrix<f64>| m.column_iter().map(|c: DVectorView<'_, f64>| c.lp_norm(1)).fold(0.0, f64::max);
-    let size = norm(&jacobian);
-    jacobian.try_inverse().map_or(f64::INFINITY, |inverse| size * norm(&inverse))
+fn condition_number(jacobian: &Mat<f64>) -> f64 {
+    let norm = |m: &Mat<f64>| m.col_iter().map(|column| column.norm_l1()).fold(0.0, f64::max);
+    let inverse = jacobian.partial_piv_lu().inverse();
+    if inverse.is_all_finite() { norm(jacobian) * norm(&inverse) } else { f64::INFINITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::prelude::Solve;
+    use faer::{col, mat};
+
+    /// What the factors of a singular matrix give is not finite, by which the searches notice it.
+    #[test]
+    fn singular_jacobians_have_no_step_and_no_condition_number() {
+        for matrix in [mat![[0.0, 0.0], [0.0, 0.0]], mat![[1.0, 2.0], [2.0, 4.0]], mat![[1.0, 0.0], [1.0, 0.0]]] {
+            assert!(!matrix.partial_piv_lu().solve(col![0.0, 1.0]).is_all_finite(), "{matrix:?}");
+            assert_eq!(condition_number(&matrix), f64::INFINITY, "{matrix:?}");
+        }
+        // Its inverse is half of itself.
+        assert_eq!(condition_number(&mat![[1.0, 1.0], [1.0, -1.0]]), 2.0);
+    }
 }

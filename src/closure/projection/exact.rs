@@ -12,9 +12,9 @@ use crate::closure::reference::{Reference, normalised, scaled_mass};
 use crate::closure::space::Jet;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
+use crate::numerics::least_norm;
 use crate::states::States;
-use faer::Mat;
-use nalgebra::{DMatrix, DVector};
+use faer::{Col, Mat};
 
 impl NodalClosure {
     /// The exact density next to the chosen one, or the density of a lower order if that is exact: the equations of the
@@ -166,10 +166,9 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
             system -= tests.transpose() * missing;
         }
         // Next to an exact solution many functions about a wall do nothing: the least step is taken.
-        let matrix = DMatrix::from_fn(count, count, |k, l| system[(k + 1, l + 1)] * scale[l]);
-        let right = DVector::from_fn(count, |k, _| -system[(k + 1, 0)]);
-        let cut = tuning::SOLVED * matrix.norm();
-        let step = matrix.svd(true, true).solve(&right, cut).ok()?;
+        let matrix = Mat::from_fn(count, count, |k, l| system[(k + 1, l + 1)] * scale[l]);
+        let right = Col::from_fn(count, |k| -system[(k + 1, 0)]);
+        let step = least_norm(&matrix, &right, tuning::SOLVED * matrix.norm_l2())?;
         for k in 0..count {
             current.coefficients[k] += scale[k] * step[k];
         }

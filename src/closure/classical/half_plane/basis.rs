@@ -1,7 +1,7 @@
 use crate::closure::Basis;
 use crate::closure::classical::hermite::{combination, hermite_row, standard_normal};
 use crate::polynomial::{Polynomial, monomials, total_degree};
-use nalgebra::{DMatrix, DVector};
+use faer::{Col, ColRef, Mat};
 
 /// Polynomials that are orthonormal under the weight on the half plane, and to the constants.
 ///
@@ -11,18 +11,18 @@ pub(super) struct HalfPlaneBasis {
     indices: Vec<Vec<u32>>,
     order: u32,
     /// Columns: the functions as combinations of Hermite products.
-    transform: DMatrix<f64>,
+    transform: Mat<f64>,
     /// The coefficients of a combination of Hermite products in this basis.
-    projection: DMatrix<f64>,
-    means: DVector<f64>,
+    projection: Mat<f64>,
+    means: Col<f64>,
 }
 
 /// Functions and their derivatives in z at a set of points: rows are points, columns functions.
 pub(super) struct Values {
-    pub(super) value: DMatrix<f64>,
-    pub(super) first: DMatrix<f64>,
-    pub(super) second: DMatrix<f64>,
-    pub(super) curvature: DMatrix<f64>,
+    pub(super) value: Mat<f64>,
+    pub(super) first: Mat<f64>,
+    pub(super) second: Mat<f64>,
+    pub(super) curvature: Mat<f64>,
 }
 
 impl HalfPlaneBasis {
@@ -30,18 +30,16 @@ impl HalfPlaneBasis {
     pub(super) fn new(basis: Basis, order: u32, points: &[[f64; 2]], weights: &[f64]) -> Self {
         let mut indices = monomials(2, order).split_off(1);
         indices.retain(|index| basis == Basis::Folded || total_degree(index).is_multiple_of(2));
-        let mut scaled = hermite_products(&indices, order, points).value;
-        let weights = DVector::from_column_slice(weights);
-        let raw_means = scaled.tr_mul(&weights);
-        for (mut row, weight) in scaled.row_iter_mut().zip(weights.iter()) {
-            row -= raw_means.transpose();
-            row *= weight.sqrt();
-        }
-        let projection = scaled.qr().r();
-        let identity = DMatrix::identity(indices.len(), indices.len());
+        let (raw, count) = (hermite_products(&indices, order, points).value, indices.len());
+        let raw_means = raw.transpose() * ColRef::from_slice(weights);
+        let scaled = Mat::from_fn(points.len(), count, |i, k| weights[i].sqrt() * (raw[(i, k)] - raw_means[k]));
+        let qr = scaled.qr();
+        // With a positive diagonal R is unique: the functions of a higher order begin with those of a lower one.
+        let projection = Mat::from_fn(count, count, |i, j| qr.thin_R()[(i, j)] * qr.thin_R()[(i, i)].signum());
         // The functions are linearly independent at as many nodes, so that R is regular.
-        let transform = projection.solve_upper_triangular(&identity).unwrap_or(identity);
-        let means = transform.tr_mul(&raw_means);
+        let mut transform = Mat::identity(count, count);
+        projection.solve_upper_triangular_in_place(&mut transform);
+        let means = transform.transpose() * &raw_means;
         HalfPlaneBasis { indices, order, transform, projection, means }
     }
 
@@ -53,9 +51,7 @@ impl HalfPlaneBasis {
     pub(super) fn at(&self, points: &[[f64; 2]]) -> Values {
         let hermite = hermite_products(&self.indices, self.order, points);
         let mut value = hermite.value * &self.transform;
-        for mut row in value.row_iter_mut() {
-            row -= self.means.transpose();
-        }
+        value.row_iter_mut().for_each(|mut row| row -= self.means.transpose());
         Values {
             value,
             first: hermite.first * &self.transform,
@@ -65,12 +61,12 @@ impl HalfPlaneBasis {
     }
 
     /// The coefficients of ln f_N.
-    pub(super) fn gaussian(&self) -> DVector<f64> {
+    pub(super) fn gaussian(&self) -> Col<f64> {
         &self.projection * standard_normal(&self.indices)
     }
 
     /// A combination of the functions as a polynomial in z, without its constant.
-    pub(super) fn polynomial(&self, a: &DVector<f64>) -> Polynomial {
+    pub(super) fn polynomial(&self, a: &Col<f64>) -> Polynomial {
         combination(2, &self.indices, &(&self.transform * a))
     }
 }
@@ -81,7 +77,7 @@ type Entry<'a> = &'a dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64;
 fn hermite_products(indices: &[Vec<u32>], order: u32, points: &[[f64; 2]]) -> Values {
     let rows: Vec<[Vec<f64>; 2]> = points.iter().map(|z| z.map(|z| hermite_row(z, order))).collect();
     let matrix = |entry: Entry<'_>| {
-        DMatrix::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], [0, 1].map(|d| indices[k][d] as usize)))
+        Mat::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], [0, 1].map(|d| indices[k][d] as usize)))
     };
     let slope = |row: &[f64], j: usize| if j > 0 { (j as f64).sqrt() * row[j - 1] } else { 0.0 };
     let bend = |row: &[f64], j: usize| if j > 1 { ((j * (j - 1)) as f64).sqrt() * row[j - 2] } else { 0.0 };

@@ -7,27 +7,27 @@
 mod basis;
 mod weight;
 
-pub(super) use weight::{Weight, fixed_point};
+pub(super) use weight::{Weight, fixed_point, in_plane};
 
 use super::Basis;
 use super::galerkin::GalerkinEquations;
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::{Gaussian, Polynomial};
 use basis::HalfPlaneBasis;
-use nalgebra::{DMatrix, DVector, dmatrix, dvector};
+use faer::{Col, Mat};
 
 /// The equations for the coefficients of Q in polynomials that are orthonormal under the weight.
 #[derive(Clone, Debug)]
 pub(super) struct HalfPlaneGalerkin {
     basis: HalfPlaneBasis,
-    constant: DVector<f64>,
-    linear: DMatrix<f64>,
+    constant: Col<f64>,
+    linear: Mat<f64>,
     /// ψ_k times the node's weight.
-    test: DMatrix<f64>,
+    test: Mat<f64>,
     /// ∂ψ_k/∂z₂ at the nodes.
-    slope: DMatrix<f64>,
+    slope: Mat<f64>,
     /// ½B₂₂ at the nodes.
-    half_diffusion: DVector<f64>,
+    half_diffusion: Col<f64>,
     wall: WallTerm,
 }
 
@@ -41,9 +41,9 @@ enum WallTerm {
     /// −∫ ψ(0, w) w [1 − r⁻² exp(Q(0, −w/r) − Q(0, w))] f_N(0, w) dw over w > 0.
     Inflow {
         /// ψ_k(0, w) w times the node's weight.
-        test: DMatrix<f64>,
+        test: Mat<f64>,
         /// ψ_k(0, −w/r) − ψ_k(0, w).
-        jump: DMatrix<f64>,
+        jump: Mat<f64>,
         /// r⁻².
         gain: f64,
     },
@@ -58,16 +58,16 @@ impl HalfPlaneGalerkin {
         let functions = HalfPlaneBasis::new(basis, order, &nodes.z, &nodes.weights);
         let psi = functions.at(&nodes.z);
 
-        let at = |p: &Polynomial| DVector::from_iterator(nodes.z.len(), nodes.z.iter().map(|z| p.evaluate(z)));
+        let at = |p: &Polynomial| -> Col<f64> { nodes.z.iter().map(|z| p.evaluate(z)).collect() };
         let backward = scaled.backward();
         let along = [0, 1].map(|p| at(&backward[p]));
         let half_diffusion = at(&scaled.diffusion()[1][1]) * 0.5;
-        let r_linear = DMatrix::from_fn(nodes.z.len(), functions.len(), |i, k| {
+        let r_linear = Mat::from_fn(nodes.z.len(), functions.len(), |i, k| {
             along[0][i] * psi.first[(i, k)]
                 + along[1][i] * psi.second[(i, k)]
                 + half_diffusion[i] * psi.curvature[(i, k)]
         });
-        let test = DMatrix::from_fn(functions.len(), nodes.z.len(), |k, i| psi.value[(i, k)] * nodes.weights[i]);
+        let test = Mat::from_fn(functions.len(), nodes.z.len(), |k, i| psi.value[(i, k)] * nodes.weights[i]);
         let mut constant = &test * at(&scaled.residual(&Polynomial::zero(2)));
         let mut linear = &test * r_linear;
 
@@ -82,7 +82,7 @@ impl HalfPlaneGalerkin {
                     let value = psi.value.row(i).transpose();
                     // ∂/∂w = L₂₂⁻¹ ∂/∂z₂ on the wall.
                     let slope = psi.second.row(i) / weight.frame.scale()[(1, 1)];
-                    constant += &value * ((1.0 - r) * w.abs() * mass);
+                    constant += value * ((1.0 - r) * w.abs() * mass);
                     linear += value * slope * (0.5 * (1.0 - r) * w * w.abs() * mass);
                 }
                 WallTerm::Linear
@@ -91,7 +91,7 @@ impl HalfPlaneGalerkin {
                 let wall_nodes = weight.wall_nodes(1.0, &nodes);
                 let after = at_wall(&mut wall_nodes.iter().map(|(w, _)| *w)).value;
                 let before = at_wall(&mut wall_nodes.iter().map(|(w, _)| -w / r)).value;
-                let test = DMatrix::from_fn(functions.len(), wall_nodes.len(), |k, i| {
+                let test = Mat::from_fn(functions.len(), wall_nodes.len(), |k, i| {
                     let (w, mass) = wall_nodes[i];
                     after[(i, k)] * w * mass
                 });
@@ -103,32 +103,24 @@ impl HalfPlaneGalerkin {
 }
 
 impl GalerkinEquations for HalfPlaneGalerkin {
-    fn evaluate(&self, a: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    fn evaluate(&self, a: &Col<f64>) -> (Col<f64>, Mat<f64>) {
         let slope = &self.slope * a;
-        let half = self.half_diffusion.component_mul(&slope);
-        let mut residual = &self.constant + &self.linear * a + &self.test * half.component_mul(&slope);
-        let mut weighted = self.slope.clone();
-        for (mut row, factor) in weighted.row_iter_mut().zip(half.iter()) {
-            row *= 2.0 * factor;
-        }
-        let mut jacobian = &self.linear + &self.test * weighted;
+        let half = self.half_diffusion.as_diagonal() * &slope;
+        let mut residual = &self.constant + &self.linear * a + &self.test * (half.as_diagonal() * &slope);
+        let mut jacobian = &self.linear + &self.test * (half.as_diagonal() * &self.slope) * 2.0;
         if let WallTerm::Inflow { test, jump, gain } = &self.wall {
-            let inflow = (jump * a).map(|q| gain * q.exp());
-            residual -= test * inflow.map(|ratio| 1.0 - ratio);
-            let mut change = jump.clone();
-            for (mut row, ratio) in change.row_iter_mut().zip(inflow.iter()) {
-                row *= *ratio;
-            }
-            jacobian += test * change;
+            let inflow: Col<f64> = (jump * a).iter().map(|q| gain * q.exp()).collect();
+            residual -= test * inflow.iter().map(|ratio| 1.0 - ratio).collect::<Col<f64>>();
+            jacobian += test * (inflow.as_diagonal() * jump);
         }
         (residual, jacobian)
     }
 
-    fn gaussian(&self) -> DVector<f64> {
+    fn gaussian(&self) -> Col<f64> {
         self.basis.gaussian()
     }
 
-    fn polynomial(&self, a: &DVector<f64>) -> Polynomial {
+    fn polynomial(&self, a: &Col<f64>) -> Polynomial {
         self.basis.polynomial(a)
     }
 }
@@ -137,6 +129,7 @@ impl GalerkinEquations for HalfPlaneGalerkin {
 /// damping. It is the start of the homotopy.
 pub(super) fn elastic_linear_oscillator(gaussian: &Gaussian, diffusion: f64) -> FokkerPlanck {
     let (su, sw) = (gaussian.covariance[(0, 0)], gaussian.covariance[(1, 1)]);
-    let slopes = dmatrix![0.0, 1.0; -sw / su, -diffusion / (2.0 * sw)];
-    FokkerPlanck::linear(&slopes, &dvector![gaussian.mean[0], 0.0], &dmatrix![0.0, 0.0; 0.0, diffusion])
+    let slopes = [[0.0, 1.0], [-sw / su, -diffusion / (2.0 * sw)]];
+    let diffusions = [[0.0, 0.0], [0.0, diffusion]];
+    FokkerPlanck::linear(|i, j| slopes[i][j], &[gaussian.mean[0], 0.0], |i, j| diffusions[i][j])
 }

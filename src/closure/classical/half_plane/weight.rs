@@ -1,9 +1,10 @@
 use crate::closure::tuning;
 use crate::density::Frame;
 use crate::error::Result;
-use crate::numerics::Rule;
+use crate::numerics::{Rule, least_norm};
 use crate::polynomial::Gaussian;
-use nalgebra::{DMatrix, DVector, dmatrix, dvector};
+use faer::{Col, Mat, col, mat};
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
@@ -85,6 +86,12 @@ impl Weight {
     }
 }
 
+/// The Gaussian of a displacement and its velocity.
+pub(in crate::closure::classical) fn in_plane(mean: [f64; 2], covariance: &Mat<f64>) -> Gaussian {
+    let covariance = DMatrix::from_fn(2, 2, |i, j| covariance[(i, j)]);
+    Gaussian { mean: DVector::from_column_slice(&mean), covariance }
+}
+
 /// Iterates `map` from `start` to its fixed point, with Anderson's acceleration (D. G. Anderson, 1965,
 /// doi:10.1145/321296.321305) on the mean and the logarithmic Cholesky factor, in which every vector is a Gaussian.
 ///
@@ -96,18 +103,18 @@ pub(in crate::closure::classical) fn fixed_point(
 ) -> Gaussian {
     // The mean in units of `start`'s deviations, so that a map which keeps the mean has it kept by every combination.
     let unit = [0, 1].map(|i| start.covariance[(i, i)].sqrt());
-    let pack = |gaussian: &Gaussian| -> Option<DVector<f64>> {
+    let pack = |gaussian: &Gaussian| -> Option<Col<f64>> {
         let scale = gaussian.scale().ok()?;
         let mean = [0, 1].map(|i| gaussian.mean[i] / unit[i]);
-        Some(dvector![mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / unit[1]])
+        Some(col![mean[0], mean[1], scale[(0, 0)].ln(), scale[(1, 1)].ln(), scale[(1, 0)] / unit[1]])
     };
     let mut gaussian = start;
-    let mut history: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
+    let mut history: Vec<(Col<f64>, Col<f64>)> = Vec::new();
     for _ in 0..tuning::classical::STEPS {
         let mapped = map(&gaussian).and_then(|next| pack(&next));
         let Some((x, y)) = pack(&gaussian).zip(mapped) else { break };
         let change = &y - &x;
-        if change.amax() < tuning::ROUNDING {
+        if change.norm_max() < tuning::ROUNDING {
             break;
         }
         history.push((x, change));
@@ -115,27 +122,22 @@ pub(in crate::closure::classical) fn fixed_point(
             history.remove(0);
         }
         let x = accelerated(&history);
-        let scale = dmatrix![x[2].exp(), 0.0; x[4] * unit[1], x[3].exp()];
-        let mean = dvector![x[0] * unit[0], x[1] * unit[1]];
-        gaussian = Gaussian { mean, covariance: &scale * scale.transpose() };
+        let scale = mat![[x[2].exp(), 0.0], [x[4] * unit[1], x[3].exp()]];
+        gaussian = in_plane([x[0] * unit[0], x[1] * unit[1]], &(&scale * scale.transpose()));
     }
     gaussian
 }
 
 /// The combination of the stored steps whose changes cancel best.
-fn accelerated(history: &[(DVector<f64>, DVector<f64>)]) -> DVector<f64> {
-    let Some(((x, change), earlier)) = history.split_last() else { return DVector::zeros(0) };
-    let columns: Vec<DVector<f64>> = earlier.iter().map(|(_, c)| change - c).collect();
+fn accelerated(history: &[(Col<f64>, Col<f64>)]) -> Col<f64> {
+    let Some(((x, change), earlier)) = history.split_last() else { return Col::zeros(0) };
     let plain = x + change;
-    if columns.is_empty() {
-        return plain;
-    }
-    let differences = DMatrix::from_columns(&columns);
-    let Ok(share) = differences.svd(true, true).solve(change, 1e-10) else { return plain };
+    let differences = Mat::from_fn(change.nrows(), earlier.len(), |i, k| change[i] - earlier[k].1[i]);
+    let Some(share) = least_norm(&differences, change, 1e-10) else { return plain };
     let mut next = plain.clone();
     for (share, (x_old, change_old)) in share.iter().zip(earlier) {
         next -= (&plain - x_old - change_old) * *share;
     }
     // A combination that leaps is worse than the plain step.
-    if (&next - x).amax() < 2.0 { next } else { plain }
+    if (&next - x).norm_max() < 2.0 { next } else { plain }
 }
