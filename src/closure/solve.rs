@@ -66,7 +66,7 @@ impl Closure {
             let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
             let referred = self.on_samples == Some(false);
             let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, memory, begin };
-            return self.at_order(tuning::space::HIGHEST_ORDER, 1, |order| nodal.closed(order));
+            return self.at_order(tuning::space::HIGHEST_ORDER, 1, |order| of_use(nodal.closed(order)?, order));
         }
         let states = self.states.unwrap_or(tuning::pilot::STATES);
         let pilot = plan.pilot(states, 1.0)?;
@@ -135,7 +135,7 @@ impl Closure {
         }
         let discretisation = walled::walled(problem, &inflated, walls);
         let nodal = self.nodal(discretisation, [&pilot, &inflated], begin)?;
-        self.at_order(tuning::space::HIGHEST_ORDER_AT_WALLS, 2, |order| nodal.closed(order))
+        self.at_order(tuning::space::HIGHEST_ORDER_AT_WALLS, 2, |order| of_use(nodal.closed(order)?, order))
     }
 
     fn nodal(
@@ -167,11 +167,6 @@ impl Closure {
         patience: u32,
         closed: impl Fn(u32) -> Result<ClosureDensity>,
     ) -> Result<ClosureDensity> {
-        let closed = |order| {
-            let density = closed(order)?;
-            let reason = "it has nothing in common with the density: take more of the pilot's states, another order, or the grid";
-            if density.l1_estimate() < FARTHEST { Ok(density) } else { Err(Error::NotClosed { order, reason }) }
-        };
         let target = match self.order {
             Order::Fixed(order) => return closed(order),
             Order::Adaptive(target) => target,
@@ -191,6 +186,14 @@ impl Closure {
         }
         best
     }
+}
+
+/// Refuses a density whose estimated error is the largest that there is. On Gauss nodes in open space such an estimate may be that
+/// of a power tail, which a density can be close to all the same.
+fn of_use(density: ClosureDensity, order: u32) -> Result<ClosureDensity> {
+    let reason =
+        "it has nothing in common with the density: take more of the pilot's states, another order, or the grid";
+    if density.l1_estimate() < FARTHEST { Ok(density) } else { Err(Error::NotClosed { order, reason }) }
 }
 
 #[cfg(test)]

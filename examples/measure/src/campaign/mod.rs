@@ -1,8 +1,9 @@
 //! Does the closure give a density for every system, and is its estimate of the error right?
 //!
-//! Answer: of the 209 among 220 random oscillators that the grid resolves all but one had one at every order, and every density
-//! without a warning that the grid can judge was within three times its estimate, or 1e-4, of the grid's; so were those above
-//! 150 random walls.
+//! Answer: of the 471 among 500 random oscillators that the grid resolves all but one had one at every order, and every density
+//! without a warning was within three times its estimate, or 1e-4, of the grid's, or beyond the grid's accuracy; so were those
+//! above 150 random walls. Two systems fail by name: of 265, with two deep wells, the grid holds one alone, although the system is
+//! symmetric; and the density of 398 is exact, where the grid's error is 2.5 times its estimate.
 //!
 //! 500 random oscillators are closed at several orders, and each density is compared with the solution of the Fokker-Planck
 //! equation on a grid; `--walls` does the same above 150 random walls, `--lattice` above 40 walls in order, where the
