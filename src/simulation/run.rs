@@ -23,8 +23,8 @@ use std::{ops::Range, time::Instant};
 
 const SHORTER: &str = "take shorter segments or fewer trajectories, or raise `memory_limit`";
 
-const TOO_FAST: &str = "next to the slowest rate it is so fast that the default burn-in would have more than 40 000 of its times, a \
-    million steps: give `burn_in`, or `time_step`, and a `time_budget`";
+const TOO_FAST: &str = "next to the slowest rate it is so fast that the default burn-in would have more than a million steps: \
+    give `burn_in`, or `time_step`, and a `time_budget`";
 
 impl<'a> Simulation<'a> {
     /// Runs the simulation.
@@ -177,7 +177,8 @@ impl<'a> Simulation<'a> {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
                 let (step, rate) = self.chosen_step(problem, wall, times, control)?;
-                let soon = self.burn_in.is_some() || times.burn_in * rate <= tuning::timetable::LONGEST_DEFAULT;
+                let given = self.burn_in.is_some() || self.sampling_interval.is_some();
+                let soon = given || times.burn_in / step <= tuning::timetable::MOST_DEFAULT_STEPS;
                 require(soon, "rate of the motion", rate, TOO_FAST)?;
                 (step, Some(rate))
             }

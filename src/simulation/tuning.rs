@@ -70,9 +70,9 @@ pub(super) mod timetable {
     /// A run that has not come to the end of its first round is given up after the time budget or so much, so that sessions of
     /// any length get on.
     pub(crate) const LEAST_BUDGET: Duration = Duration::from_secs(1);
-    /// The longest burn-in that is not an option, times the rate of the motion: at most 2000 by the rates of the system without
-    /// its wall, and impacts may be twenty times faster.
-    pub(crate) const LONGEST_DEFAULT: f64 = 4e4;
+    /// The most steps of a burn-in where no time is an option: at most 2000 times the shortest time of the system without its
+    /// wall, in 25 steps each, and impacts may be twenty times faster.
+    pub(crate) const MOST_DEFAULT_STEPS: f64 = 1e6;
     /// The time between samples in the shortest of the system's times: states closer than that add little.
     pub(crate) const INTERVAL: f64 = 3.0;
     /// The velocity of a state is averaged in cells of this share of the range of its histogram, a third of the standard
