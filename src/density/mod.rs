@@ -97,11 +97,13 @@ pub trait Density: Send + Sync {
     /// power above 200; [`Error::NotKnown`] for a level that a simulation did not count.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;
 
-    /// The variance of one state.
+    /// The variance of one state, never below zero.
     fn variance(&self, state: usize) -> Result<Estimate> {
         state_index("the state of a variance", state, self.dimension())?;
         let mean = self.expectation(&|x| x[state])?.value;
-        self.expectation(&|x| (x[state] - mean).powi(2))
+        let found = self.expectation(&|x| (x[state] - mean).powi(2))?;
+        // A solution on a grid may be below zero where there is next to nothing.
+        Ok(Estimate::new(found.value.max(0.0), found.error.max(-found.value)))
     }
 
     /// The mean number of up-crossings of `level` by the displacement (state 0, its velocity state 1) per unit time:

@@ -17,7 +17,10 @@ use super::{
 };
 use crate::error::{Error, Result, dimension, finite, positive, require, state_index};
 use crate::problem::{Problem, TimeScales, Wall, two_digits};
-use crate::simulation::tuning;
+use crate::simulation::tuning::{
+    self,
+    limits::{MOST_BINS, MOST_LEVELS, MOST_TRAJECTORIES},
+};
 use crate::states::States;
 use std::{ops::Range, time::Instant};
 
@@ -33,8 +36,8 @@ impl<'a> Simulation<'a> {
     /// - [`Error::NotServed`]: a wall that is not the only one, or that the motion of state 0 is not above.
     /// - [`Error::NotADisplacement`]: a level for a state 0 that has no velocity.
     /// - [`Error::NoSamples`]: no samples, or fewer than two trajectories.
-    /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning; and a rate of impacts so far above the
-    ///   system's own rates that the default burn-in has more than a million steps.
+    /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning; and a motion so much faster than the
+    ///   slowest rate that the default burn-in has more than a million steps.
     /// - [`Error::TooMuchMemory`]: segments of spectra beyond [`Simulation::memory_limit`].
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
     /// - [`Error::Cancelled`]: the progress callback returned `Break`.
@@ -228,24 +231,9 @@ impl<'a> Simulation<'a> {
         if self.samples == 0 {
             return Err(Error::NoSamples { what: "the number of samples", least: 1 });
         }
-        at_most(
-            "number of levels",
-            self.levels.len(),
-            tuning::limits::MOST_LEVELS,
-            "at most 64 levels can be counted at once",
-        )?;
-        at_most(
-            "number of trajectories",
-            self.trajectories,
-            tuning::limits::MOST_TRAJECTORIES,
-            "at most 2^20 fit into memory",
-        )?;
-        at_most(
-            "number of bins",
-            self.bins,
-            tuning::limits::MOST_BINS,
-            "at most 1024 keep the joint histogram in memory",
-        )?;
+        at_most("number of levels", self.levels.len(), MOST_LEVELS, "at most 64 levels can be counted at once")?;
+        at_most("number of trajectories", self.trajectories, MOST_TRAJECTORIES, "at most 2^20 fit into memory")?;
+        at_most("number of bins", self.bins, MOST_BINS, "at most 1024 keep the joint histogram in memory")?;
         self.levels.iter().try_for_each(|&level| finite("level", level).map(|_| ()))?;
         self.targets.iter().try_for_each(|target| target.tolerance.validate())?;
         if let Some(start) = &self.start {

@@ -380,6 +380,10 @@ fn what_has_no_answer_is_refused_with_the_reason() {
     // The error of a domain that cuts the density contains the place.
     let error = solve(Grid::new().domain([[-1.5, 4.0], [-7.0, 7.0]])).unwrap_err();
     assert!(matches!(error, Error::DomainCut { state: 0, edge: -1.5, .. }), "{error}");
+    // A state that no noise reaches: all mass of y is at 0, and no mesh resolves it.
+    let deaf = "states = ['x', 'y']\ndrift = { x = '-x', y = '-y - y*x^2' }\nnoise.w = { x = '1' }";
+    let error = Grid::new().domain([[-5.0, 5.0], [-1.0, 1.0]]).solve(&Problem::from_toml(deaf).unwrap()).unwrap_err();
+    assert!(matches!(error, Error::Negative { mass } if mass > 0.1), "{error}");
     // Energy that grows fast is an explosion of the pilot; with energy that grows slowly no domain suffices.
     for damping in [-2.0, -0.02] {
         let error = Grid::new().solve(&Problem::of(Unstable(damping)).unwrap()).unwrap_err();

@@ -244,6 +244,18 @@ fn densities_are_made_of_numbers() {
             assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{level}, {power}: {refused:?}");
         }
     }
+    let coarse = Grid::new().degree(2).cells([8, 8]).edge_level(1e-2).solve(&problem(duffing())).unwrap();
+    let sampled = Simulation::new().samples(1024).run(&problem(duffing())).unwrap();
+    for density in [&duffing().exact().unwrap() as &dyn Density, &closed, &power_law, &coarse, &sampled] {
+        for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let log = density.log_pdf(&[0.1, odd]).map(Estimate::exact);
+            let whole = density.joint_marginal([0, 1], [odd, 0.1]);
+            for refused in [density.pdf(&[odd, 0.1]), log, density.marginal(1, odd), whole] {
+                let named = |error: &Error| matches!(error, Error::OutOfRange { name: "coordinate of a state", .. });
+                assert!(refused.as_ref().is_err_and(named), "{odd}: {refused:?}");
+            }
+        }
+    }
     // A mean that is not defined is NaN.
     let [one, two] = [1, 2].map(|n| Polynomial::variable(n, n - 1));
     let line = Gaussian { mean: DVector::zeros(1), covariance: DMatrix::identity(1, 1) };

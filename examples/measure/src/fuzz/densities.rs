@@ -17,9 +17,9 @@ pub(super) fn probe(probe: &mut Probe, problem: &Problem, density: &dyn Density)
     probe.value("mass", 0.5, || Ok(density.moment(&vec![0; n])?.value));
     for state in 0..n {
         let powers: Vec<u32> = (0..n).map(|i| if i == state { 2 } else { 0 }).collect();
-        // An estimate may be below zero by its error.
+        // A sampled moment may be below zero by its standard error; a variance is not.
         probe.value("second moment", 0.0, || density.moment(&powers).map(|found| found.value + 6.0 * found.error));
-        probe.value("variance", 0.0, || density.variance(state).map(|found| found.value + 6.0 * found.error));
+        probe.value("variance", 0.0, || Ok(density.variance(state)?.value));
         let middle = (bounds[state][0] + bounds[state][1]) / 2.0;
         // A polynomial on elements may be below zero where there is next to nothing.
         probe.value("marginal", f64::NEG_INFINITY, || Ok(density.marginal(state, middle)?.value));

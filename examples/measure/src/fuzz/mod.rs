@@ -34,7 +34,7 @@ pub(crate) struct Options {
     #[arg(long)]
     only: Option<u64>,
     /// Seconds that one method may take for one input
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 20.0)]
     bound: f64,
     /// The folder of the process that runs the inputs
     #[arg(long, hide = true)]

@@ -174,8 +174,7 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
             let closure =
                 if draw.with(0.1) { Closure::adaptive(draw.log_within(1e-3, 1.0)) } else { Closure::new(order) };
             let mut closure = closure.seed(seed).guard(draw.with(0.1));
-            // In more than two states the usual number may take minutes for the highest orders.
-            if !usual || n > 2 {
+            if !usual {
                 closure = closure.pilot_states(1000 + draw.below(4000)).inflation(draw.within(1.0, 10.0));
             }
             if method == 1 {
