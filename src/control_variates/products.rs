@@ -123,13 +123,8 @@ impl Products {
             for k in 1..self.degrees - 1 {
                 let [a, b] = recurrence(k);
                 let ([p, d, s], [_, d0, s0]) = (rows[k], rows[k - 1]);
-                let [_, slope, curvature] = &mut rows[k + 1];
-                for l in 0..LANES {
-                    slope[l] = a * (t[l] * d[l] + scale * p[l]) - b * d0[l];
-                }
-                for l in 0..LANES {
-                    curvature[l] = a * (t[l] * s[l] + 2.0 * scale * d[l]) - b * s0[l];
-                }
+                rows[k + 1][1] = std::array::from_fn(|l| a * (t[l] * d[l] + scale * p[l]) - b * d0[l]);
+                rows[k + 1][2] = std::array::from_fn(|l| a * (t[l] * s[l] + 2.0 * scale * d[l]) - b * s0[l]);
             }
         }
     }
@@ -140,12 +135,10 @@ impl Products {
         self.place_tables(x, scratch);
         scratch.values[0] = [1.0; LANES];
         for (k, step) in self.steps.iter().enumerate().skip(1) {
-            let factor = &scratch.table[step.state * self.degrees + step.degree][0];
+            // Copies of lanes are apart from what is written, so that a lane is a few instructions; here and below.
+            let factor = scratch.table[step.state * self.degrees + step.degree][0];
             let shorter = scratch.values[step.shorter];
-            let value = &mut scratch.values[k];
-            for l in 0..LANES {
-                value[l] = shorter[l] * factor[l];
-            }
+            scratch.values[k] = std::array::from_fn(|l| shorter[l] * factor[l]);
         }
     }
 
@@ -165,23 +158,21 @@ impl Products {
             for k in 1..self.degrees - 1 {
                 let [a, b] = recurrence(k);
                 let (p, p0) = (rows[k][0], rows[k - 1][0]);
-                for l in 0..LANES {
-                    rows[k + 1][0][l] = a * t[l] * p[l] - b * p0[l];
-                }
+                rows[k + 1][0] = std::array::from_fn(|l| a * t[l] * p[l] - b * p0[l]);
             }
         }
     }
 
     /// The value of function k at the points placed.
     #[inline(always)]
-    pub(crate) fn value<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
-        &scratch.values[self.places[k]]
+    pub(crate) fn value(&self, scratch: &Scratch, k: usize) -> Lane {
+        scratch.values[self.places[k]]
     }
 
     /// The image of function k under the operator of the last [`Products::apply`].
     #[inline(always)]
-    pub(crate) fn image<'a>(&self, scratch: &'a Scratch, k: usize) -> &'a Lane {
-        &scratch.rates[self.places[k]]
+    pub(crate) fn image(&self, scratch: &Scratch, k: usize) -> Lane {
+        scratch.rates[self.places[k]]
     }
 
     /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed: b is `first` of `scratch`, and B, by rows, is `second`.
@@ -199,12 +190,9 @@ impl Products {
         for i in 0..n {
             for k in 0..self.degrees {
                 let at = i * self.degrees + k;
-                let [_, d, s] = &scratch.table[at];
-                let (b, c) = (&scratch.first[i], &second[i * n + i]);
-                let moved = &mut scratch.moved[at];
-                for l in 0..LANES {
-                    moved[l] = b[l] * d[l] + 0.5 * c[l] * s[l];
-                }
+                let [_, d, s] = scratch.table[at];
+                let (b, c) = (scratch.first[i], second[i * n + i]);
+                scratch.moved[at] = std::array::from_fn(|l| b[l] * d[l] + 0.5 * c[l] * s[l]);
             }
         }
     }
@@ -219,24 +207,21 @@ impl Products {
         }
         for (k, step) in self.steps.iter().enumerate().skip(1) {
             let at = step.state * self.degrees + step.degree;
-            let ([p, d, _], moved) = (&scratch.table[at], &scratch.moved[at]);
-            let (value, rate) = (&scratch.values[step.shorter], &scratch.rates[step.shorter]);
+            let ([p, d, _], moved) = (scratch.table[at], scratch.moved[at]);
+            let (value, rate) = (scratch.values[step.shorter], scratch.rates[step.shorter]);
             let mut sum = ZERO;
             for l in 0..LANES {
                 sum[l] = rate[l] * p[l] + value[l] * moved[l];
             }
             for &c in coupled {
                 let slope = scratch.slopes[c][step.shorter];
-                let mixed = &second[c * n + step.state];
+                let mixed = second[c * n + step.state];
                 for l in 0..LANES {
                     // The shorter product does not contain this state, so that each pair is met once.
                     sum[l] += mixed[l] * slope[l] * d[l];
                 }
                 let own = if c == step.state { 1.0 } else { 0.0 };
-                let longer = &mut scratch.slopes[c][k];
-                for l in 0..LANES {
-                    longer[l] = slope[l] * p[l] + own * value[l] * d[l];
-                }
+                scratch.slopes[c][k] = std::array::from_fn(|l| slope[l] * p[l] + own * value[l] * d[l]);
             }
             scratch.rates[k] = sum;
         }
@@ -246,7 +231,7 @@ impl Products {
     pub(crate) fn sum(&self, a: &[f64], scratch: &Scratch) -> Lane {
         let mut sum = ZERO;
         for (a, &place) in a.iter().zip(&self.places) {
-            let value = &scratch.values[place];
+            let value = scratch.values[place];
             (0..LANES).for_each(|l| sum[l] += a * value[l]);
         }
         sum
@@ -263,12 +248,10 @@ impl Products {
         }
         for (k, step) in self.steps.iter().enumerate().skip(1).rev() {
             let at = step.state * self.degrees + step.degree;
-            let (own, factor, value) = (sensitivity[k], &scratch.table[at][0], &scratch.values[step.shorter]);
-            let (shorter, entry) = (&mut sensitivity[step.shorter], &mut scratch.entries[at]);
-            for l in 0..LANES {
-                shorter[l] += own[l] * factor[l];
-                entry[l] += own[l] * value[l];
-            }
+            let (own, factor, value) = (sensitivity[k], scratch.table[at][0], scratch.values[step.shorter]);
+            let (shorter, entry) = (sensitivity[step.shorter], scratch.entries[at]);
+            sensitivity[step.shorter] = std::array::from_fn(|l| shorter[l] + own[l] * factor[l]);
+            scratch.entries[at] = std::array::from_fn(|l| entry[l] + own[l] * value[l]);
         }
         for (i, sum) in scratch.gradient.iter_mut().enumerate() {
             *sum = ZERO;

@@ -16,13 +16,16 @@ const ROUNDING: [f64; 2] = [1e-13, 1e-15];
 const CLOSE: f64 = 0.3;
 const FALLING: f64 = 0.3;
 
-/// A concave function of some coefficients.
+/// A concave function of the coefficients a_k of some functions and of Σ a_k φ_k at some points.
 pub(crate) trait Concave {
     /// The results of an evaluation that the derivatives use again.
     type At;
 
-    /// The value. None where it is not finite.
-    fn value(&self, a: &[f64]) -> Option<(f64, Self::At)>;
+    /// Σ a_k φ_k at the points.
+    fn combination(&self, a: &[f64]) -> Vec<f64>;
+
+    /// The value at coefficients and their combination. None where it is not finite.
+    fn value(&self, a: &[f64], combination: &[f64]) -> Option<(f64, Self::At)>;
 
     /// The gradient.
     fn gradient(&self, at: &Self::At) -> Vec<f64>;
@@ -51,7 +54,8 @@ pub(crate) struct Summit<A> {
 impl Search {
     /// The maximum of `function`, from `start` on. None where values or derivatives are not finite.
     pub(crate) fn ascend<F: Concave>(self, function: &F, start: Vec<f64>) -> Option<Summit<F::At>> {
-        let (mut value, at) = function.value(&start)?;
+        let mut combination = function.combination(&start);
+        let (mut value, at) = function.value(&start, &combination)?;
         let mut summit = Summit { a: start, at, steps: 0, converged: false, next: f64::INFINITY };
         let mut reused: Option<Llt<f64>> = None;
         let mut last = f64::INFINITY;
@@ -62,8 +66,8 @@ impl Search {
                 Some(factor) => factor,
                 None => function.curvature(&summit.at, &gradient)?,
             };
-            let step = factor.solve(Mat::from_fn(gradient.len(), 1, |k, _| gradient[k]));
-            let square: f64 = gradient.iter().enumerate().map(|(k, g)| step[(k, 0)] * g).sum();
+            let step = factor.solve(Mat::from_fn(gradient.len(), 1, |k, _| gradient[k])).col_as_slice(0).to_vec();
+            let square: f64 = gradient.iter().zip(&step).map(|(g, step)| step * g).sum();
             if !square.is_finite() {
                 return None;
             }
@@ -81,15 +85,18 @@ impl Search {
             };
             let longest = (LONGEST / decrement).min(1.0);
             let lengths = std::iter::successors(Some(longest), |length| Some(length / 2.0));
+            let along = function.combination(&step);
             let higher = lengths.take_while(|length| *length >= SHORTEST).find_map(|length| {
-                let a: Vec<f64> = summit.a.iter().enumerate().map(|(k, a)| a + length * step[(k, 0)]).collect();
-                let (new, at) = function.value(&a)?;
-                (new >= least(length)).then_some((length, a, new, at))
+                let [a, q] = [(&summit.a, &step), (&combination, &along)].map(|(from, step)| {
+                    from.iter().zip(step).map(|(from, step)| from + length * step).collect::<Vec<f64>>()
+                });
+                let (new, at) = function.value(&a, &q)?;
+                (new >= least(length)).then_some((length, (a, q), new, at))
             });
             summit.steps += 1;
             match higher {
-                Some((length, a, new, at)) => {
-                    (summit.a, summit.at, value, last) = (a, at, new, decrement);
+                Some((length, moved, new, at)) => {
+                    ((summit.a, combination), summit.at, value, last) = (moved, at, new, decrement);
                     // A full step of a curvature that is nearly right is followed by another.
                     reused = (length == 1.0 && decrement < CLOSE).then_some(factor);
                 }
@@ -112,7 +119,11 @@ mod tests {
     impl Concave for Logarithmic {
         type At = [f64; 2];
 
-        fn value(&self, a: &[f64]) -> Option<(f64, [f64; 2])> {
+        fn combination(&self, a: &[f64]) -> Vec<f64> {
+            a.to_vec()
+        }
+
+        fn value(&self, _: &[f64], a: &[f64]) -> Option<(f64, [f64; 2])> {
             let value = 0.5 * a[0] + a[1] - a[0].cosh().ln() - 2.0 * (a[1] / 1.5).cosh().ln();
             value.is_finite().then_some((value, [a[0], a[1]]))
         }

@@ -4,6 +4,7 @@
 mod ascent;
 mod definite;
 mod eigenvalues;
+mod gram;
 mod least_norm;
 pub(crate) mod legendre;
 mod quadrature;
@@ -11,5 +12,6 @@ mod quadrature;
 pub(crate) use ascent::{Concave, Search};
 pub(crate) use definite::definite;
 pub(crate) use eigenvalues::eigenvalues;
+pub(crate) use gram::{add_gram, symmetric};
 pub(crate) use least_norm::least_norm;
 pub(crate) use quadrature::Rule;

@@ -160,7 +160,7 @@ impl Images {
             }
             layout.images.place_values(&self.x, &mut self.scratch);
             for (k, value) in self.values.iter_mut().enumerate() {
-                *value = *layout.images.value(&self.scratch, k + 1);
+                *value = layout.images.value(&self.scratch, k + 1);
             }
             self.x[v] = self.x[v].map(|v| boundaries.throw_back(v));
             layout.images.place_values(&self.x, &mut self.scratch);

@@ -64,9 +64,12 @@ impl Concave for Likelihood<'_> {
     /// The density at the nodes.
     type At = Vec<f64>;
 
-    fn value(&self, a: &[f64]) -> Option<(f64, Vec<f64>)> {
-        let product = self.values * Mat::from_fn(a.len(), 1, |k, _| a[k]);
-        let q: Vec<f64> = self.fixed.iter().enumerate().map(|(i, fixed)| fixed + product[(i, 0)]).collect();
+    fn combination(&self, a: &[f64]) -> Vec<f64> {
+        (self.values * Mat::from_fn(a.len(), 1, |k, _| a[k])).col_as_slice(0).to_vec()
+    }
+
+    fn value(&self, a: &[f64], combination: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let q: Vec<f64> = self.fixed.iter().zip(combination).map(|(fixed, q)| fixed + q).collect();
         let (top, mass) = scaled_mass(&q, self.weights);
         let value = a.iter().zip(self.mean).map(|(a, mean)| a * mean).sum::<f64>() - mass.ln() - top;
         value.is_finite().then(|| (value, tempered(&q, self.weights, 1.0)))

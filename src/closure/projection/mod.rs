@@ -81,7 +81,7 @@ pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], me
         let right = Mat::from_fn(rows, 1, |i, _| roots[i] * (target[i] - fixed[i]));
         let c = Mat::from_fn(rows, columns, |i, k| roots[i] * psi[(i, k)]).qr().solve_lstsq(right);
         let c: Vec<f64> = (0..columns).map(|k| c[(k, 0)]).collect();
-        closeness.value(&c).map(|(value, _)| (-value, c))
+        closeness.value(&c, &closeness.combination(&c)).map(|(value, _)| (-value, c))
     };
     let mut starts = Vec::new();
     for share in tuning::projection::STARTS {
@@ -125,9 +125,12 @@ impl Concave for Closeness<'_> {
     /// Q − ln p̂ at the nodes.
     type At = Vec<f64>;
 
-    fn value(&self, c: &[f64]) -> Option<(f64, Vec<f64>)> {
-        let product = &self.psi * Mat::from_fn(c.len(), 1, |k, _| c[k]);
-        let at = |i: usize| self.fixed[i] + product[(i, 0)] - self.target[i];
+    fn combination(&self, c: &[f64]) -> Vec<f64> {
+        (&self.psi * Mat::from_fn(c.len(), 1, |k, _| c[k])).col_as_slice(0).to_vec()
+    }
+
+    fn value(&self, _: &[f64], combination: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let at = |i: usize| self.fixed[i] + combination[i] - self.target[i];
         let difference: Vec<f64> = (0..self.target.len()).map(at).collect();
         let cost: f64 = self.measure.iter().zip(&difference).map(|(w, d)| w * (d.exp() - 1.0 - d)).sum();
         cost.is_finite().then_some((-cost, difference))

@@ -7,6 +7,7 @@ use crate::closure::space::Polynomials;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::regression;
+use crate::numerics::{add_gram, symmetric};
 use crate::problem::{Problem, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -37,7 +38,8 @@ pub(super) struct Calibration {
     pub(super) smallest_weight: f64,
 }
 
-/// Sums over blocks: their number, R = 𝓖ψ, φ, RRᵀ, Rφᵀ and, of the first functions φ, φφᵀ.
+/// Sums over blocks: their number, R = 𝓖ψ, φ, the lower triangle of RRᵀ, Rφᵀ and, of the first functions φ, the lower triangle
+/// of φφᵀ.
 struct Sums {
     blocks: f64,
     first: [Vec<f64>; 2],
@@ -90,8 +92,8 @@ impl Sums {
     /// The covariance of the means of the first functions φ less their regression, by the spread between blocks.
     fn covariance(&self, Regression { beta, .. }: &Regression) -> Mat<f64> {
         let [r, phi] = self.means();
-        let size = self.own.nrows();
-        let mut left = Mat::from_fn(size, size, |k, l| self.own[(k, l)] / self.blocks - phi[k] * phi[l]);
+        let (own, size) = (symmetric(&self.own), self.own.nrows());
+        let mut left = Mat::from_fn(size, size, |k, l| own[(k, l)] / self.blocks - phi[k] * phi[l]);
         let mixed = Mat::from_fn(beta.nrows(), size, |k, l| self.mixed[(k, l)] / self.blocks - r[k] * phi[l]);
         matmul(left.as_mut(), Accum::Add, mixed.transpose(), beta.get(.., ..size), -1.0, Par::Seq);
         Mat::from_fn(size, size, |k, l| 0.5 * (left[(k, l)] + left[(l, k)]) / self.blocks)
@@ -264,10 +266,10 @@ impl Paths<'_> {
                 }
             });
             let [r, phi] = &tables;
-            matmul(sums.square.as_mut(), Accum::Add, r.transpose(), r.as_ref(), 1.0, Par::Seq);
+            add_gram(sums.square.as_mut(), r.as_ref());
             matmul(sums.mixed.as_mut(), Accum::Add, r.transpose(), phi.as_ref(), 1.0, Par::Seq);
             let own = phi.get(.., ..sums.own.nrows());
-            matmul(sums.own.as_mut(), Accum::Add, own.transpose(), own, 1.0, Par::Seq);
+            add_gram(sums.own.as_mut(), own);
             let total = |table: MatRef<'_, f64>| -> Vec<f64> {
                 (0..table.ncols()).map(|k| (0..blocks).map(|b| table[(b, k)]).sum()).collect()
             };

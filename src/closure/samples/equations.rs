@@ -1,10 +1,11 @@
 //! The Galerkin equations under exp(Q), with the Fokker-Planck operator at eight states at a time, and their root where there
 //! is one.
 
-use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, effective};
+use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, effective, lane};
 use super::products::{LANES, Lane, Scratch, ZERO};
 use crate::closure::tuning;
 use crate::fokker_planck::Local;
+use crate::numerics::{add_gram, symmetric};
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
@@ -64,7 +65,6 @@ impl Likelihood<'_> {
     /// exact and does not depend on the draws. None where there is no such root.
     pub(super) fn polished(&self, problem: &Problem, fit: &Fit) -> Option<Fit> {
         let size = self.products.len() - 1;
-        let zeros = vec![0.0; size];
         // Where there is a root, few nodes find it as well as many.
         let enough =
             (tuning::likelihood::NODES_EACH * size).max(tuning::likelihood::FEWEST_NODES) / tuning::likelihood::FEWER;
@@ -102,7 +102,7 @@ impl Likelihood<'_> {
             let scaled = Mat::from_fn(size, size, |k, l| matrix[(k, l)] * scale[l]);
             let step = scaled.partial_piv_lu().solve(&right);
             (0..size).for_each(|k| a[k + 1] += scale[k] * step[(k, 0)]);
-            all = self.value(&a, &zeros)?.1;
+            all = self.masses(&a)?;
         }
         None
     }
@@ -121,7 +121,7 @@ impl Likelihood<'_> {
         let stretch = |blocks: &[usize]| {
             let mut sum = Equations::new(size);
             let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem));
-            let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(BLOCK, size));
+            let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(ROWS, size));
             for &block in blocks {
                 let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
                 for at in (0..p.len()).step_by(LANES) {
@@ -139,28 +139,29 @@ impl Likelihood<'_> {
                     if columns != Columns::None {
                         self.products.apply(&sites.diffusion, &sites.coupled, &mut scratch);
                     }
-                    for l in 0..count {
-                        sum.root += p[at + l] * r[l] * r[l];
-                        sum.size += p[at + l] * parts[l];
+                    let p = lane(&p[at..at + count]);
+                    for l in 0..LANES {
+                        sum.root += p[l] * r[l] * r[l];
+                        sum.size += p[l] * parts[l];
                     }
                     for k in 0..size {
                         let value = self.products.value(&scratch, k);
                         let image = self.products.image(&scratch, k);
-                        let (left, right) = (left.col_as_slice_mut(k), right.col_as_slice_mut(k));
-                        let noise = noise.col_as_slice_mut(k);
-                        for l in 0..count {
-                            left[at + l] = p[at + l] * value[l];
-                            right[at + l] = image[l];
-                            noise[at + l] = r[l] * left[at + l];
-                            sum.tested[k] += noise[at + l];
+                        let [left, right, noise] = [&mut left, &mut right, &mut noise]
+                            .map(|table| &mut table.col_as_slice_mut(k)[at..at + LANES]);
+                        for l in 0..LANES {
+                            left[l] = p[l] * value[l];
+                            right[l] = image[l];
+                            noise[l] = r[l] * left[l];
+                            sum.tested[k] += noise[l];
                         }
                     }
                 }
                 let [left, right, noise] = [&left, &right, &noise].map(|table| table.get(..p.len(), ..));
                 matmul(sum.matrix.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
                 if columns == Columns::Generator {
-                    matmul(sum.noise.as_mut(), Accum::Add, noise.transpose(), noise, 1.0, Par::Seq);
-                    matmul(sum.spread.as_mut(), Accum::Add, left.transpose(), left, 1.0, Par::Seq);
+                    add_gram(sum.noise.as_mut(), noise);
+                    add_gram(sum.spread.as_mut(), left);
                 }
             }
             sum
@@ -176,7 +177,8 @@ impl Likelihood<'_> {
             all.size += part.size;
         }
         let root = all.root.sqrt();
-        Equations { size: root / all.size.sqrt().max(f64::MIN_POSITIVE), root, ..all }
+        let size = root / all.size.sqrt().max(f64::MIN_POSITIVE);
+        Equations { noise: symmetric(&all.noise), spread: symmetric(&all.spread), size, root, ..all }
     }
 
     /// The residual of Q at the sites where the products are placed, and the sum of the squares of the parts f_i ∂_iQ.

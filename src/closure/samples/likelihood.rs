@@ -1,17 +1,19 @@
 //! The most likely exponential polynomial with given means, by integrals over draws.
 
-use super::products::{LANES, Products, Scratch, ZERO};
+use super::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::closure::tuning;
 use crate::estimate::Estimate;
-use crate::numerics::{Concave, Search, definite};
+use crate::numerics::{Concave, Search, add_gram, definite, symmetric};
 use crate::states::States;
-use faer::linalg::matmul::matmul;
+use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
 /// Draws in a block: its tables stay in a core's cache.
 pub(super) const BLOCK: usize = 512;
+/// Rows of a table of functions at the draws of a block: the same rows of all columns are written one after the other, and
+/// columns a power of two apart would fall onto the same few lines of the cache.
+pub(super) const ROWS: usize = BLOCK + LANES;
 /// Matrices that are summed side by side hold about so many numbers together.
 pub(super) const ROOM: usize = 30_000_000;
 
@@ -96,41 +98,49 @@ impl Likelihood<'_> {
         parts.iter().sum()
     }
 
-    /// a·m − ln ∫ exp(Q), and the mass of each draw. None where exp(Q) has no finite integral.
-    pub(super) fn value(&self, a: &[f64], means: &[f64]) -> Option<(f64, Vec<f64>)> {
+    /// Q at each draw, the constant first.
+    fn combination(&self, a: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; self.nodes.base.len()];
         q.par_chunks_mut(BLOCK).enumerate().for_each_init(
             || self.products.scratch(),
             |scratch, (block, q)| {
                 self.each(block * BLOCK, q.len(), scratch, |at, count, scratch| {
-                    let sum = self.products.sum(a, scratch);
-                    for l in 0..count {
-                        q[at + l] = sum[l] + self.nodes.base[block * BLOCK + at + l];
-                    }
+                    q[at..at + count].copy_from_slice(&self.products.sum(a, scratch)[..count]);
                 });
             },
         );
-        let top = q.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        q.iter_mut().for_each(|q| *q = (*q - top).exp());
-        let sum: f64 = q.iter().sum();
-        q.iter_mut().for_each(|p| *p /= sum);
-        let along: f64 = a[1..].iter().zip(means).map(|(a, m)| a * m).sum();
-        let value = along - sum.ln() - top;
-        value.is_finite().then_some((value, q))
+        q
+    }
+
+    /// ln ∫ exp(Q), and the mass of each draw, for Q at each draw. None where exp(Q) has no finite integral.
+    fn integral(&self, q: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let mut masses: Vec<f64> = q.iter().zip(&self.nodes.base).map(|(q, base)| q + base).collect();
+        let top = masses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        masses.par_chunks_mut(BLOCK).for_each(|masses| masses.iter_mut().for_each(|q| *q = (*q - top).exp()));
+        let sum: f64 = masses.iter().sum();
+        masses.iter_mut().for_each(|p| *p /= sum);
+        let integral = sum.ln() + top;
+        integral.is_finite().then_some((integral, masses))
+    }
+
+    /// The mass of each draw. None where exp(Q) has no finite integral.
+    pub(super) fn masses(&self, a: &[f64]) -> Option<Vec<f64>> {
+        Some(self.integral(&self.combination(a))?.1)
     }
 
     /// E φ_k, the constant left out.
     pub(super) fn means(&self, masses: &[f64]) -> Vec<f64> {
         let size = self.products.len() - 1;
         let part = |scratch: &mut Scratch, (block, p): (usize, &[f64])| {
-            let mut sums = vec![0.0; size];
+            let mut sums = vec![ZERO; size];
             self.each(block * BLOCK, p.len(), scratch, |at, count, scratch| {
+                let p = lane(&p[at..at + count]);
                 for (k, sum) in sums.iter_mut().enumerate() {
                     let value = self.products.value(scratch, k + 1);
-                    *sum += (0..count).map(|l| p[at + l] * value[l]).sum::<f64>();
+                    (0..LANES).for_each(|l| sum[l] += p[l] * value[l]);
                 }
             });
-            sums
+            sums.iter().map(|sum| sum.iter().sum()).collect()
         };
         let chunks = masses.par_chunks(BLOCK).enumerate();
         let parts: Vec<Vec<f64>> = chunks.map_init(|| self.products.scratch(), part).collect();
@@ -156,11 +166,11 @@ impl Likelihood<'_> {
     /// ln ∫ exp(Q) dx, where the nodes' weights are volumes.
     pub(super) fn log_mass(&self, fit: &Fit) -> Option<Estimate> {
         let zeros = vec![0.0; self.products.len() - 1];
-        let (value, _) = self.value(&fit.a, &zeros).filter(|_| self.nodes.measured)?;
+        let (integral, _) = self.integral(&self.combination(&fit.a)).filter(|_| self.nodes.measured)?;
         let parts = self.parts(&fit.masses, &zeros);
         let count = parts.len() as f64;
         let square: f64 = parts.iter().map(|part| (count * part.mass - 1.0).powi(2)).sum();
-        Some(Estimate::new(-value, (square / count / (count - 1.0)).sqrt()))
+        Some(Estimate::new(integral, (square / count / (count - 1.0)).sqrt()))
     }
 
     /// The variance of each E φ_k by the spread between the parts of the nodes.
@@ -209,20 +219,21 @@ impl Likelihood<'_> {
         let stretch = |blocks: &[usize]| {
             let mut sum = Mat::zeros(size, size);
             let mut scratch = self.products.scratch();
-            let mut table = Mat::<f64>::zeros(BLOCK, size);
+            let mut table = Mat::<f64>::zeros(ROWS, size);
             let mut mass = 0.0;
             for &block in blocks {
                 let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
                 mass += p.iter().sum::<f64>();
                 self.each(block * BLOCK, p.len(), &mut scratch, |at, count, scratch| {
+                    let root = lane(&p[at..at + count]).map(f64::sqrt);
                     for (k, mean) in means.iter().enumerate() {
                         let value = self.products.value(scratch, k + 1);
-                        let column = table.col_as_slice_mut(k);
-                        (0..count).for_each(|l| column[at + l] = p[at + l].sqrt() * (value[l] - mean));
+                        let column = &mut table.col_as_slice_mut(k)[at..at + LANES];
+                        (0..LANES).for_each(|l| column[l] = root[l] * (value[l] - mean));
                     }
                 });
                 let used = table.get(..p.len(), ..);
-                matmul(sum.as_mut(), Accum::Add, used.transpose(), used, 1.0, Par::Seq);
+                add_gram(sum.as_mut(), used);
             }
             (sum, mass)
         };
@@ -232,7 +243,7 @@ impl Likelihood<'_> {
             sum += part;
             mass += m;
         }
-        Mat::from_fn(size, size, |k, l| sum[(k, l)] / mass)
+        symmetric(&(sum / mass))
     }
 
     /// Places the functions at `count` draws from `first` on, eight at a time: the place of the first of them, and their
@@ -267,8 +278,14 @@ impl Concave for Towards<'_> {
     /// The mass of each draw.
     type At = Vec<f64>;
 
-    fn value(&self, a: &[f64]) -> Option<(f64, Vec<f64>)> {
-        self.likelihood.value(&with_constant(a), self.means)
+    fn combination(&self, a: &[f64]) -> Vec<f64> {
+        self.likelihood.combination(&with_constant(a))
+    }
+
+    fn value(&self, a: &[f64], combination: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let (integral, masses) = self.likelihood.integral(combination)?;
+        let along: f64 = a.iter().zip(self.means).map(|(a, m)| a * m).sum();
+        Some((along - integral, masses)).filter(|(value, _)| value.is_finite())
     }
 
     fn gradient(&self, masses: &Vec<f64>) -> Vec<f64> {
@@ -279,6 +296,13 @@ impl Concave for Towards<'_> {
         let found: Vec<f64> = self.means.iter().zip(gradient).map(|(wanted, g)| wanted - g).collect();
         self.likelihood.curvature(masses, &found)
     }
+}
+
+/// At most eight numbers, and zeros in place of those that are missing.
+pub(super) fn lane(values: &[f64]) -> Lane {
+    let mut lane = ZERO;
+    lane[..values.len()].copy_from_slice(values);
+    lane
 }
 
 /// The share of the draws that as many independent ones would be worth.

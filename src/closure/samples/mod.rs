@@ -177,7 +177,7 @@ fn reconciled(problem: &Problem, likelihood: &Likelihood<'_>, fit: Fit, calibrat
         last = found.size;
         let mut a: Vec<f64> = fit.a.iter().zip(&found.change).map(|(a, change)| a + change).collect();
         a[0] = 0.0;
-        let Some((_, masses)) = likelihood.value(&a, means) else { break };
+        let Some(masses) = likelihood.masses(&a) else { break };
         fit = Fit { a, effective: effective(&masses), steps: fit.steps + 1, masses, ..fit };
     }
     fit
