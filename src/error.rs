@@ -58,6 +58,14 @@ pub enum Error {
         "the noise vanishes identically: without noise there is no stationary density to close; give at least one intensity above zero"
     )]
     NoNoise,
+    /// No noise reaches a state.
+    #[error(
+        "no noise reaches state {state}, not even through other states, so that it has no stationary density; leave the state out, or give it noise"
+    )]
+    Unreached {
+        /// The first such state.
+        state: usize,
+    },
     /// The moment equations have no bounded solution.
     #[error(
         "no stationary density was found: under the Gaussian closure the variance of state {state} {behaviour}; the drift must bring every trajectory back, so check the signs of damping and leading stiffness"

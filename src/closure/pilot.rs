@@ -41,10 +41,12 @@ impl<'a> PilotPlan<'a> {
         PilotPlan { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
     }
 
-    /// The time steps of all trajectories of a pilot of `count` states.
+    /// The time steps of all trajectories of a pilot of `count` states; noise that depends on the state makes each of them
+    /// slower, in proportion to its terms.
     fn path_steps(&self, count: usize, burn_in: f64, step: f64) -> f64 {
         let samples = count.div_ceil(tuning::pilot::TRAJECTORIES) as f64;
-        tuning::pilot::TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step
+        let path_steps = tuning::pilot::TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step;
+        path_steps * (1.0 + self.problem.operator().varying_noise() as f64)
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.
@@ -70,16 +72,16 @@ impl<'a> PilotPlan<'a> {
                 .burn_in(burn_in)
                 .sampling_interval(self.interval)
                 .seed(self.seed);
+            let affords = |burn_in, step| self.path_steps(count, burn_in, step) <= tuning::pilot::MOST_PATH_STEPS;
             match simulation.states(self.problem) {
                 Ok(states) => {
                     let stationary = stationary(&states);
-                    let longer = self.path_steps(count, 2.0 * burn_in, step) <= tuning::pilot::MOST_PATH_STEPS;
-                    if stationary || doubled == tuning::pilot::DOUBLINGS || !longer {
+                    if stationary || doubled == tuning::pilot::DOUBLINGS || !affords(2.0 * burn_in, step) {
                         return Ok(Pilot { states, inflation, stationary });
                     }
                     (burn_in, doubled) = (2.0 * burn_in, doubled + 1);
                 }
-                Err(Error::Exploded { .. }) if halved < tuning::pilot::HALVINGS => {
+                Err(Error::Exploded { .. }) if halved < tuning::pilot::HALVINGS && affords(burn_in, step / 2.0) => {
                     (step, halved) = (step / 2.0, halved + 1);
                 }
                 Err(error) => return Err(error),

@@ -30,12 +30,14 @@ impl Closure {
     /// # Errors
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for walls in other than two
-    /// states, and for nodes that do not serve the problem; [`Error::Exploded`] where no trajectory stays;
+    /// states, and for nodes that do not serve the problem; [`Error::Unreached`] where no noise reaches a state;
+    /// [`Error::Exploded`] where no trajectory stays;
     /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
     /// equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
         let begin = Instant::now();
         let walls = problem.walls_of_plane(METHOD)?;
+        problem.operator().require_reached()?;
         if walls.iter().any(Option::is_some) {
             self.next_to_walls(problem, walls, begin)
         } else {
@@ -66,7 +68,7 @@ impl Closure {
             let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
             let referred = self.on_samples == Some(false);
             let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, memory, begin };
-            return self.at_order(tuning::space::HIGHEST_ORDER, 1, |order| of_use(nodal.closed(order)?, order));
+            return self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
         }
         let states = self.states.unwrap_or(tuning::pilot::STATES);
         let pilot = plan.pilot(states, 1.0)?;
@@ -103,7 +105,7 @@ impl Closure {
         let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
         let discretisation = if heavy { None } else { Discretisation::new(problem, inflated, family, self.highest()) };
         let nodal = self.nodal(discretisation, pilots, begin)?;
-        self.at_order(tuning::space::HIGHEST_ORDER, 2, |order| nodal.closed(order))
+        self.at_order(tuning::space::HIGHEST_ORDER, false, |order| nodal.closed(order))
     }
 
     /// The closure of an oscillator next to one wall, or between two.
@@ -135,7 +137,7 @@ impl Closure {
         }
         let discretisation = walled::walled(problem, &inflated, walls);
         let nodal = self.nodal(discretisation, [&pilot, &inflated], begin)?;
-        self.at_order(tuning::space::HIGHEST_ORDER_AT_WALLS, 2, |order| of_use(nodal.closed(order)?, order))
+        self.at_order(tuning::space::HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
     }
 
     fn nodal(
@@ -159,12 +161,12 @@ impl Closure {
     }
 
     /// The closure of the requested order: of the given one, or of the lowest even one that meets the target, or else the
-    /// best one when the estimate stops falling: after two orders that are no better, or, once one was, after `patience` of
-    /// them. On samples a further one is noisier still, and much dearer.
+    /// best one when the estimate stops falling, after two orders that are no better. On samples, where a further one is
+    /// noisier still and much dearer, one suffices after one that was better, or one that the states do not carry.
     fn at_order(
         &self,
         highest: u32,
-        patience: u32,
+        on_samples: bool,
         closed: impl Fn(u32) -> Result<ClosureDensity>,
     ) -> Result<ClosureDensity> {
         let target = match self.order {
@@ -179,7 +181,14 @@ impl Closure {
                 break;
             }
             match closed(order) {
-                Ok(density) if density.l1_estimate() < least => (best, failures, patient) = (Ok(density), 0, patience),
+                Ok(density) if density.l1_estimate() < least => {
+                    (failures, patient) = (0, if on_samples { 1 } else { 2 });
+                    let last = on_samples && !density.candidates()[0].accepted;
+                    best = Ok(density);
+                    if last {
+                        break;
+                    }
+                }
                 // A higher order may fail where a lower one did not: too many functions for the pilot's states.
                 _ => failures += 1,
             }

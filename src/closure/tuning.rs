@@ -59,7 +59,8 @@ pub(crate) mod pilot {
         UNMIXED.min(UNMIXED_SHARE * samples as f64)
     }
 
-    /// A pilot is made longer only up to so many time steps of all trajectories: seconds. A bound on work.
+    /// A pilot is made longer only up to so many time steps of all trajectories, where noise does not depend on the state:
+    /// seconds. A bound on work.
     pub(crate) const MOST_PATH_STEPS: f64 = 2.5e8;
     /// The fewest states between two walls that suffice for the likelihood of a density.
     pub(crate) const LEAST_BETWEEN: usize = 100;

@@ -87,6 +87,29 @@ impl FokkerPlanck {
         (0..n).filter(|&i| (0..n).any(|j| j != i && !self.diffusion[i][j].is_zero())).collect()
     }
 
+    /// The number of terms of B, on the diagonal and below it, that depend on the state.
+    pub(crate) fn varying_noise(&self) -> usize {
+        let lower = self.diffusion.iter().enumerate().flat_map(|(i, row)| &row[..=i]);
+        lower.flat_map(Polynomial::terms).filter(|(powers, _)| powers.iter().any(|power| *power > 0)).count()
+    }
+
+    /// Requires that noise reaches every state, its own or that of states which its drift contains.
+    ///
+    /// # Errors
+    /// [`Error::Unreached`] otherwise: the motion of such a state is deterministic, and it has no density.
+    pub(crate) fn require_reached(&self) -> Result<()> {
+        let n = self.dimension();
+        let mut reached: Vec<bool> = (0..n).map(|i| !self.diffusion[i][i].is_zero()).collect();
+        let contains = |i: usize, j: usize| self.drift[i].terms().any(|(powers, _)| powers[j] > 0);
+        for _ in 0..n {
+            reached = (0..n).map(|i| reached[i] || (0..n).any(|j| reached[j] && contains(i, j))).collect();
+        }
+        match reached.iter().position(|reached| !reached) {
+            Some(state) => Err(Error::Unreached { state }),
+            None => Ok(()),
+        }
+    }
+
     /// The highest total degree among drift and diffusion.
     pub fn degree(&self) -> u32 {
         self.drift.iter().chain(self.diffusion.iter().flatten()).map(Polynomial::degree).max().unwrap_or(0)

@@ -134,6 +134,7 @@ impl Grid {
     /// - [`Error::OutOfRange`]: an option without a meaning;
     /// - [`Error::Exploded`], [`Error::DomainCut`]: the density does not end within any domain that was tried, or
     ///   within the one given: the drift has no stationary density, or the domain is too small;
+    /// - [`Error::Unreached`]: a state that no noise reaches;
     /// - [`Error::SingularSystem`]: more than one density is stationary, or none;
     /// - [`Error::Negative`]: a tenth of the solution is below zero, since the mesh does not resolve the density;
     /// - [`Error::TooMuchMemory`]: a mesh beyond [`Grid::memory_limit`].
@@ -154,6 +155,7 @@ impl Grid {
         let walls = problem.walls_of_plane("grid")?;
         self.memory.check()?;
         let (degree, cells) = self.validate(walls)?;
+        problem.operator().require_reached()?;
         let (start, adjust) = match self.domain {
             Some(domain) => (domain, false),
             None => (domain::pilot(problem, walls)?, true),

@@ -113,7 +113,9 @@ impl Solver<'_> {
         let mut lines =
             [mesh::equal(from, to, cells[0], None), mesh::equal(velocity[0], velocity[1], cells[1], through)];
         let inelastic = self.walls.map(|wall| wall.is_some_and(|w| w.restitution() < 1.0));
-        if layers && inelastic != [false, false] {
+        // Without the speed 0 in the domain nothing grazes.
+        let grazes = velocity[0] < 0.0 && velocity[1] > 0.0;
+        if layers && grazes && inelastic != [false, false] {
             let length = to - from;
             let widest = [length / cells[0] as f64, (velocity[1] - velocity[0]) / cells[1] as f64];
             let strength = &self.problem.operator().diffusion()[1][1];

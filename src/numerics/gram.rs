@@ -1,10 +1,42 @@
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+/// Stretches of rows that are summed side by side: their number is the same on any number of threads, and so are the sums.
+const STRETCHES: usize = 16;
+/// Rows at a time, whose weighted copies stay in a core's cache.
+const ROWS: usize = 256;
 
 /// Adds the lower triangle of AᵀA, which is half of the work of the whole.
 pub(crate) fn add_gram(sum: MatMut<'_, f64>, a: MatRef<'_, f64>) {
     let (lower, whole) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
     triangular::matmul(sum, lower, Accum::Add, a.transpose(), whole, a, whole, 1.0, Par::Seq);
+}
+
+/// The lower triangle of Σ w_i (a_i − c)(a_i − c)ᵀ over the rows a_i, of weights w_i ≥ 0.
+pub(crate) fn weighted_gram(a: MatRef<'_, f64>, weights: &[f64], centre: &[f64]) -> Mat<f64> {
+    let (rows, columns) = (a.nrows(), a.ncols());
+    let length = rows.div_ceil(STRETCHES).max(1);
+    let stretch = |first: usize| {
+        let mut sum = Mat::zeros(columns, columns);
+        let mut table = Mat::<f64>::zeros(ROWS, columns);
+        let end = rows.min(first + length);
+        for begin in (first..end).step_by(ROWS) {
+            let used = ROWS.min(end - begin);
+            let roots: Vec<f64> = weights[begin..begin + used].iter().map(|w| w.sqrt()).collect();
+            for (k, centre) in centre.iter().enumerate() {
+                let (from, to) = (a.col(k).subrows(begin, used), table.col_as_slice_mut(k));
+                for ((to, from), root) in to.iter_mut().zip(from.iter()).zip(&roots) {
+                    *to = root * (from - centre);
+                }
+            }
+            add_gram(sum.as_mut(), table.get(..used, ..));
+        }
+        sum
+    };
+    let firsts: Vec<usize> = (0..rows).step_by(length).collect();
+    let parts: Vec<Mat<f64>> = firsts.into_par_iter().map(stretch).collect();
+    parts.iter().fold(Mat::zeros(columns, columns), |sum, part| sum + part)
 }
 
 /// The symmetric matrix with this lower triangle.
@@ -26,5 +58,14 @@ mod tests {
             // Seven products of at most 1.
             assert!((found[(i, j)] - 1.0 - whole[(i, j)]).abs() < 1e-14, "{i}, {j}");
         }
+        // More rows than a stretch has, with weights, about a centre.
+        let a = Mat::from_fn(9000, 5, |i, j| ((3 * i + 2 * j) as f64).sin());
+        let weights: Vec<f64> = (0..9000).map(|i| f64::from(i % 7) / 27e3).collect();
+        let centre = [0.1, 0.2, 0.3, -0.1, -0.2];
+        let weighted = Mat::from_fn(9000, 5, |i, j| weights[i] * (a[(i, j)] - centre[j]));
+        let whole = weighted.transpose() * Mat::from_fn(9000, 5, |i, j| a[(i, j)] - centre[j]);
+        // The weights sum to 1.
+        let found = symmetric(&weighted_gram(a.as_ref(), &weights, &centre));
+        assert!((found - &whole).norm_max() < 1e-14 && whole.norm_max() > 0.1);
     }
 }

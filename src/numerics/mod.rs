@@ -12,6 +12,6 @@ mod quadrature;
 pub(crate) use ascent::{Concave, Search};
 pub(crate) use definite::definite;
 pub(crate) use eigenvalues::eigenvalues;
-pub(crate) use gram::{add_gram, symmetric};
+pub(crate) use gram::{add_gram, symmetric, weighted_gram};
 pub(crate) use least_norm::least_norm;
 pub(crate) use quadrature::Rule;

@@ -20,14 +20,16 @@ use crate::problem::{Problem, TimeScales, Wall, two_digits};
 use crate::simulation::tuning::{
     self,
     limits::{MOST_BINS, MOST_LEVELS, MOST_TRAJECTORIES},
+    timetable::{MOST_DEFAULT_INTERVAL, MOST_DEFAULT_STEPS},
 };
 use crate::states::States;
 use std::{ops::Range, time::Instant};
 
 const SHORTER: &str = "take shorter segments or fewer trajectories, or raise `memory_limit`";
 
-const TOO_FAST: &str = "next to the slowest rate it is so fast that the default burn-in would have more than a million steps: \
-    give `burn_in`, or `time_step`, and a `time_budget`";
+const TOO_FAST: &str = "next to the system's slower rates it is so fast that default times would have more than a million \
+    steps before the first sample, or two thousand between two: give `burn_in`, `sampling_interval` or `time_step`, and a \
+    `time_budget`; a grid needs its `domain` then";
 
 impl<'a> Simulation<'a> {
     /// Runs the simulation.
@@ -37,7 +39,8 @@ impl<'a> Simulation<'a> {
     /// - [`Error::NotADisplacement`]: a level for a state 0 that has no velocity.
     /// - [`Error::NoSamples`]: no samples, or fewer than two trajectories.
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning; and a motion so much faster than the
-    ///   slowest rate that the default burn-in has more than a million steps.
+    ///   slower rates that default times have more than a million steps before the first sample, or two thousand between
+    ///   two.
     /// - [`Error::TooMuchMemory`]: segments of spectra beyond [`Simulation::memory_limit`].
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
     /// - [`Error::Cancelled`]: the progress callback returned `Break`.
@@ -181,7 +184,8 @@ impl<'a> Simulation<'a> {
             None => {
                 let (step, rate) = self.chosen_step(problem, wall, times, control)?;
                 let given = self.burn_in.is_some() || self.sampling_interval.is_some();
-                let soon = given || times.burn_in / step <= tuning::timetable::MOST_DEFAULT_STEPS;
+                let soon = given
+                    || times.burn_in / step <= MOST_DEFAULT_STEPS && times.interval / step <= MOST_DEFAULT_INTERVAL;
                 require(soon, "rate of the motion", rate, TOO_FAST)?;
                 (step, Some(rate))
             }

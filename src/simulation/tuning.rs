@@ -73,6 +73,8 @@ pub(super) mod timetable {
     /// The most steps of a burn-in where no time is an option: at most 2000 times the shortest time of the system without its
     /// wall, in 25 steps each, and impacts may be twenty times faster.
     pub(crate) const MOST_DEFAULT_STEPS: f64 = 1e6;
+    /// The same between two samples, 75 without a wall.
+    pub(crate) const MOST_DEFAULT_INTERVAL: f64 = 2000.0;
     /// The time between samples in the shortest of the system's times: states closer than that add little.
     pub(crate) const INTERVAL: f64 = 3.0;
     /// The velocity of a state is averaged in cells of this share of the range of its histogram, a third of the standard

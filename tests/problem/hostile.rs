@@ -156,6 +156,15 @@ fn systems_without_noise_or_without_a_displacement_are_refused() {
     for open in [problem(Diffusing), problem(Relaxation)] {
         assert_eq!(open.with_wall(wall).unwrap_err(), Error::NotADisplacement { state: 0 });
     }
+    // The motion of y, z is deterministic, though x is shaken by noise and by them; y alone is reached through x.
+    let text = |y: &str| {
+        format!("states = ['x', 'y', 'z']\ndrift = {{ x = '-x + y', y = '{y}', z = '-z + y' }}\nnoise.w.x = '1'")
+    };
+    let deaf = Problem::from_toml(&text("-y - y^3")).unwrap();
+    assert_eq!(Closure::new(2).solve(&deaf).unwrap_err(), Error::Unreached { state: 1 });
+    assert!(Closure::new(2).solve(&Problem::from_toml(&text("-y - y^3 - x")).unwrap()).is_ok());
+    let plane = Problem::from_toml("states = ['x', 'y']\ndrift = { x = '-x', y = '-y' }\nnoise.w.x = '1'").unwrap();
+    assert_eq!(Grid::new().solve(&plane).unwrap_err(), Error::Unreached { state: 1 });
     // Without a wall both have a density.
     assert!(Closure::classical(4).solve(&problem(Diffusing)).unwrap().density().is_ok());
     let density = Closure::classical(4).solve(&problem(Relaxation)).unwrap().density().unwrap();

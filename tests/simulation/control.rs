@@ -370,6 +370,17 @@ fn no_time_is_no_result() -> Result<()> {
     Ok(())
 }
 
+/// A motion pressed to its wall, whose impacts are a hundred times faster than anything else, has no default times.
+#[test]
+fn impacts_that_are_too_fast_for_default_times_are_refused() -> Result<()> {
+    let pressed =
+        "states = ['x', 'v']\ndrift = { x = 'v', v = '-3.3e12 - 890*v - 2.36e-34*x^7' }\nnoise.w.v = '6.52e9'";
+    let pressed = Problem::from_toml(pressed)?.with_wall(Wall::above(0.0, 0.464)?)?;
+    let fast = Simulation::new().run(&pressed);
+    assert!(matches!(fast, Err(Error::OutOfRange { name: "rate of the motion", .. })), "{fast:?}");
+    Ok(())
+}
+
 /// A burn-in of years is given up, and so is a stretch of 2·10⁸ path-steps, on its way where it takes more than a second: the
 /// batches are then where they were before, and a run goes on from there to the bits of one that was never given up.
 #[test]

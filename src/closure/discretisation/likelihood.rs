@@ -6,7 +6,7 @@ use crate::closure::projection::tempered;
 use crate::closure::reference::scaled_mass;
 use crate::closure::space::{Corner, Functions};
 use crate::closure::tuning;
-use crate::numerics::{Concave, definite};
+use crate::numerics::{Concave, definite, weighted_gram};
 use crate::states::States;
 use faer::linalg::solvers::Llt;
 use faer::{Mat, MatRef};
@@ -81,8 +81,7 @@ impl Concave for Likelihood<'_> {
     }
 
     fn curvature(&self, density: &Vec<f64>, gradient: &[f64]) -> Option<Llt<f64>> {
-        let (rows, columns) = (density.len(), gradient.len());
-        let off = |i: usize, k: usize| self.values[(i, k)] - (self.mean[k] - gradient[k]);
-        definite(self.values.transpose() * Mat::from_fn(rows, columns, |i, k| density[i] * off(i, k)))
+        let means: Vec<f64> = self.mean.iter().zip(gradient).map(|(mean, g)| mean - g).collect();
+        definite(weighted_gram(self.values, density, &means))
     }
 }

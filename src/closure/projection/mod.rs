@@ -7,7 +7,7 @@ pub(super) mod exact;
 use super::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
 use crate::error::{Result, finite, require};
-use crate::numerics::{Concave, definite};
+use crate::numerics::{Concave, definite, weighted_gram};
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 use faer::{Mat, MatRef};
@@ -143,9 +143,8 @@ impl Concave for Closeness<'_> {
 
     /// The identity at Q = ln p̂, and semidefinite to rounding everywhere.
     fn curvature(&self, difference: &Vec<f64>, _: &[f64]) -> Option<Llt<f64>> {
-        let (rows, columns) = (self.psi.nrows(), self.psi.ncols());
-        let mass = |i: usize| self.measure[i] * difference[i].exp();
-        definite(self.psi.transpose() * Mat::from_fn(rows, columns, |i, k| mass(i) * self.psi[(i, k)]))
+        let masses: Vec<f64> = self.measure.iter().zip(difference).map(|(w, d)| w * d.exp()).collect();
+        definite(weighted_gram(self.psi.as_ref(), &masses, &vec![0.0; self.psi.ncols()]))
     }
 }
 

@@ -51,7 +51,7 @@ impl Orthonormal {
         faer::linalg::triangular_solve::solve_lower_triangular_in_place(
             self.triangle.transpose(),
             transposed.as_mut(),
-            Par::Seq,
+            faer::get_global_parallelism(),
         );
         transposed.transpose().to_owned()
     }

@@ -51,6 +51,11 @@ impl Probe {
         answer.ok()
     }
 
+    /// The call that is under way may take so many times as long as others.
+    pub(super) fn may_take_longer(factor: f64) {
+        println!("longer {factor}");
+    }
+
     /// A call that may return an error, which must contain a remedy.
     pub(super) fn ask<T>(&mut self, name: &str, question: impl FnOnce() -> expoly::Result<T>) -> Option<T> {
         match self.step(name, question)? {

@@ -22,8 +22,8 @@ struct Wild {
 
 fn sum<S: Scalar>(terms: &Terms, x: &[S]) -> S {
     terms.iter().fold(S::from(0.0), |sum, (powers, c)| {
-        let product = powers.iter().zip(x).filter(|(power, _)| **power > 0).map(|(power, x)| x.powi(*power));
-        sum + product.reduce(|a, b| a * b).map_or(S::from(*c), |product| product * *c)
+        let factors = powers.iter().zip(x).filter(|(power, _)| **power > 0);
+        sum + factors.fold(S::from(*c), |product, (power, x)| product * x.powi(*power))
     })
 }
 
@@ -171,16 +171,23 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
     let (usual, seed) = (draw.with(0.1), draw.below(1000) as u64);
     match draw.below(8) {
         method @ (0..=2) => {
-            let closure =
-                if draw.with(0.1) { Closure::adaptive(draw.log_within(1e-3, 1.0)) } else { Closure::new(order) };
+            let adaptive = draw.with(0.1);
+            let closure = if adaptive { Closure::adaptive(draw.log_within(1e-3, 1.0)) } else { Closure::new(order) };
             let mut closure = closure.seed(seed).guard(draw.with(0.1));
             if !usual {
                 closure = closure.pilot_states(1000 + draw.below(4000)).inflation(draw.within(1.0, 10.0));
             }
+            let on_samples = method != 1 || draw.with(0.5);
             if method == 1 {
-                closure = closure.on_samples(draw.with(0.5));
+                closure = closure.on_samples(on_samples);
             }
-            let density = probe.ask(&format!("{closure:?}"), || closure.solve(problem))?;
+            let density = probe.ask(&format!("{closure:?}"), || {
+                // Half a minute for a reference in four states, and an adaptive closure has several.
+                if n > 2 && !on_samples {
+                    Probe::may_take_longer(3.0);
+                }
+                closure.solve(problem)
+            })?;
             probe.show(&format!("{:?}", density.provenance()));
             densities::of_closure(probe, &density, problem);
             boxed(Some(density))

@@ -15,6 +15,8 @@ pub(super) enum Report {
     Input(u64),
     /// One of its steps begins.
     Step(String),
+    /// This step may take so many times as long as others.
+    Longer(f64),
     /// An input is done, with so many damaged texts and files.
     Done(u64),
     /// Its kind and its text.
@@ -69,6 +71,7 @@ impl Worker {
         match word {
             "input" => Report::Input(rest.parse().unwrap_or_default()),
             "step" => Report::Step(rest.to_owned()),
+            "longer" => Report::Longer(rest.parse().unwrap_or(1.0)),
             "done" => Report::Done(rest.parse().unwrap_or_default()),
             "finding" => {
                 let (kind, text) = rest.split_once(' ').unwrap_or((rest, ""));
