@@ -171,8 +171,8 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
     let (usual, seed) = (draw.with(0.1), draw.below(1000) as u64);
     match draw.below(8) {
         method @ (0..=2) => {
-            let adaptive = draw.with(0.1);
-            let closure = if adaptive { Closure::adaptive(draw.log_within(1e-3, 1.0)) } else { Closure::new(order) };
+            let closure =
+                if draw.with(0.1) { Closure::adaptive(draw.log_within(1e-3, 1.0)) } else { Closure::new(order) };
             let mut closure = closure.seed(seed).guard(draw.with(0.1));
             if !usual {
                 closure = closure.pilot_states(1000 + draw.below(4000)).inflation(draw.within(1.0, 10.0));
