@@ -19,6 +19,7 @@
 //! The answer of every method is a [`Density`]. The [`guide`] explains the method, when to rely on it, the conventions, and
 //! the way here from other tools.
 
+mod checks;
 mod closed_form;
 mod closure;
 pub mod compare;

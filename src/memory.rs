@@ -1,6 +1,7 @@
 //! The memory that a method may take: estimates come before allocations.
 
-use crate::error::{Error, Result, positive};
+use crate::checks::positive;
+use crate::error::{Error, Result};
 
 /// The numbers that a gibibyte holds.
 const NUMBERS: f64 = (1_u64 << 27) as f64;

@@ -9,9 +9,10 @@ mod names;
 mod python;
 mod rust;
 
+use crate::checks::dimension;
 use crate::closure::ClosureDensity;
 use crate::density::{Crossing, Density, ExpPolynomial, Sampled};
-use crate::error::{Error, Result, dimension};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::file;
 use crate::polynomial::Polynomial;

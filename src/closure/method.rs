@@ -6,7 +6,8 @@ use super::projection::Weight;
 use super::reference::Start;
 use super::space::degrees::Degrees;
 use super::tuning;
-use crate::error::{Result, positive, require};
+use crate::checks::{positive, require};
+use crate::error::Result;
 use crate::memory::MemoryLimit;
 
 /// The exponential-polynomial closure as a method: a value that can be applied to any problem.

@@ -182,12 +182,9 @@ impl Closure {
             }
             match closed(order) {
                 Ok(density) if density.l1_estimate() < least => {
-                    (failures, patient) = (0, if on_samples { 1 } else { 2 });
-                    let last = on_samples && !density.candidates()[0].accepted;
+                    patient = if on_samples { 1 } else { 2 };
+                    failures = if on_samples && !density.candidates()[0].accepted { patient } else { 0 };
                     best = Ok(density);
-                    if last {
-                        break;
-                    }
                 }
                 // A higher order may fail where a lower one did not: too many functions for the pilot's states.
                 _ => failures += 1,

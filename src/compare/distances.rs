@@ -1,5 +1,6 @@
+use crate::checks::dimension;
 use crate::density::{Cell, Density, cell_lines};
-use crate::error::{Result, dimension};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use rayon::prelude::*;

@@ -1,6 +1,7 @@
 use super::ratio::{checked, scanned};
+use crate::checks::{finite, positive, state_index};
 use crate::density::Density;
-use crate::error::{Result, finite, positive, state_index};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 

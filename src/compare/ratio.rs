@@ -1,6 +1,7 @@
 use super::distances::of_one_dimension;
+use crate::checks::require;
 use crate::density::Density;
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use rayon::prelude::*;
 

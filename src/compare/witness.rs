@@ -1,6 +1,7 @@
 use super::distances::of_one_dimension;
+use crate::checks::dimension;
 use crate::density::Density;
-use crate::error::{Error, Result, dimension};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::states::States;
 use rayon::prelude::*;

@@ -1,6 +1,7 @@
 use super::tensor::{Section, TensorRule};
 use super::{Crossing, Density, Frame, Support, escape_direction, moderate, pair};
-use crate::error::{Error, Result, coordinate, dimension, finite, point, positive};
+use crate::checks::{coordinate, dimension, finite, point, positive};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::{Gaussian, Polynomial, total_degree};
 use crate::record::Read;

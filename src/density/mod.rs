@@ -16,7 +16,8 @@ pub(crate) use sampled::central;
 pub use sampled::{Counted, Sampled};
 pub use support::Support;
 
-use crate::error::{Error, Result, coordinate, dimension, finite, require, state_index};
+use crate::checks::{coordinate, dimension, finite, require, state_index};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::power;
 use crate::states::States;

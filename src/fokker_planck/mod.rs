@@ -14,8 +14,9 @@ mod text;
 
 pub(crate) use local::{Local, generator};
 
+use crate::checks::require;
 use crate::density::Frame;
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::Interpretation;
 

@@ -1,7 +1,8 @@
 use super::field::Field;
 use super::space::Side;
+use crate::checks::{coordinate, dimension, point, require};
 use crate::density::{Crossing, Density};
-use crate::error::{Result, coordinate, dimension, point, require};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::memory::MemoryLimit;
 use crate::problem::Problem;

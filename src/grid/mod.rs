@@ -32,7 +32,8 @@ pub use density::GridDensity;
 pub use relaxation::Relaxation;
 pub use transient::{Start, Transient};
 
-use crate::error::{Error, Result, finite, positive, require};
+use crate::checks::{finite, positive, require};
+use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
 use crate::problem::{Problem, Wall};
 use std::time::Instant;

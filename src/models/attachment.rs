@@ -1,6 +1,7 @@
 use super::{Duffing, listed};
+use crate::checks::positive;
 use crate::density::Density;
-use crate::error::{Result, positive};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use crate::scalar::Scalar;

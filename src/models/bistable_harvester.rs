@@ -1,7 +1,8 @@
 use super::follower::Follower;
 use super::{Duffing, listed};
+use crate::checks::positive;
 use crate::density::Density;
-use crate::error::{Result, positive};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 

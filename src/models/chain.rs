@@ -1,5 +1,6 @@
 use super::{Solved, listed};
-use crate::error::{Result, positive, require};
+use crate::checks::{positive, require};
+use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
 use crate::system::PolynomialSystem;

@@ -1,6 +1,7 @@
 use super::VibroImpactDuffing;
+use crate::checks::{coordinate, point, positive, require};
 use crate::density::{Crossing, Density, moderate};
-use crate::error::{Error, Result, coordinate, point, positive, require};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::system::Oscillator;

@@ -1,5 +1,6 @@
 use super::{Duffing, listed};
-use crate::error::{Result, positive};
+use crate::checks::positive;
+use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
 use crate::system::{Intensity, Oscillator, PolynomialDrift};

@@ -1,6 +1,7 @@
 use super::listed;
+use crate::checks::{coordinate, dimension, point, positive, state_index};
 use crate::density::{Crossing, Density, moderate};
-use crate::error::{Result, coordinate, dimension, point, positive, state_index};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::scalar::Scalar;

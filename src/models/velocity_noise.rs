@@ -1,5 +1,6 @@
 use super::{Solved, listed};
-use crate::error::{Result, finite};
+use crate::checks::finite;
+use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
 use crate::system::{Interpretation, PolynomialDrift};

@@ -1,6 +1,7 @@
 use super::follower::Follower;
 use super::{Duffing, listed};
-use crate::error::{Result, positive};
+use crate::checks::positive;
+use crate::error::Result;
 use crate::problem::Problem;
 
 /// A mass on a viscoelastic isolator, a spring and a dashpot (Kelvin and Voigt) beside a spring and a dashpot in line

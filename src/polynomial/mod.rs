@@ -13,7 +13,8 @@ pub use gaussian::Gaussian;
 pub(crate) use symbol::{Arena, Symbol};
 pub(crate) use text::twelve_digits;
 
-use crate::error::{Result, dimension};
+use crate::checks::dimension;
+use crate::error::Result;
 use crate::record::Read;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};

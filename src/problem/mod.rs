@@ -25,7 +25,8 @@ pub(crate) use time_scales::{TimeScales, two_digits};
 pub(crate) use wall::COLLAPSE;
 pub use wall::Wall;
 
-use crate::error::{Error, Result, dimension};
+use crate::checks::dimension;
+use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Local, noise_induced_drift};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::{Interpretation, PolynomialDrift, PolynomialSystem};

@@ -1,4 +1,5 @@
-use crate::error::{Error, Result, finite};
+use crate::checks::finite;
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// The warning of every method for a wall that trajectories collapse onto.

@@ -1,6 +1,7 @@
 use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level};
+use crate::checks::{coordinate, dimension, point, require, state_index};
 use crate::density::{Counted, Crossing, Density, Sampled, central, pair};
-use crate::error::{Error, Result, coordinate, dimension, point, require, state_index};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
 use std::sync::Arc;

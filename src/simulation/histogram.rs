@@ -1,5 +1,6 @@
 use super::jackknife::jackknife;
-use crate::error::{Error, Result, dimension, positive, require};
+use crate::checks::{dimension, positive, require};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,8 @@ use super::{
     tally::Layout,
     timetable::Timetable,
 };
-use crate::error::{Error, Result, positive};
+use crate::checks::positive;
+use crate::error::{Error, Result};
 use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Wall};
 use crate::simulation::tuning;

@@ -8,8 +8,9 @@ use super::{
     stationarity::{drifts, warning},
     tally::{Layout, Tally},
 };
+use crate::checks::state_index;
 use crate::density::{Sampled, central};
-use crate::error::{Error, Result, state_index};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::provenance::{Provenance, Stopped};
 use crate::simulation::tuning;

@@ -15,7 +15,8 @@ use super::{
     start::Start,
     timetable::{Times, Timetable, whole},
 };
-use crate::error::{Error, Result, dimension, finite, positive, require, state_index};
+use crate::checks::{dimension, finite, positive, require, state_index};
+use crate::error::{Error, Result};
 use crate::problem::{Problem, TimeScales, Wall, two_digits};
 use crate::simulation::tuning::{
     self,

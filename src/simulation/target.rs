@@ -1,5 +1,6 @@
 use super::SimulatedDensity;
-use crate::error::{Result, positive};
+use crate::checks::positive;
+use crate::error::Result;
 use crate::estimate::Estimate;
 use std::fmt;
 

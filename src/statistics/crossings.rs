@@ -1,7 +1,8 @@
 use super::curve::{Curve, Effort};
 use super::{Marginal, Maximum, ratio};
+use crate::checks::{finite, positive};
 use crate::density::{Crossing, Density};
-use crate::error::{Result, finite, positive};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
 

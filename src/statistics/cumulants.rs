@@ -1,5 +1,6 @@
+use crate::checks::state_index;
 use crate::density::{Density, Sampled, central};
-use crate::error::{Result, state_index};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
 

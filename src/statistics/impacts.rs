@@ -1,7 +1,8 @@
 use super::curve::{Curve, Effort};
 use super::{crossing_of, ratio};
+use crate::checks::{dimension, finite};
 use crate::density::{Counted, Crossing, Density};
-use crate::error::{Error, Result, dimension, finite};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use std::sync::Arc;

@@ -1,7 +1,8 @@
 use super::curve::{Curve, Effort};
 use super::probability;
+use crate::checks::{finite, state_index};
 use crate::density::{Counted, Density};
-use crate::error::{Result, finite, state_index};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use std::sync::Arc;
 

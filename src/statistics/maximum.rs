@@ -1,7 +1,8 @@
 use super::curve::{Curve, Effort};
 use super::marginal::inverse;
 use super::probability;
-use crate::error::{Result, finite};
+use crate::checks::finite;
+use crate::error::Result;
 use crate::estimate::Estimate;
 
 /// Points between two lines in the search for minima.

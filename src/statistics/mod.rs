@@ -49,8 +49,9 @@ pub use maximum::Maximum;
 pub use modes::modes;
 pub use samples::samples;
 
+use crate::checks::require;
 use crate::density::Crossing;
-use crate::error::{Result, require};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::problem::Wall;
 

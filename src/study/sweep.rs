@@ -1,5 +1,6 @@
 use super::journal::{Callback, Journal};
-use crate::error::{Error, Result, dimension, finite, require};
+use crate::checks::{dimension, finite, require};
+use crate::error::{Error, Result};
 use crate::simulation::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;

@@ -1,4 +1,5 @@
-use crate::error::{Result, positive};
+use crate::checks::positive;
+use crate::error::Result;
 use std::f64::consts::PI;
 
 /// The strength of a white noise ξ: E[ξ(t)ξ(t+τ)] = 2D δ(τ), D its *intensity*.

@@ -20,8 +20,9 @@ mod solution;
 
 pub use solution::{Solution, Termination};
 
+use crate::checks::require;
 use crate::density::{Frame, Support};
-use crate::error::{Error, Result, require};
+use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
 use crate::memory::MemoryLimit;
 use crate::polynomial::{Gaussian, Polynomial};

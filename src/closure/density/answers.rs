@@ -2,11 +2,12 @@
 //! reference.
 
 use super::content::{Content, Integrals};
+use crate::checks::{coordinate, dimension, point};
 use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
 use crate::closure::samples::ImportanceRule;
 use crate::density::{Crossing, Density, moderate, pair, placed};
-use crate::error::{Result, coordinate, dimension, point};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::power;
 use crate::states::States;

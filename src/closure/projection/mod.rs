@@ -5,8 +5,9 @@
 pub(super) mod exact;
 
 use super::space::orthonormal::Orthonormal;
+use crate::checks::{finite, require};
 use crate::closure::tuning;
-use crate::error::{Result, finite, require};
+use crate::error::Result;
 use crate::numerics::{Concave, definite, weighted_gram};
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;

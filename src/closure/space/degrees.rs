@@ -1,4 +1,5 @@
-use crate::error::{Result, finite, require, state_index};
+use crate::checks::{finite, require, state_index};
+use crate::error::Result;
 
 /// Which monomials Q is made of: those whose weighted degree Σ_i w_i α_i is at most the order, with α_i ≤ m_i.
 ///

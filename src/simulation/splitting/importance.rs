@@ -1,4 +1,5 @@
-use crate::error::{Error, Result, require};
+use crate::checks::require;
+use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, total_degree};
 use crate::{problem::Problem, states::States};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};

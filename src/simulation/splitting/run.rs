@@ -6,7 +6,8 @@ use super::{
     setup::Splitting,
     tally::{Levels, Tally},
 };
-use crate::error::{Error, Result, finite, positive, require, state_index};
+use crate::checks::{finite, positive, require, state_index};
+use crate::error::{Error, Result};
 use crate::problem::{Problem, TimeScales, Wall, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::tuning;

@@ -1,5 +1,6 @@
 use super::{FirstPassage, Spectrum, cells::at_centre, requests::Point};
-use crate::error::{Error, Result, state_index};
+use crate::checks::state_index;
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::simulation::{Histogram, SimulatedDensity, plan::same_level, tally::Tally};
 

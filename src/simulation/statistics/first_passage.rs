@@ -1,4 +1,5 @@
-use crate::error::{Result, positive, require};
+use crate::checks::{positive, require};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::simulation::jackknife::jackknife;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,6 @@
 use super::{first_passage::PassageWindow, spectrum::Segments};
-use crate::error::{Result, dimension, finite, positive, require, state_index};
+use crate::checks::{dimension, finite, positive, require, state_index};
+use crate::error::Result;
 use crate::simulation::tuning;
 use crate::simulation::{plan::same_level, run::at_most};
 use serde::{Deserialize, Serialize};
