@@ -28,9 +28,9 @@ const NEIGHBOURS: usize = 5;
 /// Entries take so many numbers together: by columns, by rows, shifted, each with its index.
 const COPIES: f64 = 6.0;
 
-/// Both factors with their workspace, relative to the bound on the entries of one, in the open and next to a wall: as the peak
-/// memory of solutions with 10 000 to 50 000 unknowns was measured.
-const FACTORS: [f64; 2] = [3.0, 5.0];
+/// Both factors with their workspace, relative to the bound on the entries of one: as the peak memory of solutions with 10 000
+/// to 70 000 unknowns was measured, in the open and next to walls.
+const FACTORS: f64 = 3.2;
 
 const FEWER: &str = "take fewer cells or a lower degree, or raise `memory_limit`";
 
@@ -50,9 +50,8 @@ impl Discretisation {
         let blocks = (space.elements() * NEIGHBOURS) as f64;
         memory.holds("the matrix of the grid", COPIES * blocks * (space.block() as f64).powi(2), FEWER)?;
         let matrix = assemble(problem, space);
-        let ordering = Ordering::new(&matrix, elimination_order(space).as_deref())?;
-        let walled = space.sides != [Side::Open, Side::Open];
-        memory.holds("the factors of the grid's matrix", FACTORS[usize::from(walled)] * ordering.bound, FEWER)?;
+        let ordering = Ordering::new(&matrix, &elimination_order(space, &matrix))?;
+        memory.holds("the factors of the grid's matrix", FACTORS * ordering.bound, FEWER)?;
         Ok(Discretisation { matrix, ordering })
     }
 

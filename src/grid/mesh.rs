@@ -18,14 +18,14 @@ pub(super) fn equal(low: f64, high: f64, cells: usize, through: Option<f64>) -> 
 /// cells are `widest`; from there on they are equal.
 pub(super) fn layered(length: f64, widest: f64, first: f64, growth: f64) -> Vec<f64> {
     let mut lines = vec![0.0];
-    let mut x = first.min(widest);
-    while x * (growth - 1.0) < widest && x < length {
+    let (mut last, mut x) = (0.0, first.min(widest));
+    while x < length && x - last < widest {
         lines.push(x);
-        x *= growth;
+        (last, x) = (x, x * growth);
     }
-    let start = lines.last().copied().unwrap_or(0.0);
-    let cells = ((length - start) / widest).ceil().max(1.0) as usize;
-    lines.extend((1..=cells).map(|k| start + (length - start) * k as f64 / cells as f64));
+    // Not wider than `widest` either: the first of the equal cells reaches no farther than a layer would.
+    let cells = ((length - last) / widest).ceil().max(1.0) as usize;
+    lines.extend((1..=cells).map(|k| last + (length - last) * k as f64 / cells as f64));
     lines
 }
 
@@ -46,7 +46,7 @@ impl Grazing {
 
     /// Speeds of one sign.
     pub(super) fn velocity(&self, length: f64, widest: f64) -> Vec<f64> {
-        layered(length, widest, self.speed, tuning::mesh::POSITION_GROWTH.cbrt())
+        layered(length, widest, self.speed, tuning::mesh::VELOCITY_GROWTH)
     }
 }
 

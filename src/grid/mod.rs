@@ -85,7 +85,7 @@ impl Grid {
         Self::default()
     }
 
-    /// The polynomials' degree in each state, 10 by default, 6 above a wall with r < 1; from 2 to 24.
+    /// The polynomials' degree in each state, 10 by default, 7 above a wall with r < 1; from 2 to 24.
     pub fn degree(self, degree: usize) -> Self {
         Grid { degree: Some(degree), ..self }
     }
@@ -115,14 +115,15 @@ impl Grid {
     /// The smallest cell along the velocity next to a wall with r < 1, relative to the velocity's standard deviation, 1e-3
     /// by default.
     ///
-    /// At the point (b, 0), where trajectories graze the wall, the density is singular. The error of moments of the
-    /// displacement falls with the fourth power of this number, that of impact rates with its square.
+    /// At the point (b, 0), where trajectories graze the wall, the density is singular. The error of impact rates
+    /// falls with a power of this number, 2 for r near 1, 1.5 for r = 0.7 and 1 for r = 0.5, that of moments faster. The error
+    /// that an impact rate carries contains it.
     pub fn grazing(self, smallest: f64) -> Self {
         Grid { grazing: smallest, ..self }
     }
 
     /// The memory that matrix and factors may take, 8 GiB by default. They are estimated before they are allocated: 50 000
-    /// unknowns take 3 GiB, next to a lossy wall 5 GiB.
+    /// unknowns take 2 to 3 GiB.
     pub fn memory_limit(self, gibibytes: f64) -> Self {
         Grid { memory: MemoryLimit::gibibytes(gibibytes), ..self }
     }
@@ -168,9 +169,9 @@ impl Grid {
 
     /// Degree and cells, once every option has a meaning.
     fn validate(&self, walls: [Option<Wall>; 2]) -> Result<(usize, [usize; 2])> {
-        // There are many layers at a grazing point, and the density there is singular: cheaper elements are better.
+        // There are many layers at a grazing point: cheaper elements are better.
         let grazed = walls.iter().flatten().any(|wall| wall.restitution() < 1.0);
-        let (degree, cells) = if grazed { (6, [8, 10]) } else { (10, [9, 10]) };
+        let (degree, cells) = if grazed { (7, [8, 10]) } else { (10, [9, 10]) };
         let (degree, cells) = (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells));
         require((2..=24).contains(&degree), "degree of the grid", degree as f64, "it must lie between 2 and 24")?;
         for cells in cells {

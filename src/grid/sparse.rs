@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::perm::{Perm, PermRef};
 use faer::sparse::linalg::lu::supernodal;
-use faer::sparse::linalg::{colamd, qr};
+use faer::sparse::linalg::qr;
 use faer::sparse::{SparseColMatRef, SparseRowMat, SymbolicSparseColMatRef};
 use faer::{Conj, Par};
 
@@ -75,27 +75,18 @@ pub(crate) struct Ordering {
 }
 
 impl Ordering {
-    /// The analysis of the pattern of `matrix`, with its columns eliminated in the order `columns` or, if none is given, in
-    /// one of approximately minimum degree.
-    pub(crate) fn new(matrix: &SparseMatrix, columns: Option<&[usize]>) -> Result<Self> {
+    /// The analysis of the pattern of `matrix`, with its columns eliminated in the order `columns`.
+    pub(crate) fn new(matrix: &SparseMatrix, columns: &[usize]) -> Result<Self> {
         let (n, pattern) = (matrix.size, matrix.view().symbolic());
         let by_rows = matrix.by_rows()?;
         let request = StackReq::all_of(&[
             StackReq::new::<usize>(n).array(12),
             supernodal::factorize_supernodal_symbolic_lu_scratch::<usize>(n, n),
-            colamd::order_scratch::<usize>(n, n, matrix.rows.len()),
         ]);
         let mut memory = MemBuffer::try_new(request).map_err(|_| too_large(n))?;
         let stack = MemStack::new(&mut memory);
         let (mut tree, mut post) = (vec![0; n], vec![0; n]);
-        let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
-        match columns {
-            Some(columns) => (forward, inverse) = (columns.to_vec(), inverted(columns)),
-            None => {
-                colamd::order(&mut forward, &mut inverse, pattern, Default::default(), stack)
-                    .map_err(|_| too_large(n))?;
-            }
-        }
+        let (mut forward, mut inverse) = (columns.to_vec(), inverted(columns));
         // Columns in postorder of their own elimination tree, so that those that are eliminated together are neighbours.
         {
             let permutation = PermRef::new_checked(&forward, &inverse, n);
@@ -208,7 +199,7 @@ mod tests {
     #[test]
     fn one_ordering_serves_every_shift_and_a_singular_matrix_is_refused() {
         let a = matrix([1.0, 2.0, 2.0, 4.0]);
-        let ordering = Ordering::new(&a, None).unwrap();
+        let ordering = Ordering::new(&a, &[0, 1]).unwrap();
         let singular = ordering.factorise(&a).and_then(|factors| factors.solve(&[1.0, 0.0]));
         assert!(matches!(singular, Err(Error::SingularSystem { unknowns: 2 })), "{singular:?}");
         let shifted = a.shifted(1.0);
