@@ -54,7 +54,7 @@ pub struct Row {
 
 /// Impact rates for strong losses, as (b, r, rate), from the library's grid: those of the table are up to 0.6 % low there.
 const REFINED_RATES: [[f64; 3]; 4] =
-    [[0.5, 0.7, 0.766552], [0.2, 0.7, 0.492937], [-0.5, 0.7, 0.202531], [-0.5, 0.5, 0.205206]];
+    [[0.5, 0.7, 0.7665531], [0.2, 0.7, 0.492937], [-0.5, 0.7, 0.2025310], [-0.5, 0.5, 0.2052082]];
 /// The relative uncertainty of [`REFINED_RATES`].
 const REFINED: f64 = 5e-5;
 
