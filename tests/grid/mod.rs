@@ -1,4 +1,5 @@
-//! The grid: stationary densities, relaxation and transients.
+//! The grid: stationary densities, walls, relaxation and transients.
 
 mod dynamics;
 mod stationary;
+mod walls;
