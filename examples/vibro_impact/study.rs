@@ -169,7 +169,7 @@ fn simulated(
     let (bar, callback) = simulation_bar(&format!("simulation at {}", parameters.stem()));
     let result = Simulation::new().samples(options.samples).seed(options.seed).progress(callback).run(problem)?;
     bar.finish_and_clear();
-    let balance = result.energy_balance().unwrap_or(Estimate::new(f64::NAN, f64::INFINITY));
+    let balance = result.energy_balance()[0];
     let statistics = Statistics::of(&result, problem, balance)?;
     Ok(Some((result, statistics)))
 }

@@ -29,11 +29,15 @@ pub trait Sampled {
     /// As [`Sampled::of_moments`].
     fn distribution(&self, state: usize) -> Result<Arc<dyn Counted>>;
 
-    /// The distribution of the speed of approach at impacts, if there is a wall.
-    fn impact_speeds(&self) -> Option<Arc<dyn Counted>>;
+    /// The distribution of the speed of approach at the impacts of some walls, which are given by their numbers in the problem.
+    /// None where there is no such wall, or no list.
+    fn impact_speeds(&self, walls: &[usize]) -> Option<Arc<dyn Counted>>;
+
+    /// The sum of |w|^(power − 1) over the same impacts, with the speed w of approach, per unit time.
+    fn impact_flux(&self, walls: &[usize], power: u32) -> Option<Estimate>;
 
     /// The mean of a power of that speed.
-    fn mean_impact_speed(&self, power: u32) -> Option<Estimate>;
+    fn mean_impact_speed(&self, walls: &[usize], power: u32) -> Option<Estimate>;
 }
 
 /// The central moments 2, 3 and 4 from the raw moments 0 to 4.

@@ -1,6 +1,6 @@
 //! Flows of fields over short times, and steps that are made of them.
 
-use super::{LANES, Lane};
+use super::{Contact, LANES, Lane};
 use crate::scalar::Scalar;
 
 /// Time steps under noise that is the same everywhere: kicks F(h/2) W(h) F(h/2), between them every displacement straight on.
@@ -13,61 +13,44 @@ pub(crate) struct Kicks<'a> {
     pub(crate) pairs: &'a [(usize, usize)],
     /// G, by rows.
     pub(crate) noise: &'a [f64],
-    /// The wall that interrupts the steps.
-    pub(crate) wall: Nearness,
+    /// The walls that interrupt the steps; without a list each kick does.
+    pub(crate) walls: Option<&'a [Nearness]>,
 }
 
-/// The region in which a trajectory of state 0 and its velocity is near a wall below the motion.
+/// The region in which a trajectory is near a wall.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness {
-    /// The state that moves state 0.
-    pub(crate) velocity: usize,
-    /// The wall's position, or −∞.
-    pub(crate) floor: f64,
+    pub(crate) contact: Contact,
     /// The height and the speed below which a trajectory may graze the wall.
     pub(crate) height: f64,
     pub(crate) speed: f64,
 }
 
 impl Nearness {
-    /// A wall that every trajectory is near.
-    pub(crate) const EVERYWHERE: Self = Nearness { velocity: 0, floor: f64::INFINITY, height: 0.0, speed: 0.0 };
-
-    /// Whether a trajectory meets the wall within the time `tau`, or may graze it after half of that.
+    /// Marks the lanes that meet the wall within the time `tau`, or may graze it after half of that.
     #[inline(always)]
-    fn is_near(&self, y: f64, v: f64, tau: f64) -> bool {
-        let u = y - self.floor;
-        (u + tau * v < 0.0) | self.grazes(u + tau / 2.0 * v, v)
+    pub(crate) fn mark(&self, x: &[Lane], tau: f64, near: &mut [bool; LANES]) {
+        let (end, middle, rate) = (self.contact.gaps(x, tau), self.contact.gaps(x, tau / 2.0), self.contact.rates(x));
+        for l in 0..LANES {
+            near[l] |= (end[l] < 0.0) | self.grazes(middle[l], rate[l]);
+        }
     }
 
     /// Whether a trajectory at the height `u` above the wall may graze it.
     #[inline(always)]
-    pub(crate) fn grazes(&self, u: f64, v: f64) -> bool {
-        (u < self.height) & (v.abs() < self.speed)
+    pub(crate) fn grazes(&self, u: f64, rate: f64) -> bool {
+        (u < self.height) & (rate.abs() < self.speed)
     }
+}
 
-    /// Which lanes are near.
-    #[inline(always)]
-    pub(crate) fn lanes(&self, x: &[Lane], tau: f64) -> [bool; LANES] {
-        let (y, v) = (x[0], x[self.velocity]);
-        let mut near = [false; LANES];
-        for l in 0..LANES {
-            near[l] = self.is_near(y[l], v[l], tau);
-        }
-        near
+/// The lanes that are near a wall.
+#[inline(always)]
+pub(crate) fn near(walls: &[Nearness], x: &[Lane], tau: f64) -> [bool; LANES] {
+    let mut near = [false; LANES];
+    for wall in walls {
+        wall.mark(x, tau, &mut near);
     }
-
-    /// Whether any lane is near, or below the wall by rounding alone after a straight piece.
-    #[inline(always)]
-    pub(crate) fn any(&self, x: &[Lane], tau: f64) -> bool {
-        // A loop and no closure, so that it is compiled for the widest registers, together with the caller's.
-        let (y, v) = (x[0], x[self.velocity]);
-        let mut any = false;
-        for l in 0..LANES {
-            any |= self.is_near(y[l], v[l], tau) | (y[l] + tau * v[l] < self.floor);
-        }
-        any
-    }
+    near
 }
 
 impl Kicks<'_> {
@@ -84,7 +67,7 @@ impl Kicks<'_> {
     ) -> (usize, bool) {
         for (before, w) in w.chunks_exact(processes).enumerate() {
             kick(x, w);
-            if self.wall.any(x, self.step) {
+            if self.walls.is_none_or(|walls| near(walls, x, self.step).contains(&true)) {
                 return (before + 1, true);
             }
             for &(i, v) in self.pairs {

@@ -1,5 +1,5 @@
+use super::Problem;
 use super::text::Written;
-use super::{Problem, Wall};
 use crate::error::Result;
 use crate::polynomial::{Polynomial, total_degree};
 
@@ -15,10 +15,7 @@ impl Problem {
             noise: noise.collect::<Result<_>>()?,
             interpretation: self.interpretation(),
         };
-        self.walls().iter().try_fold(Problem::of_system(system)?, |problem, wall| {
-            let make = if wall.is_above() { Wall::below } else { Wall::above };
-            problem.with_wall(make(-wall.offset(), wall.restitution())?.on(wall.state()))
-        })
+        self.walls().iter().try_fold(Problem::of_system(system)?, |problem, wall| problem.with_wall(wall.mirrored()))
     }
 }
 
@@ -33,6 +30,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
     use crate::models::DuffingVanDerPol;
+    use crate::problem::Wall;
 
     #[test]
     fn a_mirror_turns_drift_and_walls_and_twice_is_the_problem_itself() {

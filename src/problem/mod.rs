@@ -1,11 +1,13 @@
 //! Problems: a system as data, made once from its definition, with its walls.
 
+mod contact;
 mod expression;
 mod field;
 mod flow;
 mod gaussian_closure;
 mod mirror;
 mod pack;
+mod room;
 mod symmetry;
 mod tangent;
 mod text;
@@ -16,14 +18,16 @@ mod units;
 mod wall;
 mod zhuravlev;
 
+pub(crate) use contact::Contact;
 use field::{AnySize, Fixed};
 pub(crate) use field::{Field, LANES, Lane};
-pub(crate) use flow::{Kicks, Nearness};
+pub(crate) use flow::{Kicks, Nearness, near};
 pub(crate) use gaussian_closure::gaussian_after;
+pub(crate) use room::reflect;
 pub(crate) use symmetry::Symmetry;
 pub(crate) use time_scales::{TimeScales, two_digits};
-pub(crate) use wall::COLLAPSE;
 pub use wall::Wall;
+pub(crate) use wall::{COLLAPSE, limits};
 
 use crate::checks::dimension;
 use crate::error::{Error, Result};
@@ -143,27 +147,37 @@ impl Problem {
     /// The same with one more wall.
     ///
     /// # Errors
-    /// [`Error::NotADisplacement`] unless some state is the velocity of the wall's; [`Error::OutOfRange`] for a second wall
-    /// on the same side, or where a wall above the motion stands below one that is below it.
+    /// [`Error::NotADisplacement`] unless some state is the velocity of the wall's, and of its other body's; [`Error::OutOfRange`]
+    /// for a second wall on the same side, a body that hits itself, or walls that leave the motion no room.
     pub fn with_wall(mut self, wall: Wall) -> Result<Self> {
         let wall = wall.checked()?;
-        let state = wall.state();
-        if self.velocity_of(state).is_none() {
-            return Err(Error::NotADisplacement { state });
+        for state in std::iter::once(wall.state()).chain(wall.other()) {
+            if self.velocity_of(state).is_none() {
+                return Err(Error::NotADisplacement { state });
+            }
         }
-        for other in self.walls.iter().filter(|other| other.state() == state) {
-            let (name, value) = ("offset of the wall", wall.offset());
-            if other.is_above() == wall.is_above() {
-                let remedy = "there is a wall on this side of the state already; remove it by `without_walls`";
-                return Err(Error::OutOfRange { name, value, remedy });
-            }
-            let gap = if wall.is_above() { other.offset() - wall.offset() } else { wall.offset() - other.offset() };
-            if gap <= 0.0 {
-                let remedy = "the motion must have room between the two walls of a state";
-                return Err(Error::OutOfRange { name, value, remedy });
-            }
+        let refused = |name, value, remedy| Err(Error::OutOfRange { name, value, remedy });
+        if wall.other() == Some(wall.state()) {
+            return refused(
+                "body",
+                wall.state() as f64,
+                "a body does not hit itself: give the states of two displacements",
+            );
+        }
+        let same = |other: &Wall| {
+            let turned = (wall.other(), Some(wall.state())) == (Some(other.state()), other.other());
+            (wall.state(), wall.other(), wall.is_above()) == (other.state(), other.other(), other.is_above())
+                || turned && wall.is_above() != other.is_above()
+        };
+        if self.walls.iter().any(same) {
+            let remedy = "there is a wall on this side of the state already; remove it by `without_walls`";
+            return refused("offset of the wall", wall.offset(), remedy);
         }
         self.walls.push(wall);
+        if !room::is_room(&self.walls) {
+            let remedy = "the motion must have room between the walls";
+            return refused("offset of the wall", wall.offset(), remedy);
+        }
         Ok(self)
     }
 
@@ -259,7 +273,8 @@ impl Problem {
 
     /// The sign changes of states that leave the Fokker-Planck equation as it is, and every wall where it is.
     pub(crate) fn symmetry(&self) -> Symmetry {
-        Symmetry::of(self.operator()).without_flips_of(self.walls().iter().map(Wall::state))
+        Symmetry::of(self.operator())
+            .without_flips_of(self.walls().iter().flat_map(|wall| [Some(wall.state()), wall.other()]).flatten())
     }
 
     /// The Itô drift and, by rows, the diffusion matrix at a point.

@@ -153,26 +153,52 @@ impl Document<'_> {
         names.iter().map(entry).collect()
     }
 
+    /// The wall of a table, with the number of a state by its name.
     fn wall(self, entry: &Entry<'_>, written: &Written) -> Result<Wall> {
         let place = entry.span().start;
+        let wrong = |problem: &str| self.wrong(place, "wall", problem);
         let table = self.table("wall", entry)?;
-        self.known(table, "a wall", &["state", "above", "below", "restitution"])?;
-        let state = match table.get("state").map(Spanned::get_ref) {
-            Some(DeValue::String(name)) => written.states.iter().position(|state| state == name),
-            _ => None,
-        };
-        let Some(state) = state else { return self.wrong(place, "wall", "name its state: state = \"x\"") };
+        self.known(table, "a wall", &["state", "between", "masses", "above", "below", "restitution"])?;
         let number =
             |name: &str| table.get(name).map(|value| self.number(name, value, &written.parameters)).transpose();
         let Some(restitution) = number("restitution")? else {
-            return self.wrong(place, "wall", "it has no restitution; 0 < restitution ≤ 1");
+            return wrong("it has no restitution; 0 < restitution ≤ 1");
         };
-        let wall = match (number("above")?, number("below")?) {
+        let made = match (number("above")?, number("below")?) {
             (Some(offset), None) => Wall::above(offset, restitution),
             (None, Some(offset)) => Wall::below(offset, restitution),
-            _ => return self.wrong(place, "wall", "the motion stays above = b, or below = b: give one of the two"),
+            _ => return wrong("the motion stays above = b, or below = b: give one of the two"),
         };
-        wall.map(|wall| wall.on(state)).or_else(|error| self.wrong(place, "wall", error.to_string()))
+        let state = |value: &DeValue<'_>| match value {
+            DeValue::String(name) => written.states.iter().position(|state| state == name),
+            _ => None,
+        };
+        let entry = |name: &str| table.get(name).map(Spanned::get_ref);
+        let on = match (entry("state"), entry("between")) {
+            (Some(value), None) => {
+                let Some(state) = state(value) else { return wrong(NO_STATE) };
+                if entry("masses").is_some() {
+                    return wrong("masses are those of two bodies: between = [\"x\", \"y\"]");
+                }
+                made.map(|wall| wall.on(state))
+            }
+            (None, Some(DeValue::Array(pair))) if pair.len() == 2 => {
+                let (Some(first), Some(second)) = (state(pair[0].get_ref()), state(pair[1].get_ref())) else {
+                    return wrong(NO_STATE);
+                };
+                let masses = match entry("masses") {
+                    None => [1.0, 1.0],
+                    Some(DeValue::Array(masses)) if masses.len() == 2 => {
+                        let mass = |i: usize| self.number("masses", &masses[i], &written.parameters);
+                        [mass(0)?, mass(1)?]
+                    }
+                    Some(_) => return wrong("give two masses: masses = [1, 0.1]"),
+                };
+                made.and_then(|wall| wall.between([first, second], masses))
+            }
+            _ => return wrong(NO_STATE),
+        };
+        on.or_else(|error| wrong(&error.to_string()))
     }
 
     fn problem(self) -> Result<Problem> {
@@ -232,6 +258,9 @@ impl Document<'_> {
 
 impl Problem {
     /// The problem that a TOML document describes.
+    ///
+    /// A wall is on one displacement, `state = "x"`, or between two bodies, `between = ["x", "y"]` with their `masses`, which are
+    /// equal where they are not given ([`Wall::between`]).
     ///
     /// Entries are numbers, or expressions in quotes: `+`, `-`, `*`, `/` by a number, `^` with a whole exponent, and of numbers
     /// and parameters also `sqrt`, `exp`, `ln`, `sin`, `cos` and `pi`. A parameter may be made of those above it. Each table
@@ -303,7 +332,14 @@ impl Problem {
         }
         for wall in self.walls() {
             let side = if wall.is_above() { "above" } else { "below" };
-            text += &format!("\n[[wall]]\nstate = {:?}\n", self.states()[wall.state()]);
+            let first = &self.states()[wall.state()];
+            text += "\n[[wall]]\n";
+            text += &match (wall.other(), wall.masses()) {
+                (Some(other), Some(masses)) => {
+                    format!("between = [{first:?}, {:?}]\nmasses = {masses:?}\n", self.states()[other])
+                }
+                _ => format!("state = {first:?}\n"),
+            };
             text += &format!("{side} = {:?}\nrestitution = {:?}\n", wall.offset(), wall.restitution());
         }
         Ok(text)
@@ -327,6 +363,10 @@ impl Problem {
         if text.is_empty() { String::from("\"0\"") } else { format!("\"{text}\"") }
     }
 }
+
+/// The remedy for a wall that is on no displacement.
+const NO_STATE: &str =
+    "name its state: state = \"x\"; or the states of two bodies that hit each other: between = [\"x\", \"y\"]";
 
 fn line(text: &mut String, name: &str, value: &str) {
     // Writing to a string cannot fail.

@@ -65,13 +65,13 @@ impl Blocks {
         x: &[Lane],
         record: &Record,
         layout: &Layout,
-        (scheme, boundaries): (&Scheme<'_>, &Boundaries),
+        scene: (&Scheme<'_>, &Boundaries),
         images: &mut Images,
     ) {
         let width = self.closed.len();
         let sums = &mut self.open[group * width..][..width];
-        images.add(layout, scheme, x, sums);
-        images.add_passages(layout, boundaries, record, sums);
+        images.add(layout, scene, x, sums);
+        images.add_passages(layout, scene.1, record, sums);
     }
 
     /// Closes the block where it ends after so many samples of each trajectory.

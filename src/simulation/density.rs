@@ -4,9 +4,10 @@ use crate::density::{Counted, Crossing, Density, Sampled, central, pair};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
+use crate::problem::{Wall, limits};
 use std::sync::Arc;
 
-/// The density below a wall.
+/// The density behind a wall.
 const NOTHING: Estimate = Estimate { value: 0.0, error: 0.0 };
 
 impl Density for SimulatedDensity {
@@ -22,7 +23,7 @@ impl Density for SimulatedDensity {
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         point(x, self.dimension())?;
         let histogram = self.whole("the density at a state")?;
-        if self.below_wall(0, x[0]) {
+        if (0..self.dimension()).any(|state| self.is_behind_wall(state, x[state])) {
             return Ok(NOTHING);
         }
         Ok(self.with_both_errors(|d| d.histograms[histogram].at(x)))
@@ -36,7 +37,7 @@ impl Density for SimulatedDensity {
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         coordinate("the state of a marginal", state, x, self.dimension())?;
-        if self.below_wall(state, x) {
+        if self.is_behind_wall(state, x) {
             return Ok(NOTHING);
         }
         Ok(self.with_both_errors(|d| d.histograms[state].at(&[x])))
@@ -64,7 +65,7 @@ impl Density for SimulatedDensity {
             return Err(Error::NotKnown { what: format!("the joint density of states {first} and {second}"), remedy });
         }
         let x = if first == 0 { x } else { [x[1], x[0]] };
-        if self.below_wall(0, x[0]) {
+        if self.is_behind_wall(0, x[0]) || self.is_behind_wall(1, x[1]) {
             return Ok(NOTHING);
         }
         Ok(self.with_both_errors(|d| d.histograms[self.dimension()].at(&x)))
@@ -81,7 +82,7 @@ impl Density for SimulatedDensity {
             what: format!("the moment of the exponents {powers:?}"),
             remedy: "name it in `Simulation::moments` before the run",
         })?;
-        Ok(self.of_tracked([Some(0), Some(place)], |[n, sum]| sum / n))
+        Ok(self.of_tracked([&[0], &[place]], |[n, sum]| sum / n))
     }
 
     /// The flux moment from counted passages, for the powers 1, 2 and 3: Σ|v|^(power − 1) per unit time. Up-crossings of
@@ -93,22 +94,26 @@ impl Density for SimulatedDensity {
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
         let [displacement, velocity] = crossing.states(self.dimension())?;
         let Crossing { level, upward, .. } = crossing;
-        if displacement != 0 || self.plan.velocity != Some(velocity) {
-            return Err(Error::NotADisplacement { state: displacement });
-        }
         let remedy = "passages are counted with the powers 1, 2 and 3 of the velocity";
         require((1..=POWERS as u32).contains(&power), "power of a flux", f64::from(power), remedy)?;
-        if let Some(wall) = self.plan.wall.filter(|wall| same_level(wall.offset(), level)) {
-            let impacts = self.rate(self.plan.levels.len(), power as usize);
+        let pair = self.plan.displacements.contains(&(displacement, velocity));
+        let at =
+            |wall: &&Wall| wall.state() == displacement && wall.other().is_none() && same_level(wall.offset(), level);
+        if let Some(k) = self.plan.walls.iter().position(|wall| pair && at(&wall)) {
+            let wall = &self.plan.walls[k];
+            let impacts = self.rate(&self.gates(&[k]), power as usize);
             let slowed = wall.restitution().powi(power as i32 - 1);
-            return Ok(if upward { impacts.scaled(slowed) } else { impacts });
+            return Ok(if upward == wall.is_above() { impacts.scaled(slowed) } else { impacts });
+        }
+        if displacement != 0 || !pair {
+            return Err(Error::NotADisplacement { state: displacement });
         }
         if !upward {
             let what = format!("the crossings of the level {level} from above");
             return Err(Error::NotKnown { what, remedy: "a simulation counts those from below" });
         }
         let place = self.level(level)?;
-        Ok(self.rate(place, power as usize))
+        Ok(self.rate(&[place], power as usize))
     }
 
     fn variance(&self, state: usize) -> Result<Estimate> {
@@ -117,7 +122,7 @@ impl Density for SimulatedDensity {
     }
 
     fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
-        let velocity = self.plan.velocity.ok_or(Error::NotADisplacement { state: 0 })?;
+        let velocity = self.plan.velocity().ok_or(Error::NotADisplacement { state: 0 })?;
         self.flux(Crossing { velocity, ..Crossing::upward(level) }, 1)
     }
 
@@ -130,7 +135,8 @@ impl Sampled for SimulatedDensity {
     fn of_moments(&self, state: usize, statistic: &dyn Fn(&[f64]) -> f64) -> Result<Estimate> {
         let states = self.dimension();
         let state = state_index("a state's index", state, states)?;
-        let places = [0, 1, 2, 3, 4].map(|power| self.tracked(&of_one(states, state, power)));
+        let places = [0, 1, 2, 3, 4].map(|power| Vec::from_iter(self.tracked(&of_one(states, state, power))));
+        let places = places.each_ref().map(Vec::as_slice);
         Ok(self.of_tracked(places, |sums| statistic(&sums.map(|sum| sum / sums[0]))))
     }
 
@@ -141,23 +147,29 @@ impl Sampled for SimulatedDensity {
         Ok(Arc::new(of(self, coarse)))
     }
 
-    fn impact_speeds(&self) -> Option<Arc<dyn Counted>> {
-        let of = |d: &Self, coarse| Some(Distribution::new(&d.impact_speeds()?, coarse));
+    fn impact_speeds(&self, walls: &[usize]) -> Option<Arc<dyn Counted>> {
+        let of = |d: &Self, coarse| Some(Distribution::new(&d.speeds_at(walls)?, coarse));
         let coarse = self.coarse.as_ref().and_then(|coarse| Some((of(coarse, None)?, self.bias_share())));
         Some(Arc::new(of(self, coarse)?))
     }
 
-    fn mean_impact_speed(&self, power: u32) -> Option<Estimate> {
-        self.plan.wall?;
-        let wall = self.plan.levels.len();
-        let sum = (power < POWERS as u32).then(|| self.passages(wall, power as usize + 1));
-        Some(self.of_tracked([Some(self.passages(wall, 1)), sum], |[count, speeds]| speeds / count))
+    fn impact_flux(&self, walls: &[usize], power: u32) -> Option<Estimate> {
+        let known = !walls.is_empty() && walls.iter().all(|&wall| wall < self.plan.walls.len());
+        (known && (1..=POWERS as u32).contains(&power)).then(|| self.rate(&self.gates(walls), power as usize))
+    }
+
+    fn mean_impact_speed(&self, walls: &[usize], power: u32) -> Option<Estimate> {
+        self.impact_flux(walls, power + 1)?;
+        let places = [1, power as usize + 1]
+            .map(|power| self.gates(walls).into_iter().map(|gate| self.passages(gate, power)).collect::<Vec<_>>());
+        Some(self.of_tracked(places.each_ref().map(Vec::as_slice), |[count, speeds]| speeds / count))
     }
 }
 
 impl SimulatedDensity {
-    fn below_wall(&self, state: usize, x: f64) -> bool {
-        state == 0 && self.plan.wall.is_some_and(|wall| x < wall.offset())
+    fn is_behind_wall(&self, state: usize, x: f64) -> bool {
+        let [low, high] = limits(&self.plan.walls, state);
+        x < low || x > high
     }
 
     /// The place of the histogram of all states together.

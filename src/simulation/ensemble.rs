@@ -25,8 +25,6 @@ pub(super) struct Ensemble<'a> {
     pub(super) timetable: Timetable,
     /// The number of trajectories in the whole simulation.
     pub(super) trajectories: usize,
-    /// The state whose power balance is drawn up.
-    pub(super) velocity: Option<usize>,
     pub(super) control: Control<'a>,
 }
 
@@ -93,6 +91,7 @@ impl<'a> Ensemble<'a> {
         } else {
             let mut passages = std::mem::take(&mut tally.passages);
             let mut x = vec![0.0; self.scheme.states];
+            let mut power = vec![[0.0; 2]; self.scheme.pairs.len()];
             let steps =
                 self.stretch(trajectories, *done, bounds, &mut passages, work, |group, lanes, passages, work| {
                     if !layout.control_variates.is_empty() {
@@ -101,8 +100,9 @@ impl<'a> Ensemble<'a> {
                     }
                     for lane in 0..lanes.trajectories() {
                         lanes.read_state(lane, &mut x);
-                        let power = self.velocity.map_or([0.0; 2], |v| self.scheme.power(v, &x, &mut work.scratch));
-                        tally.observe(layout, &x, sample, power);
+                        let resting = self.boundaries.resting_contacts(&x);
+                        self.scheme.power(&x, resting, &mut work.scratch, &mut power);
+                        tally.observe(layout, &x, sample, &power);
                         let crossed = &passages.crossed;
                         let seen = Sample { trajectory: group * LANES + lane, x: &x, crossed, lane };
                         layout.recorders.observe(&mut tally.recordings, buffers, seen);

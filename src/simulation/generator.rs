@@ -6,7 +6,7 @@ use super::{
 };
 use crate::control_variates::products::{self, Products};
 use crate::polynomial::monomials;
-use crate::problem::{LANES, Lane, Symmetry, Wall};
+use crate::problem::{LANES, Lane, Symmetry, Wall, limits};
 use crate::simulation::tuning;
 use pulp::NullaryFnOnce;
 use serde::{Deserialize, Serialize};
@@ -22,9 +22,8 @@ pub(super) struct ControlVariates {
 
 impl ControlVariates {
     /// All up to an even degree that the symmetries keep, as many as are worth their time and fit into memory. The box
-    /// is a part of the histograms' range, so that runs that can be merged have the same; a wall on state 0 is a side of
-    /// it.
-    pub(super) fn new(symmetry: &Symmetry, wall: Option<Wall>, layout: &Layout, trajectories: usize) -> Self {
+    /// is a part of the histograms' range, so that runs that can be merged have the same; a state's walls are sides of it.
+    pub(super) fn new(symmetry: &Symmetry, walls: &[Wall], layout: &Layout, trajectories: usize) -> Self {
         let (axes, tracked) = (&layout.axes, layout.tracked());
         let states = axes.len();
         let mut exponents = Vec::new();
@@ -42,10 +41,13 @@ impl ControlVariates {
             let half_width = tuning::calibration::BOX * (hi - lo) / 2.0;
             if symmetry.flips(i) {
                 (0.0, tuning::calibration::BOX * lo.abs().max(hi.abs()))
-            } else if wall.is_some_and(|wall| wall.state() == i) {
-                (lo + half_width, half_width)
             } else {
-                ((lo + hi) / 2.0, half_width)
+                match limits(walls, i).map(f64::is_finite) {
+                    [true, true] => ((lo + hi) / 2.0, (hi - lo) / 2.0),
+                    [true, false] => (lo + half_width, half_width),
+                    [false, true] => (hi - half_width, half_width),
+                    [false, false] => ((lo + hi) / 2.0, half_width),
+                }
             }
         };
         let (centre, half_width) = axes.iter().enumerate().map(side).unzip();
@@ -103,6 +105,8 @@ pub(super) struct Images {
     /// B, by rows.
     diffusion: Vec<Lane>,
     monomials: Vec<Lane>,
+    /// One state.
+    state: Vec<f64>,
     /// Eight states, and B there.
     x: Vec<products::Lane>,
     /// ψ there.
@@ -121,6 +125,7 @@ impl Images {
             drift: vec![[0.0; LANES]; n],
             diffusion: vec![[0.0; LANES]; n * n],
             monomials: vec![[1.0; LANES]; layout.monomials.len()],
+            state: vec![0.0; n],
             x: vec![products::ZERO; n],
             values: vec![products::ZERO; layout.control_variates.len()],
             second: vec![products::ZERO; n * n],
@@ -130,8 +135,15 @@ impl Images {
     }
 
     /// Adds the tracked monomials and, after the other tracked functions, 𝓖ψ at the states `x` to `sums`, lane by lane.
-    pub(super) fn add(&mut self, layout: &Layout, scheme: &Scheme<'_>, x: &[Lane], sums: &mut [Lane]) {
+    pub(super) fn add(
+        &mut self,
+        layout: &Layout,
+        (scheme, boundaries): (&Scheme<'_>, &Boundaries),
+        x: &[Lane],
+        sums: &mut [Lane],
+    ) {
         scheme.coefficients(x, &mut self.drift, &mut self.diffusion);
+        boundaries.support(x, &mut self.drift);
         scheme.arch.dispatch(Add { layout, coupled: &scheme.coupled, x, images: self, sums });
     }
 
@@ -150,10 +162,10 @@ impl Images {
                 sum[passage.lane] += power;
             }
         }
-        let images = &mut sums[layout.tracked()..];
-        let (n, v) = (self.x.len(), boundaries.velocity());
-        let impacts = record.lanes.chunks(products::LANES).zip(record.states.chunks(n * products::LANES));
-        for (lanes, states) in impacts {
+        let sums = &mut sums[layout.tracked()..];
+        let n = self.x.len();
+        let impacts = record.impacts.chunks(products::LANES).zip(record.states.chunks(n * products::LANES));
+        for (impacts, states) in impacts {
             // Places that no impact takes keep the states of earlier ones, which count for nothing.
             for (l, state) in states.chunks_exact(n).enumerate() {
                 self.x.iter_mut().zip(state).for_each(|(x, state)| x[l] = *state);
@@ -162,11 +174,16 @@ impl Images {
             for (k, value) in self.values.iter_mut().enumerate() {
                 *value = layout.images.value(&self.scratch, k + 1);
             }
-            self.x[v] = self.x[v].map(|v| boundaries.throw_back(v));
+            for (l, (&(_, wall), state)) in impacts.iter().zip(states.chunks_exact(n)).enumerate() {
+                let contact = boundaries.walls[wall].contact;
+                self.state.copy_from_slice(state);
+                contact.strike(contact.wall.restitution(), &mut self.state);
+                contact.velocities().for_each(|v| self.x[v][l] = self.state[v]);
+            }
             layout.images.place_values(&self.x, &mut self.scratch);
-            for (k, (sum, before)) in images.iter_mut().zip(&self.values).enumerate() {
+            for (k, (sum, before)) in sums.iter_mut().zip(&self.values).enumerate() {
                 let after = layout.images.value(&self.scratch, k + 1);
-                for (l, &lane) in lanes.iter().enumerate() {
+                for (l, &(lane, _)) in impacts.iter().enumerate() {
                     sum[lane] += (after[l] - before[l]) / self.interval;
                 }
             }

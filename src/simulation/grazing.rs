@@ -1,3 +1,4 @@
+use crate::problem::Wall;
 use crate::simulation::tuning;
 
 /// Shorter steps for trajectories that graze the wall, and so the end of chattering.
@@ -46,9 +47,10 @@ fn depth(restitution: f64) -> f64 {
 }
 
 impl Grazing {
-    /// For the restitution r, b = `offset`, D = `diffusion` at rest on the wall, and the time step. An elastic wall needs none of it:
-    /// its trajectories are those of a smooth motion, folded.
-    pub(super) fn new(restitution: f64, offset: f64, diffusion: f64, step: f64) -> Self {
+    /// For a wall, D = `diffusion` at rest on it, and the time step. An elastic wall needs none of it: its trajectories are
+    /// those of a smooth motion, folded.
+    pub(super) fn new(wall: &Wall, diffusion: f64, step: f64) -> Self {
+        let (restitution, offset) = (wall.restitution(), wall.offset());
         let noise = 2.0 * diffusion;
         let gain = (noise * step).sqrt();
         // √(2D (mτ)³) = ε|b|.
@@ -90,9 +92,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_shrink_towards_the_grazing_point_and_are_whole_outside() {
+    fn steps_shrink_towards_the_grazing_point_and_are_whole_outside() -> crate::Result<()> {
         let (h, noise) = (0.02, 0.4);
-        let grazing = Grazing::new(0.9, 0.1, noise / 2.0, h);
+        let grazing = Grazing::new(&Wall::above(0.1, 0.9)?, noise / 2.0, h);
         let (speed, height) = (grazing.speed, grazing.height);
         assert_eq!(grazing.step_at(0.0, 0.0), Some(h / 2.0_f64.powi(20)));
         // Half the speed is resolved by a quarter of the step.
@@ -103,9 +105,10 @@ mod tests {
         for (u, v) in [(0.0, speed), (height, 0.0), (0.99 * height, 0.5 * speed), (f64::NAN, f64::NAN)] {
             assert_eq!(grazing.step_at(u, v), None, "{u}, {v}");
         }
-        assert_eq!(Grazing::new(1.0, 0.1, noise / 2.0, h).height, 0.0);
+        assert_eq!(Grazing::new(&Wall::above(0.1, 1.0)?, noise / 2.0, h).height, 0.0);
         // Where the heights that noise reaches in a step are lost in the rounding of the wall's place, no step is shortened:
         // with D = 1e-36 and h = 1e-3 they are 1e-22, and the wall is at 0.1.
-        assert_eq!(Grazing::new(0.9, 0.1, 1e-36, 1e-3).step_at(0.0, 0.0), None);
+        assert_eq!(Grazing::new(&Wall::above(0.1, 0.9)?, 1e-36, 1e-3).step_at(0.0, 0.0), None);
+        Ok(())
     }
 }

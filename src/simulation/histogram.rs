@@ -129,6 +129,12 @@ impl Counts {
         }
     }
 
+    /// Adds counts in the same cells.
+    pub(super) fn join(&mut self, other: &Counts) {
+        self.cells.iter_mut().zip(&other.cells).for_each(|(count, other)| *count += other);
+        self.outside += other.outside;
+    }
+
     fn samples(&self) -> u64 {
         self.outside + self.cells.iter().sum::<u64>()
     }

@@ -4,7 +4,7 @@
 //!
 //! - `scheme`: the step of weak order 2, sixteen trajectories at a time;
 //! - `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it;
-//! - `grazing`: shorter steps for trajectories that graze the wall;
+//! - `grazing`, `chatter`: shorter steps for trajectories that graze a wall, and rest where no noise drives them off it;
 //! - `random`, `normal`: random numbers as a function of seed, trajectory and time step, and normal ones from them;
 //! - `lanes`: some trajectories advanced in lockstep, as wide registers allow;
 //! - `start`: where trajectories begin;
@@ -26,6 +26,7 @@
 mod batch;
 mod blocks;
 mod calibration;
+mod chatter;
 mod checkpoint;
 mod control;
 mod density;

@@ -1,58 +1,58 @@
 use super::{
+    chatter::Chatter,
     grazing::Grazing,
     histogram::{Axis, Counts},
+    lanes::{read_lane, write_lane},
+    plan::Plan,
     scheme::Scheme,
 };
-use crate::error::{Error, Result};
-use crate::problem::{LANES, Lane, Nearness, Problem, Wall};
+use crate::problem::{Contact, LANES, Lane, Nearness};
+use crate::simulation::tuning;
 use serde::{Deserialize, Serialize};
 
 /// The powers 0, 1, 2 of the speed at a passage: enough for the flux moments 1, 2, 3.
 pub(super) const POWERS: usize = 3;
 
-/// The wall of a problem, if it has none but one with the motion of state 0 above it.
-pub(super) fn single_wall(problem: &Problem, method: &'static str) -> Result<Option<Wall>> {
-    let (what, remedy) = match problem.walls() {
-        [] => return Ok(None),
-        [wall] if wall.state() != 0 => {
-            ("a wall on another state than the first", "let the displacement that hits the wall be the first state")
-        }
-        [wall] if wall.is_above() => return Ok(Some(*wall)),
-        [_] => ("a wall that the motion is below", "turn the sign of the displacement and of its velocity"),
-        _ => ("more than one wall", "a closure and a grid serve the two walls of one oscillator"),
-    };
-    Err(Error::NotServed { method, what, remedy })
-}
+/// The most impacts in one straight piece. Between two walls they go on, and a body between a wall and another body may hit both
+/// infinitely many times in a finite time: the rest of such a piece is left out.
+const MOST_IMPACTS: usize = 1 << 10;
 
-/// The boundaries in the straight drift of the displacements: a wall, and levels whose crossings are counted.
+/// The boundaries in the straight drift of the displacements: walls, and levels whose crossings are counted.
 #[derive(Clone, Debug)]
 pub(super) struct Boundaries {
-    /// The velocity of each state that is a displacement. The wall and the levels belong to state 0 if there are any.
+    /// The velocity of each state that is a displacement. The levels belong to state 0 if there are any.
     velocities: Vec<Option<usize>>,
-    /// The wall's position, −∞ if there is none, and the region near it.
-    pub(super) wall: Nearness,
-    restitution: f64,
-    /// The rule for the length of steps near it.
-    pub(super) grazing: Grazing,
+    /// The walls, and the regions near them.
+    pub(super) walls: Vec<Nearness>,
+    /// The rule for the length of steps near each wall.
+    grazing: Vec<Grazing>,
+    /// The walls that trajectories come to rest on, by their numbers.
+    pub(super) chatters: Vec<Chatter>,
     /// The levels whose up-crossings by state 0 are counted.
     pub(super) levels: Vec<f64>,
     /// The bins of the speeds at impacts, if these are counted.
     speeds: Option<Axis>,
     /// Whether each passage is recorded, not only counted.
     recording: bool,
+    /// The shortest time at rest that is counted.
+    shortest_rest: f64,
 }
 
 /// Impacts and up-crossings: Σ 1, Σ|v|, Σ v² over the passages of each kind.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Passages {
-    /// At the wall, with the speed of approach.
-    pub(super) impacts: [f64; POWERS],
+    /// At each wall, with the speed of approach.
+    pub(super) impacts: Vec<[f64; POWERS]>,
     /// At each level.
     pub(super) crossings: Vec<[f64; POWERS]>,
     /// For each level the lanes that have crossed it since this was last cleared, one bit each.
     pub(super) crossed: Vec<u64>,
-    /// The speeds of approach at impacts.
-    pub(super) speeds: Counts,
+    /// The speeds of approach at impacts, for each wall.
+    pub(super) speeds: Vec<Counts>,
+    /// Σ ½(v₋² − v₊²) over the impacts, for each state v that is a velocity.
+    pub(super) taken: Vec<f64>,
+    /// For each wall the time at rest on it, and the number of rests that are not too short.
+    pub(super) rests: Vec<[f64; 2]>,
     #[serde(skip)]
     pub(super) record: Record,
 }
@@ -61,12 +61,12 @@ pub(super) struct Passages {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Record {
     pub(super) passages: Vec<Passage>,
-    /// The lane of each impact, and the state at it with the velocity of approach.
-    pub(super) lanes: Vec<usize>,
+    /// The lane and the wall of each impact, and the state at it with the velocities of approach.
+    pub(super) impacts: Vec<(usize, usize)>,
     pub(super) states: Vec<f64>,
 }
 
-/// A lane at one of the levels, or, with a number after theirs, at the wall.
+/// A lane at one of the levels, or, with numbers after theirs, at one of the walls.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
     pub(super) lane: usize,
@@ -76,20 +76,23 @@ pub(super) struct Passage {
 
 impl Record {
     fn clear(&mut self) {
-        let Record { passages, lanes, states } = self;
+        let Record { passages, impacts, states } = self;
         passages.clear();
-        lanes.clear();
+        impacts.clear();
         states.clear();
     }
 }
 
 impl Passages {
-    pub(super) fn new(levels: usize) -> Self {
+    /// Passages of so many levels, walls and states, before the first; the speeds of impacts in the bins of `axis`.
+    pub(super) fn new([levels, walls, states]: [usize; 3], axis: Option<Axis>) -> Self {
         Passages {
-            impacts: [0.0; POWERS],
+            impacts: vec![[0.0; POWERS]; walls],
             crossings: vec![[0.0; POWERS]; levels],
             crossed: vec![0; levels],
-            speeds: Counts::default(),
+            speeds: axis.map_or(Vec::new(), |axis| vec![Counts::new(&[axis]); walls]),
+            taken: vec![0.0; states],
+            rests: vec![[0.0; 2]; walls],
             record: Record::default(),
         }
     }
@@ -102,76 +105,68 @@ impl Passages {
 }
 
 impl Boundaries {
-    /// `diffusion` is ½B_vv at rest on the wall.
-    pub(super) fn new(
-        velocities: Vec<Option<usize>>,
-        wall: Option<Wall>,
-        levels: Vec<f64>,
-        diffusion: f64,
-        step: f64,
-    ) -> Self {
-        let (floor, restitution) = wall.map_or((f64::NEG_INFINITY, 1.0), |b| (b.offset(), b.restitution()));
-        let offset = wall.map_or(0.0, |b| b.offset());
-        let grazing = Grazing::new(restitution, offset, diffusion, step);
-        let velocity = velocities[0].unwrap_or(0);
-        let wall = Nearness { velocity, floor, height: grazing.height, speed: grazing.speed };
-        Boundaries { velocities, wall, restitution, grazing, levels, speeds: None, recording: false }
-    }
-
-    /// The boundaries that the trajectories of a system meet: the noise in the rule for grazing is that at rest on the wall.
-    pub(super) fn for_scheme(scheme: &Scheme<'_>, wall: Option<Wall>, levels: Vec<f64>) -> Self {
-        let mut at_rest = vec![0.0; scheme.states];
-        at_rest[0] = wall.map_or(0.0, |b| b.offset());
+    /// The boundaries that the trajectories of a system meet: the noise in the rule for grazing is that at rest on a wall.
+    pub(super) fn for_scheme(scheme: &Scheme<'_>, contacts: &[Contact], levels: Vec<f64>) -> Self {
         let velocity = |i: usize| scheme.pairs.iter().find(|&&(x, _)| x == i).map(|&(_, v)| v);
-        let diffusion = velocity(0).map_or(0.0, |v| scheme.power(v, &at_rest, &mut scheme.scratch())[0]);
-        Boundaries::new((0..scheme.states).map(velocity).collect(), wall, levels, diffusion, scheme.step)
+        let grazing = |contact: &Contact| {
+            let noise = scheme.noise_at(&contact.at_rest(scheme.states));
+            let diffusion = contact.of_rate(|i, j| noise[i * scheme.states + j]) / 2.0;
+            Grazing::new(&contact.wall, diffusion.max(0.0), scheme.step)
+        };
+        let grazing: Vec<Grazing> = contacts.iter().map(grazing).collect();
+        let near = |(contact, grazing): (&Contact, &Grazing)| Nearness {
+            contact: *contact,
+            height: grazing.height,
+            speed: grazing.speed,
+        };
+        let at_rest = |(wall, contact)| Chatter::at(wall, contact, scheme);
+        Boundaries {
+            velocities: (0..scheme.states).map(velocity).collect(),
+            walls: contacts.iter().zip(&grazing).map(near).collect(),
+            chatters: contacts.iter().enumerate().filter_map(at_rest).collect(),
+            grazing,
+            levels,
+            speeds: None,
+            recording: false,
+            shortest_rest: f64::INFINITY,
+        }
     }
 
-    /// The same boundaries, on which the crossings of `levels` and the `speeds` of impacts are counted, and all passages
-    /// recorded if `recording`.
-    pub(super) fn counting(self, levels: Vec<f64>, speeds: Option<Axis>, recording: bool) -> Self {
-        Boundaries { levels, speeds, recording, ..self }
+    /// The same boundaries, on which the crossings of levels and the speeds of impacts are counted as planned, and all passages
+    /// recorded for control variates.
+    pub(super) fn counting(self, plan: &Plan) -> Self {
+        let recording = !plan.control_variates.is_empty();
+        let shortest_rest = tuning::grazing::SHORTEST_REST * plan.interval();
+        Boundaries { levels: plan.levels.clone(), speeds: plan.impact_speeds(), recording, shortest_rest, ..self }
     }
 
     /// No passages yet.
     pub(super) fn passages(&self) -> Passages {
-        let speeds = self.speeds.map(|axis| Counts::new(&[axis])).unwrap_or_default();
-        Passages { speeds, ..Passages::new(self.levels.len()) }
+        Passages::new([self.levels.len(), self.walls.len(), self.velocities.len()], self.speeds)
     }
 
-    /// The state that moves state 0.
-    #[inline(always)]
-    pub(super) fn velocity(&self) -> usize {
-        self.wall.velocity
-    }
-
-    /// Turns the velocity of approach into that of rebound.
+    /// The length of the step that a trajectory needs where it grazes a wall, if that is not the whole one.
     #[inline]
-    pub(super) fn throw_back(&self, v: f64) -> f64 {
-        -self.restitution * v
-    }
-
-    /// The length of the step that a trajectory needs: the whole one, or a shorter one where it grazes the wall.
-    #[inline]
-    pub(super) fn step_at(&self, y: f64, v: f64) -> Option<f64> {
-        let u = y - self.wall.floor;
-        self.wall.grazes(u, v).then(|| self.grazing.step_at(u, v)).flatten()
+    pub(super) fn step_at(&self, x: &[f64]) -> Option<f64> {
+        let walls = self.walls.iter().zip(&self.grazing);
+        let steps = walls.filter_map(|(wall, grazing)| {
+            let (u, rate) = (wall.contact.gap(x), wall.contact.rate(x));
+            wall.grazes(u, rate).then(|| grazing.step_at(u, rate)).flatten()
+        });
+        steps.reduce(f64::min)
     }
 
     /// Every displacement straight on for the time `tau`, its velocity frozen. Only the lanes of `counted` count passages; the
-    /// others may be left anywhere.
+    /// others may be left anywhere. `state` has room for one of them.
     ///
-    /// The path is a straight line, so that the time of contact with the wall is exact. After the rebound the velocity
-    /// points away from the wall and nothing turns it within the straight piece: there is at most one contact in it. An
-    /// infinite sequence of ever shorter rebounds is thereby cut at one contact per step; rebounds lower than about
-    /// (force × h²) are not resolved, and the next kick ends them.
+    /// The path is a straight line, so that the times of contact with walls are exact.
     #[inline(always)]
     pub(super) fn drift(
         &self,
         from: &[Lane],
         tau: f64,
         counted: impl Fn(usize) -> bool,
-        x: &mut [Lane],
+        (x, state): (&mut [Lane], &mut [f64]),
         passages: &mut Passages,
     ) {
         for (i, velocity) in self.velocities.iter().enumerate() {
@@ -182,75 +177,156 @@ impl Boundaries {
                 }
             }
         }
-        let mut before = from[0];
-        let mut contact = false;
-        for y in x[0] {
-            contact |= y < self.wall.floor;
+        let mut beyond = [false; LANES];
+        for wall in &self.walls {
+            let gaps = wall.contact.gaps(from, tau);
+            for l in 0..LANES {
+                beyond[l] |= gaps[l] < 0.0;
+            }
         }
-        let v = self.velocity();
-        if contact {
-            for l in (0..LANES).filter(|&l| counted(l)) {
-                if x[0][l] < self.wall.floor {
-                    let end = |i: usize| x[i][l];
-                    [before[l], x[0][l], x[v][l]] = self.rebound(l, before[l], tau, end, passages);
-                }
+        if beyond.contains(&true) {
+            for l in (0..LANES).filter(|&l| beyond[l] && counted(l)) {
+                read_lane(from, l, state);
+                self.drift_lane(state, l, tau, passages);
+                write_lane(state, l, x);
             }
         }
         for (k, &level) in self.levels.iter().enumerate() {
-            let after = x[0];
+            let (before, after) = (from[0], x[0]);
             let mut any = false;
             for l in 0..LANES {
                 any |= (before[l] < level) & (after[l] >= level);
             }
-            for l in (0..LANES).filter(|&l| any && counted(l)) {
-                self.count(k, level, l, [before[l], after[l]], x[v][l], passages);
+            for l in (0..LANES).filter(|&l| any && !beyond[l] && counted(l)) {
+                let speed = self.velocities[0].map_or(0.0, |v| x[v][l]);
+                self.count(k, level, l, [before[l], after[l]], speed, passages);
             }
         }
     }
 
-    /// The same for the state of one lane.
+    /// The same for the state of one lane, from one contact to the next.
     pub(super) fn drift_lane(&self, x: &mut [f64], lane: usize, tau: f64, passages: &mut Passages) {
-        let (mut before, v) = (x[0], self.velocity());
+        let mut left = tau;
+        for _ in 0..MOST_IMPACTS {
+            let Some((wall, time)) = self.first_contact(x, left) else {
+                return self.straight_on(x, lane, left, passages);
+            };
+            self.straight_on(x, lane, time, passages);
+            self.impact(wall, x, lane, passages);
+            left -= time;
+        }
+    }
+
+    /// The first wall that is met within the time `left`, and when.
+    fn first_contact(&self, x: &[f64], left: f64) -> Option<(usize, f64)> {
+        let mut first: Option<(usize, f64)> = None;
+        for (k, Nearness { contact, .. }) in self.walls.iter().enumerate() {
+            let rate = contact.rate(x);
+            if rate < 0.0 && contact.gap_after(x, left) < 0.0 {
+                // Rounding may put the contact a hair outside the piece.
+                let time = (contact.gap(x) / -rate).clamp(0.0, left);
+                if first.is_none_or(|(_, earliest)| time < earliest) {
+                    first = Some((k, time));
+                }
+            }
+        }
+        first
+    }
+
+    /// A piece without contact.
+    fn straight_on(&self, x: &mut [f64], lane: usize, tau: f64, passages: &mut Passages) {
+        let before = x[0];
         for (i, velocity) in self.velocities.iter().enumerate() {
             if let Some(v) = *velocity {
                 x[i] += tau * x[v];
             }
         }
-        if x[0] < self.wall.floor {
-            let end = |i: usize| x[i];
-            [before, x[0], x[v]] = self.rebound(lane, before, tau, end, passages);
-        }
         for (k, &level) in self.levels.iter().enumerate() {
-            self.count(k, level, lane, [before, x[0]], x[v], passages);
+            self.count(k, level, lane, [before, x[0]], self.velocities[0].map_or(0.0, |v| x[v]), passages);
         }
     }
 
-    /// The impact in a straight piece that would end in the state `end` if there were no wall: the wall, where the piece
-    /// begins anew, and place and velocity at its end.
-    fn rebound(
+    /// Which of the walls that trajectories come to rest on a state rests on, one bit each.
+    pub(super) fn resting(&self, x: &[f64]) -> u64 {
+        let rests = |(k, chatter): (usize, &Chatter)| u64::from(chatter.contact.rests(x)) << k;
+        self.chatters.iter().enumerate().map(rests).sum()
+    }
+
+    /// Adds the forces of the walls that states rest on to the drift there.
+    pub(super) fn support(&self, x: &[Lane], drift: &mut [Lane]) {
+        let (mut state, mut forces) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        for l in (0..LANES).filter(|_| !self.chatters.is_empty()) {
+            read_lane(x, l, &mut state);
+            read_lane(drift, l, &mut forces);
+            self.resting_contacts(&state).for_each(|contact| contact.support(&mut forces));
+            write_lane(&forces, l, drift);
+        }
+    }
+
+    /// The walls that a state rests on.
+    pub(super) fn resting_contacts(&self, x: &[f64]) -> impl Iterator<Item = Contact> {
+        self.chatters.iter().map(|chatter| chatter.contact).filter(|contact| contact.rests(x))
+    }
+
+    /// Keeps a state that rested before a kick of the length `step` on those walls that the kick presses it onto, and counts its
+    /// time at rest; of the step in which it leaves, half. `rested_for` has the times since its lane came to rest.
+    pub(super) fn hold(
         &self,
-        lane: usize,
-        before: f64,
-        tau: f64,
-        end: impl Fn(usize) -> f64,
+        x: &mut [f64],
+        resting: u64,
+        step: f64,
+        (rested_for, lane): (&mut [Lane], usize),
         passages: &mut Passages,
-    ) -> [f64; 3] {
-        let approach = -end(self.velocity());
-        add_powers(&mut passages.impacts, approach);
+    ) {
+        let rested = self.chatters.iter().enumerate().filter(|(k, _)| resting >> k & 1 == 1);
+        for _ in 0..MOST_IMPACTS {
+            let mut pressed = false;
+            for (_, Chatter { contact, .. }) in rested.clone() {
+                if contact.rate(x) < 0.0 {
+                    contact.strike(0.0, x);
+                    pressed = true;
+                }
+            }
+            if !pressed {
+                break;
+            }
+        }
+        for (k, Chatter { wall, contact, .. }) in self.chatters.iter().enumerate() {
+            let time = match (resting >> k & 1 == 1, contact.rests(x)) {
+                (true, true) => step,
+                (true, false) => step / 2.0,
+                _ => 0.0,
+            };
+            let [total, count] = &mut passages.rests[*wall];
+            let before = rested_for[k][lane];
+            *total += time;
+            *count += f64::from(before < self.shortest_rest && before + time >= self.shortest_rest);
+            rested_for[k][lane] = if time == step { before + time } else { 0.0 };
+        }
+    }
+
+    /// The impact at a wall.
+    fn impact(&self, wall: usize, x: &mut [f64], lane: usize, passages: &mut Passages) {
+        let contact = &self.walls[wall].contact;
+        contact.close(x);
+        let approach = -contact.rate(x);
+        add_powers(&mut passages.impacts[wall], approach);
         if let Some(axis) = self.speeds {
-            passages.speeds.add(&[axis], &[approach]);
+            passages.speeds[wall].add(&[axis], &[approach]);
         }
-        // Rounding may put the contact a hair after the end of the piece.
-        let rest = (tau - (before - self.wall.floor) / approach).max(0.0);
         if self.recording {
-            let Record { passages, lanes, states } = &mut passages.record;
-            passages.push(Passage { lane, gate: self.levels.len(), speed: approach });
-            lanes.push(lane);
-            let velocities = self.velocities.iter().enumerate();
-            states.extend(velocities.map(|(i, v)| end(i) - v.map_or(0.0, |v| rest * end(v))));
+            let Record { passages, impacts, states } = &mut passages.record;
+            passages.push(Passage { lane, gate: self.levels.len() + wall, speed: approach });
+            impacts.push((lane, wall));
+            states.extend_from_slice(x);
         }
-        let v = self.restitution * approach;
-        [self.wall.floor, self.wall.floor + v * rest, v]
+        for v in contact.velocities() {
+            passages.taken[v] += x[v] * x[v] / 2.0;
+        }
+        contact.strike(contact.wall.restitution(), x);
+        for v in contact.velocities() {
+            passages.taken[v] -= x[v] * x[v] / 2.0;
+        }
     }
 
     /// Counts an up-crossing of level number `k` by a lane, if its straight piece is one.
@@ -277,9 +353,16 @@ fn add_powers(sums: &mut [f64; POWERS], speed: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Result;
+    use crate::models::{Duffing, DuffingChain, Solved};
+    use crate::problem::{Problem, Wall};
 
-    fn boundaries(levels: Vec<f64>) -> Result<Boundaries> {
-        Ok(Boundaries::new(vec![Some(1), None], Some(Wall::above(0.5, 0.5)?), levels, 0.2, 0.1))
+    fn boundaries(problem: &Problem, levels: Vec<f64>) -> Boundaries {
+        Boundaries::for_scheme(&Scheme::new(problem, 1.0, 0.1), &problem.contacts(), levels)
+    }
+
+    fn above() -> Result<Problem> {
+        Duffing::new(0.2, 1.0, 0.0, 0.2)?.problem()?.with_wall(Wall::above(0.5, 0.5)?)
     }
 
     /// Every other lane in one of two states.
@@ -291,12 +374,13 @@ mod tests {
     /// exact in binary.
     #[test]
     fn an_impact_is_exact() -> Result<()> {
-        let mut passages = Passages::new(2);
-        let mut x = [[0.0; LANES]; 2];
+        let boundaries = boundaries(&above()?, vec![0.625, 2.0]);
+        let (mut passages, mut x, mut state) = (boundaries.passages(), [[0.0; LANES]; 2], [0.0; 2]);
         let from = lanes([[0.75, 1.0], [-1.0, -0.25]]);
-        boundaries(vec![0.625, 2.0])?.drift(&from, 1.0, |l| l < 2, &mut x, &mut passages);
+        boundaries.drift(&from, 1.0, |l| l < 2, (&mut x, &mut state), &mut passages);
         assert_eq!([&x[0][..2], &x[1][..2]], [[0.875, 0.75], [0.5, -0.25]]);
-        assert_eq!(passages.impacts, [1.0, 1.0, 1.0]);
+        assert_eq!(passages.impacts, [[1.0; 3]]);
+        assert_eq!(passages.taken, [0.0, 0.375]);
         assert_eq!(passages.crossings, [[1.0, 0.5, 0.25], [0.0; 3]]);
         assert_eq!(passages.crossed, [1, 0]);
         Ok(())
@@ -305,15 +389,50 @@ mod tests {
     /// From every state the wall holds, and a non-finite state ends the piece as well.
     #[test]
     fn no_state_is_below_the_wall() -> Result<()> {
-        let (mut x, mut passages) = ([[0.0; LANES]; 2], Passages::new(0));
+        let boundaries = boundaries(&above()?, vec![]);
+        let (mut passages, mut x, mut state) = (boundaries.passages(), [[0.0; LANES]; 2], [0.0; 2]);
         for k in 0..1000 {
             let v = -1.3_f64.powi(k - 500);
             let from = lanes([[0.5, 0.5 + f64::EPSILON], [v, v]]);
-            boundaries(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
+            boundaries.drift(&from, 0.1, |_| true, (&mut x, &mut state), &mut passages);
             assert!(x[0].iter().all(|&y| y >= 0.5));
         }
         let from = lanes([[0.5, f64::NAN], [f64::NEG_INFINITY, f64::NAN]]);
-        boundaries(vec![])?.drift(&from, 0.1, |_| true, &mut x, &mut passages);
+        boundaries.drift(&from, 0.1, |_| true, (&mut x, &mut state), &mut passages);
+        Ok(())
+    }
+
+    /// Between walls at 0 and 1, from 0.25 at the velocity −4: one impact after 1/16, with r = 1/2, the other after 9/16, and 7/16
+    /// remain at the velocity −2 to get from 1 to 1/8. All numbers are exact in binary.
+    #[test]
+    fn a_piece_holds_several_impacts() -> Result<()> {
+        let problem = Duffing::new(0.2, 1.0, 0.0, 0.2)?.problem()?;
+        let problem = problem.with_wall(Wall::above(0.0, 0.5)?)?.with_wall(Wall::below(1.0, 1.0)?)?;
+        let boundaries = boundaries(&problem, vec![0.5]);
+        let (mut passages, mut state) = (boundaries.passages(), [0.25, -4.0]);
+        boundaries.drift_lane(&mut state, 0, 1.0, &mut passages);
+        assert_eq!(state, [0.125, -2.0]);
+        assert_eq!(passages.impacts, [[1.0, 4.0, 16.0], [1.0, 2.0, 4.0]]);
+        assert_eq!(passages.crossings, [[1.0, 2.0, 4.0]]);
+        Ok(())
+    }
+
+    /// A body of mass 3 hits one of mass 1 at rest: it keeps momentum 3/2 of 3/2 + 3/2, for r = 1, and the other hits a wall and
+    /// comes back.
+    #[test]
+    fn two_bodies_keep_their_momentum() -> Result<()> {
+        let chain = DuffingChain::new(&[0.2, 0.2], 1.0, 0.0, 0.5, 0.8)?.problem()?;
+        let between = Wall::below(0.0, 1.0)?.between([0, 2], [3.0, 1.0])?;
+        let problem = chain.with_wall(between)?.with_wall(Wall::below(1.5, 0.5)?.on(2))?;
+        let boundaries = boundaries(&problem, vec![]);
+        let mut passages = boundaries.passages();
+        let mut state = [-1.0, 1.0, 0.0, 0.0];
+        // They meet after 1, and part with 1/2 and 3/2; the second is at its wall 1 later, and has come back by 3/8 after 1/2.
+        boundaries.drift_lane(&mut state, 0, 2.5, &mut passages);
+        assert_eq!(state, [0.75, 0.5, 1.125, -0.75]);
+        assert_eq!(passages.impacts, [[1.0; 3], [1.0, 1.5, 2.25]]);
+        // Energies: 3/8 × 3 go over at the first impact.
+        assert_eq!(passages.taken, [0.0, 0.375, 0.0, -1.125 + 1.125 - 0.28125]);
         Ok(())
     }
 }

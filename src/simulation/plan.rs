@@ -1,6 +1,6 @@
 use super::{
     generator::ControlVariates,
-    histogram::{Axis, Counts},
+    histogram::Axis,
     passage::Passages,
     pilot::Pilot,
     statistics::{Recorders, Requests},
@@ -10,7 +10,7 @@ use super::{
 use crate::checks::positive;
 use crate::error::{Error, Result};
 use crate::polynomial::Polynomial;
-use crate::problem::{Problem, Wall};
+use crate::problem::{Problem, Wall, limits};
 use crate::simulation::tuning;
 use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 use serde::{Deserialize, Serialize};
@@ -21,8 +21,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Plan {
     /// The system's equations, term by term.
     pub(super) equations: Vec<String>,
-    /// The wall that state 0 hits.
-    pub(super) wall: Option<Wall>,
+    pub(super) walls: Vec<Wall>,
     pub(super) seed: u64,
     pub(super) trajectories: usize,
     pub(super) time_step: f64,
@@ -31,8 +30,8 @@ pub(super) struct Plan {
     pub(super) timetable: Timetable,
     pub(super) start: Option<Vec<f64>>,
     pub(super) levels: Vec<f64>,
-    /// The velocity of state 0.
-    pub(super) velocity: Option<usize>,
+    /// The displacements, each with the state that is its velocity.
+    pub(super) displacements: Vec<(usize, usize)>,
     pub(super) axes: Vec<Axis>,
     pub(super) plane: Option<[Axis; 2]>,
     pub(super) requests: Requests,
@@ -59,22 +58,40 @@ pub(super) fn same_level(a: f64, b: f64) -> bool {
 impl Plan {
     pub(super) fn layout(&self) -> Layout {
         let ends = [self.axes[0].edge(0), self.axes[0].edge(self.axes[0].bins())];
-        let recorders =
-            Recorders::new(&self.requests, self.interval(), (&self.levels, self.velocity), ends, self.wall_at());
+        let recorders = Recorders::new(
+            &self.requests,
+            self.interval(),
+            (&self.levels, self.velocity()),
+            ends,
+            limits(&self.walls, 0),
+        );
         let layout = Layout::new(self.axes.clone(), self.plane, &self.requests.moments, recorders);
-        layout.with(self.control_variates.clone(), self.gates())
+        layout.with(self.control_variates.clone(), self.displacements.len(), self.gates())
     }
 
-    /// The number of levels and walls whose passages are counted; the wall is the last.
+    /// The velocity of state 0.
+    pub(super) fn velocity(&self) -> Option<usize> {
+        self.velocity_of(0)
+    }
+
+    fn velocity_of(&self, state: usize) -> Option<usize> {
+        self.displacements.iter().find(|&&(displacement, _)| displacement == state).map(|&(_, velocity)| velocity)
+    }
+
+    /// The number of levels and walls whose passages are counted; the walls are the last.
     pub(super) fn gates(&self) -> usize {
-        self.levels.len() + usize::from(self.wall.is_some())
+        self.levels.len() + self.walls.len()
     }
 
-    /// The bins of the speeds at impacts, as many and as far as those of the velocity; none without a wall.
+    /// The bins of the speeds at impacts, as many as those of a state and as far as the velocities reach; none without a wall.
     pub(super) fn impact_speeds(&self) -> Option<Axis> {
-        let velocity = self.velocity.filter(|_| self.wall.is_some())?;
-        let axis = self.axes[velocity];
-        Axis::new(0.0, axis.edge(0).abs().max(axis.edge(axis.bins()).abs()), axis.bins()).ok()
+        let reach = |state: usize| {
+            let axis = &self.axes[self.velocity_of(state)?];
+            Some(axis.edge(0).abs().max(axis.edge(axis.bins()).abs()))
+        };
+        let fastest = |wall: &Wall| Some(reach(wall.state())? + wall.other().map_or(Some(0.0), reach)?);
+        let fastest = self.walls.iter().filter_map(fastest).reduce(f64::max)?;
+        Axis::new(0.0, fastest, self.axes[0].bins()).ok()
     }
 
     /// The time between two samples.
@@ -85,11 +102,6 @@ impl Plan {
     /// The time before the first sample.
     pub(super) fn burn_in(&self) -> f64 {
         self.timetable.steps(BURN_IN_STRETCHES) as f64 * self.time_step
-    }
-
-    /// The wall's position, or −∞.
-    fn wall_at(&self) -> f64 {
-        self.wall.map_or(f64::NEG_INFINITY, |wall| wall.offset())
     }
 
     /// The path-steps of the pilot and of `trajectories` trajectories with so many samples each.
@@ -115,7 +127,7 @@ impl Plan {
         [
             ("number of states", self.equations.len().to_string()),
             ("system", self.equations.join(", ")),
-            ("wall", format!("{:?}", self.wall)),
+            ("list of walls", format!("{:?}", self.walls)),
             ("seed", self.seed.to_string()),
             ("number of trajectories", self.trajectories.to_string()),
             ("time step", format!("{:?}", self.time_step)),
@@ -125,7 +137,7 @@ impl Plan {
             ("list of levels", format!("{:?}", self.levels)),
             ("range or number of bins", format!("{:?}", self.axes)),
             ("joint histogram", format!("{:?}", self.plane)),
-            ("velocity", format!("{:?}", self.velocity)),
+            ("list of displacements", format!("{:?}", self.displacements)),
             ("list of further statistics", format!("{:?}", self.requests)),
             ("list of control variates", format!("{:?}", self.control_variates)),
         ]
@@ -136,7 +148,8 @@ impl Plan {
         let states = self.equations.len();
         let axes = || self.axes.iter().chain(self.plane.iter().flatten());
         let empty = || Layout::new(self.axes.clone(), self.plane, &self.requests.moments, Recorders::default());
-        let tracked = || empty().with(ControlVariates::default(), self.gates()).tracked();
+        let tracked = || empty().with(ControlVariates::default(), 0, self.gates()).tracked();
+        let moves = |state: usize| self.velocity_of(state).is_some();
         (2..=tuning::limits::MOST_TRAJECTORIES).contains(&self.trajectories)
             && positive("time step", self.time_step, "").is_ok()
             && self.timetable.holds(self.trajectories, 0)
@@ -144,16 +157,18 @@ impl Plan {
             && self.axes.len() == states
             && self.plane.is_some() == (states > 1)
             && axes().all(|axis| axis.holds(tuning::limits::MOST_BINS))
-            && self.velocity.is_none_or(|velocity| velocity < states)
-            && self.wall.is_none_or(|wall| wall.checked().is_ok() && wall.state() == 0 && self.velocity.is_some())
+            && self.displacements.iter().all(|&(displacement, velocity)| displacement.max(velocity) < states)
+            && self
+                .walls
+                .iter()
+                .all(|wall| wall.checked().is_ok() && moves(wall.state()) && wall.other().is_none_or(moves))
             && self.start.as_ref().is_none_or(|start| start.len() == states)
-            && self.requests.validate(states, self.interval(), self.wall_at()).is_ok()
+            && self.requests.validate(states, self.interval(), limits(&self.walls, 0)).is_ok()
             && self.control_variates.holds(states, tracked(), self.trajectories)
     }
 
     /// Passages before the first one, as every batch of the plan begins with.
     pub(super) fn passages(&self) -> Passages {
-        let speeds = self.impact_speeds().map(|axis| Counts::new(&[axis])).unwrap_or_default();
-        Passages { speeds, ..Passages::new(self.levels.len()) }
+        Passages::new([self.levels.len(), self.walls.len(), self.equations.len()], self.impact_speeds())
     }
 }

@@ -73,13 +73,17 @@ impl SimulatedDensity {
     }
 
     /// A function of the tracked sums with these places, of which the first is the number of samples, with both parts of its
-    /// error.
+    /// error. Sums of several places are added, those of none are not a number.
     pub(super) fn of_tracked<const K: usize>(
         &self,
-        places: [Option<usize>; K],
+        places: [&[usize]; K],
         value: impl Fn([f64; K]) -> f64,
     ) -> Estimate {
-        let sums = |tracked: &[f64]| places.map(|place| place.map_or(f64::NAN, |k| tracked[k]));
+        let sum = |tracked: &[f64], places: &[usize]| match places {
+            [] => f64::NAN,
+            places => places.iter().map(|&k| tracked[k]).sum(),
+        };
+        let sums = |tracked: &[f64]| places.map(|places| sum(tracked, places));
         self.with_both_errors(|density| {
             let plain = jackknife(&density.batches, |b| sums(&b.tracked(&density.layout)), &value);
             let Some(calibration) = &density.calibration else { return plain };
@@ -103,7 +107,7 @@ impl SimulatedDensity {
 
     /// The share of the change from h to 2h that is counted as an error.
     pub(super) fn bias_share(&self) -> f64 {
-        if self.plan.wall.is_some_and(|wall| wall.restitution() < 1.0) { 1.0 } else { 3.0_f64.recip() }
+        if self.plan.walls.iter().any(|wall| wall.restitution() < 1.0) { 1.0 } else { 3.0_f64.recip() }
     }
 
     /// Seed, counts, times.
@@ -171,31 +175,72 @@ impl SimulatedDensity {
         self.of_moments(state, &|raw| raw[4] / raw[2].powi(2))
     }
 
-    /// The number of impacts per unit time; none without a wall.
+    /// The number of impacts per unit time, at all walls together; none without a wall. [`Impacts`](crate::statistics::Impacts)
+    /// has it for each wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
-        self.plan.wall.map(|_| self.rate(self.plan.levels.len(), 1))
+        Sampled::impact_flux(self, &self.walls(), 1)
     }
 
     /// The mean speed of approach at an impact; none without a wall.
     pub fn mean_impact_speed(&self) -> Option<Estimate> {
-        Sampled::mean_impact_speed(self, 1)
+        Sampled::mean_impact_speed(self, &self.walls(), 1)
     }
 
-    /// The power missing in the balance of the velocity v of state 0, relative to the power put in by noise:
+    /// The share of the time that is spent at rest on a wall.
     ///
-    /// 1 − { ½(1 − r²) ν E(v₋²) − E(v f_v) } / E(½B_vv),
+    /// Where no white noise acts on the relative velocity, a chatter of ever shorter flights ends after a finite time with
+    /// r < 1, and the motion rests on the wall until its acceleration points away from it. Zero for any other wall.
     ///
-    /// with the Itô drift f, the impact rate ν and the speed v₋ of approach. Zero for the true stationary density. None
-    /// where state 0 is no displacement.
-    pub fn energy_balance(&self) -> Option<Estimate> {
-        self.plan.velocity?;
-        Some(self.estimate(|b| self.power_sums(b), missing_power))
+    /// # Errors
+    /// [`Error::Dimension`] if there is no such wall.
+    ///
+    /// ```
+    /// use expoly::{Simulation, Wall, models::{Duffing, FilteredDuffing}};
+    /// // Pressed onto the wall by its spring, behind a filter.
+    /// let filtered = FilteredDuffing::first_order(Duffing::new(0.2, 1.0, 0.3, 0.3)?, 2.0)?.problem()?;
+    /// let result = Simulation::new().samples(100_000).run(&filtered.with_wall(Wall::above(0.5, 0.6)?)?)?;
+    /// assert!((result.time_at_rest(0)?.value - 0.26).abs() < 0.02);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn time_at_rest(&self, wall: usize) -> Result<Estimate> {
+        let wall = self.wall_index(wall)?;
+        Ok(self.estimate(|b| [b.passages.rests[wall][0], b.time], |[rest, time]| rest / time))
     }
 
-    /// The sums in [`missing_power`].
-    fn power_sums(&self, b: &Tally) -> [f64; 5] {
-        let loss = self.plan.wall.map_or(0.0, |wall| (1.0 - wall.restitution().powi(2)) / 2.0);
-        [b.moments[0], b.power[0], b.power[1], loss * b.passages.impacts[2], b.time]
+    /// The number of complete chatters per unit time: how often the motion comes to rest on a wall.
+    ///
+    /// # Errors
+    /// As [`SimulatedDensity::time_at_rest`].
+    pub fn complete_chatters(&self, wall: usize) -> Result<Estimate> {
+        let wall = self.wall_index(wall)?;
+        Ok(self.estimate(|b| [b.passages.rests[wall][1], b.time], |[count, time]| count / time))
+    }
+
+    fn wall_index(&self, wall: usize) -> Result<usize> {
+        state_index("the number of a wall", wall, self.plan.walls.len())
+    }
+
+    /// The numbers of all walls.
+    fn walls(&self) -> Vec<usize> {
+        (0..self.plan.walls.len()).collect()
+    }
+
+    /// The power missing in the balance of each displacement's velocity v, in the problem's order, relative to the power P that
+    /// noise puts into all of them:
+    ///
+    /// { E(½B_vv + v f_v) − Σ ½(v₋² − v₊²)/T } / P, P = Σ E ½B_vv,
+    ///
+    /// with the Itô drift f and the change of v² at the impacts in the time T. Zero for the true stationary density.
+    pub fn energy_balance(&self) -> Vec<Estimate> {
+        let velocities = self.plan.displacements.iter().enumerate();
+        let balance = |(place, &(_, v)): (usize, &(usize, usize))| {
+            let sums = |b: &Tally| {
+                let all: f64 = b.power.iter().map(|[injected, _]| injected).sum();
+                [b.moments[0], all, b.power[place][0] - b.power[place][1], b.passages.taken[v], b.time]
+            };
+            self.estimate(sums, |[count, all, left, taken, time]| (left / count - taken / time) * count / all)
+        };
+        velocities.map(balance).collect()
     }
 
     /// The drift of E x_i² from the first half of the samples to the second, in units of its standard error, for each
@@ -228,18 +273,24 @@ impl SimulatedDensity {
         })
     }
 
-    /// The place of the sum of |v|^(power − 1) over the passages of a level or, with a number after theirs, of the wall.
+    /// The place of the sum of |v|^(power − 1) over the passages of a level or, with a number after theirs, of a wall.
     pub(super) fn passages(&self, gate: usize, power: usize) -> usize {
         self.layout.monomials.len() + POWERS * gate + power - 1
     }
 
-    /// A flux moment Σ|v|^(power − 1) per unit time. A rate without any passage has the error of one passage at unit speed.
-    pub(super) fn rate(&self, gate: usize, power: usize) -> Estimate {
+    /// A flux moment Σ|v|^(power − 1) per unit time of some gates together. A rate without any passage has the error of one
+    /// passage at unit speed.
+    pub(super) fn rate(&self, gates: &[usize], power: usize) -> Estimate {
         let interval = self.plan.interval();
-        let places = [Some(0), Some(self.passages(gate, power))];
-        let rate = self.of_tracked(places, |[count, sum]| sum / (count * interval));
+        let places: Vec<usize> = gates.iter().map(|&gate| self.passages(gate, power)).collect();
+        let rate = self.of_tracked([&[0], &places], |[count, sum]| sum / (count * interval));
         let count: f64 = self.batches.iter().map(|b| b.moments[0]).sum();
         if rate.value == 0.0 { Estimate::new(0.0, (count * interval).recip()) } else { rate }
+    }
+
+    /// The places of some walls among the gates.
+    pub(super) fn gates(&self, walls: &[usize]) -> Vec<usize> {
+        walls.iter().map(|wall| self.plan.levels.len() + wall).collect()
     }
 }
 
@@ -265,9 +316,4 @@ fn provenance(batches: &[Tally], plan: &Plan, seconds: f64, stopped: Stopped) ->
         seconds,
         ..Provenance::default()
     }
-}
-
-/// 1 − (power taken by the drift and by impacts)/(power put in).
-fn missing_power([count, injected, drift, impacts, time]: [f64; 5]) -> f64 {
-    1.0 - (drift / count + impacts / time) * count / injected
 }

@@ -5,7 +5,7 @@ use super::{
     ensemble::Ensemble,
     generator::ControlVariates,
     histogram::Axis,
-    passage::{Boundaries, single_wall},
+    passage::Boundaries,
     pilot::Pilot,
     plan::{Plan, equations},
     processes::{OneProcess, Processes, any_of},
@@ -17,10 +17,10 @@ use super::{
 };
 use crate::checks::{dimension, finite, positive, require, state_index};
 use crate::error::{Error, Result};
-use crate::problem::{Problem, TimeScales, Wall, two_digits};
+use crate::problem::{Contact, Problem, TimeScales, Wall, limits, two_digits};
 use crate::simulation::tuning::{
     self,
-    limits::{MOST_BINS, MOST_LEVELS, MOST_TRAJECTORIES},
+    limits::{MOST_BINS, MOST_LEVELS, MOST_TRAJECTORIES, MOST_WALLS},
     timetable::{MOST_DEFAULT_INTERVAL, MOST_DEFAULT_STEPS},
 };
 use crate::states::States;
@@ -36,7 +36,6 @@ impl<'a> Simulation<'a> {
     /// Runs the simulation.
     ///
     /// # Errors
-    /// - [`Error::NotServed`]: a wall that is not the only one, or that the motion of state 0 is not above.
     /// - [`Error::NotADisplacement`]: a level for a state 0 that has no velocity.
     /// - [`Error::NoSamples`]: no samples, or fewer than two trajectories.
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning; and a motion so much faster than the
@@ -96,40 +95,40 @@ impl<'a> Simulation<'a> {
         let begin = Instant::now();
         let deadline = self.time_budget.map(|budget| begin + budget.max(tuning::timetable::LEAST_BUDGET));
         let control = Control::new(self.progress.take(), deadline);
-        let Prepared { wall, velocity, scheme, rate, timetable, samples, start } =
+        let Prepared { contacts, scheme, rate, timetable, samples, start } =
             self.prepared(problem, merged, &control)?;
         let part = self.batches_of_part()?;
-        let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
-        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable, control);
+        let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new());
+        let ensemble = self.ensemble(&scheme, &boundaries, timetable, control);
         let pilot = Pilot::run(&ensemble, self.seed, &start);
         // Every process runs the pilot, but only some may be cancelled in it, and the others must not be left waiting.
         if any_of(processes, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [])?.0 {
             return Err(Error::Cancelled { steps: ensemble.control.done() });
         }
         let pilot = pilot?;
-        let (axes, plane) = self.axes(wall, pilot.intervals())?;
+        let (axes, plane) = self.axes(problem.walls(), pilot.intervals())?;
         let mut plan = Plan {
             equations: equations(problem),
-            wall,
+            walls: problem.walls().to_vec(),
             seed: self.seed,
             trajectories: self.trajectories,
             time_step: scheme.step,
             rate,
             timetable,
             start: self.start,
-            levels: if velocity.is_some() { self.requests.with_levels(&self.levels) } else { Vec::new() },
-            velocity,
+            levels: if problem.velocity_of(0).is_some() { self.requests.with_levels(&self.levels) } else { Vec::new() },
+            displacements: problem.displacements().to_vec(),
             axes,
             plane,
             requests: self.requests,
             control_variates: ControlVariates::default(),
         };
         if self.control_variates {
-            plan.control_variates = ControlVariates::new(&problem.symmetry(), wall, &plan.layout(), self.trajectories);
+            plan.control_variates =
+                ControlVariates::new(&problem.symmetry(), problem.walls(), &plan.layout(), self.trajectories);
         }
         // The pilot counts nothing; only the trajectories that are sampled do.
-        let recording = !plan.control_variates.is_empty();
-        let counted = boundaries.clone().counting(plan.levels.clone(), plan.impact_speeds(), recording);
+        let counted = boundaries.clone().counting(&plan);
         let session = Session {
             ensemble: ensemble.on(&counted),
             processes,
@@ -162,12 +161,11 @@ impl<'a> Simulation<'a> {
     /// ```
     pub fn states(mut self, problem: &Problem) -> Result<States> {
         let control = Control::new(self.progress.take(), None);
-        let Prepared { wall, velocity, scheme, timetable, samples, start, .. } =
-            self.prepared(problem, false, &control)?;
+        let Prepared { contacts, scheme, timetable, samples, start, .. } = self.prepared(problem, false, &control)?;
         let numbers = samples as f64 * self.trajectories as f64 * problem.dimension() as f64;
         self.memory.holds("the sampled states", numbers, "take fewer samples, or raise `memory_limit`")?;
-        let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
-        let ensemble = self.ensemble(&scheme, &boundaries, velocity, timetable, control);
+        let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new());
+        let ensemble = self.ensemble(&scheme, &boundaries, timetable, control);
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
         let group = |range| Trajectories::new(range, self.seed, &start);
         let groups = deal(self.trajectories).into_iter().map(group).collect();
@@ -176,14 +174,13 @@ impl<'a> Simulation<'a> {
 
     /// The scheme and the plan, after all options have been checked.
     fn prepared<'p>(&self, problem: &'p Problem, merged: bool, control: &Control<'_>) -> Result<Prepared<'p>> {
-        let wall = single_wall(problem, "simulation")?;
-        let velocity = problem.velocity_of(0);
-        self.validate(problem.dimension(), wall, velocity)?;
+        let contacts = problem.contacts();
+        self.validate(problem, &contacts)?;
         let times = self.times(problem)?;
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
-                let (step, rate) = self.chosen_step(problem, wall, times, control)?;
+                let (step, rate) = self.chosen_step(problem, &contacts, times, control)?;
                 let given = self.burn_in.is_some() || self.sampling_interval.is_some();
                 let soon = given
                     || times.burn_in / step <= MOST_DEFAULT_STEPS && times.interval / step <= MOST_DEFAULT_INTERVAL;
@@ -194,26 +191,24 @@ impl<'a> Simulation<'a> {
         let mut scheme = Scheme::new(problem, self.amplitude, step);
         scheme.merged = merged;
         let (timetable, samples) = self.timetable(step, times, merged)?;
-        let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
         let interval = timetable.interval_steps as f64 * step;
         self.memory.check()?;
-        self.requests.validate(problem.dimension(), interval, floor)?;
+        self.requests.validate(problem.dimension(), interval, limits(problem.walls(), 0))?;
         self.memory.holds("the segments of the spectra", self.requests.kept(self.trajectories), SHORTER)?;
-        let start = Start::new(self, problem, wall, step / if merged { 2.0 } else { 1.0 });
-        Ok(Prepared { wall, velocity, scheme, rate, timetable, samples, start })
+        let start = Start::new(self, problem, step / if merged { 2.0 } else { 1.0 });
+        Ok(Prepared { contacts, scheme, rate, timetable, samples, start })
     }
 
     fn ensemble<'b>(
         &self,
         scheme: &'b Scheme<'b>,
         boundaries: &'b Boundaries,
-        velocity: Option<usize>,
         timetable: Timetable,
         control: Control<'b>,
     ) -> Ensemble<'b> {
         let stretches = tuning::timetable::BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
         control.set(0, Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
-        Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, velocity, control }
+        Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, control }
     }
 
     /// The numbers of the batches to be run here.
@@ -226,8 +221,8 @@ impl<'a> Simulation<'a> {
         Ok(part * batches / parts..(part + 1) * batches / parts)
     }
 
-    fn validate(&self, states: usize, wall: Option<Wall>, velocity: Option<usize>) -> Result<()> {
-        if !self.levels.is_empty() && velocity.is_none() {
+    fn validate(&self, problem: &Problem, contacts: &[Contact]) -> Result<()> {
+        if !self.levels.is_empty() && problem.velocity_of(0).is_none() {
             return Err(Error::NotADisplacement { state: 0 });
         }
         if self.trajectories < 2 {
@@ -236,16 +231,19 @@ impl<'a> Simulation<'a> {
         if self.samples == 0 {
             return Err(Error::NoSamples { what: "the number of samples", least: 1 });
         }
+        at_most("number of walls", contacts.len(), MOST_WALLS, "at most 64 can be met")?;
         at_most("number of levels", self.levels.len(), MOST_LEVELS, "at most 64 levels can be counted at once")?;
         at_most("number of trajectories", self.trajectories, MOST_TRAJECTORIES, "at most 2^20 fit into memory")?;
         at_most("number of bins", self.bins, MOST_BINS, "at most 1024 keep the joint histogram in memory")?;
         self.levels.iter().try_for_each(|&level| finite("level", level).map(|_| ()))?;
         self.targets.iter().try_for_each(|target| target.tolerance.validate())?;
         if let Some(start) = &self.start {
-            dimension("the start", start.len(), states)?;
+            dimension("the start", start.len(), problem.dimension())?;
             start.iter().try_for_each(|&x| finite("start", x).map(|_| ()))?;
-            let above = wall.is_none_or(|wall| start[0] >= wall.offset());
-            require(above, "start of state 0", start[0], "a trajectory must start above the wall")?;
+            for contact in contacts.iter().filter(|contact| contact.gap(start) < 0.0) {
+                let remedy = "a trajectory must start on the side of each wall that the motion is on";
+                return Err(Error::OutOfRange { name: "start", value: start[contact.wall.state()], remedy });
+            }
         }
         Ok(())
     }
@@ -286,9 +284,11 @@ impl<'a> Simulation<'a> {
     }
 
     /// The bins, on the intervals that the pilot found.
-    fn axes(&self, wall: Option<Wall>, mut ends: Vec<(f64, f64)>) -> Result<(Vec<Axis>, Option<[Axis; 2]>)> {
-        if let Some(wall) = wall {
-            ends[0].0 = wall.offset();
+    fn axes(&self, walls: &[Wall], mut ends: Vec<(f64, f64)>) -> Result<(Vec<Axis>, Option<[Axis; 2]>)> {
+        for (state, (lo, hi)) in ends.iter_mut().enumerate() {
+            let [low, high] = limits(walls, state);
+            *lo = if low.is_finite() { low } else { *lo };
+            *hi = if high.is_finite() { high } else { *hi };
         }
         for &(state, lo, hi) in &self.ranges {
             let state = state_index("the state of a histogram's range", state, ends.len())?;
@@ -305,9 +305,7 @@ impl<'a> Simulation<'a> {
 
 /// The data of a run besides its options.
 struct Prepared<'a> {
-    wall: Option<Wall>,
-    /// The velocity of state 0.
-    velocity: Option<usize>,
+    contacts: Vec<Contact>,
     scheme: Scheme<'a>,
     /// The rate that the time step was chosen by, unless it was given.
     rate: Option<f64>,

@@ -1,5 +1,5 @@
 use crate::fokker_planck::noise_induced_drift;
-use crate::problem::{Field, Kicks, LANES, Lane, Nearness, Problem};
+use crate::problem::{Contact, Field, Kicks, LANES, Lane, Nearness, Problem};
 use crate::{polynomial::Polynomial, system::Interpretation};
 use pulp::Arch;
 
@@ -111,7 +111,7 @@ impl<'a> Scheme<'a> {
     #[inline(always)]
     pub(super) fn kick(&self, x: &mut [Lane], h: f64, w: &[Lane], reversed: &[bool; LANES], scratch: &mut Scratch) {
         if let Noise::Constant { noise, .. } = &self.noise {
-            self.field.kicks(self.arch, x, w, &self.through(noise, h, Nearness::EVERYWHERE));
+            self.field.kicks(self.arch, x, w, &self.through(noise, h, None));
             return;
         }
         let Scratch { lanes: [middle, other], .. } = scratch;
@@ -148,7 +148,7 @@ impl<'a> Scheme<'a> {
     /// The same for one state.
     pub(super) fn kick_alone(&self, x: &mut [f64], h: f64, w: &[f64], reversed: bool, scratch: &mut Scratch) {
         if let Noise::Constant { noise, .. } = &self.noise {
-            self.field.kick(x, w, &self.through(noise, h, Nearness::EVERYWHERE));
+            self.field.kick(x, w, &self.through(noise, h, None));
             return;
         }
         let [mut lanes, w] = [&*x, w].map(|values| values.iter().map(|&value| [value; LANES]).collect::<Vec<_>>());
@@ -157,21 +157,21 @@ impl<'a> Scheme<'a> {
     }
 
     /// A kick for each of the increments `w`, and every displacement straight on after it, until a kick leaves a trajectory
-    /// near the wall. Returned is the number of kicks, and whether they ended so; `None` where there is no increment, or the
+    /// near a wall. Returned is the number of kicks, and whether they ended so; `None` where there is no increment, or the
     /// noise depends on the state.
     #[inline(always)]
-    pub(super) fn kicks(&self, x: &mut [Lane], w: &[Lane], wall: Nearness) -> Option<(usize, bool)> {
+    pub(super) fn kicks(&self, x: &mut [Lane], w: &[Lane], walls: &[Nearness]) -> Option<(usize, bool)> {
         match &self.noise {
             Noise::Constant { noise, .. } if !w.is_empty() => {
-                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, wall)))
+                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls))))
             }
             _ => None,
         }
     }
 
     #[inline(always)]
-    fn through<'b>(&'b self, noise: &'b [f64], step: f64, wall: Nearness) -> Kicks<'b> {
-        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, wall }
+    fn through<'b>(&'b self, noise: &'b [f64], step: f64, walls: Option<&'b [Nearness]>) -> Kicks<'b> {
+        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls }
     }
 
     /// The flow of the field G_k.
@@ -194,10 +194,46 @@ impl<'a> Scheme<'a> {
         }
     }
 
-    /// The power that noise puts into state `v` and the power that the drift takes from it: ½B_vv and −v f_v, with the
-    /// Itô drift f.
-    pub(super) fn power(&self, v: usize, x: &[f64], Scratch { drift, diffusion, .. }: &mut Scratch) -> [f64; 2] {
+    /// The Itô drift at a state.
+    pub(super) fn drift<'b>(&self, x: &[f64], Scratch { drift, .. }: &'b mut Scratch) -> &'b [f64] {
         self.field.ito_drift(x, drift);
+        drift
+    }
+
+    /// B at a state, by rows.
+    pub(super) fn noise_at(&self, x: &[f64]) -> Vec<f64> {
+        let mut diffusion = vec![0.0; self.states * self.states];
+        self.field.diffusion(x, &mut diffusion);
+        diffusion.iter_mut().for_each(|b| *b *= self.amplitude * self.amplitude);
+        diffusion
+    }
+
+    /// The mean square change per unit time, over short times from a state on, of a linear combination a of the drift's
+    /// components: ∇a·B ∇a.
+    pub(super) fn unsteadiness(&self, x: &[f64], combination: impl Fn(&[f64]) -> f64) -> f64 {
+        let n = self.states;
+        let mut slopes = vec![0.0; n * n];
+        self.field.slopes(x, &mut slopes);
+        let column = |j: usize| (0..n).map(|i| slopes[i * n + j]).collect::<Vec<f64>>();
+        let gradient: Vec<f64> = (0..n).map(|j| combination(&column(j))).collect();
+        let noise = self.noise_at(x);
+        (0..n)
+            .flat_map(|i| (0..n).map(move |j| (i, j)))
+            .map(|(i, j)| gradient[i] * noise[i * n + j] * gradient[j])
+            .sum()
+    }
+
+    /// The power that noise puts into each velocity and the power that the drift takes from it: ½B_vv and −v f_v, with the
+    /// Itô drift f, less the forces of the walls that a state rests on.
+    pub(super) fn power(
+        &self,
+        x: &[f64],
+        resting: impl Iterator<Item = Contact>,
+        Scratch { drift, diffusion, .. }: &mut Scratch,
+        powers: &mut [[f64; 2]],
+    ) {
+        self.field.ito_drift(x, drift);
+        resting.for_each(|contact| contact.support(drift));
         let diffusion = match &self.noise {
             Noise::Constant { diffusion, .. } => diffusion,
             _ => {
@@ -205,7 +241,9 @@ impl<'a> Scheme<'a> {
                 diffusion
             }
         };
-        [diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0, -x[v] * drift[v]]
+        for (power, &(_, v)) in powers.iter_mut().zip(self.pairs) {
+            *power = [diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0, -x[v] * drift[v]];
+        }
     }
 }
 

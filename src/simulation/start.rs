@@ -1,5 +1,5 @@
 use super::Simulation;
-use crate::problem::{Problem, Wall};
+use crate::problem::{Contact, Problem, reflect};
 use crate::simulation::tuning;
 
 /// Where trajectories begin.
@@ -7,13 +7,15 @@ use crate::simulation::tuning;
 pub(super) struct Start {
     fixed: Option<Vec<f64>>,
     spread: Vec<f64>,
-    wall: Option<Wall>,
+    /// The state of rest that no wall excludes.
+    centre: Vec<f64>,
+    contacts: Vec<Contact>,
 }
 
 impl Start {
-    /// The start given to the simulation, or near 0, or near the wall if that stands above 0; each state spreads as far as
-    /// the noise at 0 takes it in four steps.
-    pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, wall: Option<Wall>, step: f64) -> Self {
+    /// The start given to the simulation, or near 0, or beside the walls that exclude 0; each state spreads as far as the
+    /// noise at 0 takes it in four steps.
+    pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Self {
         let time = tuning::timetable::SPREAD_STEPS * step;
         let variance = |i: usize| {
             let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * simulation.amplitude);
@@ -24,7 +26,7 @@ impl Start {
         for &(i, j) in problem.displacements() {
             spread[i] = spread[j] * time;
         }
-        Start { fixed: simulation.start.clone(), spread, wall }
+        Start { fixed: simulation.start.clone(), spread, centre: problem.still(), contacts: problem.contacts() }
     }
 
     /// The number of states.
@@ -37,11 +39,9 @@ impl Start {
         if let Some(fixed) = &self.fixed {
             return x.copy_from_slice(fixed);
         }
-        for (x, spread) in x.iter_mut().zip(&self.spread) {
-            *x *= spread;
+        for ((x, spread), centre) in x.iter_mut().zip(&self.spread).zip(&self.centre) {
+            *x = centre + *x * spread;
         }
-        if let Some(b) = self.wall.map(|wall| wall.offset()) {
-            x[0] = b + (b.max(0.0) - b + x[0]).abs();
-        }
+        reflect(&self.contacts, x);
     }
 }

@@ -68,7 +68,7 @@ pub(super) fn warning(
              burn-in, if there is a stationary density at all"
         ));
     }
-    if plan.wall.is_some_and(|wall| wall.collapses()) {
+    if plan.walls.iter().any(|wall| wall.collapses()) {
         return Some(COLLAPSE.to_owned());
     }
     let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > tuning::errors::UNEVEN)?;

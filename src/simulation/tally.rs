@@ -24,6 +24,8 @@ pub(super) struct Layout {
     pub(super) axes: Vec<Axis>,
     /// The bins of states 0 and 1 together.
     pub(super) plane: Option<[Axis; 2]>,
+    /// The number of displacements.
+    pub(super) velocities: usize,
     /// The number of levels and walls whose passages are counted.
     pub(super) gates: usize,
     /// The recorders of the other requests.
@@ -52,8 +54,8 @@ pub(super) struct Tally {
     pub(super) trend: Trend,
     /// Σ 1 and Σ x_i² late in the burn-in.
     pub(super) before: Vec<f64>,
-    /// Σ of the power put in by noise and of the power taken out by the drift.
-    pub(super) power: [f64; 2],
+    /// Σ of the power put in by noise and of the power taken out by the drift, for each displacement's velocity.
+    pub(super) power: Vec<[f64; 2]>,
     /// The time that all trajectories together took.
     pub(super) time: f64,
     pub(super) passages: Passages,
@@ -91,6 +93,7 @@ impl Layout {
             products,
             axes,
             plane,
+            velocities: 0,
             gates: 0,
             recorders,
             images: control_variates.products(),
@@ -98,13 +101,13 @@ impl Layout {
         }
     }
 
-    /// The same with control variates, and with so many levels and walls.
-    pub(super) fn with(self, control_variates: ControlVariates, gates: usize) -> Self {
-        Layout { images: control_variates.products(), control_variates, gates, ..self }
+    /// The same with control variates, so many displacements, and so many levels and walls.
+    pub(super) fn with(self, control_variates: ControlVariates, velocities: usize, gates: usize) -> Self {
+        Layout { images: control_variates.products(), control_variates, velocities, gates, ..self }
     }
 
     /// The number of sums whose means are calibrated: those of the monomials, and after them the powers of the speed at the
-    /// passages of each level and then of the wall.
+    /// passages of each level and then of each wall.
     pub(super) fn tracked(&self) -> usize {
         self.monomials.len() + POWERS * self.gates
     }
@@ -131,7 +134,7 @@ impl Tally {
             moments: vec![0.0; layout.monomials.len()],
             trend: Trend::new(layout.axes.len()),
             before: vec![0.0; layout.axes.len() + 1],
-            power: [0.0; 2],
+            power: vec![[0.0; 2]; layout.velocities],
             time: 0.0,
             passages,
             counts: layout.histograms().map(Counts::new).collect(),
@@ -142,7 +145,7 @@ impl Tally {
     }
 
     /// Counts one sample, which has the number `sample` in its trajectory, from 0.
-    pub(super) fn observe(&mut self, layout: &Layout, x: &[f64], sample: usize, power: [f64; 2]) {
+    pub(super) fn observe(&mut self, layout: &Layout, x: &[f64], sample: usize, power: &[[f64; 2]]) {
         for (k, &(lower, state)) in layout.products.iter().enumerate() {
             self.values[k + 1] = self.values[lower] * x[state];
         }
@@ -156,7 +159,7 @@ impl Tally {
         if let (Some(counts), Some(plane)) = (self.counts.get_mut(x.len()), &layout.plane) {
             counts.add(plane, &x[..2]);
         }
-        for (sum, p) in self.power.iter_mut().zip(power) {
+        for (sum, p) in self.power.iter_mut().flatten().zip(power.iter().flatten()) {
             *sum += p;
         }
     }
@@ -164,13 +167,13 @@ impl Tally {
     /// All sums that are tracked.
     pub(super) fn tracked(&self, layout: &Layout) -> Vec<f64> {
         let Passages { crossings, impacts, .. } = &self.passages;
-        let all = self.moments.iter().chain(crossings.iter().flatten()).chain(impacts);
+        let all = self.moments.iter().chain(crossings.iter().flatten()).chain(impacts.iter().flatten());
         all.copied().take(layout.tracked()).collect()
     }
 
     /// Whether a tally that was read can go on like `empty`, one without samples.
     pub(super) fn is_like(&self, empty: &Tally) -> bool {
-        let mut counts = self.counts.iter().chain([&self.passages.speeds]);
+        let mut counts = self.counts.iter().chain(&self.passages.speeds);
         self.sizes().eq(empty.sizes())
             && self.trend.holds()
             && self.blocks.holds(self.samples)
@@ -179,8 +182,12 @@ impl Tally {
 
     /// The lengths of all lists.
     fn sizes(&self) -> impl Iterator<Item = usize> {
-        let Passages { crossings, crossed, speeds, .. } = &self.passages;
+        let Passages { impacts, crossings, crossed, speeds, taken, rests, record: _ } = &self.passages;
         let lists = [
+            self.power.len(),
+            impacts.len(),
+            taken.len(),
+            rests.len(),
             self.before.len(),
             self.moments.len(),
             self.values.len(),
@@ -188,8 +195,9 @@ impl Tally {
             crossed.len(),
             self.trend.width(),
         ];
-        let counts = [self.counts.len(), speeds.len()].into_iter().chain(self.counts.iter().map(Counts::len));
-        lists.into_iter().chain(counts).chain(self.recordings.sizes()).chain(self.blocks.sizes())
+        let counts = [self.counts.len(), speeds.len()];
+        let bins = self.counts.iter().chain(speeds).map(Counts::len);
+        lists.into_iter().chain(counts).chain(bins).chain(self.recordings.sizes()).chain(self.blocks.sizes())
     }
 }
 
@@ -208,10 +216,10 @@ mod tests {
         let layout = Layout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Recorders::default());
         assert_eq!((layout.monomials.len(), &layout.monomials[38]), (35 + 4, &vec![0, 7, 1]));
         let x = [2.0, -3.0, 5.0];
-        let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, 1, &layout, Passages::new(0));
-        let other = Tally::new(tally.origin, 1, &layout, Passages::new(1));
+        let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, 1, &layout, Passages::new([0, 0, 3], None));
+        let other = Tally::new(tally.origin, 1, &layout, Passages::new([1, 0, 3], None));
         assert!(tally.is_like(&tally) && !tally.is_like(&other));
-        tally.observe(&layout, &x, 0, [0.0; 2]);
+        tally.observe(&layout, &x, 0, &[]);
         for (m, sum) in layout.monomials.iter().zip(&tally.moments) {
             assert_eq!(power(&x, m), *sum);
         }

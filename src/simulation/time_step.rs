@@ -2,14 +2,14 @@ use super::{
     Simulation,
     control::Control,
     lanes::{Lanes, Workspace},
-    passage::{Boundaries, Passages},
+    passage::Boundaries,
     scheme::Scheme,
     start::Start,
     timetable::Times,
 };
 use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
-use crate::problem::{LANES, Problem, TimeScales, Wall, two_digits};
+use crate::problem::{Contact, LANES, Problem, TimeScales, two_digits};
 use crate::simulation::tuning;
 use nalgebra::DMatrix;
 
@@ -31,25 +31,24 @@ impl Simulation<'_> {
     pub(super) fn chosen_step(
         &self,
         problem: &Problem,
-        wall: Option<Wall>,
+        contacts: &[Contact],
         times: Times,
         control: &Control<'_>,
     ) -> Result<(f64, f64)> {
-        let lossy = wall.is_some_and(|wall| wall.restitution() < 1.0);
+        let lossy = contacts.iter().any(|contact| contact.wall.restitution() < 1.0);
         let resolution = if lossy { tuning::time_step::BESIDE_LOSSY_WALL } else { tuning::time_step::RESOLUTION };
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
         let burn_in = if times.burn_in > 0.0 { times.burn_in / 640.0 } else { f64::INFINITY };
         let slow = TimeScales::of(problem)?.short(tuning::timetable::INTERVAL);
         // A wall may hold the trajectories where they would hardly ever be without it, and all rates are larger.
-        let mut at_rest = vec![0.0; problem.dimension()];
-        at_rest[0] = wall.map_or(0.0, |wall| wall.offset());
-        let at_wall = wall.map_or(0.0, |_| rate(problem, self.amplitude, &at_rest));
+        let at_rest = |contact: &Contact| rate(problem, self.amplitude, &contact.at_rest(problem.dimension()));
+        let at_wall = contacts.iter().map(at_rest).fold(0.0, f64::max);
         let longest = (times.interval.min(slow) / 20.0).min(burn_in).min(tuning::time_step::LARGEST / at_wall);
         let mut step = longest;
         let mut attempt = 0;
         loop {
             attempt += 1;
-            match self.rates(problem, wall, step, times, control) {
+            match self.rates(problem, contacts, step, times, control) {
                 Err(error @ Error::Exploded { .. }) if attempt == tuning::time_step::ATTEMPTS => return Err(error),
                 Err(Error::Exploded { .. }) => step /= 4.0,
                 Err(error) => return Err(error),
@@ -68,23 +67,23 @@ impl Simulation<'_> {
     fn rates(
         &self,
         problem: &Problem,
-        wall: Option<Wall>,
+        contacts: &[Contact],
         step: f64,
         times: Times,
         control: &Control<'_>,
     ) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
-        let boundaries = Boundaries::for_scheme(&scheme, wall, Vec::new());
-        let start = Start::new(self, problem, wall, step);
+        let boundaries = Boundaries::for_scheme(&scheme, contacts, Vec::new());
+        let start = Start::new(self, problem, step);
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
         let steps = (time / step / tuning::time_step::STRETCHES as f64).ceil().clamp(1.0, tuning::time_step::MOST_STEPS)
             as usize;
-        let (mut passages, mut work) = (Passages::new(0), Workspace::new(&scheme));
+        let (mut passages, mut work) = (boundaries.passages(), Workspace::new(&scheme));
         let (mut squares, mut largest, mut count) = (0.0, 0.0_f64, 0.0);
         for stretch in 0..tuning::time_step::STRETCHES {
             if stretch == tuning::time_step::STRETCHES / 2 {
-                passages = Passages::new(0);
+                passages = boundaries.passages();
             }
             lanes.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
             lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
@@ -98,7 +97,9 @@ impl Simulation<'_> {
                 }
             }
         }
-        let impacts = passages.impacts[0] / (count * steps as f64 * step);
+        // Impacts on a wall that trajectories come to rest on may be infinitely many, and have shorter steps of their own.
+        let walls = contacts.iter().zip(&passages.impacts).filter(|(contact, _)| !contact.is_rested_on());
+        let impacts = walls.map(|(_, powers)| powers[0]).sum::<f64>() / (count * steps as f64 * step);
         Ok(((squares / count + (std::f64::consts::PI * impacts).powi(2)).sqrt(), largest))
     }
 }

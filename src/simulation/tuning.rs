@@ -9,6 +9,8 @@ pub(super) mod limits {
     pub(crate) const MOST_BINS: usize = 1024;
     /// The most levels whose crossings one simulation counts: each costs time in every step.
     pub(crate) const MOST_LEVELS: usize = 64;
+    /// The most walls: one bit each of a word.
+    pub(crate) const MOST_WALLS: usize = 64;
     /// The most moments; each moment, point or state that is requested costs time at every sample.
     pub(crate) const MOST_MOMENTS: usize = 64;
     /// The most points.
@@ -43,6 +45,14 @@ pub(super) mod grazing {
     pub(crate) const RESOLUTION: f64 = 3.0;
     /// The number m of steps for which the wall must be out of reach.
     pub(crate) const FORESIGHT: f64 = 2.0;
+    /// The steps of a flight between two impacts on a wall without noise, at least.
+    pub(crate) const FLIGHT_STEPS: f64 = 8.0;
+    /// The shortest such flight, in time steps.
+    pub(crate) const SHORTEST_FLIGHT: f64 = 1.0 / 4096.0;
+    /// The shortest step of a trajectory that is about to leave its rest, in time steps.
+    pub(crate) const SHORTEST_LEAVING: f64 = 1.0 / 256.0;
+    /// The shortest rest that is counted, as a part of the time between two samples; a time step is not longer.
+    pub(crate) const SHORTEST_REST: f64 = 0.05;
 }
 
 /// The start, the burn-in, and the samples.

@@ -14,7 +14,7 @@ use crate::problem::Problem;
 /// [`SimulatedDensity::energy_balance`](crate::SimulatedDensity::energy_balance) has the standard error.
 ///
 /// # Errors
-/// [`Error::NotADisplacement`] unless some state is the velocity of state 0; as [`Density::moment`], and with a wall as
+/// [`Error::NotADisplacement`] unless some state is the velocity of state 0; [`Error::NotServed`] where it hits another body; as [`Density::moment`], and with a wall as
 /// [`Density::flux`].
 ///
 /// ```
@@ -34,7 +34,11 @@ pub fn energy_balance(problem: &Problem, density: &dyn Density) -> Result<Estima
     let injected = mean(&(&operator.diffusion()[velocity][velocity] * 0.5))?;
     let drained = mean(&(v * &operator.drift()[velocity]))?;
     let mut lost = Estimate::new(0.0, 0.0);
-    for wall in problem.walls().iter().filter(|wall| wall.state() == 0) {
+    for wall in problem.walls().iter().filter(|wall| wall.state() == 0 || wall.other() == Some(0)) {
+        if wall.other().is_some() {
+            let (what, remedy) = ("a wall between two bodies", "take that of a simulation, which counts the impacts");
+            return Err(Error::NotServed { method: "energy balance", what, remedy });
+        }
         let share = (1.0 - wall.restitution().powi(2)) / 2.0;
         lost = lost.plus(density.flux(crossing_of(wall, velocity), 3)?.scaled(share));
     }

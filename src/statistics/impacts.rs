@@ -1,16 +1,18 @@
 use super::curve::{Curve, Effort};
 use super::{crossing_of, ratio};
-use crate::checks::{dimension, finite};
-use crate::density::{Counted, Crossing, Density};
+use crate::checks::{dimension, finite, state_index};
+use crate::density::{Counted, Crossing, Density, Sampled};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::problem::Problem;
+use crate::problem::{Problem, Wall};
 use std::sync::Arc;
 
-/// The impacts at the walls of a problem, at all of them together.
+/// The impacts at the walls of a problem, at all of them together or at one.
 ///
 /// At a wall at b they come at the rate ν = ∫ |v| p(b, v) dv over the velocities v towards it, and the speed w of approach
-/// has the density w p(b, ∓w)/ν. An impact takes the share 1 − r² of the kinetic energy ½ w², for each unit of mass.
+/// has the density w p(b, ∓w)/ν. An impact takes the share 1 − r² of the kinetic energy ½ m w², with m = 1 for a displacement
+/// alone, whose equation is one for each unit of mass, and the reduced mass between two bodies
+/// ([`Wall::mass`]).
 #[derive(Clone, Debug)]
 pub struct Impacts {
     rate: Estimate,
@@ -31,11 +33,12 @@ enum Speeds {
 }
 
 impl Impacts {
-    /// The impacts of the stationary density of `problem`. Of a simulation, those that it counted.
+    /// The impacts of the stationary density of `problem` at all of its walls. Of a simulation, those that it counted.
     ///
     /// # Errors
-    /// [`Error::NotServed`] for a problem without a wall, [`Error::Dimension`] for a density of another number of states;
-    /// as [`Density::flux`] and [`Density::joint_marginal`].
+    /// [`Error::NotServed`] for a problem without a wall, and for a wall between two bodies, unless the density is one that
+    /// counted impacts; [`Error::Dimension`] for a density of another number of states; as [`Density::flux`] and
+    /// [`Density::joint_marginal`].
     ///
     /// ```
     /// use expoly::{Problem, Wall, models::{Duffing, Solved}, statistics::Impacts};
@@ -48,48 +51,60 @@ impl Impacts {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn new(density: &dyn Density, problem: &Problem) -> Result<Self> {
+        Self::at_walls(density, problem, &(0..problem.walls().len()).collect::<Vec<_>>())
+    }
+
+    /// The impacts at one wall, which is given by its number in the problem.
+    ///
+    /// # Errors
+    /// As [`Impacts::new`]; [`Error::Dimension`] where there is no such wall.
+    pub fn at(density: &dyn Density, problem: &Problem, wall: usize) -> Result<Self> {
+        Self::at_walls(density, problem, &[state_index("the number of a wall", wall, problem.walls().len())?])
+    }
+
+    fn at_walls(density: &dyn Density, problem: &Problem, chosen: &[usize]) -> Result<Self> {
         let states = density.dimension();
         dimension("the states of a problem", problem.dimension(), states)?;
-        // Each wall's passages towards it, and the share of the kinetic energy that it takes.
-        let mut walls: Vec<(Crossing, f64)> = Vec::new();
-        for wall in problem.walls() {
-            let velocity = problem.velocity_of(wall.state()).ok_or(Error::NotADisplacement { state: wall.state() })?;
-            walls.push((crossing_of(wall, velocity), (1.0 - wall.restitution().powi(2)) / 2.0));
-        }
+        let refused = |what, remedy| Err(Error::NotServed { method: "statistic of impacts", what, remedy });
+        let walls: Vec<&Wall> = chosen.iter().map(|&k| &problem.walls()[k]).collect();
         if walls.is_empty() {
-            let (what, remedy) = ("a problem without a wall", "give the problem a wall by Problem::with_wall");
-            return Err(Error::NotServed { method: "statistic of impacts", what, remedy });
+            return refused("a problem without a wall", "give the problem a wall by Problem::with_wall");
+        }
+        if let Some(sampled) = density.sampled()
+            && let Some(counted) = Self::counted(sampled, chosen, &walls)
+        {
+            return Ok(counted);
+        }
+        // The passages towards each wall.
+        let mut crossings: Vec<Crossing> = Vec::new();
+        for wall in &walls {
+            if wall.other().is_some() {
+                return refused("a wall between two bodies", "take a simulation, which counts the impacts");
+            }
+            let velocity = problem.velocity_of(wall.state()).ok_or(Error::NotADisplacement { state: wall.state() })?;
+            crossings.push(crossing_of(wall, velocity));
         }
         let nothing = Estimate::new(0.0, 0.0);
         let (mut fluxes, mut power) = ([nothing; 3], nothing);
-        for (crossing, share) in &walls {
+        for (crossing, wall) in crossings.iter().zip(&walls) {
             for (all, exponent) in fluxes.iter_mut().zip(1..) {
                 let flux = density.flux(*crossing, exponent)?;
                 *all = all.plus(flux);
                 if exponent == 3 {
-                    power = power.plus(flux.scaled(*share));
+                    power = power.plus(flux.scaled(share(wall)));
                 }
             }
         }
         let [rate, second, third] = fluxes;
-        let counted = density.sampled().and_then(|sampled| {
-            Some((sampled.impact_speeds()?, sampled.mean_impact_speed(1)?, sampled.mean_impact_speed(2)?))
-        });
-        if let Some((speeds, mean_speed, mean_square_speed)) = counted {
-            // A simulation counts the impacts at one wall.
-            let energy_loss = mean_square_speed.scaled(walls[0].1);
-            let speeds = Speeds::Counted(speeds);
-            return Ok(Impacts { rate, mean_speed, mean_square_speed, energy_loss, power, speeds });
-        }
         let bounds = density.bounds();
         let at = |w: f64| {
-            walls.iter().try_fold(nothing, |all, (crossing, _)| {
+            crossings.iter().try_fold(nothing, |all, crossing| {
                 let Crossing { displacement, velocity, level, upward } = *crossing;
                 let v = if upward { w } else { -w };
                 Ok(all.plus(density.joint_marginal([displacement, velocity], [level, v])?.scaled(w)))
             })
         };
-        let fastest = walls.iter().map(|(crossing, _)| {
+        let fastest = crossings.iter().map(|crossing| {
             let [low, high] = bounds[crossing.velocity];
             if crossing.upward { high } else { -low }
         });
@@ -102,6 +117,33 @@ impl Impacts {
             energy_loss: ratio(power, rate),
             power,
             speeds: Speeds::Flux(Curve::new(at, range, Effort::of(density))?),
+        })
+    }
+
+    /// The impacts that a density counted.
+    fn counted(sampled: &dyn Sampled, chosen: &[usize], walls: &[&Wall]) -> Option<Self> {
+        let rate = sampled.impact_flux(chosen, 1)?;
+        // One after another, unless all take the same share.
+        let parts: Vec<(Vec<usize>, f64)> = if walls.iter().all(|wall| share(wall) == share(walls[0])) {
+            vec![(chosen.to_vec(), share(walls[0]))]
+        } else {
+            chosen.iter().zip(walls).map(|(&k, wall)| (vec![k], share(wall))).collect()
+        };
+        let power = parts.iter().try_fold(Estimate::new(0.0, 0.0), |all, (walls, share)| {
+            Some(all.plus(sampled.impact_flux(walls, 3)?.scaled(*share)))
+        })?;
+        let mean_square_speed = sampled.mean_impact_speed(chosen, 2)?;
+        let energy_loss = match &parts[..] {
+            [(_, share)] => mean_square_speed.scaled(*share),
+            _ => ratio(power, rate),
+        };
+        Some(Impacts {
+            rate,
+            mean_speed: sampled.mean_impact_speed(chosen, 1)?,
+            mean_square_speed,
+            energy_loss,
+            power,
+            speeds: Speeds::Counted(sampled.impact_speeds(chosen)?),
         })
     }
 
@@ -144,14 +186,19 @@ impl Impacts {
         })
     }
 
-    /// The mean energy lost in an impact, ½ (1 − r²) E w², for each unit of mass.
+    /// The mean energy lost in an impact, ½ m (1 − r²) E w².
     pub fn energy_loss(&self) -> Estimate {
         self.energy_loss
     }
 
-    /// The mean energy lost in impacts per unit time, ½ (1 − r²) ∫ w³ p(b, ∓w) dw, for each unit of mass. Together with
+    /// The mean energy lost in impacts per unit time, ½ m (1 − r²) ∫ w³ p(b, ∓w) dw. Together with
     /// c E v² of a linear damper it equals the power D of the noise.
     pub fn power(&self) -> Estimate {
         self.power
     }
+}
+
+/// The share ½ m (1 − r²) of the squared speed that an impact takes.
+fn share(wall: &Wall) -> f64 {
+    wall.mass() * (1.0 - wall.restitution().powi(2)) / 2.0
 }

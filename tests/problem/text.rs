@@ -142,7 +142,7 @@ fn errors_name_the_line_and_the_entry() {
     }
     let first_of_wall = DUFFING.lines().count() + 1;
     for (from, to, words) in [
-        ("above", "left", "there are state, above, below, restitution"),
+        ("above", "left", "there are state, between, masses, above, below, restitution"),
         ("restitution", "bounce", "no such entry"),
         ("0.9", "1.9", "0 < r ≤ 1"),
         ("\"x\"", "\"y\"", "name its state"),

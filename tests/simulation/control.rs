@@ -30,7 +30,12 @@ fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
         }
     }
     values.extend([result.upcrossing_rate(0.5)?, result.flux(Crossing::downward(0.2), 3)?]);
-    values.extend([result.energy_balance(), result.mean_impact_speed(), result.impact_rate()].into_iter().flatten());
+    values.extend(
+        result
+            .energy_balance()
+            .into_iter()
+            .chain([result.mean_impact_speed(), result.impact_rate()].into_iter().flatten()),
+    );
     let mut bits: Vec<u64> = values.iter().flat_map(|e| [e.value.to_bits(), e.error.to_bits()]).collect();
     bits.extend(result.stationarity().into_iter().map(f64::to_bits));
     bits.extend((0..2).flat_map(|i| result.histogram(i)).flat_map(|h| h.edges(0).map(f64::to_bits)));
@@ -345,7 +350,7 @@ fn checkpoints_of_other_simulations_are_refused_by_name() -> Result<()> {
     let near =
         Problem::of(Duffing::new(0.2, 1.0, 0.300_000_000_000_000_04, 0.2)?)?.with_wall(Wall::above(0.2, 0.8)?)?;
     assert!(differs(other(near), "system"));
-    assert!(differs(other(problem.without_walls().with_wall(Wall::above(0.2, 0.9)?)?), "wall"));
+    assert!(differs(other(problem.without_walls().with_wall(Wall::above(0.2, 0.9)?)?), "list of walls"));
     let single = simulation(10).levels([]).checkpoint(&file.0, Duration::ZERO).run(&Problem::of(Cubic)?);
     assert!(differs(single, "number of states"));
     let Err(error) = resumed(|s| s.seed(12)) else { unreachable!("the seed differs") };

@@ -154,8 +154,8 @@ fn hostile_input_gets_typed_errors() -> Result<()> {
     assert!(matches!(small().replicas(15).run(&problem), Err(Error::NoSamples { least: 16, .. })));
     let stopped = small().progress(|_| ControlFlow::Break(())).run(&problem);
     assert!(matches!(stopped, Err(Error::Cancelled { .. })));
-    let below = small().run(&problem.clone().with_wall(Wall::below(1.0, 0.9)?)?);
-    assert!(matches!(below, Err(Error::NotServed { method: "splitting", .. })));
+    let behind = small().levels([1.0]).run(&problem.clone().with_wall(Wall::below(1.0, 0.9)?)?);
+    assert!(matches!(behind, Err(Error::OutOfRange { name: "level", .. })));
     let escaped = Splitting::new().levels([3.0]).run(&Problem::of(Escaping)?);
     assert!(matches!(escaped, Err(Error::Exploded { .. })), "{:?}", escaped.map(|t| t.provenance().clone()));
     Ok(())

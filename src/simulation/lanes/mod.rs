@@ -1,7 +1,6 @@
 mod steps;
 
-pub(super) use steps::Workspace;
-use steps::{read_lane, write_lane};
+pub(super) use steps::{Workspace, read_lane, write_lane};
 
 use super::random::Random;
 use crate::problem::{LANES, Lane};
@@ -23,6 +22,8 @@ pub(super) struct Lanes {
     /// The time steps taken so far.
     taken: u64,
     x: Vec<Lane>,
+    /// For each of the walls that trajectories come to rest on, the time for which they have rested on it.
+    rested: Vec<Lane>,
 }
 
 impl Lanes {
@@ -32,7 +33,7 @@ impl Lanes {
         let random = Random::new(seed);
         let first = trajectories.start;
         let active = (trajectories.end - first).min(LANES as u64) as usize;
-        let mut lanes = Lanes { random, first, active, taken: 0, x: vec![[0.0; LANES]; states] };
+        let mut lanes = Lanes { random, first, active, taken: 0, x: vec![[0.0; LANES]; states], rested: Vec::new() };
         let mut state = vec![0.0; states];
         for l in 0..LANES {
             for (i, z) in state.iter_mut().enumerate() {
@@ -46,7 +47,7 @@ impl Lanes {
 
     /// Whether lanes that were read are the first sixteen of `trajectories`.
     pub(super) fn are(&self, seed: u64, trajectories: Range<u64>, states: usize) -> bool {
-        let Lanes { random, first, active, taken: _, x } = Lanes::new(seed, trajectories, states, |_| ());
+        let Lanes { random, first, active, x, .. } = Lanes::new(seed, trajectories, states, |_| ());
         (random, first, active, x.len()) == (self.random, self.first, self.active, self.x.len())
     }
 

@@ -1,8 +1,9 @@
 //! The steps of some trajectories in lockstep.
 
 use super::Lanes;
-use crate::problem::{LANES, Lane};
+use crate::problem::{LANES, Lane, near};
 use crate::simulation::{
+    chatter::Ahead,
     normal::pair,
     passage::{Boundaries, Passages},
     scheme::{Scheme, Scratch},
@@ -71,8 +72,8 @@ impl NullaryFnOnce for Advance<'_, '_> {
     fn call(mut self) {
         let (scheme, boundaries) = (self.scheme, self.boundaries);
         let (h, processes, active) = (scheme.step, scheme.processes, self.lanes.active);
-        let velocity = boundaries.velocity();
         let mut x = std::mem::take(&mut self.lanes.x);
+        self.lanes.rested.resize(boundaries.chatters.len(), [0.0; LANES]);
         for x in &mut x {
             // Idle lanes start afresh beside the first one, so that they neither hit the wall all the time nor explode.
             let first = x[0];
@@ -96,13 +97,13 @@ impl NullaryFnOnce for Advance<'_, '_> {
             }
             let (mut step, stop) = (offset, offset + length);
             while step < stop {
-                let Workspace { increments, kicked, scratch, .. } = &mut *self.work;
+                let Workspace { increments, kicked, scratch, state, .. } = &mut *self.work;
                 // Levels are checked after each step, lanes that are ahead wait for the others, and the last step ends with
                 // half a drift.
                 let free = (stop - step).min((end - 1 - self.lanes.taken) as usize);
                 let free = if any_ahead || !boundaries.levels.is_empty() { 0 } else { free };
                 if let Some((kicks, near)) =
-                    scheme.kicks(&mut x, &increments[step * processes..][..free * processes], boundaries.wall)
+                    scheme.kicks(&mut x, &increments[step * processes..][..free * processes], &boundaries.walls)
                 {
                     step += kicks;
                     self.lanes.taken += kicks as u64;
@@ -127,27 +128,27 @@ impl NullaryFnOnce for Advance<'_, '_> {
                     if self.lanes.taken == end {
                         break;
                     }
-                    if !(any_ahead || boundaries.wall.any(kicked, h)) {
-                        boundaries.drift(kicked, h, |l| l < active, &mut x, self.passages);
+                    if !(any_ahead || near(&boundaries.walls, kicked, h).contains(&true)) {
+                        boundaries.drift(kicked, h, |l| l < active, (&mut x, state), self.passages);
                         continue;
                     }
                 }
-                let mut near = boundaries.wall.lanes(kicked, h);
+                let mut near = near(&boundaries.walls, kicked, h);
                 for l in 0..LANES {
                     near[l] |= ahead[l];
                 }
-                boundaries.drift(kicked, h, |l| l < active && !near[l], &mut x, self.passages);
+                boundaries.drift(kicked, h, |l| l < active && !near[l], (&mut x, state), self.passages);
                 for l in (0..active).filter(|&l| near[l]) {
                     let Workspace { kicked, state, .. } = &mut *self.work;
                     read_lane(kicked, l, state);
                     if !ahead[l] {
                         boundaries.drift_lane(state, l, h / 2.0, self.passages);
                     }
-                    ahead[l] = boundaries.step_at(state[0], state[velocity]).is_some();
+                    ahead[l] = self.is_interrupted();
                     if ahead[l] {
                         self.graze(l);
                     } else {
-                        boundaries.drift_lane(state, l, h / 2.0, self.passages);
+                        boundaries.drift_lane(&mut self.work.state, l, h / 2.0, self.passages);
                     }
                     write_lane(&self.work.state, l, &mut x);
                 }
@@ -155,7 +156,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
             }
         }
         let Workspace { kicked, state, .. } = &mut *self.work;
-        boundaries.drift(kicked, h / 2.0, |l| l < active && !ahead[l], &mut x, self.passages);
+        boundaries.drift(kicked, h / 2.0, |l| l < active && !ahead[l], (&mut x, state), self.passages);
         for l in (0..LANES).filter(|&l| ahead[l]) {
             read_lane(kicked, l, state);
             write_lane(state, l, &mut x);
@@ -165,15 +166,22 @@ impl NullaryFnOnce for Advance<'_, '_> {
 }
 
 impl Advance<'_, '_> {
-    /// The first half drift of a step. A trajectory that grazes the wall takes the whole step at once instead, in shorter
+    /// The first half drift of a step. A trajectory that grazes a wall takes the whole step at once instead, in shorter
     /// ones; returned are the lanes that do so, which are then ahead of the others.
     #[inline(always)]
     fn begin(&mut self, x: &mut [Lane]) -> [bool; LANES] {
-        let (boundaries, active, velocity) = (self.boundaries, self.lanes.active, self.boundaries.velocity());
-        let ahead = std::array::from_fn(|l| l < active && boundaries.step_at(x[0][l], x[velocity][l]).is_some());
-        self.work.kicked.copy_from_slice(x);
+        let (boundaries, active) = (self.boundaries, self.lanes.active);
+        let mut ahead = [false; LANES];
+        if !boundaries.walls.is_empty() {
+            for l in 0..active {
+                read_lane(x, l, &mut self.work.state);
+                ahead[l] = self.is_interrupted();
+            }
+        }
+        let Workspace { kicked, state, .. } = &mut *self.work;
+        kicked.copy_from_slice(x);
         let half = self.scheme.step / 2.0;
-        boundaries.drift(&self.work.kicked, half, |l| l < active && !ahead[l], x, self.passages);
+        boundaries.drift(kicked, half, |l| l < active && !ahead[l], (x, state), self.passages);
         for l in (0..LANES).filter(|&l| ahead[l]) {
             read_lane(&self.work.kicked, l, &mut self.work.state);
             self.graze(l);
@@ -182,27 +190,59 @@ impl Advance<'_, '_> {
         ahead
     }
 
+    /// Whether the state of one lane goes on with shorter steps, or rests on a wall.
+    #[inline]
+    fn is_interrupted(&mut self) -> bool {
+        self.boundaries.step_at(&self.work.state).is_some() || self.beside_chatter().is_some()
+    }
+
+    /// The length of the step beside a wall without noise, which may be the whole one at rest. A flight that is too short to
+    /// be followed ends in rest.
+    fn beside_chatter(&mut self) -> Option<f64> {
+        let Workspace { state, scratch, .. } = &mut *self.work;
+        let chatters = &self.boundaries.chatters;
+        if chatters.is_empty() {
+            return None;
+        }
+        let drift = self.scheme.drift(state, scratch);
+        let mut longest = None::<f64>;
+        for chatter in chatters {
+            let step = match chatter.ahead(state, drift) {
+                Ahead::Free => continue,
+                Ahead::Short(step) => step,
+                Ahead::Rest => {
+                    chatter.rest(state);
+                    self.scheme.step
+                }
+            };
+            longest = Some(longest.map_or(step, |longest| longest.min(step)));
+        }
+        longest
+    }
+
     /// A whole time step of the state of one lane in shorter steps, with random numbers that nothing else uses.
     #[inline(never)]
     fn graze(&mut self, l: usize) {
-        let Advance { lanes, scheme, boundaries, passages, work, .. } = self;
-        let Workspace { state, shorter, scratch, .. } = &mut **work;
-        let velocity = boundaries.velocity();
-        let mut left = scheme.step;
+        let mut left = self.scheme.step;
         let mut draws = 0;
-        let mut draw = || {
-            draws += 1;
-            lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
-        };
         while left > 0.0 {
-            let step = boundaries.step_at(state[0], state[velocity]).map_or(left, |step| step.min(left));
+            let beside = self.beside_chatter();
+            let Advance { lanes, scheme, boundaries, passages, work, .. } = &mut *self;
+            let Workspace { state, shorter, scratch, .. } = &mut **work;
+            let mut draw = || {
+                draws += 1;
+                lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
+            };
+            let step = boundaries.step_at(state).into_iter().chain(beside).fold(left, f64::min);
             left -= step;
             boundaries.drift_lane(state, l, step / 2.0, passages);
+            let resting = boundaries.resting(state);
             for two in shorter.chunks_mut(2) {
                 two.iter_mut().zip(pair(draw())).for_each(|(increment, z)| *increment = step.sqrt() * z);
             }
             let reversed = scheme.curved() && draw()[0] & 1 == 1;
             scheme.kick_alone(state, step, shorter, reversed, scratch);
+            boundaries.hold(state, resting, step, (&mut lanes.rested, l), passages);
             boundaries.drift_lane(state, l, step / 2.0, passages);
         }
     }
@@ -210,12 +250,12 @@ impl Advance<'_, '_> {
 
 /// The state of one lane.
 #[inline(always)]
-pub(super) fn read_lane(x: &[Lane], l: usize, state: &mut [f64]) {
+pub(in crate::simulation) fn read_lane(x: &[Lane], l: usize, state: &mut [f64]) {
     state.iter_mut().zip(x).for_each(|(value, x)| *value = x[l]);
 }
 
 #[inline(always)]
-pub(super) fn write_lane(state: &[f64], l: usize, x: &mut [Lane]) {
+pub(in crate::simulation) fn write_lane(state: &[f64], l: usize, x: &mut [Lane]) {
     x.iter_mut().zip(state).for_each(|(x, value)| x[l] = *value);
 }
 
@@ -223,7 +263,7 @@ pub(super) fn write_lane(state: &[f64], l: usize, x: &mut [Lane]) {
 mod tests {
     use super::*;
     use crate::models::{Duffing, VelocityNoise};
-    use crate::problem::{Problem, Wall};
+    use crate::problem::{Contact, Problem, Wall};
     use crate::{PolynomialDrift, Result};
     use pulp::Arch;
     use pulp::x86::{V3, V4};
@@ -231,27 +271,28 @@ mod tests {
     type Bits = (Vec<u64>, [u64; 3]);
 
     /// The states after some thousand steps above a wall, and the impacts on the way.
-    fn way(scheme: &Scheme<'_>) -> Result<Bits> {
-        let boundaries = Boundaries::for_scheme(scheme, Some(Wall::above(0.1, 0.7)?), Vec::new());
+    fn way(scheme: &Scheme<'_>, contacts: &[Contact]) -> Result<Bits> {
+        let boundaries = Boundaries::for_scheme(scheme, contacts, Vec::new());
         let mut lanes = Lanes::new(5, 0..16, 2, |x| x[0] = 0.1 + x[0].abs());
-        let (mut passages, mut work) = (Passages::new(0), Workspace::new(scheme));
+        let (mut passages, mut work) = (boundaries.passages(), Workspace::new(scheme));
         for steps in [1000, 1, 2500] {
             lanes.advance(scheme, &boundaries, steps, &mut passages, &mut work);
         }
-        assert!(passages.impacts[0] > 100.0);
+        assert!(passages.impacts[0][0] > 100.0);
         let states = lanes.states();
-        Ok((states.values().iter().map(|x| x.to_bits()).collect(), passages.impacts.map(f64::to_bits)))
+        Ok((states.values().iter().map(|x| x.to_bits()).collect(), passages.impacts[0].map(f64::to_bits)))
     }
 
     fn same_bits(system: impl PolynomialDrift<2, 1> + 'static, curved: bool) -> Result<()> {
-        let problem = Problem::of(system)?;
+        let problem = Problem::of(system)?.with_wall(Wall::above(0.1, 0.7)?)?;
+        let contacts = problem.contacts();
         let mut scheme = Scheme::new(&problem, 1.0, 0.04);
         assert_eq!(scheme.curved(), curved);
         scheme.arch = Arch::Scalar;
-        let narrow = way(&scheme)?;
+        let narrow = way(&scheme, &contacts)?;
         for wider in [V3::try_new().map(Arch::V3), V4::try_new().map(Arch::V4)].into_iter().flatten() {
             scheme.arch = wider;
-            assert_eq!(narrow, way(&scheme)?);
+            assert_eq!(narrow, way(&scheme, &contacts)?);
         }
         Ok(())
     }

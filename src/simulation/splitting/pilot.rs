@@ -15,7 +15,8 @@ pub(super) struct Pilot<'a> {
     pub(super) cycles: usize,
     /// The share of the weight beyond the last threshold at which it stops.
     pub(super) rarest: f64,
-    pub(super) floor: f64,
+    /// Where walls leave each state.
+    pub(super) walls: &'a [[f64; 2]],
 }
 
 /// Sums over the states beyond one level and below it: Σ1, Σw and Σw|x − y|.
@@ -73,9 +74,10 @@ impl Pilot<'_> {
             population.place(self.motion.importance, &states)?;
         }
         let watched = requested.iter().zip(seen).map(|((state, levels), seen)| {
-            let floor = if *state == 0 { self.floor } else { f64::NEG_INFINITY };
+            let [low, high] = self.walls[*state];
             let scales = scales(&seen);
-            let width = |(&y, scale): (&f64, f64)| (y, (tuning::splitting::CELL * scale).min((y - floor) / 1.5));
+            let room = |y: f64| (y - low).min(high - y);
+            let width = |(&y, scale): (&f64, f64)| (y, (tuning::splitting::CELL * scale).min(room(y) / 1.5));
             Levels::new(*state, levels.iter().zip(scales).map(width).collect())
         });
         Ok(watched.collect())

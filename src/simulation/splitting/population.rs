@@ -1,7 +1,7 @@
 use super::{importance::Importance, resampling::systematic};
 use crate::simulation::{
     lanes::{Lanes, Workspace},
-    passage::{Boundaries, Passages},
+    passage::Boundaries,
     random::Random,
     scheme::Scheme,
 };
@@ -142,7 +142,7 @@ impl Population {
         self.time += motion.steps as f64 * step;
         let mut particles = Particles::new(motion.scheme.states);
         for bin in self.bins.iter_mut().filter(|bin| bin.weight > 0.0) {
-            let mut passages = Passages::new(boundaries.levels.len());
+            let mut passages = boundaries.passages();
             for group in &mut bin.groups {
                 group.advance(motion.scheme, boundaries, motion.steps, &mut passages, &mut self.work);
                 group.check(&motion.bounds, self.time, step)?;

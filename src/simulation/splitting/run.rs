@@ -8,16 +8,11 @@ use super::{
 };
 use crate::checks::{finite, positive, require, state_index};
 use crate::error::{Error, Result};
-use crate::problem::{Problem, TimeScales, Wall, two_digits};
+use crate::problem::{Problem, TimeScales, limits, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::tuning;
 use crate::simulation::{
-    Simulation,
-    control::Control,
-    passage::{Boundaries, single_wall},
-    run::at_most,
-    scheme::Scheme,
-    timetable::whole,
+    Simulation, control::Control, passage::Boundaries, run::at_most, scheme::Scheme, timetable::whole,
 };
 use rayon::prelude::*;
 use std::time::Instant;
@@ -37,9 +32,10 @@ impl Splitting<'_> {
     /// - [`Error::Cancelled`]: the progress callback returned `Break`.
     pub fn run(mut self, problem: &Problem) -> Result<Tails> {
         let begin = Instant::now();
-        let (n, wall) = (problem.dimension(), single_wall(problem, "splitting")?);
+        let n = problem.dimension();
+        let walls: Vec<[f64; 2]> = (0..n).map(|state| limits(problem.walls(), state)).collect();
         let spans = self.spans(problem)?;
-        let plan = self.plan(n, wall, spans)?;
+        let plan = self.plan(&walls, spans)?;
         let states = self.plain(spans).states(problem)?;
         let scheme = Scheme::new(problem, 1.0, spans.step);
         let importance = match self.importance.take() {
@@ -52,10 +48,11 @@ impl Splitting<'_> {
         let displaced = problem.velocity_of(0).is_some();
         let crossings = plan.levels.iter().filter(|(state, _)| displaced && *state == 0);
         let crossings = crossings.flat_map(|(_, levels)| levels.clone()).collect();
-        let [boundaries, quiet] = [crossings, Vec::new()].map(|y| Boundaries::for_scheme(&scheme, wall, y));
+        let contacts = problem.contacts();
+        let [boundaries, quiet] = [crossings, Vec::new()].map(|y| Boundaries::for_scheme(&scheme, &contacts, y));
 
-        let floor = wall.map_or(f64::NEG_INFINITY, |wall| wall.offset());
-        let pilot = Pilot { motion: &motion, boundaries: &quiet, cycles: plan.round, rarest: self.rarest, floor };
+        let pilot =
+            Pilot { motion: &motion, boundaries: &quiet, cycles: plan.round, rarest: self.rarest, walls: &walls };
         let mut population = Population::new(&scheme, self.seed, 0, tuning::splitting::PILOT * self.particles);
         let (first, rest) = states.values().split_at(tuning::splitting::STATES * n);
         let thresholds = pilot.thresholds(&mut population, &Particles::equal(n, first))?;
@@ -132,7 +129,7 @@ impl Splitting<'_> {
     }
 
     /// Checks all options that the starting states do not need.
-    fn plan(&self, states: usize, wall: Option<Wall>, spans: Spans) -> Result<Plan> {
+    fn plan(&self, walls: &[[f64; 2]], spans: Spans) -> Result<Plan> {
         if self.particles == 0 {
             return Err(Error::NoSamples { what: "the number of particles", least: 1 });
         }
@@ -161,7 +158,7 @@ impl Splitting<'_> {
         let remedy = "more than 2^53 path-steps never end: take a longer time step or a shorter duration";
         require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
         Ok(Plan {
-            levels: self.sorted_levels(states, wall)?,
+            levels: self.sorted_levels(walls)?,
             steps: steps as usize,
             round: cycles(tuning::splitting::ROUND * relaxation) as usize,
             relaxing: cycles(relaxation) as usize,
@@ -171,13 +168,13 @@ impl Splitting<'_> {
     }
 
     /// The levels of each state, rising, each of them once.
-    fn sorted_levels(&self, states: usize, wall: Option<Wall>) -> Result<Vec<(usize, Vec<f64>)>> {
+    fn sorted_levels(&self, walls: &[[f64; 2]]) -> Result<Vec<(usize, Vec<f64>)>> {
         let mut levels = self.levels.clone();
         for &(state, level) in &levels {
-            state_index("the state of a level", state, states)?;
+            let [low, high] = walls[state_index("the state of a level", state, walls.len())?];
             finite("level", level)?;
-            let remedy = "a level must lie above the wall; there are no states below it";
-            require(state > 0 || wall.is_none_or(|wall| level > wall.offset()), "level", level, remedy)?;
+            let remedy = "a level must lie between the walls of its state; there are no states behind them";
+            require(low < level && level < high, "level", level, remedy)?;
         }
         levels.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         levels.dedup();

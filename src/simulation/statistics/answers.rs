@@ -2,7 +2,7 @@ use super::{FirstPassage, Spectrum, cells::at_centre, requests::Point};
 use crate::checks::state_index;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::simulation::{Histogram, SimulatedDensity, plan::same_level, tally::Tally};
+use crate::simulation::{Histogram, SimulatedDensity, histogram::Counts, plan::same_level, tally::Tally};
 
 impl SimulatedDensity {
     /// The spectral density and the autocovariance of one state.
@@ -37,11 +37,21 @@ impl SimulatedDensity {
         FirstPassage::new(passages[place].window, tallies)
     }
 
-    /// The distribution of the speed of approach at an impact; none without a wall. Its range is that of the velocity's
-    /// histogram, and its bins are as many.
+    /// The distribution of the speed of approach at an impact, at all walls together; none without a wall. Its range is that
+    /// of the velocities' histograms, and its bins are as many.
     pub fn impact_speeds(&self) -> Option<Histogram> {
+        self.speeds_at(&(0..self.plan.walls.len()).collect::<Vec<_>>())
+    }
+
+    /// The same at some of the walls.
+    pub(in crate::simulation) fn speeds_at(&self, walls: &[usize]) -> Option<Histogram> {
         let axis = self.plan.impact_speeds()?;
-        Some(Histogram::new(&[axis], self.batches.iter().map(|b| b.passages.speeds.clone()).collect()))
+        let counts = |b: &Tally| {
+            let mut counts = Counts::new(&[axis]);
+            walls.iter().filter_map(|&wall| b.passages.speeds.get(wall)).for_each(|own| counts.join(own));
+            counts
+        };
+        Some(Histogram::new(&[axis], self.batches.iter().map(counts).collect()))
     }
 
     /// The density at each of the points named in [`Simulation::points`](crate::Simulation::points), in their order.

@@ -40,10 +40,11 @@ pub(in crate::simulation) struct Slab {
 }
 
 impl Slab {
-    /// The cells about a level of a state that lies between `lo` and `hi`, above a wall at `wall`. They are empty for a level
-    /// on the wall or below it.
-    pub(super) fn new(level: f64, [lo, hi]: [f64; 2], wall: f64) -> Self {
-        Slab { level, width: (tuning::timetable::CELL * (hi - lo)).min((level - wall) / 1.5).max(0.0) }
+    /// The cells about a level of a state that lies between `lo` and `hi`, its walls at `limits`. They are empty for a level on a
+    /// wall or behind it.
+    pub(super) fn new(level: f64, [lo, hi]: [f64; 2], limits: [f64; 2]) -> Self {
+        let room = (level - limits[0]).min(limits[1] - level);
+        Slab { level, width: (tuning::timetable::CELL * (hi - lo)).min(room / 1.5).max(0.0) }
     }
 
     /// Adds max(v, 0) to the sum over the cell that holds y.
@@ -88,11 +89,11 @@ mod tests {
             point.observe(&mut counts, &x);
         }
         assert_eq!((counts.centre, counts.neighbours), (2, 2));
-        let (slab, mut sums) = (Slab::new(1.0, [-36.0, 36.0], f64::NEG_INFINITY), [0.0; 3]);
+        let (slab, mut sums) = (Slab::new(1.0, [-36.0, 36.0], [f64::NEG_INFINITY, f64::INFINITY]), [0.0; 3]);
         for (y, v) in [(0.0, 2.0), (1.9, 3.0), (2.0, -1.0), (2.5, 0.25), (4.0, 1.0)] {
             slab.observe(&mut sums, y, v);
         }
         assert_eq!((slab.width, sums), (2.0, [0.0, 5.0, 0.25]));
-        assert_eq!(Slab::new(1.0, [1.0, 3.0], 1.0).width, 0.0);
+        assert_eq!(Slab::new(1.0, [1.0, 3.0], [1.0, f64::INFINITY]).width, 0.0);
     }
 }

@@ -68,14 +68,14 @@ impl Recordings {
 }
 
 impl Recorders {
-    /// `levels` are those of state 0, which moves at the rate of `velocity` between `ends`, above a wall at `wall`; samples are
+    /// `levels` are those of state 0, which moves at the rate of `velocity` between `ends`, its walls at `limits`; samples are
     /// `interval` apart.
     pub(in crate::simulation) fn new(
         requests: &Requests,
         interval: f64,
         (levels, velocity): (&[f64], Option<usize>),
         ends: [f64; 2],
-        wall: f64,
+        limits: [f64; 2],
     ) -> Self {
         let segments = |&(state, length): &(usize, usize)| (state, Segments::new(length, interval));
         let crossing = |level: f64| levels.iter().position(|&y| same_level(y, level)).filter(|_| velocity.is_some());
@@ -88,7 +88,7 @@ impl Recorders {
             spectra: requests.spectra.iter().map(segments).collect(),
             passages: waiting.collect(),
             points: requests.points.clone(),
-            slabs: levels.iter().map(|&level| Slab::new(level, ends, wall)).collect(),
+            slabs: levels.iter().map(|&level| Slab::new(level, ends, limits)).collect(),
             velocity: velocity.unwrap_or(0),
         }
     }

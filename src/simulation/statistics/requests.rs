@@ -49,8 +49,8 @@ impl Requests {
         lengths * trajectories as f64
     }
 
-    /// Checks all of them, for trajectories of `states` states that are sampled at `interval` above a wall at `wall`.
-    pub(in crate::simulation) fn validate(&self, states: usize, interval: f64, wall: f64) -> Result<()> {
+    /// Checks all of them, for trajectories of `states` states that are sampled at `interval`, the first state between `limits`.
+    pub(in crate::simulation) fn validate(&self, states: usize, interval: f64, limits: [f64; 2]) -> Result<()> {
         at_most("number of moments", self.moments.len(), tuning::limits::MOST_MOMENTS, "at most 64 can be named")?;
         at_most("number of points", self.points.len(), tuning::limits::MOST_POINTS, "at most 256 can be named")?;
         at_most(
@@ -82,8 +82,9 @@ impl Requests {
             at.iter().try_for_each(|&x| finite("point", x).map(|_| ()))?;
             let remedy = "the width of the cells about a point must be finite and above zero";
             widths.iter().try_for_each(|&width| positive("width", width, remedy).map(|_| ()))?;
-            let remedy = "the cells about a point reach 1.5 widths to either side and must lie above the wall";
-            require(at[0] - 1.5 * widths[0] >= wall, "point", at[0], remedy)?;
+            let remedy = "the cells about a point reach 1.5 widths to either side and must not reach beyond a wall";
+            let room = (at[0] - limits[0]).min(limits[1] - at[0]);
+            require(room >= 1.5 * widths[0], "point", at[0], remedy)?;
         }
         Ok(())
     }

@@ -1,0 +1,200 @@
+//! Walls as the motion meets them.
+
+use super::{LANES, Lane, Problem, Wall};
+use crate::polynomial::Polynomial;
+
+/// A wall by the gap g = ±(y_i − y_j − b) ≥ 0 between motion and wall, y_j = 0 for a single displacement.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    pub(crate) wall: Wall,
+    /// 1 for a motion above the wall, −1 for one below it.
+    sign: f64,
+    /// y_i and its velocity.
+    first: (usize, usize),
+    /// y_j and its velocity.
+    second: Option<(usize, usize)>,
+    /// The parts of an impulse that the two velocities take.
+    shares: [f64; 2],
+    /// Whether no white noise acts on the rate of the gap while the motion rests on the wall.
+    pub(crate) noiseless: bool,
+}
+
+impl Contact {
+    /// The gap.
+    #[inline]
+    pub(crate) fn gap(&self, x: &[f64]) -> f64 {
+        self.sign * (x[self.first.0] - self.second.map_or(0.0, |(y, _)| x[y]) - self.wall.offset())
+    }
+
+    /// The rate of the gap; minus the speed of approach.
+    #[inline]
+    pub(crate) fn rate(&self, x: &[f64]) -> f64 {
+        self.sign * (x[self.first.1] - self.second.map_or(0.0, |(_, v)| x[v]))
+    }
+
+    /// The gap at the time `tau` from now, with the velocities as they are.
+    #[inline]
+    pub(crate) fn gap_after(&self, x: &[f64], tau: f64) -> f64 {
+        let ahead = |(y, v): (usize, usize)| x[y] + tau * x[v];
+        let y = self.second.map_or(ahead(self.first), |second| ahead(self.first) - ahead(second));
+        self.sign * (y - self.wall.offset())
+    }
+
+    /// The gaps of some states at the time `tau` from now, with their velocities as they are.
+    // Loops and no closures, so that they are compiled for the widest registers, together with the caller's.
+    #[inline(always)]
+    pub(crate) fn gaps(&self, x: &[Lane], tau: f64) -> Lane {
+        let (mut gaps, rates) = (x[self.first.0], x[self.first.1]);
+        for l in 0..LANES {
+            gaps[l] += tau * rates[l];
+        }
+        if let Some((y, v)) = self.second {
+            let (y, v) = (x[y], x[v]);
+            for l in 0..LANES {
+                gaps[l] -= y[l] + tau * v[l];
+            }
+        }
+        for l in 0..LANES {
+            gaps[l] = self.sign * (gaps[l] - self.wall.offset());
+        }
+        gaps
+    }
+
+    /// Their rates.
+    #[inline(always)]
+    pub(crate) fn rates(&self, x: &[Lane]) -> Lane {
+        let mut rates = x[self.first.1];
+        if let Some((_, v)) = self.second {
+            let v = x[v];
+            for l in 0..LANES {
+                rates[l] -= v[l];
+            }
+        }
+        for l in 0..LANES {
+            rates[l] *= self.sign;
+        }
+        rates
+    }
+
+    /// Whether the motion is on the wall, up to the rounding of its displacements.
+    pub(crate) fn touches(&self, x: &[f64]) -> bool {
+        let scale = x[self.first.0].abs() + self.second.map_or(0.0, |(y, _)| x[y].abs());
+        self.gap(x) <= if self.second.is_some() { 8.0 * f64::EPSILON * scale } else { 0.0 }
+    }
+
+    /// Whether trajectories come to rest on the wall: no noise drives them off it, and impacts take energy.
+    pub(crate) fn is_rested_on(&self) -> bool {
+        self.noiseless && self.wall.restitution() < 1.0
+    }
+
+    /// Whether the motion rests on the wall.
+    pub(crate) fn rests(&self, x: &[f64]) -> bool {
+        self.touches(x) && self.rate(x) == 0.0
+    }
+
+    /// Puts the motion onto the wall.
+    #[inline]
+    pub(crate) fn close(&self, x: &mut [f64]) {
+        match self.second {
+            None => x[self.first.0] = self.wall.offset(),
+            Some((second, _)) => {
+                let first = self.first.0;
+                let excess = x[first] - x[second] - self.wall.offset();
+                x[second] += self.shares[1] * excess;
+                x[first] = x[second] + self.wall.offset();
+            }
+        }
+    }
+
+    /// Puts a motion behind the wall as far before it.
+    pub(crate) fn mirror(&self, x: &mut [f64]) {
+        let before: Vec<f64> = x.to_vec();
+        self.close(x);
+        x.iter_mut().zip(before).for_each(|(x, before)| *x += *x - before);
+    }
+
+    /// The impact of restitution `r`: the rate of the gap is turned round, and the momentum of two bodies kept.
+    #[inline]
+    pub(crate) fn strike(&self, r: f64, x: &mut [f64]) {
+        let first = self.first.1;
+        match self.second {
+            None => x[first] *= -r,
+            Some((_, second)) => {
+                let change = (1.0 + r) * (x[first] - x[second]);
+                x[second] += self.shares[1] * change;
+                // A rebound of zero leaves the two with one velocity, whatever the rounding.
+                x[first] = if r == 0.0 { x[second] } else { x[first] - self.shares[0] * change };
+            }
+        }
+    }
+
+    /// Adds the force of the contact to the drift of a state at rest on the wall: the acceleration of the gap is not below zero.
+    pub(crate) fn support(&self, drift: &mut [f64]) {
+        let acceleration = self.rate(drift);
+        if acceleration < 0.0 {
+            drift[self.first.1] -= self.sign * self.shares[0] * acceleration;
+            if let Some((_, second)) = self.second {
+                drift[second] += self.sign * self.shares[1] * acceleration;
+            }
+        }
+    }
+
+    /// The entry of a symmetric matrix of the states that belongs to the rate of the gap, such as B_ww of the noise.
+    pub(crate) fn of_rate(&self, entry: impl Fn(usize, usize) -> f64) -> f64 {
+        let first = self.first.1;
+        match self.second {
+            None => entry(first, first),
+            Some((_, second)) => entry(first, first) - 2.0 * entry(first, second) + entry(second, second),
+        }
+    }
+
+    /// The state at rest on the wall, all other displacements at 0 as well as the velocities.
+    pub(crate) fn at_rest(&self, states: usize) -> Vec<f64> {
+        let mut x = vec![0.0; states];
+        self.close(&mut x);
+        x
+    }
+
+    /// The gap's velocities.
+    pub(crate) fn velocities(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.first.1).chain(self.second.map(|(_, v)| v))
+    }
+}
+
+impl Problem {
+    /// The walls as the motion meets them, in their order.
+    pub(crate) fn contacts(&self) -> Vec<Contact> {
+        let pair = |state| (state, self.velocity_of(state).unwrap_or(state));
+        let of = |wall: &Wall| {
+            let sign = if wall.is_above() { 1.0 } else { -1.0 };
+            let (first, second) = (pair(wall.state()), wall.other().map(pair));
+            let contact = Contact { wall: *wall, sign, first, second, shares: wall.shares(), noiseless: false };
+            Contact { noiseless: self.is_noiseless_at(&contact), ..contact }
+        };
+        self.walls().iter().map(of).collect()
+    }
+
+    /// Whether B_ww vanishes wherever the motion rests on a wall.
+    fn is_noiseless_at(&self, Contact { wall, first, second, .. }: &Contact) -> bool {
+        let n = self.dimension();
+        let b = |i: usize, j: usize| &self.operator().diffusion()[i][j];
+        let mut states: Vec<Polynomial> = (0..n).map(|i| Polynomial::variable(n, i)).collect();
+        let (power, offset) = match *second {
+            None => {
+                states[first.1] = Polynomial::zero(n);
+                (b(first.1, first.1).clone(), Polynomial::zero(n))
+            }
+            Some((y, v)) => {
+                states[first.1] = Polynomial::variable(n, v);
+                let mixed = b(first.1, v) * -2.0;
+                (&(b(first.1, first.1) + &mixed) + b(v, v), Polynomial::variable(n, y))
+            }
+        };
+        states[first.0] = offset + wall.offset();
+        let largest = |p: &Polynomial| p.terms().map(|(_, c)| c.abs()).fold(0.0, f64::max);
+        largest(&power.compose(&states)) <= NOTHING * largest(&power)
+    }
+}
+
+/// What rounding leaves of terms that cancel, relative to the largest.
+const NOTHING: f64 = 1e-12;
