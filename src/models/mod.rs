@@ -19,12 +19,15 @@
 //! | [`NonlinearEnergySink`] | the same with s = ν (x − y)³ + γ (x′ − y′) | none |
 //! | [`FilteredDuffing`] | Duffing under z, z′ = a (ξ − z) or z″ + 2ζω z′ + ω² z = ω² ξ | none |
 //! | [`VibroImpactDuffing`] | Duffing above a wall that need not stand at the rest position | for r = 1; for r near 1 the asymptotic [`EnergyAveraged`] |
+//! | [`ColouredVibroImpact`] | the same under z + ξ₀ with z′ = a (ξ − z) | none |
+//! | [`ImpactAbsorber`] | a structure with an absorber between two stops | none |
 //!
 //! Every D is an intensity as in [`Intensity`](crate::Intensity); H = x′²/2 + G(x) is the energy per unit mass, G′ the restoring force.
 
 mod attachment;
 mod bistable_harvester;
 mod chain;
+mod coloured_vibro_impact;
 mod cubic_damping;
 mod displacement_noise;
 mod duffing;
@@ -33,6 +36,7 @@ mod energy_averaged;
 mod energy_damping;
 mod filtered_duffing;
 mod follower;
+mod impact_absorber;
 mod linear;
 mod nonlinear_energy_sink;
 mod parametric_linear;
@@ -45,6 +49,7 @@ mod viscoelastic_isolator;
 
 pub use bistable_harvester::BistableHarvester;
 pub use chain::DuffingChain;
+pub use coloured_vibro_impact::ColouredVibroImpact;
 pub use cubic_damping::CubicDamping;
 pub use displacement_noise::DisplacementNoise;
 pub use duffing::Duffing;
@@ -52,6 +57,7 @@ pub use duffing_van_der_pol::DuffingVanDerPol;
 pub use energy_averaged::EnergyAveraged;
 pub use energy_damping::EnergyDamping;
 pub use filtered_duffing::FilteredDuffing;
+pub use impact_absorber::ImpactAbsorber;
 pub use linear::Linear;
 pub use nonlinear_energy_sink::NonlinearEnergySink;
 pub use parametric_linear::{ParametricLinear, PowerLaw};

@@ -38,14 +38,14 @@ impl Problem {
     /// A state without motion that no wall excludes: that at 0, moved as far as the walls ask.
     pub(crate) fn still(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.dimension()];
-        inside(&self.contacts(), &mut x, |contact, x| contact.close(x));
+        inside(&self.contacts(), &mut x, Contact::close);
         x
     }
 }
 
 /// Moves the displacements of a state from behind walls, back by as much as they are beyond.
 pub(crate) fn reflect(contacts: &[Contact], x: &mut [f64]) {
-    inside(contacts, x, |contact, x| contact.mirror(x));
+    inside(contacts, x, Contact::mirror);
 }
 
 fn inside(contacts: &[Contact], x: &mut [f64], put: impl Fn(&Contact, &mut [f64])) {

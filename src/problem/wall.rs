@@ -14,8 +14,8 @@ pub(crate) const COLLAPSE: &str = "the restitution is at most 0.163, where grazi
 ///
 /// Where white noise acts on the velocity ẏ, r ≤ 0.163 lets trajectories collapse onto the wall after infinitely many impacts:
 /// moments stay finite, but the impact rate is infinite, and every method's provenance carries a warning. Where none does and
-/// r < 1, as behind a filter, every trajectory that is pressed onto the wall comes to rest there for a while, and there is no
-/// density: the simulation is the method for such a wall.
+/// r < 1, as behind a filter, a trajectory that is pressed onto the wall comes to rest there after infinitely many impacts, and
+/// stays until its acceleration points away from it. There is no density then: the simulation is the method for such a wall.
 ///
 /// ```
 /// use expoly::{Wall, models::{Duffing, Solved}};

@@ -240,7 +240,7 @@ impl<'a> Simulation<'a> {
         if let Some(start) = &self.start {
             dimension("the start", start.len(), problem.dimension())?;
             start.iter().try_for_each(|&x| finite("start", x).map(|_| ()))?;
-            for contact in contacts.iter().filter(|contact| contact.gap(start) < 0.0) {
+            if let Some(contact) = contacts.iter().find(|contact| contact.gap(start) < 0.0) {
                 let remedy = "a trajectory must start on the side of each wall that the motion is on";
                 return Err(Error::OutOfRange { name: "start", value: start[contact.wall.state()], remedy });
             }

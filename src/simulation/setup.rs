@@ -20,7 +20,8 @@ use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 /// # Ok::<(), expoly::Error>(())
 /// ```
 ///
-/// It serves one wall, with the motion of state 0 above it. Moments and rates are calibrated
+/// It serves any walls, several of them hit in one step as well, and rest on a wall that no noise drives the motion off
+/// ([`SimulatedDensity::time_at_rest`](crate::SimulatedDensity::time_at_rest)). Moments and rates are calibrated
 /// ([`Simulation::control_variates`]).
 ///
 /// # One result, however it is made

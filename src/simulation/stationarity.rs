@@ -7,7 +7,7 @@ use super::{
     tally::{Layout, Tally},
 };
 use crate::polynomial::of_one;
-use crate::problem::COLLAPSE;
+use crate::problem::{COLLAPSE, Wall};
 use crate::simulation::tuning;
 
 /// As [`SimulatedDensity::stationarity`](super::SimulatedDensity::stationarity).
@@ -47,6 +47,11 @@ fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, 
     all.filter(|(_, time)| time.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// The warning for walls that trajectories come to rest on.
+const CHATTER: &str = "no white noise acts on the velocity at a wall that takes energy, and trajectories come to rest on it after \
+    infinitely many impacts: the impact rate is infinite, and what is found of it is that of flights longer than 1/4096 of a \
+    time step; the time at rest, moments and the power that the impacts take are not affected";
+
 /// Why a run should not be relied on, if there is a reason.
 pub(super) fn warning(
     batches: &[Tally],
@@ -68,8 +73,11 @@ pub(super) fn warning(
              burn-in, if there is a stationary density at all"
         ));
     }
-    if plan.walls.iter().any(|wall| wall.collapses()) {
+    if plan.walls.iter().any(Wall::collapses) {
         return Some(COLLAPSE.to_owned());
+    }
+    if batches.iter().flat_map(|b| &b.passages.rests).any(|[time, _]| *time > 0.0) {
+        return Some(CHATTER.to_owned());
     }
     let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > tuning::errors::UNEVEN)?;
     Some(format!(

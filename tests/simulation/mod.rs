@@ -6,3 +6,4 @@ mod estimates;
 mod statistics;
 mod steps;
 mod tails;
+mod walls;

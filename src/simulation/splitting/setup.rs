@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 /// # Ok::<(), expoly::Error>(())
 /// ```
 ///
-/// It serves one wall, with the motion of state 0 above it.
+/// It serves any walls.
 ///
 /// The result is the same, bit for bit, on any number of threads: each replica has its own streams of random numbers. It runs
 /// on rayon's current pool.

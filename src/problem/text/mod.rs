@@ -1,0 +1,48 @@
+//! Problems as text.
+
+mod read;
+mod write;
+
+use crate::polynomial::Polynomial;
+use crate::scalar::Scalar;
+use crate::system::{Interpretation, PolynomialSystem};
+
+/// A system as its polynomials.
+pub(super) struct Written {
+    pub(super) states: Vec<String>,
+    pub(super) parameters: Vec<(String, f64)>,
+    pub(super) drift: Vec<Polynomial>,
+    /// By rows.
+    pub(super) noise: Vec<Vec<Polynomial>>,
+    pub(super) interpretation: Interpretation,
+}
+
+impl PolynomialSystem for Written {
+    fn states(&self) -> usize {
+        self.drift.len()
+    }
+
+    fn processes(&self) -> usize {
+        self.noise.first().map_or(0, Vec::len)
+    }
+
+    fn drift<S: Scalar>(&self, x: &[S]) -> Vec<S> {
+        self.drift.iter().map(|f| f.evaluate(x)).collect()
+    }
+
+    fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>> {
+        self.noise.iter().map(|row| row.iter().map(|g| g.evaluate(x)).collect()).collect()
+    }
+
+    fn interpretation(&self) -> Interpretation {
+        self.interpretation
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.states.clone()
+    }
+
+    fn parameters(&self) -> Vec<(String, f64)> {
+        self.parameters.clone()
+    }
+}
