@@ -66,6 +66,14 @@ pub enum Error {
         /// The first such state.
         state: usize,
     },
+    /// Trajectories come to rest on a wall.
+    #[error(
+        "there is no density: no white noise acts on the velocity at wall {wall}, and its impacts take energy, so that trajectories come to rest on it for a share of the time; a simulation has that share and all means, or let some white noise act on the velocity"
+    )]
+    Rests {
+        /// The first such wall, by its number in the problem.
+        wall: usize,
+    },
     /// The moment equations have no bounded solution.
     #[error(
         "no stationary density was found: under the Gaussian closure the variance of state {state} {behaviour}; the drift must bring every trajectory back, so check the signs of damping and leading stiffness"

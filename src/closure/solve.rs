@@ -30,12 +30,13 @@ impl Closure {
     /// # Errors
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for walls in other than two
-    /// states, and for nodes that do not serve the problem; [`Error::Unreached`] where no noise reaches a state;
+    /// states, and for nodes that do not serve the problem; [`Error::Unreached`] where no noise reaches a state; [`Error::Rests`] where trajectories come to rest on a wall;
     /// [`Error::Exploded`] where no trajectory stays;
     /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
     /// equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
         let begin = Instant::now();
+        problem.require_no_rest()?;
         let walls = problem.walls_of_plane(METHOD)?;
         problem.operator().require_reached()?;
         if walls.iter().any(Option::is_some) {

@@ -136,7 +136,7 @@ impl Grid {
     /// - [`Error::OutOfRange`]: an option without a meaning;
     /// - [`Error::Exploded`], [`Error::DomainCut`]: the density does not end within any domain that was tried, or
     ///   within the one given: the drift has no stationary density, or the domain is too small;
-    /// - [`Error::Unreached`]: a state that no noise reaches;
+    /// - [`Error::Unreached`]: a state that no noise reaches; [`Error::Rests`]: a wall that trajectories come to rest on;
     /// - [`Error::SingularSystem`]: more than one density is stationary, or none;
     /// - [`Error::Negative`]: a tenth of the solution is below zero, since the mesh does not resolve the density;
     /// - [`Error::TooMuchMemory`]: a mesh beyond [`Grid::memory_limit`].
@@ -154,6 +154,7 @@ impl Grid {
             let (what, remedy) = ("a problem of other than two states", "take the closure or the simulation");
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
+        problem.require_no_rest()?;
         let walls = problem.walls_of_plane("grid")?;
         self.memory.check()?;
         let (degree, cells) = self.validate(walls)?;

@@ -1,6 +1,7 @@
 //! Walls as the motion meets them.
 
 use super::{LANES, Lane, Problem, Wall};
+use crate::error::{Error, Result};
 use crate::polynomial::Polynomial;
 
 /// A wall by the gap g = ±(y_i − y_j − b) ≥ 0 between motion and wall, y_j = 0 for a single displacement.
@@ -174,25 +175,44 @@ impl Problem {
         self.walls().iter().map(of).collect()
     }
 
-    /// Whether B_ww vanishes wherever the motion rests on a wall.
-    fn is_noiseless_at(&self, Contact { wall, first, second, .. }: &Contact) -> bool {
-        let n = self.dimension();
-        let b = |i: usize, j: usize| &self.operator().diffusion()[i][j];
-        let mut states: Vec<Polynomial> = (0..n).map(|i| Polynomial::variable(n, i)).collect();
-        let (power, offset) = match *second {
-            None => {
-                states[first.1] = Polynomial::zero(n);
-                (b(first.1, first.1).clone(), Polynomial::zero(n))
-            }
-            Some((y, v)) => {
-                states[first.1] = Polynomial::variable(n, v);
-                let mixed = b(first.1, v) * -2.0;
-                (&(b(first.1, first.1) + &mixed) + b(v, v), Polynomial::variable(n, y))
-            }
+    /// Refuses walls that trajectories come to rest on: there is no density then.
+    ///
+    /// # Errors
+    /// [`Error::Rests`].
+    pub(crate) fn require_no_rest(&self) -> Result<()> {
+        let pressed = |contact: &Contact| {
+            let [first, second] = [contact.first.1, contact.second.map_or(contact.first.1, |(_, v)| v)]
+                .map(|v| &self.operator().drift()[v]);
+            let force = if contact.second.is_some() { first - second } else { first.clone() };
+            let force = &force.compose(&self.at_rest_on(contact)) * contact.sign;
+            force.degree() > 0 || force.constant_term() <= 0.0
         };
-        states[first.0] = offset + wall.offset();
+        match self.contacts().iter().position(|contact| contact.is_rested_on() && pressed(contact)) {
+            Some(wall) => Err(Error::Rests { wall }),
+            None => Ok(()),
+        }
+    }
+
+    /// The states as polynomials of themselves where the motion rests on a wall.
+    fn at_rest_on(&self, Contact { wall, first, second, .. }: &Contact) -> Vec<Polynomial> {
+        let n = self.dimension();
+        let mut states: Vec<Polynomial> = (0..n).map(|i| Polynomial::variable(n, i)).collect();
+        let nothing = || Polynomial::zero(n);
+        let [y, v] = second.map_or([nothing(), nothing()], |(y, v)| [y, v].map(|i| Polynomial::variable(n, i)));
+        (states[first.0], states[first.1]) = (y + wall.offset(), v);
+        states
+    }
+
+    /// Whether B_ww vanishes wherever the motion rests on a wall.
+    fn is_noiseless_at(&self, contact: &Contact) -> bool {
+        let b = |i: usize, j: usize| &self.operator().diffusion()[i][j];
+        let first = contact.first.1;
+        let power = match contact.second {
+            None => b(first, first).clone(),
+            Some((_, v)) => &(b(first, first) + &(b(first, v) * -2.0)) + b(v, v),
+        };
         let largest = |p: &Polynomial| p.terms().map(|(_, c)| c.abs()).fold(0.0, f64::max);
-        largest(&power.compose(&states)) <= NOTHING * largest(&power)
+        largest(&power.compose(&self.at_rest_on(contact))) <= NOTHING * largest(&power)
     }
 }
 

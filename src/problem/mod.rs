@@ -312,7 +312,7 @@ impl Problem {
         }
         if self.dimension() != 2 {
             let (what, remedy) =
-                ("walls in other than two states", "the simulation serves one wall in any number of them");
+                ("walls in other than two states", "the simulation serves walls in any number of them");
             return Err(Error::NotServed { method, what, remedy });
         }
         if self.walls.iter().any(|wall| wall.state() != 0) {

@@ -105,6 +105,40 @@ fn walls_need_a_displacement_and_room() -> Result<()> {
     Ok(())
 }
 
+/// Walls between two bodies: their masses, the same wall written the other way round, and walls that together leave no room.
+#[test]
+fn two_bodies_hit_each_other() -> Result<()> {
+    let problem = Problem::of(Coupled { names: &["x", "y", "u", "v"] })?;
+    let with = |walls: &[Wall]| walls.iter().try_fold(problem.clone(), |problem, wall| problem.with_wall(*wall));
+    let low = Wall::above(-0.5, 0.9)?.between([0, 1], [2.0, 1.0])?;
+    assert_eq!((low.state(), low.other(), low.masses()), (0, Some(1), Some([2.0, 1.0])));
+    assert!((low.mass() - 2.0 / 3.0).abs() < 1e-15 && low.on(1).other().is_none());
+    for masses in [[0.0, 1.0], [1.0, -1.0], [f64::NAN, 1.0], [1.0, f64::INFINITY], [1e-300, 1e300]] {
+        let refused = Wall::above(0.0, 1.0)?.between([0, 1], masses);
+        assert!(matches!(refused, Err(Error::OutOfRange { name: "mass of a body", .. })), "{masses:?}: {refused:?}");
+    }
+    let refused = |walls: &[Wall]| match with(walls).unwrap_err() {
+        Error::OutOfRange { name, value, .. } => (name, value),
+        error => panic!("{error}"),
+    };
+    assert_eq!(refused(&[Wall::above(0.0, 1.0)?.between([1, 1], [1.0, 1.0])?]), ("body", 1.0));
+    assert_eq!(with(&[low.between([0, 3], [1.0, 1.0])?]).unwrap_err(), Error::NotADisplacement { state: 3 });
+    // y₁ − y₂ ≥ −0.5 is y₂ − y₁ ≤ 0.5.
+    let turned = Wall::below(0.7, 1.0)?.between([1, 0], [1.0, 1.0])?;
+    assert_eq!(refused(&[low, turned]), ("offset of the wall", 0.7));
+    assert!(with(&[low, Wall::above(-0.7, 1.0)?.between([1, 0], [1.0, 1.0])?]).is_ok());
+    // y₁ ≥ 0, y₂ ≤ −1 and y₁ − y₂ ≤ 1 leave nothing but one point, and a little more leaves room.
+    let single = [Wall::above(0.0, 1.0)?, Wall::below(-1.0, 1.0)?.on(1)];
+    let near = |gap: f64| Wall::below(gap, 1.0)?.between([0, 1], [1.0, 1.0]);
+    assert_eq!(refused(&[single[0], single[1], near(1.0)?]), ("offset of the wall", 1.0));
+    let tight = with(&[single[0], single[1], near(1.01)?])?;
+    // Trajectories start in that room and stay in it.
+    for x in &expoly::Simulation::new().trajectories(32).samples(320).states(&tight)? {
+        assert!(x[0] >= 0.0 && x[1] <= -1.0 && x[0] - x[1] <= 1.01 + 1e-15, "{x:?}");
+    }
+    Ok(())
+}
+
 /// A system whose drift and noise have the stated length or another one.
 struct Uneven {
     drift: usize,

@@ -20,6 +20,8 @@ fn every_model_comes_back_to_the_same_bits() -> Result<()> {
     problems.push(("between walls", strip));
     let chain = chain_of_three().problem()?.with_wall(Wall::below(0.7, 0.5)?.on(4))?;
     problems.push(("a wall on the third mass", chain));
+    let pair = Wall::above(-1.0 / 3.0, 0.7)?.between([4, 0], [1.0 / 7.0, 2.0])?;
+    problems.push(("walls between bodies", chain_of_three().problem()?.with_wall(pair)?));
     for (name, problem) in &problems {
         let text = problem.to_toml()?;
         let again = Problem::from_toml(&text)?;
@@ -150,6 +152,11 @@ fn errors_name_the_line_and_the_entry() {
         ("above = -0.5\n", "", "give one of the two"),
         ("restitution = 0.9\n", "", "it has no restitution"),
         ("above = -0.5\n", "above = -0.5\nbelow = 0.5\n", "give one of the two"),
+        ("state = \"x\"", "between = [\"x\", \"y\"]", "between = "),
+        ("state = \"x\"", "between = [\"x\"]", "between = "),
+        ("state = \"x\"", "between = [\"x\", \"x\"]", "does not hit itself"),
+        ("state = \"x\"", "state = \"x\"\nmasses = [1, 2]", "masses are those of two bodies"),
+        ("state = \"x\"", "between = [\"x\", \"v\"]\nmasses = [1]", "give two masses"),
     ] {
         let error = Problem::from_toml(&format!("{DUFFING}{}", WALL.replace(from, to))).unwrap_err();
         let Error::NotAProblem { line, problem, .. } = &error else { panic!("{to}: {error}") };

@@ -3,7 +3,9 @@
 use crate::common::{between, walls_at};
 use expoly::models::{Duffing, FilteredDuffing};
 use expoly::statistics::Impacts;
-use expoly::{Density, Estimate, PolynomialDrift, Problem, Result, Scalar, SimulatedDensity, Simulation, Wall};
+use expoly::{
+    Closure, Density, Error, Estimate, PolynomialDrift, Problem, Result, Scalar, SimulatedDensity, Simulation, Wall,
+};
 
 /// Two bodies in equilibrium with a bath, m_i y_i″ + c_i y_i′ + k_i y_i + μ y_i³ + κ (y_i − y_j) = √(2 c_i T) ξ_i:
 /// p = C exp{−(½ m₁ v₁² + ½ m₂ v₂² + U)/T}, cut off by elastic walls.
@@ -279,6 +281,7 @@ fn two_walls_of_one_oscillator_match_other_methods() -> Result<()> {
 fn rest_on_a_wall_does_not_depend_on_the_step() -> Result<()> {
     let filtered = FilteredDuffing::first_order(Duffing::new(0.2, 1.0, 0.3, 0.3)?, 2.0)?.problem()?;
     let problem = filtered.with_wall(Wall::above(0.5, 0.6)?)?;
+    assert_eq!(Closure::new(4).solve(&problem).unwrap_err(), Error::Rests { wall: 0 });
     let run = |step: f64| {
         let simulation = Simulation::new().samples(200_000).time_step(step).burn_in(60.0).sampling_interval(1.0);
         simulation.seed((1.0 / step) as u64).run(&problem)

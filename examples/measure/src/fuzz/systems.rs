@@ -130,7 +130,7 @@ fn wall(draw: &mut Draw, above: bool, offset: f64) -> Result<Wall> {
     if above { Wall::above(offset, restitution) } else { Wall::below(offset, restitution) }
 }
 
-/// With a wall or two on a displacement, if there is one.
+/// With a wall or two on a displacement, if there is one, and perhaps one between it and another.
 fn walled(draw: &mut Draw, mut problem: Problem) -> Result<Problem> {
     let offsets = [0.0, draw.within(-1.0, 1.0), coefficient(draw, 1.0)];
     let offset = draw.of(offsets);
@@ -142,6 +142,12 @@ fn walled(draw: &mut Draw, mut problem: Problem) -> Result<Problem> {
         let room = coefficient(draw, 0.5).abs();
         let other = if above { offset + room } else { offset - room };
         problem = problem.with_wall(wall(draw, !above, other)?.on(state))?;
+    }
+    let body = problem.displacements().get(draw.below(problem.displacements().len())).map(|(other, _)| *other);
+    if let Some(other) = body.filter(|other| *other != state && draw.with(0.5)) {
+        let masses = [(); 2].map(|()| coefficient(draw, 1.0).abs());
+        let gap = coefficient(draw, 1.0);
+        problem = problem.with_wall(wall(draw, true, gap)?.between([state, other], masses)?)?;
     }
     Ok(problem)
 }
