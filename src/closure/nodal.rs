@@ -17,7 +17,7 @@ use super::space::nested_spaces::NestedSpaces;
 use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::numerics::Rule;
+use crate::numerics::{Rule, exponentials};
 use crate::provenance::Provenance;
 use crate::states::States;
 use faer::{Mat, MatRef};
@@ -189,7 +189,9 @@ impl NodalClosure {
         }
         let finer =
             Nodes::gauss(domain, 2 * tuning::nodes::FINE[self.discretisation.nodes.points.dimension().min(2) - 1]);
-        let mass: f64 = exponent.values(&finer.points).iter().zip(&finer.weights).map(|(log, w)| w * log.exp()).sum();
+        let mut density = exponent.values(&finer.points);
+        exponentials(&mut density);
+        let mass: f64 = density.iter().zip(&finer.weights).map(|(p, w)| w * p).sum();
         (0.9..=1.1).contains(&mass)
     }
 

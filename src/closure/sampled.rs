@@ -18,6 +18,7 @@ use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::memory::MemoryLimit;
+use crate::numerics::exponentials;
 use crate::problem::{Problem, Symmetry};
 use crate::provenance::Provenance;
 use std::time::Instant;
@@ -178,7 +179,8 @@ impl Sampled {
         } else {
             Lattice::finest(pilot, symmetry, copula, room).ok_or(coarse)?
         };
-        let weights = nodes.base.iter().map(|log| log.exp()).collect();
+        let mut weights = nodes.base;
+        exponentials(&mut weights);
         let discretisation =
             Discretisation::on_lattice(problem, (domain, family), (nodes.points, weights), guess.exponent.clone());
         let nodal = NodalClosure {

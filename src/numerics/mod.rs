@@ -1,9 +1,10 @@
 //! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, least
-//! squares, maxima of concave functions.
+//! squares, maxima of concave functions, exponentials of many numbers.
 
 mod ascent;
 mod definite;
 mod eigenvalues;
+mod exponential;
 mod gram;
 mod least_norm;
 pub(crate) mod legendre;
@@ -12,6 +13,7 @@ mod quadrature;
 pub(crate) use ascent::{Concave, Search};
 pub(crate) use definite::definite;
 pub(crate) use eigenvalues::eigenvalues;
+pub(crate) use exponential::exponentials;
 pub(crate) use gram::{add_gram, symmetric, weighted_gram};
 pub(crate) use least_norm::least_norm;
 pub(crate) use quadrature::Rule;

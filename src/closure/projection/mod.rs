@@ -8,7 +8,7 @@ use super::space::orthonormal::Orthonormal;
 use crate::checks::{finite, require};
 use crate::closure::tuning;
 use crate::error::Result;
-use crate::numerics::{Concave, definite, weighted_gram};
+use crate::numerics::{Concave, definite, exponentials, weighted_gram};
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 use faer::{Mat, MatRef};
@@ -93,7 +93,7 @@ pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], me
     }
     let (_, start) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     let summit = tuning::projection::SEARCH.ascend(&closeness, start)?;
-    let logarithm: Vec<f64> = target.iter().zip(&summit.at).map(|(target, d)| target + d).collect();
+    let logarithm: Vec<f64> = target.iter().zip(&summit.at.difference).map(|(target, d)| target + d).collect();
     let all = basis.coefficients(&summit.a);
     let finite = all.iter().all(|a| a.is_finite());
     finite.then(|| Projection { constant: all[0], coefficients: all[1..].to_vec(), logarithm })
@@ -122,37 +122,48 @@ fn tested(psi: &Mat<f64>, w: &[f64]) -> Vec<f64> {
     (0..psi.ncols()).map(|k| sums[(k, 0)]).collect()
 }
 
+/// Q − ln p̂ at the nodes, and w e^{Q−ln p̂}.
+struct Apart {
+    difference: Vec<f64>,
+    mass: Vec<f64>,
+}
+
 impl Concave for Closeness<'_> {
-    /// Q − ln p̂ at the nodes.
-    type At = Vec<f64>;
+    type At = Apart;
 
     fn combination(&self, c: &[f64]) -> Vec<f64> {
         (&self.psi * Mat::from_fn(c.len(), 1, |k, _| c[k])).col_as_slice(0).to_vec()
     }
 
-    fn value(&self, _: &[f64], combination: &[f64]) -> Option<(f64, Vec<f64>)> {
+    fn value(&self, _: &[f64], combination: &[f64]) -> Option<(f64, Apart)> {
         let at = |i: usize| self.fixed[i] + combination[i] - self.target[i];
         let difference: Vec<f64> = (0..self.target.len()).map(at).collect();
-        let cost: f64 = self.measure.iter().zip(&difference).map(|(w, d)| w * (d.exp() - 1.0 - d)).sum();
-        cost.is_finite().then_some((-cost, difference))
+        let mut mass = difference.clone();
+        exponentials(&mut mass);
+        let mut cost = 0.0;
+        for ((mass, d), w) in mass.iter_mut().zip(&difference).zip(self.measure) {
+            cost += w * (*mass - 1.0 - d);
+            *mass *= w;
+        }
+        cost.is_finite().then_some((-cost, Apart { difference, mass }))
     }
 
-    fn gradient(&self, difference: &Vec<f64>) -> Vec<f64> {
-        let mass: Vec<f64> = self.measure.iter().zip(difference).map(|(w, d)| w * d.exp()).collect();
-        self.wanted.iter().zip(tested(&self.psi, &mass)).map(|(wanted, tested)| wanted - tested).collect()
+    fn gradient(&self, Apart { mass, .. }: &Apart) -> Vec<f64> {
+        self.wanted.iter().zip(tested(&self.psi, mass)).map(|(wanted, tested)| wanted - tested).collect()
     }
 
     /// The identity at Q = ln p̂, and semidefinite to rounding everywhere.
-    fn curvature(&self, difference: &Vec<f64>, _: &[f64]) -> Option<Llt<f64>> {
-        let masses: Vec<f64> = self.measure.iter().zip(difference).map(|(w, d)| w * d.exp()).collect();
-        definite(weighted_gram(self.psi.as_ref(), &masses, &vec![0.0; self.psi.ncols()]))
+    fn curvature(&self, Apart { mass, .. }: &Apart, _: &[f64]) -> Option<Llt<f64>> {
+        definite(weighted_gram(self.psi.as_ref(), mass, &vec![0.0; self.psi.ncols()]))
     }
 }
 
 /// The weights times p^θ, with sum 1, for p given by its logarithm.
 pub(super) fn tempered(logarithm: &[f64], weights: &[f64], theta: f64) -> Vec<f64> {
     let top = logarithm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut measure: Vec<f64> = logarithm.iter().zip(weights).map(|(q, w)| w * (theta * (q - top)).exp()).collect();
+    let mut measure: Vec<f64> = logarithm.iter().map(|q| theta * (q - top)).collect();
+    exponentials(&mut measure);
+    measure.iter_mut().zip(weights).for_each(|(p, w)| *p *= w);
     let sum: f64 = measure.iter().sum();
     measure.iter_mut().for_each(|w| *w /= sum);
     measure

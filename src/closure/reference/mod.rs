@@ -14,6 +14,7 @@ use super::space::nested_spaces::{NestedSpaces, Truncation};
 use crate::checks::dimension;
 use crate::closure::tuning;
 use crate::error::Result;
+use crate::numerics::exponentials;
 use crate::polynomial::power;
 use crate::record::{Read, number};
 use crate::states::States;
@@ -276,7 +277,9 @@ fn log_ratio(correction: f64) -> f64 {
 /// The highest of some logarithms, and the sum over the nodes of their exponentials relative to it.
 pub(super) fn scaled_mass(log: &[f64], weights: &[f64]) -> (f64, f64) {
     let top = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (top, log.iter().zip(weights).map(|(q, w)| w * (q - top).exp()).sum())
+    let mut relative: Vec<f64> = log.iter().map(|q| q - top).collect();
+    exponentials(&mut relative);
+    (top, relative.iter().zip(weights).map(|(p, w)| w * p).sum())
 }
 
 /// A logarithm with the constant that makes its exponential's sum over the nodes 1.

@@ -6,6 +6,7 @@ use crate::closure::space::Polynomials;
 use crate::closure::tuning;
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::numerics::exponentials;
 use crate::record::{Read, positive, states};
 use crate::states::States;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -146,8 +147,9 @@ impl ImportanceRule {
             let (mut values, mut weights) = (Vec::with_capacity(BLOCK * n), Vec::with_capacity(BLOCK));
             self.block(&sampler, task / self.blocks, task % self.blocks, |x, logarithm| {
                 values.extend_from_slice(x);
-                weights.push((logarithm - self.shift).exp());
+                weights.push(logarithm - self.shift);
             });
+            exponentials(&mut weights);
             (values, weights)
         });
         let (values, weights): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.unzip();

@@ -4,6 +4,7 @@ use super::copula::Copula;
 use super::likelihood::Nodes;
 use crate::closure::pilot::Pilot;
 use crate::closure::tuning;
+use crate::numerics::exponentials;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive, states};
 use crate::states::States;
@@ -78,7 +79,9 @@ impl Lattice {
     pub(in crate::closure) fn all(&self, copula: &Copula) -> (States, Vec<f64>) {
         let whole = self.nodes(&Symmetry::none(self.centre.len()), copula, MOST);
         let nodes = whole.unwrap_or_else(|| Nodes::empty(self.centre.len()));
-        (nodes.points, nodes.base.iter().map(|log| log.exp()).collect())
+        let mut weights = nodes.base;
+        exponentials(&mut weights);
+        (nodes.points, weights)
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

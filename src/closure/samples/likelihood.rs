@@ -3,7 +3,7 @@
 use super::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::closure::tuning;
 use crate::estimate::Estimate;
-use crate::numerics::{Concave, Search, add_gram, definite, symmetric};
+use crate::numerics::{Concave, Search, add_gram, definite, exponentials, symmetric};
 use crate::states::States;
 use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
@@ -116,7 +116,10 @@ impl Likelihood<'_> {
     fn integral(&self, q: &[f64]) -> Option<(f64, Vec<f64>)> {
         let mut masses: Vec<f64> = q.iter().zip(&self.nodes.base).map(|(q, base)| q + base).collect();
         let top = masses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        masses.par_chunks_mut(BLOCK).for_each(|masses| masses.iter_mut().for_each(|q| *q = (*q - top).exp()));
+        masses.par_chunks_mut(BLOCK).for_each(|masses| {
+            masses.iter_mut().for_each(|q| *q -= top);
+            exponentials(masses);
+        });
         let sum: f64 = masses.iter().sum();
         masses.iter_mut().for_each(|p| *p /= sum);
         let integral = sum.ln() + top;
