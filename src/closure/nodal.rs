@@ -5,15 +5,16 @@ use super::candidates::{Candidate, Fitted, Origin, Retained, Scoring, mean_logar
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
+use super::discretisation::Discretisation;
 use super::discretisation::likelihood::likeliest;
-use super::discretisation::nodes::{self, Nodes, Table};
+use super::discretisation::nodes::{Nodes, Table};
 use super::discretisation::trust_domain::TrustDomain;
-use super::discretisation::{Discretisation, Passage};
 use super::pilot::Pilot;
 use super::projection::{Weight, project, tempered};
 use super::reference::{Reference, Start, normalised};
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::nested_spaces::NestedSpaces;
+use super::space::orthonormal::Orthonormal;
 use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
@@ -53,21 +54,24 @@ impl NodalClosure {
         let failed = |reason| Error::NotClosed { order, reason };
         let discretisation = &self.discretisation;
         let nested = discretisation.family.nested(order);
-        let (table, after) = self.tabulated(&nested);
+        let unsolved = || failed("its moment equations have no solution; the noise may not reach every state");
+        let table = self.tabulated(&nested).ok_or_else(unsolved)?;
         let reference =
             Reference::new(discretisation, &nested, &table, self.start.as_ref(), || self.fit(&self.pilot.states))
-                .ok_or_else(|| failed("its moment equations have no solution; the noise may not reach every state"))?;
+                .ok_or_else(unsolved)?;
         let kept = Retained::above(discretisation, &reference);
         if kept.points.len() < nested.answer_columns {
             return Err(failed("its moment equations leave no part of the trust domain to compare densities on"));
         }
-        let values = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| table.values[(kept.nodes[i], k)]);
+        let all = &table.functions.values;
+        let values = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| all[(kept.nodes[i], k)]);
         let validation_states = self.validation_states();
-        let scoring = self.scoring(&nested, &reference, &kept, values.as_ref(), &validation_states);
+        let functions = (&table.functions, values.as_ref());
+        let scoring = self.scoring(&nested, &reference, &kept, functions, &validation_states);
         let mut tried = self.tried(&scoring, &kept);
         let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
         let exact = self.exact_at(order, &scoring, &kept, chosen);
-        if let Some(content) = exact.and_then(|exact| self.exact(order, exact, &reference)) {
+        if let Some(content) = exact.and_then(|exact| self.exact(order, exact, &scoring)) {
             return Ok(content);
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
@@ -75,7 +79,7 @@ impl NodalClosure {
         if candidates[0].l1_estimate > tuning::UNRELIABLE && !self.resolved(&exponent, &kept.domain) {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
-        let (values, at_walls) = (values.as_ref(), after.as_ref());
+        let (values, at_walls) = (values.as_ref(), table.after.get(.., ..nested.lower_columns));
         let probe = Probe { kept: &kept, values, at_walls, own: nested.answer_columns, order };
         let unknown = Indication { indicator: f64::INFINITY, residual: f64::INFINITY };
         let indication = indicate(discretisation, &exponent, &probe).unwrap_or(unknown);
@@ -113,17 +117,12 @@ impl NodalClosure {
         Some(Integrals::Draws(Box::new(rule.with_log_mass(Estimate::new(-exponent.constant, tuning::SOLVED)))))
     }
 
-    /// All functions at the nodes and before impacts, less what they are after them; and what they are after them.
-    fn tabulated(&self, nested: &NestedSpaces) -> (Table, Mat<f64>) {
-        let Discretisation { nodes, locals, passages, .. } = &self.discretisation;
-        let ends = |end: fn(&Passage) -> &[f64; 2]| {
-            let mut points = States::new(nodes.points.dimension());
-            passages.iter().for_each(|passage| points.push(end(passage)));
-            nodes::values(&nested.all, &points)
-        };
-        let (before, after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
-        let table = Table::new(&nested.all, &nodes.points, locals).with_impacts(&before, &after);
-        (table, after.get(.., ..nested.lower_columns).to_owned())
+    /// All functions at the nodes and at impacts. None where they are linearly dependent under the first guess.
+    fn tabulated(&self, nested: &NestedSpaces) -> Option<Table> {
+        let Discretisation { nodes, locals, passages, guess, .. } = &self.discretisation;
+        // Between the flat weights and the steep ones that the functions are used with.
+        let measure = tempered(&guess.values(&nodes.points), &nodes.weights, tuning::reference::FLATNESS);
+        Table::new(&nested.all, &nodes.points, locals, passages, &measure)
     }
 
     /// The scoring of an order's densities, by the reference as it stands and as an exponential polynomial.
@@ -132,7 +131,7 @@ impl NodalClosure {
         nested: &NestedSpaces,
         reference: &'a Reference,
         kept: &Retained,
-        values: MatRef<'a, f64>,
+        (functions, values): (&'a Orthonormal, MatRef<'a, f64>),
         validation_states: &'a States,
     ) -> Scoring<'a> {
         let discretisation = &self.discretisation;
@@ -140,8 +139,9 @@ impl NodalClosure {
         let target: Vec<f64> = kept.nodes.iter().map(|&i| reference.logarithm[i]).collect();
         let target = normalised(&target, &weights);
         let fixed: Vec<f64> = kept.nodes.iter().map(|&i| discretisation.fixed[i]).collect();
-        let smooth = project(values, &fixed, &target, &tempered(&target, &weights, tuning::candidates::SMOOTHED))
-            .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
+        let smooth =
+            project((functions, values), &fixed, &target, &tempered(&target, &weights, tuning::candidates::SMOOTHED))
+                .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
         let likelihood = self.likelihood(reference, validation_states);
         let values = values.get(.., ..nested.answer_columns);
         let space = nested.answer.clone();
@@ -149,6 +149,7 @@ impl NodalClosure {
             discretisation,
             reference,
             space,
+            functions,
             values,
             fixed,
             target,
@@ -175,7 +176,7 @@ impl NodalClosure {
                 1.0,
             );
             if let Some(fit) = fit {
-                let log: Vec<f64> = kept.points.iter().map(|x| fit.value(x)).collect();
+                let log = fit.values(&kept.points);
                 tried.insert(0, scoring.scored(Origin::MaximumLikelihood, fit, &log));
             }
         }

@@ -1,3 +1,5 @@
+use crate::numerics::Number;
+
 /// The Fokker-Planck operator at one point.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Local {
@@ -67,13 +69,14 @@ impl Local {
 
 /// The generator f·∇φ + ½ B:∇∇φ, the mean rate of change of φ, for a function of this gradient and Hessian; B and the Hessian
 /// by rows.
-pub(crate) fn generator((drift, diffusion): (&[f64], &[f64]), gradient: &[f64], hessian: &[f64]) -> f64 {
+#[inline(always)]
+pub(crate) fn generator<T: Number>((drift, diffusion): (&[T], &[T]), gradient: &[T], hessian: &[T]) -> T {
     let n = drift.len();
-    let mut rate = 0.0;
+    let mut rate = T::everywhere(0.0);
     for i in 0..n {
         rate += drift[i] * gradient[i];
         for j in 0..n {
-            rate += 0.5 * diffusion[n * i + j] * hessian[n * i + j];
+            rate += diffusion[n * i + j] * 0.5 * hessian[n * i + j];
         }
     }
     rate

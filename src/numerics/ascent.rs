@@ -52,12 +52,18 @@ pub(crate) struct Summit<A> {
 }
 
 impl Search {
-    /// The maximum of `function`, from `start` on. None where values or derivatives are not finite.
-    pub(crate) fn ascend<F: Concave>(self, function: &F, start: Vec<f64>) -> Option<Summit<F::At>> {
+    /// The maximum of `function`, from `start` on, where a `curvature` that is nearly right may be given. None where values or
+    /// derivatives are not finite.
+    pub(crate) fn ascend<F: Concave>(
+        self,
+        function: &F,
+        start: Vec<f64>,
+        curvature: Option<Llt<f64>>,
+    ) -> Option<Summit<F::At>> {
         let mut combination = function.combination(&start);
         let (mut value, at) = function.value(&start, &combination)?;
         let mut summit = Summit { a: start, at, steps: 0, converged: false, next: f64::INFINITY };
-        let mut reused: Option<Llt<f64>> = None;
+        let mut reused = curvature;
         let mut last = f64::INFINITY;
         while summit.steps < self.most {
             let gradient = function.gradient(&summit.at);
@@ -143,15 +149,15 @@ mod tests {
         let search = Search { tolerance: 1e-12, most: 60 };
         let truth = [0.5_f64.atanh(), 1.5 * 0.75_f64.atanh()];
         for start in [[0.0, 0.0], [3.0, -4.0], [-6.0, 6.0]] {
-            let summit = search.ascend(&Logarithmic, start.to_vec()).unwrap();
+            let summit = search.ascend(&Logarithmic, start.to_vec(), None).unwrap();
             assert!(summit.converged && summit.next < 1e-12 && summit.steps < 40, "{} steps", summit.steps);
             for (a, truth) in summit.a.iter().zip(truth) {
                 assert!((a - truth).abs() < 1e-11, "{a} and {truth}");
             }
         }
         // A search that is cut short has not converged; from a start where nothing is finite, there is no maximum.
-        let early = Search { most: 2, ..search }.ascend(&Logarithmic, vec![-6.0, 6.0]).unwrap();
+        let early = Search { most: 2, ..search }.ascend(&Logarithmic, vec![-6.0, 6.0], None).unwrap();
         assert!(!early.converged && early.steps == 2);
-        assert!(search.ascend(&Logarithmic, vec![f64::INFINITY, 0.0]).is_none());
+        assert!(search.ascend(&Logarithmic, vec![f64::INFINITY, 0.0], None).is_none());
     }
 }

@@ -1,11 +1,6 @@
+use super::tall::{scaled, summed};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use rayon::prelude::*;
-
-/// Stretches of rows that are summed side by side: their number is the same on any number of threads, and so are the sums.
-const STRETCHES: usize = 16;
-/// Rows at a time, whose weighted copies stay in a core's cache.
-const ROWS: usize = 256;
 
 /// Adds the lower triangle of AᵀA, which is half of the work of the whole.
 pub(crate) fn add_gram(sum: MatMut<'_, f64>, a: MatRef<'_, f64>) {
@@ -15,28 +10,10 @@ pub(crate) fn add_gram(sum: MatMut<'_, f64>, a: MatRef<'_, f64>) {
 
 /// The lower triangle of Σ w_i (a_i − c)(a_i − c)ᵀ over the rows a_i, of weights w_i ≥ 0.
 pub(crate) fn weighted_gram(a: MatRef<'_, f64>, weights: &[f64], centre: &[f64]) -> Mat<f64> {
-    let (rows, columns) = (a.nrows(), a.ncols());
-    let length = rows.div_ceil(STRETCHES).max(1);
-    let stretch = |first: usize| {
-        let mut sum = Mat::zeros(columns, columns);
-        let mut table = Mat::<f64>::zeros(ROWS, columns);
-        let end = rows.min(first + length);
-        for begin in (first..end).step_by(ROWS) {
-            let used = ROWS.min(end - begin);
-            let roots: Vec<f64> = weights[begin..begin + used].iter().map(|w| w.sqrt()).collect();
-            for (k, centre) in centre.iter().enumerate() {
-                let (from, to) = (a.col(k).subrows(begin, used), table.col_as_slice_mut(k));
-                for ((to, from), root) in to.iter_mut().zip(from.iter()).zip(&roots) {
-                    *to = root * (from - centre);
-                }
-            }
-            add_gram(sum.as_mut(), table.get(..used, ..));
-        }
-        sum
-    };
-    let firsts: Vec<usize> = (0..rows).step_by(length).collect();
-    let parts: Vec<Mat<f64>> = firsts.into_par_iter().map(stretch).collect();
-    parts.iter().fold(Mat::zeros(columns, columns), |sum, part| sum + part)
+    summed(a.nrows(), &Mat::zeros(a.ncols(), a.ncols()), |sum, begin, rows| {
+        let roots: Vec<f64> = weights[begin..begin + rows].iter().map(|w| w.sqrt()).collect();
+        add_gram(sum, scaled(a, begin, &roots, |k| centre[k]).as_ref());
+    })
 }
 
 /// The symmetric matrix with this lower triangle.

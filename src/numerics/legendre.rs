@@ -1,5 +1,7 @@
 //! Legendre polynomials P_k, by P_{k+1} = a_k t P_k − b_k P_{k−1}.
 
+use super::Number;
+
 /// a_k = (2k + 1)/(k + 1) and b_k = k/(k + 1).
 #[inline(always)]
 pub(crate) fn recurrence(k: usize) -> [f64; 2] {
@@ -8,14 +10,15 @@ pub(crate) fn recurrence(k: usize) -> [f64; 2] {
 }
 
 /// P_0(t), P_1(t), … as far as the list goes.
-pub(crate) fn values(t: f64, p: &mut [f64]) {
+#[inline(always)]
+pub(crate) fn values<T: Number>(t: T, p: &mut [T]) {
     for k in 0..p.len() {
         p[k] = match k {
-            0 => 1.0,
+            0 => T::everywhere(1.0),
             1 => t,
             _ => {
                 let [a, b] = recurrence(k - 1);
-                a * t * p[k - 1] - b * p[k - 2]
+                t * a * p[k - 1] - p[k - 2] * b
             }
         };
     }

@@ -1,5 +1,5 @@
 //! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, least
-//! squares, maxima of concave functions, exponentials of many numbers.
+//! squares, maxima of concave functions, exponentials of many numbers, functions at several points at once.
 
 mod ascent;
 mod definite;
@@ -8,12 +8,16 @@ mod exponential;
 mod gram;
 mod least_norm;
 pub(crate) mod legendre;
+mod number;
 mod quadrature;
+mod tall;
 
-pub(crate) use ascent::{Concave, Search};
+pub(crate) use ascent::{Concave, Search, Summit};
 pub(crate) use definite::definite;
 pub(crate) use eigenvalues::eigenvalues;
 pub(crate) use exponential::exponentials;
 pub(crate) use gram::{add_gram, symmetric, weighted_gram};
 pub(crate) use least_norm::least_norm;
+pub(crate) use number::{EIGHT, Eight, Number};
 pub(crate) use quadrature::Rule;
+pub(crate) use tall::{combination, divide_by_triangle, stretches, triangle, weighted_product, weighted_sum};

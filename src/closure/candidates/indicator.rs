@@ -4,10 +4,10 @@ use super::Retained;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::Discretisation;
 use crate::closure::projection::tempered;
-use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::space::orthonormal::Change;
+use crate::numerics::weighted_sum;
 use crate::record::number;
 use faer::{Mat, MatRef};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// How large the residual of a density is.
@@ -25,7 +25,7 @@ pub(crate) struct Indication {
 /// The test functions and the nodes that a density is probed with.
 pub(in crate::closure) struct Probe<'a> {
     pub(in crate::closure) kept: &'a Retained,
-    /// The test functions at the kept nodes, the constant first, then those of Q.
+    /// The test functions at the kept nodes, each a combination of those up to it: the constant, those of Q, others.
     pub(in crate::closure) values: MatRef<'a, f64>,
     /// The same where trajectories leave a wall.
     pub(in crate::closure) at_walls: MatRef<'a, f64>,
@@ -44,12 +44,12 @@ pub(in crate::closure) fn indicate(
     probe: &Probe<'_>,
 ) -> Option<Indication> {
     let Probe { kept, values, at_walls, own, order } = *probe;
-    let log: Vec<f64> = kept.points.iter().map(|x| exponent.value(x)).collect();
-    let measure = tempered(&log, &kept.weights, 1.0);
-    let basis = Orthonormal::new(values, &measure)?;
-    let residuals = exponent.residuals(&kept.points, kept.nodes.par_iter().map(|&i| &discretisation.locals[i]));
-    let tested = Mat::from_fn(residuals.len(), 1, |i, _| measure[i].sqrt() * residuals[i]);
-    let mut f = basis.weighted.transpose() * tested;
+    let measure = tempered(&exponent.values(&kept.points), &kept.weights, 1.0);
+    let change = Change::new(values, &measure)?;
+    let residuals = exponent.residuals(&kept.points, |i| &discretisation.locals[kept.nodes[i]]);
+    let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
+    let mut f = Mat::zeros(values.ncols(), 1);
+    f.col_as_slice_mut(0).copy_from_slice(&weighted_sum(values, &weighted));
     if !discretisation.passages.is_empty() {
         // The flux out of the wall at the speed after the impact less the flux into it before.
         let missing = Mat::from_fn(discretisation.passages.len(), 1, |i, _| {
@@ -60,8 +60,9 @@ pub(in crate::closure) fn indicate(
             let density = |x: &[f64]| exponent.value(x).exp();
             passage.weight * (passage.contraction * density(&passage.after) - density(&passage.before))
         });
-        f -= basis.transformed(at_walls).transpose() * missing;
+        f -= at_walls.transpose() * missing;
     }
+    change.transform(f.as_mut());
     let columns = values.ncols();
     let norm = |from: usize, to: usize| (from..to).map(|k| f[(k, 0)].powi(2)).sum::<f64>();
     let residual = norm(1, own).sqrt();

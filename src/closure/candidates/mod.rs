@@ -10,6 +10,7 @@ use super::discretisation::trust_domain::TrustDomain;
 use super::projection::{Weight, distance, mixed, project};
 use super::reference::{Reference, normalised};
 use super::space::Functions;
+use super::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
 use crate::record::number;
 use crate::states::States;
@@ -74,7 +75,8 @@ pub(super) struct Scoring<'a> {
     pub(super) discretisation: &'a Discretisation,
     pub(super) reference: &'a Reference,
     pub(super) space: Functions,
-    /// The functions' values at the kept nodes, the constant's first.
+    /// The functions in their orthonormal combinations, the constant first, and the values of these at the kept nodes.
+    pub(super) functions: &'a Orthonormal,
     pub(super) values: MatRef<'a, f64>,
     pub(super) fixed: Vec<f64>,
     pub(super) weights: Vec<f64>,
@@ -145,7 +147,7 @@ impl Scoring<'_> {
     /// The density fitted to the reference with a share of the weight for the tails.
     fn fitted(&self, share: f64) -> Option<Fitted> {
         let measure = mixed(&self.target, &self.weights, share);
-        let projection = project(self.values, &self.fixed, &self.target, &measure)?;
+        let projection = project((self.functions, self.values), &self.fixed, &self.target, &measure)?;
         let exponent = Exponent {
             known: self.discretisation.known().to_vec(),
             space: self.space.clone(),
@@ -202,7 +204,7 @@ pub(super) struct Retained {
 
 impl Retained {
     pub(super) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
-        let domain = discretisation.domain.above(|x| reference.value(x), discretisation.drop);
+        let domain = discretisation.domain.above(|points| reference.values(points), discretisation.drop);
         let all = &discretisation.nodes;
         let kept = |i: &usize| discretisation.is_on_lattice() || domain.contains(&all.points[*i]);
         let nodes: Vec<usize> = (0..all.len()).filter(kept).collect();

@@ -1,8 +1,9 @@
+use crate::closure::space::sweep::{self, Differentiable, Function};
 use crate::closure::space::{Corner, Functions, Jet};
 use crate::fokker_planck::Local;
+use crate::numerics::Number;
 use crate::record::Read;
 use crate::states::States;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// ln p = Q₀ + c + Σ a_k φ_k.
@@ -20,34 +21,23 @@ pub(crate) struct Exponent {
 }
 
 impl Exponent {
-    pub(in crate::closure) fn value(&self, x: &[f64]) -> f64 {
-        self.constant + self.space.sum(x, &self.coefficients) + known_value(&self.known, x)
+    #[inline(always)]
+    pub(in crate::closure) fn value<T: Number>(&self, x: &[T]) -> T {
+        self.space.sum(x, &self.coefficients) + self.constant + known_value(&self.known, x)
     }
 
     /// The values at many states.
     pub(in crate::closure) fn values(&self, points: &States) -> Vec<f64> {
-        points.par_iter().map(|x| self.value(x)).collect()
-    }
-
-    /// The value with its derivatives.
-    pub(in crate::closure) fn jet(&self, x: &[f64], jet: &mut Jet) {
-        jet.clear();
-        self.space.combine(x, &self.coefficients, jet);
-        jet.value += self.constant;
-        self.known.iter().for_each(|corner| corner.add_singular(x, jet));
+        sweep::values(self, points)
     }
 
     /// The residual of exp(Q) at many states, given the Fokker-Planck operator there.
     pub(in crate::closure) fn residuals<'a>(
         &self,
         points: &States,
-        locals: impl IndexedParallelIterator<Item = &'a Local>,
+        local: impl Fn(usize) -> &'a Local + Sync,
     ) -> Vec<f64> {
-        let residual = |jet: &mut Jet, (x, local): (&[f64], &Local)| {
-            self.jet(x, jet);
-            local.residual(&jet.gradient, &jet.hessian)
-        };
-        points.par_iter().zip(locals).map_init(|| Jet::zero(points.dimension()), residual).collect()
+        sweep::at_jets(self, points, |i, gradient, hessian| local(i).residual(gradient, hessian))
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
@@ -68,7 +58,43 @@ impl Exponent {
     }
 }
 
+impl Function for Exponent {
+    #[inline(always)]
+    fn at<T: Number>(&self, x: &[T]) -> T {
+        self.value(x)
+    }
+}
+
+impl Differentiable for Exponent {
+    #[inline(always)]
+    fn jet<T: Number>(&self, x: &[T], jet: &mut Jet<T>) {
+        jet.clear();
+        self.space.combine(x, &self.coefficients, jet);
+        jet.value = jet.value + self.constant;
+        self.known.iter().for_each(|corner| corner.add_singular(x, jet));
+    }
+}
+
+/// Q₀ at many states.
+pub(in crate::closure) fn known_values(known: &[Corner], points: &States) -> Vec<f64> {
+    if known.is_empty() { vec![0.0; points.len()] } else { sweep::values(&Known(known), points) }
+}
+
+struct Known<'a>(&'a [Corner]);
+
+impl Function for Known<'_> {
+    #[inline(always)]
+    fn at<T: Number>(&self, x: &[T]) -> T {
+        known_value(self.0, x)
+    }
+}
+
 /// Q₀ at a state.
-pub(in crate::closure) fn known_value(known: &[Corner], x: &[f64]) -> f64 {
-    known.iter().map(|corner| corner.singular_value(x)).sum()
+#[inline(always)]
+fn known_value<T: Number>(known: &[Corner], x: &[T]) -> T {
+    let mut sum = T::everywhere(0.0);
+    for corner in known {
+        sum += corner.singular_value(x);
+    }
+    sum
 }

@@ -17,12 +17,12 @@ use crate::closure::tuning;
 use crate::density::{Crossing, Density, escape_direction};
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::numerics::exponentials;
 use crate::polynomial::Polynomial;
 use crate::provenance::Provenance;
 use crate::states::States;
 use content::{Content, Integrals};
 use exponent::Exponent;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
@@ -82,11 +82,15 @@ impl ClosureDensity {
             (Integrals::Draws(rule), Some(lattice)) => lattice.all(&rule.copula),
             (Integrals::Draws(_), None) => (States::new(content.dimension()), Vec::new()),
         };
-        let mass = |(x, w): (&[f64], &f64)| {
-            let log = content.exponent.value(x);
-            [log, content.reference.as_ref().map_or(log, |reference| reference.value(x))].map(|log| w * log.exp())
-        };
-        let masses = points.par_iter().zip(&weights).map(mass).collect();
+        let mut own = content.exponent.values(&points);
+        exponentials(&mut own);
+        let reference = content.reference.as_ref().map(|reference| {
+            let mut density = reference.values(&points);
+            exponentials(&mut density);
+            density
+        });
+        let pairs = own.iter().zip(reference.as_ref().unwrap_or(&own)).zip(&weights);
+        let masses = pairs.map(|((p, q), w)| [w * p, w * q]).collect();
         ClosureDensity { content, nodes: points, masses }
     }
 

@@ -66,7 +66,7 @@ impl Discretisation {
         let (centre, half_width) = met.box_around();
         let space = Smooth { centre, half_width, ..family.clone() }.functions(tuning::guess::DEGREE);
         let guess = likeliest(space, Vec::new(), &coarse, &pilot.states, pilot.inflation)?;
-        let domain = met.following(|x| guess.value(x), tuning::domain::DROP, tuning::domain::FOLLOWED);
+        let domain = met.following(|points| guess.values(points), tuning::domain::DROP, tuning::domain::FOLLOWED);
         let states = problem.dimension();
         let along = if states == 2 && highest_order <= tuning::nodes::LOW_ORDER {
             tuning::nodes::LOW_ORDER_NODES
@@ -101,7 +101,7 @@ impl Discretisation {
 
     /// The residual of exp(Q) at the nodes.
     pub(super) fn residuals(&self, q: &Exponent) -> Vec<f64> {
-        q.residuals(&self.nodes.points, self.locals.par_iter())
+        q.residuals(&self.nodes.points, |i| &self.locals[i])
     }
 
     /// The walls whose grazing impacts make the part of ln p that no function here can follow.

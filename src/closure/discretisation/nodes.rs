@@ -1,10 +1,11 @@
+use super::Passage;
 use super::trust_domain::TrustDomain;
-use crate::closure::space::Functions;
+use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::space::{Functions, sweep};
 use crate::fokker_planck::Local;
 use crate::numerics::Rule;
 use crate::states::States;
 use faer::Mat;
-use rayon::prelude::*;
 
 /// Points of the state space with weights: sums over them stand for integrals over the trust domain.
 #[derive(Clone, Debug)]
@@ -63,49 +64,52 @@ impl Nodes {
     }
 }
 
-/// The values of functions at points, with their mean rates of change: one row a point, one column a function.
+/// Functions at nodes, with their mean rates of change: one row a node, one column a function.
+///
+/// There is one more row for each impact: a function's values are those before, and its rate is its jump.
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct Table {
-    /// 1, φ₁ … φ_K.
-    pub(in crate::closure) values: Mat<f64>,
-    /// 0, Gφ₁ … Gφ_K.
+    /// Combinations of 1, φ₁ … φ_K.
+    pub(in crate::closure) functions: Orthonormal,
+    /// Their rates, those of the constant 0.
     pub(in crate::closure) rates: Mat<f64>,
+    /// Their values after impacts.
+    pub(in crate::closure) after: Mat<f64>,
 }
 
 impl Table {
-    /// Tabulates functions under the generator, whose coefficients at the points are `locals`.
-    pub(in crate::closure) fn new(space: &Functions, points: &States, locals: &[Local]) -> Self {
-        let columns = space.len() + 1;
-        let (mut values, mut rates) = (vec![1.0; points.len() * columns], vec![0.0; points.len() * columns]);
-        let rows = values.par_chunks_mut(columns).zip(rates.par_chunks_mut(columns));
-        rows.zip(points.par_iter()).zip(locals).for_each(|(((values, rates), x), local)| {
-            space.rates(x, (&local.drift, &local.diffusion), &mut values[1..], &mut rates[1..]);
-        });
-        Table { values: by_rows(&values, columns), rates: by_rows(&rates, columns) }
-    }
-
-    /// The table with one more row for each impact: a function's values are those before, and its rate is its jump.
-    pub(in crate::closure) fn with_impacts(&self, before: &Mat<f64>, after: &Mat<f64>) -> Self {
-        let (interior, columns) = (self.values.nrows(), self.values.ncols());
-        let joined = |inside: &Mat<f64>, beyond: &dyn Fn(usize, usize) -> f64| {
-            let entry = |i: usize, k: usize| if i < interior { inside[(i, k)] } else { beyond(i - interior, k) };
-            Mat::from_fn(interior + before.nrows(), columns, entry)
+    /// Tabulates functions, orthonormal under `measure`, under the generator, whose coefficients at the nodes are `locals`.
+    /// `None` where they are linearly dependent.
+    pub(in crate::closure) fn new(
+        space: &Functions,
+        points: &States,
+        locals: &[Local],
+        passages: &[Passage],
+        measure: &[f64],
+    ) -> Option<Self> {
+        let ends = |end: fn(&Passage) -> &[f64; 2]| {
+            let mut points = States::new(points.dimension());
+            passages.iter().for_each(|passage| points.push(end(passage)));
+            values(space, &points)
         };
-        Table {
-            values: joined(&self.values, &|i, k| before[(i, k)]),
-            rates: joined(&self.rates, &|i, k| after[(i, k)] - before[(i, k)]),
-        }
+        let (before, mut after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
+        let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len() + passages.len(), space.len() + 1));
+        let (inside, mut beyond) = values.as_mut().split_at_row_mut(points.len());
+        let (rates_inside, mut jumps) = rates.as_mut().split_at_row_mut(points.len());
+        let local = |i: usize| (&locals[i].drift[..], &locals[i].diffusion[..]);
+        sweep::tabulate_rates(space, points, local, [inside, rates_inside]);
+        beyond.copy_from(&before);
+        jumps.copy_from(&after - &before);
+        let functions = Orthonormal::new(values, measure)?;
+        functions.transform(rates.as_mut());
+        functions.transform(after.as_mut());
+        Some(Table { functions, rates, after })
     }
 }
 
 /// 1, φ₁ … φ_K at some points: one row a point.
 pub(in crate::closure) fn values(space: &Functions, points: &States) -> Mat<f64> {
-    let columns = space.len() + 1;
-    let mut rows = vec![1.0; points.len() * columns];
-    rows.par_chunks_mut(columns).zip(points.par_iter()).for_each(|(row, x)| space.values(x, &mut row[1..]));
-    by_rows(&rows, columns)
-}
-
-fn by_rows(rows: &[f64], columns: usize) -> Mat<f64> {
-    Mat::from_fn(rows.len() / columns, columns, |i, k| rows[i * columns + k])
+    let mut table = Mat::zeros(points.len(), space.len() + 1);
+    sweep::tabulate(space, points, table.as_mut());
+    table
 }

@@ -2,11 +2,16 @@ use crate::closure::pilot::Pilot;
 use crate::closure::tuning;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive_states, states};
+use crate::states::States;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// Angular sectors in two states.
 const SECTORS: usize = 48;
+
+/// States that a thread takes at a time.
+const CHUNK: usize = 1024;
 
 /// Steps along a ray in the search for its end.
 const RAY: usize = 128;
@@ -37,23 +42,27 @@ impl TrustDomain {
         walls: [Option<f64>; 2],
         widening: f64,
     ) -> Self {
-        let for_images = |work: &mut dyn FnMut(&[f64])| {
-            let mut image = vec![0.0; centre.len()];
-            for x in &pilot.states {
-                for change in 0..symmetry.count() {
-                    symmetry.reflect(change, x, &mut image);
-                    work(&image);
+        // The largest numbers that `enter` meets over all states and their images.
+        let largest = |count: usize, enter: &(dyn Fn(&[f64], &mut [f64]) + Sync)| -> Vec<f64> {
+            let part = |states: &[f64]| {
+                let (mut image, mut most) = (vec![0.0; centre.len()], vec![0.0; count]);
+                for x in states.chunks_exact(centre.len()) {
+                    for change in 0..symmetry.count() {
+                        symmetry.reflect(change, x, &mut image);
+                        enter(&image, &mut most);
+                    }
                 }
-            }
+                most
+            };
+            let greater = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(b).map(|(a, b)| a.max(b)).collect();
+            pilot.states.par_chunks(CHUNK).map(part).reduce(|| vec![0.0; count], greater)
         };
-        let mut scale = vec![0.0_f64; centre.len()];
-        for_images(&mut |x| {
+        let scale = largest(centre.len(), &|x, scale| {
             scale.iter_mut().zip(x.iter().zip(&centre)).for_each(|(s, (x, c))| *s = s.max((x - c).abs()));
         });
         let reach = vec![0.0; sectors(centre.len())];
         let mut domain = TrustDomain { centre: centre.clone(), scale, reach, walls };
-        let mut reach = domain.reach.clone();
-        for_images(&mut |x| {
+        let reach = largest(domain.reach.len(), &|x, reach| {
             let sector = domain.sector(x).0;
             reach[sector] = reach[sector].max(domain.distance(x));
         });
@@ -94,15 +103,13 @@ impl TrustDomain {
     /// The domain as far as a logarithmic density `log` falls: in each direction from three quarters of the present reach
     /// outwards, until it is `drop` below its highest value anywhere, begins to rise again, or the reach has grown by
     /// `most`.
-    pub(in crate::closure) fn following(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64, most: f64) -> Self {
-        let rays: Vec<Vec<f64>> = (0..self.reach.len())
-            .into_par_iter()
-            .map(|k| (0..=RAY).map(|step| log(&self.on_ray(k, step, most))).collect())
-            .collect();
+    pub(in crate::closure) fn following(&self, log: impl Fn(&States) -> Vec<f64>, drop: f64, most: f64) -> Self {
+        let logs = log(&self.on_rays(0..=RAY, most));
+        let rays = || logs.chunks_exact(RAY + 1);
         let inner = (0.75 / most * RAY as f64) as usize;
-        let highest = rays.iter().flat_map(|ray| &ray[..=inner]).copied().fold(f64::NEG_INFINITY, f64::max);
+        let highest = rays().flat_map(|ray| &ray[..=inner]).copied().fold(f64::NEG_INFINITY, f64::max);
         let mut domain = self.clone();
-        for (reach, ray) in domain.reach.iter_mut().zip(&rays) {
+        for (reach, ray) in domain.reach.iter_mut().zip(rays()) {
             let mut step = inner;
             while step < RAY
                 && ray[step] > highest - drop
@@ -113,6 +120,15 @@ impl TrustDomain {
             *reach *= most * step as f64 / RAY as f64;
         }
         domain
+    }
+
+    /// The points at some steps of all rays, sector after sector.
+    fn on_rays(&self, steps: RangeInclusive<usize>, most: f64) -> States {
+        let mut points = States::with_capacity(self.dimension(), self.reach.len() * (RAY + 1));
+        for sector in 0..self.reach.len() {
+            steps.clone().for_each(|step| points.push(&self.on_ray(sector, step, most)));
+        }
+        points
     }
 
     /// The point at `step` of `RAY` on the way from the centre through the middle of a sector to `most` times its reach;
@@ -164,18 +180,18 @@ impl TrustDomain {
     /// the wall that a ray behind it reaches beyond the domain do not count either.
     ///
     /// In three states and more it stays as it is.
-    pub(in crate::closure) fn above(&self, log: impl Fn(&[f64]) -> f64 + Sync, drop: f64) -> Self {
+    pub(in crate::closure) fn above(&self, log: impl Fn(&States) -> Vec<f64>, drop: f64) -> Self {
         if self.dimension() > 2 {
             return self.clone();
         }
-        let on_ray = |k: usize| {
-            let points = (1..=RAY).map(move |step| self.on_ray(k, step, 1.0));
-            points.map(|x| if self.contains(&x) { log(&x) } else { f64::NEG_INFINITY }).collect()
-        };
-        let rays: Vec<Vec<f64>> = (0..self.reach.len()).into_par_iter().map(on_ray).collect();
-        let highest = rays.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let points = self.on_rays(1..=RAY, 1.0);
+        let mut logs = log(&points);
+        for (log, _) in logs.iter_mut().zip(&points).filter(|(_, x)| !self.contains(x)) {
+            *log = f64::NEG_INFINITY;
+        }
+        let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut domain = self.clone();
-        for (reach, ray) in domain.reach.iter_mut().zip(&rays) {
+        for (reach, ray) in domain.reach.iter_mut().zip(logs.chunks_exact(RAY)) {
             let outermost = ray.iter().rposition(|log| *log > highest - drop);
             *reach *= outermost.map_or(0.0, |step| (step + 1) as f64 / RAY as f64);
         }

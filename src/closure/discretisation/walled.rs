@@ -3,7 +3,7 @@
 use super::likelihood::likeliest;
 use super::nodes::Nodes;
 use super::trust_domain::TrustDomain;
-use crate::closure::density::exponent::known_value;
+use crate::closure::density::exponent::known_values;
 use crate::closure::discretisation::{Discretisation, Passage, locals};
 use crate::closure::pilot::Pilot;
 use crate::closure::space::nested_spaces::{SpaceFamily, Walled};
@@ -43,14 +43,13 @@ pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Optio
     // The singular part scales with the intensity by its argument, and is not multiplied.
     guess.known = corners(1.0);
 
-    let domain = domain.above(|x| guess.value(x), tuning::domain::FULL_DROP);
+    let domain = domain.above(|points| guess.values(points), tuning::domain::FULL_DROP);
     let impacts = |wall: &Wall| impacts(wall, speed).collect::<Vec<_>>();
     let passages = walls.iter().flatten().flat_map(impacts);
     let passages = passages.filter(|passage| domain.contains(&passage.before) && domain.contains(&passage.after));
     let passages = passages.collect();
     let nodes = nodes.within(&domain);
-    let (locals, fixed) =
-        (locals(problem, &nodes), nodes.points.iter().map(|x| known_value(&guess.known, x)).collect());
+    let (locals, fixed) = (locals(problem, &nodes), known_values(&guess.known, &nodes.points));
     let family = SpaceFamily::Walled(Walled { corners: corners(1.0), centre, half_width });
     Some(Discretisation {
         family,

@@ -8,11 +8,11 @@ use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::{Discretisation, lines};
 use crate::closure::nodal::NodalClosure;
 use crate::closure::projection::{distance, project, tempered};
-use crate::closure::reference::{Reference, normalised, scaled_mass};
-use crate::closure::space::Jet;
+use crate::closure::reference::{normalised, scaled_mass};
 use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::space::sweep;
 use crate::closure::tuning;
-use crate::numerics::least_norm;
+use crate::numerics::{least_norm, weighted_product};
 use crate::states::States;
 use faer::{Col, Mat};
 
@@ -33,8 +33,8 @@ impl NodalClosure {
         let measure = tempered(&scoring.target, &kept.weights, 1.0);
         let lower = tuning::exact::LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
             let space = discretisation.family.nested(lower).answer;
-            let values = nodes::values(&space, &kept.points);
-            let fit = project(values.as_ref(), &scoring.fixed, &scoring.target, &measure)?;
+            let functions = Orthonormal::new(nodes::values(&space, &kept.points), &measure)?;
+            let fit = project((&functions, functions.values.as_ref()), &scoring.fixed, &scoring.target, &measure)?;
             if distance(&fit.logarithm, &scoring.target, &kept.weights) > polishable {
                 return None;
             }
@@ -50,12 +50,12 @@ impl NodalClosure {
         &self,
         order: u32,
         mut exponent: Exponent,
-        reference: &Reference,
+        scoring: &Scoring<'_>,
     ) -> Option<Content> {
         let discretisation = &self.discretisation;
         let (domain, nodes, lines) = if discretisation.family.is_smooth() && self.lattice.is_none() {
             let domain = discretisation.domain.following(
-                |x| exponent.value(x),
+                |points| exponent.values(points),
                 tuning::domain::FULL_DROP,
                 tuning::domain::EXACT_FOLLOWED,
             );
@@ -65,16 +65,14 @@ impl NodalClosure {
         } else {
             (discretisation.domain.clone(), discretisation.nodes.clone(), discretisation.lines.clone())
         };
-        let log: Vec<f64> = nodes.points.iter().map(|x| exponent.value(x)).collect();
+        let log = exponent.values(&nodes.points);
         let normal = normalised(&log, &nodes.weights);
         exponent.constant += normal[0] - log[0];
-        let validation_states = self.validation_states();
         let candidate = Candidate {
             origin: Origin::Exact,
             l1_estimate: 0.0,
             tail_estimate: 0.0,
-            likelihood_loss: self.likelihood(reference, &validation_states)
-                - mean_logarithm(&exponent, &validation_states),
+            likelihood_loss: scoring.likelihood - mean_logarithm(&exponent, scoring.pilot),
             accepted: true,
         };
         let unknowns = exponent.coefficients.len();
@@ -89,7 +87,7 @@ impl NodalClosure {
             guarded: self.guarded,
             candidates: vec![candidate],
             indication: Indication { indicator: 0.0, residual: 0.0 },
-            provenance: self.provenance(order, unknowns, reference.solved),
+            provenance: self.provenance(order, unknowns, scoring.reference.solved),
         })
     }
 }
@@ -109,30 +107,21 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
         .for_each(|passage| [passage.before, passage.after].iter().for_each(|x| ends.push(x)));
     let walls = nodes::values(&exponent.space, &ends);
     let mut last = f64::INFINITY;
-    let (mut row, mut rates) = (vec![1.0; count + 1], vec![0.0; count + 1]);
-    let (mut jet, mut reversed) = (Jet::zero(states), vec![0.0; states]);
     for _ in 0..tuning::exact::STEPS {
-        let log: Vec<f64> = points.iter().map(|x| current.value(x)).collect();
+        let log = current.values(points);
         let measure = tempered(&log, weights, 1.0);
-        let (mut square, mut parts) = (0.0, 0.0);
-        let mut values = Mat::zeros(points.len(), count + 1);
-        // The linearised residual of each function, and the residual in the first column.
-        let mut images = Mat::zeros(points.len(), count + 1);
-        for (i, x) in points.iter().enumerate() {
+        // The residual, its part that the drift makes, and the drift of its linearisation.
+        let linearised = sweep::at_jets(&current, points, |i, gradient, hessian| {
             let local = &discretisation.locals[kept.nodes[i]];
-            current.jet(x, &mut jet);
-            let r = local.residual(&jet.gradient, &jet.hessian);
-            local.reversed(&jet.gradient, &mut reversed);
-            exponent.space.rates(x, (&reversed, &local.diffusion), &mut row[1..], &mut rates[1..]);
-            let root = measure[i].sqrt();
-            for k in 0..=count {
-                values[(i, k)] = row[k];
-                images[(i, k)] = root * rates[k];
-            }
-            images[(i, 0)] = root * r;
-            square += measure[i] * r * r;
-            parts += measure[i] * (0..states).map(|a| (local.drift[a] * jet.gradient[a]).powi(2)).sum::<f64>();
-        }
+            let mut reversed = vec![0.0; states];
+            local.reversed(gradient, &mut reversed);
+            let along: f64 = local.drift.iter().zip(gradient).map(|(f, slope)| (f * slope).powi(2)).sum();
+            (local.residual(gradient, hessian), along, reversed)
+        });
+        let [square, parts] = linearised
+            .iter()
+            .zip(&measure)
+            .fold([0.0; 2], |[square, parts], ((r, along, _), w)| [square + w * r * r, parts + w * along]);
         let size = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
         if size < tuning::SOLVED {
             return Some(current);
@@ -142,21 +131,21 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
             return None;
         }
         last = size;
-        let basis = Orthonormal::new(values.as_ref(), &measure)?;
+        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), count + 1));
+        let local = |i: usize| (&linearised[i].2[..], &discretisation.locals[kept.nodes[i]].diffusion[..]);
+        sweep::tabulate_rates(&exponent.space, points, local, [values.as_mut(), images.as_mut()]);
+        // The residual itself stands in the first column.
+        images.col_as_slice_mut(0).iter_mut().zip(&linearised).for_each(|(image, (r, ..))| *image = *r);
+        let basis = Orthonormal::new(values, &measure)?;
         // Coefficients in units in which every function has the same size under p̃.
-        let scale: Vec<f64> = (1..=count)
-            .map(|k| {
-                let square: f64 = (0..points.len()).map(|i| measure[i] * values[(i, k)] * values[(i, k)]).sum();
-                square.sqrt().recip()
-            })
-            .collect();
-        let mut system = basis.weighted.transpose() * &images;
+        let scale: Vec<f64> = (1..=count).map(|k| basis.triangle.col(k).norm_l2().recip()).collect();
+        let mut system = weighted_product(basis.values.as_ref(), images.as_ref(), &measure);
         if !ends.is_empty() {
             let impacts = discretisation.passages.len();
             let (top, mass) = scaled_mass(&log, weights);
             let density: Vec<f64> = ends.iter().map(|x| (current.value(x) - top).exp() / mass).collect();
-            let after = Mat::from_fn(impacts, count + 1, |i, k| walls[(2 * i + 1, k)]);
-            let tests = basis.transformed(after.as_ref());
+            let mut tests = Mat::from_fn(impacts, count + 1, |i, k| walls[(2 * i + 1, k)]);
+            basis.transform(tests.as_mut());
             let missing = Mat::from_fn(impacts, count + 1, |i, k| {
                 let passage = &discretisation.passages[i];
                 let [before, after] = [0, 1].map(|end| density[2 * i + end] * walls[(2 * i + end, k)]);

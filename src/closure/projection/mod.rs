@@ -4,13 +4,12 @@
 
 pub(super) mod exact;
 
-use super::space::orthonormal::Orthonormal;
+use super::space::orthonormal::{Orthonormal, near_orthonormal};
 use crate::checks::{finite, require};
 use crate::closure::tuning;
 use crate::error::Result;
-use crate::numerics::{Concave, definite, exponentials, weighted_gram};
-use faer::linalg::solvers::Llt;
-use faer::prelude::*;
+use crate::numerics::{Concave, Summit, combination, definite, exponentials, weighted_gram, weighted_sum};
+use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef};
 use std::fmt;
 
@@ -67,41 +66,29 @@ pub(super) struct Projection {
 /// The Q that makes Σ w [e^{Q−ln p̂} − (Q − ln p̂)] least, `measure` being the w at the nodes.
 ///
 /// The sum is convex in a and least at Q = ln p̂. For w = p̂ it is the Kullback-Leibler distance, and its minimum has the
-/// moments of p̂; flatter w give more weight to the tails. `values` holds the functions' values at the nodes, the constant's
-/// first; `fixed` is Q₀. `None` where the functions are linearly dependent.
-pub(super) fn project(values: MatRef<'_, f64>, fixed: &[f64], target: &[f64], measure: &[f64]) -> Option<Projection> {
-    let basis = Orthonormal::new(values, measure)?;
-    let closeness = Closeness::new(basis.transformed(values), fixed, target, measure);
-    let psi = &closeness.psi;
-    let (rows, columns) = (psi.nrows(), psi.ncols());
-    // Least squares in ln p̂ to begin with. Under w itself they may turn upwards where w is small; under flatter weights
-    // they do not, but are worse in the middle.
-    let start = |share: f64| {
-        // √w^share: the rule's own weights are flattened too, which does no harm in a start.
-        let roots: Vec<f64> = measure.iter().map(|w| w.powf(share / 2.0)).collect();
-        let right = Mat::from_fn(rows, 1, |i, _| roots[i] * (target[i] - fixed[i]));
-        let c = Mat::from_fn(rows, columns, |i, k| roots[i] * psi[(i, k)]).qr().solve_lstsq(right);
-        let c: Vec<f64> = (0..columns).map(|k| c[(k, 0)]).collect();
-        closeness.value(&c, &closeness.combination(&c)).map(|(value, _)| (-value, c))
-    };
-    let mut starts = Vec::new();
-    for share in tuning::projection::STARTS {
-        starts.extend(start(share));
-        if starts.last().is_some_and(|(cost, _)| *cost < tuning::projection::NEAR) {
-            break;
-        }
-    }
-    let (_, start) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let summit = tuning::projection::SEARCH.ascend(&closeness, start)?;
+/// moments of p̂; flatter w give more weight to the tails. `values` holds the functions' orthonormal combinations at the nodes,
+/// the constant first; `fixed` is Q₀. `None` where the functions are linearly dependent.
+pub(super) fn project(
+    (functions, values): (&Orthonormal, MatRef<'_, f64>),
+    fixed: &[f64],
+    target: &[f64],
+    measure: &[f64],
+) -> Option<Projection> {
+    let near = near_orthonormal(values, measure);
+    // Where they are far from orthonormal, rounding would stop the search early.
+    let own = if near.is_some() { None } else { Some(Orthonormal::new(values.to_owned(), measure)?) };
+    let values = own.as_ref().map_or(values, |own| own.values.as_ref());
+    let closeness = Closeness { values, fixed, target, measure, wanted: weighted_sum(values, measure) };
+    let summit = closeness.most(near.or_else(|| closeness.gram(measure))?)?;
     let logarithm: Vec<f64> = target.iter().zip(&summit.at.difference).map(|(target, d)| target + d).collect();
-    let all = basis.coefficients(&summit.a);
+    let all = functions.coefficients(&own.map_or(summit.a.clone(), |own| own.coefficients(&summit.a)));
     let finite = all.iter().all(|a| a.is_finite());
     finite.then(|| Projection { constant: all[0], coefficients: all[1..].to_vec(), logarithm })
 }
 
-/// What [`project`] makes least, with its sign changed, as a function of the coefficients of orthonormal functions.
+/// What [`project`] makes least, with its sign changed, as a function of the coefficients.
 struct Closeness<'a> {
-    psi: Mat<f64>,
+    values: MatRef<'a, f64>,
     fixed: &'a [f64],
     target: &'a [f64],
     measure: &'a [f64],
@@ -109,17 +96,34 @@ struct Closeness<'a> {
     wanted: Vec<f64>,
 }
 
-impl<'a> Closeness<'a> {
-    fn new(psi: Mat<f64>, fixed: &'a [f64], target: &'a [f64], measure: &'a [f64]) -> Self {
-        let wanted = tested(&psi, measure);
-        Closeness { psi, fixed, target, measure, wanted }
+impl Closeness<'_> {
+    /// The maximum, given the factors of the curvature at Q = ln p̂.
+    fn most(&self, factors: Llt<f64>) -> Option<Summit<Apart>> {
+        // Least squares in ln p̂ to begin with. Under w itself they may turn upwards where w is small; under flatter weights
+        // they do not, but are worse in the middle.
+        let least_squares = |factors: &Llt<f64>, w: &[f64]| {
+            let right: Vec<f64> = (0..w.len()).map(|i| w[i] * (self.target[i] - self.fixed[i])).collect();
+            let right = weighted_sum(self.values, &right);
+            let c = factors.solve(Mat::from_fn(right.len(), 1, |k, _| right[k])).col_as_slice(0).to_vec();
+            self.value(&c, &self.combination(&c)).map(|(value, _)| (-value, c))
+        };
+        let mut starts: Vec<_> = least_squares(&factors, self.measure).into_iter().collect();
+        for share in tuning::projection::FLATTER {
+            if starts.last().is_some_and(|(cost, _)| *cost < tuning::projection::NEAR) {
+                break;
+            }
+            // The rule's own weights are flattened too, which does no harm in a start.
+            let flat: Vec<f64> = self.measure.iter().map(|w| w.powf(share)).collect();
+            starts.extend(self.gram(&flat).and_then(|factors| least_squares(&factors, &flat)));
+        }
+        let (cost, start) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        tuning::projection::SEARCH.ascend(self, start, (cost < tuning::projection::NEAR).then_some(factors))
     }
-}
 
-/// Σ w ψ_k.
-fn tested(psi: &Mat<f64>, w: &[f64]) -> Vec<f64> {
-    let sums = psi.transpose() * Mat::from_fn(w.len(), 1, |i, _| w[i]);
-    (0..psi.ncols()).map(|k| sums[(k, 0)]).collect()
+    /// The factors of Σ w ψψᵀ, which is semidefinite to rounding.
+    fn gram(&self, w: &[f64]) -> Option<Llt<f64>> {
+        definite(weighted_gram(self.values, w, &vec![0.0; self.values.ncols()]))
+    }
 }
 
 /// Q − ln p̂ at the nodes, and w e^{Q−ln p̂}.
@@ -132,7 +136,7 @@ impl Concave for Closeness<'_> {
     type At = Apart;
 
     fn combination(&self, c: &[f64]) -> Vec<f64> {
-        (&self.psi * Mat::from_fn(c.len(), 1, |k, _| c[k])).col_as_slice(0).to_vec()
+        combination(self.values, c)
     }
 
     fn value(&self, _: &[f64], combination: &[f64]) -> Option<(f64, Apart)> {
@@ -149,12 +153,11 @@ impl Concave for Closeness<'_> {
     }
 
     fn gradient(&self, Apart { mass, .. }: &Apart) -> Vec<f64> {
-        self.wanted.iter().zip(tested(&self.psi, mass)).map(|(wanted, tested)| wanted - tested).collect()
+        self.wanted.iter().zip(weighted_sum(self.values, mass)).map(|(wanted, tested)| wanted - tested).collect()
     }
 
-    /// The identity at Q = ln p̂, and semidefinite to rounding everywhere.
     fn curvature(&self, Apart { mass, .. }: &Apart, _: &[f64]) -> Option<Llt<f64>> {
-        definite(weighted_gram(self.psi.as_ref(), mass, &vec![0.0; self.psi.ncols()]))
+        self.gram(mass)
     }
 }
 

@@ -11,16 +11,15 @@ use super::projection::{distance, project, tempered};
 use super::samples::Moment;
 use super::space::Functions;
 use super::space::nested_spaces::{NestedSpaces, Truncation};
+use super::space::sweep::{self, Function};
 use crate::checks::dimension;
 use crate::closure::tuning;
 use crate::error::Result;
-use crate::numerics::exponentials;
+use crate::numerics::{Number, exponentials};
 use crate::polynomial::power;
 use crate::record::{Read, number};
 use crate::states::States;
-use faer::Mat;
 use moment_equations::resolve;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A start for a reference: the weight of a similar system's, and the size of its correction.
@@ -120,9 +119,9 @@ impl Reference {
     /// The distance to the closest density of the answer's order; 0 where there is none.
     fn distance_to_answer(&self, discretisation: &Discretisation, nested: &NestedSpaces, table: &Table) -> f64 {
         let weights = &discretisation.nodes.weights;
-        let values = table.values.get(..weights.len(), ..nested.answer_columns);
+        let values = table.functions.values.get(..weights.len(), ..nested.answer_columns);
         let measure = tempered(&self.logarithm, weights, 1.0);
-        let fit = project(values, &discretisation.fixed, &self.logarithm, &measure);
+        let fit = project((&table.functions, values), &discretisation.fixed, &self.logarithm, &measure);
         fit.map_or(0.0, |fit| distance(&fit.logarithm, &self.logarithm, weights))
     }
 
@@ -150,7 +149,9 @@ impl Reference {
                 .collect();
             // Where there are impacts, the equations have other terms besides the residual.
             let r = discretisation.passages.is_empty().then(|| discretisation.residuals(&weight));
-            let Some(found) = resolve(table, &measure, &passages, r.as_deref(), truncation) else { break };
+            let Some(found) = resolve(table, nested.columns(), &measure, &passages, r.as_deref(), truncation) else {
+                break;
+            };
             let error = found.error;
             if discretisation.is_on_lattice() && error > tuning::reference::UNKNOWN {
                 break;
@@ -167,7 +168,7 @@ impl Reference {
                 best = Some(Reference {
                     weight: weight.clone(),
                     space: nested.all.clone(),
-                    correction: found.coefficients,
+                    correction: table.functions.coefficients(&found.coefficients),
                     logarithm: normalised(&target, &nodes.weights),
                     error,
                     doubt: error,
@@ -184,10 +185,9 @@ impl Reference {
             {
                 break;
             }
-            let values = table.values.get(.., ..nested.weight_columns);
-            let values = values.get(..nodes.len(), ..);
+            let values = table.functions.values.get(..nodes.len(), ..nested.weight_columns);
             let Some(next) = project(
-                values,
+                (&table.functions, values),
                 &discretisation.fixed,
                 &target,
                 &tempered(&target, &nodes.weights, tuning::reference::FLATNESS),
@@ -216,11 +216,10 @@ impl Reference {
         let Nodes { points, weights, .. } = &discretisation.nodes;
         let measure = tempered(&self.weight.values(points), weights, 1.0);
         let columns = nested.lower_columns;
-        let part = |table: &Mat<f64>| table.get(.., ..columns).to_owned();
-        let lower = Table { values: part(&table.values), rates: part(&table.rates) };
         let truncation = Truncation { lower: columns, end: columns };
-        let lower = resolve(&lower, &measure, &[], Some(&discretisation.residuals(&self.weight)), truncation);
-        let own: Vec<f64> = points.par_iter().map(|x| self.correction_at(x)).collect();
+        let residuals = discretisation.residuals(&self.weight);
+        let lower = resolve(table, columns, &measure, &[], Some(&residuals), truncation);
+        let own = sweep::values(&Correction(self), points);
         let masses = |correction: &[f64]| -> Vec<f64> {
             let all: Vec<f64> = measure.iter().zip(correction).map(|(w, delta)| w * (1.0 + delta)).collect();
             let mass: f64 = all.iter().sum();
@@ -237,8 +236,9 @@ impl Reference {
     }
 
     /// δ at a state.
-    fn correction_at(&self, x: &[f64]) -> f64 {
-        self.correction[0] + self.space.sum(x, &self.correction[1..])
+    #[inline(always)]
+    fn correction_at<T: Number>(&self, x: &[T]) -> T {
+        self.space.sum(x, &self.correction[1..]) + self.correction[0]
     }
 
     /// The same with a constant added to ln p̂.
@@ -249,12 +249,12 @@ impl Reference {
 
     /// ln p̂ at many states, up to a constant.
     pub(super) fn values(&self, points: &States) -> Vec<f64> {
-        points.par_iter().map(|x| self.value(x)).collect()
+        sweep::values(self, points)
     }
 
     /// ln p̂ at a state, up to a constant.
     pub(super) fn value(&self, x: &[f64]) -> f64 {
-        self.weight.value(x) + log_ratio(self.correction_at(x))
+        self.at(x)
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
@@ -266,6 +266,24 @@ impl Reference {
             return Err(String::from("the reference's coefficients do not fit its functions"));
         }
         Ok(Reference { weight, space, doubt: self.error, ..self })
+    }
+}
+
+/// ln p̂, up to a constant.
+impl Function for Reference {
+    #[inline(always)]
+    fn at<T: Number>(&self, x: &[T]) -> T {
+        self.weight.value(x) + self.correction_at(x).map(log_ratio)
+    }
+}
+
+/// δ.
+struct Correction<'a>(&'a Reference);
+
+impl Function for Correction<'_> {
+    #[inline(always)]
+    fn at<T: Number>(&self, x: &[T]) -> T {
+        self.0.correction_at(x)
     }
 }
 

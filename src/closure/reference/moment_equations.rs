@@ -2,9 +2,10 @@
 
 use crate::closure::discretisation::nodes::Table;
 use crate::closure::space::nested_spaces::Truncation;
-use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::space::orthonormal::Change;
+use crate::numerics::{combination, weighted_product, weighted_sum};
+use faer::Mat;
 use faer::prelude::*;
-use faer::{Mat, MatRef};
 
 /// The density p̂ = ω (1 + δ) that satisfies the moment equations E\[Gψ_k\] = 0 of a whole space of functions, δ itself
 /// a combination of them.
@@ -16,7 +17,7 @@ use faer::{Mat, MatRef};
 pub(in crate::closure) struct Resolved {
     /// δ at the nodes.
     pub(in crate::closure) correction: Vec<f64>,
-    /// Its coefficients, the constant's first.
+    /// Its coefficients in the functions of the table.
     pub(in crate::closure) coefficients: Vec<f64>,
     /// ∫ ω |δ|.
     pub(in crate::closure) size: f64,
@@ -31,53 +32,43 @@ pub(in crate::closure) struct Resolved {
 /// through the edge of the domain, and is exactly zero where ω is the solution. The first is better where ω is far off at the
 /// edge, the second near the solution; the smoother of the two is returned, and their distance is part of its error.
 ///
-/// `measure` holds ω times the quadrature weights, with sum 1, at the rows of `table`; the rows beyond its length are
-/// impacts, the equations' other terms, and `passages` holds their weights. `None` where the functions are linearly dependent
-/// under ω or the system is singular.
+/// `measure` holds ω times the quadrature weights, with sum 1, at the rows of `table`, of which the first `columns` count; the
+/// rows beyond its length are impacts, the equations' other terms, and `passages` holds their weights. `None` where the functions
+/// are linearly dependent under ω or the system is singular.
 pub(in crate::closure) fn resolve(
     table: &Table,
+    columns: usize,
     measure: &[f64],
     passages: &[f64],
     residual: Option<&[f64]>,
     truncation: Truncation,
 ) -> Option<Resolved> {
-    let interior = measure.len();
-    let columns = table.values.ncols();
-    let basis = Orthonormal::new(table.values.get(..interior, ..), measure)?;
-    let roots: Vec<f64> = measure.iter().map(|w| w.sqrt()).collect();
-    let weighted = Mat::from_fn(interior, columns, |i, k| roots[i] * table.rates[(i, k)]);
-    let rates = basis.transformed(weighted.as_ref());
-    let mut matrix = rates.transpose() * &basis.weighted;
-    if !passages.is_empty() {
-        let at_wall = |m: MatRef<'_, f64>, weights: &[f64]| {
-            Mat::from_fn(passages.len(), columns, |i, k| weights[i] * m[(interior + i, k)])
-        };
-        let values = basis.transformed(at_wall(table.values.as_ref(), passages).as_ref());
-        let jumps = basis.transformed(table.rates.get(interior.., ..));
-        matrix += jumps.transpose() * values;
-    }
-    // The first ψ is the constant ±1.
-    let sign = basis.weighted[(0, 0)].signum();
-    let by_weight = Mat::from_fn(columns - 1, 1, |k, _| -sign * matrix[(k + 1, 0)]);
+    let (values, rates) = (table.functions.values.get(.., ..columns), table.rates.get(.., ..columns));
+    // Impacts are nodes with weights of their own.
+    let weights = [measure, passages].concat();
+    let mut matrix = weighted_product(rates, values, &weights);
+    let values = values.get(..measure.len(), ..);
+    let change = Change::new(values, measure)?;
+    change.transform(matrix.as_mut());
+    change.transform(matrix.transpose_mut());
+    let by_weight = Mat::from_fn(columns - 1, 1, |k, _| -matrix[(k + 1, 0)]);
     let by_residual = residual.map(|r| {
-        let column = Mat::from_fn(interior, 1, |i, _| roots[i] * r[i]);
-        let tested = basis.weighted.transpose() * column;
+        let weighted: Vec<f64> = measure.iter().zip(r).map(|(w, r)| w * r).collect();
+        let mut tested = Mat::zeros(columns, 1);
+        tested.col_as_slice_mut(0).copy_from_slice(&weighted_sum(values, &weighted));
+        change.transform(tested.as_mut());
         Mat::from_fn(columns - 1, 1, |k, _| -tested[(k + 1, 0)])
     });
     let factors = matrix.get(1.., 1..).partial_piv_lu();
-    let at_nodes = |c: &[f64]| -> Vec<f64> {
-        let c = Mat::from_fn(c.len(), 1, |k, _| c[k]);
-        let values = table.values.get(..interior, ..c.nrows()) * c;
-        (0..interior).map(|i| values[(i, 0)]).collect()
-    };
+    let at_nodes = |c: &[f64]| combination(values, c);
     let solutions = std::iter::once(by_weight).chain(by_residual).filter_map(|right| {
         let solved = factors.solve(right);
         let kept = truncation.end - 1;
         let d: Vec<f64> = std::iter::once(0.0).chain((0..kept).map(|k| solved[(k, 0)])).collect();
         let highest: Vec<f64> =
             d.iter().enumerate().map(|(k, d)| if k < truncation.lower { 0.0 } else { *d }).collect();
-        let rough: f64 = measure.iter().zip(at_nodes(&basis.coefficients(&highest))).map(|(w, d)| w * d.abs()).sum();
-        let coefficients = basis.coefficients(&d);
+        let rough: f64 = measure.iter().zip(at_nodes(&change.coefficients(&highest))).map(|(w, d)| w * d.abs()).sum();
+        let coefficients = change.coefficients(&d);
         let correction = at_nodes(&coefficients);
         (correction.iter().all(|d| d.is_finite()) && rough.is_finite()).then(|| {
             let size = measure.iter().zip(&correction).map(|(w, d)| w * d.abs()).sum();

@@ -68,7 +68,7 @@ impl Likelihood<'_> {
     /// The most likely density whose functions have the `means`, the constant left out: a·m − ln ∫ exp(Q) is concave. None
     /// where integrals are not finite.
     pub(super) fn most_likely(&self, means: &[f64], start: Vec<f64>, search: Search) -> Option<Fit> {
-        let summit = search.ascend(&Towards { likelihood: self, means }, start[1..].to_vec())?;
+        let summit = search.ascend(&Towards { likelihood: self, means }, start[1..].to_vec(), None)?;
         let (steps, converged, next, masses) = (summit.steps, summit.converged, summit.next, summit.at);
         Some(Fit { a: with_constant(&summit.a), effective: effective(&masses), steps, converged, next, masses })
     }

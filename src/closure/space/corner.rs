@@ -2,6 +2,7 @@
 
 use super::degrees::HIGHEST;
 use super::{Jet, PlaneJet, Similarity};
+use crate::numerics::Number;
 use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
 use serde::{Deserialize, Serialize};
@@ -59,30 +60,40 @@ impl Corner {
     }
 
     /// (u, w) of a state.
-    pub(super) fn coordinates(&self, x: &[f64]) -> [f64; 2] {
+    #[inline(always)]
+    pub(super) fn coordinates<T: Number>(&self, x: &[T]) -> [T; 2] {
         let side = self.side();
-        [side * (x[0] - self.wall.offset()), side * x[1]]
+        [(x[0] - self.wall.offset()) * side, x[1] * side]
     }
 
     /// The part S of ln p that grazing impacts make singular; 0 where the restitution is too small for such a part.
-    pub(in crate::closure) fn singular_value(&self, x: &[f64]) -> f64 {
-        self.singular_jet(x).value
+    #[inline(always)]
+    pub(in crate::closure) fn singular_value<T: Number>(&self, x: &[T]) -> T {
+        let [u, w] = self.coordinates(x);
+        T::from_points(|point| {
+            self.similarity.as_ref().map_or(0.0, |similarity| similarity.at(u.at(point), w.at(point)).value)
+        })
     }
 
     /// Adds S with its derivatives to `sum`.
-    pub(in crate::closure) fn add_singular(&self, x: &[f64], sum: &mut Jet) {
+    #[inline(always)]
+    pub(in crate::closure) fn add_singular<T: Number>(&self, x: &[T], sum: &mut Jet<T>) {
         sum.add(1.0, &self.singular_jet(x));
     }
 
-    fn singular_jet(&self, x: &[f64]) -> PlaneJet {
+    #[inline(always)]
+    fn singular_jet<T: Number>(&self, x: &[T]) -> PlaneJet<T> {
         let [u, w] = self.coordinates(x);
-        self.similarity.as_ref().map_or(PlaneJet::ZERO, |similarity| self.turned(similarity.at(u, w)))
+        self.turned(PlaneJet::from_points(|point| {
+            self.similarity.as_ref().map_or(PlaneJet::ZERO, |similarity| similarity.at(u.at(point), w.at(point)))
+        }))
     }
 
     /// Derivatives in (u, w) as derivatives in the state.
-    pub(super) fn turned(&self, mut jet: PlaneJet) -> PlaneJet {
+    #[inline(always)]
+    pub(super) fn turned<T: Number>(&self, mut jet: PlaneJet<T>) -> PlaneJet<T> {
         let side = self.side();
-        jet.gradient = jet.gradient.map(|slope| side * slope);
+        jet.gradient = jet.gradient.map(|slope| slope * side);
         jet
     }
 }
@@ -95,6 +106,12 @@ pub(crate) const SMALLEST: f64 = 1e-60;
 pub(crate) struct Kink(pub(crate) [i32; 3]);
 
 impl Kink {
+    /// The powers of u, w, A and 1/A.
+    pub(super) fn powers(&self) -> [usize; 4] {
+        let Kink([power, i, j]) = *self;
+        [i, j, power, -power].map(|power| power.max(0) as usize)
+    }
+
     /// Refuses powers without a meaning.
     pub(super) fn checked(self) -> Read<Self> {
         let Kink(powers @ [_, i, j]) = self;
@@ -105,68 +122,104 @@ impl Kink {
     }
 }
 
-/// A at a point, in scaled coordinates, with what its derivatives are made of.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Radius {
-    u: f64,
-    w: f64,
-    /// ∂u and ∂w of the scaled coordinates.
-    unit: [f64; 2],
-    /// A.
-    a: f64,
-    /// The derivatives of A⁶ over A⁶: in u and w, and the second ones.
-    slope: [f64; 2],
-    bend: [f64; 2],
+/// The powers of a number from 0 on.
+type Powers<T> = [T; HIGHEST as usize + 1];
+
+/// The powers up to the highest one asked for; the others are 0.
+#[inline(always)]
+fn powers<T: Number>(base: T, highest: usize) -> Powers<T> {
+    let mut powers = [T::everywhere(0.0); HIGHEST as usize + 1];
+    powers[0] = T::everywhere(1.0);
+    for k in 0..highest {
+        powers[k + 1] = powers[k] * base;
+    }
+    powers
 }
 
-impl Radius {
-    pub(super) fn new(corner: &Corner, x: &[f64]) -> Self {
+/// A at a point, in scaled coordinates, with what its kinks and their derivatives are made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Radius<T> {
+    /// Powers of u, of w, of A and of 1/A.
+    u: Powers<T>,
+    w: Powers<T>,
+    a: Powers<T>,
+    inverse: Powers<T>,
+    /// ∂u and ∂w of the scaled coordinates.
+    unit: [f64; 2],
+    /// The derivatives of A⁶ over A⁶: in u and w, and the second ones.
+    slope: [T; 2],
+    bend: [T; 2],
+}
+
+impl<T: Number> Radius<T> {
+    /// At a state, for kinks of powers up to `highest` of u, w, A and 1/A.
+    #[inline(always)]
+    pub(super) fn new(corner: &Corner, x: &[T], highest: [usize; 4]) -> Self {
         let reach = corner.reach();
         let unit = reach.map(f64::recip);
         let [u, w] = corner.coordinates(x);
-        let (u, w) = (u.max(0.0) * unit[0], w * unit[1]);
+        let (u, w) = (u.map(|u| u.max(0.0)) * unit[0], w * unit[1]);
         let kappa = 27.0 * corner.intensity() * reach[0] * unit[1].powi(3);
-        let w4 = w.powi(4);
-        let b = w4 * w * w + (kappa * u).powi(2) + SMALLEST;
+        let (w2, ku) = (w * w, u * kappa);
+        let w4 = w2 * w2;
+        let b = w4 * w2 + ku * ku + SMALLEST;
+        let a = b.map(|b| b.powf(1.0 / 6.0));
+        let over = T::everywhere(1.0) / b;
         Radius {
-            u,
-            w,
+            u: powers(u, highest[0]),
+            w: powers(w, highest[1]),
+            a: powers(a, highest[2]),
+            inverse: powers(T::everywhere(1.0) / a, highest[3]),
             unit,
-            a: b.powf(1.0 / 6.0),
-            slope: [2.0 * kappa * kappa * u / b, 6.0 * w4 * w / b],
-            bend: [2.0 * kappa * kappa / b, 30.0 * w4 / b],
+            slope: [u * (2.0 * kappa * kappa) * over, w4 * w * 6.0 * over],
+            bend: [over * (2.0 * kappa * kappa), w4 * 30.0 * over],
         }
     }
 
-    pub(super) fn value(&self, &Kink([power, i, j]): &Kink) -> f64 {
-        self.a.powi(power) * self.u.powi(i) * self.w.powi(j)
+    /// A^p.
+    #[inline(always)]
+    fn radial(&self, power: i32) -> T {
+        if power < 0 { self.inverse[power.unsigned_abs() as usize] } else { self.a[power as usize] }
+    }
+
+    #[inline(always)]
+    pub(super) fn value(&self, &Kink([power, i, j]): &Kink) -> T {
+        self.radial(power) * self.u[i as usize] * self.w[j as usize]
     }
 
     /// The function with its derivatives in (u, w), by the product rule.
-    pub(super) fn jet(&self, &Kink([power, i, j]): &Kink) -> PlaneJet {
+    #[inline(always)]
+    pub(super) fn jet(&self, &Kink([power, i, j]): &Kink) -> PlaneJet<T> {
         let s = f64::from(power) / 6.0;
-        let radial = self.a.powi(power);
-        let [du, dw] = self.slope.map(|slope| s * radial * slope);
-        let second = |p: usize, q: usize| s * (s - 1.0) * radial * self.slope[p] * self.slope[q];
-        let (duu, dww) = (second(0, 0) + s * radial * self.bend[0], second(1, 1) + s * radial * self.bend[1]);
-        let ([f, f1, f2], [h, h1, h2]) = (power_jet(self.u, i), power_jet(self.w, j));
+        let radial = self.radial(power);
+        let first = radial * s;
+        let second = first * (s - 1.0);
+        let [du, dw] = self.slope.map(|slope| first * slope);
+        let duu = second * self.slope[0] * self.slope[0] + first * self.bend[0];
+        let dww = second * self.slope[1] * self.slope[1] + first * self.bend[1];
+        let duw = second * self.slope[0] * self.slope[1];
+        let ([f, f1, f2], [h, h1, h2]) = (power_jet(&self.u, i), power_jet(&self.w, j));
         let [p, q] = self.unit;
-        let mixed = (second(0, 1) * f * h + du * f * h1 + dw * f1 * h + radial * f1 * h1) * p * q;
+        let mixed = (duw * f * h + du * f * h1 + dw * f1 * h + radial * f1 * h1) * (p * q);
         PlaneJet {
             value: radial * f * h,
             gradient: [(du * f + radial * f1) * h * p, (dw * h + radial * h1) * f * q],
             hessian: [
-                [(duu * f + 2.0 * du * f1 + radial * f2) * h * p * p, mixed],
-                [mixed, (dww * h + 2.0 * dw * h1 + radial * h2) * f * q * q],
+                [(duu * f + du * f1 * 2.0 + radial * f2) * h * (p * p), mixed],
+                [mixed, (dww * h + dw * h1 * 2.0 + radial * h2) * f * (q * q)],
             ],
         }
     }
 }
 
-/// tⁿ with two derivatives.
-fn power_jet(t: f64, n: i32) -> [f64; 3] {
-    let derivative = |order: i32, factor: i32| if n < order { 0.0 } else { f64::from(factor) * t.powi(n - order) };
-    [t.powi(n), derivative(1, n), derivative(2, n * (n - 1))]
+/// tⁿ with two derivatives, from the powers of t.
+#[inline(always)]
+fn power_jet<T: Number>(powers: &Powers<T>, n: i32) -> [T; 3] {
+    let n = n as usize;
+    let derivative = |order: usize, factor: usize| {
+        if n < order { T::everywhere(0.0) } else { powers[n - order] * factor as f64 }
+    };
+    [powers[n], derivative(1, n), derivative(2, n * n.saturating_sub(1))]
 }
 
 #[cfg(test)]

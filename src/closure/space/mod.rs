@@ -2,11 +2,13 @@
 //!
 //! - `degrees`: which monomials are of an order; `polynomials`: products of Legendre polynomials of them;
 //! - `corner`, `similarity`, `wall`: the functions next to walls;
-//! - `nested_spaces`: the spaces that an order needs; `orthonormal`: their bases under a weight.
+//! - `nested_spaces`: the spaces that an order needs; `orthonormal`: their bases under a weight;
+//! - `sweep`: functions at many points.
 
 pub(super) mod degrees;
 pub(super) mod nested_spaces;
 pub(super) mod orthonormal;
+pub(super) mod sweep;
 
 mod corner;
 mod polynomials;
@@ -18,6 +20,7 @@ pub(crate) use polynomials::Polynomials;
 pub(crate) use similarity::{CLOSEST, PER_UNIT, STEPS, Similarity, TAYLOR};
 pub(super) use wall::{WallFunctions, WallLevel};
 
+use crate::numerics::{EIGHT, Number};
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
 
@@ -51,7 +54,8 @@ impl Functions {
     }
 
     /// φ_k at `x`.
-    pub(super) fn values(&self, x: &[f64], values: &mut [f64]) {
+    #[inline(always)]
+    pub(super) fn values<T: Number>(&self, x: &[T], values: &mut [T]) {
         match self {
             Functions::Polynomials(functions) => functions.values(x, values),
             Functions::Walls(functions) => functions.values(x, values),
@@ -59,7 +63,8 @@ impl Functions {
     }
 
     /// φ_k and their mean rates of change f·∇φ_k + ½ B:∇∇φ_k at `x`, B by rows.
-    pub(super) fn rates(&self, x: &[f64], local: (&[f64], &[f64]), values: &mut [f64], rates: &mut [f64]) {
+    #[inline(always)]
+    pub(super) fn rates<T: Number>(&self, x: &[T], local: (&[T], &[T]), values: &mut [T], rates: &mut [T]) {
         match self {
             Functions::Polynomials(functions) => functions.rates(x, local, values, rates),
             Functions::Walls(functions) => functions.rates(x, local, values, rates),
@@ -67,15 +72,17 @@ impl Functions {
     }
 
     /// Σ a_k φ_k over as many functions as there are a_k.
-    pub(super) fn sum(&self, x: &[f64], a: &[f64]) -> f64 {
+    #[inline(always)]
+    pub(super) fn sum<T: Number>(&self, x: &[T], a: &[f64]) -> T {
         match self {
-            Functions::Polynomials(functions) => functions.added(0.0, x, a),
+            Functions::Polynomials(functions) => functions.added(T::everywhere(0.0), x, a),
             Functions::Walls(functions) => functions.sum(x, a),
         }
     }
 
     /// Adds Σ a_k φ_k with its derivatives to `sum`.
-    pub(super) fn combine(&self, x: &[f64], a: &[f64], sum: &mut Jet) {
+    #[inline(always)]
+    pub(super) fn combine<T: Number>(&self, x: &[T], a: &[f64], sum: &mut Jet<T>) {
         match self {
             Functions::Polynomials(functions) => functions.combine(x, a, sum),
             Functions::Walls(functions) => functions.combine(x, a, sum),
@@ -116,34 +123,39 @@ impl Functions {
     }
 }
 
-/// A value with its derivatives at a point.
+/// A value with its derivatives at a point, or at several.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::closure) struct Jet {
-    pub(in crate::closure) value: f64,
-    pub(in crate::closure) gradient: Vec<f64>,
+pub(in crate::closure) struct Jet<T> {
+    pub(in crate::closure) value: T,
+    pub(in crate::closure) gradient: Vec<T>,
     /// By rows.
-    pub(in crate::closure) hessian: Vec<f64>,
+    pub(in crate::closure) hessian: Vec<T>,
 }
 
-impl Jet {
+impl<T: Number> Jet<T> {
+    #[inline(always)]
     pub(in crate::closure) fn zero(states: usize) -> Self {
-        Jet { value: 0.0, gradient: vec![0.0; states], hessian: vec![0.0; states * states] }
+        let zero = T::everywhere(0.0);
+        Jet { value: zero, gradient: vec![zero; states], hessian: vec![zero; states * states] }
     }
 
     /// Makes all numbers 0 again.
+    #[inline(always)]
     pub(in crate::closure) fn clear(&mut self) {
-        self.value = 0.0;
-        self.gradient.fill(0.0);
-        self.hessian.fill(0.0);
+        let zero = T::everywhere(0.0);
+        self.value = zero;
+        self.gradient.fill(zero);
+        self.hessian.fill(zero);
     }
 
     /// Adds `factor` times the jet of a function of two states.
-    pub(super) fn add(&mut self, factor: f64, other: &PlaneJet) {
-        self.value += factor * other.value;
+    #[inline(always)]
+    pub(super) fn add(&mut self, factor: f64, other: &PlaneJet<T>) {
+        self.value += other.value * factor;
         for i in 0..2 {
-            self.gradient[i] += factor * other.gradient[i];
+            self.gradient[i] += other.gradient[i] * factor;
             for j in 0..2 {
-                self.hessian[2 * i + j] += factor * other.hessian[i][j];
+                self.hessian[2 * i + j] += other.hessian[i][j] * factor;
             }
         }
     }
@@ -151,12 +163,26 @@ impl Jet {
 
 /// The same of a function of two states.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PlaneJet {
-    pub(super) value: f64,
-    pub(super) gradient: [f64; 2],
-    pub(super) hessian: [[f64; 2]; 2],
+pub(super) struct PlaneJet<T> {
+    pub(super) value: T,
+    pub(super) gradient: [T; 2],
+    pub(super) hessian: [[T; 2]; 2],
 }
 
-impl PlaneJet {
+impl PlaneJet<f64> {
     pub(super) const ZERO: Self = PlaneJet { value: 0.0, gradient: [0.0; 2], hessian: [[0.0; 2]; 2] };
+}
+
+impl<T: Number> PlaneJet<T> {
+    /// The jets at single points.
+    #[inline(always)]
+    pub(super) fn from_points(at: impl Fn(usize) -> PlaneJet<f64>) -> Self {
+        let mut jets = [PlaneJet::ZERO; EIGHT];
+        (0..T::POINTS).for_each(|point| jets[point] = at(point));
+        PlaneJet {
+            value: T::from_points(|point| jets[point].value),
+            gradient: [0, 1].map(|i| T::from_points(|point| jets[point].gradient[i])),
+            hessian: [0, 1].map(|i| [0, 1].map(|j| T::from_points(|point| jets[point].hessian[i][j]))),
+        }
+    }
 }

@@ -42,6 +42,11 @@ impl NestedSpaces {
             all,
         }
     }
+
+    /// The columns of `all`.
+    pub(in crate::closure) fn columns(&self) -> usize {
+        self.all.len() + 1
+    }
 }
 
 /// The spaces of all orders for one system.

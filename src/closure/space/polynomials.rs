@@ -1,7 +1,7 @@
 use super::Jet;
 use super::degrees::HIGHEST;
 use crate::control_variates::products::Products;
-use crate::numerics::legendre;
+use crate::numerics::{Number, legendre};
 use crate::polynomial::Polynomial;
 use crate::record::{Read, exponents, positive_states, states};
 use serde::{Deserialize, Serialize};
@@ -94,93 +94,105 @@ impl Polynomials {
         variables.map(|(x, (centre, half_width))| (x + -centre) * half_width.recip()).collect()
     }
 
-    pub(super) fn values(&self, x: &[f64], values: &mut [f64]) {
-        self.on_values(x, |table| {
-            for (value, factors) in values.iter_mut().zip(&self.factors) {
-                *value = factors.iter().map(|&(_, at)| table[at]).product();
-            }
-        });
+    #[inline(always)]
+    pub(super) fn values<T: Number>(&self, x: &[T], values: &mut [T]) {
+        let mut room = Room::new(self.width * self.centre.len(), T::everywhere(0.0));
+        let table = self.placed(x, room.entries());
+        for (value, factors) in values.iter_mut().zip(&self.factors) {
+            *value = product(table, factors);
+        }
     }
 
     /// `start` + Σ a_k φ_k, the terms added one after the other.
-    pub(super) fn added(&self, start: f64, x: &[f64], a: &[f64]) -> f64 {
-        let product =
-            |table: &[f64], factors: &[(usize, usize)]| factors.iter().map(|&(_, at)| table[at]).product::<f64>();
-        self.on_values(x, |table| {
-            self.factors.iter().zip(a).fold(start, |sum, (factors, a)| sum + product(table, factors) * a)
-        })
+    #[inline(always)]
+    pub(super) fn added<T: Number>(&self, start: T, x: &[T], a: &[f64]) -> T {
+        let mut room = Room::new(self.width * self.centre.len(), T::everywhere(0.0));
+        let table = self.placed(x, room.entries());
+        let mut sum = start;
+        for (factors, &a) in self.factors.iter().zip(a) {
+            sum += product(table, factors) * a;
+        }
+        sum
     }
 
-    pub(super) fn rates(&self, x: &[f64], (drift, diffusion): (&[f64], &[f64]), values: &mut [f64], rates: &mut [f64]) {
+    #[inline(always)]
+    pub(super) fn rates<T: Number>(
+        &self,
+        x: &[T],
+        (drift, diffusion): (&[T], &[T]),
+        values: &mut [T],
+        rates: &mut [T],
+    ) {
         let states = self.centre.len();
-        self.on_jets(x, |table| {
-            for ((value, rate), factors) in values.iter_mut().zip(rates).zip(&self.factors) {
-                *value = factors.iter().map(|&(_, at)| table[at][0]).product();
-                *rate = 0.0;
-                for (one, &(i, k)) in factors.iter().enumerate() {
-                    let others = product_without(table, factors, one, usize::MAX);
-                    *rate += others * (drift[i] * table[k][1] + 0.5 * diffusion[i * states + i] * table[k][2]);
-                    for (other, &(j, l)) in factors.iter().enumerate().skip(one + 1) {
-                        let b = diffusion[i * states + j];
-                        if b != 0.0 {
-                            *rate += product_without(table, factors, one, other) * b * table[k][1] * table[l][1];
-                        }
+        let mut room = Room::new(self.width * states, [T::everywhere(0.0); 3]);
+        let table = self.placed_jets(x, room.entries());
+        for ((value, rate), factors) in values.iter_mut().zip(rates).zip(&self.factors) {
+            *value = product_without(table, factors, usize::MAX, usize::MAX);
+            let mut sum = T::everywhere(0.0);
+            for (one, &(i, k)) in factors.iter().enumerate() {
+                let others = product_without(table, factors, one, usize::MAX);
+                sum += others * (drift[i] * table[k][1] + diffusion[i * states + i] * 0.5 * table[k][2]);
+                for (other, &(j, l)) in factors.iter().enumerate().skip(one + 1) {
+                    let b = diffusion[i * states + j];
+                    if !b.is_zero() {
+                        sum += product_without(table, factors, one, other) * b * table[k][1] * table[l][1];
                     }
                 }
             }
-        });
+            *rate = sum;
+        }
     }
 
-    pub(super) fn combine(&self, x: &[f64], a: &[f64], sum: &mut Jet) {
+    #[inline(always)]
+    pub(super) fn combine<T: Number>(&self, x: &[T], a: &[f64], sum: &mut Jet<T>) {
         let states = self.centre.len();
-        self.on_jets(x, |table| {
-            for (&a, factors) in a.iter().zip(&self.factors) {
-                sum.value += a * factors.iter().map(|&(_, at)| table[at][0]).product::<f64>();
-                for (one, &(i, k)) in factors.iter().enumerate() {
-                    let others = a * product_without(table, factors, one, usize::MAX);
-                    sum.gradient[i] += others * table[k][1];
-                    sum.hessian[i * states + i] += others * table[k][2];
-                    for (other, &(j, l)) in factors.iter().enumerate().skip(one + 1) {
-                        let mixed = a * product_without(table, factors, one, other) * table[k][1] * table[l][1];
-                        sum.hessian[i * states + j] += mixed;
-                        sum.hessian[j * states + i] += mixed;
-                    }
+        let mut room = Room::new(self.width * states, [T::everywhere(0.0); 3]);
+        let table = self.placed_jets(x, room.entries());
+        for (&a, factors) in a.iter().zip(&self.factors) {
+            sum.value += product_without(table, factors, usize::MAX, usize::MAX) * a;
+            for (one, &(i, k)) in factors.iter().enumerate() {
+                let others = product_without(table, factors, one, usize::MAX) * a;
+                sum.gradient[i] += others * table[k][1];
+                sum.hessian[i * states + i] += others * table[k][2];
+                for (other, &(j, l)) in factors.iter().enumerate().skip(one + 1) {
+                    let mixed = product_without(table, factors, one, other) * a * table[k][1] * table[l][1];
+                    sum.hessian[i * states + j] += mixed;
+                    sum.hessian[j * states + i] += mixed;
                 }
             }
-        });
+        }
     }
 
-    /// Works on a table of P_k of all degrees, state after state.
-    fn on_values<R>(&self, x: &[f64], work: impl FnOnce(&[f64]) -> R) -> R {
-        on_table(self.width * self.centre.len(), |table: &mut [f64]| {
-            for (i, row) in table.chunks_exact_mut(self.width).enumerate() {
-                let t = (x[i] - self.centre[i]) / self.half_width[i];
-                legendre::values(t, &mut row[..=self.highest[i]]);
-            }
-            work(table)
-        })
+    /// P_k of all degrees, state after state.
+    #[inline(always)]
+    fn placed<'a, T: Number>(&self, x: &[T], table: &'a mut [T]) -> &'a [T] {
+        for (i, row) in table.chunks_exact_mut(self.width).enumerate() {
+            let t = (x[i] - self.centre[i]) / T::everywhere(self.half_width[i]);
+            legendre::values(t, &mut row[..=self.highest[i]]);
+        }
+        table
     }
 
-    /// Works on a table of P_k, P_k′ and P_k″.
-    fn on_jets<R>(&self, x: &[f64], work: impl FnOnce(&[[f64; 3]]) -> R) -> R {
-        on_table(self.width * self.centre.len(), |table: &mut [[f64; 3]]| {
-            for (i, rows) in table.chunks_exact_mut(self.width).enumerate() {
-                let scale = self.half_width[i].recip();
-                let t = (x[i] - self.centre[i]) * scale;
-                rows[0] = [1.0, 0.0, 0.0];
-                if self.highest[i] > 0 {
-                    rows[1] = [t, scale, 0.0];
-                }
-                // The recurrence, and the same differentiated.
-                for k in 1..self.highest[i] {
-                    let ([p, d, s], [p0, d0, s0]) = (rows[k], rows[k - 1]);
-                    let [a, b] = legendre::recurrence(k);
-                    rows[k + 1] =
-                        [a * t * p - b * p0, a * (t * d + scale * p) - b * d0, a * (t * s + 2.0 * scale * d) - b * s0];
-                }
+    /// P_k, P_k′ and P_k″.
+    #[inline(always)]
+    fn placed_jets<'a, T: Number>(&self, x: &[T], table: &'a mut [[T; 3]]) -> &'a [[T; 3]] {
+        let [zero, one] = [0.0, 1.0].map(T::everywhere);
+        for (i, rows) in table.chunks_exact_mut(self.width).enumerate() {
+            let scale = self.half_width[i].recip();
+            let t = (x[i] - self.centre[i]) * scale;
+            rows[0] = [one, zero, zero];
+            if self.highest[i] > 0 {
+                rows[1] = [t, T::everywhere(scale), zero];
             }
-            work(table)
-        })
+            // The recurrence, and the same differentiated.
+            for k in 1..self.highest[i] {
+                let ([p, d, s], [p0, d0, s0]) = (rows[k], rows[k - 1]);
+                let [a, b] = legendre::recurrence(k);
+                rows[k + 1] =
+                    [t * a * p - p0 * b, (t * d + p * scale) * a - d0 * b, (t * s + d * (2.0 * scale)) * a - s0 * b];
+            }
+        }
+        table
     }
 }
 
@@ -191,19 +203,46 @@ impl Products {
     }
 }
 
-/// Works on a table of so many entries, on the stack where it fits.
-fn on_table<T: Copy + Default, R>(entries: usize, work: impl FnOnce(&mut [T]) -> R) -> R {
-    if entries <= ON_STACK {
-        work(&mut [T::default(); ON_STACK][..entries])
-    } else {
-        work(&mut vec![T::default(); entries])
+/// Room for a table, on the stack where it fits.
+struct Room<T> {
+    stack: [T; ON_STACK],
+    heap: Vec<T>,
+    entries: usize,
+}
+
+impl<T: Copy> Room<T> {
+    #[inline(always)]
+    fn new(entries: usize, start: T) -> Self {
+        let heap = if entries > ON_STACK { vec![start; entries] } else { Vec::new() };
+        Room { stack: [start; ON_STACK], heap, entries }
+    }
+
+    #[inline(always)]
+    fn entries(&mut self) -> &mut [T] {
+        if self.entries <= ON_STACK { &mut self.stack[..self.entries] } else { &mut self.heap }
     }
 }
 
+/// The product of all factors.
+#[inline(always)]
+fn product<T: Number>(table: &[T], factors: &[(usize, usize)]) -> T {
+    let mut product = T::everywhere(1.0);
+    for &(_, at) in factors {
+        product = product * table[at];
+    }
+    product
+}
+
 /// The product of all factors' values but two.
-fn product_without(table: &[[f64; 3]], factors: &[(usize, usize)], one: usize, other: usize) -> f64 {
-    let kept = factors.iter().enumerate().filter(|(at, _)| *at != one && *at != other);
-    kept.map(|(_, &(_, k))| table[k][0]).product()
+#[inline(always)]
+fn product_without<T: Number>(table: &[[T; 3]], factors: &[(usize, usize)], one: usize, other: usize) -> T {
+    let mut product = T::everywhere(1.0);
+    for (at, &(_, k)) in factors.iter().enumerate() {
+        if at != one && at != other {
+            product = product * table[k][0];
+        }
+    }
+    product
 }
 
 /// P_0 … P_`highest` of a variable.

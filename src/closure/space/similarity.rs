@@ -79,7 +79,7 @@ impl Similarity {
     }
 
     /// S at the distance `u` from the wall and the velocity `w` away from it, with its derivatives in (u, w).
-    pub(super) fn at(&self, u: f64, w: f64) -> PlaneJet {
+    pub(super) fn at(&self, u: f64, w: f64) -> PlaneJet<f64> {
         if self.exponent == 0.0 {
             return PlaneJet::ZERO;
         }
@@ -89,7 +89,7 @@ impl Similarity {
     }
 
     /// S where ln k comes from the table.
-    fn near(&self, u: f64, w: f64) -> PlaneJet {
+    fn near(&self, u: f64, w: f64) -> PlaneJet<f64> {
         let (g, length) = (self.exponent, (self.scale * u).cbrt());
         let z = -w / length;
         let nearest = ((z + EDGE) * PER_UNIT as f64).round().clamp(0.0, 2.0 * STEPS as f64) as usize;
@@ -107,7 +107,7 @@ impl Similarity {
     }
 
     /// S where the asymptotic series serves: written in w and x = 9Du/|w|³, it has no singular term at u = 0.
-    fn far(&self, u: f64, w: f64) -> PlaneJet {
+    fn far(&self, u: f64, w: f64) -> PlaneJet<f64> {
         let g = self.exponent;
         let unit = self.scale / w.abs().powi(3);
         let (x, limit) = (unit * u, self.limits[usize::from(w < 0.0)]);
@@ -258,7 +258,7 @@ mod tests {
             let similarity = Similarity::new(r, 1.0 / 9.0).unwrap();
             for w in [EDGE, -EDGE] {
                 let (near, far) = (similarity.near(1.0, w), similarity.far(1.0, w));
-                let numbers = |jet: PlaneJet| {
+                let numbers = |jet: PlaneJet<f64>| {
                     let hessian = jet.hessian.concat();
                     [[jet.value].as_slice(), &jet.gradient, &hessian].concat()
                 };

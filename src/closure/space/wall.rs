@@ -1,6 +1,7 @@
 use super::corner::{Kink, Radius};
 use super::{Corner, Jet, Polynomials};
 use crate::fokker_planck::generator;
+use crate::numerics::Number;
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,9 @@ pub(crate) struct WallLevel {
 pub(crate) struct WallFunctions {
     corners: Vec<Corner>,
     steps: Vec<Step>,
+    /// The highest powers of u, w, A and 1/A in kinks.
+    #[serde(skip)]
+    highest: [usize; 4],
 }
 
 /// What one level adds to those below it.
@@ -68,7 +72,13 @@ impl WallFunctions {
             let polynomials = Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents);
             Step { polynomials, kinks: kinks.collect() }
         };
-        WallFunctions { corners, steps: nested.iter().enumerate().map(step).collect() }
+        WallFunctions::of(corners, nested.iter().enumerate().map(step).collect())
+    }
+
+    fn of(corners: Vec<Corner>, steps: Vec<Step>) -> Self {
+        let powers = || steps.iter().flat_map(|step| &step.kinks).map(Kink::powers);
+        let highest = std::array::from_fn(|k| powers().map(|powers| powers[k]).max().unwrap_or(0));
+        WallFunctions { corners, steps, highest }
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
@@ -78,7 +88,7 @@ impl WallFunctions {
             Ok(Step { polynomials: polynomials.checked(2)?, kinks })
         };
         let corners = self.corners.into_iter().map(Corner::checked).collect::<Read<_>>()?;
-        Ok(WallFunctions { corners, steps: self.steps.into_iter().map(step).collect::<Read<_>>()? })
+        Ok(WallFunctions::of(corners, self.steps.into_iter().map(step).collect::<Read<_>>()?))
     }
 
     pub(super) fn corners(&self) -> &[Corner] {
@@ -93,42 +103,51 @@ impl WallFunctions {
     }
 
     /// A at each corner.
-    fn radii(&self, x: &[f64]) -> Vec<Radius> {
-        self.corners.iter().map(|corner| Radius::new(corner, x)).collect()
+    #[inline(always)]
+    fn radii<T: Number>(&self, x: &[T]) -> Vec<Radius<T>> {
+        self.corners.iter().map(|corner| Radius::new(corner, x, self.highest)).collect()
     }
 
     pub(super) fn len(&self) -> usize {
         self.steps.iter().map(|step| step.polynomials.len() + self.corners.len() * step.kinks.len()).sum()
     }
 
-    pub(super) fn values(&self, x: &[f64], values: &mut [f64]) {
+    #[inline(always)]
+    pub(super) fn values<T: Number>(&self, x: &[T], values: &mut [T]) {
         let radii = self.radii(x);
         let mut at = 0;
         for Step { polynomials, kinks } in &self.steps {
             let end = at + polynomials.len();
             polynomials.values(x, &mut values[at..end]);
             at = end;
-            for kink in radii.iter().flat_map(|radius| kinks.iter().map(|kink| radius.value(kink))) {
-                values[at] = kink;
-                at += 1;
+            for radius in &radii {
+                for kink in kinks {
+                    values[at] = radius.value(kink);
+                    at += 1;
+                }
             }
         }
     }
 
-    pub(super) fn sum(&self, x: &[f64], mut a: &[f64]) -> f64 {
+    #[inline(always)]
+    pub(super) fn sum<T: Number>(&self, x: &[T], mut a: &[f64]) -> T {
         let radii = self.radii(x);
-        let mut sum = 0.0;
+        let mut sum = T::everywhere(0.0);
         for Step { polynomials, kinks } in &self.steps {
             sum = polynomials.added(sum, x, a);
-            let rest = &a[polynomials.len().min(a.len())..];
-            let pairs = radii.iter().flat_map(|radius| kinks.iter().map(move |kink| radius.value(kink)));
-            pairs.zip(rest).for_each(|(kink, a)| sum += kink * a);
-            a = &rest[(radii.len() * kinks.len()).min(rest.len())..];
+            a = &a[polynomials.len().min(a.len())..];
+            for radius in &radii {
+                for (kink, &a) in kinks.iter().zip(a) {
+                    sum += radius.value(kink) * a;
+                }
+                a = &a[kinks.len().min(a.len())..];
+            }
         }
         sum
     }
 
-    pub(super) fn rates(&self, x: &[f64], local: (&[f64], &[f64]), values: &mut [f64], rates: &mut [f64]) {
+    #[inline(always)]
+    pub(super) fn rates<T: Number>(&self, x: &[T], local: (&[T], &[T]), values: &mut [T], rates: &mut [T]) {
         let radii = self.radii(x);
         let mut at = 0;
         for Step { polynomials, kinks } in &self.steps {
@@ -146,7 +165,8 @@ impl WallFunctions {
         }
     }
 
-    pub(super) fn combine(&self, x: &[f64], a: &[f64], sum: &mut Jet) {
+    #[inline(always)]
+    pub(super) fn combine<T: Number>(&self, x: &[T], a: &[f64], sum: &mut Jet<T>) {
         let radii = self.radii(x);
         let mut at = 0;
         for Step { polynomials, kinks } in &self.steps {
