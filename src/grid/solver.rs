@@ -38,7 +38,8 @@ impl Solver<'_> {
             let field = stationary::solve(self.problem, &space, pin, memory)?.field;
             let next = self.between_walls(self.measured(&field));
             let settled = self.settled(domain, next);
-            if !adjust || attempt == tuning::domain::ATTEMPTS {
+            // A domain that is given is judged by the solution itself: steep forces are beyond this mesh.
+            if adjust && attempt == tuning::domain::ATTEMPTS {
                 self.edge_level(&field, domain, tuning::domain::CUT)?;
             }
             trial = Some(field);
