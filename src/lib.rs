@@ -50,7 +50,7 @@ pub use closed_form::ClosedForm;
 pub use closure::{
     Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Solution, Termination, Weight,
 };
-pub use density::{Counted, Crossing, Density, ExpPolynomial, Sampled, Support};
+pub use density::{Counted, CountedImpacts, Crossing, Density, ExpPolynomial, Sampled, Support};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::FokkerPlanck;

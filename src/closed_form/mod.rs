@@ -11,7 +11,7 @@ mod rust;
 
 use crate::checks::dimension;
 use crate::closure::ClosureDensity;
-use crate::density::{Crossing, Density, ExpPolynomial, Sampled};
+use crate::density::{CountedImpacts, Crossing, Density, ExpPolynomial, Sampled};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::file;
@@ -218,5 +218,6 @@ impl Density for ClosedForm {
         fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;
         fn variance(&self, state: usize) -> Result<Estimate>;
         fn sampled(&self) -> Option<&dyn Sampled>;
+        fn counted_impacts(&self) -> Option<&dyn CountedImpacts>;
     }
 }

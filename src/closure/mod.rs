@@ -20,7 +20,7 @@
 //! `method` holds the options, and `solve` the way from a problem to the steps: `nodal` takes them on Gauss nodes in one and two
 //! states, also next to walls. In three and more, `sampled` and `samples`, the pilot's states take the place of the reference:
 //! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
-//! reference as well. `tuning` lists the constants that decide something, step by step.
+//! reference as well. Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls. `tuning` lists the constants that decide something, step by step.
 //!
 //! `classical` is the literature's method.
 

@@ -99,6 +99,7 @@ impl NodalClosure {
             reference: Some(reference),
             domain: kept.domain,
             moments,
+            impacts: Vec::new(),
             guarded: self.guarded,
             candidates,
             indication,
@@ -111,8 +112,7 @@ impl NodalClosure {
         let Some((_, copula)) = &self.lattice else {
             return Some(Integrals::Panels { rules: nodes.rules.clone(), lines: lines.to_vec() });
         };
-        let polynomials = exponent.space.polynomials()?;
-        let rule = ImportanceRule::new(polynomials, &exponent.coefficients, copula, tuning::density::DRAWS, self.seed)?;
+        let rule = ImportanceRule::new(exponent, copula, tuning::density::DRAWS, self.seed)?;
         // The density is normalised on the lattice.
         Some(Integrals::Draws(Box::new(rule.with_log_mass(Estimate::new(-exponent.constant, tuning::SOLVED)))))
     }

@@ -3,7 +3,7 @@
 use super::tuning;
 use crate::error::{Error, Result};
 use crate::problem::{Problem, Symmetry, TimeScales};
-use crate::simulation::Simulation;
+use crate::simulation::{Collisions, Paths, Simulation};
 use crate::states::States;
 
 /// The states that a pilot has visited once stationary.
@@ -11,6 +11,10 @@ use crate::states::States;
 pub(super) struct Pilot {
     /// The states of all trajectories, without their mirror images.
     pub(super) states: States,
+    /// The impacts between them.
+    pub(super) collisions: Collisions,
+    /// The time from state to state.
+    pub(super) interval: f64,
     /// The factor that the noise intensities were multiplied by.
     pub(super) inflation: f64,
     /// Whether the first and the second half of the samples agree.
@@ -30,7 +34,9 @@ impl<'a> PilotPlan<'a> {
     /// Time step and burn-in from the system's rates.
     pub(super) fn new(problem: &'a Problem, seed: u64) -> Result<Self> {
         let scales = TimeScales::of(problem)?;
-        let (step, interval) = (scales.short(tuning::pilot::STEP), scales.short(tuning::pilot::INTERVAL));
+        let walled = problem.dimension() > 2 && !problem.walls().is_empty();
+        let step = if walled { tuning::pilot::STEP_AT_WALLS } else { tuning::pilot::STEP };
+        let (step, interval) = (scales.short(step), scales.short(tuning::pilot::INTERVAL));
         Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }
 
@@ -73,11 +79,11 @@ impl<'a> PilotPlan<'a> {
                 .sampling_interval(self.interval)
                 .seed(self.seed);
             let affords = |burn_in, step| self.path_steps(count, burn_in, step) <= tuning::pilot::MOST_PATH_STEPS;
-            match simulation.states(self.problem) {
-                Ok(states) => {
+            match simulation.paths(self.problem) {
+                Ok(Paths { states, collisions, interval }) => {
                     let stationary = stationary(&states);
                     if stationary || doubled == tuning::pilot::DOUBLINGS || !affords(2.0 * burn_in, step) {
-                        return Ok(Pilot { states, inflation, stationary });
+                        return Ok(Pilot { states, collisions, interval, inflation, stationary });
                     }
                     (burn_in, doubled) = (2.0 * burn_in, doubled + 1);
                 }
@@ -94,7 +100,7 @@ impl Pilot {
     /// The pilot of the problem in a mirror, x → −x.
     pub(super) fn mirrored(&self) -> Self {
         let values = self.states.values().iter().map(|x| -x).collect();
-        Pilot { states: States::from_values(self.states.dimension(), values), ..*self }
+        Pilot { states: States::from_values(self.states.dimension(), values), ..self.clone() }
     }
 
     /// The same without the states beyond walls.
@@ -102,7 +108,7 @@ impl Pilot {
         let mut states = self.states.clone();
         let [low, high] = [offsets[0].unwrap_or(f64::NEG_INFINITY), offsets[1].unwrap_or(f64::INFINITY)];
         states.retain(|x| (low..=high).contains(&x[0]));
-        Pilot { states, ..*self }
+        Pilot { states, ..self.clone() }
     }
 
     /// The largest kurtosis E z⁴/(E z²)² of the states about 0.

@@ -11,7 +11,7 @@ use super::nodal::NodalClosure;
 use super::pilot::Pilot;
 use super::projection::Weight;
 use super::reference::scaled_mass;
-use super::samples::{Copula, ImportanceRule, Lattice, SampleClosure, close_on_samples};
+use super::samples::{Copula, Family, ImportanceRule, Lattice, SampleClosure, close_on_samples};
 use super::space::degrees::{self, Degrees};
 use super::space::nested_spaces::Smooth;
 use super::tuning;
@@ -28,6 +28,7 @@ pub(super) struct Sampled {
     pub(super) problem: Problem,
     pub(super) symmetry: Symmetry,
     pub(super) degrees: Degrees,
+    pub(super) family: Family,
     pub(super) pilot: Pilot,
     pub(super) guarded: bool,
     /// Whether the moment equations of a higher degree are solved on a lattice.
@@ -40,7 +41,7 @@ pub(super) struct Sampled {
 impl Sampled {
     /// The closure of an order on the pilot's states, within the trust domain of a copula. None where they are too few.
     pub(super) fn on_samples(&self, order: u32, copula: &Copula) -> Option<SampleClosure> {
-        close_on_samples(&self.problem, &self.pilot, (&self.degrees, order), &self.symmetry, copula, self.seed)
+        close_on_samples(&self.problem, &self.pilot, (&self.family, order), copula, self.seed)
     }
 
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
@@ -76,7 +77,7 @@ impl Sampled {
         if degrees.are_more_than(degrees::MOST, states, order + 2) {
             return Err(failed("it has too many functions even to list them: take a lower one, or fewer `degrees`"));
         }
-        let functions = degrees.exponents(states, order, |alpha| symmetry.keeps(alpha)).len() as f64;
+        let functions = self.family.functions(order).len() as f64;
         if functions == 0.0 {
             return Err(failed("the system's symmetry leaves no function of it: take the next order"));
         }
@@ -85,7 +86,9 @@ impl Sampled {
         // the factors, and what those are made from.
         self.memory.holds("the equations of the closure", 16.0 * functions * functions, remedy)?;
         let surface = "the pilot's states lie on a surface: the noise may not reach every state";
-        let copula = Copula::new(pilot, symmetry).ok_or_else(|| failed(surface))?;
+        let contacts = self.problem.contacts();
+        let copula = if contacts.is_empty() { Copula::new(pilot, symmetry) } else { Copula::next_to(&contacts, pilot) };
+        let copula = copula.ok_or_else(|| failed(surface))?;
         let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
         let few = "the pilot's states are too few for so many functions: take more of them";
         let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
@@ -96,9 +99,11 @@ impl Sampled {
                 Err(reason) => without_reference = Some(reason.to_owned()),
             }
         }
-        let (copula, lattice) = if found.exact { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
-        let coefficients = &found.exponent.coefficients;
-        let rule = ImportanceRule::new(&found.polynomials, coefficients, &copula, tuning::density::DRAWS, self.seed)
+        let (copula, lattice) =
+            if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
+        // About as many stay on this side of all walls.
+        let draws = tuning::density::DRAWS * (1 + contacts.len());
+        let rule = ImportanceRule::new(&found.exponent, &copula, draws, self.seed)
             .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: take another order"))?;
         let (lattice, on_lattice) = lattice.unzip();
         let rule = match on_lattice.or(found.log_mass) {
@@ -143,6 +148,7 @@ impl Sampled {
             guarded: self.guarded,
             candidates: vec![candidate],
             moments: found.moments,
+            impacts: found.impacts,
             indication: Indication { indicator: found.residual[0], residual: found.residual[1] },
             provenance,
         }))
@@ -166,7 +172,7 @@ impl Sampled {
         let Sampled { problem, symmetry, degrees, pilot, .. } = self;
         let (centre, _) = pilot.spread(symmetry);
         let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], tuning::domain::WIDENING);
-        let half_width = guess.polynomials.half_width().to_vec();
+        let half_width = self.family.box_around()[1].to_vec();
         let family = Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width };
         let (lattice, nodes) = guess.lattice.as_ref().ok_or(coarse)?;
         let functions = family.functions(family.reference_degree(order)).len();

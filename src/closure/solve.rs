@@ -9,11 +9,12 @@ use super::nodal::NodalClosure;
 use super::pilot::{Pilot, PilotPlan};
 use super::reference::Start;
 use super::sampled::Sampled;
+use super::samples::Family;
 use super::space::degrees::Degrees;
 use super::space::nested_spaces::Smooth;
 use super::tuning;
 use crate::error::{Error, Result};
-use crate::problem::{Problem, Wall};
+use crate::problem::{Problem, Symmetry, Wall};
 use std::time::Instant;
 
 const METHOD: &str = "closure";
@@ -22,23 +23,25 @@ const METHOD: &str = "closure";
 const FARTHEST: f64 = 2.0;
 
 impl Closure {
-    /// Closes a problem: on the whole space or, in two states, above a wall, below one, or between two.
+    /// Closes a problem: on the whole space, or on the side of walls that the motion is on.
     ///
     /// Next to a wall, y′₊ = −r y′₋ at y = b, ln p is a polynomial plus kinks and angular functions about the grazing point
-    /// (b, 0), plus the similarity solution of grazing impacts, which carries the wall's condition.
+    /// (b, 0), plus the similarity solution of grazing impacts, which carries the wall's condition. In three states and more
+    /// kinks and angular functions of the gap and its rate are multiplied by polynomials of the other states, and impacts have
+    /// statistics of their own, the calibrated ones of the pilot: [`Impacts`](crate::statistics::Impacts) are these.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
-    /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for walls in other than two
-    /// states, and for nodes that do not serve the problem; [`Error::Unreached`] where no noise reaches a state; [`Error::Rests`] where trajectories come to rest on a wall;
-    /// [`Error::Exploded`] where no trajectory stays;
+    /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the
+    /// problem, and for noise on a gap that depends on the state at the wall; [`Error::Unreached`] where no noise reaches a
+    /// state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
     /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
     /// equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
         let begin = Instant::now();
         problem.require_no_rest()?;
-        let walls = problem.walls_of_plane(METHOD)?;
-        problem.operator().require_reached()?;
+        problem.operator().require_reached(&problem.joined())?;
+        let walls = if problem.dimension() > 2 { [None, None] } else { problem.walls_of_plane(METHOD)? };
         if walls.iter().any(Option::is_some) {
             self.next_to_walls(problem, walls, begin)
         } else {
@@ -55,8 +58,19 @@ impl Closure {
             return Err(Error::NotServed { method: METHOD, what: "five states and more on nodes", remedy });
         }
         if dimension > 2 || self.on_samples == Some(true) {
-            let symmetry = problem.symmetry();
-            let states = self.states.unwrap_or(tuning::pilot::CARRYING_STATES);
+            let walled = !problem.walls().is_empty();
+            let symmetry = if walled { Symmetry::none(dimension) } else { problem.symmetry() };
+            let referred = self.on_samples == Some(false);
+            if walled && referred {
+                let remedy = "take the pilot's states, as is the default";
+                return Err(Error::NotServed {
+                    method: METHOD,
+                    what: "walls in three states and more on nodes",
+                    remedy,
+                });
+            }
+            let default = if walled { tuning::pilot::CARRYING_STATES_AT_WALLS } else { tuning::pilot::CARRYING_STATES };
+            let states = self.states.unwrap_or(default);
             let mut pilot = plan.pilot(states, 1.0)?;
             let mut slowness = pilot.slowness(&symmetry);
             if slowness > tuning::pilot::CORRELATED {
@@ -67,8 +81,12 @@ impl Closure {
             pilot.stationary &= samples == 1 || slowness < tuning::pilot::unmixed(samples);
             let (problem, degrees) = (problem.clone(), self.degrees.clone());
             let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
-            let referred = self.on_samples == Some(false);
-            let nodal = Sampled { problem, symmetry, degrees, pilot, guarded, referred, seed, memory, begin };
+            let family = Family::new(&problem, &pilot, &degrees, &symmetry).ok_or(Error::NotServed {
+                method: METHOD,
+                what: "noise on a gap at a wall that depends on the state there",
+                remedy: "take the simulation",
+            })?;
+            let nodal = Sampled { problem, symmetry, degrees, family, pilot, guarded, referred, seed, memory, begin };
             return self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
         }
         let states = self.states.unwrap_or(tuning::pilot::STATES);

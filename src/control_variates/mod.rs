@@ -4,9 +4,10 @@
 //! states is therefore chance alone, and the part of a sampled mean h̄ that is correlated with it can be taken off, E h = h̄
 //! − β·mean(𝓖ψ) (A. Mira, R. Solgi and D. Imparato, 2013, doi:10.1007/s11222-012-9344-6).
 //!
-//! - `products`: the functions ψ, and 𝓖ψ at eight states at a time;
+//! - `products`: the functions ψ, and 𝓖ψ at eight states at a time; `planes`: those of them that are functions of a plane;
 //! - `regression`: β.
 
+pub(crate) mod planes;
 pub(crate) mod products;
 mod regression;
 

@@ -1,5 +1,6 @@
-//! Products of Legendre polynomials at eight points at a time.
+//! Products of Legendre polynomials, and of functions of a plane, at eight points at a time.
 
+use super::planes::{PlaneLanes, Planes};
 use crate::numerics::legendre::recurrence;
 use std::collections::HashMap;
 
@@ -11,7 +12,16 @@ pub(crate) type Lane = [f64; LANES];
 
 pub(crate) const ZERO: Lane = [0.0; LANES];
 
-/// Products of Legendre polynomials in each state, scaled to a box, each built from a shorter one by a single multiplication.
+/// A product that is to be listed: one of the functions of planes, by its number among all of them, or none, times Legendre
+/// polynomials of these degrees in the states.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Factors {
+    pub(crate) plane: Option<usize>,
+    pub(crate) degrees: Vec<u32>,
+}
+
+/// Products of Legendre polynomials in each state, scaled to a box, and perhaps of a function of a plane, each built from a
+/// shorter one by a single multiplication.
 ///
 /// A product P_a(x₁) P_b(x₂) P_c(x₃) needs P_a P_b anyway: the products form a tree, and its sweeps cost a few operations
 /// a function in any number of states. A function that is only there as a part of others has no place in the list.
@@ -19,7 +29,9 @@ pub(crate) const ZERO: Lane = [0.0; LANES];
 pub(crate) struct Products {
     centre: Vec<f64>,
     half_width: Vec<f64>,
-    /// The root is 1; every other product follows its shorter one.
+    /// The root of the tree is 1; their functions follow it.
+    planes: Planes,
+    /// Every other product follows its shorter one.
     steps: Vec<Step>,
     /// Where function k stands in the tree; the constant is function 0.
     places: Vec<usize>,
@@ -41,6 +53,8 @@ pub(crate) struct Scratch {
     pub(crate) first: Vec<Lane>,
     /// The result of [`Products::gradient`].
     pub(crate) gradient: Vec<Lane>,
+    /// The functions of planes.
+    planes: Vec<PlaneLanes>,
     /// P_k, P_k′, P_k″ by state and degree.
     table: Vec<[Lane; 3]>,
     /// b P_k′ + ½ B P_k″.
@@ -56,24 +70,36 @@ pub(crate) struct Scratch {
 impl Products {
     /// After the constant those with these degrees in the states, on the box `centre` ± `half_width`.
     pub(crate) fn on_box(centre: &[f64], half_width: &[f64], exponents: &[Vec<u32>]) -> Self {
+        let plain = |degrees: &Vec<u32>| Factors { plane: None, degrees: degrees.clone() };
+        let listed: Vec<Factors> = exponents.iter().map(plain).collect();
+        Products::with_planes([centre, half_width], Planes::default(), &listed)
+    }
+
+    /// The same for any products of polynomials and one function of a plane.
+    pub(crate) fn with_planes([centre, half_width]: [&[f64]; 2], planes: Planes, listed: &[Factors]) -> Self {
         let n = centre.len();
-        let mut steps = vec![Step { shorter: 0, state: 0, degree: 0 }];
-        let mut known = HashMap::from([(vec![0; n], 0)]);
-        let mut places = vec![0];
-        for alpha in exponents {
+        let first = 1 + planes.len();
+        let (mut steps, mut known, mut places) = (Vec::new(), HashMap::new(), vec![0]);
+        for Factors { plane, degrees } in listed {
             let mut part = vec![0; n];
-            let mut place = 0;
-            for state in (0..n).filter(|&i| alpha[i] > 0) {
-                part[state] = alpha[state];
-                place = *known.entry(part.clone()).or_insert_with(|| {
-                    steps.push(Step { shorter: place, state, degree: alpha[state] as usize });
-                    steps.len() - 1
+            let mut place = plane.map_or(0, |plane| 1 + plane);
+            let root = place;
+            for state in (0..n).filter(|&i| degrees[i] > 0) {
+                part[state] = degrees[state];
+                place = *known.entry((root, part.clone())).or_insert_with(|| {
+                    steps.push(Step { shorter: place, state, degree: degrees[state] as usize });
+                    first + steps.len() - 1
                 });
             }
             places.push(place);
         }
         let degrees = steps.iter().map(|s| s.degree).max().unwrap_or(0) + 1;
-        Products { centre: centre.to_vec(), half_width: half_width.to_vec(), steps, places, degrees }
+        Products { centre: centre.to_vec(), half_width: half_width.to_vec(), planes, steps, places, degrees }
+    }
+
+    /// The place of the first product in the tree that follows a shorter one by a polynomial.
+    fn first(&self) -> usize {
+        1 + self.planes.len()
     }
 
     /// The number of states.
@@ -87,11 +113,13 @@ impl Products {
     }
 
     pub(crate) fn scratch(&self) -> Scratch {
-        let (n, size) = (self.dimension(), self.steps.len());
+        let (n, first) = (self.dimension(), self.first());
+        let size = first + self.steps.len();
         let entries = n * self.degrees;
         Scratch {
             first: vec![ZERO; n],
             gradient: vec![ZERO; n],
+            planes: vec![[ZERO; 6]; first - 1],
             table: vec![[ZERO; 3]; entries],
             moved: vec![ZERO; entries],
             entries: vec![ZERO; entries],
@@ -104,7 +132,8 @@ impl Products {
     /// Places eight points: fills the tables and the values.
     #[inline(always)]
     pub(crate) fn place(&self, x: &[Lane], scratch: &mut Scratch) {
-        self.place_values(x, scratch);
+        self.planes.place(x, &mut scratch.planes);
+        self.place_products(x, scratch);
         self.place_slopes(scratch);
     }
 
@@ -132,9 +161,19 @@ impl Products {
     /// Places eight points where only values are needed.
     #[inline(always)]
     pub(crate) fn place_values(&self, x: &[Lane], scratch: &mut Scratch) {
+        self.planes.place_values(x, &mut scratch.planes);
+        self.place_products(x, scratch);
+    }
+
+    /// Fills the values, where those of the functions of planes are filled.
+    #[inline(always)]
+    fn place_products(&self, x: &[Lane], scratch: &mut Scratch) {
         self.place_tables(x, scratch);
         scratch.values[0] = [1.0; LANES];
-        for (k, step) in self.steps.iter().enumerate().skip(1) {
+        for (value, jet) in scratch.values[1..].iter_mut().zip(&scratch.planes) {
+            *value = jet[0];
+        }
+        for (k, step) in (self.first()..).zip(&self.steps) {
             // Copies of lanes are apart from what is written, so that a lane is a few instructions; here and below.
             let factor = scratch.table[step.state * self.degrees + step.degree][0];
             let shorter = scratch.values[step.shorter];
@@ -205,7 +244,10 @@ impl Products {
         for &c in coupled {
             scratch.slopes[c][0] = ZERO;
         }
-        for (k, step) in self.steps.iter().enumerate().skip(1) {
+        let Scratch { first, planes, rates, slopes, .. } = scratch;
+        self.planes.apply((first, second), planes, &mut rates[1..]);
+        self.planes.slopes(coupled, planes, slopes);
+        for (k, step) in (self.first()..).zip(&self.steps) {
             let at = step.state * self.degrees + step.degree;
             let ([p, d, _], moved) = (scratch.table[at], scratch.moved[at]);
             let (value, rate) = (scratch.values[step.shorter], scratch.rates[step.shorter]);
@@ -246,7 +288,9 @@ impl Products {
         for (&a, &place) in a.iter().zip(&self.places) {
             sensitivity[place] = [a; LANES];
         }
-        for (k, step) in self.steps.iter().enumerate().skip(1).rev() {
+        let first = self.first();
+        for (k, step) in self.steps.iter().enumerate().rev() {
+            let k = first + k;
             let at = step.state * self.degrees + step.degree;
             let (own, factor, value) = (sensitivity[k], scratch.table[at][0], scratch.values[step.shorter]);
             let (shorter, entry) = (sensitivity[step.shorter], scratch.entries[at]);
@@ -259,5 +303,6 @@ impl Products {
                 (0..LANES).for_each(|l| sum[l] += scratch.entries[at][l] * scratch.table[at][1][l]);
             }
         }
+        self.planes.add_gradient(&sensitivity[1..], &scratch.planes, &mut scratch.gradient);
     }
 }

@@ -13,7 +13,7 @@ pub use exp_polynomial::ExpPolynomial;
 pub(crate) use frame::Frame;
 pub(crate) use leading_form::escape_direction;
 pub(crate) use sampled::central;
-pub use sampled::{Counted, Sampled};
+pub use sampled::{Counted, CountedImpacts, Sampled};
 pub use support::Support;
 
 use crate::checks::{coordinate, dimension, finite, require, state_index};
@@ -82,6 +82,11 @@ pub trait Density: Send + Sync {
     /// The statistics of the density's samples, if it was made of samples. Values that were sampled together are correlated:
     /// [`statistics`](crate::statistics) take the standard error of a combination of several values from here.
     fn sampled(&self) -> Option<&dyn Sampled> {
+        None
+    }
+
+    /// The statistics of impacts, if the density counted some rather than integrated over walls.
+    fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {
         None
     }
 

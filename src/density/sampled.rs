@@ -28,7 +28,10 @@ pub trait Sampled {
     /// # Errors
     /// As [`Sampled::of_moments`].
     fn distribution(&self, state: usize) -> Result<Arc<dyn Counted>>;
+}
 
+/// The impacts that a density counted, with standard errors that include the correlation between them.
+pub trait CountedImpacts {
     /// The distribution of the speed of approach at the impacts of some walls, which are given by their numbers in the problem.
     /// None where there is no such wall, or no list.
     fn impact_speeds(&self, walls: &[usize]) -> Option<Arc<dyn Counted>>;

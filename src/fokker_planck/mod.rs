@@ -94,14 +94,15 @@ impl FokkerPlanck {
         lower.flat_map(Polynomial::terms).filter(|(powers, _)| powers.iter().any(|power| *power > 0)).count()
     }
 
-    /// Requires that noise reaches every state, its own or that of states which its drift contains.
+    /// Requires that noise reaches every state, its own or that of states which its drift contains, or that impacts join with it.
     ///
     /// # Errors
     /// [`Error::Unreached`] otherwise: the motion of such a state is deterministic, and it has no density.
-    pub(crate) fn require_reached(&self) -> Result<()> {
+    pub(crate) fn require_reached(&self, joined: &[[usize; 2]]) -> Result<()> {
         let n = self.dimension();
         let mut reached: Vec<bool> = (0..n).map(|i| !self.diffusion[i][i].is_zero()).collect();
-        let contains = |i: usize, j: usize| self.drift[i].terms().any(|(powers, _)| powers[j] > 0);
+        let meet = |i: usize, j: usize| joined.contains(&[i, j]) || joined.contains(&[j, i]);
+        let contains = |i: usize, j: usize| meet(i, j) || self.drift[i].terms().any(|(powers, _)| powers[j] > 0);
         for _ in 0..n {
             reached = (0..n).map(|i| reached[i] || (0..n).any(|j| reached[j] && contains(i, j))).collect();
         }

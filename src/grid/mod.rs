@@ -158,7 +158,7 @@ impl Grid {
         let walls = problem.walls_of_plane("grid")?;
         self.memory.check()?;
         let (degree, cells) = self.validate(walls)?;
-        problem.operator().require_reached()?;
+        problem.operator().require_reached(&[])?;
         let (start, adjust) = match self.domain {
             Some(domain) => (domain, false),
             None => (domain::pilot(problem, walls)?, true),

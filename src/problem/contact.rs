@@ -129,6 +129,23 @@ impl Contact {
         }
     }
 
+    /// The displacement and the velocity of each of the wall's bodies.
+    pub(crate) fn bodies(&self) -> ((usize, usize), Option<(usize, usize)>) {
+        (self.first, self.second)
+    }
+
+    /// The displacement and the velocity of the wall's first body.
+    pub(crate) fn leading(&self) -> (usize, usize) {
+        self.first
+    }
+
+    /// Puts the first body onto the wall, with a speed of approach, whatever it was before.
+    pub(crate) fn approach(&self, speed: f64, x: &mut [f64]) {
+        let [y, v] = self.second.map_or([0.0; 2], |(y, v)| [x[y], x[v]]);
+        x[self.first.0] = y + self.wall.offset();
+        x[self.first.1] = v - self.sign * speed;
+    }
+
     /// Adds the force of the contact to the drift of a state at rest on the wall: the acceleration of the gap is not below zero.
     pub(crate) fn support(&self, drift: &mut [f64]) {
         let acceleration = self.rate(drift);
@@ -175,6 +192,12 @@ impl Problem {
         self.walls().iter().map(of).collect()
     }
 
+    /// The pairs of velocities that impacts between two bodies join.
+    pub(crate) fn joined(&self) -> Vec<[usize; 2]> {
+        let pair = |contact: &Contact| Some([contact.first.1, contact.second?.1]);
+        self.contacts().iter().filter_map(pair).collect()
+    }
+
     /// Refuses walls that trajectories come to rest on: there is no density then.
     ///
     /// # Errors
@@ -203,17 +226,35 @@ impl Problem {
         states
     }
 
-    /// Whether B_ww vanishes wherever the motion rests on a wall.
-    fn is_noiseless_at(&self, contact: &Contact) -> bool {
+    /// B_ww where the motion rests on a wall, and its largest coefficient anywhere.
+    fn noise_of_rate(&self, contact: &Contact) -> (Polynomial, f64) {
         let b = |i: usize, j: usize| &self.operator().diffusion()[i][j];
         let first = contact.first.1;
         let power = match contact.second {
             None => b(first, first).clone(),
             Some((_, v)) => &(b(first, first) + &(b(first, v) * -2.0)) + b(v, v),
         };
-        let largest = |p: &Polynomial| p.terms().map(|(_, c)| c.abs()).fold(0.0, f64::max);
-        largest(&power.compose(&self.at_rest_on(contact))) <= NOTHING * largest(&power)
+        (power.compose(&self.at_rest_on(contact)), largest(&power))
     }
+
+    /// Whether B_ww vanishes wherever the motion rests on a wall.
+    fn is_noiseless_at(&self, contact: &Contact) -> bool {
+        let (at_rest, scale) = self.noise_of_rate(contact);
+        largest(&at_rest) <= NOTHING * scale
+    }
+
+    /// ½ B_ww where the motion rests on a wall. None where it depends on the state.
+    pub(crate) fn intensity_at(&self, contact: &Contact) -> Option<f64> {
+        let (at_rest, scale) = self.noise_of_rate(contact);
+        let intensity = at_rest.constant_term();
+        let varying = &at_rest + &Polynomial::constant(self.dimension(), -intensity);
+        (largest(&varying) <= NOTHING * scale).then_some(if contact.noiseless { 0.0 } else { intensity / 2.0 })
+    }
+}
+
+/// The largest coefficient.
+fn largest(p: &Polynomial) -> f64 {
+    p.terms().map(|(_, c)| c.abs()).fold(0.0, f64::max)
 }
 
 /// What rounding leaves of terms that cancel, relative to the largest.

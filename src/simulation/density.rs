@@ -1,6 +1,6 @@
 use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level};
 use crate::checks::{coordinate, dimension, point, require, state_index};
-use crate::density::{Counted, Crossing, Density, Sampled, central, pair};
+use crate::density::{Counted, CountedImpacts, Crossing, Density, Sampled, central, pair};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
@@ -129,6 +129,10 @@ impl Density for SimulatedDensity {
     fn sampled(&self) -> Option<&dyn Sampled> {
         Some(self)
     }
+
+    fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {
+        Some(self)
+    }
 }
 
 impl Sampled for SimulatedDensity {
@@ -146,7 +150,9 @@ impl Sampled for SimulatedDensity {
         let coarse = self.coarse.as_ref().map(|coarse| (of(coarse, None), self.bias_share()));
         Ok(Arc::new(of(self, coarse)))
     }
+}
 
+impl CountedImpacts for SimulatedDensity {
     fn impact_speeds(&self, walls: &[usize]) -> Option<Arc<dyn Counted>> {
         let of = |d: &Self, coarse| Some(Distribution::new(&d.speeds_at(walls)?, coarse));
         let coarse = self.coarse.as_ref().and_then(|coarse| Some((of(coarse, None)?, self.bias_share())));

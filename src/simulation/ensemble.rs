@@ -3,7 +3,8 @@ use super::{
     control::Control,
     generator::Images,
     lanes::{Lanes, Workspace},
-    passage::{Boundaries, Passages},
+    passage::{Boundaries, Passages, Record},
+    paths::Paths,
     scheme::Scheme,
     statistics::Sample,
     tally::Layout,
@@ -12,7 +13,6 @@ use super::{
 use crate::error::{Error, Result};
 use crate::problem::LANES;
 use crate::simulation::tuning::timetable::{BURN_IN_STRETCHES, LATE, PIECE};
-use crate::states::States;
 use rayon::prelude::*;
 
 /// Path-steps of one batch between two calls of the progress callback.
@@ -26,12 +26,6 @@ pub(super) struct Ensemble<'a> {
     /// The number of trajectories in the whole simulation.
     pub(super) trajectories: usize,
     pub(super) control: Control<'a>,
-}
-
-/// States that were taken of all trajectories at one time after the other, in the order of the trajectories.
-fn by_trajectory(states: &States, trajectories: usize) -> Vec<f64> {
-    let of = |first: usize| states.iter().skip(first).step_by(trajectories).flatten().copied();
-    (0..trajectories).flat_map(of).collect()
 }
 
 impl<'a> Ensemble<'a> {
@@ -118,40 +112,45 @@ impl<'a> Ensemble<'a> {
         Ok(steps)
     }
 
-    /// Runs the trajectories of each group and keeps every state that would be sampled: trajectory by trajectory, and each
-    /// in order of time.
-    pub(super) fn collect(&self, mut groups: Vec<Trajectories>, stretches: usize, bounds: &[f64]) -> Result<States> {
+    /// Runs the trajectories of each group and keeps every state that would be sampled, with the impacts between them where
+    /// passages are recorded.
+    pub(super) fn collect(&self, mut groups: Vec<Trajectories>, stretches: usize, bounds: &[f64]) -> Result<Paths> {
         let dimension = self.scheme.states;
-        let states = self.on_all(&mut groups, |place, group| {
-            let mut states = States::with_capacity(dimension, group.count() * samples(stretches));
-            self.through(place, group, stretches, bounds, |stretch, x| {
+        let parts = self.on_all(&mut groups, |place, group| {
+            let mut paths = vec![Paths::new(dimension, samples(stretches)); group.count()];
+            let mut x = vec![0.0; dimension];
+            self.through(place, group, stretches, bounds, |stretch, number, lanes, record| {
                 if stretch >= BURN_IN_STRETCHES {
-                    states.push(x);
+                    let own = &mut paths[number * LANES..];
+                    for ((lane, wall), at) in record.impacts.iter().zip(record.states.chunks_exact(dimension)) {
+                        own[*lane].strike(*wall, at);
+                    }
+                    for (lane, path) in own.iter_mut().enumerate().take(lanes.trajectories()) {
+                        lanes.read_state(lane, &mut x);
+                        path.states.push(&x);
+                    }
                 }
             })?;
-            Ok(by_trajectory(&states, group.count()))
+            Ok(Paths::joined(dimension, &paths))
         })?;
-        Ok(States::from_values(dimension, states.concat()))
+        Ok(Paths::joined(dimension, &parts))
     }
 
-    /// Takes trajectories through so many stretches and passes each state after each of them to `observe`.
+    /// Takes trajectories through so many stretches and passes each group, with its number and its record of passages, to
+    /// `observe` after each of them.
     pub(super) fn through(
         &self,
         place: usize,
         trajectories: &mut Trajectories,
         stretches: usize,
         bounds: &[f64],
-        mut observe: impl FnMut(usize, &[f64]),
+        mut observe: impl FnMut(usize, usize, &Lanes, &Record),
     ) -> Result<()> {
         let (mut passages, mut work) = (self.boundaries.passages(), Workspace::new(self.scheme));
-        let mut x = vec![0.0; self.scheme.states];
         for stretch in 0..stretches {
             let bounds = if stretch < BURN_IN_STRETCHES { &[] } else { bounds };
-            let visit = |_, lanes: &Lanes, _: &Passages, _: &mut Workspace| {
-                for lane in 0..lanes.trajectories() {
-                    lanes.read_state(lane, &mut x);
-                    observe(stretch, &x);
-                }
+            let visit = |group, lanes: &Lanes, passages: &Passages, _: &mut Workspace| {
+                observe(stretch, group, lanes, &passages.record);
             };
             let steps = self.stretch(trajectories, stretch, bounds, &mut passages, &mut work, visit)?;
             self.control.report(steps * trajectories.count() as u64);

@@ -10,6 +10,7 @@
 //! - `start`: where trajectories begin;
 //! - `time_step`: the choice of the time step, by the system's own time scales;
 //! - `batch`, `ensemble`: batches of trajectories, and their way on all threads;
+//! - `paths`: sampled states with the impacts between them;
 //! - `pilot`: a few trajectories ahead of all others, which show the range of the states;
 //! - `tally`, `histogram`, `trend`, `blocks`: the sums that a batch makes of its samples;
 //! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments less the chance that is
@@ -40,6 +41,7 @@ mod lanes;
 mod merge;
 mod normal;
 mod passage;
+mod paths;
 mod pilot;
 mod plan;
 mod processes;
@@ -64,6 +66,7 @@ mod tuning;
 
 pub use control::Progress;
 pub use histogram::Histogram;
+pub(crate) use paths::{Collisions, Impact, Paths};
 pub use result::SimulatedDensity;
 pub use setup::Simulation;
 pub use splitting::{Splitting, Tails};

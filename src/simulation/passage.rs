@@ -140,6 +140,11 @@ impl Boundaries {
         Boundaries { levels: plan.levels.clone(), speeds: plan.impact_speeds(), recording, shortest_rest, ..self }
     }
 
+    /// The same boundaries, with or without a record of all passages.
+    pub(super) fn recording(self, recording: bool) -> Self {
+        Boundaries { recording, ..self }
+    }
+
     /// No passages yet.
     pub(super) fn passages(&self) -> Passages {
         Passages::new([self.levels.len(), self.walls.len(), self.velocities.len()], self.speeds)

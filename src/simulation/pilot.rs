@@ -29,10 +29,11 @@ impl Pilot {
         let mut groups: Vec<_> =
             firsts.map(|first| Trajectories::new(first..first + LANES as u64, seed, start)).collect();
         let seen = ensemble.on_all(&mut groups, |place, group| {
-            let mut reach = nothing.clone();
-            ensemble.through(place, group, BURN_IN_STRETCHES, &[], |stretch, x| {
-                if 2 * stretch >= BURN_IN_STRETCHES {
-                    reach.iter_mut().zip(x).for_each(|(reach, &x)| *reach = reach.joined(Reach::of(x)));
+            let (mut reach, mut x) = (nothing.clone(), vec![0.0; nothing.len()]);
+            ensemble.through(place, group, BURN_IN_STRETCHES, &[], |stretch, _, lanes, _| {
+                for lane in (0..lanes.trajectories()).filter(|_| 2 * stretch >= BURN_IN_STRETCHES) {
+                    lanes.read_state(lane, &mut x);
+                    reach.iter_mut().zip(&x).for_each(|(reach, &x)| *reach = reach.joined(Reach::of(x)));
                 }
             })?;
             Ok(reach)

@@ -9,7 +9,7 @@ use super::{
     tally::{Layout, Tally},
 };
 use crate::checks::state_index;
-use crate::density::{Sampled, central};
+use crate::density::{CountedImpacts, Sampled, central};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::provenance::{Provenance, Stopped};
@@ -178,12 +178,12 @@ impl SimulatedDensity {
     /// The number of impacts per unit time, at all walls together; none without a wall. [`Impacts`](crate::statistics::Impacts)
     /// has it for each wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
-        Sampled::impact_flux(self, &self.walls(), 1)
+        CountedImpacts::impact_flux(self, &self.walls(), 1)
     }
 
     /// The mean speed of approach at an impact; none without a wall.
     pub fn mean_impact_speed(&self) -> Option<Estimate> {
-        Sampled::mean_impact_speed(self, &self.walls(), 1)
+        CountedImpacts::mean_impact_speed(self, &self.walls(), 1)
     }
 
     /// The share of the time that is spent at rest on a wall.

@@ -6,6 +6,7 @@ use super::{
     generator::ControlVariates,
     histogram::Axis,
     passage::Boundaries,
+    paths::Paths,
     pilot::Pilot,
     plan::{Plan, equations},
     processes::{OneProcess, Processes, any_of},
@@ -159,17 +160,28 @@ impl<'a> Simulation<'a> {
     /// assert_eq!(states.len(), 640);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn states(mut self, problem: &Problem) -> Result<States> {
+    pub fn states(self, problem: &Problem) -> Result<States> {
+        Ok(self.collected(problem, false)?.states)
+    }
+
+    /// The same with all impacts between the states.
+    pub(crate) fn paths(self, problem: &Problem) -> Result<Paths> {
+        self.collected(problem, true)
+    }
+
+    fn collected(mut self, problem: &Problem, recording: bool) -> Result<Paths> {
         let control = Control::new(self.progress.take(), None);
         let Prepared { contacts, scheme, timetable, samples, start, .. } = self.prepared(problem, false, &control)?;
         let numbers = samples as f64 * self.trajectories as f64 * problem.dimension() as f64;
         self.memory.holds("the sampled states", numbers, "take fewer samples, or raise `memory_limit`")?;
-        let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new());
+        let interval = timetable.interval_steps as f64 * scheme.step;
+        let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new()).recording(recording);
         let ensemble = self.ensemble(&scheme, &boundaries, timetable, control);
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
         let group = |range| Trajectories::new(range, self.seed, &start);
         let groups = deal(self.trajectories).into_iter().map(group).collect();
-        ensemble.collect(groups, tuning::timetable::BURN_IN_STRETCHES + samples, &pilot.bounds())
+        let paths = ensemble.collect(groups, tuning::timetable::BURN_IN_STRETCHES + samples, &pilot.bounds())?;
+        Ok(Paths { interval, ..paths })
     }
 
     /// The scheme and the plan, after all options have been checked.

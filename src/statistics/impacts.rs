@@ -1,7 +1,7 @@
 use super::curve::{Curve, Effort};
 use super::{crossing_of, ratio};
 use crate::checks::{dimension, finite, state_index};
-use crate::density::{Counted, Crossing, Density, Sampled};
+use crate::density::{Counted, CountedImpacts, Crossing, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::problem::{Problem, Wall};
@@ -70,8 +70,8 @@ impl Impacts {
         if walls.is_empty() {
             return refused("a problem without a wall", "give the problem a wall by Problem::with_wall");
         }
-        if let Some(sampled) = density.sampled()
-            && let Some(counted) = Self::counted(sampled, chosen, &walls)
+        if let Some(counted) = density.counted_impacts()
+            && let Some(counted) = Self::counted(counted, chosen, &walls)
         {
             return Ok(counted);
         }
@@ -121,7 +121,7 @@ impl Impacts {
     }
 
     /// The impacts that a density counted.
-    fn counted(sampled: &dyn Sampled, chosen: &[usize], walls: &[&Wall]) -> Option<Self> {
+    fn counted(sampled: &dyn CountedImpacts, chosen: &[usize], walls: &[&Wall]) -> Option<Self> {
         let rate = sampled.impact_flux(chosen, 1)?;
         // One after another, unless all take the same share.
         let parts: Vec<(Vec<usize>, f64)> = if walls.iter().all(|wall| share(wall) == share(walls[0])) {

@@ -6,3 +6,4 @@ mod many_states;
 mod references;
 mod robust;
 mod walls;
+mod walls_in_many_states;

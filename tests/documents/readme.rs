@@ -160,7 +160,7 @@ fn a_dozen_lines() {
 fn highest_orders() {
     let (readme, mut found) = (readme(), Comparison::default());
     let (plane, walled) = (problem(duffing()), duffing_above(-0.5, 1.0));
-    for (phrase, problem) in [("at every order n ≤ ", plane), ("between two (n ≤ ", walled)] {
+    for (phrase, problem) in [("at every order n ≤ ", plane), ("next to any walls (n ≤ ", walled)] {
         let printed = readme.number(phrase);
         let highest = printed.value() as u32;
         Closure::new(highest).solve(&problem).unwrap();

@@ -6,4 +6,4 @@ mod estimates;
 mod statistics;
 mod steps;
 mod tails;
-mod walls;
+pub(crate) mod walls;

@@ -10,13 +10,13 @@ use expoly::{
 /// Two bodies in equilibrium with a bath, m_i y_i″ + c_i y_i′ + k_i y_i + μ y_i³ + κ (y_i − y_j) = √(2 c_i T) ξ_i:
 /// p = C exp{−(½ m₁ v₁² + ½ m₂ v₂² + U)/T}, cut off by elastic walls.
 #[derive(Clone, Copy, Debug)]
-struct Bodies {
-    masses: [f64; 2],
-    damping: [f64; 2],
-    stiffness: [f64; 2],
-    cubic: f64,
-    coupling: f64,
-    temperature: f64,
+pub(crate) struct Bodies {
+    pub(crate) masses: [f64; 2],
+    pub(crate) damping: [f64; 2],
+    pub(crate) stiffness: [f64; 2],
+    pub(crate) cubic: f64,
+    pub(crate) coupling: f64,
+    pub(crate) temperature: f64,
 }
 
 impl PolynomialDrift<4, 2> for Bodies {
@@ -45,15 +45,15 @@ fn rule([low, high]: [f64; 2], parts: usize) -> Vec<(f64, f64)> {
 
 /// Where walls leave the displacements of two bodies and their difference; ±7 stands for no wall.
 #[derive(Clone, Copy, Debug)]
-struct Room {
-    own: [[f64; 2]; 2],
-    difference: [f64; 2],
+pub(crate) struct Room {
+    pub(crate) own: [[f64; 2]; 2],
+    pub(crate) difference: [f64; 2],
 }
 
 impl Room {
-    const OPEN: [f64; 2] = [-7.0, 7.0];
+    pub(crate) const OPEN: [f64; 2] = [-7.0, 7.0];
 
-    fn walls(&self, r: f64, masses: [f64; 2]) -> Result<Vec<Wall>> {
+    pub(crate) fn walls(&self, r: f64, masses: [f64; 2]) -> Result<Vec<Wall>> {
         let mut walls = Vec::new();
         let ranges = [self.own[0], self.own[1], self.difference];
         for (k, [low, high]) in ranges.into_iter().enumerate() {
@@ -70,7 +70,7 @@ impl Room {
 }
 
 impl Bodies {
-    fn potential(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(crate) fn potential(&self, [x, y]: [f64; 2]) -> f64 {
         let own = |i: usize, x: f64| self.stiffness[i] * x * x / 2.0 + self.cubic * x.powi(4) / 4.0;
         own(0, x) + own(1, y) + self.coupling * (x - y).powi(2) / 2.0
     }
@@ -88,7 +88,7 @@ impl Bodies {
     }
 
     /// The density of the displacement `k`, or of the difference for k = 2, at `at`.
-    fn at(&self, room: &Room, k: usize, at: f64) -> f64 {
+    pub(crate) fn at(&self, room: &Room, k: usize, at: f64) -> f64 {
         let weight = |x: [f64; 2]| (-self.potential(x) / self.temperature).exp();
         let total = self.integral(room, |_| 1.0);
         let [[lx, hx], [ly, hy]] = room.own;
@@ -116,7 +116,7 @@ impl Numbers {
     }
 }
 
-fn with_walls(problem: Problem, walls: &[Wall]) -> Result<Problem> {
+pub(crate) fn with_walls(problem: Problem, walls: &[Wall]) -> Result<Problem> {
     walls.iter().try_fold(problem, |problem, wall| problem.with_wall(*wall))
 }
 

@@ -18,6 +18,7 @@ mod ranks;
 mod tails;
 mod time_step;
 mod wall_table;
+mod walls_in_many_states;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -48,6 +49,8 @@ enum Question {
     TimeStep(time_step::Options),
     /// How accurate is the simulation above the walls of a table?
     WallTable(wall_table::Options),
+    /// How good is the closure above lossy walls in three and four states?
+    WallsInManyStates(walls_in_many_states::Options),
 }
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -66,5 +69,6 @@ fn main() -> ExitCode {
         Question::Tails(options) => tails::run(&options),
         Question::TimeStep(options) => time_step::run(&options),
         Question::WallTable(options) => wall_table::run(&options),
+        Question::WallsInManyStates(options) => walls_in_many_states::run(&options),
     })
 }

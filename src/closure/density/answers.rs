@@ -6,7 +6,7 @@ use crate::checks::{coordinate, dimension, point};
 use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
 use crate::closure::samples::ImportanceRule;
-use crate::density::{Crossing, Density, moderate, pair, placed};
+use crate::density::{CountedImpacts, Crossing, Density, moderate, pair, placed};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::power;
@@ -131,7 +131,7 @@ impl Density for ClosureDensity {
     fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
         match &self.content.integrals {
             Integrals::Panels { .. } => None,
-            Integrals::Draws(rule) => rule.drawn().ok().map(|(states, weights, _)| (states, weights)),
+            Integrals::Draws(rule) => rule.drawn().ok(),
         }
     }
 
@@ -142,5 +142,9 @@ impl Density for ClosureDensity {
             let speed = if crossing.upward { x[velocity] } else { -x[velocity] };
             if speed > 0.0 { speed.powi(power) } else { 0.0 }
         })
+    }
+
+    fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {
+        (!self.content.impacts.is_empty()).then_some(self as &dyn CountedImpacts)
     }
 }

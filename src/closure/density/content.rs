@@ -1,4 +1,5 @@
 use super::exponent::Exponent;
+use super::impacts::WallImpacts;
 use crate::closure::candidates::Candidate;
 use crate::closure::candidates::indicator::Indication;
 use crate::closure::discretisation::trust_domain::TrustDomain;
@@ -30,6 +31,9 @@ pub(crate) struct Content {
     /// Moments that are more accurate than integrals of the density itself; none on Gauss nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(in crate::closure) moments: Vec<Moment>,
+    /// The pilot's impacts on each wall, in three states and more.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(in crate::closure) impacts: Vec<WallImpacts>,
     pub(in crate::closure) guarded: bool,
     /// The chosen one first.
     pub(in crate::closure) candidates: Vec<Candidate>,
@@ -67,6 +71,8 @@ impl Content {
         } else if self.exponent.space.corners().iter().any(|corner| corner.wall().collapses()) {
             // Where a trajectory collapses onto a wall, this is the reason for the large estimate.
             Some(COLLAPSE)
+        } else if self.impacts.iter().any(|wall| wall.contradicts(tuning::walls::ERRORS, tuning::walls::SHARE)) {
+            Some("next to a wall the density is off: its own impact rate is not that of its statistics of impacts")
         } else if chosen.l1_estimate > tuning::UNRELIABLE {
             Some("the estimated error is large: take a higher order")
         } else {
@@ -80,27 +86,25 @@ impl Content {
         let domain = self.domain.checked(states)?;
         let exponent = self.exponent.checked(states)?;
         let reference = self.reference.map(|reference| reference.checked(states)).transpose()?;
-        let integrals = match (self.integrals, exponent.space.polynomials()) {
-            (Integrals::Panels { rules, lines }, _) => {
+        let integrals = match self.integrals {
+            Integrals::Panels { rules, lines } => {
                 if !(1..=2).contains(&states) || rules.len() != states || lines.len() != states {
                     return Err(format!("its rules are none of {states} states"));
                 }
                 rules.iter().chain(&lines).try_for_each(sound)?;
                 Integrals::Panels { rules, lines }
             }
-            (Integrals::Draws(rule), Some(polynomials)) => {
-                Integrals::Draws(Box::new(rule.checked(polynomials, &exponent.coefficients)?))
-            }
-            (Integrals::Draws(_), None) => return Err(String::from("draws serve polynomials alone")),
+            Integrals::Draws(rule) => Integrals::Draws(Box::new(rule.checked(&exponent)?)),
         };
         let lattice = self.lattice.map(|lattice| lattice.checked(states)).transpose()?;
+        let impacts = self.impacts.into_iter().map(WallImpacts::checked).collect::<Read<_>>()?;
         for moment in &self.moments {
             exponents(&moment.powers, states, HIGHEST)?;
         }
         if self.candidates.is_empty() {
             return Err(String::from("it names no candidate"));
         }
-        Ok(Content { exponent, reference, domain, integrals, lattice, ..self })
+        Ok(Content { exponent, reference, domain, integrals, lattice, impacts, ..self })
     }
 }
 

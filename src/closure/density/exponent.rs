@@ -50,10 +50,7 @@ impl Exponent {
         if let Some(value) = coefficients.iter().chain([&constant]).find(|value| !value.is_finite()) {
             return Err(format!("a coefficient is {value}"));
         }
-        if !known.is_empty() && states != 2 {
-            return Err(format!("walls stand in two states, not in {states}"));
-        }
-        let known = known.into_iter().map(Corner::checked).collect::<Read<_>>()?;
+        let known = known.into_iter().map(|corner| corner.checked(states)).collect::<Read<_>>()?;
         Ok(Exponent { known, space, constant, coefficients })
     }
 }
@@ -91,7 +88,7 @@ impl Function for Known<'_> {
 
 /// Q₀ at a state.
 #[inline(always)]
-fn known_value<T: Number>(known: &[Corner], x: &[T]) -> T {
+pub(in crate::closure) fn known_value<T: Number>(known: &[Corner], x: &[T]) -> T {
     let mut sum = T::everywhere(0.0);
     for corner in known {
         sum += corner.singular_value(x);

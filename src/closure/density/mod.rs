@@ -1,11 +1,12 @@
 //! The answer: a density with its trust domain and its errors.
 //!
 //! - `exponent`: Q; `content`: all that an answer is made of, as it is stored;
-//! - `answers`: the methods of [`Density`].
+//! - `answers`: the methods of [`Density`]; `impacts`: those of [`CountedImpacts`](crate::CountedImpacts).
 
 pub(super) mod answers;
 pub(super) mod content;
 pub(super) mod exponent;
+pub(super) mod impacts;
 
 use super::candidates::Candidate;
 use super::discretisation::nodes::Nodes;
@@ -14,7 +15,7 @@ use super::reference::Start;
 use super::samples::Copula;
 use crate::checks::point;
 use crate::closure::tuning;
-use crate::density::{Crossing, Density, escape_direction};
+use crate::density::{CountedImpacts, Crossing, Density, escape_direction};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::exponentials;
@@ -186,6 +187,9 @@ impl ClosureDensity {
 
     /// The mean number of impacts per unit time at all walls together; none without a wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
+        if !self.content.impacts.is_empty() {
+            return self.impact_flux(&(0..self.content.impacts.len()).collect::<Vec<_>>(), 1);
+        }
         let walls = self.content.exponent.space.corners().iter().map(super::space::Corner::wall);
         let rates = walls.map(|wall| {
             let crossing = if wall.is_above() { Crossing::downward } else { Crossing::upward };

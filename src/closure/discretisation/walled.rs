@@ -29,7 +29,7 @@ pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Optio
         let corner = |wall: &Wall| {
             let (mut drift, mut diffusion) = ([0.0; 2], [0.0; 4]);
             problem.point(&[wall.offset(), 0.0], &mut drift, &mut diffusion);
-            Corner::new(*wall, inflation * (diffusion[3] / 2.0), reach)
+            Corner::new(*wall, vec![1], inflation * (diffusion[3] / 2.0), reach)
         };
         walls.iter().flatten().map(corner).collect()
     };

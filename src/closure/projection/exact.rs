@@ -82,6 +82,7 @@ impl NodalClosure {
             reference: None,
             domain,
             moments: Vec::new(),
+            impacts: Vec::new(),
             integrals,
             lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
             guarded: self.guarded,

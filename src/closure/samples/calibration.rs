@@ -1,20 +1,24 @@
 //! Means over the pilot's states under which the moment equations hold.
 
-use super::equations::Sites;
-use super::products::{LANES, Products, Scratch};
+use super::family::Family;
+use super::paths::{ImpactStatistics, Paths};
+use super::products::Products;
+use crate::closure::density::impacts::WallImpacts;
 use crate::closure::pilot::Pilot;
-use crate::closure::space::Polynomials;
+use crate::closure::space::Functions;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::regression;
-use crate::numerics::{add_gram, symmetric};
-use crate::problem::{Problem, Symmetry};
+use crate::numerics::symmetric;
+use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
+/// Groups of trajectories whose spread is the standard error of statistics of impacts.
+const GROUPS: usize = 64;
 /// Trajectories are summed in so many lots, of which every other one makes the first half.
-const LOTS: usize = 16;
+pub(super) const LOTS: usize = 16;
 
 /// Means of functions φ under the stationary density, from the pilot's states and the moment equations together.
 ///
@@ -22,9 +26,12 @@ const LOTS: usize = 16;
 /// with it is taken off, Eφ = φ̄ − β·𝓖ψ̄ with β the regression of φ on 𝓖ψ over blocks of consecutive states: control variates
 /// (A. Mira, R. Solgi and D. Imparato, 2013, doi:10.1007/s11222-012-9344-6). The same weights on the states give all means,
 /// so that these are the means of one signed measure. The generator is exact, and with it the bias of the time step goes.
+///
+/// Next to walls E\[𝓖ψ\] + ν E\[ψ₊ − ψ₋\] = 0 with the impacts' rate ν, so that the jumps of ψ at a block's impacts are a part
+/// of its 𝓖ψ, over the time that it stands for; and so are the impacts' own statistics of what is averaged.
 #[derive(Clone, Debug)]
 pub(super) struct Calibration {
-    /// E φ_k.
+    /// E φ_k, and after them the statistics of impacts, per unit time.
     pub(super) means: Vec<f64>,
     /// The same from either half of the trajectories alone.
     pub(super) halves: [Vec<f64>; 2],
@@ -36,22 +43,26 @@ pub(super) struct Calibration {
     pub(super) degree: Option<u32>,
     /// The smallest weight of a block of states, where 1 is the plain one.
     pub(super) smallest_weight: f64,
+    /// The number of functions, and the width of the bins of impact speeds.
+    functions: usize,
+    speed_bin: f64,
 }
 
 /// Sums over blocks: their number, R = 𝓖ψ, φ, the lower triangle of RRᵀ, Rφᵀ and, of the first functions φ, the lower triangle
 /// of φφᵀ.
-struct Sums {
-    blocks: f64,
-    first: [Vec<f64>; 2],
-    square: Mat<f64>,
-    mixed: Mat<f64>,
-    own: Mat<f64>,
+pub(super) struct Sums {
+    pub(super) blocks: f64,
+    pub(super) first: [Vec<f64>; 2],
+    pub(super) square: Mat<f64>,
+    pub(super) mixed: Mat<f64>,
+    pub(super) own: Mat<f64>,
 }
 
 impl Sums {
-    fn new(tests: usize, functions: usize) -> Self {
+    /// For so many tests, functions, and functions with covariances.
+    pub(super) fn new([tests, functions, covered]: [usize; 3]) -> Self {
         let (square, mixed) = (Mat::zeros(tests, tests), Mat::zeros(tests, functions));
-        let own = Mat::zeros(functions.min(tuning::space::MANY), functions.min(tuning::space::MANY));
+        let own = Mat::zeros(covered, covered);
         Sums { blocks: 0.0, first: [vec![0.0; tests], vec![0.0; functions]], square, mixed, own }
     }
 
@@ -117,19 +128,20 @@ struct Tested {
 }
 
 impl Calibration {
-    /// Of the functions φ = `functions`, whose box is that of ψ as well; the degree of ψ is that which leaves the smallest
-    /// share of the variances of the first `wanted`. None where the pilot's states are fewer than its trajectories, or lie on
-    /// a surface.
+    /// Of the functions φ = `functions`; the degree of ψ is that which leaves the smallest share of the variances of the first
+    /// `wanted`. None where the pilot's states are fewer than its trajectories, or lie on a surface.
     pub(super) fn new(
         problem: &Problem,
         pilot: &Pilot,
-        symmetry: &Symmetry,
-        functions: &Polynomials,
+        family: &Family,
+        functions: &Functions,
         wanted: usize,
     ) -> Option<Self> {
+        let symmetry = family.symmetry();
         let samples = pilot.states.len() / TRAJECTORIES;
-        let length =
-            (pilot.slowness(symmetry).ceil() as usize).min((samples / tuning::calibration::LEAST_BLOCKS).max(1));
+        let least = if family.corners().is_empty() { 1 } else { tuning::calibration::LENGTH_AT_WALLS };
+        let most = (samples / tuning::calibration::LEAST_BLOCKS).max(1);
+        let length = (pilot.slowness(symmetry).ceil() as usize).max(least).min(most);
         let blocks = (samples / length) * TRAJECTORIES;
         let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
         // From below, so that the many functions of a high degree in many states are not listed in vain.
@@ -143,17 +155,20 @@ impl Calibration {
             degrees.push((Some(degree), tests.len()));
             exponents = tests;
         }
-        // The tests of a lower degree come first.
-        exponents.sort_by_key(|alpha| alpha.iter().sum::<u32>());
-        let (centre, half_width) = (functions.centre().to_vec(), functions.half_width().to_vec());
-        let products = [Products::new(&Polynomials::new(centre, half_width, exponents)), Products::new(functions)];
+        let (tested, kinks) = family.tests(exponents);
+        degrees.iter_mut().skip(1).for_each(|(_, tests)| *tests += kinks);
+        let products = [&tested, functions].map(Products::of);
         let [tests, count] = products.each_ref().map(|products| products.len() - 1);
-        let paths = Paths { problem, pilot, products: &products, samples, length };
+        let contacts = problem.contacts();
+        let statistics = ImpactStatistics::new(pilot, &contacts);
+        let sizes = [tests, count + contacts.len() * ImpactStatistics::EACH, count.min(family.covered())];
+        let paths =
+            Paths { problem, pilot, contacts: &contacts, statistics, products: &products, sizes, samples, length };
 
         let lots: Vec<(Sums, Vec<[Vec<f64>; 2]>)> = (0..LOTS).into_par_iter().map(|lot| paths.lot(lot)).collect();
-        let mut halves = [Sums::new(tests, count), Sums::new(tests, count)];
+        let mut halves = [Sums::new(sizes), Sums::new(sizes)];
         lots.iter().enumerate().for_each(|(lot, (sums, _))| halves[lot % 2].add(sums));
-        let mut all = Sums::new(tests, count);
+        let mut all = Sums::new(sizes);
         halves.iter().for_each(|half| all.add(half));
         if all.blocks == 0.0 {
             return None;
@@ -192,6 +207,8 @@ impl Calibration {
             residuals,
             degree,
             smallest_weight,
+            speed_bin: statistics.bin,
+            functions: count,
         };
         // States of one trajectory are not independent, and β was found on the same states: as wide as between trajectories.
         let wider: Vec<f64> = (0..calibration.covariance.nrows())
@@ -200,6 +217,21 @@ impl Calibration {
         let size = wider.len();
         calibration.covariance = Mat::from_fn(size, size, |k, l| calibration.covariance[(k, l)] * wider[k] * wider[l]);
         Some(calibration)
+    }
+
+    /// The statistics of the impacts at each of so many walls.
+    pub(super) fn impacts(&self, walls: usize) -> Vec<WallImpacts> {
+        let of = |wall: usize| {
+            let first = self.functions + wall * ImpactStatistics::EACH;
+            let columns = first..first + ImpactStatistics::EACH;
+            let groups = (0..GROUPS).map(|g| {
+                let members = (g..TRAJECTORIES).step_by(GROUPS);
+                let share = GROUPS as f64 / TRAJECTORIES as f64;
+                columns.clone().map(|k| members.clone().map(|t| self.residuals[(t, k)]).sum::<f64>() * share).collect()
+            });
+            WallImpacts::new(self.means[columns.clone()].to_vec(), groups.collect(), self.speed_bin)
+        };
+        (0..walls).map(of).collect()
     }
 
     /// The standard error of E Σ c_k φ_k, by the spread between trajectories.
@@ -226,98 +258,4 @@ fn residuals<'a>(mean: &impl Fn(usize, usize) -> &'a [f64], betas: [&Mat<f64>; 2
         }
     }
     residuals
-}
-
-/// The pilot's trajectories, cut into blocks.
-struct Paths<'a> {
-    problem: &'a Problem,
-    pilot: &'a Pilot,
-    /// ψ and φ.
-    products: &'a [Products; 2],
-    /// States of a trajectory, and of a block.
-    samples: usize,
-    length: usize,
-}
-
-impl Paths<'_> {
-    /// The sums over the trajectories of a lot, and the means of R and φ over each of them.
-    fn lot(&self, lot: usize) -> (Sums, Vec<[Vec<f64>; 2]>) {
-        let sizes = self.products.each_ref().map(|products| products.len() - 1);
-        let mut sums = Sums::new(sizes[0], sizes[1]);
-        let mut scratch = self.products.each_ref().map(Products::scratch);
-        let blocks = self.samples / self.length;
-        let mut tables = sizes.map(|size| Mat::<f64>::zeros(blocks, size));
-        let mut means = Vec::new();
-        for t in (lot..TRAJECTORIES).step_by(LOTS) {
-            tables.iter_mut().for_each(|table| table.fill(0.0));
-            self.each(t, &mut scratch, |used, at, scratch| {
-                for (kind, table) in tables.iter_mut().enumerate() {
-                    for k in 0..sizes[kind] {
-                        let column = table.col_as_slice_mut(k);
-                        let values = if kind == 0 {
-                            self.products[0].image(&scratch[0], k + 1)
-                        } else {
-                            self.products[1].value(&scratch[1], k + 1)
-                        };
-                        for l in 0..used {
-                            column[(at + l) / self.length] += values[l] / self.length as f64;
-                        }
-                    }
-                }
-            });
-            let [r, phi] = &tables;
-            add_gram(sums.square.as_mut(), r.as_ref());
-            matmul(sums.mixed.as_mut(), Accum::Add, r.transpose(), phi.as_ref(), 1.0, Par::Seq);
-            let own = phi.get(.., ..sums.own.nrows());
-            add_gram(sums.own.as_mut(), own);
-            let total = |table: MatRef<'_, f64>| -> Vec<f64> {
-                (0..table.ncols()).map(|k| (0..blocks).map(|b| table[(b, k)]).sum()).collect()
-            };
-            let totals = [total(r.as_ref()), total(phi.as_ref())];
-            for (sum, total) in sums.first.iter_mut().zip(&totals) {
-                sum.iter_mut().zip(total).for_each(|(sum, total)| *sum += total);
-            }
-            sums.blocks += blocks as f64;
-            means.push(totals.map(|total| total.iter().map(|sum| sum / blocks as f64).collect()));
-        }
-        (sums, means)
-    }
-
-    /// Places both kinds of functions at the states of trajectory `t`, eight at a time: how many there are, and the first of
-    /// them.
-    fn each(&self, t: usize, scratch: &mut [Scratch; 2], mut visit: impl FnMut(usize, usize, &[Scratch; 2])) {
-        let n = self.problem.dimension();
-        let used = self.samples / self.length * self.length;
-        let first = t * self.samples;
-        let mut sites = Sites::new(self.problem);
-        for at in (0..used).step_by(LANES) {
-            let count = LANES.min(used - at);
-            let states = &self.pilot.states.values()[(first + at) * n..(first + at + count) * n];
-            sites.place(self.problem, states);
-            self.products[0].place(&sites.x, &mut scratch[0]);
-            self.products[1].place_values(&sites.x, &mut scratch[1]);
-            scratch[0].first.copy_from_slice(&sites.drift);
-            self.products[0].apply(&sites.diffusion, &sites.coupled, &mut scratch[0]);
-            visit(count, at, scratch);
-        }
-    }
-
-    /// The largest mean of λ·R over a block.
-    fn largest(&self, lambda: &[f64]) -> f64 {
-        let blocks = self.samples / self.length;
-        let one = |t: usize| {
-            let mut scratch = self.products.each_ref().map(Products::scratch);
-            let mut sums = vec![0.0; blocks];
-            self.each(t, &mut scratch, |used, at, scratch| {
-                let mut along = [0.0; LANES];
-                for (k, c) in lambda.iter().enumerate() {
-                    let image = self.products[0].image(&scratch[0], k + 1);
-                    (0..LANES).for_each(|l| along[l] += c * image[l]);
-                }
-                (0..used).for_each(|l| sums[(at + l) / self.length] += along[l] / self.length as f64);
-            });
-            sums.into_iter().fold(f64::NEG_INFINITY, f64::max)
-        };
-        (0..TRAJECTORIES).into_par_iter().map(one).collect::<Vec<_>>().into_iter().fold(f64::NEG_INFINITY, f64::max)
-    }
 }

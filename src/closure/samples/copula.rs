@@ -3,7 +3,7 @@
 use crate::closure::pilot::Pilot;
 use crate::closure::tuning;
 use crate::error::{Error, Result};
-use crate::problem::Symmetry;
+use crate::problem::{Contact, Symmetry};
 use crate::record::{Read, positive, states};
 use nalgebra::{Cholesky, DMatrix};
 use serde::{Deserialize, Serialize};
@@ -73,10 +73,30 @@ impl Copula {
         self.knots.iter().zip(x).map(|(knots, x)| score_of(knots, *x)).collect()
     }
 
-    /// None where the states lie on a surface.
+    /// Of the pilot's states and their mirror images. None where they lie on a surface.
     pub(in crate::closure) fn new(pilot: &Pilot, symmetry: &Symmetry) -> Option<Self> {
-        let n = pilot.states.dimension();
         let images = || pilot.states.iter().flat_map(|x| symmetry.images(x));
+        Copula::of(pilot.states.dimension(), &images, tuning::domain::WIDENING)
+    }
+
+    /// Of the pilot's states and their reflections at each wall, so that the density does not fall off towards walls.
+    pub(in crate::closure) fn next_to(contacts: &[Contact], pilot: &Pilot) -> Option<Self> {
+        let reflected = |x: &[f64]| {
+            let behind = contacts.iter().map(|contact| {
+                let mut image = x.to_vec();
+                contact.mirror(&mut image);
+                contact.strike(1.0, &mut image);
+                image
+            });
+            behind.chain([x.to_vec()]).collect::<Vec<_>>()
+        };
+        let images = || pilot.states.iter().flat_map(reflected);
+        let copula = Copula::of(pilot.states.dimension(), &images, tuning::domain::WIDENING_AT_WALLS)?;
+        Some(copula.followed(tuning::domain::WIDENING.recip()))
+    }
+
+    /// Of any states of `n` numbers; the covariance of the scores is `wider` times theirs. None where they lie on a surface.
+    pub(super) fn of<I: Iterator<Item = Vec<f64>>>(n: usize, images: &impl Fn() -> I, wider: f64) -> Option<Self> {
         let quantiles = |i: usize| -> Vec<f64> {
             let mut all: Vec<f64> = images().map(|x| x[i]).collect();
             all.sort_by(f64::total_cmp);
@@ -97,11 +117,11 @@ impl Copula {
             }
             count += 1.0;
         }
-        covariance *= tuning::domain::WIDENING / count;
+        covariance *= wider / count;
         let rows =
             |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|row| row.iter().copied().collect()).collect() };
         let inverse = rows(&Cholesky::new(covariance.clone())?.l().try_inverse()?);
-        let farthest = pilot.states.iter().map(|x| distance(&inverse, &scores(x))).fold(0.0, f64::max);
+        let farthest = images().map(|x| distance(&inverse, &scores(&x))).fold(0.0, f64::max);
         let covariance = rows(&covariance);
         Some(Copula {
             spacing: SPACING,

@@ -3,9 +3,11 @@
 
 use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, effective, lane};
 use super::products::{LANES, Lane, Scratch, ZERO};
+use crate::closure::space::Corner;
 use crate::closure::tuning;
+use crate::control_variates::planes::Form;
 use crate::fokker_planck::Local;
-use crate::numerics::{add_gram, symmetric};
+use crate::numerics::{Eight, add_gram, symmetric};
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
@@ -29,17 +31,20 @@ pub(super) struct Sites {
     /// The states with noise.
     pub(super) noisy: Vec<usize>,
     local: Local,
+    /// The walls whose grazing impacts make a part S of ln p that is known.
+    grazed: Vec<Corner>,
 }
 
 impl Sites {
-    pub(super) fn new(problem: &Problem) -> Self {
+    pub(super) fn new(problem: &Problem, corners: &[Corner]) -> Self {
         let n = problem.dimension();
         let [x, drift, backward] = [(); 3].map(|()| vec![ZERO; n]);
         let b = problem.operator().diffusion();
         let coupled = problem.operator().coupled();
         let noisy = (0..n).filter(|&i| !b[i][i].is_zero()).collect();
         let (diffusion, local) = (vec![ZERO; n * n], Local::new(n));
-        Sites { x, drift, diffusion, backward, source: ZERO, coupled, noisy, local }
+        let grazed = corners.iter().filter(|corner| corner.grazes()).cloned().collect();
+        Sites { x, drift, diffusion, backward, source: ZERO, coupled, noisy, local, grazed }
     }
 
     /// Up to eight states, one after the other in `states`; the last stands in for those that are missing.
@@ -57,6 +62,42 @@ impl Sites {
             self.diffusion.iter_mut().zip(&self.local.diffusion).for_each(|(lane, b)| lane[l] = *b);
             self.source[l] = self.local.source();
         }
+        if !self.grazed.is_empty() {
+            self.add_known();
+        }
+    }
+
+    /// Makes the residual that of exp(S + Q) as a function of Q: its constant part becomes the residual of exp(S), and its
+    /// coefficients of ∇Q become −f + ∂B + B∇S.
+    ///
+    /// At each wall −w S_u + D (S_ww + S_w²) = 0 exactly, terms that are large and would leave their rounding.
+    fn add_known(&mut self) {
+        let n = self.x.len();
+        let x: Vec<Eight> = self.x.iter().map(|lane| Eight(*lane)).collect();
+        let backward = self.backward.clone();
+        let mut slopes: Vec<(Form, Lane)> = Vec::with_capacity(self.grazed.len());
+        for corner in &self.grazed {
+            let jet = corner.grazing_jet(&x);
+            let (slope, bend) = (jet.gradient[1].0, jet.hessian[1][1].0);
+            let [_, rate] = corner.forms();
+            let (back, noise) = (rate.of(&backward), rate.diffusion(&rate, &self.diffusion, n));
+            let intensity = corner.intensity();
+            for l in 0..LANES {
+                let excess = 0.5 * noise[l] - intensity;
+                self.source[l] += back[l] * slope[l] + excess * (bend[l] + slope[l] * slope[l]);
+            }
+            for (other, with) in &slopes {
+                let mixed = rate.diffusion(other, &self.diffusion, n);
+                (0..LANES).for_each(|l| self.source[l] += mixed[l] * slope[l] * with[l]);
+            }
+            slopes.push((rate, slope));
+            for (j, sign) in rate.parts() {
+                for i in 0..n {
+                    let b = &self.diffusion[i * n + j];
+                    (0..LANES).for_each(|l| self.backward[i][l] += sign * b[l] * slope[l]);
+                }
+            }
+        }
     }
 }
 
@@ -69,7 +110,8 @@ impl Likelihood<'_> {
         let enough =
             (tuning::likelihood::NODES_EACH * size).max(tuning::likelihood::FEWEST_NODES) / tuning::likelihood::FEWER;
         let parts = &self.nodes.parts;
-        let count = parts.iter().copied().find(|end| *end >= enough).unwrap_or(fit.masses.len());
+        let fewer = parts.iter().copied().find(|end| *end >= enough && self.walls.is_empty());
+        let count = fewer.unwrap_or(fit.masses.len());
         let first = |masses: &[f64]| -> Vec<f64> {
             let sum: f64 = masses[..count].iter().sum();
             masses[..count].iter().map(|p| p / sum).collect()
@@ -120,7 +162,7 @@ impl Likelihood<'_> {
         let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).collect();
         let stretch = |blocks: &[usize]| {
             let mut sum = Equations::new(size);
-            let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem));
+            let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem, self.corners));
             let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(ROWS, size));
             for &block in blocks {
                 let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
@@ -168,16 +210,14 @@ impl Likelihood<'_> {
         };
         let parts: Vec<Equations> = blocks.par_chunks(blocks.len().div_ceil(stretches).max(1)).map(stretch).collect();
         let mut all = Equations::new(size);
-        for part in &parts {
-            all.matrix += &part.matrix;
-            all.noise += &part.noise;
-            all.spread += &part.spread;
-            all.tested.iter_mut().zip(&part.tested).for_each(|(sum, part)| *sum += part);
-            all.root += part.root;
-            all.size += part.size;
-        }
+        parts.iter().for_each(|part| all.add(part));
         let root = all.root.sqrt();
-        let size = root / all.size.sqrt().max(f64::MIN_POSITIVE);
+        let mut size = root / all.size.sqrt().max(f64::MIN_POSITIVE);
+        if !self.walls.is_empty() {
+            let log_mass = self.log_mass_by(a, masses);
+            let defect = self.add_impacts(a, log_mass, columns, &mut all);
+            size = size.max(defect);
+        }
         Equations { noise: symmetric(&all.noise), spread: symmetric(&all.spread), size, root, ..all }
     }
 
@@ -230,6 +270,7 @@ pub(super) enum Columns {
 }
 
 /// The Galerkin equations under exp(Q), the constant among the functions.
+#[derive(Clone, Debug)]
 pub(super) struct Equations {
     /// E\[φ_k L′φ_l\] or E\[φ_k 𝓖φ_l\].
     pub(super) matrix: Mat<f64>,
@@ -240,14 +281,23 @@ pub(super) struct Equations {
     pub(super) noise: Mat<f64>,
     pub(super) spread: Mat<f64>,
     /// √E r².
-    root: f64,
+    pub(super) root: f64,
     /// The same relative to its parts.
-    size: f64,
+    pub(super) size: f64,
 }
 
 impl Equations {
-    fn new(size: usize) -> Self {
+    pub(super) fn new(size: usize) -> Self {
         let [matrix, noise, spread] = [(); 3].map(|()| Mat::zeros(size, size));
         Equations { matrix, tested: vec![0.0; size], noise, spread, root: 0.0, size: 0.0 }
+    }
+
+    pub(super) fn add(&mut self, part: &Equations) {
+        self.matrix += &part.matrix;
+        self.noise += &part.noise;
+        self.spread += &part.spread;
+        self.tested.iter_mut().zip(&part.tested).for_each(|(sum, part)| *sum += part);
+        self.root += part.root;
+        self.size += part.size;
     }
 }

@@ -1,8 +1,10 @@
 //! Integrals of exp(Q) over many states, by importance sampling on shifted lattices.
 
 use super::copula::{Copula, Sampler};
+use super::likelihood::Nodes;
 use super::products::{LANES, Products, ZERO};
-use crate::closure::space::Polynomials;
+use crate::closure::density::exponent::{Exponent, known_value};
+use crate::closure::space::Corner;
 use crate::closure::tuning;
 use crate::error::Result;
 use crate::estimate::Estimate;
@@ -25,23 +27,81 @@ const MOST_BLOCKS: usize = 1 << 16;
 pub(crate) struct ImportanceRule {
     /// The density that the draws come from, with its trust domain.
     pub(crate) copula: Copula,
-    /// The random shifts, a number for each state.
-    shifts: Vec<Vec<f64>>,
-    /// Blocks for each shift.
-    blocks: usize,
+    shifts: Shifts,
     /// Taken off all logarithms, so that no weight overflows.
     shift: f64,
     /// ∫ exp(Q − shift) dx over the trust domain, and its standard error.
     mass: [f64; 2],
     effective: f64,
-    /// The step of the lattice from point to point, for each state.
-    #[serde(skip)]
-    advance: Vec<f64>,
     #[serde(skip)]
     products: Products,
     /// Q in the products, constant first.
     #[serde(skip)]
     coefficients: Vec<f64>,
+    /// The walls, behind which there is nothing, and those that make a known part of ln p.
+    #[serde(skip)]
+    corners: Vec<Corner>,
+    #[serde(skip)]
+    known: Vec<Corner>,
+}
+
+/// Points of a lattice in the unit cube under random shifts.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Shifts {
+    /// The shifts, a number for each state.
+    starts: Vec<Vec<f64>>,
+    /// Blocks for each shift.
+    blocks: usize,
+    /// The step of the lattice from point to point, for each state.
+    #[serde(skip)]
+    advance: Vec<f64>,
+}
+
+impl Shifts {
+    /// About so many points in `n` dimensions.
+    pub(super) fn new(n: usize, draws: usize, seed: u64) -> Self {
+        let mut stream = ChaCha8Rng::seed_from_u64(seed);
+        let starts = (0..tuning::density::SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
+        let blocks = draws.div_ceil(BLOCK * tuning::density::SHIFTS).max(1);
+        Shifts { starts, blocks, advance: square_roots(n) }
+    }
+
+    /// Blocks under all shifts.
+    pub(super) fn blocks_in_all(&self) -> usize {
+        self.starts.len() * self.blocks
+    }
+
+    /// The number of points.
+    pub(super) fn count(&self) -> usize {
+        self.blocks_in_all() * BLOCK
+    }
+
+    /// The same in `n` dimensions, if the numbers have a meaning.
+    fn checked(self, n: usize) -> Read<Self> {
+        if self.starts.len() != tuning::density::SHIFTS {
+            return Err(format!("there are {} shifts, not {}", self.starts.len(), tuning::density::SHIFTS));
+        }
+        self.starts.iter().try_for_each(|shift| states("a shift of the draws", shift, n))?;
+        if !(1..=MOST_BLOCKS).contains(&self.blocks) {
+            return Err(format!("{} blocks of draws are not between 1 and {}", self.blocks, MOST_BLOCKS));
+        }
+        Ok(Shifts { advance: square_roots(n), ..self })
+    }
+}
+
+/// The draws of one of all blocks in the sampler's trust domain, each with the logarithm of the density that it is drawn with.
+pub(super) fn each_draw(sampler: &Sampler<'_>, shifts: &Shifts, block: usize, mut visit: impl FnMut(&[f64], f64)) {
+    let (start, block) = (&shifts.starts[block / shifts.blocks], block % shifts.blocks);
+    let [mut normals, mut x] = [(); 2].map(|()| vec![0.0; start.len()]);
+    for k in block * BLOCK..(block + 1) * BLOCK {
+        for ((u, start), advance) in normals.iter_mut().zip(start).zip(&shifts.advance) {
+            *u = normal_quantile((start + k as f64 * advance).fract());
+        }
+        if let Some(logarithm) = sampler.draw(&mut normals, &mut x) {
+            visit(&x, logarithm);
+        }
+    }
 }
 
 /// Σ w, Σ w² and Σ w g.
@@ -52,63 +112,50 @@ fn added(sum: Sums, part: &Sums) -> Sums {
 }
 
 impl ImportanceRule {
-    /// A rule of about `draws` draws for Q of these functions and coefficients. None where no weight is finite.
-    pub(in crate::closure) fn new(
-        functions: &Polynomials,
-        coefficients: &[f64],
-        copula: &Copula,
-        draws: usize,
-        seed: u64,
-    ) -> Option<Self> {
-        let n = copula.knots.len();
-        let mut stream = ChaCha8Rng::seed_from_u64(seed);
-        let shifts = (0..tuning::density::SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
+    /// A rule of about `draws` draws for this Q. None where no weight is finite.
+    pub(in crate::closure) fn new(exponent: &Exponent, copula: &Copula, draws: usize, seed: u64) -> Option<Self> {
         let rule = ImportanceRule {
             copula: copula.clone(),
-            shifts,
-            blocks: draws.div_ceil(BLOCK * tuning::density::SHIFTS).max(1),
+            shifts: Shifts::new(copula.knots.len(), draws, seed),
             shift: 0.0,
             mass: [1.0, 0.0],
             effective: 0.0,
-            advance: Vec::new(),
             products: Products::default(),
             coefficients: Vec::new(),
+            corners: Vec::new(),
+            known: Vec::new(),
         };
-        let mut rule = rule.over(functions, coefficients);
+        let mut rule = rule.over(exponent);
         let mut top = f64::NEG_INFINITY;
-        rule.block(&rule.copula.sampler(&[]).ok()?, 0, 0, |_, logarithm| top = top.max(logarithm));
+        rule.block(&rule.copula.sampler(&[]).ok()?, 0, |_, logarithm| top = top.max(logarithm));
         rule.shift = top;
-        let sums = rule.sums(&[], rule.blocks, &|_| 0.0).ok()?;
-        let mass = spread(sums.iter().map(|part| part[0] / draws_in(rule.blocks)));
+        let blocks = rule.shifts.blocks;
+        let sums = rule.sums(&[], blocks, &|_| 0.0).ok()?;
+        let mass = spread(sums.iter().map(|part| part[0] / draws_in(blocks)));
         let [weight, square, _] = sums.iter().fold([0.0; 3], added);
         rule.mass = [mass.value, mass.error];
         rule.effective = weight * weight / square;
         (mass.value.is_finite() && mass.value > 0.0).then_some(rule)
     }
 
-    /// The same for Q of these functions and coefficients.
-    fn over(self, functions: &Polynomials, coefficients: &[f64]) -> Self {
-        let products = Products::new(functions);
-        let coefficients = std::iter::once(0.0).chain(coefficients.iter().copied()).collect();
-        ImportanceRule { advance: square_roots(products.dimension()), products, coefficients, ..self }
+    /// The same for this Q.
+    fn over(self, exponent: &Exponent) -> Self {
+        let products = Products::of(&exponent.space);
+        let coefficients = std::iter::once(0.0).chain(exponent.coefficients.iter().copied()).collect();
+        let (corners, known) = (exponent.space.corners().to_vec(), exponent.known.clone());
+        ImportanceRule { products, coefficients, corners, known, ..self }
     }
 
-    /// The same for Q of these functions and coefficients, if its numbers have a meaning.
-    pub(in crate::closure) fn checked(self, functions: &Polynomials, coefficients: &[f64]) -> Read<Self> {
-        let n = functions.centre().len();
-        if self.shifts.len() != tuning::density::SHIFTS {
-            return Err(format!("there are {} shifts, not {}", self.shifts.len(), tuning::density::SHIFTS));
-        }
-        self.shifts.iter().try_for_each(|shift| states("a shift of the draws", shift, n))?;
-        if !(1..=MOST_BLOCKS).contains(&self.blocks) {
-            return Err(format!("{} blocks of draws are not between 1 and {}", self.blocks, MOST_BLOCKS));
-        }
+    /// The same for this Q, if its numbers have a meaning.
+    pub(in crate::closure) fn checked(self, exponent: &Exponent) -> Read<Self> {
+        let n = exponent.space.dimension();
+        let shifts = self.shifts.checked(n)?;
         states("the shift of the weights", &[self.shift], 1)?;
         states("the mass", &self.mass, 2)?;
         positive("the mass", self.mass[0])?;
         positive("the number of effective draws", self.effective)?;
         let copula = self.copula.checked(n)?;
-        Ok(ImportanceRule { copula, ..self }.over(functions, coefficients))
+        Ok(ImportanceRule { copula, shifts, ..self }.over(exponent))
     }
 
     /// ln ∫ exp(Q) dx over the trust domain.
@@ -130,34 +177,48 @@ impl ImportanceRule {
 
     /// Whether the density is defined at a state.
     pub(in crate::closure) fn trusts(&self, x: &[f64]) -> bool {
-        self.copula.trusts(x)
+        self.is_room(x) && self.copula.trusts(x)
+    }
+
+    /// Whether a state is on the side of the motion at every wall.
+    fn is_room(&self, x: &[f64]) -> bool {
+        self.corners.iter().all(|corner| corner.gap(x) >= 0.0)
     }
 
     /// The mean of a function.
     pub(in crate::closure) fn mean(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
-        let sums = self.sums(&[], self.blocks, g)?;
+        let sums = self.sums(&[], self.shifts.blocks, g)?;
         Ok(spread(sums.iter().map(|part| part[2] / part[0])))
     }
 
-    /// All draws in the trust domain with their weights, and the place where those of each shift end.
-    pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>, Vec<usize>)> {
+    /// All draws in the trust domain with their weights.
+    pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>)> {
+        let Nodes { points, base: mut weights, .. } = self.nodes()?;
+        let shift = self.shift - (self.shifts.count() as f64).ln();
+        weights.iter_mut().for_each(|w| *w -= shift);
+        exponentials(&mut weights);
+        Ok((points, weights))
+    }
+
+    /// The same as nodes, each shift a part of them.
+    pub(super) fn nodes(&self) -> Result<Nodes> {
         let n = self.products.dimension();
         let sampler = self.copula.sampler(&[])?;
-        let blocks = (0..tuning::density::SHIFTS * self.blocks).into_par_iter().map(|task| {
-            let (mut values, mut weights) = (Vec::with_capacity(BLOCK * n), Vec::with_capacity(BLOCK));
-            self.block(&sampler, task / self.blocks, task % self.blocks, |x, logarithm| {
+        let scale = (self.shifts.count() as f64).ln();
+        let blocks = (0..self.shifts.blocks_in_all()).into_par_iter().map(|block| {
+            let (mut values, mut base) = (Vec::with_capacity(BLOCK * n), Vec::with_capacity(BLOCK));
+            self.block(&sampler, block, |x, logarithm| {
                 values.extend_from_slice(x);
-                weights.push(logarithm - self.shift);
+                base.push(logarithm - scale);
             });
-            exponentials(&mut weights);
-            (values, weights)
+            (values, base)
         });
-        let (values, weights): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.unzip();
-        let mut ends = Vec::with_capacity(tuning::density::SHIFTS);
-        for blocks in weights.chunks(self.blocks) {
-            ends.push(ends.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
+        let (values, base): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.unzip();
+        let mut parts = Vec::with_capacity(tuning::density::SHIFTS);
+        for blocks in base.chunks(self.shifts.blocks) {
+            parts.push(parts.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
         }
-        Ok((States::from_values(n, values.concat()), weights.concat(), ends))
+        Ok(Nodes { points: States::from_values(n, values.concat()), base: base.concat(), parts })
     }
 
     /// ∫ g p dx over all other states, those of `held` at their values: the marginal density where g = 1, the flux through
@@ -167,7 +228,7 @@ impl ImportanceRule {
         held: &[(usize, f64)],
         g: &(dyn Fn(&[f64]) -> f64 + Sync),
     ) -> Result<Estimate> {
-        let blocks = self.blocks.div_ceil(tuning::density::OF_A_SECTION);
+        let blocks = self.shifts.blocks.div_ceil(tuning::density::OF_A_SECTION);
         let sums = self.sums(held, blocks, g)?;
         let [mass, error] = self.mass;
         let integral = spread(sums.iter().map(|part| part[2] / draws_in(blocks)));
@@ -180,18 +241,18 @@ impl ImportanceRule {
         let sampler = self.copula.sampler(held)?;
         let part = |task: usize| {
             let mut sums = [0.0; 3];
-            self.block(&sampler, task / blocks, task % blocks, |x, logarithm| {
+            self.block(&sampler, task / blocks * self.shifts.blocks + task % blocks, |x, logarithm| {
                 let w = (logarithm - self.shift).exp();
                 sums = added(sums, &[w, w * w, w * g(x)]);
             });
             sums
         };
-        let parts: Vec<Sums> = (0..tuning::density::SHIFTS * blocks).into_par_iter().map(part).collect();
+        let parts: Vec<Sums> = (0..self.shifts.starts.len() * blocks).into_par_iter().map(part).collect();
         Ok(parts.chunks(blocks).map(|parts| parts.iter().fold([0.0; 3], added)).collect())
     }
 
-    /// The draws of one block in the trust domain, each with the logarithm of its weight.
-    fn block(&self, sampler: &Sampler<'_>, shift: usize, block: usize, mut each: impl FnMut(&[f64], f64)) {
+    /// The draws of one of all blocks in the trust domain, each with the logarithm of its weight.
+    fn block(&self, sampler: &Sampler<'_>, block: usize, mut each: impl FnMut(&[f64], f64)) {
         let n = self.products.dimension();
         let mut scratch = self.products.scratch();
         let mut lanes = vec![ZERO; n];
@@ -204,25 +265,22 @@ impl ImportanceRule {
             self.products.place_values(&lanes, &mut scratch);
             let q = self.products.sum(&self.coefficients, &scratch);
             for ((point, logarithm), q) in points.chunks_exact(n).zip(logarithms).zip(q) {
-                each(point, q - logarithm);
+                each(point, known_value(&self.known, point) + q - logarithm);
             }
         };
-        let mut normals = vec![0.0; n];
         let mut filled = 0;
-        for k in block * BLOCK..(block + 1) * BLOCK {
-            for ((u, shift), advance) in normals.iter_mut().zip(&self.shifts[shift]).zip(&self.advance) {
-                *u = normal_quantile((shift + k as f64 * advance).fract());
+        each_draw(sampler, &self.shifts, block, |x, logarithm| {
+            if !self.is_room(x) {
+                return;
             }
-            let Some(logarithm) = sampler.draw(&mut normals, &mut points[filled * n..(filled + 1) * n]) else {
-                continue;
-            };
+            points[filled * n..(filled + 1) * n].copy_from_slice(x);
             logarithms[filled] = logarithm;
             filled += 1;
             if filled == LANES {
                 flush(&points, &logarithms);
                 filled = 0;
             }
-        }
+        });
         flush(&points[..filled * n], &logarithms[..filled]);
     }
 }

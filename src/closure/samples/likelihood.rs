@@ -1,6 +1,8 @@
 //! The most likely exponential polynomial with given means, by integrals over draws.
 
 use super::products::{LANES, Lane, Products, Scratch, ZERO};
+use super::walls::WallNodes;
+use crate::closure::space::Corner;
 use crate::closure::tuning;
 use crate::estimate::Estimate;
 use crate::numerics::{Concave, Search, add_gram, definite, exponentials, symmetric};
@@ -21,17 +23,16 @@ pub(super) const ROOM: usize = 30_000_000;
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct Nodes {
     pub(in crate::closure) points: States,
-    /// The logarithms of the weights, up to a constant where they are not `measured` in volume.
+    /// The logarithms of the weights, which are volumes, and what is known of ln p.
     pub(in crate::closure) base: Vec<f64>,
-    pub(super) measured: bool,
     /// Where each part of them ends that is a rule of its own.
     pub(in crate::closure) parts: Vec<usize>,
 }
 
 impl Nodes {
-    /// No nodes yet, of a rule that measures volumes.
+    /// No nodes yet.
     pub(super) fn empty(states: usize) -> Self {
-        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new(), measured: true }
+        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new() }
     }
 }
 
@@ -62,6 +63,9 @@ struct Part {
 pub(super) struct Likelihood<'a> {
     pub(super) nodes: &'a Nodes,
     pub(super) products: &'a Products,
+    /// The walls, and the nodes on each of them.
+    pub(super) corners: &'a [Corner],
+    pub(super) walls: &'a [WallNodes],
 }
 
 impl Likelihood<'_> {
@@ -126,6 +130,14 @@ impl Likelihood<'_> {
         integral.is_finite().then_some((integral, masses))
     }
 
+    /// ln ∫ exp(Q), where the mass of each draw is known, from the heaviest of them.
+    pub(super) fn log_mass_by(&self, a: &[f64], masses: &[f64]) -> f64 {
+        let heaviest = (0..masses.len()).max_by(|i, k| masses[*i].total_cmp(&masses[*k])).unwrap_or(0);
+        let mut q = ZERO;
+        self.each(heaviest, 1, &mut self.products.scratch(), |_, _, scratch| q = self.products.sum(a, scratch));
+        q[0] + self.nodes.base[heaviest] - masses[heaviest].ln()
+    }
+
     /// The mass of each draw. None where exp(Q) has no finite integral.
     pub(super) fn masses(&self, a: &[f64]) -> Option<Vec<f64>> {
         Some(self.integral(&self.combination(a))?.1)
@@ -169,7 +181,7 @@ impl Likelihood<'_> {
     /// ln ∫ exp(Q) dx, where the nodes' weights are volumes.
     pub(super) fn log_mass(&self, fit: &Fit) -> Option<Estimate> {
         let zeros = vec![0.0; self.products.len() - 1];
-        let (integral, _) = self.integral(&self.combination(&fit.a)).filter(|_| self.nodes.measured)?;
+        let (integral, _) = self.integral(&self.combination(&fit.a))?;
         let parts = self.parts(&fit.masses, &zeros);
         let count = parts.len() as f64;
         let square: f64 = parts.iter().map(|part| (count * part.mass - 1.0).powi(2)).sum();

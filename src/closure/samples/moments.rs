@@ -1,7 +1,8 @@
 //! Moments from the means of Legendre products.
 
 use super::calibration::Calibration;
-use crate::closure::space::Polynomials;
+use super::family::Family;
+use crate::closure::space::Functions;
 use crate::record::number;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -17,16 +18,20 @@ pub(crate) struct Moment {
     pub(in crate::closure) error: f64,
 }
 
-/// The moments E x^α of the exponents α of the functions, as far as x^α is a combination of them.
-pub(super) fn moments(functions: &Polynomials, calibration: &Calibration) -> Vec<Moment> {
-    let place: HashMap<&[u32], usize> =
-        functions.exponents().iter().enumerate().map(|(k, alpha)| (alpha.as_slice(), k)).collect();
-    let highest = functions.exponents().iter().flatten().copied().max().unwrap_or(0);
-    let sides: Vec<(f64, f64)> =
-        functions.centre().iter().copied().zip(functions.half_width().iter().copied()).collect();
+/// The moments E x^α of the exponents α of the polynomials among the functions, as far as x^α is a combination of them.
+pub(super) fn moments(functions: &Functions, family: &Family, calibration: &Calibration) -> Vec<Moment> {
+    let listed: Vec<(usize, &[u32])> = match functions {
+        Functions::Polynomials(functions) => functions.exponents().iter().map(Vec::as_slice).enumerate().collect(),
+        Functions::Contacts(functions) => functions.polynomials(),
+        Functions::Walls(_) => Vec::new(),
+    };
+    let place: HashMap<&[u32], usize> = listed.iter().map(|&(k, alpha)| (alpha, k)).collect();
+    let highest = listed.iter().flat_map(|(_, alpha)| *alpha).copied().max().unwrap_or(0);
+    let [centre, half_width] = family.box_around();
+    let sides: Vec<(f64, f64)> = centre.iter().copied().zip(half_width.iter().copied()).collect();
     let tables: Vec<Vec<Vec<f64>>> =
         sides.iter().map(|&(centre, half_width)| powers_in_legendre(centre, half_width, highest as usize)).collect();
-    let moment = |alpha: &Vec<u32>| {
+    let moment = |&(_, alpha): &(usize, &[u32])| {
         // Products of one term for each state.
         let mut terms = vec![(vec![0; alpha.len()], 1.0)];
         for (i, &power) in alpha.iter().enumerate().filter(|(_, power)| **power > 0) {
@@ -52,9 +57,9 @@ pub(super) fn moments(functions: &Polynomials, calibration: &Calibration) -> Vec
                 parts.push((k, c));
             }
         }
-        Some(Moment { powers: alpha.clone(), value, error: calibration.error(&parts) })
+        Some(Moment { powers: alpha.to_vec(), value, error: calibration.error(&parts) })
     };
-    functions.exponents().iter().filter_map(moment).collect()
+    listed.iter().filter_map(moment).collect()
 }
 
 /// The coefficients of (centre + half_width t)^p in the Legendre polynomials of t, for p = 0, 1, …

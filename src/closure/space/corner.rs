@@ -2,6 +2,7 @@
 
 use super::degrees::HIGHEST;
 use super::{Jet, PlaneJet, Similarity};
+use crate::control_variates::planes::Form;
 use crate::numerics::Number;
 use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
@@ -12,6 +13,8 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub(crate) struct Corner {
     wall: Wall,
+    /// The velocity of the wall's displacement, or those of its two.
+    velocities: Vec<usize>,
     /// κ/27: the noise intensity, which sets at what u ~ w³/D a grazing impact ends.
     intensity: f64,
     /// The largest u and |w|, in which the functions are scaled.
@@ -22,17 +25,37 @@ pub(crate) struct Corner {
 
 impl Corner {
     /// A wall in a domain whose largest u and |w| are `reach`.
-    pub(in crate::closure) fn new(wall: Wall, intensity: f64, reach: [f64; 2]) -> Self {
-        Corner { wall, intensity, reach, similarity: Similarity::new(wall.restitution(), intensity) }
+    pub(in crate::closure) fn new(wall: Wall, velocities: Vec<usize>, intensity: f64, reach: [f64; 2]) -> Self {
+        let similarity = Similarity::new(wall.restitution(), intensity);
+        Corner { wall, velocities, intensity, reach, similarity }
+    }
+
+    /// An elastic wall as if no noise acted there, so that grazing impacts leave no singularity.
+    pub(in crate::closure) fn without_noise(&self) -> Self {
+        Corner { intensity: 0.0, similarity: None, ..self.clone() }
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
-    pub(in crate::closure) fn checked(self) -> Read<Self> {
+    pub(in crate::closure) fn checked(self, states: usize) -> Read<Self> {
         let make = if self.wall.is_above() { Wall::above } else { Wall::below };
         let wall = make(self.wall.offset(), self.wall.restitution()).map_err(|error| error.to_string())?;
-        positive("the intensity at a wall", self.intensity)?;
+        let wall = match self.wall.other() {
+            None => wall.on(self.wall.state()),
+            Some(other) => {
+                let masses = self.wall.masses().unwrap_or([1.0; 2]);
+                wall.between([self.wall.state(), other], masses).map_err(|error| error.to_string())?
+            }
+        };
+        let bodies = self.velocities.iter().copied().chain([wall.state()]).chain(wall.other());
+        if self.velocities.len() != 1 + usize::from(wall.other().is_some()) || bodies.max() >= Some(states) {
+            return Err(format!("the velocities {:?} are none of a wall in {states} states", self.velocities));
+        }
+        // No noise is needed to leave an elastic wall.
+        if self.intensity != 0.0 || wall.restitution() < 1.0 {
+            positive("the intensity at a wall", self.intensity)?;
+        }
         positive_states("the reach of a wall's functions", &self.reach, 2)?;
-        Ok(Corner::new(wall, self.intensity, self.reach))
+        Ok(Corner::new(wall, self.velocities, self.intensity, self.reach))
     }
 
     pub(crate) fn wall(&self) -> &Wall {
@@ -63,7 +86,21 @@ impl Corner {
     #[inline(always)]
     pub(super) fn coordinates<T: Number>(&self, x: &[T]) -> [T; 2] {
         let side = self.side();
-        [(x[0] - self.wall.offset()) * side, x[1] * side]
+        let (y, v) = (x[self.wall.state()], x[self.velocities[0]]);
+        match (self.wall.other(), self.velocities.get(1)) {
+            (Some(other), Some(&second)) => [(y - x[other] - self.wall.offset()) * side, (v - x[second]) * side],
+            _ => [(y - self.wall.offset()) * side, v * side],
+        }
+    }
+
+    /// (u, w), up to the constant of u, as combinations of the states.
+    pub(in crate::closure) fn forms(&self) -> [Form; 2] {
+        let sign = self.side();
+        let second = self.wall.other().zip(self.velocities.get(1).copied());
+        [
+            Form { sign, first: self.wall.state(), second: second.map(|(y, _)| y) },
+            Form { sign, first: self.velocities[0], second: second.map(|(_, v)| v) },
+        ]
     }
 
     /// The part S of ln p that grazing impacts make singular; 0 where the restitution is too small for such a part.
@@ -83,10 +120,26 @@ impl Corner {
 
     #[inline(always)]
     fn singular_jet<T: Number>(&self, x: &[T]) -> PlaneJet<T> {
+        self.turned(self.grazing_jet(x))
+    }
+
+    /// S with its derivatives in (u, w).
+    #[inline(always)]
+    pub(in crate::closure) fn grazing_jet<T: Number>(&self, x: &[T]) -> PlaneJet<T> {
         let [u, w] = self.coordinates(x);
-        self.turned(PlaneJet::from_points(|point| {
+        PlaneJet::from_points(|point| {
             self.similarity.as_ref().map_or(PlaneJet::ZERO, |similarity| similarity.at(u.at(point), w.at(point)))
-        }))
+        })
+    }
+
+    /// The gap, u.
+    pub(in crate::closure) fn gap(&self, x: &[f64]) -> f64 {
+        self.coordinates(x)[0]
+    }
+
+    /// Whether S is not zero.
+    pub(in crate::closure) fn grazes(&self) -> bool {
+        self.similarity.as_ref().is_some_and(|similarity| similarity.exponent != 0.0)
     }
 
     /// Derivatives in (u, w) as derivatives in the state.
@@ -231,8 +284,8 @@ mod tests {
     /// other side.
     #[test]
     fn a_wall_above_mirrors_one_below() {
-        let lower = Corner::new(Wall::above(0.3, 0.8).unwrap(), 0.2, [2.0, 3.0]);
-        let upper = Corner::new(Wall::below(-0.3, 0.8).unwrap(), 0.2, [2.0, 3.0]);
+        let lower = Corner::new(Wall::above(0.3, 0.8).unwrap(), vec![1], 0.2, [2.0, 3.0]);
+        let upper = Corner::new(Wall::below(-0.3, 0.8).unwrap(), vec![1], 0.2, [2.0, 3.0]);
         let (below, above) = (lower.singular_jet(&[0.7, -0.4]), upper.singular_jet(&[-0.7, 0.4]));
         assert_eq!(below.value, above.value);
         assert_eq!(below.gradient, above.gradient.map(|slope| -slope));

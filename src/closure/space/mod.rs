@@ -1,7 +1,7 @@
 //! The functions that ln p and its corrections are combined from.
 //!
 //! - `degrees`: which monomials are of an order; `polynomials`: products of Legendre polynomials of them;
-//! - `corner`, `similarity`, `wall`: the functions next to walls;
+//! - `corner`, `similarity`, `wall`, `contact`: the functions next to walls, in two states and in more;
 //! - `nested_spaces`: the spaces that an order needs; `orthonormal`: their bases under a weight;
 //! - `sweep`: functions at many points.
 
@@ -10,16 +10,19 @@ pub(super) mod nested_spaces;
 pub(super) mod orthonormal;
 pub(super) mod sweep;
 
+mod contact;
 mod corner;
 mod polynomials;
 mod similarity;
 mod wall;
 
+pub(crate) use contact::{ContactFunctions, ContactLevel};
 pub(crate) use corner::{Corner, Kink, SMALLEST};
 pub(crate) use polynomials::Polynomials;
 pub(crate) use similarity::{CLOSEST, PER_UNIT, STEPS, Similarity, TAYLOR};
 pub(super) use wall::{WallFunctions, WallLevel};
 
+use crate::control_variates::products::Products;
 use crate::numerics::{EIGHT, Number};
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
@@ -34,6 +37,8 @@ pub(crate) enum Functions {
     Polynomials(Polynomials),
     /// Polynomials of two states, and functions with the singularity of grazing impacts.
     Walls(WallFunctions),
+    /// The same in more states.
+    Contacts(ContactFunctions),
 }
 
 impl Functions {
@@ -42,6 +47,7 @@ impl Functions {
         match self {
             Functions::Polynomials(functions) => functions.len(),
             Functions::Walls(functions) => functions.len(),
+            Functions::Contacts(functions) => functions.len(),
         }
     }
 
@@ -50,6 +56,7 @@ impl Functions {
         match self {
             Functions::Polynomials(functions) => functions.centre().len(),
             Functions::Walls(_) => 2,
+            Functions::Contacts(functions) => functions.dimension(),
         }
     }
 
@@ -59,6 +66,7 @@ impl Functions {
         match self {
             Functions::Polynomials(functions) => functions.values(x, values),
             Functions::Walls(functions) => functions.values(x, values),
+            Functions::Contacts(functions) => functions.values(x, values),
         }
     }
 
@@ -68,6 +76,7 @@ impl Functions {
         match self {
             Functions::Polynomials(functions) => functions.rates(x, local, values, rates),
             Functions::Walls(functions) => functions.rates(x, local, values, rates),
+            Functions::Contacts(functions) => functions.rates(x, local, values, rates),
         }
     }
 
@@ -77,6 +86,7 @@ impl Functions {
         match self {
             Functions::Polynomials(functions) => functions.added(T::everywhere(0.0), x, a),
             Functions::Walls(functions) => functions.sum(x, a),
+            Functions::Contacts(functions) => functions.sum(x, a),
         }
     }
 
@@ -86,6 +96,7 @@ impl Functions {
         match self {
             Functions::Polynomials(functions) => functions.combine(x, a, sum),
             Functions::Walls(functions) => functions.combine(x, a, sum),
+            Functions::Contacts(functions) => functions.combine(x, a, sum),
         }
     }
 
@@ -93,7 +104,7 @@ impl Functions {
     pub(crate) fn polynomials(&self) -> Option<&Polynomials> {
         match self {
             Functions::Polynomials(functions) => Some(functions),
-            Functions::Walls(_) => None,
+            Functions::Walls(_) | Functions::Contacts(_) => None,
         }
     }
 
@@ -102,6 +113,7 @@ impl Functions {
         match self {
             Functions::Polynomials(_) => &[],
             Functions::Walls(functions) => functions.corners(),
+            Functions::Contacts(functions) => functions.corners(),
         }
     }
 
@@ -110,6 +122,7 @@ impl Functions {
         match self {
             Functions::Polynomials(functions) => Some((functions, &[])),
             Functions::Walls(functions) => functions.single(),
+            Functions::Contacts(_) => None,
         }
     }
 
@@ -118,8 +131,20 @@ impl Functions {
         Ok(match self {
             Functions::Polynomials(functions) => Functions::Polynomials(functions.checked(states)?),
             Functions::Walls(functions) if states == 2 => Functions::Walls(functions.checked()?),
-            Functions::Walls(_) => return Err(format!("walls stand in two states, not in {states}")),
+            Functions::Walls(_) => return Err(format!("functions of a plane are none of {states} states")),
+            Functions::Contacts(functions) => Functions::Contacts(functions.checked(states)?),
         })
+    }
+}
+
+impl Products {
+    /// These functions, after the constant; none of those of a plane, which are not products.
+    pub(in crate::closure) fn of(functions: &Functions) -> Self {
+        match functions {
+            Functions::Polynomials(functions) => Products::new(functions),
+            Functions::Contacts(functions) => Products::next_to_walls(functions),
+            Functions::Walls(_) => Products::default(),
+        }
     }
 }
 
@@ -163,10 +188,10 @@ impl<T: Number> Jet<T> {
 
 /// The same of a function of two states.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PlaneJet<T> {
-    pub(super) value: T,
-    pub(super) gradient: [T; 2],
-    pub(super) hessian: [[T; 2]; 2],
+pub(in crate::closure) struct PlaneJet<T> {
+    pub(in crate::closure) value: T,
+    pub(in crate::closure) gradient: [T; 2],
+    pub(in crate::closure) hessian: [[T; 2]; 2],
 }
 
 impl PlaneJet<f64> {

@@ -197,7 +197,7 @@ impl Polynomials {
 }
 
 impl Products {
-    /// These functions, after the constant.
+    /// These polynomials, after the constant.
     pub(in crate::closure) fn new(functions: &Polynomials) -> Self {
         Products::on_box(&functions.centre, &functions.half_width, &functions.exponents)
     }

@@ -259,7 +259,7 @@ mod tests {
     fn exponents() -> [Exponent; 2] {
         let (centre, half_width) = (vec![1.0, 0.0], vec![1.5, 4.0]);
         let corners = [Wall::above(-0.5, 0.7), Wall::below(2.5, 0.9)];
-        let corners = corners.map(|wall| Corner::new(wall.unwrap(), 0.2, [3.0, 4.0])).to_vec();
+        let corners = corners.map(|wall| Corner::new(wall.unwrap(), vec![1], 0.2, [3.0, 4.0])).to_vec();
         let levels = [WallLevel { degree: 4, kinks: 3, depth: 3, angular: 5 }];
         let monomials = [[1, 0], [0, 2], [1, 1], [3, 2], [0, 5]].map(Vec::from).to_vec();
         let walls = Functions::Walls(WallFunctions::new(corners.clone(), &centre, &half_width, &levels));

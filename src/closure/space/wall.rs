@@ -46,7 +46,7 @@ impl WallLevel {
         (1..=self.degree).flat_map(|total| (0..=total).map(move |j| vec![total - j, j]))
     }
 
-    fn kinks(&self) -> impl Iterator<Item = Kink> + use<> {
+    pub(super) fn kinks(&self) -> impl Iterator<Item = Kink> + use<> {
         let WallLevel { kinks, depth, angular, .. } = *self;
         let lines = (0..=kinks as i32).flat_map(|total| (0..=total).map(move |j| Kink([1, total - j, j])));
         let angles = (1..=depth as i32).flat_map(move |d| (0..=angular as i32).map(move |j| (d - j, j)));
@@ -87,7 +87,7 @@ impl WallFunctions {
             let kinks = kinks.into_iter().map(Kink::checked).collect::<Read<_>>()?;
             Ok(Step { polynomials: polynomials.checked(2)?, kinks })
         };
-        let corners = self.corners.into_iter().map(Corner::checked).collect::<Read<_>>()?;
+        let corners = self.corners.into_iter().map(|corner| corner.checked(2)).collect::<Read<_>>()?;
         Ok(WallFunctions::of(corners, self.steps.into_iter().map(step).collect::<Read<_>>()?))
     }
 
@@ -200,11 +200,11 @@ mod tests {
     }
 
     fn lower() -> Corner {
-        Corner::new(Wall::above(-0.5, 0.7).unwrap(), 0.2, [3.0, 4.0])
+        Corner::new(Wall::above(-0.5, 0.7).unwrap(), vec![1], 0.2, [3.0, 4.0])
     }
 
     fn upper() -> Corner {
-        Corner::new(Wall::below(2.5, 0.9).unwrap(), 0.2, [3.0, 4.0])
+        Corner::new(Wall::below(2.5, 0.9).unwrap(), vec![1], 0.2, [3.0, 4.0])
     }
 
     #[test]

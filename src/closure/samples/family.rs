@@ -1,0 +1,137 @@
+use crate::closure::pilot::Pilot;
+use crate::closure::space::degrees::Degrees;
+use crate::closure::space::{ContactFunctions, ContactLevel, Corner, Functions, Polynomials, WallLevel};
+use crate::closure::tuning;
+use crate::problem::{Contact, Problem, Symmetry};
+
+/// The functions of all orders for one system: polynomials with its symmetry, and next to walls the functions with the
+/// singularity of grazing impacts.
+#[derive(Clone, Debug)]
+pub(in crate::closure) struct Family {
+    degrees: Degrees,
+    symmetry: Symmetry,
+    centre: Vec<f64>,
+    half_width: Vec<f64>,
+    corners: Vec<Corner>,
+}
+
+impl Family {
+    /// On a box that holds the pilot's states. None where the noise on the rate of a gap depends on the state at rest on the wall.
+    pub(in crate::closure) fn new(
+        problem: &Problem,
+        pilot: &Pilot,
+        degrees: &Degrees,
+        symmetry: &Symmetry,
+    ) -> Option<Self> {
+        let (centre, _) = pilot.spread(symmetry);
+        let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
+        let half_width = (0..centre.len()).map(farthest).collect();
+        let corner = |contact: &Contact| {
+            let gaps = pilot.states.iter().map(|x| contact.gap(x)).fold(0.0, f64::max);
+            let rates = pilot.states.iter().map(|x| contact.rate(x).abs()).fold(0.0, f64::max);
+            let velocities = contact.velocities().collect();
+            Some(Corner::new(contact.wall, velocities, problem.intensity_at(contact)?, [gaps, rates]))
+        };
+        let corners = problem.contacts().iter().map(corner).collect::<Option<_>>()?;
+        Some(Family { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width, corners })
+    }
+
+    /// The same without kinks, if all walls are elastic and there are any kinks.
+    pub(super) fn without_kinks(&self) -> Option<Self> {
+        let elastic = self.corners.iter().all(|corner| corner.wall().restitution() == 1.0);
+        let corners = self.corners.iter().map(Corner::without_noise).collect();
+        (elastic && self.has_kinks()).then(|| Family { corners, ..self.clone() })
+    }
+
+    /// Whether noise makes grazing impacts singular at a wall.
+    pub(super) fn has_kinks(&self) -> bool {
+        self.corners.iter().any(|corner| corner.intensity() > 0.0)
+    }
+
+    pub(in crate::closure) fn corners(&self) -> &[Corner] {
+        &self.corners
+    }
+
+    /// The most functions whose means have covariances.
+    pub(super) fn covered(&self) -> usize {
+        if self.corners.is_empty() { tuning::space::MANY } else { tuning::space::MANY_AT_WALLS }
+    }
+
+    fn states(&self) -> usize {
+        self.centre.len()
+    }
+
+    fn exponents(&self, order: u32) -> Vec<Vec<u32>> {
+        self.degrees.exponents(self.states(), order, |alpha| self.symmetry.keeps(alpha))
+    }
+
+    /// The functions of an order.
+    pub(in crate::closure) fn functions(&self, order: u32) -> Functions {
+        self.ladder(&[order], |order| self.exponents(order))
+    }
+
+    /// Those of an order, and after them those of a higher one, by which the error is estimated.
+    pub(super) fn compared(&self, order: u32) -> Functions {
+        let kept = self.exponents(order);
+        let mut higher = self.exponents(order + 2);
+        let most = if self.corners.is_empty() { tuning::space::MOST } else { tuning::space::MOST_AT_WALLS };
+        if higher.len() > most {
+            let few = |alpha: &Vec<u32>| alpha.iter().filter(|power| **power > 0).count() <= 2;
+            let beyond: Vec<Vec<u32>> =
+                higher.into_iter().filter(|alpha| few(alpha) && !kept.contains(alpha)).collect();
+            higher = kept.iter().cloned().chain(beyond).collect();
+        }
+        self.ladder(&[order, order + 2], |degree| if degree == order { kept.clone() } else { higher.clone() })
+    }
+
+    /// The functions ψ whose moment equations calibrate means: kinks, and after them polynomials of a degree, those of a lower
+    /// one first; and the number of kinks.
+    pub(super) fn tests(&self, mut exponents: Vec<Vec<u32>>) -> (Functions, usize) {
+        // The tests of a lower degree come first.
+        exponents.sort_by_key(|alpha| alpha.iter().sum::<u32>());
+        if self.corners.is_empty() {
+            return (Functions::Polynomials(self.polynomials(exponents)), 0);
+        }
+        let level = ContactLevel {
+            plane: WallLevel { degree: 0, kinks: tuning::calibration::KINKS, depth: 0, angular: 0 },
+            others: 0,
+        };
+        let kinks = self.contacts(&[level], |_| Vec::new());
+        let count = kinks.len();
+        (Functions::Contacts(kinks.then(self.polynomials(exponents))), count)
+    }
+
+    fn polynomials(&self, exponents: Vec<Vec<u32>>) -> Polynomials {
+        Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents)
+    }
+
+    fn ladder(&self, orders: &[u32], exponents: impl Fn(u32) -> Vec<Vec<u32>>) -> Functions {
+        if self.corners.is_empty() {
+            let highest = orders.last().copied().unwrap_or(0);
+            return Functions::Polynomials(self.polynomials(exponents(highest)));
+        }
+        let ladder = match (orders[0], self.states()) {
+            (..4, _) => tuning::space::AT_WALLS_LOW,
+            (_, ..=3) => tuning::space::AT_WALLS_OF_THREE,
+            _ => tuning::space::AT_WALLS,
+        };
+        let level = |(level, order): (ContactLevel, &u32)| ContactLevel {
+            plane: WallLevel { degree: *order, ..level.plane },
+            ..level
+        };
+        let levels: Vec<ContactLevel> = ladder.into_iter().zip(orders).map(level).collect();
+        Functions::Contacts(self.contacts(&levels, exponents))
+    }
+
+    fn contacts(&self, levels: &[ContactLevel], exponents: impl Fn(u32) -> Vec<Vec<u32>>) -> ContactFunctions {
+        ContactFunctions::new(self.corners.clone(), (&self.centre, &self.half_width), levels, exponents)
+    }
+
+    pub(in crate::closure) fn box_around(&self) -> [&[f64]; 2] {
+        [&self.centre, &self.half_width]
+    }
+
+    pub(super) fn symmetry(&self) -> &Symmetry {
+        &self.symmetry
+    }
+}

@@ -1,0 +1,250 @@
+//! Nodes next to walls on one line in a few states: Gauss nodes across the line, a lattice along it.
+
+use super::copula::Copula;
+use super::likelihood::Nodes;
+use super::walls::WallNodes;
+use crate::closure::pilot::Pilot;
+use crate::closure::space::Corner;
+use crate::closure::tuning;
+use crate::numerics::Rule;
+use crate::problem::Contact;
+use crate::states::States;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// The states as (y, w, z): the displacement that meets the walls, its rate, and the others, about which the density of the
+/// latter two is centred at each y.
+#[derive(Clone, Debug)]
+pub(super) struct Strata<'a> {
+    contacts: &'a [Contact],
+    copula: &'a Copula,
+    /// The displacements and the velocities whose differences are y and w.
+    bodies: [(usize, usize); 2],
+    paired: bool,
+    /// The states z.
+    others: Vec<usize>,
+    /// The means of y and of (w, z), and the regression of the latter on y.
+    middle: f64,
+    centre: DVector<f64>,
+    slope: DVector<f64>,
+    /// L of the covariance L Lᵀ that is left of (w, z).
+    axes: DMatrix<f64>,
+    /// The range of y between the walls, and the largest distance |L⁻¹ …| of a state.
+    range: [f64; 2],
+    radius: f64,
+}
+
+impl<'a> Strata<'a> {
+    /// None where walls are on several lines, or the states on a surface, or too many for a lattice.
+    pub(super) fn new(pilot: &Pilot, contacts: &'a [Contact], copula: &'a Copula) -> Option<Self> {
+        let (first, second) = contacts.first()?.bodies();
+        if contacts.iter().any(|contact| contact.bodies() != (first, second)) {
+            return None;
+        }
+        let n = pilot.states.dimension();
+        if n > tuning::strata::MOST_STATES {
+            return None;
+        }
+        let others = (0..n).filter(|&i| i != first.0 && i != first.1).collect();
+        let bodies = [first, second.unwrap_or(first)];
+        let mut strata = Strata {
+            contacts,
+            copula,
+            bodies,
+            paired: second.is_some(),
+            others,
+            middle: 0.0,
+            centre: DVector::zeros(n - 1),
+            slope: DVector::zeros(n - 1),
+            axes: DMatrix::zeros(n - 1, n - 1),
+            range: [f64::INFINITY, f64::NEG_INFINITY],
+            radius: 0.0,
+        };
+        let count = pilot.states.len() as f64;
+        let mut square = 0.0;
+        for x in &pilot.states {
+            let (y, rest) = strata.split(x);
+            strata.middle += y / count;
+            strata.centre += rest / count;
+            strata.range = [strata.range[0].min(y), strata.range[1].max(y)];
+        }
+        for x in &pilot.states {
+            let (y, rest) = strata.split(x);
+            strata.slope += (y - strata.middle) * (rest - &strata.centre);
+            square += (y - strata.middle).powi(2);
+        }
+        strata.slope /= square;
+        let mut covariance = DMatrix::zeros(n - 1, n - 1);
+        for x in &pilot.states {
+            let off = strata.off(x);
+            covariance.ger(1.0 / count, &off, &off, 1.0);
+        }
+        strata.axes = Cholesky::new(covariance)?.l();
+        let length = |x: &[f64]| strata.axes.solve_lower_triangular(&strata.off(x)).map_or(0.0, |z| z.norm());
+        // The nodes fill the copula's trust domain, which ends a little beyond the states; walls end the range.
+        strata.radius = tuning::strata::BEYOND * pilot.states.iter().map(length).fold(0.0, f64::max);
+        let beyond = (tuning::strata::BEYOND - 1.0) * (strata.range[1] - strata.range[0]);
+        strata.range = [strata.range[0] - beyond, strata.range[1] + beyond];
+        for contact in contacts {
+            let side = usize::from(!contact.wall.is_above());
+            strata.range[side] = contact.wall.offset();
+        }
+        Some(strata)
+    }
+
+    /// y and (w, z).
+    fn split(&self, x: &[f64]) -> (f64, DVector<f64>) {
+        let [first, second] = self.bodies;
+        let [y, w] =
+            if self.paired { [x[first.0] - x[second.0], x[first.1] - x[second.1]] } else { [x[first.0], x[first.1]] };
+        let rest = std::iter::once(w).chain(self.others.iter().map(|&i| x[i]));
+        (y, DVector::from_iterator(self.others.len() + 1, rest))
+    }
+
+    /// (w, z) less its centre at y.
+    fn off(&self, x: &[f64]) -> DVector<f64> {
+        let (y, rest) = self.split(x);
+        rest - &self.centre - &self.slope * (y - self.middle)
+    }
+
+    /// Enters the state of y and a place, the multiples of the axes.
+    fn place(&self, y: f64, place: &DVector<f64>, x: &mut [f64]) {
+        let rest = &self.centre + &self.slope * (y - self.middle) + &self.axes * place;
+        self.others.iter().zip(rest.iter().skip(1)).for_each(|(&i, z)| x[i] = *z);
+        let [first, second] = self.bodies;
+        let [from_y, from_w] = if self.paired { [x[second.0], x[second.1]] } else { [0.0; 2] };
+        (x[first.0], x[first.1]) = (from_y + y, from_w + rest[0]);
+    }
+
+    /// Gauss nodes in y, close to each other next to walls, where the density varies with the cube root of the distance.
+    fn across(&self) -> Vec<(f64, f64)> {
+        let [low, high] = self.range;
+        let walled = [true, false].map(|above| self.contacts.iter().any(|contact| contact.wall.is_above() == above));
+        let half = |from: f64, to: f64, count: usize| -> Vec<(f64, f64)> {
+            let rule = Rule::legendre(count);
+            let node = |(t, w): (f64, f64)| {
+                let s = 0.5 * (t + 1.0);
+                (from + (to - from) * s.powi(3), 0.5 * w * 3.0 * s * s * (to - from).abs())
+            };
+            rule.iter().map(node).collect()
+        };
+        let count = tuning::strata::ACROSS;
+        match walled {
+            [true, true] => {
+                let middle = 0.5 * (low + high);
+                [half(low, middle, count * 2 / 3), half(high, middle, count * 2 / 3)].concat()
+            }
+            [true, false] => half(low, high, count),
+            _ => half(high, low, count),
+        }
+    }
+
+    /// Visits the places of a lattice of the spacing h from axis `from` on, whose distance from the centre is at most that of
+    /// the farthest state; with each the sum of its whole numbers.
+    fn each_place(
+        &self,
+        h: f64,
+        from: usize,
+        (place, parity): (&mut DVector<f64>, i64),
+        visit: &mut impl FnMut(&DVector<f64>, i64),
+    ) {
+        if from == place.len() {
+            return visit(place, parity);
+        }
+        // The first axis is that of w, in which the density varies faster next to a wall.
+        let step = if from == 0 { h * tuning::strata::FINER } else { h };
+        let left = self.radius * self.radius - place.iter().take(from).map(|p| p * p).sum::<f64>();
+        let reach = (left.max(0.0).sqrt() / step).floor() as i64;
+        for k in -reach..=reach {
+            place[from] = k as f64 * step;
+            self.each_place(h, from + 1, (place, parity + k), visit);
+        }
+    }
+
+    /// The finest nodes that are at most `most`, in two halves, each a coarser rule; with the nodes on each wall. None where
+    /// they would be too coarse.
+    pub(super) fn finest(&self, corners: &[Corner], most: usize) -> Option<(Nodes, Vec<WallNodes>)> {
+        let mut h = tuning::strata::COARSEST;
+        let mut count = self.count(h, most)?;
+        loop {
+            let next = (h * (count as f64 / most as f64).powf((self.others.len() as f64 + 1.0).recip()).max(0.7))
+                .max(tuning::strata::FINEST);
+            let Some(more) = (next < 0.97 * h).then(|| self.count(next, most)).flatten() else { break };
+            (h, count) = (next, more);
+        }
+        Some((self.nodes(h, corners), self.on_walls(h, corners)))
+    }
+
+    /// How many nodes there are, unless more than `most`.
+    fn count(&self, h: f64, most: usize) -> Option<usize> {
+        let mut count = 0;
+        let mut x = vec![0.0; self.others.len() + 2];
+        for (y, _) in self.across() {
+            self.each_place(h, 0, (&mut DVector::zeros(self.others.len() + 1), 0), &mut |place, _| {
+                if count <= most {
+                    self.place(y, place, &mut x);
+                    count += usize::from(self.copula.trusts(&x));
+                }
+            });
+        }
+        (count <= most).then_some(count)
+    }
+
+    fn nodes(&self, h: f64, corners: &[Corner]) -> Nodes {
+        let n = self.others.len() + 2;
+        let volume = self.axes.diagonal().product() * h.powi(n as i32 - 1) * tuning::strata::FINER;
+        let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
+        let mut x = vec![0.0; n];
+        for (y, weight) in self.across() {
+            let base = (weight * volume).ln();
+            self.each_place(h, 0, (&mut DVector::zeros(n - 1), 0), &mut |place, parity| {
+                self.place(y, place, &mut x);
+                if self.copula.trusts(&x) {
+                    let (points, bases) = &mut halves[parity.rem_euclid(2) as usize];
+                    points.extend_from_slice(&x);
+                    bases.push(base + known(corners, &x));
+                }
+            });
+        }
+        let mut nodes = Nodes::empty(n);
+        let mut points = Vec::new();
+        for (half, bases) in halves {
+            points.extend(half);
+            nodes.base.extend(bases);
+            nodes.parts.push(nodes.base.len());
+        }
+        Nodes { points: States::from_values(n, points), ..nodes }
+    }
+
+    fn on_walls(&self, h: f64, corners: &[Corner]) -> Vec<WallNodes> {
+        let n = self.others.len() + 2;
+        let volume = self.axes.diagonal().iter().skip(1).product::<f64>() * h.powi(n as i32 - 2);
+        let of = |contact: &Contact| {
+            let y = contact.wall.offset();
+            let side = if contact.wall.is_above() { -1.0 } else { 1.0 };
+            let mean = self.centre[0] + self.slope[0] * (y - self.middle);
+            let fastest = self.radius * self.axes[(0, 0)] + side * mean;
+            let mut nodes = WallNodes::empty(n);
+            let mut x = vec![0.0; n];
+            for (t, w) in Rule::legendre(tuning::strata::SPEEDS).iter() {
+                let s = 0.5 * (t + 1.0);
+                let (speed, weight) = (fastest * s * s, w * s * fastest);
+                let mut place = DVector::zeros(n - 1);
+                place[0] = (side * speed - mean) / self.axes[(0, 0)];
+                self.each_place(h, 1, (&mut place, 0), &mut |place, _| {
+                    self.place(y, place, &mut x);
+                    contact.close(&mut x);
+                    if self.copula.trusts(&x) {
+                        nodes.push((speed * weight * volume).ln(), &x, contact, |x| known(corners, x));
+                    }
+                });
+            }
+            nodes
+        };
+        self.contacts.iter().map(of).collect()
+    }
+}
+
+/// What is known of ln p.
+fn known(corners: &[Corner], x: &[f64]) -> f64 {
+    corners.iter().map(|corner| corner.singular_value(x)).sum()
+}
