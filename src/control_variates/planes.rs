@@ -2,6 +2,7 @@
 
 use super::products::{LANES, Lane, ZERO};
 use std::fmt::Debug;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A state, or a difference of two states, with a sign and without a constant.
@@ -72,7 +73,7 @@ impl Planes {
     }
 
     /// Each plane with the places of its functions.
-    fn each(&self) -> impl Iterator<Item = (std::ops::Range<usize>, &Arc<dyn PlaneFunctions>)> {
+    fn each(&self) -> impl Iterator<Item = (Range<usize>, &Arc<dyn PlaneFunctions>)> {
         self.0.iter().scan(0, |next, plane| {
             let begin = *next;
             *next += plane.len();

@@ -134,11 +134,6 @@ impl Contact {
         (self.first, self.second)
     }
 
-    /// The displacement and the velocity of the wall's first body.
-    pub(crate) fn leading(&self) -> (usize, usize) {
-        self.first
-    }
-
     /// Puts the first body onto the wall, with a speed of approach, whatever it was before.
     pub(crate) fn approach(&self, speed: f64, x: &mut [f64]) {
         let [y, v] = self.second.map_or([0.0; 2], |(y, v)| [x[y], x[v]]);

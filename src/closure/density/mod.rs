@@ -177,11 +177,15 @@ impl ClosureDensity {
     }
 
     /// The mass outside the trust domain, which integrals leave out, if ln p falls on outwards at the rate that it has at the
-    /// edge. In three states and more it is less than one over the number of the pilot's states, and that bound is returned.
+    /// edge. In three states and more it is less than one over the number of the pilot's states, and that bound is returned;
+    /// next to walls it is the share of these states that is left out.
     pub fn truncated_mass(&self) -> f64 {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.mass_beyond(|x| self.content.exponent.value(x)),
-            Integrals::Draws(_) => (self.content.provenance.pilot_states.unwrap_or(1) as f64).recip(),
+            Integrals::Draws(_) => {
+                let one = (self.content.provenance.pilot_states.unwrap_or(1) as f64).recip();
+                if self.content.impacts.is_empty() { one } else { one + tuning::domain::CUT_AT_WALLS }
+            }
         }
     }
 

@@ -92,7 +92,12 @@ impl Copula {
         };
         let images = || pilot.states.iter().flat_map(reflected);
         let copula = Copula::of(pilot.states.dimension(), &images, tuning::domain::WIDENING_AT_WALLS)?;
-        Some(copula.followed(tuning::domain::WIDENING.recip()))
+        let of = |x: &[f64]| distance(&copula.inverse, &copula.scores(x));
+        let mut distances: Vec<f64> = pilot.states.iter().map(of).collect();
+        let last = distances.len().checked_sub(1)?;
+        let kept = ((1.0 - tuning::domain::CUT_AT_WALLS) * last as f64) as usize;
+        let (_, farthest, _) = distances.select_nth_unstable_by(kept, f64::total_cmp);
+        Some(Copula { farthest: *farthest, ..copula })
     }
 
     /// Of any states of `n` numbers; the covariance of the scores is `wider` times theirs. None where they lie on a surface.

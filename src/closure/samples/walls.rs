@@ -4,7 +4,7 @@ use super::copula::Copula;
 use super::equations::{Columns, Equations};
 use super::importance::{Shifts, each_draw};
 use super::likelihood::{BLOCK, Likelihood, ROWS};
-use super::products::{LANES, Lane, ZERO};
+use super::products::{LANES, Lane, Scratch, ZERO};
 use crate::closure::pilot::Pilot;
 use crate::closure::space::Corner;
 use crate::closure::tuning;
@@ -14,6 +14,7 @@ use crate::states::States;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Nodes on a wall for integrals ∫ |w| exp(Q) g dw dz over the velocities w of approach and all other states z.
 #[derive(Clone, Debug)]
@@ -38,7 +39,7 @@ impl WallNodes {
         seed: u64,
     ) -> Option<Self> {
         let n = pilot.states.dimension();
-        let (gap, rate) = contact.leading();
+        let ((gap, rate), _) = contact.bodies();
         let collisions = &pilot.collisions;
         let struck = || {
             let own = collisions.impacts.iter().zip(&collisions.states).filter(|(impact, _)| impact.wall == wall);
@@ -103,13 +104,13 @@ impl WallNodes {
 
 impl Likelihood<'_> {
     /// Visits the nodes `range` of a wall, eight at a time: the place of the first, their weights |w| exp(Q)/∫exp(Q), and the
-    /// defects j of the wall's condition, p₋ = r² e^j p₊, with the functions before and after.
+    /// defects j of the wall's condition, p₋ = r² e^j p₊, with the functions before and after an impact.
     fn each_impact(
         &self,
         wall: &WallNodes,
         (a, log_mass): (&[f64], f64),
-        range: std::ops::Range<usize>,
-        mut visit: impl FnMut(usize, usize, Lane, Lane, &[super::products::Scratch; 2]),
+        range: Range<usize>,
+        mut visit: impl FnMut(usize, Lane, Lane, &[Scratch; 2]),
     ) {
         let mut scratch = [self.products.scratch(), self.products.scratch()];
         let mut lanes = vec![ZERO; self.products.dimension()];
@@ -125,7 +126,7 @@ impl Likelihood<'_> {
                 weights[l] = (before[l] + wall.base[first + l] - log_mass).exp();
                 defects[l] = before[l] - after[l] + wall.defect[first + l];
             }
-            visit(first, count, weights, defects, &scratch);
+            visit(first, weights, defects, &scratch);
         }
     }
 
@@ -134,7 +135,7 @@ impl Likelihood<'_> {
         let log_mass = self.log_mass_by(a, masses);
         let rate = |wall: &WallNodes| {
             let mut sum = 0.0;
-            self.each_impact(wall, (a, log_mass), 0..wall.base.len(), |_, _, weights, _, _| {
+            self.each_impact(wall, (a, log_mass), 0..wall.base.len(), |_, weights, _, _| {
                 sum += weights.iter().sum::<f64>();
             });
             sum
@@ -154,7 +155,7 @@ impl Likelihood<'_> {
                 let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(ROWS, size));
                 for from in (begin * BLOCK..count.min((begin + STRETCH) * BLOCK)).step_by(BLOCK) {
                     let end = count.min(from + BLOCK);
-                    self.each_impact(wall, (a, log_mass), from..end, |first, _, p, j, [before, after]| {
+                    self.each_impact(wall, (a, log_mass), from..end, |first, p, j, [before, after]| {
                         let at = first - from;
                         for l in 0..LANES {
                             // The sums of the residual's squares carry those of the defect here.

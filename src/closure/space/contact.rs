@@ -64,8 +64,7 @@ impl ContactLevel {
 
 impl ContactFunctions {
     /// The functions of a ladder of levels, each after those of the ones below it; polynomials are scaled to the box
-    /// `centre` ± `half_width`. The degrees of the polynomials alone are at most `most`, and those above the first level are in
-    /// two states at most where that is asked for by `sparse`.
+    /// `centre` ± `half_width`, and `polynomials` lists the exponents of those alone up to a degree.
     pub(in crate::closure) fn new(
         corners: Vec<Corner>,
         (centre, half_width): (&[f64], &[f64]),

@@ -8,6 +8,10 @@
 //! numbers alone, as a pilot has them with another time step, change them by up to 7 %. *Not met* says that none of the nine
 //! depends on the value. Data of mathematics, such as the terms of a series, and layouts stand where they are used.
 
+mod many_states;
+
+pub(crate) use many_states::{calibration, lattice, likelihood, strata};
+
 /// What is as small as this, relative to its parts, is rounding: sums over nodes. Not met.
 pub(crate) const ROUNDING: f64 = 1e-12;
 /// An equation whose residual is this small, relative to its parts, is solved, and what follows from its solution is known to
@@ -79,6 +83,8 @@ pub(crate) mod domain {
     pub(crate) const WIDENING: f64 = 1.1;
     /// The variance of draws next to walls in three states and more. By 1.15, E v⁴ of new draws was off by 1.4 %.
     pub(crate) const WIDENING_AT_WALLS: f64 = 1.5;
+    /// The share of the states that is left out there, the farthest ones.
+    pub(crate) const CUT_AT_WALLS: f64 = 5e-5;
     /// The most by which the domain is widened where the first guess has not fallen enough.
     pub(crate) const FOLLOWED: f64 = 1.4;
     /// The domain ends where the first guess has fallen to e^−18 = 1.5e-8 of its peak. 12 times as large, −2 %.
@@ -291,94 +297,6 @@ pub(crate) mod density {
     pub(crate) const SHIFTS: usize = 16;
     /// A section gets this part of the draws that a mean gets: a marginal is computed at many places.
     pub(crate) const OF_A_SECTION: usize = 8;
-}
-
-/// Many states: the calibration of the pilot's means.
-pub(crate) mod calibration {
-    /// The degrees of the functions ψ that may be tested.
-    pub(crate) const DEGREES: [u32; 6] = [2, 4, 6, 8, 10, 12];
-    /// The fewest states of a block next to walls, so that most impacts belong to the block of the states that they lead to.
-    pub(crate) const LENGTH_AT_WALLS: usize = 5;
-    /// Beside them, next to walls, kinks A u^i w^j z^a with i + j + |a| up to this.
-    pub(crate) const KINKS: u32 = 2;
-    /// Blocks of states that each of them needs.
-    pub(crate) const BLOCKS_EACH: usize = 60;
-    /// A trajectory has at least so many blocks, if it has as many states.
-    pub(crate) const LEAST_BLOCKS: usize = 5;
-    /// A smaller weight of a state, where 1 is the plain one, means that the pilot has not mixed. In a prototype, three of four
-    /// systems whose pilots had not showed it.
-    pub(crate) const LEAST_WEIGHT: f64 = -2.0;
-}
-
-/// Many states: nodes.
-pub(crate) mod lattice {
-    /// The finest spacing of a lattice in standard deviations: no density needs a finer one.
-    pub(crate) const FINEST: f64 = 0.12;
-    /// The coarsest one, by which no density is resolved any more.
-    pub(crate) const COARSEST: f64 = 1.2;
-    /// The places of a lattice in a ball around the density, for each node that there may be. A bound on work.
-    pub(crate) const SEARCHED: f64 = 64.0;
-}
-
-/// Three states and four next to walls: nodes.
-pub(crate) mod strata {
-    /// The most states. A bound on work.
-    pub(crate) const MOST_STATES: usize = 4;
-    /// Nodes are tried as far out as so many times the farthest state. With 1.1 a part of the trust domain had no nodes, and there
-    /// one density of thirty rose to a spike.
-    pub(crate) const BEYOND: f64 = 1.4;
-    /// Gauss nodes in the displacement.
-    pub(crate) const ACROSS: usize = 28;
-    /// Gauss nodes in the speed on a wall.
-    pub(crate) const SPEEDS: usize = 32;
-    /// The spacing in the rate relative to that in the other states.
-    pub(crate) const FINER: f64 = 0.5;
-    /// The finest and the coarsest spacing, in standard deviations.
-    pub(crate) const FINEST: f64 = 0.2;
-    /// See [`FINEST`].
-    pub(crate) const COARSEST: f64 = 0.9;
-}
-
-/// Many states: the most likely density.
-pub(crate) mod likelihood {
-    use crate::numerics::Search;
-
-    /// Nodes of the maximisation for each function. In a prototype, 220 left all mass on one node.
-    pub(crate) const NODES_EACH: usize = 300;
-    /// The fewest of them.
-    pub(crate) const FEWEST_NODES: usize = 1 << 16;
-    /// The most of them. A bound on work.
-    pub(crate) const MOST_NODES: usize = 1 << 18;
-    /// A lattice resolves a density if no mean by one half of its nodes is farther from that by the other, in standard
-    /// deviations.
-    pub(crate) const UNEVEN: f64 = 0.02;
-    /// One of so many times fewer nodes does if they are as close as [`EVEN`]; so many fewer also serve the search for a root,
-    /// and the curvature of many functions.
-    pub(crate) const FEWER: usize = 4;
-    /// See [`FEWER`]; the mass of an exact density by one half is as close to that by the other.
-    pub(crate) const EVEN: f64 = 1e-5;
-    /// Draws next to walls: the fewest of them, and those for each function. With 234 for each, the search found a spike.
-    pub(crate) const FEWEST_AT_WALLS: usize = 1 << 17;
-    /// See [`FEWEST_AT_WALLS`].
-    pub(crate) const NODES_EACH_AT_WALLS: usize = 450;
-    /// Draws on each wall.
-    pub(crate) const ON_WALL: usize = 1 << 14;
-    /// The fewest impacts on a wall that show where and how fast they are.
-    pub(crate) const LEAST_IMPACTS: usize = 200;
-    /// A search whose result only starts another.
-    pub(crate) const ROUGH: Search = Search { tolerance: 3e-3, most: 24 };
-    /// The least effective share of the nodes. In a prototype with 29 systems, those below it were some whose pilots had not
-    /// mixed.
-    pub(crate) const LEAST_EFFECTIVE: f64 = 1e-3;
-    /// How often the pilot's means and the equations are reconciled.
-    pub(crate) const RECONCILED: usize = 3;
-    /// The factors κ on the covariance of the equations; it is raised until the remaining deviation from the pilot's means is
-    /// chance.
-    pub(crate) const DOUBTS: [f64; 13] = [1.0, 3.0, 10.0, 30.0, 1e2, 3e2, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7, 1e8];
-    /// The density two degrees higher, by which the error is estimated, is found to this part of its distance.
-    pub(crate) const FINE: f64 = 0.02;
-    /// The distance assumed where there is no estimate of it, in L¹.
-    pub(crate) const UNKNOWN: f64 = 0.15;
 }
 
 /// The literature's closure.
