@@ -1,7 +1,7 @@
 use super::exponent::Exponent;
 use super::impacts::WallImpacts;
-use crate::closure::candidates::Candidate;
 use crate::closure::candidates::indicator::Indication;
+use crate::closure::candidates::{Candidate, Origin};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::Reference;
 use crate::closure::samples::{ImportanceRule, Lattice, Moment};
@@ -71,7 +71,9 @@ impl Content {
         } else if self.exponent.space.corners().iter().any(|corner| corner.wall().collapses()) {
             // Where a trajectory collapses onto a wall, this is the reason for the large estimate.
             Some(COLLAPSE)
-        } else if self.impacts.iter().any(|wall| wall.contradicts(tuning::walls::ERRORS, tuning::walls::SHARE)) {
+        } else if chosen.origin != Origin::Exact
+            && self.impacts.iter().any(|wall| wall.contradicts(tuning::walls::ERRORS, tuning::walls::SHARE))
+        {
             Some("next to a wall the density is off: its own impact rate is not that of its statistics of impacts")
         } else if chosen.l1_estimate > tuning::UNRELIABLE {
             Some("the estimated error is large: take a higher order")

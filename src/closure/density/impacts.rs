@@ -20,24 +20,25 @@ pub(crate) struct WallImpacts {
     groups: Vec<Vec<f64>>,
     /// The width of a bin.
     bin: f64,
-    /// The rate by the density itself.
-    own_rate: f64,
+    /// The rate by the density itself, and its standard error.
+    own_rate: [f64; 2],
 }
 
 impl WallImpacts {
     pub(in crate::closure) fn new(means: Vec<f64>, groups: Vec<Vec<f64>>, bin: f64) -> Self {
-        WallImpacts { means, groups, bin, own_rate: f64::NAN }
+        WallImpacts { means, groups, bin, own_rate: [0.0; 2] }
     }
 
     /// The same with the rate that the density itself has at the wall.
-    pub(in crate::closure) fn beside(self, own_rate: f64) -> Self {
-        WallImpacts { own_rate, ..self }
+    pub(in crate::closure) fn beside(self, own_rate: Estimate) -> Self {
+        WallImpacts { own_rate: [own_rate.value, own_rate.error], ..self }
     }
 
     /// Whether the density's own rate is farther from that of the pilot than chance and a share that does not matter.
     pub(in crate::closure) fn contradicts(&self, errors: f64, share: f64) -> bool {
         let rate = Combination::of(std::slice::from_ref(self)).estimate(&[(0, 1.0)]);
-        (self.own_rate - rate.value).abs() > errors * rate.error + share * rate.value
+        let [own, error] = self.own_rate;
+        (own - rate.value).abs() > errors * rate.error.hypot(error) + share * rate.value
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

@@ -8,6 +8,7 @@ use super::products::{LANES, Lane, Scratch, ZERO};
 use crate::closure::pilot::Pilot;
 use crate::closure::space::Corner;
 use crate::closure::tuning;
+use crate::estimate::Estimate;
 use crate::numerics::add_gram;
 use crate::problem::Contact;
 use crate::states::States;
@@ -26,6 +27,8 @@ pub(super) struct WallNodes {
     base: Vec<f64>,
     /// What is known of ln p before, less that after, less 2 ln r: what polynomials and kinks must make up for.
     defect: Vec<f64>,
+    /// Whether they are draws, whose sums have the errors of chance.
+    drawn: bool,
 }
 
 impl WallNodes {
@@ -56,7 +59,7 @@ impl WallNodes {
         let copula = Copula::of(n - 1, &struck, tuning::domain::WIDENING_AT_WALLS)?;
         let sampler = copula.sampler(&[]).ok()?;
         let shifts = Shifts::new(n - 1, draws, seed);
-        let mut nodes = WallNodes::empty(n);
+        let mut nodes = WallNodes { drawn: true, ..WallNodes::empty(n) };
         let total = (shifts.count() as f64).ln();
         let log_rate = rate - usize::from(rate > gap);
         for block in 0..shifts.blocks_in_all() {
@@ -78,7 +81,8 @@ impl WallNodes {
 
     /// No nodes yet.
     pub(super) fn empty(n: usize) -> Self {
-        WallNodes { before: States::new(n), after: States::new(n), base: Vec::new(), defect: Vec::new() }
+        let [before, after] = [(); 2].map(|()| States::new(n));
+        WallNodes { before, after, base: Vec::new(), defect: Vec::new(), drawn: false }
     }
 
     /// Adds a node: the logarithm of its weight, the state before the impact, and what is known of ln p.
@@ -131,14 +135,15 @@ impl Likelihood<'_> {
     }
 
     /// The mean number of impacts per unit time at each wall under exp(Q).
-    pub(super) fn impact_rates(&self, a: &[f64], masses: &[f64]) -> Vec<f64> {
+    pub(super) fn impact_rates(&self, a: &[f64], masses: &[f64]) -> Vec<Estimate> {
         let log_mass = self.log_mass_by(a, masses);
         let rate = |wall: &WallNodes| {
-            let mut sum = 0.0;
+            let (mut sum, mut square) = (0.0, 0.0);
             self.each_impact(wall, (a, log_mass), 0..wall.base.len(), |_, weights, _, _| {
                 sum += weights.iter().sum::<f64>();
+                square += weights.iter().map(|w| w * w).sum::<f64>();
             });
-            sum
+            Estimate::new(sum, if wall.drawn { square.sqrt() } else { 0.0 })
         };
         self.walls.iter().map(rate).collect()
     }
