@@ -27,7 +27,7 @@ struct Options {
     /// Samples of each simulation
     #[arg(long, default_value_t = 200_000)]
     samples: usize,
-    /// Order of the closure that the first gap is solved by as well, with the third restitution; none for 0
+    /// Order of the closure that the first gap is solved by as well, with the last restitution; none for 0
     #[arg(long, default_value_t = 4)]
     order: u32,
     /// Folder for the figure and its numbers
@@ -114,7 +114,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     if options.order > 0
-        && let (Some(gap), Some(r)) = (options.gaps.first(), options.restitutions.get(2))
+        && let (Some(gap), Some(r)) = (options.gaps.first(), options.restitutions.last())
     {
         let problem = problem(*gap, *r)?;
         let density = Closure::new(options.order).solve(&problem)?;

@@ -11,23 +11,21 @@ use super::nodal::NodalClosure;
 use super::pilot::Pilot;
 use super::projection::Weight;
 use super::reference::scaled_mass;
-use super::samples::{Copula, Family, ImportanceRule, Lattice, SampleClosure, close_on_samples};
-use super::space::degrees::{self, Degrees};
+use super::samples::{Copula, Family, ImportanceRule, Lattice, SampleClosure, Samples, close_on_samples};
+use super::space::degrees;
 use super::space::nested_spaces::Smooth;
 use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::memory::MemoryLimit;
 use crate::numerics::exponentials;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::Problem;
 use crate::provenance::Provenance;
 use std::time::Instant;
 
 /// The parts of a closure on samples that are the same at all orders of one system.
 pub(super) struct Sampled {
     pub(super) problem: Problem,
-    pub(super) symmetry: Symmetry,
-    pub(super) degrees: Degrees,
     pub(super) family: Family,
     pub(super) pilot: Pilot,
     pub(super) guarded: bool,
@@ -41,13 +39,15 @@ pub(super) struct Sampled {
 impl Sampled {
     /// The closure of an order on the pilot's states, within the trust domain of a copula. None where they are too few.
     pub(super) fn on_samples(&self, order: u32, copula: &Copula) -> Option<SampleClosure> {
-        close_on_samples(&self.problem, &self.pilot, (&self.family, order), copula, self.seed)
+        let Sampled { problem, pilot, family, seed, .. } = self;
+        close_on_samples(Samples { problem, pilot, family, order, copula, seed: *seed })
     }
 
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
     fn far_lattice(&self, copula: Copula, exponent: &Exponent) -> (Copula, Option<(Lattice, Estimate)>) {
         let far = copula.clone().followed(tuning::domain::EXACT_ON_LATTICE);
-        let Some((lattice, nodes)) = Lattice::finest(&self.pilot, &self.symmetry, &far, tuning::likelihood::MOST_NODES)
+        let Some((lattice, nodes)) =
+            Lattice::finest(&self.pilot, self.family.symmetry(), &far, tuning::likelihood::MOST_NODES)
         else {
             return (copula, None);
         };
@@ -71,13 +71,14 @@ impl Sampled {
     /// [`Error::NotClosed`] if there are too few states, or they lie on a surface.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
         let failed = |reason| Error::NotClosed { order, reason };
-        let Sampled { symmetry, pilot, degrees, .. } = self;
+        let Sampled { pilot, family, .. } = self;
+        let (degrees, symmetry) = (family.degrees(), family.symmetry());
         let states = self.problem.dimension();
         // The density is compared with one two degrees higher.
         if degrees.are_more_than(degrees::MOST, states, order + 2) {
             return Err(failed("it has too many functions even to list them: take a lower one, or fewer `degrees`"));
         }
-        let functions = self.family.functions(order).len() as f64;
+        let functions = family.functions(order).len() as f64;
         if functions == 0.0 {
             return Err(failed("the system's symmetry leaves no function of it: take the next order"));
         }
@@ -90,7 +91,7 @@ impl Sampled {
         let copula = if contacts.is_empty() { Copula::new(pilot, symmetry) } else { Copula::next_to(&contacts, pilot) };
         let copula = copula.ok_or_else(|| failed(surface))?;
         let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
-        let few = "the pilot's states are too few for so many functions: take more of them";
+        let few = "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
         let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
         let mut without_reference = None;
         if self.referred && !found.exact {
@@ -169,10 +170,11 @@ impl Sampled {
         let guess =
             if order < tuning::guess::LOW_DEGREE { self.on_samples(tuning::guess::LOW_DEGREE, copula) } else { None };
         let guess = guess.as_ref().unwrap_or(found);
-        let Sampled { problem, symmetry, degrees, pilot, .. } = self;
+        let Sampled { problem, family: functions, pilot, .. } = self;
+        let (degrees, symmetry) = (functions.degrees(), functions.symmetry());
         let (centre, _) = pilot.spread(symmetry);
         let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], tuning::domain::WIDENING);
-        let half_width = self.family.box_around()[1].to_vec();
+        let half_width = functions.box_around()[1].to_vec();
         let family = Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width };
         let (lattice, nodes) = guess.lattice.as_ref().ok_or(coarse)?;
         let functions = family.functions(family.reference_degree(order)).len();

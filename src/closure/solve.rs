@@ -79,14 +79,14 @@ impl Closure {
             }
             let samples = pilot.samples();
             pilot.stationary &= samples == 1 || slowness < tuning::pilot::unmixed(samples);
-            let (problem, degrees) = (problem.clone(), self.degrees.clone());
+            let problem = problem.clone();
             let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
-            let family = Family::new(&problem, &pilot, &degrees, &symmetry).ok_or(Error::NotServed {
+            let family = Family::new(&problem, &pilot, &self.degrees, &symmetry).ok_or(Error::NotServed {
                 method: METHOD,
                 what: "noise on a gap at a wall that depends on the state there",
                 remedy: "take the simulation",
             })?;
-            let nodal = Sampled { problem, symmetry, degrees, family, pilot, guarded, referred, seed, memory, begin };
+            let nodal = Sampled { problem, family, pilot, guarded, referred, seed, memory, begin };
             return self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
         }
         let states = self.states.unwrap_or(tuning::pilot::STATES);

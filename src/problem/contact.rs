@@ -245,6 +245,23 @@ impl Problem {
         let varying = &at_rest + &Polynomial::constant(self.dimension(), -intensity);
         (largest(&varying) <= NOTHING * scale).then_some(if contact.noiseless { 0.0 } else { intensity / 2.0 })
     }
+
+    /// The wall below the motion and the one above it, for a method of one displacement (state 0) and its velocity (state 1).
+    pub(crate) fn walls_of_plane(&self, method: &'static str) -> Result<[Option<Wall>; 2]> {
+        if self.walls.is_empty() {
+            return Ok([None, None]);
+        }
+        if self.dimension() != 2 {
+            let (what, remedy) =
+                ("walls in other than two states", "the simulation serves walls in any number of them");
+            return Err(Error::NotServed { method, what, remedy });
+        }
+        if self.walls.iter().any(|wall| wall.state() != 0) {
+            let remedy = "let the displacement be the first state and its velocity the second";
+            return Err(Error::NotServed { method, what: "a wall on the second state", remedy });
+        }
+        Ok([true, false].map(|above| self.walls.iter().find(|wall| wall.is_above() == above).copied()))
+    }
 }
 
 /// The largest coefficient.

@@ -1,9 +1,4 @@
-use super::{
-    generator::Images,
-    passage::{Boundaries, Record},
-    scheme::Scheme,
-    tally::Layout,
-};
+use super::{boundaries::Boundaries, generator::Images, passage::Record, scheme::Scheme, tally::Layout};
 use crate::problem::{LANES, Lane};
 use pulp::{Arch, NullaryFnOnce};
 use serde::{Deserialize, Serialize};

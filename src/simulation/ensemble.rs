@@ -1,9 +1,10 @@
 use super::{
     batch::{Batch, Trajectories},
+    boundaries::Boundaries,
     control::Control,
     generator::Images,
     lanes::{Lanes, Workspace},
-    passage::{Boundaries, Passages, Record},
+    passage::{Passages, Record},
     paths::Paths,
     scheme::Scheme,
     statistics::Sample,

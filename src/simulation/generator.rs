@@ -1,6 +1,7 @@
 use super::{
+    boundaries::Boundaries,
     histogram::Axis,
-    passage::{Boundaries, POWERS, Record, powers},
+    passage::{POWERS, Record, powers},
     scheme::Scheme,
     tally::Layout,
 };

@@ -3,7 +3,8 @@
 //! The steps of the method, each in its file:
 //!
 //! - `scheme`: the step of weak order 2, sixteen trajectories at a time;
-//! - `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it;
+//! - `boundaries`, `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it, and what
+//!   is counted of these;
 //! - `grazing`, `chatter`: shorter steps for trajectories that graze a wall, and rest where no noise drives them off it;
 //! - `random`, `normal`: random numbers as a function of seed, trajectory and time step, and normal ones from them;
 //! - `lanes`: some trajectories advanced in lockstep, as wide registers allow;
@@ -26,6 +27,7 @@
 
 mod batch;
 mod blocks;
+mod boundaries;
 mod calibration;
 mod chatter;
 mod checkpoint;

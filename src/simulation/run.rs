@@ -1,11 +1,11 @@
 use super::{
     Simulation,
     batch::{Trajectories, deal},
+    boundaries::Boundaries,
     control::Control,
     ensemble::Ensemble,
     generator::ControlVariates,
     histogram::Axis,
-    passage::Boundaries,
     paths::Paths,
     pilot::Pilot,
     plan::{Plan, equations},

@@ -6,7 +6,7 @@ use pulp::Arch;
 /// One step of weak order 2, by a symmetric splitting: A(h/2) F(h/2) W(h) F(h/2) A(h/2).
 ///
 /// - A moves every displacement straight on, x_i += τ x_j, with its velocity x_j frozen; that is exact, impacts included, and
-///   is done by [`Boundaries`](super::passage::Boundaries).
+///   is done by [`Boundaries`](super::boundaries::Boundaries).
 /// - F is the flow of all other states under the Stratonovich drift with the displacements frozen, by the explicit
 ///   midpoint rule.
 /// - W is the flow of the noise fields G_k for the increments √h Z_k. Where no field changes along any field, it is the

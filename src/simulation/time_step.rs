@@ -1,8 +1,8 @@
 use super::{
     Simulation,
+    boundaries::Boundaries,
     control::Control,
     lanes::{Lanes, Workspace},
-    passage::Boundaries,
     scheme::Scheme,
     start::Start,
     timetable::Times,

@@ -85,15 +85,16 @@ fn a_wall_under_filtered_noise_agrees_with_the_simulation() {
         assert!(p.error < 4e-3 * p.value.abs(), "{powers:?}: {p}");
     }
     let [found, counted] = [&density as &dyn Density, &simulated].map(|d| Impacts::new(d, &problem).unwrap());
-    for (p, q) in [
-        (found.rate(), counted.rate()),
-        (found.mean_speed(), counted.mean_speed()),
-        (found.power(), counted.power()),
-        (found.speed_exceedance(0.8).unwrap(), counted.speed_exceedance(0.8).unwrap()),
+    let faster = [&found, &counted].map(|impacts| impacts.speed_exceedance(0.8).unwrap());
+    // Within a bin, a fortieth of the fastest speed, the closure takes speeds as even.
+    for (p, q, of_bins) in [
+        (found.rate(), counted.rate(), 0.0),
+        (found.mean_speed(), counted.mean_speed(), 0.0),
+        (found.power(), counted.power(), 0.0),
+        (faster[0], faster[1], 1e-3),
     ] {
         println!("{p} and {q}");
-        // The bins of speeds are a fortieth of the fastest.
-        assert!((p.value - q.value).abs() < 4.0 * p.error.hypot(q.error) + 2e-3 * q.value, "{p} and {q}");
+        assert!((p.value - q.value).abs() < 4.0 * p.error.hypot(q.error) + of_bins, "{p} and {q}");
         assert!(p.error < 0.02 * p.value, "{p}");
     }
     assert!(density.l1_estimate() < 0.05, "{}", density.l1_estimate());

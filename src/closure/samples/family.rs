@@ -131,7 +131,11 @@ impl Family {
         [&self.centre, &self.half_width]
     }
 
-    pub(super) fn symmetry(&self) -> &Symmetry {
+    pub(in crate::closure) fn degrees(&self) -> &Degrees {
+        &self.degrees
+    }
+
+    pub(in crate::closure) fn symmetry(&self) -> &Symmetry {
         &self.symmetry
     }
 }

@@ -1,8 +1,7 @@
 //! The most likely density on the nodes that resolve it: a lattice, Gauss nodes across a wall's line, or draws.
 
+use super::Samples;
 use super::calibration::Calibration;
-use super::copula::Copula;
-use super::family::Family;
 use super::importance::ImportanceRule;
 use super::lattice::Lattice;
 use super::likelihood::{Fit, Likelihood, Nodes};
@@ -10,24 +9,17 @@ use super::products::Products;
 use super::strata::Strata;
 use super::walls::WallNodes;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::pilot::Pilot;
 use crate::closure::tuning;
 use crate::numerics::Search;
-use crate::problem::Problem;
 
 /// A mask of the seed, which makes the draws of the maximisation independent of those of the answers.
 const FITTED: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// What a fit is made from.
+/// A fit of calibrated means.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitting<'a> {
-    pub(super) problem: &'a Problem,
-    pub(super) pilot: &'a Pilot,
-    pub(super) family: &'a Family,
-    pub(super) order: u32,
-    pub(super) copula: &'a Copula,
+    pub(super) samples: Samples<'a>,
     pub(super) calibration: &'a Calibration,
-    pub(super) seed: u64,
 }
 
 /// The fit and its nodes.
@@ -45,7 +37,7 @@ impl Fitting<'_> {
     /// The fit of the first of two lists of functions; the means of the other one decide whether nodes resolve the density.
     /// None where there is no fit.
     pub(super) fn best(&self, products: [&Products; 2]) -> Option<Fitted> {
-        if self.family.corners().is_empty() {
+        if self.samples.family.corners().is_empty() {
             self.on_lattice(products).or_else(|| self.on_draws(products))
         } else {
             self.on_strata(products).or_else(|| self.on_draws(products))
@@ -53,7 +45,7 @@ impl Fitting<'_> {
     }
 
     fn fitted(&self, products: &Products, nodes: Nodes, walls: Vec<WallNodes>, search: Search) -> Option<Fitted> {
-        let corners = self.family.corners();
+        let corners = self.samples.family.corners();
         let (mut steps, mut start) = (0, Vec::new());
         let mut most_likely = |products: &Products, search| {
             start.resize(products.len(), 0.0);
@@ -65,9 +57,9 @@ impl Fitting<'_> {
             Some(Fit { steps, ..fit })
         };
         // Order by order, each from the one before; next to walls their functions are not nested.
-        let lower = (2..self.order).step_by(2).filter(|_| corners.is_empty());
+        let lower = (2..self.samples.order).step_by(2).filter(|_| corners.is_empty());
         for order in lower {
-            most_likely(&Products::of(&self.family.functions(order)), tuning::likelihood::ROUGH)?;
+            most_likely(&Products::of(&self.samples.family.functions(order)), tuning::likelihood::ROUGH)?;
         }
         let fit = most_likely(products, search)?;
         Some(Fitted { lattice: None, nodes, walls, fit })
@@ -75,7 +67,7 @@ impl Fitting<'_> {
 
     /// The largest difference of a mean by one part of the nodes from that by all, in standard deviations.
     fn unevenness(&self, Fitted { nodes, walls, fit, .. }: &Fitted, products: &Products) -> f64 {
-        Likelihood { nodes, products, corners: self.family.corners(), walls }.unevenness(&fit.masses)
+        Likelihood { nodes, products, corners: self.samples.family.corners(), walls }.unevenness(&fit.masses)
     }
 
     /// Fewer nodes where they are as good as more; where they are not, the search on them may not end.
@@ -84,7 +76,8 @@ impl Fitting<'_> {
             .max(tuning::likelihood::NODES_EACH / 2 * (comparing.len() - 1))
             .clamp(tuning::likelihood::FEWEST_NODES, tuning::likelihood::MOST_NODES);
         let on = |most, uneven, search| {
-            let (lattice, nodes) = Lattice::finest(self.pilot, self.family.symmetry(), self.copula, most)?;
+            let (lattice, nodes) =
+                Lattice::finest(self.samples.pilot, self.samples.family.symmetry(), self.samples.copula, most)?;
             let fitted = self.fitted(products, nodes, Vec::new(), search)?;
             let resolved = self.unevenness(&fitted, comparing) < uneven;
             resolved.then_some(Fitted { lattice: Some(lattice), ..fitted })
@@ -97,15 +90,15 @@ impl Fitting<'_> {
 
     /// Next to walls on one line, in up to four states.
     fn on_strata(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
-        let contacts = self.problem.contacts();
-        let strata = Strata::new(self.pilot, &contacts, self.copula)?;
-        let (nodes, walls) = strata.finest(self.family.corners(), tuning::likelihood::MOST_NODES)?;
+        let contacts = self.samples.problem.contacts();
+        let strata = Strata::new(self.samples.pilot, &contacts, self.samples.copula)?;
+        let (nodes, walls) = strata.finest(self.samples.family.corners(), tuning::likelihood::MOST_NODES)?;
         let fitted = self.fitted(products, nodes, walls, tuning::guess::SEARCH)?;
         (self.unevenness(&fitted, comparing) < tuning::likelihood::UNEVEN).then_some(fitted)
     }
 
     fn on_draws(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
-        let corners = self.family.corners();
+        let corners = self.samples.family.corners();
         let count = products.len() - 1;
         let most = if corners.is_empty() {
             (tuning::likelihood::NODES_EACH * count)
@@ -117,15 +110,15 @@ impl Fitting<'_> {
                 .clamp(tuning::likelihood::FEWEST_AT_WALLS, tuning::likelihood::MOST_NODES)
                 * (1 + corners.len())
         };
-        let space = self.family.functions(self.order);
+        let space = self.samples.family.functions(self.samples.order);
         let coefficients = vec![0.0; count];
         let nothing = Exponent { known: corners.to_vec(), space, constant: 0.0, coefficients };
-        let seed = self.seed ^ FITTED;
-        let nodes = ImportanceRule::new(&nothing, self.copula, most, seed)?.nodes().ok()?;
-        let contacts = self.problem.contacts();
+        let seed = self.samples.seed ^ FITTED;
+        let nodes = ImportanceRule::new(&nothing, self.samples.copula, most, seed)?.nodes().ok()?;
+        let contacts = self.samples.problem.contacts();
         let on_wall = |(wall, contact)| {
             let seed = seed.rotate_left(1 + wall as u32);
-            WallNodes::new(self.pilot, (wall, contact), corners, tuning::likelihood::ON_WALL, seed)
+            WallNodes::new(self.samples.pilot, (wall, contact), corners, tuning::likelihood::ON_WALL, seed)
         };
         let walls = contacts.iter().enumerate().map(on_wall).collect::<Option<_>>()?;
         self.fitted(products, nodes, walls, tuning::guess::SEARCH)

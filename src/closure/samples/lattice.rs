@@ -107,7 +107,7 @@ impl Lattice {
         let mut place = vec![0.0; n];
         let reach = (self.radius / self.spacing).powi(2);
         let along = |row: &[f64], place: &[f64]| row.iter().zip(place).map(|(l, k)| l * k).sum::<f64>();
-        each(0, reach, &mut place, &mut |place| {
+        each(0, reach, &vec![1.0; n], &mut place, &mut |place| {
             let images: Vec<Vec<f64>> = symmetry.images(place).collect();
             // The first of the images in the order of numbers stands for all.
             if images.iter().any(|image| image.as_slice() < place) {
@@ -140,16 +140,24 @@ impl Lattice {
     }
 }
 
-/// Visits the whole numbers of `place` from entry `from` on whose squares sum up to `left` at most, while `visit` goes on.
-fn each(from: usize, left: f64, place: &mut Vec<f64>, visit: &mut impl FnMut(&[f64]) -> bool) -> bool {
+/// Visits the places, whole multiples of `steps` from entry `from` on, whose squares there sum up to `left` at most, while
+/// `visit` goes on.
+pub(super) fn each(
+    from: usize,
+    left: f64,
+    steps: &[f64],
+    place: &mut [f64],
+    visit: &mut impl FnMut(&[f64]) -> bool,
+) -> bool {
     if from == place.len() {
         return visit(place);
     }
-    let reach = left.max(0.0).sqrt().floor();
+    let step = steps[from];
+    let reach = (left.max(0.0).sqrt() / step).floor();
     let mut k = -reach;
     while k <= reach {
-        place[from] = k;
-        if !each(from + 1, left - k * k, place, visit) {
+        place[from] = k * step;
+        if !each(from + 1, left - place[from] * place[from], steps, place, visit) {
             return false;
         }
         k += 1.0;

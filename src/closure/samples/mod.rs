@@ -76,35 +76,36 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) lattice: Option<(Lattice, Nodes)>,
 }
 
+/// What a closure on samples is made from.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::closure) struct Samples<'a> {
+    pub(in crate::closure) problem: &'a Problem,
+    pub(in crate::closure) pilot: &'a Pilot,
+    pub(in crate::closure) family: &'a Family,
+    pub(in crate::closure) order: u32,
+    /// The bounds of the trust domain, and the density that draws are made from.
+    pub(in crate::closure) copula: &'a Copula,
+    pub(in crate::closure) seed: u64,
+}
+
 /// Closes at one order on the pilot's states. None where they are too few for its functions.
 ///
 /// Above elastic walls a density that is exact has no kinks, and is sought without them first.
-pub(in crate::closure) fn close_on_samples(
-    problem: &Problem,
-    pilot: &Pilot,
-    (family, order): (&Family, u32),
-    copula: &Copula,
-    seed: u64,
-) -> Option<SampleClosure> {
-    let closed = |family: &Family| closed(problem, pilot, (family, order), copula, seed);
-    let without_kinks = family.without_kinks().and_then(|family| closed(&family));
-    without_kinks.filter(|found| found.exact).or_else(|| closed(family))
+pub(in crate::closure) fn close_on_samples(samples: Samples<'_>) -> Option<SampleClosure> {
+    let without_kinks = samples.family.without_kinks();
+    let without_kinks = without_kinks.and_then(|family| closed(Samples { family: &family, ..samples }));
+    without_kinks.filter(|found| found.exact).or_else(|| closed(samples))
 }
 
 /// Closes in one family of functions, by integrals over a lattice where that resolves the density, and over draws from
-/// the states' copula otherwise, as always next to walls. None where they are too few for its functions.
-fn closed(
-    problem: &Problem,
-    pilot: &Pilot,
-    (family, order): (&Family, u32),
-    copula: &Copula,
-    seed: u64,
-) -> Option<SampleClosure> {
+/// the states' copula otherwise. None where they are too few for its functions.
+fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
+    let Samples { problem, family, order, .. } = samples;
     let (space, higher) = (family.functions(order), family.compared(order));
     let corners = family.corners();
-    let calibration = Calibration::new(problem, pilot, family, &higher, space.len())?;
+    let calibration = Calibration::new(problem, samples.pilot, family, &higher, space.len())?;
     let [products, comparing] = [&space, &higher].map(Products::of);
-    let fitting = Fitting { problem, pilot, family, order, copula, calibration: &calibration, seed };
+    let fitting = Fitting { samples, calibration: &calibration };
     let Fitted { lattice, nodes, walls, fit } = fitting.best([&products, &comparing])?;
     let covered = family.covered();
     let likelihood = Likelihood { nodes: &nodes, products: &products, corners, walls: &walls };

@@ -1,6 +1,7 @@
 //! Nodes next to walls on one line in a few states: Gauss nodes across the line, a lattice along it.
 
 use super::copula::Copula;
+use super::lattice;
 use super::likelihood::Nodes;
 use super::walls::WallNodes;
 use crate::closure::pilot::Pilot;
@@ -107,12 +108,15 @@ impl<'a> Strata<'a> {
     }
 
     /// Enters the state of y and a place, the multiples of the axes.
-    fn place(&self, y: f64, place: &DVector<f64>, x: &mut [f64]) {
-        let rest = &self.centre + &self.slope * (y - self.middle) + &self.axes * place;
-        self.others.iter().zip(rest.iter().skip(1)).for_each(|(&i, z)| x[i] = *z);
+    fn place(&self, y: f64, place: &[f64], x: &mut [f64]) {
+        let along = |i: usize| {
+            let axis: f64 = (0..=i).map(|k| self.axes[(i, k)] * place[k]).sum();
+            self.centre[i] + self.slope[i] * (y - self.middle) + axis
+        };
+        self.others.iter().enumerate().for_each(|(k, &i)| x[i] = along(k + 1));
         let [first, second] = self.bodies;
         let [from_y, from_w] = if self.paired { [x[second.0], x[second.1]] } else { [0.0; 2] };
-        (x[first.0], x[first.1]) = (from_y + y, from_w + rest[0]);
+        (x[first.0], x[first.1]) = (from_y + y, from_w + along(0));
     }
 
     /// Gauss nodes in y, close to each other next to walls, where the density varies with the cube root of the distance.
@@ -138,26 +142,24 @@ impl<'a> Strata<'a> {
         }
     }
 
-    /// Visits the places of a lattice of the spacing h from axis `from` on, whose distance from the centre is at most that of
-    /// the farthest state; with each the sum of its whole numbers.
-    fn each_place(
-        &self,
-        h: f64,
-        from: usize,
-        (place, parity): (&mut DVector<f64>, i64),
-        visit: &mut impl FnMut(&DVector<f64>, i64),
-    ) {
-        if from == place.len() {
-            return visit(place, parity);
-        }
-        // The first axis is that of w, in which the density varies faster next to a wall.
-        let step = if from == 0 { h * tuning::strata::FINER } else { h };
-        let left = self.radius * self.radius - place.iter().take(from).map(|p| p * p).sum::<f64>();
-        let reach = (left.max(0.0).sqrt() / step).floor() as i64;
-        for k in -reach..=reach {
-            place[from] = k as f64 * step;
-            self.each_place(h, from + 1, (place, parity + k), visit);
-        }
+    /// The steps of a lattice of the spacing h along each axis. The first is that of w, in which the density varies faster next to
+    /// a wall.
+    fn steps(&self, h: f64) -> Vec<f64> {
+        std::iter::once(h * tuning::strata::FINER).chain(self.others.iter().map(|_| h)).collect()
+    }
+
+    /// Visits the states of a lattice of the spacing h at each Gauss node in y, with the node's weight and the sum of the place's
+    /// whole numbers, while `visit` goes on.
+    fn each_state(&self, h: f64, mut visit: impl FnMut(&[f64], f64, f64) -> bool) -> bool {
+        let steps = self.steps(h);
+        let [mut place, mut x] = [self.others.len() + 1, self.others.len() + 2].map(|size| vec![0.0; size]);
+        self.across().into_iter().all(|(y, weight)| {
+            lattice::each(0, self.radius * self.radius, &steps, &mut place, &mut |place| {
+                self.place(y, place, &mut x);
+                let parity = place.iter().zip(&steps).map(|(p, step)| (p / step).round()).sum();
+                !self.copula.trusts(&x) || visit(&x, weight, parity)
+            })
+        })
     }
 
     /// The finest nodes that are at most `most`, in two halves, each a coarser rule; with the nodes on each wall. None where
@@ -177,34 +179,23 @@ impl<'a> Strata<'a> {
     /// How many nodes there are, unless more than `most`.
     fn count(&self, h: f64, most: usize) -> Option<usize> {
         let mut count = 0;
-        let mut x = vec![0.0; self.others.len() + 2];
-        for (y, _) in self.across() {
-            self.each_place(h, 0, (&mut DVector::zeros(self.others.len() + 1), 0), &mut |place, _| {
-                if count <= most {
-                    self.place(y, place, &mut x);
-                    count += usize::from(self.copula.trusts(&x));
-                }
-            });
-        }
-        (count <= most).then_some(count)
+        let counted = self.each_state(h, |_, _, _| {
+            count += 1;
+            count <= most
+        });
+        counted.then_some(count)
     }
 
     fn nodes(&self, h: f64, corners: &[Corner]) -> Nodes {
         let n = self.others.len() + 2;
-        let volume = self.axes.diagonal().product() * h.powi(n as i32 - 1) * tuning::strata::FINER;
+        let volume = self.axes.diagonal().product() * self.steps(h).iter().product::<f64>();
         let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
-        let mut x = vec![0.0; n];
-        for (y, weight) in self.across() {
-            let base = (weight * volume).ln();
-            self.each_place(h, 0, (&mut DVector::zeros(n - 1), 0), &mut |place, parity| {
-                self.place(y, place, &mut x);
-                if self.copula.trusts(&x) {
-                    let (points, bases) = &mut halves[parity.rem_euclid(2) as usize];
-                    points.extend_from_slice(&x);
-                    bases.push(base + known(corners, &x));
-                }
-            });
-        }
+        self.each_state(h, |x, weight, parity| {
+            let (points, bases) = &mut halves[parity.rem_euclid(2.0) as usize];
+            points.extend_from_slice(x);
+            bases.push((weight * volume).ln() + known(corners, x));
+            true
+        });
         let mut nodes = Nodes::empty(n);
         let mut points = Vec::new();
         for (half, bases) in halves {
@@ -217,25 +208,27 @@ impl<'a> Strata<'a> {
 
     fn on_walls(&self, h: f64, corners: &[Corner]) -> Vec<WallNodes> {
         let n = self.others.len() + 2;
-        let volume = self.axes.diagonal().iter().skip(1).product::<f64>() * h.powi(n as i32 - 2);
+        let steps = self.steps(h);
+        let volume: f64 = steps.iter().enumerate().skip(1).map(|(i, step)| self.axes[(i, i)] * step).product();
         let of = |contact: &Contact| {
             let y = contact.wall.offset();
             let side = if contact.wall.is_above() { -1.0 } else { 1.0 };
             let mean = self.centre[0] + self.slope[0] * (y - self.middle);
             let fastest = self.radius * self.axes[(0, 0)] + side * mean;
             let mut nodes = WallNodes::empty(n);
-            let mut x = vec![0.0; n];
+            let [mut place, mut x] = [n - 1, n].map(|size| vec![0.0; size]);
             for (t, w) in Rule::legendre(tuning::strata::SPEEDS).iter() {
                 let s = 0.5 * (t + 1.0);
                 let (speed, weight) = (fastest * s * s, w * s * fastest);
-                let mut place = DVector::zeros(n - 1);
                 place[0] = (side * speed - mean) / self.axes[(0, 0)];
-                self.each_place(h, 1, (&mut place, 0), &mut |place, _| {
+                let left = self.radius * self.radius - place[0] * place[0];
+                lattice::each(1, left, &steps, &mut place, &mut |place| {
                     self.place(y, place, &mut x);
                     contact.close(&mut x);
                     if self.copula.trusts(&x) {
                         nodes.push((speed * weight * volume).ln(), &x, contact, |x| known(corners, x));
                     }
+                    true
                 });
             }
             nodes

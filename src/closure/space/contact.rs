@@ -2,13 +2,10 @@ use super::corner::{Kink, Radius};
 use super::degrees::Degrees;
 use super::wall::WallLevel;
 use super::{Corner, Jet, PlaneJet, Polynomials};
-use crate::control_variates::planes::{Form, PlaneFunctions, PlaneLanes, Planes};
-use crate::control_variates::products::{Factors, Lane, Products};
 use crate::fokker_planck::generator;
-use crate::numerics::{Eight, Number};
+use crate::numerics::Number;
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// How many functions of each kind there are in three states and more, z the states beside the gap and its rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,17 +21,17 @@ pub(crate) struct ContactLevel {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ContactFunctions {
-    corners: Vec<Corner>,
-    blocks: Vec<Block>,
+    pub(super) corners: Vec<Corner>,
+    pub(super) blocks: Vec<Block>,
 }
 
 /// Polynomials, perhaps times one kink at one wall.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct Block {
+pub(super) struct Block {
     /// The number of the wall, and the kink.
-    kink: Option<(usize, Kink)>,
-    factors: Polynomials,
+    pub(super) kink: Option<(usize, Kink)>,
+    pub(super) factors: Polynomials,
 }
 
 impl ContactLevel {
@@ -259,86 +256,14 @@ impl ContactFunctions {
     }
 }
 
-/// The kinks at one wall as functions of a plane.
-#[derive(Debug)]
-struct Kinks {
-    corner: Corner,
-    kinks: Vec<Kink>,
-    highest: [usize; 4],
-}
-
-impl PlaneFunctions for Kinks {
-    fn forms(&self) -> [Form; 2] {
-        self.corner.forms()
-    }
-
-    fn len(&self) -> usize {
-        self.kinks.len()
-    }
-
-    fn values(&self, x: &[Lane], functions: &mut [PlaneLanes]) {
-        let radius = self.radius(x);
-        for (function, kink) in functions.iter_mut().zip(&self.kinks) {
-            function[0] = radius.value(kink).0;
-        }
-    }
-
-    fn jets(&self, x: &[Lane], functions: &mut [PlaneLanes]) {
-        let radius = self.radius(x);
-        for (function, kink) in functions.iter_mut().zip(&self.kinks) {
-            let PlaneJet { value, gradient: [u, w], hessian: [[uu, uw], [_, ww]] } = radius.jet(kink);
-            *function = [value, u, w, uu, uw, ww].map(|part| part.0);
-        }
-    }
-}
-
-impl Kinks {
-    fn radius(&self, x: &[Lane]) -> Radius<Eight> {
-        let x: Vec<Eight> = x.iter().map(|lane| Eight(*lane)).collect();
-        Radius::new(&self.corner, &x, self.highest)
-    }
-}
-
-impl Products {
-    /// These functions, after the constant.
-    pub(in crate::closure) fn next_to_walls(functions: &ContactFunctions) -> Self {
-        let mut kinks: Vec<Vec<Kink>> = vec![Vec::new(); functions.corners.len()];
-        for (wall, kink) in functions.blocks.iter().filter_map(|block| block.kink) {
-            if !kinks[wall].contains(&kink) {
-                kinks[wall].push(kink);
-            }
-        }
-        let before = |wall: usize| kinks[..wall].iter().map(Vec::len).sum::<usize>();
-        let place = |(wall, kink): (usize, Kink)| {
-            before(wall) + kinks[wall].iter().position(|known| *known == kink).unwrap_or(0)
-        };
-        let listed: Vec<Factors> = functions
-            .blocks
-            .iter()
-            .flat_map(|block| {
-                let plane = block.kink.map(place);
-                block.factors.exponents().iter().map(move |degrees| Factors { plane, degrees: degrees.clone() })
-            })
-            .collect();
-        let planes = functions.corners.iter().zip(&kinks).map(|(corner, kinks)| -> Arc<dyn PlaneFunctions> {
-            let powers = kinks.iter().map(Kink::powers);
-            let highest = powers.fold([0; 4], |highest, powers| [0, 1, 2, 3].map(|k| highest[k].max(powers[k])));
-            Arc::new(Kinks { corner: corner.clone(), kinks: kinks.clone(), highest })
-        });
-        let sides = functions.blocks.first().map(|block| [block.factors.centre(), block.factors.half_width()]);
-        Products::with_planes(sides.unwrap_or_default(), Planes(planes.collect()), &listed)
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
-    use crate::control_variates::products::LANES;
     use crate::problem::Wall;
 
     /// Four states (x, y, u, v), a wall below x and one between the bodies, which have the velocities u and v.
-    fn functions() -> ContactFunctions {
+    pub(in crate::closure::space) fn functions() -> ContactFunctions {
         let between = Wall::below(1.5, 0.7).unwrap().between([0, 1], [1.0, 2.0]).unwrap();
         let corners = vec![
             Corner::new(Wall::above(-0.5, 0.8).unwrap(), vec![2], 0.2, [3.0, 4.0]),
@@ -353,7 +278,8 @@ mod tests {
         ContactFunctions::new(corners, sides, &[level(2, 1, 3, 1), level(4, 2, 4, 2)], polynomials)
     }
 
-    const POINTS: [[f64; 4]; 3] = [[0.4, -0.3, 1.1, -0.8], [-0.3, 0.2, -0.7, 0.5], [1.2, 0.1, 0.6, 1.3]];
+    pub(in crate::closure::space) const POINTS: [[f64; 4]; 3] =
+        [[0.4, -0.3, 1.1, -0.8], [-0.3, 0.2, -0.7, 0.5], [1.2, 0.1, 0.6, 1.3]];
 
     /// Kinks A u^i w^j z^a of a total degree up to m in the gap, its rate and two more states: C(m + 4, 4); of the angular
     /// functions with d = 1, 2 those with j = 0 … J but d and d − 1, and 3 or 6 polynomials of the other two states.
@@ -401,42 +327,6 @@ mod tests {
                     assert!((difference - jet.gradient[i]).abs() < 1e-6 * (1.0 + jet.gradient[i].abs()), "{k} {i}");
                 }
             }
-        }
-    }
-
-    /// The tree of products has the same values, images, sums and gradients.
-    #[test]
-    fn products_agree() {
-        let functions = functions();
-        let count = functions.len();
-        let products = Products::next_to_walls(&functions);
-        assert_eq!(products.len(), count + 1);
-        let drift = [1.1, -0.8, 0.3, -0.6];
-        let mut b = [0.0; 16];
-        (b[10], b[11], b[14], b[15]) = (0.5, 0.2, 0.2, 0.7);
-        let a: Vec<f64> = (0..=count).map(|k| (0.7 * k as f64).sin()).collect();
-        let mut scratch = products.scratch();
-        let lanes: Vec<Lane> = (0..4).map(|i| std::array::from_fn(|l: usize| POINTS[l % 3][i])).collect();
-        products.place(&lanes, &mut scratch);
-        scratch.first.copy_from_slice(&drift.map(|f| [f; LANES]));
-        products.apply(&b.map(|b| [b; LANES]), &[2, 3], &mut scratch);
-        for (l, x) in POINTS.iter().enumerate() {
-            let [mut values, mut rates] = [(); 2].map(|()| vec![0.0; count]);
-            functions.rates(x, (&drift, &b), &mut values, &mut rates);
-            for k in 0..count {
-                let found = [products.value(&scratch, k + 1)[l], products.image(&scratch, k + 1)[l]];
-                assert!((found[0] - values[k]).abs() < 1e-13 * (1.0 + values[k].abs()), "{k}");
-                assert!((found[1] - rates[k]).abs() < 1e-12 * (1.0 + rates[k].abs()), "{k}: {found:?} {}", rates[k]);
-            }
-        }
-        let sum = products.sum(&a, &scratch);
-        products.gradient(&a, &mut scratch);
-        for (l, x) in POINTS.iter().enumerate() {
-            let mut jet = Jet::zero(4);
-            functions.combine(x, &a[1..], &mut jet);
-            let size: f64 = 1.0 + jet.gradient.iter().map(|g| g.abs()).sum::<f64>();
-            assert!((sum[l] - a[0] - jet.value).abs() < 1e-12 * size);
-            assert!((0..4).all(|i| (scratch.gradient[i][l] - jet.gradient[i]).abs() < 1e-12 * size));
         }
     }
 }

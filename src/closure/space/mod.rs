@@ -11,6 +11,7 @@ pub(super) mod orthonormal;
 pub(super) mod sweep;
 
 mod contact;
+mod contact_products;
 mod corner;
 mod polynomials;
 mod similarity;

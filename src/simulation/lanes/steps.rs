@@ -3,9 +3,10 @@
 use super::Lanes;
 use crate::problem::{LANES, Lane, near};
 use crate::simulation::{
+    boundaries::Boundaries,
     chatter::Ahead,
     normal::pair,
-    passage::{Boundaries, Passages},
+    passage::Passages,
     scheme::{Scheme, Scratch},
 };
 use pulp::NullaryFnOnce;

@@ -4,7 +4,7 @@ use super::{
     tally::Levels,
 };
 use crate::simulation::tuning;
-use crate::{error::Result, simulation::passage::Boundaries};
+use crate::{error::Result, simulation::boundaries::Boundaries};
 use std::f64::consts::E;
 
 /// The run that finds the thresholds, before the measurement.

@@ -1,7 +1,7 @@
 use super::{importance::Importance, resampling::systematic};
 use crate::simulation::{
+    boundaries::Boundaries,
     lanes::{Lanes, Workspace},
-    passage::Boundaries,
     random::Random,
     scheme::Scheme,
 };

@@ -12,7 +12,7 @@ use crate::problem::{Problem, TimeScales, limits, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::tuning;
 use crate::simulation::{
-    Simulation, control::Control, passage::Boundaries, run::at_most, scheme::Scheme, timetable::whole,
+    Simulation, boundaries::Boundaries, control::Control, run::at_most, scheme::Scheme, timetable::whole,
 };
 use rayon::prelude::*;
 use std::time::Instant;
