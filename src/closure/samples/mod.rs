@@ -163,10 +163,17 @@ fn reconciled(
             break;
         }
         last = found.size;
-        let mut a: Vec<f64> = fit.a.iter().zip(&found.change).map(|(a, change)| a + change).collect();
-        a[0] = 0.0;
-        let Some(masses) = likelihood.masses(&a) else { break };
-        fit = Fit { a, effective: effective(&masses), steps: fit.steps + 1, masses, ..fit };
+        // A step that is linear in the coefficients may raise the density without bound at the edge; a part of it does not.
+        let stepped = |length: &f64| {
+            let change = found.change.iter().map(|change| length * change);
+            let mut a: Vec<f64> = fit.a.iter().zip(change).map(|(a, change)| a + change).collect();
+            a[0] = 0.0;
+            let masses = likelihood.masses(&a)?;
+            let next = Fit { a, effective: effective(&masses), steps: fit.steps + 1, masses, ..fit };
+            (next.effective > tuning::likelihood::KEPT * fit.effective).then_some(next)
+        };
+        let Some(next) = tuning::likelihood::LENGTHS.iter().find_map(stepped) else { break };
+        fit = next;
     }
     fit
 }

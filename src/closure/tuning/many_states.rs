@@ -79,6 +79,10 @@ pub(crate) mod likelihood {
     pub(crate) const LEAST_EFFECTIVE: f64 = 1e-3;
     /// How often the pilot's means and the equations are reconciled.
     pub(crate) const RECONCILED: usize = 3;
+    /// The parts of such a step that are tried, and the share of the effective draws that it leaves at least: two masses above a
+    /// wall had, with one seed of three, a step that raised the density at the edge to a spike.
+    pub(crate) const LENGTHS: [f64; 3] = [1.0, 0.5, 0.25];
+    pub(crate) const KEPT: f64 = 0.5;
     /// The factors κ on the covariance of the equations; it is raised until the remaining deviation from the pilot's means is
     /// chance.
     pub(crate) const DOUBTS: [f64; 13] = [1.0, 3.0, 10.0, 30.0, 1e2, 3e2, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7, 1e8];
