@@ -2,7 +2,7 @@
 //!
 //! # The library in one page
 //!
-//! A system dX = f(X) dt + G(X) dW is a [`PolynomialDrift`], an [`Oscillator`] for x″ + h(x, x′) = ξ, or a [`PolynomialSystem`]
+//! A system dX = f(X) dt + G(X) dW, perhaps under Poisson impulses ([`Jumps`]) too, is a [`PolynomialDrift`], an [`Oscillator`] for x″ + h(x, x′) = ξ, or a [`PolynomialSystem`]
 //! of any size. A [`Problem`] is that system as data, with its walls; every method takes one:
 //!
 //! | question | where |
@@ -53,7 +53,7 @@ pub use closure::{
 pub use density::{Counted, CountedImpacts, Crossing, Density, ExpPolynomial, Sampled, Support};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
-pub use fokker_planck::FokkerPlanck;
+pub use fokker_planck::{FokkerPlanck, Impulse};
 pub use grid::{Grid, GridDensity, Relaxation, Start, Transient};
 pub use polynomial::{Gaussian, Polynomial};
 pub use problem::{Problem, Wall};
@@ -65,4 +65,4 @@ pub use simulation::{
     FirstPassage, Histogram, Progress, SimulatedDensity, Simulation, Spectrum, Splitting, Tails, Tolerance,
 };
 pub use states::States;
-pub use system::{Intensity, Interpretation, Oscillator, PolynomialDrift, PolynomialSystem};
+pub use system::{Amplitude, Intensity, Interpretation, Jumps, Oscillator, PolynomialDrift, PolynomialSystem};

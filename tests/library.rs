@@ -11,4 +11,4 @@ mod common;
 mod documents;
 mod grid;
 mod problem;
-mod simulation;
+pub(crate) mod simulation;

@@ -36,6 +36,8 @@ pub(super) struct NodalClosure {
     pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
+    /// Whether impulses alone are so rare that the density is rough.
+    pub(super) rare: bool,
     /// The lattice of the discretisation's nodes, if they are on one, and its trust domain.
     pub(super) lattice: Option<(Lattice, Copula)>,
 }
@@ -70,7 +72,9 @@ impl NodalClosure {
         let scoring = self.scoring(&nested, &reference, &kept, functions, &validation_states);
         let mut tried = self.tried(&scoring, &kept);
         let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
-        let exact = self.exact_at(order, &scoring, &kept, chosen);
+        // Under impulses no density is known to be an exponential polynomial.
+        let exact =
+            if discretisation.impulses.is_empty() { self.exact_at(order, &scoring, &kept, chosen) } else { None };
         if let Some(content) = exact.and_then(|exact| self.exact(order, exact, &scoring)) {
             return Ok(content);
         }
@@ -80,7 +84,9 @@ impl NodalClosure {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
         let (values, at_walls) = (values.as_ref(), table.after.get(.., ..nested.lower_columns));
-        let probe = Probe { kept: &kept, values, at_walls, own: nested.answer_columns, order };
+        let rates = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| table.rates[(kept.nodes[i], k)]);
+        let rates = rates.as_ref();
+        let probe = Probe { kept: &kept, values, rates, at_walls, own: nested.answer_columns, order };
         let unknown = Indication { indicator: f64::INFINITY, residual: f64::INFINITY };
         let indication = indicate(discretisation, &exponent, &probe).unwrap_or(unknown);
         let reference_shift = reference.value(&kept.points[0]) - scoring.target[0];
@@ -101,6 +107,7 @@ impl NodalClosure {
             moments,
             impacts: Vec::new(),
             guarded: self.guarded,
+            rare: self.rare,
             candidates,
             indication,
             provenance,
@@ -119,10 +126,10 @@ impl NodalClosure {
 
     /// All functions at the nodes and at impacts. None where they are linearly dependent under the first guess.
     fn tabulated(&self, nested: &NestedSpaces) -> Option<Table> {
-        let Discretisation { nodes, locals, passages, guess, .. } = &self.discretisation;
+        let Discretisation { nodes, guess, .. } = &self.discretisation;
         // Between the flat weights and the steep ones that the functions are used with.
         let measure = tempered(&guess.values(&nodes.points), &nodes.weights, tuning::reference::FLATNESS);
-        Table::new(&nested.all, &nodes.points, locals, passages, &measure)
+        Table::new(&self.discretisation, &nested.all, &measure)
     }
 
     /// The scoring of an order's densities, by the reference as it stands and as an exponential polynomial.

@@ -36,7 +36,9 @@ impl<'a> PilotPlan<'a> {
         let scales = TimeScales::of(problem)?;
         let walled = problem.dimension() > 2 && !problem.walls().is_empty();
         let step = if walled { tuning::pilot::STEP_AT_WALLS } else { tuning::pilot::STEP };
-        let (step, interval) = (scales.short(step), scales.short(tuning::pilot::INTERVAL));
+        let often = problem.impulses().iter().fold(0.0, |sum, impulse| sum + impulse.jumps().rate());
+        let step = scales.short(step).min(tuning::pilot::MOST_IMPULSES / often);
+        let interval = scales.short(tuning::pilot::INTERVAL);
         Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }
 

@@ -147,6 +147,7 @@ impl Sampled {
             integrals: Integrals::Draws(Box::new(rule)),
             lattice,
             guarded: self.guarded,
+            rare: false,
             candidates: vec![candidate],
             moments: found.moments,
             impacts: found.impacts,
@@ -200,6 +201,7 @@ impl Sampled {
             guarded: self.guarded,
             seed: self.seed,
             begin: self.begin,
+            rare: false,
             lattice: Some((lattice, copula.clone())),
         };
         let unsolved = "its moment equations have no good solution";

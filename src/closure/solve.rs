@@ -30,10 +30,13 @@ impl Closure {
     /// kinks and angular functions of the gap and its rate are multiplied by polynomials of the other states, and impacts have
     /// statistics of their own, the calibrated ones of the pilot: [`Impacts`](crate::statistics::Impacts) are these.
     ///
+    /// Poisson impulses are served in one state and two without walls, those that leave the trust domain left out. The density is
+    /// rough where impulses alone are rare, which has a warning.
+    ///
     /// # Errors
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the
-    /// problem, and for noise on a gap that depends on the state at the wall; [`Error::Unreached`] where no noise reaches a
+    /// problem, for noise on a gap that depends on the state at the wall, and for impulses in three states and more or next to walls; [`Error::Unreached`] where no noise reaches a
     /// state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
     /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
     /// equations would not keep to [`Closure::memory_limit`].
@@ -42,6 +45,11 @@ impl Closure {
         problem.require_no_rest()?;
         problem.operator().require_reached(&problem.joined())?;
         let walls = if problem.dimension() > 2 { [None, None] } else { problem.walls_of_plane(METHOD)? };
+        let struck = !problem.impulses().is_empty();
+        if struck && (problem.dimension() > 2 || !problem.walls().is_empty() || self.on_samples == Some(true)) {
+            let what = "impulses in other than one state or two, above walls, or on samples";
+            return Err(Error::NotServed { method: METHOD, what, remedy: "take the simulation" });
+        }
         if walls.iter().any(Option::is_some) {
             self.next_to_walls(problem, walls, begin)
         } else {
@@ -116,14 +124,17 @@ impl Closure {
 
     /// On Gauss nodes where the inflated pilot has been.
     fn on_panels(&self, problem: &Problem, pilots: [&Pilot; 2], begin: Instant) -> Result<ClosureDensity> {
-        let [_, inflated] = pilots;
+        let [own, inflated] = pilots;
         // With heavy tails an inflated pilot spreads too wide for any polynomial to fit.
         let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > tuning::pilot::HEAVY;
         let symmetry = problem.symmetry();
         let (centre, half_width) = inflated.spread(&symmetry);
         let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
-        let discretisation = if heavy { None } else { Discretisation::new(problem, inflated, family, self.highest()) };
-        let nodal = self.nodal(discretisation, pilots, begin)?;
+        let discretisation =
+            if heavy { None } else { Discretisation::new(problem, [own, inflated], family, self.highest()) };
+        let few = own.states.iter().step_by((own.states.len() / tuning::impulses::FLOWS).max(1));
+        let rare = problem.impulses_while_shrinking(few).is_some_and(|count| count < tuning::impulses::RARE);
+        let nodal = NodalClosure { rare, ..self.nodal(discretisation, pilots, begin)? };
         self.at_order(tuning::space::HIGHEST_ORDER, false, |order| nodal.closed(order))
     }
 
@@ -176,7 +187,18 @@ impl Closure {
         let start = self.start.as_ref().map(own);
         let (pilot, inflation) = (pilot.clone(), inflated.inflation);
         let (weight, guarded, seed) = (self.weight, self.guard, self.seed);
-        Ok(NodalClosure { discretisation, start, pilot, inflation, weight, guarded, seed, begin, lattice: None })
+        Ok(NodalClosure {
+            discretisation,
+            start,
+            pilot,
+            inflation,
+            weight,
+            guarded,
+            seed,
+            begin,
+            rare: false,
+            lattice: None,
+        })
     }
 
     /// The closure of the requested order: of the given one, or of the lowest even one that meets the target, or else the

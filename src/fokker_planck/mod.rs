@@ -5,13 +5,16 @@
 //!
 //! r(x; Q) = −∇·f − f·∇Q + ½ [ ∂_i∂_jB_ij + 2 (∂_jB_ij) ∂_iQ + B_ij (∂_i∂_jQ + ∂_iQ ∂_jQ) ],
 //!
-//! which is quadratic in the coefficients of Q. [`FokkerPlanck`] holds the operator as polynomials: exact degrees, exact
+//! which is quadratic in the coefficients of Q. Under Poisson impulses x → x + H(x) Y at the rate λ the equation is that of A. N.
+//! Kolmogorov and W. Feller, with λ (E\[p before\] − p) added; where H is constant, that is λ (E\[p(x − H Y)\] − p). [`FokkerPlanck`] holds the operator as polynomials: exact degrees, exact
 //! Gaussian moments, an equation to print. [`Local`] is the operator at one point, which dual numbers compute from the user's
 //! own definition; the equations at nodes are assembled from it.
 
+mod impulses;
 mod local;
 mod text;
 
+pub use impulses::Impulse;
 pub(crate) use local::{Local, generator};
 
 use crate::checks::require;
@@ -20,30 +23,33 @@ use crate::error::{Error, Result};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::Interpretation;
 
-/// The Fokker-Planck operator as polynomials: the Itô drift f and the diffusion matrix B = G Gᵀ.
+/// The Fokker-Planck operator as polynomials: the Itô drift f, the diffusion matrix B = G Gᵀ, and impulses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FokkerPlanck {
     drift: Vec<Polynomial>,
     diffusion: Vec<Vec<Polynomial>>,
+    impulses: Vec<Impulse>,
 }
 
 /// Drift and noise are of this degree at most.
 pub(crate) const HIGHEST_DEGREE: u32 = 60;
 
 impl FokkerPlanck {
-    /// The operator of a drift and of the noise's columns. A Stratonovich drift is converted to Itô's,
+    /// The operator of a drift, of the noise's columns and of impulses. A Stratonovich drift is converted to Itô's,
     /// f_i += ½ Σ_jk G_jk ∂_j G_ik.
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::OutOfRange`] for a degree above 60,
-    /// [`Error::NoNoise`] if B vanishes identically.
+    /// [`Error::NoNoise`] if B and all H vanish identically.
     pub(crate) fn new(
         drift: &[Polynomial],
         columns: &[Vec<Polynomial>],
         interpretation: Interpretation,
+        impulses: Vec<Impulse>,
     ) -> Result<Self> {
         let n = drift.len();
         for i in 0..n {
+            impulses.iter().try_for_each(|impulse| sound("impulses", i, &impulse.field()[i]))?;
             sound("drift", i, &drift[i])?;
             columns.iter().try_for_each(|column| sound("noise", i, &column[i]))?;
         }
@@ -56,7 +62,8 @@ impl FokkerPlanck {
         let product =
             |i: usize, j: usize| columns.iter().fold(Polynomial::zero(n), |sum, column| sum + &column[i] * &column[j]);
         let diffusion: Vec<Vec<Polynomial>> = (0..n).map(|i| (0..n).map(|j| product(i, j)).collect()).collect();
-        if diffusion.iter().flatten().all(Polynomial::is_zero) {
+        let felt = |impulse: &Impulse| !impulse.field().iter().all(Polynomial::is_zero);
+        if diffusion.iter().flatten().all(Polynomial::is_zero) && !impulses.iter().any(felt) {
             return Err(Error::NoNoise);
         }
         // Products of large finite coefficients may be infinite.
@@ -64,7 +71,7 @@ impl FokkerPlanck {
             all_finite("drift", i, &drift[i])?;
             diffusion[i].iter().try_for_each(|entry| all_finite("squared noise", i, entry))?;
         }
-        Ok(FokkerPlanck { drift, diffusion })
+        Ok(FokkerPlanck { drift, diffusion, impulses })
     }
 
     /// The number of states.
@@ -100,7 +107,7 @@ impl FokkerPlanck {
     /// [`Error::Unreached`] otherwise: the motion of such a state is deterministic, and it has no density.
     pub(crate) fn require_reached(&self, joined: &[[usize; 2]]) -> Result<()> {
         let n = self.dimension();
-        let mut reached: Vec<bool> = (0..n).map(|i| !self.diffusion[i][i].is_zero()).collect();
+        let mut reached: Vec<bool> = (0..n).map(|i| self.is_driven(i)).collect();
         let meet = |i: usize, j: usize| joined.contains(&[i, j]) || joined.contains(&[j, i]);
         let contains = |i: usize, j: usize| meet(i, j) || self.drift[i].terms().any(|(powers, _)| powers[j] > 0);
         for _ in 0..n {
@@ -110,6 +117,11 @@ impl FokkerPlanck {
             Some(state) => Err(Error::Unreached { state }),
             None => Ok(()),
         }
+    }
+
+    /// Whether white noise or impulses act on a state.
+    fn is_driven(&self, i: usize) -> bool {
+        !self.diffusion[i][i].is_zero() || self.impulses.iter().any(|impulse| !impulse.field()[i].is_zero())
     }
 
     /// The highest total degree among drift and diffusion.
@@ -135,7 +147,8 @@ impl FokkerPlanck {
         self.diffusion_divergence().iter().zip(&self.drift).map(|(spread, f)| spread - f).collect()
     }
 
-    /// The residual r(x; Q) = L exp(Q) / exp(Q) as a polynomial. It vanishes identically if exp(Q) is stationary.
+    /// The residual r(x; Q) = L exp(Q) / exp(Q) as a polynomial. It vanishes identically if exp(Q) is stationary. Impulses, whose
+    /// part is no polynomial, are left out.
     ///
     /// ```
     /// use expoly::{Polynomial, models::{Linear, Solved}};
@@ -162,9 +175,10 @@ impl FokkerPlanck {
 
     /// The state that is the velocity of state `i`: j where the drift of x_i is x_j alone and no noise drives x_i.
     pub fn velocity_of(&self, i: usize) -> Option<usize> {
-        let quiet = self.diffusion.get(i)?.iter().all(Polynomial::is_zero);
         let n = self.dimension();
-        quiet.then(|| (0..n).find(|&j| j != i && self.drift[i] == Polynomial::variable(n, j))).flatten()
+        (i < n && !self.is_driven(i))
+            .then(|| (0..n).find(|&j| j != i && self.drift[i] == Polynomial::variable(n, j)))
+            .flatten()
     }
 
     /// The same operator for the scaled coordinates z of x = m + L z: drift L⁻¹f and diffusion L⁻¹B L⁻ᵀ.
@@ -183,16 +197,22 @@ impl FokkerPlanck {
         };
         let each = |p: &dyn Fn(usize) -> Polynomial| (0..n).map(p).collect::<Vec<_>>();
         let half: Vec<Vec<Polynomial>> = (0..n).map(|i| each(&|q| combined(i, &|j| diffusion[j][q].clone()))).collect();
+        let fields = |field: &[Polynomial]| each(&|i| combined(i, &|j| field[j].clone()));
         FokkerPlanck {
-            drift: each(&|i| combined(i, &|j| drift[j].clone())),
+            drift: fields(&drift),
             diffusion: (0..n).map(|i| each(&|j| combined(j, &|q| half[i][q].clone()))).collect(),
+            impulses: self.impulses_in(&in_z, &fields),
         }
     }
 
     /// The same operator for the time t/`unit`.
     pub(crate) fn in_time(&self, unit: f64) -> Self {
         let scaled = |row: &Vec<Polynomial>| row.iter().map(|p| p * unit).collect();
-        FokkerPlanck { drift: scaled(&self.drift), diffusion: self.diffusion.iter().map(scaled).collect() }
+        FokkerPlanck {
+            drift: scaled(&self.drift),
+            diffusion: self.diffusion.iter().map(scaled).collect(),
+            impulses: self.impulses.iter().map(|impulse| impulse.with(unit, impulse.field().to_vec())).collect(),
+        }
     }
 
     /// The linear system with the drift Σ_j `slope`(i, j) (x_j − `centre`_j) and the constant diffusion `diffusion`(i, j).
@@ -208,18 +228,21 @@ impl FokkerPlanck {
         FokkerPlanck {
             drift: (0..n).map(drift).collect(),
             diffusion: (0..n).map(|i| (0..n).map(|j| constant(i, j)).collect()).collect(),
+            impulses: Vec::new(),
         }
     }
 
-    /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation.
+    /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation. White
+    /// noise takes the place of impulses.
     pub(crate) fn linearised(&self, gaussian: &Gaussian) -> Self {
-        let slope = |i: usize, j: usize| gaussian.expectation(&self.drift[i].derivative(j));
-        let diffusion = |i: usize, j: usize| gaussian.expectation(&self.diffusion[i][j]);
+        let FokkerPlanck { drift, diffusion, .. } = self.diffusive();
+        let slope = |i: usize, j: usize| gaussian.expectation(&drift[i].derivative(j));
+        let diffusion = |i: usize, j: usize| gaussian.expectation(&diffusion[i][j]);
         Self::linear(slope, gaussian.mean.as_slice(), diffusion)
     }
 
-    /// The rate of change of the mean of `statistic` as a polynomial: f·∇φ + ½ B:∇∇φ. Its stationary mean is zero,
-    /// which makes every polynomial a check of a density: a *moment equation*.
+    /// The rate of change of the mean of `statistic` as a polynomial: f·∇φ + ½ B:∇∇φ, and λ E[φ(x + H Y) − φ(x)] of impulses. Its
+    /// stationary mean is zero, which makes every polynomial a check of a density: a *moment equation*.
     pub fn generator(&self, statistic: &Polynomial) -> Polynomial {
         let n = self.dimension();
         let mut rate = Polynomial::zero(n);
@@ -230,7 +253,7 @@ impl FokkerPlanck {
                 rate = rate + &self.diffusion[i][j] * &slope.derivative(j) * 0.5;
             }
         }
-        rate
+        self.impulses.iter().fold(rate, |rate, impulse| rate + impulse.generator(statistic))
     }
 }
 

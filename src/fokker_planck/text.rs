@@ -79,9 +79,9 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
         self.names.get(i).map_or("?", AsRef::as_ref)
     }
 
-    /// A polynomial with the precision of the formatter, if it has one.
-    fn polynomial(&self, f: &fmt::Formatter<'_>, p: &Polynomial) -> String {
-        let written = |text: &dyn fmt::Display| match f.precision() {
+    /// A polynomial with so many digits, or all.
+    fn polynomial(&self, precision: Option<usize>, p: &Polynomial) -> String {
+        let written = |text: &dyn fmt::Display| match precision {
             None => text.to_string(),
             Some(digits) => format!("{text:.digits$}"),
         };
@@ -89,10 +89,11 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
     }
 
     fn equation(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = f.precision();
         let (open, close) = if self.latex { (r"\left[\left(", r"\right) p\right]") } else { ("[(", ") p]") };
         f.write_str("0 =")?;
         for i in 0..self.states() {
-            let (name, drift) = (self.name(i), self.polynomial(f, &self.operator.drift[i]));
+            let (name, drift) = (self.name(i), self.polynomial(digits, &self.operator.drift[i]));
             let slope =
                 if self.latex { format!(r"\frac{{\partial}}{{\partial {name}}}") } else { format!("d/d{name}") };
             write!(f, " - {slope}{open}{drift}{close}")?;
@@ -111,21 +112,51 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                     (true, true) => format!(r"\frac{{\partial^2}}{{\partial {x}^2}}"),
                     (true, false) => format!(r"\frac{{\partial^2}}{{\partial {x}\,\partial {y}}}"),
                 };
-                write!(f, " + {curvature}{open}{}{close}", self.polynomial(f, &b))?;
+                write!(f, " + {curvature}{open}{}{close}", self.polynomial(digits, &b))?;
             }
+        }
+        self.impulses(f, ["p(", ")"], "p")
+    }
+
+    /// λ (E[density before an impulse] − `own`) of each source, the density between two strings. Where H depends on the state the
+    /// transition is written.
+    fn impulses(&self, f: &mut fmt::Formatter<'_>, [begin, end]: [&str; 2], own: &str) -> fmt::Result {
+        let digits = f.precision();
+        let (open, close, mean, to) =
+            if self.latex { (r"\left(", r"\right)", r"\mathrm{E}", r"\to") } else { ("(", ")", "E", "->") };
+        for (j, impulse) in self.operator.impulses().iter().enumerate() {
+            let size = if self.operator.impulses().len() > 1 { format!("Y{}", j + 1) } else { "Y".to_owned() };
+            let moved = |sign: char| {
+                let state = move |(i, h): (usize, &Polynomial)| match (h.is_zero(), h.degree(), h.constant_term()) {
+                    (true, ..) => self.name(i).to_owned(),
+                    (_, 0, 1.0) => format!("{} {sign} {size}", self.name(i)),
+                    _ => format!("{} {sign} {open}{}{close} {size}", self.name(i), self.polynomial(digits, h)),
+                };
+                impulse.field().iter().enumerate().map(state).collect::<Vec<String>>().join(", ")
+            };
+            let rate = self.polynomial(digits, &Polynomial::constant(self.states(), impulse.jumps().rate()));
+            write!(f, " + {rate} {open}{mean}[{begin}")?;
+            if impulse.direction().is_some() {
+                f.write_str(&moved('-'))?;
+            } else {
+                let names: Vec<&str> = (0..self.states()).map(|i| self.name(i)).collect();
+                write!(f, "before {} {to} {}", names.join(", "), moved('+'))?;
+            }
+            write!(f, "{end}] - {own}{close}")?;
         }
         Ok(())
     }
 
     fn residual(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = f.precision();
         let spread = self.operator.diffusion_divergence();
         let constant = self.operator.residual(&Polynomial::zero(self.states()));
         let (open, close) = if self.latex { (r"\left(", r"\right)") } else { ("(", ")") };
-        write!(f, "r = {}", self.polynomial(f, &constant))?;
+        write!(f, "r = {}", self.polynomial(digits, &constant))?;
         for i in 0..self.states() {
             let factor = &spread[i] - &self.operator.drift[i];
             if !factor.is_zero() {
-                write!(f, " + {open}{}{close} {}", self.polynomial(f, &factor), self.derivative(&[i]))?;
+                write!(f, " + {open}{}{close} {}", self.polynomial(digits, &factor), self.derivative(&[i]))?;
             }
         }
         for i in 0..self.states() {
@@ -133,11 +164,11 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                 let b = &self.operator.diffusion[i][j] * if i == j { 0.5 } else { 1.0 };
                 if !b.is_zero() {
                     let (qi, qj, qij) = (self.derivative(&[i]), self.derivative(&[j]), self.derivative(&[i, j]));
-                    write!(f, " + {open}{}{close} {open}{qij} + {qi} {qj}{close}", self.polynomial(f, &b))?;
+                    write!(f, " + {open}{}{close} {open}{qij} + {qi} {qj}{close}", self.polynomial(digits, &b))?;
                 }
             }
         }
-        Ok(())
+        self.impulses(f, if self.latex { [r"e^{Q(", ") - Q}"] } else { ["exp(Q(", ") - Q)"] }, "1")
     }
 
     fn derivative(&self, states: &[usize]) -> String {

@@ -132,7 +132,7 @@ impl Grid {
     /// it, below, above or on both sides, each with its own restitution.
     ///
     /// # Errors
-    /// - [`Error::NotServed`]: a problem of another number of states, or a wall on state 1;
+    /// - [`Error::NotServed`]: a problem of another number of states, a wall on state 1, or impulses;
     /// - [`Error::OutOfRange`]: an option without a meaning;
     /// - [`Error::Exploded`], [`Error::DomainCut`]: the density does not end within any domain that was tried, or
     ///   within the one given: the drift has no stationary density, or the domain is too small;
@@ -154,6 +154,7 @@ impl Grid {
             let (what, remedy) = ("a problem of other than two states", "take the closure or the simulation");
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
+        problem.require_no_impulses("grid")?;
         problem.require_no_rest()?;
         let walls = problem.walls_of_plane("grid")?;
         self.memory.check()?;

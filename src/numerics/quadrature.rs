@@ -29,6 +29,13 @@ impl Rule {
         Recurrence::symmetric(count, 1.0, f64::sqrt).golub_welsch()
     }
 
+    /// E[g(Y)] for Y > 0 with the density exp(−y), exact for degree 2`count` − 1.
+    pub(crate) fn laguerre(count: usize) -> Self {
+        let alpha = (0..count).map(|k| 2.0 * k as f64 + 1.0).collect();
+        let beta = (1..=count).map(|k| k as f64).collect();
+        Recurrence { alpha, beta, mass: 1.0 }.golub_welsch()
+    }
+
     /// The rule of `count` nodes for the measure that `self` stands for, exact for degree 2`count` − 1 as long as `self`
     /// has many more nodes.
     pub(crate) fn condensed(&self, count: usize) -> Self {

@@ -15,6 +15,20 @@ pub(crate) struct Kicks<'a> {
     pub(crate) noise: &'a [f64],
     /// The walls that interrupt the steps; without a list each kick does.
     pub(crate) walls: Option<&'a [Nearness]>,
+    /// The number of kicks.
+    pub(crate) count: usize,
+    /// Changes of states after them, in their order.
+    pub(crate) strikes: &'a [Strike],
+}
+
+/// What is added to a state of one lane after the straight piece behind a kick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Strike {
+    /// The number of the kick.
+    pub(crate) kick: usize,
+    pub(crate) state: usize,
+    pub(crate) lane: usize,
+    pub(crate) change: f64,
 }
 
 /// The region in which a trajectory is near a wall.
@@ -54,8 +68,8 @@ pub(crate) fn near(walls: &[Nearness], x: &[Lane], tau: f64) -> [bool; LANES] {
 }
 
 impl Kicks<'_> {
-    /// A kick for each of the increments `w`, which are those of all processes, and every displacement straight on after it;
-    /// `kick` takes the states through the first part. They end after a kick that leaves a trajectory near the wall. Returned
+    /// Kicks for the increments `w`, which are those of all processes for each, and every displacement straight on after it; `kick`
+    /// takes the states through the first part. They end after a kick that leaves a trajectory near the wall. Returned
     /// is their number, and whether they ended so.
     #[inline(always)]
     pub(super) fn run(
@@ -65,8 +79,9 @@ impl Kicks<'_> {
         processes: usize,
         kick: impl Fn(&mut [Lane], &[Lane]),
     ) -> (usize, bool) {
-        for (before, w) in w.chunks_exact(processes).enumerate() {
-            kick(x, w);
+        let mut strikes = self.strikes;
+        for before in 0..self.count {
+            kick(x, &w[before * processes..][..processes]);
             if self.walls.is_none_or(|walls| near(walls, x, self.step).contains(&true)) {
                 return (before + 1, true);
             }
@@ -75,8 +90,14 @@ impl Kicks<'_> {
                     x[i][l] += self.step * x[v][l];
                 }
             }
+            while let [Strike { kick, state, lane, change }, later @ ..] = strikes
+                && *kick == before
+            {
+                x[*state][*lane] += change;
+                strikes = later;
+            }
         }
-        (w.len() / processes, false)
+        (self.count, false)
     }
 }
 

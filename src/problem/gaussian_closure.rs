@@ -22,7 +22,9 @@ const UNBOUNDED: f64 = 1e12;
 /// # Errors
 /// [`Error::NoStationaryDensity`] if a variance grows without bound or does not settle.
 pub(super) fn gaussian_closure(operator: &FokkerPlanck) -> Result<Gaussian> {
-    let (units, time) = natural_units(operator)?;
+    // Impulses enter equations of first and second order by their mean and their mean square.
+    let operator = operator.diffusive();
+    let (units, time) = natural_units(&operator)?;
     let found = in_natural_units(&operator.in_frame(&units).in_time(time))?;
     let scale = units.scale();
     Ok(Gaussian { mean: scale * found.mean, covariance: scale * found.covariance * scale.transpose() })
@@ -158,7 +160,7 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
 /// point. The moments of a linear system are exact, those of another system as long as the Gaussian is narrow.
 pub(crate) fn gaussian_after(operator: &FokkerPlanck, start: &Gaussian, time: f64) -> Gaussian {
     const STEPS: usize = 64;
-    let equations = MomentEquations::new(operator);
+    let equations = MomentEquations::new(&operator.diffusive());
     let h = time / STEPS as f64;
     (0..STEPS).fold(start.clone(), |state, _| {
         let k1 = equations.rate(&state);

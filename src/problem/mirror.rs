@@ -1,6 +1,7 @@
 use super::Problem;
 use super::text::Written;
 use crate::error::Result;
+use crate::fokker_planck::Impulse;
 use crate::polynomial::{Polynomial, total_degree};
 
 impl Problem {
@@ -8,12 +9,17 @@ impl Problem {
     pub(crate) fn mirrored(&self) -> Result<Self> {
         let n = self.dimension();
         let noise = (0..n).map(|i| self.noise().iter().map(|column| turned(&column[i])).collect::<Result<_>>());
+        let impulse = |impulse: &Impulse| {
+            let field = impulse.field().iter().map(turned).collect::<Result<_>>()?;
+            Ok(Impulse::new(*impulse.jumps(), field))
+        };
         let system = Written {
             states: self.states().to_vec(),
             parameters: self.parameters().to_vec(),
             drift: self.drift().iter().map(turned).collect::<Result<_>>()?,
             noise: noise.collect::<Result<_>>()?,
             interpretation: self.interpretation(),
+            impulses: self.impulses().iter().map(impulse).collect::<Result<_>>()?,
         };
         self.walls().iter().try_fold(Problem::of_system(system)?, |problem, wall| problem.with_wall(wall.mirrored()))
     }

@@ -7,6 +7,7 @@ mod flow;
 mod gaussian_closure;
 mod mirror;
 mod pack;
+mod rarity;
 mod room;
 mod symmetry;
 mod tangent;
@@ -21,7 +22,7 @@ mod zhuravlev;
 pub(crate) use contact::Contact;
 use field::{AnySize, Fixed};
 pub(crate) use field::{Field, LANES, Lane};
-pub(crate) use flow::{Kicks, Nearness, near};
+pub(crate) use flow::{Kicks, Nearness, Strike, near};
 pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use room::reflect;
 pub(crate) use symmetry::Symmetry;
@@ -31,7 +32,7 @@ pub(crate) use wall::{COLLAPSE, limits};
 
 use crate::checks::dimension;
 use crate::error::{Error, Result};
-use crate::fokker_planck::{FokkerPlanck, Local, noise_induced_drift};
+use crate::fokker_planck::{FokkerPlanck, Impulse, Local, noise_induced_drift};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::{Interpretation, PolynomialDrift, PolynomialSystem};
 use std::fmt;
@@ -76,7 +77,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient, or a product of two in the noise, is NaN or infinite, [`Error::OutOfRange`] for a
-    /// degree above 60, [`Error::NoNoise`] if the noise vanishes identically;
+    /// degree above 60, [`Error::NoNoise`] if noise and impulses vanish identically;
     /// [`Error::Dimension`], [`Error::NotAName`] if the names do not fit the states.
     pub fn of<T, const N: usize, const M: usize>(system: T) -> Result<Self>
     where
@@ -90,9 +91,14 @@ impl Problem {
         let drift = system.drift(x).map(|f| f.polynomial(N)).to_vec();
         let noise = system.noise(x);
         let columns = (0..M).map(|k| noise.iter().map(|row| row[k].polynomial(N)).collect()).collect();
+        let impulse = |(source, jumps)| {
+            let field = system.impulse(source, x).map(|h| h.polynomial(N));
+            Impulse::new(jumps, field.to_vec())
+        };
+        let impulses = system.jumps().into_iter().enumerate().map(impulse).collect();
         let (interpretation, names, parameters) = (system.interpretation(), system.names(), system.parameters());
         let field = |induces| Box::new(Fixed::<T, N, M> { system, induces }) as Box<dyn Field>;
-        Self::assembled((drift, columns, interpretation), names, parameters, field)
+        Self::assembled((drift, columns, interpretation, impulses), names, parameters, field)
     }
 
     /// The problem of a system whose number of states is a number at run time.
@@ -109,21 +115,32 @@ impl Problem {
         noise.iter().try_for_each(|row| dimension("a row of a noise matrix", row.len(), m))?;
         let drift = drift.iter().map(|f| f.polynomial(n)).collect();
         let columns = (0..m).map(|k| noise.iter().map(|row| row[k].polynomial(n)).collect()).collect();
+        let impulse = |(source, jumps)| {
+            let field = system.impulse(source, &x);
+            dimension("the factor of an impulse", field.len(), n)?;
+            Ok(Impulse::new(jumps, field.iter().map(|h| h.polynomial(n)).collect()))
+        };
+        let impulses = system.jumps().into_iter().enumerate().map(impulse).collect::<Result<_>>()?;
         let (interpretation, names, parameters) = (system.interpretation(), system.names(), system.parameters());
         let field = |induces| Box::new(AnySize { system, induces }) as Box<dyn Field>;
-        Self::assembled((drift, columns, interpretation), names, parameters, field)
+        Self::assembled((drift, columns, interpretation, impulses), names, parameters, field)
     }
 
     /// The problem of equations as polynomials; `field` makes the evaluation of the same, given whether the noise induces a
     /// drift.
     fn assembled(
-        (drift, columns, interpretation): (Vec<Polynomial>, Vec<Vec<Polynomial>>, Interpretation),
+        (drift, columns, interpretation, impulses): (
+            Vec<Polynomial>,
+            Vec<Vec<Polynomial>>,
+            Interpretation,
+            Vec<Impulse>,
+        ),
         names: Vec<String>,
         parameters: Vec<(String, f64)>,
         field: impl FnOnce(bool) -> Box<dyn Field>,
     ) -> Result<Self> {
         let n = drift.len();
-        let operator = FokkerPlanck::new(&drift, &columns, interpretation)?;
+        let operator = FokkerPlanck::new(&drift, &columns, interpretation, impulses)?;
         let pairs = (0..n).filter_map(|i| operator.velocity_of(i).map(|j| (i, j)));
         let displacements: Vec<_> = pairs.filter(|&(_, j)| operator.velocity_of(j).is_none()).collect();
         let states = named(names, n, &displacements)?;
@@ -225,6 +242,11 @@ impl Problem {
         &self.equations.columns
     }
 
+    /// The Poisson impulses, each with its H.
+    pub fn impulses(&self) -> &[Impulse] {
+        self.operator().impulses()
+    }
+
     /// The interpretation of G(X) dW, Itô's or Stratonovich's.
     pub fn interpretation(&self) -> Interpretation {
         self.equations.interpretation
@@ -246,7 +268,7 @@ impl Problem {
     }
 
     /// The Gaussian closure: the normal distribution under which the moment equations of first and second order hold exactly,
-    /// walls left out. It is the weight of the classical closure and equal to it at order 2.
+    /// walls left out, impulses included. It is the weight of the classical closure and equal to it at order 2.
     ///
     /// # Errors
     /// [`Error::NoStationaryDensity`] if a variance grows without bound or does not settle.

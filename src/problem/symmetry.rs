@@ -1,4 +1,4 @@
-use crate::fokker_planck::FokkerPlanck;
+use crate::fokker_planck::{FokkerPlanck, Impulse};
 use crate::polynomial::Polynomial;
 
 /// The most states whose sign changes are searched one by one; beyond, only that of all states together.
@@ -20,7 +20,8 @@ impl Symmetry {
         Symmetry { changes: vec![vec![false; states]] }
     }
 
-    /// The symmetries of an operator: f_i(s x) = s_i f_i(x) and B_ij(s x) = s_i s_j B_ij(x), term by term.
+    /// The symmetries of an operator: f_i(s x) = s_i f_i(x) and B_ij(s x) = s_i s_j B_ij(x), term by term, and H_i(s x) = s_i H_i(x)
+    /// for impulses, or −s_i H_i(x) where −Y has the law of Y.
     pub(super) fn of(operator: &FokkerPlanck) -> Self {
         let n = operator.dimension();
         let all: Vec<Vec<bool>> = if n <= SEARCHED {
@@ -29,11 +30,15 @@ impl Symmetry {
             vec![vec![false; n], vec![true; n]]
         };
         let turns = |p: &Polynomial, flip: &[bool], sign: bool| p.terms().all(|(alpha, _)| odd(flip, alpha) == sign);
+        let struck = |flip: &[bool], impulse: &Impulse| {
+            let all = |turned: bool| (0..n).all(|i| turns(&impulse.field()[i], flip, flip[i] != turned));
+            all(false) || impulse.jumps().amplitude().is_symmetric() && all(true)
+        };
         let kept = |flip: &Vec<bool>| {
             (0..n).all(|i| {
                 turns(&operator.drift()[i], flip, flip[i])
                     && (0..n).all(|j| turns(&operator.diffusion()[i][j], flip, flip[i] != flip[j]))
-            })
+            }) && operator.impulses().iter().all(|impulse| struck(flip, impulse))
         };
         Symmetry { changes: all.into_iter().filter(kept).collect() }
     }

@@ -29,7 +29,7 @@ impl TimeScales {
             Ok(gaussian) => gaussian,
             // Where the Gaussian closure does not settle the system may still be stable: if not, the simulation explodes.
             Err(Error::NoStationaryDensity { .. }) => {
-                let (frame, _) = natural_units(problem.operator())?;
+                let (frame, _) = natural_units(&problem.operator().diffusive())?;
                 let scale = frame.scale();
                 Gaussian { mean: DVector::zeros(problem.dimension()), covariance: scale * scale.transpose() }
             }

@@ -5,9 +5,12 @@ use super::{
     scheme::Scheme,
     tally::Layout,
 };
-use crate::control_variates::products::{self, Products};
+use crate::control_variates::{
+    impulses,
+    products::{self, Products},
+};
 use crate::polynomial::monomials;
-use crate::problem::{LANES, Lane, Symmetry, Wall, limits};
+use crate::problem::{LANES, Lane, Problem, limits};
 use crate::simulation::tuning;
 use pulp::NullaryFnOnce;
 use serde::{Deserialize, Serialize};
@@ -19,12 +22,17 @@ pub(super) struct ControlVariates {
     centre: Vec<f64>,
     half_width: Vec<f64>,
     exponents: Vec<Vec<u32>>,
+    /// The part of 𝓖ψ that impulses make; empty without any.
+    impulses: impulses::Images,
 }
 
 impl ControlVariates {
     /// All up to an even degree that the symmetries keep, as many as are worth their time and fit into memory. The box
     /// is a part of the histograms' range, so that runs that can be merged have the same; a state's walls are sides of it.
-    pub(super) fn new(symmetry: &Symmetry, walls: &[Wall], layout: &Layout, trajectories: usize) -> Self {
+    ///
+    /// There are none where impulses depend on the state by a higher degree than the first.
+    pub(super) fn new(problem: &Problem, layout: &Layout, trajectories: usize) -> Self {
+        let (symmetry, walls) = (problem.symmetry(), problem.walls());
         let (axes, tracked) = (&layout.axes, layout.tracked());
         let states = axes.len();
         let mut exponents = Vec::new();
@@ -51,8 +59,14 @@ impl ControlVariates {
                 }
             }
         };
-        let (centre, half_width) = axes.iter().enumerate().map(side).unzip();
-        ControlVariates { centre, half_width, exponents }
+        let (centre, half_width): (Vec<f64>, Vec<f64>) = axes.iter().enumerate().map(side).unzip();
+        if problem.impulses().is_empty() {
+            return ControlVariates { centre, half_width, exponents, impulses: Vec::new() };
+        }
+        match impulses::images(problem.impulses(), (&centre, &half_width), &exponents) {
+            Some(impulses) => ControlVariates { centre, half_width, exponents, impulses },
+            None => ControlVariates::default(),
+        }
     }
 
     /// Whether what was read can be evaluated, and fits into memory.
@@ -63,8 +77,13 @@ impl ControlVariates {
                 && self.centre.iter().all(|x| x.is_finite())
                 && self.half_width.iter().all(|&width| width > 0.0 && width.recip().is_finite() && width.is_finite())
         };
+        let images_hold = || {
+            (self.impulses.is_empty() || self.impulses.len() == self.len())
+                && self.impulses.iter().flatten().all(|(place, c)| *place <= self.len() && c.is_finite())
+        };
         self.is_empty()
-            || box_holds()
+            || images_hold()
+                && box_holds()
                 && fits(states, self.len(), tracked, trajectories)
                 && self.exponents.iter().all(|alpha| {
                     alpha.len() == states && degree(alpha).is_some_and(|d| d <= tuning::calibration::HIGHEST)
@@ -233,7 +252,13 @@ impl NullaryFnOnce for Add<'_> {
             layout.images.place(eight, scratch);
             layout.images.apply(second, coupled, scratch);
             for (k, sum) in images.iter_mut().enumerate() {
-                let image = layout.images.image(scratch, k + 1);
+                let mut image = layout.images.image(scratch, k + 1);
+                for (place, c) in layout.control_variates.impulses.get(k).into_iter().flatten() {
+                    let value = layout.images.value(scratch, *place);
+                    for l in 0..products::LANES {
+                        image[l] += c * value[l];
+                    }
+                }
                 for l in 0..products::LANES {
                     sum[first + l] += image[l];
                 }

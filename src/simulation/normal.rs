@@ -17,6 +17,12 @@ pub(super) fn pair([a, b]: [u64; 2]) -> [f64; 2] {
     [signed(radius * first, b), signed(radius * second, b << 1)]
 }
 
+/// An exponential number of mean one from 64 random bits.
+#[inline(always)]
+pub(super) fn exponential(a: u64) -> f64 {
+    -ln((a as f64 + 0.5) * 2.0_f64.powi(-64))
+}
+
 const SIGN: u64 = 1 << 63;
 const MANTISSA: u64 = (1 << 52) - 1;
 /// The bits of 1.0.

@@ -45,7 +45,10 @@ pub(super) fn equations(problem: &Problem) -> Vec<String> {
     rows.map(|(i, drift)| {
         let columns = problem.noise().iter().enumerate();
         let noise: String = columns.map(|(k, column)| format!(" + ({}) dW{}", text(&column[i]), k + 1)).collect();
-        format!("dx{} = ({}) dt{noise}", i + 1, text(drift))
+        let impulses = problem.impulses().iter();
+        let impulses: String =
+            impulses.map(|impulse| format!(" + ({}) d{:?}", text(&impulse.field()[i]), impulse.jumps())).collect();
+        format!("dx{} = ({}) dt{noise}{impulses}", i + 1, text(drift))
     })
     .collect()
 }

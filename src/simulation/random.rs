@@ -17,6 +17,8 @@ const COINS: u64 = 1 << 12;
 const START: u64 = COINS + 1;
 const UNIFORM: u64 = COINS + 2;
 const GRAZING: u64 = 1 << 13;
+const ARRIVALS: u64 = 1 << 22;
+const IMPULSES: u64 = 1 << 23;
 
 /// The steps that one word of coins serves.
 const COINS_PER_DRAW: u64 = 128;
@@ -56,6 +58,18 @@ impl Random {
         let bits = self.bits(stream, COINS, step / COINS_PER_DRAW);
         let at = step % COINS_PER_DRAW;
         (if at < 64 { bits[0] >> at } else { bits[1] >> (at - 64) }) & 1 == 1
+    }
+
+    /// 64 bits for the number of impulses of a source in a span of time steps.
+    #[inline(always)]
+    pub(super) fn arrivals(self, stream: u64, source: u64, span: u64) -> u64 {
+        self.bits(stream, ARRIVALS + source, span)[0]
+    }
+
+    /// 128 bits for an impulse in a span.
+    #[inline(always)]
+    pub(super) fn impulse(self, stream: u64, number: u64, span: u64) -> [u64; 2] {
+        self.bits(stream, IMPULSES + number, span)
     }
 
     /// The `count`-th 128 bits for the shorter steps inside a time step.

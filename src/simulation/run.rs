@@ -33,6 +33,9 @@ const TOO_FAST: &str = "next to the system's slower rates it is so fast that def
     steps before the first sample, or two thousand between two: give `burn_in`, `sampling_interval` or `time_step`, and a \
     `time_budget`; a grid needs its `domain` then";
 
+const TOO_MANY_IMPULSES: &str = "impulses of one source are more than eight in it on average: take a shorter one, or white noise \
+    of the same intensity";
+
 impl<'a> Simulation<'a> {
     /// Runs the simulation.
     ///
@@ -125,8 +128,7 @@ impl<'a> Simulation<'a> {
             control_variates: ControlVariates::default(),
         };
         if self.control_variates {
-            plan.control_variates =
-                ControlVariates::new(&problem.symmetry(), problem.walls(), &plan.layout(), self.trajectories);
+            plan.control_variates = ControlVariates::new(problem, &plan.layout(), self.trajectories);
         }
         // The pilot counts nothing; only the trajectories that are sampled do.
         let counted = boundaries.clone().counting(&plan);
@@ -200,8 +202,10 @@ impl<'a> Simulation<'a> {
                 (step, Some(rate))
             }
         };
-        let mut scheme = Scheme::new(problem, self.amplitude, step);
-        scheme.merged = merged;
+        let often = problem.impulses().iter().map(|impulse| impulse.jumps().rate()).fold(0.0, f64::max);
+        require(often * step <= tuning::limits::MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
+        let scheme = Scheme::new(problem, self.amplitude, step);
+        let scheme = if merged { scheme.merging(problem) } else { scheme };
         let (timetable, samples) = self.timetable(step, times, merged)?;
         let interval = timetable.interval_steps as f64 * step;
         self.memory.check()?;

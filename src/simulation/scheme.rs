@@ -1,5 +1,6 @@
+use super::arrivals::Sources;
 use crate::fokker_planck::noise_induced_drift;
-use crate::problem::{Contact, Field, Kicks, LANES, Lane, Nearness, Problem};
+use crate::problem::{Contact, Field, Kicks, LANES, Lane, Nearness, Problem, Strike};
 use crate::{polynomial::Polynomial, system::Interpretation};
 use pulp::Arch;
 
@@ -14,6 +15,8 @@ use pulp::Arch;
 ///   Elsewhere the fields act one after another, each by one classical Runge-Kutta step in the time √h Z_k, in an order
 ///   that is reversed with probability one half (S. Ninomiya and N. Victoir, 2008, doi:10.1080/13504860701413958).
 ///
+/// Impulses arrive at their own times in A: between two of them and the impacts, displacements go straight on.
+///
 /// Each part is exact or of third order locally and the composition is symmetric, so that stationary means are off by
 /// O(h²). Explicit Euler-Maruyama would be off by O(h), and pumps energy into a weakly damped oscillator.
 pub(super) struct Scheme<'a> {
@@ -24,6 +27,8 @@ pub(super) struct Scheme<'a> {
     pub(super) step: f64,
     /// Whether a step takes the noise of two steps of half its length, so that both follow the same Brownian path.
     pub(super) merged: bool,
+    /// The impulses, for the steps that random numbers are drawn for.
+    pub(super) impulses: Sources,
     /// The displacements, each with its velocity.
     pub(super) pairs: &'a [(usize, usize)],
     /// 1 for a state that F moves, 0 for a displacement.
@@ -34,6 +39,8 @@ pub(super) struct Scheme<'a> {
     pub(super) states: usize,
     /// The number of Wiener processes.
     pub(super) processes: usize,
+    /// Whether they drive no state.
+    pub(super) silent: bool,
     /// A factor of all noises.
     amplitude: f64,
     noise: Noise,
@@ -77,6 +84,7 @@ impl<'a> Scheme<'a> {
         } else {
             Noise::Curved
         };
+        let silent = problem.noise().iter().flatten().all(Polynomial::is_zero);
         let induced = noise_induced_drift(problem.noise(), states);
         let corrected = problem.interpretation() == Interpretation::Ito && !induced.iter().all(Polynomial::is_zero);
         Scheme {
@@ -84,15 +92,22 @@ impl<'a> Scheme<'a> {
             arch,
             step,
             merged: false,
+            impulses: Sources::new(problem, amplitude, step),
             moved: (0..states).map(|i| f64::from(pairs.iter().all(|&(x, _)| x != i))).collect(),
             pairs,
             coupled: problem.operator().coupled(),
             states,
             processes: problem.noise().len(),
+            silent,
             amplitude,
             noise,
             induced: if corrected { -amplitude * amplitude } else { 0.0 },
         }
+    }
+
+    /// The same scheme, whose steps take the noise of two steps of half their length.
+    pub(super) fn merging(self, problem: &Problem) -> Self {
+        Scheme { merged: true, impulses: Sources::new(problem, self.amplitude, self.step / 2.0), ..self }
     }
 
     /// Whether the order of the noise fields matters; it is then drawn at random at every step.
@@ -111,7 +126,7 @@ impl<'a> Scheme<'a> {
     #[inline(always)]
     pub(super) fn kick(&self, x: &mut [Lane], h: f64, w: &[Lane], reversed: &[bool; LANES], scratch: &mut Scratch) {
         if let Noise::Constant { noise, .. } = &self.noise {
-            self.field.kicks(self.arch, x, w, &self.through(noise, h, None));
+            self.field.kicks(self.arch, x, w, &self.through(noise, h, None, (1, &[])));
             return;
         }
         let Scratch { lanes: [middle, other], .. } = scratch;
@@ -148,7 +163,7 @@ impl<'a> Scheme<'a> {
     /// The same for one state.
     pub(super) fn kick_alone(&self, x: &mut [f64], h: f64, w: &[f64], reversed: bool, scratch: &mut Scratch) {
         if let Noise::Constant { noise, .. } = &self.noise {
-            self.field.kick(x, w, &self.through(noise, h, None));
+            self.field.kick(x, w, &self.through(noise, h, None, (1, &[])));
             return;
         }
         let [mut lanes, w] = [&*x, w].map(|values| values.iter().map(|&value| [value; LANES]).collect::<Vec<_>>());
@@ -156,22 +171,34 @@ impl<'a> Scheme<'a> {
         x.iter_mut().zip(&lanes).for_each(|(x, lanes)| *x = lanes[0]);
     }
 
-    /// A kick for each of the increments `w`, and every displacement straight on after it, until a kick leaves a trajectory
-    /// near a wall. Returned is the number of kicks, and whether they ended so; `None` where there is no increment, or the
-    /// noise depends on the state.
+    /// So many kicks with the increments `w`, every displacement straight on after each and then the strikes of impulses, until a
+    /// kick leaves a trajectory near a wall. Returned is the number of kicks, and whether they ended so; `None` where there is
+    /// none to be made, or the noise depends on the state.
     #[inline(always)]
-    pub(super) fn kicks(&self, x: &mut [Lane], w: &[Lane], walls: &[Nearness]) -> Option<(usize, bool)> {
+    pub(super) fn kicks(
+        &self,
+        x: &mut [Lane],
+        w: &[Lane],
+        walls: &[Nearness],
+        strikes: (usize, &[Strike]),
+    ) -> Option<(usize, bool)> {
         match &self.noise {
-            Noise::Constant { noise, .. } if !w.is_empty() => {
-                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls))))
+            Noise::Constant { noise, .. } if strikes.0 > 0 => {
+                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls), strikes)))
             }
             _ => None,
         }
     }
 
     #[inline(always)]
-    fn through<'b>(&'b self, noise: &'b [f64], step: f64, walls: Option<&'b [Nearness]>) -> Kicks<'b> {
-        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls }
+    fn through<'b>(
+        &'b self,
+        noise: &'b [f64],
+        step: f64,
+        walls: Option<&'b [Nearness]>,
+        (count, strikes): (usize, &'b [Strike]),
+    ) -> Kicks<'b> {
+        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls, count, strikes }
     }
 
     /// The flow of the field G_k.
@@ -223,8 +250,8 @@ impl<'a> Scheme<'a> {
             .sum()
     }
 
-    /// The power that noise puts into each velocity and the power that the drift takes from it: ½B_vv and −v f_v, with the
-    /// Itô drift f, less the forces of the walls that a state rests on.
+    /// The power that noise and impulses put into each velocity and the power that the drift takes from it: ½B_vv + λ (E\[Y\] H v +
+    /// ½ E\[Y²\] H²) and −v f_v, with the Itô drift f, less the forces of the walls that a state rests on.
     pub(super) fn power(
         &self,
         x: &[f64],
@@ -242,7 +269,8 @@ impl<'a> Scheme<'a> {
             }
         };
         for (power, &(_, v)) in powers.iter_mut().zip(self.pairs) {
-            *power = [diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0, -x[v] * drift[v]];
+            let noise = diffusion[v * self.states + v] * self.amplitude * self.amplitude / 2.0;
+            *power = [noise + self.impulses.power(x, v), -x[v] * drift[v]];
         }
     }
 }

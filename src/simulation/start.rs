@@ -19,7 +19,11 @@ impl Start {
         let time = tuning::timetable::SPREAD_STEPS * step;
         let variance = |i: usize| {
             let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * simulation.amplitude);
-            at_rest.map(|g| g * g).sum::<f64>() * time
+            let impulses = problem.impulses().iter().map(|impulse| {
+                let struck = impulse.field()[i].constant_term() * simulation.amplitude;
+                2.0 * impulse.jumps().intensity() * struck * struck
+            });
+            (at_rest.map(|g| g * g).sum::<f64>() + impulses.sum::<f64>()) * time
         };
         let deviation = |variance: f64| if variance > 0.0 { variance.sqrt() } else { 0.1 };
         let mut spread: Vec<f64> = (0..problem.dimension()).map(|i| deviation(variance(i))).collect();

@@ -7,6 +7,8 @@ pub(super) mod limits {
     pub(crate) const MOST_TRAJECTORIES: usize = 1 << 20;
     /// The most bins of every batch likewise.
     pub(crate) const MOST_BINS: usize = 1024;
+    /// The most impulses of a source in a time step, on average: their numbers are drawn by a sum over the possible ones.
+    pub(crate) const MOST_IMPULSES: f64 = 8.0;
     /// The most levels whose crossings one simulation counts: each costs time in every step.
     pub(crate) const MOST_LEVELS: usize = 64;
     /// The most walls: one bit each of a word.
@@ -31,6 +33,8 @@ pub(super) mod time_step {
     pub(crate) const BESIDE_LOSSY_WALL: f64 = 0.03;
     /// The largest ωh anywhere on the way. At 2 the steps would be unstable.
     pub(crate) const LARGEST: f64 = 0.25;
+    /// The most impulses in a step, on average. They are exact for any number; it bounds their work in a step.
+    pub(crate) const MOST_IMPULSES: f64 = 2.0;
     /// The stretches of their way; the rate is taken after each of the second half.
     pub(crate) const STRETCHES: usize = 64;
     /// The most steps tried. Each is at most half the one before.

@@ -2,13 +2,14 @@ use super::crossing_of;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
+use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
 
 /// The power balance of the oscillator of state 0, (injected − dissipated)/injected, which is 0 for the stationary
 /// density: a check of any answer that needs no reference.
 ///
-/// The noise injects E[½ B_vv] (D for additive noise) and the drift f_v of the velocity dissipates −E[v f_v]; each wall of
+/// The noise injects E[½ B_vv] (D for additive noise), impulses λ E[Y] E[H v] + ½ λ E[Y²] E[H²], and the drift f_v of the velocity dissipates −E[v f_v]; each wall of
 /// state 0 at b takes ½ (1 − r²) ∫ |v|³ p(b, v) dv over the velocities towards it. The error is the sum of the errors that
 /// the density states for its moments. Those of a simulation are correlated:
 /// [`SimulatedDensity::energy_balance`](crate::SimulatedDensity::energy_balance) has the standard error.
@@ -31,7 +32,10 @@ pub fn energy_balance(problem: &Problem, density: &dyn Density) -> Result<Estima
         p.terms().try_fold(Estimate::new(0.0, 0.0), |all, (powers, c)| Ok(all.plus(density.moment(powers)?.scaled(c))))
     };
     let v = &Polynomial::variable(problem.dimension(), velocity);
-    let injected = mean(&(&operator.diffusion()[velocity][velocity] * 0.5))?;
+    let energy = v * v * 0.5;
+    let struck = |sum, impulse: &Impulse| sum + impulse.generator(&energy);
+    let noise = &operator.diffusion()[velocity][velocity] * 0.5;
+    let injected = mean(&operator.impulses().iter().fold(noise, struck))?;
     let drained = mean(&(v * &operator.drift()[velocity]))?;
     let mut lost = Estimate::new(0.0, 0.0);
     for wall in problem.walls().iter().filter(|wall| wall.state() == 0 || wall.other() == Some(0)) {

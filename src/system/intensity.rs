@@ -25,6 +25,9 @@ pub struct Intensity {
 const REMEDY: &str = "a noise strength must be finite and above zero";
 
 impl Intensity {
+    /// No white noise, D = 0: for an oscillator that impulses alone drive.
+    pub const NONE: Intensity = Intensity { d: 0.0 };
+
     /// The intensity D.
     ///
     /// # Errors

@@ -1,9 +1,11 @@
 //! Systems: the equations of motion, written once and generically.
 
 mod intensity;
+mod jumps;
 mod oscillator;
 
 pub use intensity::Intensity;
+pub use jumps::{Amplitude, Jumps};
 pub use oscillator::Oscillator;
 
 use crate::scalar::Scalar;
@@ -13,7 +15,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// dX = f(X) dt + G(X) dW on R^N, with M independent standard Wiener processes W, E dW_k² = dt. The matrix G carries
 /// the noise's strength: a white noise ξ of intensity D, E[ξ(t)ξ(t+τ)] = 2D δ(τ), enters with G = √(2D), which is
-/// [`Intensity::amplitude`].
+/// [`Intensity::amplitude`]. Poisson impulses may act beside it, or in its place ([`PolynomialDrift::jumps`]).
 ///
 /// Both functions are generic over [`Scalar`], so that the simulation (on `f64`), the Fokker-Planck operator at a point
 /// (on dual numbers) and the closure (on polynomials) all use the same definition. An oscillator x″ + h(x, x′) = ξ is
@@ -58,6 +60,17 @@ pub trait PolynomialDrift<const N: usize, const M: usize>: Send + Sync {
 
     /// The noise matrix G(x): row i holds the factors of the M Wiener processes in state i.
     fn noise<S: Scalar>(&self, x: [S; N]) -> [[S; M]; N];
+
+    /// Independent sources of Poisson impulses, none by default: dX = f dt + G dW + Σ_j H_j(X₋) dJ_j.
+    fn jumps(&self) -> Vec<Jumps> {
+        Vec::new()
+    }
+
+    /// H_j(x), the factor of the impulses of one source in each state; zero by default.
+    fn impulse<S: Scalar>(&self, source: usize, x: [S; N]) -> [S; N] {
+        let _ = (source, x);
+        [S::from(0.0); N]
+    }
 
     /// How the product G(X) dW is meant. Without effect where G is constant; Itô by default.
     fn interpretation(&self) -> Interpretation {
@@ -115,6 +128,17 @@ pub trait PolynomialSystem: Send + Sync {
 
     /// The noise matrix G(x) by rows: n rows of m numbers.
     fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>>;
+
+    /// Independent sources of Poisson impulses, as in [`PolynomialDrift::jumps`].
+    fn jumps(&self) -> Vec<Jumps> {
+        Vec::new()
+    }
+
+    /// H_j(x), n numbers; zero by default.
+    fn impulse<S: Scalar>(&self, source: usize, x: &[S]) -> Vec<S> {
+        let _ = source;
+        vec![S::from(0.0); x.len()]
+    }
 
     /// How the product G(X) dW is meant. Without effect where G is constant; Itô by default.
     fn interpretation(&self) -> Interpretation {

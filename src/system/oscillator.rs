@@ -1,4 +1,4 @@
-use super::{Intensity, PolynomialDrift};
+use super::{Intensity, Jumps, PolynomialDrift};
 use crate::scalar::Scalar;
 
 /// A single oscillator x″ + h(x, x′) = ξ with white noise ξ, E[ξ(t)ξ(t+τ)] = 2D δ(τ).
@@ -25,8 +25,13 @@ pub trait Oscillator: Send + Sync {
     /// The force h(x, v) per unit mass, damping and stiffness together, with the sign that it has on the left side.
     fn force<S: Scalar>(&self, x: S, v: S) -> S;
 
-    /// The intensity D of the external noise.
+    /// The intensity D of the external white noise; [`Intensity::NONE`] under impulses alone.
     fn intensity(&self) -> Intensity;
+
+    /// Independent sources of Poisson impulses on the velocity, v → v + Y; none by default.
+    fn jumps(&self) -> Vec<Jumps> {
+        Vec::new()
+    }
 
     /// The parameters' names and values, none by default.
     fn parameters(&self) -> Vec<(String, f64)> {
@@ -43,6 +48,15 @@ impl<T: Oscillator> PolynomialDrift<2, 1> for T {
     #[inline]
     fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 1]; 2] {
         [[S::from(0.0)], [S::from(self.intensity().amplitude())]]
+    }
+
+    fn jumps(&self) -> Vec<Jumps> {
+        Oscillator::jumps(self)
+    }
+
+    #[inline]
+    fn impulse<S: Scalar>(&self, _: usize, _: [S; 2]) -> [S; 2] {
+        [S::from(0.0), S::from(1.0)]
     }
 
     fn parameters(&self) -> Vec<(String, f64)> {

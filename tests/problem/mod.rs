@@ -2,6 +2,7 @@
 
 mod definition;
 mod hostile;
+mod impulses;
 mod operator;
 mod questions;
 mod text;

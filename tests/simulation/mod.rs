@@ -3,6 +3,7 @@
 mod calibration;
 mod control;
 mod estimates;
+pub(crate) mod impulses;
 mod statistics;
 mod steps;
 mod tails;

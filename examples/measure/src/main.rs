@@ -7,11 +7,13 @@
 
 mod calibration;
 mod campaign;
+mod cells;
 mod closure_cost;
 mod draw;
 mod fuzz;
 mod grid_convergence;
 mod grid_walls;
+mod impulses;
 mod memory;
 #[cfg(feature = "mpi")]
 mod ranks;
@@ -38,6 +40,8 @@ enum Question {
     GridConvergence(grid_convergence::Options),
     /// How accurate is the grid above a wall that takes energy?
     GridWalls(grid_walls::Options),
+    /// How good is the closure under Poisson impulses, and is its estimate right?
+    Impulses(impulses::Options),
     /// Does the memory of a simulation depend on its length?
     Memory(memory::Options),
     /// One simulation on all ranks of MPI, with all bits of its result
@@ -63,6 +67,7 @@ fn main() -> ExitCode {
         Question::Fuzz(options) => fuzz::run(&options),
         Question::GridConvergence(options) => grid_convergence::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),
+        Question::Impulses(options) => impulses::run(&options),
         Question::Memory(options) => memory::run(&options),
         #[cfg(feature = "mpi")]
         Question::Ranks(options) => ranks::run(&options),

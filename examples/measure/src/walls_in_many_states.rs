@@ -10,6 +10,7 @@
 //! density of y and y′, for the first seed, is one over 20 × 20 cells; the simulation's states alone make 2e-3 of it.
 
 use crate::Outcome;
+use crate::cells::Cells;
 use clap::{Args, ValueEnum};
 use expoly::models::{ColouredVibroImpact, Duffing};
 use expoly::statistics::Impacts;
@@ -101,58 +102,6 @@ fn moments(states: usize) -> impl Iterator<Item = (&'static str, &'static [u32])
     MOMENTS.iter().filter(move |(_, powers)| own(powers)).map(move |(name, powers)| (*name, &powers[..states]))
 }
 
-/// The cells of y and y′ that most states are in, and the share of the states in each.
-struct Cells {
-    low: [f64; 2],
-    width: [f64; 2],
-    shares: Vec<f64>,
-}
-
-impl Cells {
-    fn new(problem: &Problem, millions: u64) -> Result<Self> {
-        let states = |seed, samples| Simulation::new().samples(samples).time_step(0.01).seed(seed).states(problem);
-        let first = states(76, 20_000)?;
-        let range =
-            |i: usize| first.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x[i]), b.max(x[i])]);
-        let [y, v] = [range(0), range(1)];
-        let low = [y[0], v[0]];
-        let width = [y, v].map(|[low, high]| (high - low) / CELLS as f64);
-        let mut cells = Cells { low, width, shares: vec![0.0; CELLS * CELLS] };
-        for seed in 0..millions {
-            for x in &states(1000 + seed, 1_000_000)? {
-                let at = |i: usize| ((x[i] - low[i]) / width[i]).floor();
-                let [p, q] = [at(0), at(1)];
-                if p.min(q) >= 0.0 && p.max(q) < CELLS as f64 {
-                    cells.shares[p as usize * CELLS + q as usize] += 1e-6 / millions as f64;
-                }
-            }
-        }
-        Ok(cells)
-    }
-
-    /// Σ |∫ p̃ dy dv − share| over the cells, by Gauss' rule with two points along v and with three along the cube root of y less
-    /// its least value, which is that at the wall if there is one.
-    fn distance(&self, density: &dyn Density) -> Result<f64> {
-        let mut sum = 0.0;
-        for (k, share) in self.shares.iter().enumerate().filter(|(_, share)| **share > 3e-5) {
-            let [p, q] = [k / CELLS, k % CELLS].map(|place| place as f64);
-            let [from, to] = [p, p + 1.0].map(f64::cbrt);
-            let mut mass = 0.0;
-            for (t, w) in [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)] {
-                let s = from + (to - from) * 0.5 * (1.0 + t);
-                let y = self.low[0] + self.width[0] * s.powi(3);
-                let weight = w * (to - from) * 3.0 * s * s * self.width[0];
-                for t in [-1.0, 1.0].map(|sign| 0.5 + sign * 0.5 / 3.0_f64.sqrt()) {
-                    let v = self.low[1] + self.width[1] * (q + t);
-                    mass += weight * 0.5 * self.width[1] * density.joint_marginal([0, 1], [y, v])?.value;
-                }
-            }
-            sum += (mass - share).abs();
-        }
-        Ok(sum)
-    }
-}
-
 fn beside(name: &str, found: Estimate, truth: Estimate) -> String {
     let percent = |x: f64| 100.0 * x / truth.value.abs();
     let [off, own, its] = [found.value - truth.value, found.error, truth.error].map(percent);
@@ -200,7 +149,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         for wall in walls {
             let problem = system.problem(wall)?;
             let truth = Simulation::new().samples(options.samples).time_step(0.005).seed(99).run(&problem)?;
-            let cells = (options.states > 0).then(|| Cells::new(&problem, options.states)).transpose()?;
+            let cells = (options.states > 0).then(|| Cells::new(&problem, CELLS, 0.01, options.states)).transpose()?;
             for &order in &options.orders {
                 println!("{system:?}, b = {}, r = {}, n = {order}; deviations in percent:", wall[0], wall[1]);
                 for seed in 0..options.seeds {

@@ -27,7 +27,9 @@ pub(in crate::closure) struct Probe<'a> {
     pub(in crate::closure) kept: &'a Retained,
     /// The test functions at the kept nodes, each a combination of those up to it: the constant, those of Q, others.
     pub(in crate::closure) values: MatRef<'a, f64>,
-    /// The same where trajectories leave a wall.
+    /// Their rates under the generator.
+    pub(in crate::closure) rates: MatRef<'a, f64>,
+    /// The values where trajectories leave a wall.
     pub(in crate::closure) at_walls: MatRef<'a, f64>,
     /// How many columns are the constant's and Q's.
     pub(in crate::closure) own: usize,
@@ -43,13 +45,19 @@ pub(in crate::closure) fn indicate(
     exponent: &Exponent,
     probe: &Probe<'_>,
 ) -> Option<Indication> {
-    let Probe { kept, values, at_walls, own, order } = *probe;
+    let Probe { kept, values, rates, at_walls, own, order } = *probe;
     let measure = tempered(&exponent.values(&kept.points), &kept.weights, 1.0);
     let change = Change::new(values, &measure)?;
-    let residuals = exponent.residuals(&kept.points, |i| &discretisation.locals[kept.nodes[i]]);
-    let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
+    let tested = if discretisation.impulses.is_empty() {
+        let residuals = exponent.residuals(&kept.points, |i| &discretisation.locals[kept.nodes[i]]);
+        let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
+        weighted_sum(values, &weighted)
+    } else {
+        // The same integrals, ∫ p̃ Gψ_k dx, but for what leaves through the edge.
+        weighted_sum(rates, &measure)
+    };
     let mut f = Mat::zeros(values.ncols(), 1);
-    f.col_as_slice_mut(0).copy_from_slice(&weighted_sum(values, &weighted));
+    f.col_as_slice_mut(0).copy_from_slice(&tested);
     if !discretisation.passages.is_empty() {
         // The flux out of the wall at the speed after the impact less the flux into it before.
         let missing = Mat::from_fn(discretisation.passages.len(), 1, |i, _| {

@@ -204,8 +204,18 @@ pub(super) struct Retained {
 
 impl Retained {
     pub(super) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
-        let domain = discretisation.domain.above(|points| reference.values(points), discretisation.drop);
         let all = &discretisation.nodes;
+        let values = |points: &States| reference.values(points);
+        let domain = if discretisation.impulses.is_empty() {
+            discretisation.domain.above(values, discretisation.drop)
+        } else {
+            let masses = reference.logarithm.iter().zip(&all.weights).map(|(log, w)| log.exp() * w);
+            let mut mean = vec![0.0; all.points.dimension()];
+            for (mass, x) in masses.zip(&all.points) {
+                mean.iter_mut().zip(x).for_each(|(mean, x)| *mean += mass * x);
+            }
+            discretisation.domain.around(&mean, values, discretisation.drop)
+        };
         let kept = |i: &usize| discretisation.is_on_lattice() || domain.contains(&all.points[*i]);
         let nodes: Vec<usize> = (0..all.len()).filter(kept).collect();
         let mut points = States::with_capacity(all.points.dimension(), nodes.len());

@@ -100,7 +100,7 @@ impl ClassicalClosure {
     /// # Errors
     /// [`Error::OutOfRange`] for order 0, for order 1 above a wall in the classical basis, which has no function of odd
     /// degree, and for more than 20 000 coefficients; [`Error::NoStationaryDensity`] where the Gaussian closure finds no
-    /// bounded moments; [`Error::NotServed`] unless the only wall, if any, is one that the motion stays above, and
+    /// bounded moments; [`Error::NotServed`] for impulses, and unless the only wall, if any, is one that the motion stays above, and
     /// [`Error::NotADisplacement`] if state 0 is not a displacement there with state 1 as velocity.
     ///
     /// ```
@@ -198,6 +198,7 @@ impl ClassicalClosure {
 
     /// Refuses orders that leave no coefficient to find, and those with too many.
     fn check(&self, problem: &Problem) -> Result<()> {
+        problem.require_no_impulses(METHOD)?;
         let (name, order) = ("order of the closure", f64::from(self.order));
         let remedy = "at this order there is no coefficient to find; take order 1 or more";
         require(self.order > 0, name, order, remedy)?;

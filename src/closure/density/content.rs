@@ -35,6 +35,9 @@ pub(crate) struct Content {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(in crate::closure) impacts: Vec<WallImpacts>,
     pub(in crate::closure) guarded: bool,
+    /// Whether impulses alone are so rare that the density is rough.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(in crate::closure) rare: bool,
     /// The chosen one first.
     pub(in crate::closure) candidates: Vec<Candidate>,
     pub(in crate::closure) indication: Indication,
@@ -75,6 +78,10 @@ impl Content {
             && self.impacts.iter().any(|wall| wall.contradicts(tuning::walls::ERRORS, tuning::walls::SHARE))
         {
             Some("next to a wall the density is off: its own impact rate is not that of its statistics of impacts")
+        } else if self.rare {
+            Some(
+                "impulses are so rare that the density is rough or unbounded where the motion comes to rest between them",
+            )
         } else if chosen.l1_estimate > tuning::UNRELIABLE {
             Some("the estimated error is large: take a higher order")
         } else {

@@ -3,9 +3,11 @@
 //!
 //! - `trust_domain`: the region that the pilot has visited;
 //! - `nodes`: Gauss nodes there, with the values of functions and their images under the operator;
+//! - `impulses`: jumps between nodes;
 //! - `likelihood`: the first guess of ln p, by which the pilot's states are most likely;
 //! - `walled`: the same next to walls.
 
+pub(super) mod impulses;
 pub(super) mod likelihood;
 pub(super) mod nodes;
 pub(super) mod trust_domain;
@@ -16,7 +18,7 @@ use super::pilot::Pilot;
 use super::space::Corner;
 use super::space::nested_spaces::{Smooth, SpaceFamily};
 use crate::closure::tuning;
-use crate::fokker_planck::Local;
+use crate::fokker_planck::{Impulse, Local};
 use crate::numerics::Rule;
 use crate::problem::Problem;
 use crate::states::States;
@@ -46,6 +48,8 @@ pub(super) struct Discretisation {
     /// Rules along the states, for integrals over a single one; 0 is the edge of a panel.
     pub(super) lines: Vec<Rule>,
     pub(super) passages: Vec<Passage>,
+    /// Impulses, of which those that leave the domain are left out.
+    pub(super) impulses: Vec<Impulse>,
     /// The values at the nodes of the part of ln p that no function here can follow.
     pub(super) fixed: Vec<f64>,
     /// The first guess of ln p, with that part.
@@ -58,27 +62,39 @@ impl Discretisation {
     /// The discretisation of a system on the whole space.
     ///
     /// Its pilot ran at an inflated intensity, under which ln p is roughly divided by the inflation (exactly so for a Gibbs
-    /// density): the most likely polynomial, multiplied back, is the first guess, and good in the tails as well. The nodes
-    /// serve up to `highest_order`. `None` if the states cannot be fitted.
-    pub(super) fn new(problem: &Problem, pilot: &Pilot, family: Smooth, highest_order: u32) -> Option<Self> {
-        let met = TrustDomain::new(pilot, &family.symmetry, family.centre.clone(), [None, None], 1.0);
+    /// density): the most likely polynomial, multiplied back, is the first guess, and good in the tails as well. Under impulses it
+    /// does not scale: there the guess is that of `own`, the pilot under the system's own intensities. The nodes serve up to
+    /// `highest_order`. `None` if the states cannot be fitted.
+    pub(super) fn new(
+        problem: &Problem,
+        [own, pilot]: [&Pilot; 2],
+        family: Smooth,
+        highest_order: u32,
+    ) -> Option<Self> {
+        let extremes = [f64::min as fn(f64, f64) -> f64, f64::max].map(|extreme| {
+            let start = if extreme(0.0, 1.0) == 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+            pilot.states.iter().map(|x| x[0]).fold(start, extreme)
+        });
+        let ends = impulses::ends(problem, extremes);
+        let met = TrustDomain::new(pilot, &family.symmetry, family.centre.clone(), ends, 1.0);
         let coarse = Nodes::gauss(&met, tuning::nodes::COARSE);
         let (centre, half_width) = met.box_around();
         let space = Smooth { centre, half_width, ..family.clone() }.functions(tuning::guess::DEGREE);
-        let guess = likeliest(space, Vec::new(), &coarse, &pilot.states, pilot.inflation)?;
+        let (fitted, inflation) =
+            if problem.impulses().is_empty() { (pilot, pilot.inflation) } else { (own, own.inflation) };
+        let guess = likeliest(space, Vec::new(), &coarse, &fitted.states, inflation)?;
         let domain = met.following(|points| guess.values(points), tuning::domain::DROP, tuning::domain::FOLLOWED);
         let states = problem.dimension();
-        let along = if states == 2 && highest_order <= tuning::nodes::LOW_ORDER {
-            tuning::nodes::LOW_ORDER_NODES
-        } else {
-            tuning::nodes::FINE[states.min(2) - 1]
-        };
+        // Impulses that leave the domain are cut off between nodes.
+        let few = highest_order <= tuning::nodes::LOW_ORDER && problem.impulses().is_empty();
+        let along =
+            if states == 2 && few { tuning::nodes::LOW_ORDER_NODES } else { tuning::nodes::FINE[states.min(2) - 1] };
         let nodes = Nodes::gauss(&domain, along);
         let (centre, half_width) = domain.box_around();
         let family = SpaceFamily::Smooth(Smooth { centre, half_width, ..family });
         let (lines, locals, fixed) = (lines(&domain), locals(problem, &nodes), vec![0.0; nodes.len()]);
-        let (passages, drop) = (Vec::new(), tuning::domain::KEPT);
-        Some(Discretisation { family, domain, nodes, locals, lines, passages, fixed, guess, drop })
+        let (passages, impulses, drop) = (Vec::new(), problem.impulses().to_vec(), tuning::domain::KEPT);
+        Some(Discretisation { family, domain, nodes, locals, lines, passages, impulses, fixed, guess, drop })
     }
 
     /// The discretisation on the nodes of a lattice, with a first guess that is good already.
@@ -91,12 +107,18 @@ impl Discretisation {
         let nodes = Nodes { points, weights, rules: Vec::new() };
         let (locals, fixed) = (locals(problem, &nodes), vec![0.0; nodes.len()]);
         let (family, lines, passages) = (SpaceFamily::Smooth(family), Vec::new(), Vec::new());
-        Discretisation { family, domain, nodes, locals, lines, passages, fixed, guess, drop: f64::INFINITY }
+        let (impulses, drop) = (Vec::new(), f64::INFINITY);
+        Discretisation { family, domain, nodes, locals, lines, passages, impulses, fixed, guess, drop }
     }
 
     /// Whether the nodes are those of a lattice, which ends where the density does: there is no edge to stay away from.
     pub(super) fn is_on_lattice(&self) -> bool {
         self.nodes.rules.is_empty()
+    }
+
+    /// Whether the moment equations of exp(Q) have a second expression, by its residual: neither impacts nor impulses have one.
+    pub(super) fn has_residual(&self) -> bool {
+        self.passages.is_empty() && self.impulses.is_empty()
     }
 
     /// The residual of exp(Q) at the nodes.

@@ -1,8 +1,7 @@
-use super::Passage;
 use super::trust_domain::TrustDomain;
+use super::{Discretisation, Passage, impulses};
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::{Functions, sweep};
-use crate::fokker_planck::Local;
 use crate::numerics::Rule;
 use crate::states::States;
 use faer::Mat;
@@ -78,15 +77,9 @@ pub(in crate::closure) struct Table {
 }
 
 impl Table {
-    /// Tabulates functions, orthonormal under `measure`, under the generator, whose coefficients at the nodes are `locals`.
-    /// `None` where they are linearly dependent.
-    pub(in crate::closure) fn new(
-        space: &Functions,
-        points: &States,
-        locals: &[Local],
-        passages: &[Passage],
-        measure: &[f64],
-    ) -> Option<Self> {
+    /// Tabulates functions, orthonormal under `measure`, under the generator. `None` where they are linearly dependent.
+    pub(in crate::closure) fn new(discretisation: &Discretisation, space: &Functions, measure: &[f64]) -> Option<Self> {
+        let Discretisation { domain, nodes: Nodes { points, .. }, locals, passages, impulses, .. } = discretisation;
         let ends = |end: fn(&Passage) -> &[f64; 2]| {
             let mut points = States::new(points.dimension());
             passages.iter().for_each(|passage| points.push(end(passage)));
@@ -94,10 +87,11 @@ impl Table {
         };
         let (before, mut after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
         let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len() + passages.len(), space.len() + 1));
-        let (inside, mut beyond) = values.as_mut().split_at_row_mut(points.len());
-        let (rates_inside, mut jumps) = rates.as_mut().split_at_row_mut(points.len());
+        let (mut inside, mut beyond) = values.as_mut().split_at_row_mut(points.len());
+        let (mut rates_inside, mut jumps) = rates.as_mut().split_at_row_mut(points.len());
         let local = |i: usize| (&locals[i].drift[..], &locals[i].diffusion[..]);
-        sweep::tabulate_rates(space, points, local, [inside, rates_inside]);
+        sweep::tabulate_rates(space, points, local, [inside.as_mut(), rates_inside.as_mut()]);
+        impulses::add_rates(impulses, domain, (space, points), inside.as_ref(), rates_inside);
         beyond.copy_from(&before);
         jumps.copy_from(&after - &before);
         let functions = Orthonormal::new(values, measure)?;

@@ -198,6 +198,32 @@ impl TrustDomain {
         domain
     }
 
+    /// The part of the domain that is star-shaped about another centre, in each direction up to where a logarithmic density first
+    /// falls by `drop` below its highest value, outwards from its highest one on that ray. In three states and more the domain
+    /// stays as it is.
+    ///
+    /// Where a polynomial rises again further out, the outermost point of that height would enclose it.
+    pub(in crate::closure) fn around(&self, centre: &[f64], log: impl Fn(&States) -> Vec<f64>, drop: f64) -> Self {
+        if self.dimension() > 2 {
+            return self.clone();
+        }
+        let farthest = 2.0 * self.reach.iter().copied().fold(0.0, f64::max);
+        let mut domain =
+            TrustDomain { centre: centre.to_vec(), reach: vec![farthest; self.reach.len()], ..self.clone() };
+        let points = domain.on_rays(0..=RAY, 1.0);
+        let mut logs = log(&points);
+        for (log, _) in logs.iter_mut().zip(&points).filter(|(_, x)| !self.contains(x)) {
+            *log = f64::NEG_INFINITY;
+        }
+        let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (reach, ray) in domain.reach.iter_mut().zip(logs.chunks_exact(RAY + 1)) {
+            let top = (0..=RAY).fold(0, |top, step| if ray[step] > ray[top] { step } else { top });
+            let end = (top..=RAY).find(|step| ray[*step] < highest - drop).unwrap_or(RAY);
+            *reach *= end as f64 / RAY as f64;
+        }
+        domain
+    }
+
     /// The mass beyond the edge, in one state or two, if a logarithmic density falls on at the rate that it has there.
     pub(in crate::closure) fn mass_beyond(&self, log: impl Fn(&[f64]) -> f64) -> f64 {
         let area: f64 = self.scale.iter().product();

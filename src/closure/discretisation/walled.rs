@@ -58,6 +58,7 @@ pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Optio
         locals,
         lines: rules,
         passages,
+        impulses: Vec::new(),
         fixed,
         guess,
         drop: tuning::domain::WALLED_KEPT,

@@ -86,6 +86,7 @@ impl NodalClosure {
             integrals,
             lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
             guarded: self.guarded,
+            rare: false,
             candidates: vec![candidate],
             indication: Indication { indicator: 0.0, residual: 0.0 },
             provenance: self.provenance(order, unknowns, scoring.reference.solved),

@@ -147,8 +147,7 @@ impl Reference {
                 .iter()
                 .map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass)
                 .collect();
-            // Where there are impacts, the equations have other terms besides the residual.
-            let r = discretisation.passages.is_empty().then(|| discretisation.residuals(&weight));
+            let r = discretisation.has_residual().then(|| discretisation.residuals(&weight));
             let Some(found) = resolve(table, nested.columns(), &measure, &passages, r.as_deref(), truncation) else {
                 break;
             };

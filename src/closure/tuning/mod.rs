@@ -23,6 +23,20 @@ pub(crate) const CONVERGING: f64 = 0.5;
 /// An estimated L¹ error above this is worth another attempt, and a warning if that does not help. Not met.
 pub(crate) const UNRELIABLE: f64 = 0.2;
 
+/// Poisson impulses.
+pub(crate) mod impulses {
+    /// Nodes of a Gauss rule for amplitudes. 6 to 40 give the same to a tenth for the normal law.
+    pub(crate) const AMPLITUDES: usize = 12;
+    /// The same for laws with an exponential tail on a side: those that leave the domain are left out, so that 20 leave 1e-2
+    /// of L¹ in one state.
+    pub(crate) const ONE_SIDED: usize = 60;
+    /// Impulses alone, fewer than this in the time in which volumes of the state space shrink by a factor e at rest: the density is
+    /// rough or unbounded there, and no polynomial follows it.
+    pub(crate) const RARE: f64 = 2.0;
+    /// The states from which the drift is followed to find that time.
+    pub(crate) const FLOWS: usize = 16;
+}
+
 /// Step 1: the pilot.
 pub(crate) mod pilot {
     /// The states of a pilot, without their mirror images, where nodes carry the density. −28 %, +7 %.
@@ -40,6 +54,8 @@ pub(crate) mod pilot {
     /// The same next to walls in three states and more, whose impacts no calibration corrects: with [`STEP`] E xy of an
     /// oscillator under filtered noise above a wall was off by 0.5 %, with 0.1 by up to 0.27 %.
     pub(crate) const STEP_AT_WALLS: f64 = 0.04;
+    /// The most impulses in a time step, on average. A bound on work.
+    pub(crate) const MOST_IMPULSES: f64 = 4.0;
     /// The time between states times the fastest rate. +7 %, +6 %.
     pub(crate) const INTERVAL: f64 = 4.0;
     /// The factor on the noise intensities by which the states reach the tails. 5.8 times as large, +19 %.

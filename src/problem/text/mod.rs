@@ -1,11 +1,13 @@
 //! Problems as text.
 
+mod impulse;
 mod read;
 mod write;
 
+use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::scalar::Scalar;
-use crate::system::{Interpretation, PolynomialSystem};
+use crate::system::{Interpretation, Jumps, PolynomialSystem};
 
 /// A system as its polynomials.
 pub(super) struct Written {
@@ -15,6 +17,14 @@ pub(super) struct Written {
     /// By rows.
     pub(super) noise: Vec<Vec<Polynomial>>,
     pub(super) interpretation: Interpretation,
+    pub(super) impulses: Vec<Impulse>,
+}
+
+impl Written {
+    /// No equations yet.
+    fn new(states: Vec<String>, parameters: Vec<(String, f64)>, interpretation: Interpretation) -> Self {
+        Written { states, parameters, drift: Vec::new(), noise: Vec::new(), interpretation, impulses: Vec::new() }
+    }
 }
 
 impl PolynomialSystem for Written {
@@ -32,6 +42,14 @@ impl PolynomialSystem for Written {
 
     fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>> {
         self.noise.iter().map(|row| row.iter().map(|g| g.evaluate(x)).collect()).collect()
+    }
+
+    fn jumps(&self) -> Vec<Jumps> {
+        self.impulses.iter().map(|impulse| *impulse.jumps()).collect()
+    }
+
+    fn impulse<S: Scalar>(&self, source: usize, x: &[S]) -> Vec<S> {
+        self.impulses[source].field().iter().map(|h| h.evaluate(x)).collect()
     }
 
     fn interpretation(&self) -> Interpretation {

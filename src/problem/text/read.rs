@@ -15,20 +15,20 @@ const NO_STATE: &str =
     "name its state: state = \"x\"; or the states of two bodies that hit each other: between = [\"x\", \"y\"]";
 
 type Key<'a> = Spanned<Cow<'a, str>>;
-type Entry<'a> = Spanned<DeValue<'a>>;
+pub(super) type Entry<'a> = Spanned<DeValue<'a>>;
 
 /// A document, for the lines of its errors.
 #[derive(Clone, Copy)]
-struct Document<'a>(&'a str);
+pub(super) struct Document<'a>(&'a str);
 
 impl Document<'_> {
-    fn wrong<T>(self, place: usize, name: &str, problem: impl Into<String>) -> Result<T> {
+    pub(super) fn wrong<T>(self, place: usize, name: &str, problem: impl Into<String>) -> Result<T> {
         let before = self.0.as_bytes().iter().take(place);
         let line = 1 + before.filter(|byte| **byte == b'\n').count();
         Err(Error::NotAProblem { line, name: name.to_owned(), problem: problem.into() })
     }
 
-    fn table<'b, 'c>(self, name: &str, value: &'b Entry<'c>) -> Result<&'b DeTable<'c>> {
+    pub(super) fn table<'b, 'c>(self, name: &str, value: &'b Entry<'c>) -> Result<&'b DeTable<'c>> {
         match value.get_ref() {
             DeValue::Table(table) => Ok(table),
             _ => self.wrong(value.span().start, name, "it must be a table"),
@@ -48,15 +48,12 @@ impl Document<'_> {
     }
 
     /// An expression without states.
-    fn number(self, name: &str, value: &Entry<'_>, parameters: &[(String, f64)]) -> Result<f64> {
-        let parameters = parameters.to_vec();
-        let interpretation = Interpretation::Ito;
-        let constants =
-            Written { states: Vec::new(), parameters, drift: Vec::new(), noise: Vec::new(), interpretation };
+    pub(super) fn number(self, name: &str, value: &Entry<'_>, parameters: &[(String, f64)]) -> Result<f64> {
+        let constants = Written::new(Vec::new(), parameters.to_vec(), Interpretation::Ito);
         Ok(self.expression(name, value, &constants)?.constant_term())
     }
 
-    fn known(self, table: &DeTable<'_>, what: &str, names: &[&str]) -> Result<()> {
+    pub(super) fn known(self, table: &DeTable<'_>, what: &str, names: &[&str]) -> Result<()> {
         match table.keys().find(|key| !names.contains(&key.get_ref().as_ref())) {
             Some(key) => {
                 let problem = format!("{what} has no such entry; there are {}", names.join(", "));
@@ -94,10 +91,8 @@ impl Document<'_> {
     fn parameters(self, root: &DeTable<'_>, states: &[String]) -> Result<Vec<(String, f64)>> {
         let mut parameters: Vec<(String, f64)> = Vec::new();
         let Some(value) = root.get("parameters") else { return Ok(parameters) };
-        let mut entries: Vec<(&Key<'_>, &Entry<'_>)> = self.table("parameters", value)?.iter().collect();
-        // In the order of the text, so that a parameter may be made of those above it.
-        entries.sort_by_key(|(key, _)| key.span().start);
-        for (key, value) in entries {
+        // A parameter may be made of those above it.
+        for (key, value) in in_order(self.table("parameters", value)?) {
             let name = key.get_ref();
             self.sound(key.span().start, name)?;
             if states.iter().any(|state| state == name) {
@@ -108,10 +103,15 @@ impl Document<'_> {
         Ok(parameters)
     }
 
-    /// One entry for each state that a table names.
-    fn by_state(self, table: &DeTable<'_>, what: &str, written: &Written) -> Result<Vec<Option<Polynomial>>> {
+    /// One entry for each state that a table names, which may have others `beside` these.
+    pub(super) fn by_state(
+        self,
+        table: &DeTable<'_>,
+        (what, beside): (&str, &[&str]),
+        written: &Written,
+    ) -> Result<Vec<Option<Polynomial>>> {
         let names: Vec<&str> = written.states.iter().map(String::as_str).collect();
-        self.known(table, what, &names)?;
+        self.known(table, what, &[beside, &names].concat())?;
         let entry = |name: &&str| table.get(*name).map(|value| self.expression(name, value, written)).transpose();
         names.iter().map(entry).collect()
     }
@@ -172,7 +172,11 @@ impl Document<'_> {
                 return self.wrong(place, "the text", format!("it is no TOML: {}", error.message()));
             }
         };
-        self.known(&root, "a problem", &["states", "interpretation", "parameters", "drift", "noise", "wall"])?;
+        self.known(
+            &root,
+            "a problem",
+            &["states", "interpretation", "parameters", "drift", "noise", "impulse", "wall"],
+        )?;
         let states = self.states(&root)?;
         let parameters = self.parameters(&root, &states)?;
         let interpretation = match root.get("interpretation").map(|value| (value.span().start, value.get_ref())) {
@@ -181,12 +185,12 @@ impl Document<'_> {
             Some((_, DeValue::String(name))) if name == "stratonovich" => Interpretation::Stratonovich,
             Some((place, _)) => return self.wrong(place, "interpretation", "it is \"ito\" or \"stratonovich\""),
         };
-        let mut written = Written { states, parameters, drift: Vec::new(), noise: Vec::new(), interpretation };
+        let mut written = Written::new(states, parameters, interpretation);
         let n = written.states.len();
         let Some(drift) = root.get("drift") else {
             return self.wrong(0, "drift", "there is none: write a table [drift] with an entry for each state");
         };
-        let found = self.by_state(self.table("drift", drift)?, "the drift", &written)?;
+        let found = self.by_state(self.table("drift", drift)?, ("the drift", &[]), &written)?;
         if let Some(i) = found.iter().position(Option::is_none) {
             let problem = "the drift has no entry for this state; write 0 where it does not move";
             return self.wrong(drift.span().start, &written.states[i], problem);
@@ -194,14 +198,19 @@ impl Document<'_> {
         written.drift = found.into_iter().flatten().collect();
         written.noise = vec![Vec::new(); n];
         if let Some(noise) = root.get("noise") {
-            let mut processes: Vec<(&Key<'_>, &Entry<'_>)> = self.table("noise", noise)?.iter().collect();
-            processes.sort_by_key(|(key, _)| key.span().start);
-            for (key, process) in processes {
+            for (key, process) in in_order(self.table("noise", noise)?) {
                 let name = format!("noise.{}", key.get_ref());
-                let column = self.by_state(self.table(&name, process)?, &name, &written)?;
+                let column = self.by_state(self.table(&name, process)?, (&name, &[]), &written)?;
                 for (row, entry) in written.noise.iter_mut().zip(column) {
                     row.push(entry.unwrap_or_else(|| Polynomial::zero(n)));
                 }
+            }
+        }
+        if let Some(sources) = root.get("impulse") {
+            for (key, source) in in_order(self.table("impulse", sources)?) {
+                let name = format!("impulse.{}", key.get_ref());
+                let impulse = self.impulse(&name, self.table(&name, source)?, key.span().start, &written)?;
+                written.impulses.push(impulse);
             }
         }
         let mut walls = Vec::new();
@@ -219,6 +228,13 @@ impl Document<'_> {
     }
 }
 
+/// The entries of a table in the order of the text.
+fn in_order<'b, 'c>(table: &'b DeTable<'c>) -> Vec<(&'b Key<'c>, &'b Entry<'c>)> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(key, _)| key.span().start);
+    entries
+}
+
 impl Problem {
     /// The problem that a TOML document describes.
     ///
@@ -227,7 +243,15 @@ impl Problem {
     ///
     /// Entries are numbers, or expressions in quotes: `+`, `-`, `*`, `/` by a number, `^` with a whole exponent, and of numbers
     /// and parameters also `sqrt`, `exp`, `ln`, `sin`, `cos` and `pi`. A parameter may be made of those above it. Each table
-    /// `[noise.NAME]` is one Wiener process; states that it does not name are not driven by it.
+    /// `[noise.NAME]` is one Wiener process; states that it does not name are not driven by it. Each table `[impulse.NAME]` is one
+    /// source of Poisson impulses with its `rate` and `amplitude`, the law of [`Amplitude`](crate::Amplitude), and H for states:
+    ///
+    /// ```toml
+    /// [impulse.hail]
+    /// rate = 2.0
+    /// amplitude = { normal = { mean = 0.0, deviation = 0.3 } } # or exponential, uniform, two_point, laplace
+    /// v = "1"
+    /// ```
     ///
     /// # Errors
     /// [`Error::NotAProblem`] with the line, the entry and what to write instead; those of [`Problem::of`].

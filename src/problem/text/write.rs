@@ -1,5 +1,6 @@
 //! To text.
 
+use super::impulse::law;
 use crate::error::{Error, Result};
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
@@ -37,6 +38,13 @@ impl Problem {
             text += &format!("\n[noise.w{}]\n", k + 1);
             let driven = self.states().iter().zip(column).filter(|(_, g)| !g.is_zero());
             driven.for_each(|(name, g)| line(&mut text, name, &self.expression(g)));
+        }
+        for (j, impulse) in self.impulses().iter().enumerate() {
+            let jumps = impulse.jumps();
+            text +=
+                &format!("\n[impulse.j{}]\nrate = {:?}\namplitude = {}\n", j + 1, jumps.rate(), law(jumps.amplitude()));
+            let struck = self.states().iter().zip(impulse.field()).filter(|(_, h)| !h.is_zero());
+            struck.for_each(|(name, h)| line(&mut text, name, &self.expression(h)));
         }
         for wall in self.walls() {
             let side = if wall.is_above() { "above" } else { "below" };

@@ -3,6 +3,7 @@
 use super::Lanes;
 use crate::problem::{LANES, Lane, near};
 use crate::simulation::{
+    arrivals::{Arrivals, FIRST_HALF, SECOND_HALF},
     boundaries::Boundaries,
     chatter::Ahead,
     normal::pair,
@@ -10,6 +11,7 @@ use crate::simulation::{
     scheme::{Scheme, Scratch},
 };
 use pulp::NullaryFnOnce;
+use std::ops::Range;
 
 /// The number of steps whose random numbers are drawn at a time; even, since they come in pairs of steps, and few, so that a
 /// processor draws some while it waits for the numbers of the steps before.
@@ -24,6 +26,7 @@ pub(in crate::simulation) struct Workspace {
     /// The state of one lane, and the increments of a shorter step.
     state: Vec<f64>,
     shorter: Vec<f64>,
+    arrivals: Arrivals,
     pub(in crate::simulation) scratch: Scratch,
 }
 
@@ -35,6 +38,7 @@ impl Workspace {
             kicked: lanes(scheme.states),
             state: vec![0.0; scheme.states],
             shorter: vec![0.0; scheme.processes],
+            arrivals: Arrivals::default(),
             scratch: scheme.scratch(),
         }
     }
@@ -80,14 +84,20 @@ impl NullaryFnOnce for Advance<'_, '_> {
             let first = x[0];
             x[active..].fill(first);
         }
+        self.work.arrivals.clear(scheme.merged);
+        self.draw_arrivals(0);
         let mut ahead = self.begin(&mut x);
+        // There impulses that are the same at all states need no pieces.
+        let straight = boundaries.walls.is_empty() && boundaries.levels.is_empty() && scheme.impulses.are_additive();
         let mut any_ahead = ahead.contains(&true);
         let end = self.lanes.taken + self.steps as u64;
         while self.lanes.taken < end {
             let taken = self.lanes.taken;
             let (offset, length);
             let increments = &mut self.work.increments;
-            if scheme.merged {
+            if scheme.silent {
+                (offset, length) = (0, BLOCK.min((end - taken) as usize));
+            } else if scheme.merged {
                 (offset, length) = (0, BLOCK.min((end - taken) as usize));
                 self.lanes.draw_merged(processes, (h / 2.0).sqrt(), &mut increments[..length * processes]);
             } else {
@@ -98,13 +108,18 @@ impl NullaryFnOnce for Advance<'_, '_> {
             }
             let (mut step, stop) = (offset, offset + length);
             while step < stop {
-                let Workspace { increments, kicked, scratch, state, .. } = &mut *self.work;
                 // Levels are checked after each step, lanes that are ahead wait for the others, and the last step ends with
                 // half a drift.
                 let free = (stop - step).min((end - 1 - self.lanes.taken) as usize);
-                let free = if any_ahead || !boundaries.levels.is_empty() { 0 } else { free };
+                let stops = any_ahead || !boundaries.levels.is_empty() || !(straight || scheme.impulses.is_empty());
+                let free = if stops { 0 } else { free };
+                self.draw_arrivals(free);
+                let taken = self.lanes.taken;
+                let Workspace { increments, kicked, scratch, arrivals, .. } = &mut *self.work;
+                let strikes = arrivals.strikes(&scheme.impulses, (taken, free), h, scheme.pairs);
+                let mut struck = [false; LANES];
                 if let Some((kicks, near)) =
-                    scheme.kicks(&mut x, &increments[step * processes..][..free * processes], &boundaries.walls)
+                    scheme.kicks(&mut x, &increments[step * processes..], &boundaries.walls, (free, strikes))
                 {
                     step += kicks;
                     self.lanes.taken += kicks as u64;
@@ -129,38 +144,46 @@ impl NullaryFnOnce for Advance<'_, '_> {
                     if self.lanes.taken == end {
                         break;
                     }
-                    if !(any_ahead || near(&boundaries.walls, kicked, h).contains(&true)) {
+                    self.draw_arrivals(0);
+                    struck = self.struck_between();
+                    let Workspace { kicked, state, .. } = &mut *self.work;
+                    if !(any_ahead || struck.contains(&true) || near(&boundaries.walls, kicked, h).contains(&true)) {
                         boundaries.drift(kicked, h, |l| l < active, (&mut x, state), self.passages);
                         continue;
                     }
                 }
-                let mut near = near(&boundaries.walls, kicked, h);
+                let Workspace { kicked, state, .. } = &mut *self.work;
+                let mut alone = near(&boundaries.walls, kicked, h);
                 for l in 0..LANES {
-                    near[l] |= ahead[l];
+                    alone[l] |= ahead[l] | struck[l];
                 }
-                boundaries.drift(kicked, h, |l| l < active && !near[l], (&mut x, state), self.passages);
-                for l in (0..active).filter(|&l| near[l]) {
+                boundaries.drift(kicked, h, |l| l < active && !alone[l], (&mut x, state), self.passages);
+                for l in (0..active).filter(|&l| alone[l]) {
                     let Workspace { kicked, state, .. } = &mut *self.work;
                     read_lane(kicked, l, state);
                     if !ahead[l] {
-                        boundaries.drift_lane(state, l, h / 2.0, self.passages);
+                        self.drift_struck(l, self.lanes.taken - 1, SECOND_HALF, h / 2.0);
                     }
                     ahead[l] = self.is_interrupted();
                     if ahead[l] {
                         self.graze(l);
                     } else {
-                        boundaries.drift_lane(&mut self.work.state, l, h / 2.0, self.passages);
+                        self.drift_struck(l, self.lanes.taken, FIRST_HALF, h / 2.0);
                     }
                     write_lane(&self.work.state, l, &mut x);
                 }
                 any_ahead = ahead.contains(&true);
             }
         }
+        let struck = self.struck(end - 1, SECOND_HALF);
         let Workspace { kicked, state, .. } = &mut *self.work;
-        boundaries.drift(kicked, h / 2.0, |l| l < active && !ahead[l], (&mut x, state), self.passages);
-        for l in (0..LANES).filter(|&l| ahead[l]) {
-            read_lane(kicked, l, state);
-            write_lane(state, l, &mut x);
+        boundaries.drift(kicked, h / 2.0, |l| l < active && !ahead[l] && !struck[l], (&mut x, state), self.passages);
+        for l in (0..LANES).filter(|&l| ahead[l] || struck[l]) {
+            read_lane(&self.work.kicked, l, &mut self.work.state);
+            if !ahead[l] {
+                self.drift_struck(l, end - 1, SECOND_HALF, h / 2.0);
+            }
+            write_lane(&self.work.state, l, &mut x);
         }
         self.lanes.x = x;
     }
@@ -179,16 +202,68 @@ impl Advance<'_, '_> {
                 ahead[l] = self.is_interrupted();
             }
         }
+        let struck = self.struck(self.lanes.taken, FIRST_HALF);
         let Workspace { kicked, state, .. } = &mut *self.work;
         kicked.copy_from_slice(x);
         let half = self.scheme.step / 2.0;
-        boundaries.drift(kicked, half, |l| l < active && !ahead[l], (x, state), self.passages);
-        for l in (0..LANES).filter(|&l| ahead[l]) {
+        boundaries.drift(kicked, half, |l| l < active && !ahead[l] && !struck[l], (x, state), self.passages);
+        for l in (0..LANES).filter(|&l| ahead[l] || struck[l]) {
             read_lane(&self.work.kicked, l, &mut self.work.state);
-            self.graze(l);
+            if ahead[l] {
+                self.graze(l);
+            } else {
+                self.drift_struck(l, self.lanes.taken, FIRST_HALF, half);
+            }
             write_lane(&self.work.state, l, x);
         }
         ahead
+    }
+
+    /// The lanes that impulses strike in a part of a time step that was drawn.
+    #[inline(always)]
+    fn struck(&self, step: u64, part: Range<f64>) -> [bool; LANES] {
+        let mut struck = [false; LANES];
+        if !self.scheme.impulses.is_empty() {
+            let active = self.lanes.active;
+            let arrivals = self.work.arrivals.within(step, part).filter(|arrival| arrival.lane < active);
+            arrivals.for_each(|arrival| struck[arrival.lane] = true);
+        }
+        struck
+    }
+
+    /// The lanes that are struck in the straight piece from the middle of the last time step to that of the next one.
+    #[inline(always)]
+    fn struck_between(&self) -> [bool; LANES] {
+        let taken = self.lanes.taken;
+        let (mut struck, second) = (self.struck(taken - 1, SECOND_HALF), self.struck(taken, FIRST_HALF));
+        (0..LANES).for_each(|l| struck[l] |= second[l]);
+        struck
+    }
+
+    /// Draws the impulses of the next time step and of `more` after it.
+    #[inline(always)]
+    fn draw_arrivals(&mut self, more: usize) {
+        if !self.scheme.impulses.is_empty() {
+            let Lanes { random, first, taken, .. } = *self.lanes;
+            self.work.arrivals.draw(&self.scheme.impulses, (random, first), taken + more as u64);
+        }
+    }
+
+    /// The state of one lane straight on for the time `tau`, which is a part of a time step, from one impulse to the next.
+    #[inline(never)]
+    fn drift_struck(&mut self, l: usize, step: u64, part: Range<f64>, tau: f64) {
+        let Advance { scheme, boundaries, passages, work, .. } = self;
+        let Workspace { state, arrivals, .. } = &mut **work;
+        let mut left = tau;
+        if !scheme.impulses.is_empty() {
+            for arrival in arrivals.within(step, part.clone()).filter(|arrival| arrival.lane == l) {
+                let after = tau * (part.end - arrival.time) / (part.end - part.start);
+                boundaries.drift_lane(state, l, left - after, passages);
+                scheme.impulses.strike(arrival, state);
+                left = after;
+            }
+        }
+        boundaries.drift_lane(state, l, left, passages);
     }
 
     /// Whether the state of one lane goes on with shorter steps, or rests on a wall.
@@ -224,19 +299,22 @@ impl Advance<'_, '_> {
     /// A whole time step of the state of one lane in shorter steps, with random numbers that nothing else uses.
     #[inline(never)]
     fn graze(&mut self, l: usize) {
-        let mut left = self.scheme.step;
+        let (mut left, mut over) = (self.scheme.step, 0.0);
         let mut draws = 0;
         while left > 0.0 {
             let beside = self.beside_chatter();
+            let step = self.boundaries.step_at(&self.work.state).into_iter().chain(beside).fold(left, f64::min);
+            left -= step;
+            // The part of the whole step that is over before this shorter one, and after it.
+            let begin = std::mem::replace(&mut over, if left > 0.0 { 1.0 - left / self.scheme.step } else { 1.0 });
+            let (middle, number) = (f64::midpoint(begin, over), self.lanes.taken);
+            self.drift_struck(l, number, begin..middle, step / 2.0);
             let Advance { lanes, scheme, boundaries, passages, work, .. } = &mut *self;
             let Workspace { state, shorter, scratch, .. } = &mut **work;
             let mut draw = || {
                 draws += 1;
                 lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
             };
-            let step = boundaries.step_at(state).into_iter().chain(beside).fold(left, f64::min);
-            left -= step;
-            boundaries.drift_lane(state, l, step / 2.0, passages);
             let resting = boundaries.resting(state);
             for two in shorter.chunks_mut(2) {
                 two.iter_mut().zip(pair(draw())).for_each(|(increment, z)| *increment = step.sqrt() * z);
@@ -244,7 +322,7 @@ impl Advance<'_, '_> {
             let reversed = scheme.curved() && draw()[0] & 1 == 1;
             scheme.kick_alone(state, step, shorter, reversed, scratch);
             boundaries.hold(state, resting, step, (&mut lanes.rested, l), passages);
-            boundaries.drift_lane(state, l, step / 2.0, passages);
+            self.drift_struck(l, number, middle..over, step / 2.0);
         }
     }
 }

@@ -1,0 +1,101 @@
+//! Poisson impulses at nodes: jumps within the trust domain.
+
+use super::trust_domain::TrustDomain;
+use crate::closure::space::{Functions, sweep};
+use crate::closure::tuning;
+use crate::fokker_planck::Impulse;
+use crate::numerics::Rule;
+use crate::polynomial::Polynomial;
+use crate::problem::Problem;
+use crate::states::States;
+use crate::system::Amplitude;
+use faer::{Mat, MatMut, MatRef};
+
+/// Adds λ E\[φ(x + H Y) − φ(x)\] at nodes to the rates of functions, whose `values` at the nodes are the constant's and then theirs.
+/// Impulses that would leave the domain are left out.
+///
+/// Functions are polynomials that are of ordinary size on the domain alone, and grow fast beyond it: their exact expectation, by
+/// moments of Y, would be that of values which the density has no part in, while the drift that brings trajectories back from there
+/// is cut off. With the impulses left out the equations are those of a process that stays on the domain; they are wrong by the
+/// mass that jumps out.
+pub(in crate::closure) fn add_rates(
+    impulses: &[Impulse],
+    domain: &TrustDomain,
+    (space, points): (&Functions, &States),
+    values: MatRef<'_, f64>,
+    mut rates: MatMut<'_, f64>,
+) {
+    for impulse in impulses {
+        let rate = impulse.jumps().rate();
+        let fields: Vec<Vec<f64>> =
+            points.iter().map(|x| impulse.field().iter().map(|h| h.evaluate(x)).collect()).collect();
+        for (y, w) in rule(&impulse.jumps().amplitude()).iter() {
+            let (mut rows, mut after) = (Vec::new(), States::new(points.dimension()));
+            for (row, (x, h)) in points.iter().zip(&fields).enumerate() {
+                let moved: Vec<f64> = x.iter().zip(h).map(|(x, h)| x + h * y).collect();
+                if domain.contains(&moved) {
+                    rows.push(row);
+                    after.push(&moved);
+                }
+            }
+            let mut table = Mat::zeros(after.len(), space.len() + 1);
+            sweep::tabulate(space, &after, table.as_mut());
+            for column in 0..table.ncols() {
+                let (from, to) = (values.col(column), rates.as_mut().col_mut(column));
+                let mut to = to;
+                for (k, row) in rows.iter().enumerate() {
+                    to[*row] += rate * w * (table[(k, column)] - from[*row]);
+                }
+            }
+        }
+    }
+}
+
+/// The amplitudes at which impulses are taken.
+fn rule(amplitude: &Amplitude) -> Rule {
+    amplitude.rule(match amplitude {
+        Amplitude::Normal { .. } | Amplitude::Uniform { .. } | Amplitude::TwoPoint { .. } => {
+            tuning::impulses::AMPLITUDES
+        }
+        Amplitude::Exponential { .. } | Amplitude::Laplace { .. } => tuning::impulses::ONE_SIDED,
+    })
+}
+
+/// The end of the states that a system of one state reaches, on each side of the pilot's `lowest` and `highest`: where nothing but
+/// impulses away from it acts, the state of rest that the drift leads to.
+pub(in crate::closure) fn ends(problem: &Problem, [lowest, highest]: [f64; 2]) -> [Option<f64>; 2] {
+    let silent = problem.operator().diffusion().iter().flatten().all(Polynomial::is_zero);
+    if problem.dimension() != 1 || problem.impulses().is_empty() || !silent {
+        return [None, None];
+    }
+    let drift = |x: f64| problem.operator().drift()[0].evaluate(&[x]);
+    let width = highest - lowest;
+    [(lowest, -1.0), (highest, 1.0)].map(|(extreme, side)| {
+        let away = |impulse: &Impulse| {
+            let h = impulse.field()[0].evaluate(&[extreme]);
+            // The least that an impulse brings away from this side, on this side of zero.
+            let Rule { nodes, .. } = impulse.jumps().amplitude().rule(tuning::impulses::AMPLITUDES);
+            nodes.iter().all(|y| -side * h * y > 0.0)
+        };
+        if !problem.impulses().iter().all(away) {
+            return None;
+        }
+        // The first change of the drift's sign beyond the extreme state, and then by halves.
+        let step = width / 64.0;
+        let mut inner = extreme;
+        (1..=64).find_map(|k| {
+            let outer = extreme + side * f64::from(k) * step;
+            let changes = (drift(outer) <= 0.0) != (drift(extreme) <= 0.0);
+            if !changes {
+                inner = outer;
+                return None;
+            }
+            let mut bracket = [inner, outer];
+            for _ in 0..60 {
+                let middle = f64::midpoint(bracket[0], bracket[1]);
+                bracket[usize::from((drift(middle) <= 0.0) != (drift(extreme) <= 0.0))] = middle;
+            }
+            Some(bracket[1])
+        })
+    })
+}

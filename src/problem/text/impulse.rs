@@ -1,0 +1,81 @@
+//! Impulses from text and to text.
+
+use super::Written;
+use super::read::{Document, Entry};
+use crate::error::Result;
+use crate::fokker_planck::Impulse;
+use crate::polynomial::Polynomial;
+use crate::system::{Amplitude, Jumps};
+use toml::de::DeTable;
+
+/// The remedy for a law that is none.
+const LAWS: &str = "give one law: amplitude = { normal = { mean = 0, deviation = 0.3 } }, { exponential = { mean = 0.2 } }, \
+{ uniform = { low = -1, high = 1 } }, { two_point = { a = -0.3, b = 0.3 } } or { laplace = { mean = 0, scale = 0.2 } }";
+
+impl Document<'_> {
+    /// The impulses of a table.
+    pub(super) fn impulse(self, name: &str, table: &DeTable<'_>, place: usize, written: &Written) -> Result<Impulse> {
+        let rate = match table.get("rate") {
+            Some(rate) => self.number(name, rate, &written.parameters)?,
+            None => return self.wrong(place, name, "it has no rate; rate = 2.0 is two impulses per unit time"),
+        };
+        let amplitude = match table.get("amplitude") {
+            Some(amplitude) => self.amplitude(name, amplitude, written)?,
+            None => return self.wrong(place, name, LAWS),
+        };
+        let field = self.by_state(table, (name, &["rate", "amplitude"]), written)?;
+        let n = written.states.len();
+        let field = field.into_iter().map(|entry| entry.unwrap_or_else(|| Polynomial::zero(n))).collect();
+        let jumps = Jumps::new(rate, amplitude).or_else(|error| self.wrong(place, name, error.to_string()))?;
+        Ok(Impulse::new(jumps, field))
+    }
+
+    fn amplitude(self, name: &str, value: &Entry<'_>, written: &Written) -> Result<Amplitude> {
+        let place = value.span().start;
+        let laws = self.table(name, value)?;
+        let (Some((law, numbers)), 1) = (laws.iter().next(), laws.len()) else { return self.wrong(place, name, LAWS) };
+        let law = law.get_ref().as_ref();
+        let numbers = self.table(law, numbers)?;
+        let all = |names: &[&str]| -> Result<Vec<f64>> {
+            self.known(numbers, law, names)?;
+            let number = |name: &&str| match numbers.get(*name) {
+                Some(value) => self.number(name, value, &written.parameters),
+                None => self.wrong(place, name, LAWS),
+            };
+            names.iter().map(number).collect()
+        };
+        Ok(match law {
+            "normal" => {
+                let numbers = all(&["mean", "deviation"])?;
+                Amplitude::Normal { mean: numbers[0], deviation: numbers[1] }
+            }
+            "exponential" => Amplitude::Exponential { mean: all(&["mean"])?[0] },
+            "uniform" => {
+                let numbers = all(&["low", "high"])?;
+                Amplitude::Uniform { low: numbers[0], high: numbers[1] }
+            }
+            "two_point" => {
+                let numbers = all(&["a", "b"])?;
+                Amplitude::TwoPoint { a: numbers[0], b: numbers[1] }
+            }
+            "laplace" => {
+                let numbers = all(&["mean", "scale"])?;
+                Amplitude::Laplace { mean: numbers[0], scale: numbers[1] }
+            }
+            _ => return self.wrong(place, law, LAWS),
+        })
+    }
+}
+
+/// A law as the inline table that it is read from.
+pub(super) fn law(amplitude: Amplitude) -> String {
+    match amplitude {
+        Amplitude::Normal { mean, deviation } => {
+            format!("{{ normal = {{ mean = {mean:?}, deviation = {deviation:?} }} }}")
+        }
+        Amplitude::Exponential { mean } => format!("{{ exponential = {{ mean = {mean:?} }} }}"),
+        Amplitude::Uniform { low, high } => format!("{{ uniform = {{ low = {low:?}, high = {high:?} }} }}"),
+        Amplitude::TwoPoint { a, b } => format!("{{ two_point = {{ a = {a:?}, b = {b:?} }} }}"),
+        Amplitude::Laplace { mean, scale } => format!("{{ laplace = {{ mean = {mean:?}, scale = {scale:?} }} }}"),
+    }
+}
