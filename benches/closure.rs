@@ -20,6 +20,17 @@ fn run() -> Result<()> {
     }
     robust.task("a wall, n = 8", || Closure::new(8).solve(&walled)).run()?;
 
+    let struck = Problem::from_toml(
+        "states = [\"x\", \"v\"]\n[drift]\nx = \"v\"\nv = \"-0.1*v - 0.3*v^3 - x - x^3\"\n\
+         [impulse.j]\nrate = 5\namplitude = { normal = { mean = 0, deviation = \"sqrt(0.2)\" } }\nv = 1",
+    )?;
+    for order in [4, 8] {
+        Group::new(&format!("closure under impulses, n = {order}"), 11)
+            .task("white noise", || Closure::new(order).solve(&inexact))
+            .task("impulses, λ = 5", || Closure::new(order).solve(&struck))
+            .run()?;
+    }
+
     let [filtered, absorber] =
         [include_str!("../examples/solve/filtered.toml"), include_str!("../examples/solve/absorber.toml")]
             .map(Problem::from_toml);

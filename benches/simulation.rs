@@ -77,6 +77,24 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     let group = Group::new("path-steps, models", 15).elements(steps);
     group.task("Duffing", || run(&duffing)).task("multiplicative noise", || run(&noisy)).run()?;
 
+    // Impulses of the same intensity, alone and beside white noise.
+    let struck = |white: f64| {
+        Problem::from_toml(&format!(
+            "states = [\"x\", \"v\"]\n[drift]\nx = \"v\"\nv = \"-0.2*v - x - 0.3*x^3\"\n[noise.w]\nv = \"sqrt({})\"\n\
+             [impulse.j]\nrate = 5\namplitude = {{ normal = {{ mean = 0, deviation = \"sqrt({})\" }} }}\nv = 1",
+            2.0 * white,
+            (0.4 - 2.0 * white) / 5.0,
+        ))
+    };
+    let text = |problem: &Problem| Problem::from_toml(&problem.to_toml()?);
+    let (white, alone, both) = (text(&duffing)?, struck(0.0)?, struck(0.1)?);
+    Group::new("path-steps, impulses", 15)
+        .elements(steps)
+        .task("white noise", || run(&white))
+        .task("impulses, λ = 5", || run(&alone))
+        .task("white noise and impulses", || run(&both))
+        .run()?;
+
     // The cost of control variates, in two states and in four, in runs with as many samples as usual.
     let sink = NonlinearEnergySink::new(Duffing::new(0.02, 1.0, 0.0, 0.02)?, 0.15, 0.4, 0.05)?.problem()?;
     let long = |problem: &Problem, calibrated| {

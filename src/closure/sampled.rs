@@ -29,6 +29,8 @@ pub(super) struct Sampled {
     pub(super) family: Family,
     pub(super) pilot: Pilot,
     pub(super) guarded: bool,
+    /// Whether impulses alone are so rare that the density is rough.
+    pub(super) rare: bool,
     /// Whether the moment equations of a higher degree are solved on a lattice.
     pub(super) referred: bool,
     pub(super) seed: u64,
@@ -147,7 +149,7 @@ impl Sampled {
             integrals: Integrals::Draws(Box::new(rule)),
             lattice,
             guarded: self.guarded,
-            rare: false,
+            rare: self.rare,
             candidates: vec![candidate],
             moments: found.moments,
             impacts: found.impacts,

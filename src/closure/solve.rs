@@ -14,6 +14,8 @@ use super::space::degrees::Degrees;
 use super::space::nested_spaces::Smooth;
 use super::tuning;
 use crate::error::{Error, Result};
+use crate::fokker_planck::Impulse;
+use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Symmetry, Wall};
 use std::time::Instant;
 
@@ -30,13 +32,14 @@ impl Closure {
     /// kinks and angular functions of the gap and its rate are multiplied by polynomials of the other states, and impacts have
     /// statistics of their own, the calibrated ones of the pilot: [`Impacts`](crate::statistics::Impacts) are these.
     ///
-    /// Poisson impulses are served in one state and two without walls, those that leave the trust domain left out. The density is
-    /// rough where impulses alone are rare, which has a warning.
+    /// Poisson impulses are served without walls: in one state and two by the moment equations, impulses that leave the trust domain
+    /// left out, in more by the calibrated means of the pilot's states alone. The density is rough where impulses alone are rare,
+    /// which has a warning.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the
-    /// problem, for noise on a gap that depends on the state at the wall, and for impulses in three states and more or next to walls; [`Error::Unreached`] where no noise reaches a
+    /// problem, for noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Unreached`] where no noise reaches a
     /// state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
     /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
     /// equations would not keep to [`Closure::memory_limit`].
@@ -45,15 +48,29 @@ impl Closure {
         problem.require_no_rest()?;
         problem.operator().require_reached(&problem.joined())?;
         let walls = if problem.dimension() > 2 { [None, None] } else { problem.walls_of_plane(METHOD)? };
-        let struck = !problem.impulses().is_empty();
-        if struck && (problem.dimension() > 2 || !problem.walls().is_empty() || self.on_samples == Some(true)) {
-            let what = "impulses in other than one state or two, above walls, or on samples";
-            return Err(Error::NotServed { method: METHOD, what, remedy: "take the simulation" });
-        }
+        self.serves_impulses(problem)?;
         if walls.iter().any(Option::is_some) {
             self.next_to_walls(problem, walls, begin)
         } else {
             self.in_open_space(problem, begin)
+        }
+    }
+
+    /// Refuses impulses that the closure does not serve.
+    fn serves_impulses(&self, problem: &Problem) -> Result<()> {
+        let refused = |what| Err(Error::NotServed { method: METHOD, what, remedy: "take the simulation" });
+        let carried = problem.dimension() > 2 || self.on_samples == Some(true);
+        let degrees = problem.impulses().iter().flat_map(Impulse::field).map(Polynomial::degree);
+        if problem.impulses().is_empty() {
+            Ok(())
+        } else if !problem.walls().is_empty() {
+            refused("impulses next to walls")
+        } else if carried && self.on_samples == Some(false) {
+            refused("impulses on nodes in three states and more")
+        } else if carried && degrees.max() > Some(1) {
+            refused("impulses that depend on the states by more than the first degree, in three states and more")
+        } else {
+            Ok(())
         }
     }
 
@@ -94,7 +111,8 @@ impl Closure {
                 what: "noise on a gap at a wall that depends on the state there",
                 remedy: "take the simulation",
             })?;
-            let nodal = Sampled { problem, family, pilot, guarded, referred, seed, memory, begin };
+            let rare = is_rare(&problem, &pilot);
+            let nodal = Sampled { problem, rare, family, pilot, guarded, referred, seed, memory, begin };
             return self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
         }
         let states = self.states.unwrap_or(tuning::pilot::STATES);
@@ -132,8 +150,7 @@ impl Closure {
         let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
         let discretisation =
             if heavy { None } else { Discretisation::new(problem, [own, inflated], family, self.highest()) };
-        let few = own.states.iter().step_by((own.states.len() / tuning::impulses::FLOWS).max(1));
-        let rare = problem.impulses_while_shrinking(few).is_some_and(|count| count < tuning::impulses::RARE);
+        let rare = is_rare(problem, own);
         let nodal = NodalClosure { rare, ..self.nodal(discretisation, pilots, begin)? };
         self.at_order(tuning::space::HIGHEST_ORDER, false, |order| nodal.closed(order))
     }
@@ -233,6 +250,12 @@ impl Closure {
         }
         best
     }
+}
+
+/// Whether impulses alone are so rare that the density is rough.
+fn is_rare(problem: &Problem, pilot: &Pilot) -> bool {
+    let few = pilot.states.iter().step_by((pilot.states.len() / tuning::impulses::FLOWS).max(1));
+    problem.impulses_while_shrinking(few).is_some_and(|count| count < tuning::impulses::RARE)
 }
 
 /// Refuses a density whose estimated error is the largest that there is. On Gauss nodes in open space such an estimate may be that

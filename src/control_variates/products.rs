@@ -1,5 +1,6 @@
 //! Products of Legendre polynomials, and of functions of a plane, at eight points at a time.
 
+use super::impulses::Images;
 use super::planes::{PlaneLanes, Planes};
 use crate::numerics::legendre::recurrence;
 use std::collections::HashMap;
@@ -37,6 +38,8 @@ pub(crate) struct Products {
     places: Vec<usize>,
     /// Degrees of each state's table.
     degrees: usize,
+    /// The part of the images of functions 1, 2, … that impulses make; empty without any.
+    impulses: Images,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +97,20 @@ impl Products {
             places.push(place);
         }
         let degrees = steps.iter().map(|s| s.degree).max().unwrap_or(0) + 1;
-        Products { centre: centre.to_vec(), half_width: half_width.to_vec(), planes, steps, places, degrees }
+        Products {
+            centre: centre.to_vec(),
+            half_width: half_width.to_vec(),
+            planes,
+            steps,
+            places,
+            degrees,
+            impulses: Vec::new(),
+        }
+    }
+
+    /// The same with impulses in the images of its functions.
+    pub(crate) fn struck(self, impulses: Images) -> Self {
+        Products { impulses, ..self }
     }
 
     /// The place of the first product in the tree that follows a shorter one by a polynomial.
@@ -208,10 +224,15 @@ impl Products {
         scratch.values[self.places[k]]
     }
 
-    /// The image of function k under the operator of the last [`Products::apply`].
+    /// The image of function k under the operator of the last [`Products::apply`], and under impulses.
     #[inline(always)]
     pub(crate) fn image(&self, scratch: &Scratch, k: usize) -> Lane {
-        scratch.rates[self.places[k]]
+        let mut image = scratch.rates[self.places[k]];
+        for (place, c) in k.checked_sub(1).and_then(|k| self.impulses.get(k)).into_iter().flatten() {
+            let value = self.value(scratch, *place);
+            (0..LANES).for_each(|l| image[l] += c * value[l]);
+        }
+        image
     }
 
     /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed: b is `first` of `scratch`, and B, by rows, is `second`.

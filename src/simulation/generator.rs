@@ -108,7 +108,7 @@ impl ControlVariates {
     }
 
     pub(super) fn products(&self) -> Products {
-        Products::on_box(&self.centre, &self.half_width, &self.exponents)
+        Products::on_box(&self.centre, &self.half_width, &self.exponents).struck(self.impulses.clone())
     }
 }
 
@@ -252,13 +252,7 @@ impl NullaryFnOnce for Add<'_> {
             layout.images.place(eight, scratch);
             layout.images.apply(second, coupled, scratch);
             for (k, sum) in images.iter_mut().enumerate() {
-                let mut image = layout.images.image(scratch, k + 1);
-                for (place, c) in layout.control_variates.impulses.get(k).into_iter().flatten() {
-                    let value = layout.images.value(scratch, *place);
-                    for l in 0..products::LANES {
-                        image[l] += c * value[l];
-                    }
-                }
+                let image = layout.images.image(scratch, k + 1);
                 for l in 0..products::LANES {
                     sum[first + l] += image[l];
                 }

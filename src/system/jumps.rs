@@ -192,7 +192,7 @@ impl Amplitude {
                 })
                 .sum()
         };
-        let even = |j: u32, moment: f64| if j % 2 == 0 { moment } else { 0.0 };
+        let even = |j: u32, moment: f64| if j.is_multiple_of(2) { moment } else { 0.0 };
         match *self {
             Amplitude::Normal { mean, deviation } => {
                 let double_factorial = |j: u32| (1..j).step_by(2).map(f64::from).product::<f64>();

@@ -83,6 +83,39 @@ fn rare_impulses_carry_a_warning() -> Result<()> {
     Ok(())
 }
 
+/// Two linear masses with impulses on the first, of mean zero and not: second moments are those of the Gaussian closure, exactly, and
+/// those of fourth degree the calibrated simulation's; so is how likely it is that x is beyond two deviations, to 2 %.
+#[test]
+fn impulses_in_four_states_have_their_moments() -> Result<()> {
+    for mean in [0.0, 0.1] {
+        let problem = Problem::from_toml(&format!(
+            "states = [\"x\", \"v\", \"y\", \"w\"]\n[drift]\nx = \"v\"\nv = \"-0.4*v - x - 0.5*(x - y)\"\ny = \"w\"\n\
+             w = \"-0.3*w - y + 0.5*(x - y)\"\n[impulse.j]\nrate = 6\namplitude = {{ normal = {{ mean = {mean}, deviation = 0.3 }} }}\n\
+             v = 1"
+        ))?;
+        let density = Closure::new(4).solve(&problem)?;
+        let simulated = Simulation::new().samples(400_000).run(&problem)?;
+        let gaussian = problem.gaussian()?;
+        for (i, powers) in [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 2]].iter().enumerate() {
+            let exact = gaussian.covariance[(i, i)] + gaussian.mean[i].powi(2);
+            let found = density.moment(powers)?;
+            println!("{mean} {powers:?}: {found} for {exact}");
+            assert!((found.value / exact - 1.0).abs() < 1e-8, "{powers:?}: {found} for {exact}");
+        }
+        for powers in [[4, 0, 0, 0], [2, 0, 2, 0], [0, 4, 0, 0]] {
+            let [p, q] = [density.moment(&powers)?, simulated.moment(&powers)?];
+            assert!((p.value / q.value - 1.0).abs() < 1e-7, "{powers:?}: {p} and {q}");
+        }
+        let far = gaussian.mean[0] + 2.0 * gaussian.covariance[(0, 0)].sqrt();
+        let [p, q] = [&density as &dyn Density, &simulated]
+            .map(|density| statistics::Marginal::new(density, 0).unwrap().exceedance(far).unwrap());
+        println!("{p} and {q}, estimate {:.1e}", density.l1_estimate());
+        assert!((p.value - q.value).abs() < 4.0 * q.error + 0.02 * q.value, "{p} and {q}");
+        assert!(density.l1_estimate() < 0.1 && density.warning().is_none(), "{:?}", density.warning());
+    }
+    Ok(())
+}
+
 /// The power balance counts what impulses bring.
 #[test]
 fn the_power_balance_includes_impulses() -> Result<()> {

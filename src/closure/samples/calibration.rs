@@ -8,6 +8,7 @@ use crate::closure::pilot::Pilot;
 use crate::closure::space::Functions;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning::{self, pilot::TRAJECTORIES};
+use crate::control_variates::impulses::images;
 use crate::control_variates::regression;
 use crate::numerics::symmetric;
 use crate::problem::Problem;
@@ -157,7 +158,11 @@ impl Calibration {
         }
         let (tested, kinks) = family.tests(exponents);
         degrees.iter_mut().skip(1).for_each(|(_, tests)| *tests += kinks);
-        let products = [&tested, functions].map(Products::of);
+        let mut products = [&tested, functions].map(Products::of);
+        if let (false, Some(tested)) = (problem.impulses().is_empty(), tested.polynomials()) {
+            let sides = (tested.centre(), tested.half_width());
+            products[0] = products[0].clone().struck(images(problem.impulses(), sides, tested.exponents())?);
+        }
         let [tests, count] = products.each_ref().map(|products| products.len() - 1);
         let contacts = problem.contacts();
         let statistics = ImpactStatistics::new(pilot, &contacts);

@@ -109,10 +109,14 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let Fitted { lattice, nodes, walls, fit } = fitting.best([&products, &comparing])?;
     let covered = family.covered();
     let likelihood = Likelihood { nodes: &nodes, products: &products, corners, walls: &walls };
+    // Under impulses the equations on the nodes would take values of the functions far from all states for those after impulses.
+    let struck = !problem.impulses().is_empty();
+    let covered = if struck { 0 } else { covered };
     let reconciled = |fit: Fit| reconciled(problem, &likelihood, fit, &calibration, covered);
     // The pilot's noise in kinks is too large for a root to be near.
     let fit = if family.has_kinks() { reconciled(fit) } else { fit };
-    let (l1_estimate, exact, fit) = match likelihood.polished(problem, &fit) {
+    let root = if struck { None } else { likelihood.polished(problem, &fit) };
+    let (l1_estimate, exact, fit) = match root {
         Some(root) => (0.0, true, root),
         None => {
             let fit = if family.has_kinks() { fit } else { reconciled(fit) };
@@ -120,7 +124,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
             (l1_estimate(problem, &comparing, &fit, &calibration, covered), false, fit)
         }
     };
-    let residual = likelihood.residual(problem, &fit);
+    let residual = if struck { [f64::INFINITY; 2] } else { likelihood.residual(problem, &fit) };
     let rates = likelihood.impact_rates(&fit.a, &fit.masses);
     let impacts = calibration.impacts(corners.len()).into_iter().zip(rates).map(|(wall, own)| wall.beside(own));
     let coefficients = fit.a[1..].to_vec();
