@@ -1,10 +1,15 @@
 //! What changes when the same noise power comes in a few impulses instead of many?
 //!
-//! Answer placed below after it was measured.
+//! The mean square of the displacement hardly, the rare large motions much. For x″ + 0.2 x′ + x + 0.3 x³ under noise of the
+//! intensity 0.2, E x² is 0.6617 with white noise, 0.6589 with impulses of normal amplitude at λ = 5 per unit time, and 0.648 at λ = 1;
+//! E v² is D/c = 1 with all of them. But E v⁴ rises from 3 to 3.09 and 3.48, and x > 2.5 from 1.3e-4 of the time to 2.0e-4 and 4.6e-4.
+//! `cargo run --release --example poisson_noise` solves each by the closure and puts the simulation beside it; a figure goes to
+//! `out/poisson_noise/`.
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
+use expoly::statistics::Marginal;
 use expoly::{Amplitude, Closure, Density, Intensity, Jumps, Oscillator, Problem, Scalar, Simulation};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, between, clear, curve, values, write_figure};
@@ -29,6 +34,11 @@ struct Options {
 /// D of the white noise, and λE[Y²]/2 of the impulses.
 const INTENSITY: f64 = 0.2;
 const DAMPING: f64 = 0.2;
+/// The displacement that is to be exceeded.
+const LEVEL: f64 = 2.5;
+
+const HEADER: [&str; 6] =
+    ["noise", "E x^2: closure", "simulation", "E v^4: closure", "P(x > 2.5): closure", "L1 estimate"];
 
 /// x″ + 0.2 x′ + x + 0.3 x³ = noise.
 struct Duffing {
@@ -57,10 +67,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         let jumps = Jumps::with_intensity(rate, shape, INTENSITY)?;
         cases.push((format!("λ = {rate}"), Intensity::NONE, vec![jumps]));
     }
-    let header = ["noise", "E x^2: closure", "simulation", "E v^4: closure", "simulation", "P(x > 3): closure"];
+    let [noise, square, simulation, fourth, far, estimate] = HEADER;
     println!(
-        "{:>12} {:>15} {:>20} {:>15} {:>20} {:>18} {:>20} {:>12}",
-        header[0], header[1], header[2], header[3], header[4], header[5], "simulation", "L1 estimate"
+        "{noise:>12} {square:>15} {simulation:>20} {fourth:>15} {simulation:>20} {far:>20} {simulation:>17} {estimate:>12}"
     );
     let places = between([-4.5, 4.5], 120);
     let (mut displacements, mut velocities, mut tails) = (Vec::new(), Vec::new(), Vec::new());
@@ -68,17 +77,16 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         let problem = Problem::of(Duffing { white, jumps })?;
         let density = Closure::new(options.order).solve(&problem)?;
         let simulated = Simulation::new().samples(options.samples).seed(1).run(&problem)?;
-        let beyond = |density: &dyn Density| -> expoly::Result<expoly::Estimate> {
-            expoly::statistics::Marginal::new(density, 0)?.exceedance(3.0)
-        };
+        let beyond = |density: &dyn Density| Marginal::new(density, 0)?.exceedance(LEVEL);
+        let far = beyond(&simulated)?;
         println!(
-            "{name:>12} {:>15.5} {:>20} {:>15.4} {:>20} {:>18.2e} {:>20} {:>12.1e}{}",
+            "{name:>12} {:>15.5} {:>20} {:>15.4} {:>20} {:>20.2e} {:>17} {:>12.1e}{}",
             density.moment(&[2, 0])?.value,
             format!("{:.5}", simulated.moment(&[2, 0])?),
             density.moment(&[0, 4])?.value,
             format!("{:.4}", simulated.moment(&[0, 4])?),
             beyond(&density)?.value,
-            format!("{:.2}", beyond(&simulated)?),
+            format!("{:.1e} ± {:.0e}", far.value, far.error),
             density.l1_estimate(),
             density.warning().map_or_else(String::new, |warning| format!("  {warning}")),
         );

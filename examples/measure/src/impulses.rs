@@ -51,7 +51,7 @@ impl Oscillator for Struck {
 }
 
 /// Cells along either state.
-const CELLS: usize = 40;
+const CELLS: usize = 20;
 
 fn cases() -> Result<Vec<(String, Struck)>> {
     let normal = Amplitude::Normal { mean: 0.0, deviation: 1.0 };
