@@ -248,7 +248,7 @@ impl Problem {
 
     /// Refuses impulses.
     pub(crate) fn require_no_impulses(&self, method: &'static str) -> Result<()> {
-        let remedy = "take `Closure::new` in one state or two, or the simulation";
+        let remedy = "take `Closure::new`, or the simulation";
         let refused = Err(Error::NotServed { method, what: "Poisson impulses", remedy });
         if self.impulses().is_empty() { Ok(()) } else { refused }
     }
