@@ -25,6 +25,7 @@ mod closure;
 pub mod compare;
 mod control_variates;
 mod density;
+mod envelope;
 mod error;
 mod estimate;
 mod file;
@@ -51,10 +52,11 @@ pub use closure::{
     Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Solution, Termination, Weight,
 };
 pub use density::{Counted, CountedImpacts, Crossing, Density, ExpPolynomial, Sampled, Support};
+pub use envelope::Envelope;
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, Impulse};
-pub use grid::{Grid, GridDensity, Relaxation, Start, Transient};
+pub use grid::{Grid, GridDensity, Relaxation, Start, Survival, Transient};
 pub use polynomial::{Gaussian, Polynomial};
 pub use problem::{Problem, Wall};
 pub use provenance::{Provenance, Stopped};

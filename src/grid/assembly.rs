@@ -12,11 +12,12 @@
 use super::blocks::{Blocks, without_rounding};
 use super::dissection::elimination_order;
 use super::face::Face;
-use super::flux::Flux;
+use super::flux::{Flux, Part};
 use super::legendre::Table;
 use super::space::{Side, Space};
-use super::sparse::{Factors, Ordering, SparseMatrix};
+use super::sparse::{Factors, Ordering, SparseMatrix, united};
 use super::wall;
+use crate::envelope::Envelope;
 use crate::error::Result;
 use crate::memory::MemoryLimit;
 use crate::numerics::Rule;
@@ -49,7 +50,27 @@ impl Discretisation {
     pub(super) fn new(problem: &Problem, space: &Space, memory: MemoryLimit) -> Result<Self> {
         let blocks = (space.elements() * NEIGHBOURS) as f64;
         memory.holds("the matrix of the grid", COPIES * blocks * (space.block() as f64).powi(2), FEWER)?;
-        let matrix = assemble(problem, space);
+        Self::of(assemble(problem, space, Part::Whole), space, memory)
+    }
+
+    /// The part of the operator that is there without noise, with the noise's.
+    ///
+    /// # Errors
+    /// As [`Discretisation::new`].
+    pub(super) fn modulated<'e>(
+        problem: &Problem,
+        space: &Space,
+        envelope: &'e Envelope,
+        memory: MemoryLimit,
+    ) -> Result<(Self, Modulation<'e>)> {
+        let blocks = (space.elements() * NEIGHBOURS) as f64;
+        memory.holds("the matrix of the grid", 2.0 * COPIES * blocks * (space.block() as f64).powi(2), FEWER)?;
+        let parts = [Part::Drift, Part::Noise].map(|part| assemble(problem, space, part));
+        let [drift, noise] = united(parts);
+        Ok((Self::of(drift, space, memory)?, Modulation { noise, envelope }))
+    }
+
+    fn of(matrix: SparseMatrix, space: &Space, memory: MemoryLimit) -> Result<Self> {
         let ordering = Ordering::new(&matrix, &elimination_order(space, &matrix))?;
         memory.holds("the factors of the grid's matrix", FACTORS * ordering.bound, FEWER)?;
         Ok(Discretisation { matrix, ordering })
@@ -61,9 +82,16 @@ impl Discretisation {
     }
 }
 
-/// The matrix K on `space`.
-fn assemble(problem: &Problem, space: &Space) -> SparseMatrix {
-    let mut flux = Flux::new(problem, space.axes.each_ref().map(|axis| axis.origin));
+/// Noise that is modulated: the part of K that is in proportion to its intensity, on the pattern of the whole.
+#[derive(Debug)]
+pub(super) struct Modulation<'a> {
+    pub(super) noise: SparseMatrix,
+    pub(super) envelope: &'a Envelope,
+}
+
+/// The matrix K on `space`, or a part of it.
+fn assemble(problem: &Problem, space: &Space, part: Part) -> SparseMatrix {
+    let mut flux = Flux::new(problem, space.axes.each_ref().map(|axis| axis.origin), part);
     let mut blocks = Blocks::default();
     volume(&mut blocks, &mut flux, space);
     let table = Table::new(space.degree, space.rule(flux.degree));
@@ -78,7 +106,7 @@ fn assemble(problem: &Problem, space: &Space) -> SparseMatrix {
         }
     }
     for (upper, side) in space.sides.iter().enumerate() {
-        if let Side::Wall(restitution) = *side {
+        if let (Side::Wall(restitution), false) = (*side, part == Part::Noise) {
             wall::rebound(&mut blocks, space, upper == 1, restitution);
         }
     }

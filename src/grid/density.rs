@@ -1,10 +1,10 @@
+use super::Grid;
 use super::field::Field;
 use super::space::Side;
 use crate::checks::{coordinate, dimension, point, require};
 use crate::density::{Crossing, Density};
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
 use std::fmt;
@@ -25,7 +25,8 @@ pub struct GridDensity {
     pub(super) domain: [[f64; 2]; 2],
     /// The largest |p| at the domain's open edges, relative to the peak.
     pub(super) edge_level: f64,
-    pub(super) memory: MemoryLimit,
+    /// The options of the solution.
+    pub(super) grid: Grid,
     pub(super) provenance: Provenance,
 }
 
@@ -60,7 +61,7 @@ impl GridDensity {
 
     /// Where the walls are, below the motion and above it.
     fn walls(&self) -> [Option<f64>; 2] {
-        [0, 1].map(|side| (self.fine.space.sides[side] != Side::Open).then_some(self.domain[0][side]))
+        [0, 1].map(|side| matches!(self.fine.space.sides[side], Side::Wall(_)).then_some(self.domain[0][side]))
     }
 
     /// A flux moment with its error.

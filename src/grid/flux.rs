@@ -1,8 +1,29 @@
 //! The flux J = F p − ½B∇p with F = f − ½∇·B, by dual numbers from the system's own definition.
 
-use crate::fokker_planck::Local;
+use crate::fokker_planck::{Local, noise_induced_drift};
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
+use crate::system::Interpretation;
+
+/// The part of an operator that a flux belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    Whole,
+    /// What is there without noise.
+    Drift,
+    /// What the noise adds, in proportion to its intensity.
+    Noise,
+}
+
+impl Part {
+    /// The drift of state `i` that the noise induces.
+    pub(super) fn induced(problem: &Problem, i: usize) -> Polynomial {
+        match problem.interpretation() {
+            Interpretation::Stratonovich => noise_induced_drift(problem.noise(), 2).swap_remove(i),
+            Interpretation::Ito => Polynomial::zero(2),
+        }
+    }
+}
 
 /// The coefficients of the flux at a point.
 #[derive(Clone, Copy, Debug)]
@@ -49,37 +70,52 @@ pub(super) struct Flux<'a> {
     problem: &'a Problem,
     origin: [f64; 2],
     local: Local,
+    part: Part,
+    /// The drift that the noise induces.
+    induced: [Polynomial; 2],
     pub(super) terms: Vec<Term>,
     /// The highest total degree of all functions.
     pub(super) degree: usize,
 }
 
 impl<'a> Flux<'a> {
-    pub(super) fn new(problem: &'a Problem, origin: [f64; 2]) -> Self {
+    pub(super) fn new(problem: &'a Problem, origin: [f64; 2], part: Part) -> Self {
         let operator = problem.operator();
+        let induced = [0, 1].map(|i| Part::induced(problem, i));
         let spread = operator.diffusion_divergence();
         let mut terms = Vec::new();
         let mut degree = 0;
         for i in 0..2 {
-            let advection = &operator.drift()[i] - &(&spread[i] * 0.5);
-            let functions = [(None, &advection), (Some(0), &operator.diffusion()[i][0])];
-            for (differentiated, function) in functions.into_iter().chain([(Some(1), &operator.diffusion()[i][1])]) {
+            let (drift, spread) = (&operator.drift()[i], &spread[i] * 0.5);
+            let advection = match part {
+                Part::Whole => drift - &spread,
+                Part::Drift => drift - &induced[i],
+                Part::Noise => &induced[i] - &spread,
+            };
+            let mut functions = vec![(None, &advection)];
+            if part != Part::Drift {
+                functions.extend([0, 1].map(|j| (Some(j), &operator.diffusion()[i][j])));
+            }
+            for (differentiated, function) in functions {
                 degree = degree.max(function.degree() as usize);
                 terms.push(Term::new(i, differentiated, function));
             }
         }
         terms.retain(|term| !term.degrees.is_empty());
-        Flux { problem, origin, local: Local::new(2), terms, degree }
+        Flux { problem, origin, local: Local::new(2), part, induced, terms, degree }
     }
 
-    /// F and ½B at a point.
+    /// F and ½B of the part at a point.
     pub(super) fn at(&mut self, u: [f64; 2]) -> Value {
         let x = [self.origin[0] + u[0], self.origin[1] + u[1]];
         self.problem.local(&x, &mut self.local);
         let Local { drift, diffusion, diffusion_divergence, .. } = &self.local;
-        Value {
-            advection: [0, 1].map(|i| drift[i] - 0.5 * diffusion_divergence[i]),
-            diffusion: [[0, 1], [2, 3]].map(|row| row.map(|k: usize| 0.5 * diffusion[k])),
-        }
+        let advection = [0, 1].map(|i| match self.part {
+            Part::Whole => drift[i] - 0.5 * diffusion_divergence[i],
+            Part::Drift => drift[i] - self.induced[i].evaluate(&x),
+            Part::Noise => self.induced[i].evaluate(&x) - 0.5 * diffusion_divergence[i],
+        });
+        let share = if self.part == Part::Drift { 0.0 } else { 0.5 };
+        Value { advection, diffusion: [[0, 1], [2, 3]].map(|row| row.map(|k: usize| share * diffusion[k])) }
     }
 }

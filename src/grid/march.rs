@@ -1,59 +1,103 @@
-//! Steps in time for ∂p/∂t = −K p.
+//! Steps in time for ∂p/∂t = −K(t) p.
 
-use super::assembly::Discretisation;
+use super::assembly::{Discretisation, Modulation};
 use super::sparse::Factors;
+use crate::envelope::Piece;
 use crate::error::{Error, Result};
 use crate::grid::tuning;
 
-/// The L-stable singly diagonally implicit Runge-Kutta method of order 4 with five stages (E. Hairer and G. Wanner, Solving
-/// Ordinary Differential Equations II, 1996, table IV.6.5): every stage needs the same factors.
+/// Rodas, the L-stable Rosenbrock method of order 4 with six stages (E. Hairer and G. Wanner, Solving Ordinary Differential
+/// Equations II, 1996, section VI.4): all stages of a step share the factors of K at its beginning, also where K changes with
+/// time.
+///
+/// (1/(hγ) + K) u_i = −K(t + α_i h) (p + Σ_j a_ij u_j) + Σ_j c_ij u_j / h − γ_i h K′p.
 const GAMMA: f64 = 0.25;
+/// a_ij of the first five stages; the last two stages and the result add one u each.
 const STAGES: [[f64; 4]; 5] = [
     [0.0, 0.0, 0.0, 0.0],
-    [0.5, 0.0, 0.0, 0.0],
-    [17.0 / 50.0, -1.0 / 25.0, 0.0, 0.0],
-    [371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0, 0.0],
-    [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
+    [1.544, 0.0, 0.0, 0.0],
+    [0.946_678_528_081_582_6, 0.255_701_169_898_328_4, 0.0, 0.0],
+    [3.314_825_187_068_521, 2.896_124_015_972_201, 0.998_641_913_997_781_7, 0.0],
+    [1.221_224_509_226_641, 6.019_134_481_288_629, 12.537_083_329_320_87, -0.687_886_036_105_895],
 ];
-const WEIGHTS: [f64; 5] = [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0, 0.25];
-/// The weights less those of the embedded method of order 3.
-const ERROR_WEIGHTS: [f64; 5] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25];
+/// c_ij.
+const MIXED: [[f64; 5]; 6] = [
+    [0.0; 5],
+    [-5.6688, 0.0, 0.0, 0.0, 0.0],
+    [-2.430_093_356_833_875, -0.206_359_915_709_191_5, 0.0, 0.0, 0.0],
+    [-0.107_352_905_815_137_5, -9.594_562_251_023_355, -20.470_286_148_096_16, 0.0, 0.0],
+    [7.496_443_313_967_647, -10.246_804_314_643_52, -33.999_903_528_199_05, 11.708_908_932_061_6, 0.0],
+    [
+        8.083_246_795_921_522,
+        -7.981_132_988_064_893,
+        -31.521_594_328_743_71,
+        16.319_305_431_231_36,
+        -6.058_818_238_834_054,
+    ],
+];
+/// α_i, the places of the stages in the step.
+const PLACES: [f64; 6] = [0.0, 0.386, 0.21, 0.63, 1.0, 1.0];
+/// γ_i, the weights of the change of K.
+const CHANGES: [f64; 6] = [0.25, -0.1043, 0.1035, -0.036_2, 0.0, 0.0];
 
 /// The state of a march.
 #[derive(Debug)]
 pub(super) struct March<'a> {
     operator: &'a Discretisation,
+    modulation: Option<&'a Modulation<'a>>,
     tolerance: f64,
-    /// The step that the factors belong to.
-    prepared: Option<(f64, Factors)>,
+    /// The step and the squared envelope that the factors belong to.
+    prepared: Option<([f64; 2], Factors)>,
     step: f64,
     pub(super) time: f64,
     pub(super) p: Vec<f64>,
     /// The sum of the steps' error estimates, relative to ‖p‖.
     pub(super) error: f64,
+    /// The sum of the steps' differences from the embedded method of order 3.
+    pub(super) difference: Vec<f64>,
 }
 
 impl<'a> March<'a> {
     /// Begins at `time` with the coefficients `p`; `step` is tried first. Each step may err by `tolerance`, relative to ‖p‖.
     pub(super) fn new(operator: &'a Discretisation, (time, p): (f64, Vec<f64>), step: f64, tolerance: f64) -> Self {
-        March { operator, tolerance, prepared: None, step, time, p, error: 0.0 }
+        let (prepared, modulation, difference) = (None, None, vec![0.0; p.len()]);
+        March { operator, modulation, tolerance, prepared, step, time, p, error: 0.0, difference }
     }
 
-    /// Goes on to `end`.
+    /// The same under modulated noise, of which `operator` has the part without noise.
+    pub(super) fn modulated(self, modulation: Option<&'a Modulation<'a>>) -> Self {
+        March { modulation, ..self }
+    }
+
+    /// Goes on to `end`, at steps of the envelope in between anew.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if the steps become too many.
     pub(super) fn advance(&mut self, end: f64) -> Result<()> {
-        for _ in 0..tuning::march::MAX_STEPS {
+        let mut steps = 0;
+        while self.time < end {
+            let piece = self.modulation.map(|modulation| modulation.envelope.piece(self.time));
+            self.advance_within(piece, piece.map_or(end, |piece| end.min(piece.until)), &mut steps)?;
+        }
+        Ok(())
+    }
+
+    /// Goes on to `end` while the envelope is smooth.
+    fn advance_within(&mut self, piece: Option<&Piece>, end: f64, steps: &mut usize) -> Result<()> {
+        // Where every step needs new factors anyway its length follows the error more closely.
+        let change = if self.modulation.is_some() { tuning::march::FINE_CHANGE } else { tuning::march::CHANGE };
+        while *steps < tuning::march::MAX_STEPS {
+            *steps += 1;
             let left = end - self.time;
             if left <= 0.0 {
                 return Ok(());
             }
             // Equal steps up to the end, a little shorter than allowed, so that few different ones occur.
             let step = left / (left / self.step).ceil().max(1.0);
-            let (next, error) = self.tried(step)?;
-            if error > self.tolerance {
-                self.step = step / tuning::march::CHANGE;
+            let (next, difference) = self.tried(piece, step)?;
+            let error = norm(&difference) / norm(&next);
+            if error.is_nan() || error > self.tolerance {
+                self.step = step / change;
                 // So short a step no longer moves the time.
                 if self.step < f64::EPSILON * left {
                     break;
@@ -62,44 +106,74 @@ impl<'a> March<'a> {
             }
             (self.p, self.time) = (next, if left <= step * (1.0 + 1e-12) { end } else { self.time + step });
             self.error += error;
+            self.difference.iter_mut().zip(difference).for_each(|(sum, d)| *sum += d);
             // The error of a longer step grows with the fourth power of the length.
-            if error < self.tolerance / (2.0 * tuning::march::CHANGE.powi(4)) {
-                self.step = step * tuning::march::CHANGE;
+            if error < self.tolerance / (2.0 * change.powi(4)) {
+                self.step = step * change;
             }
         }
         let remedy = "too many steps are needed to get there: take an earlier time or a larger tolerance";
         Err(Error::OutOfRange { name: "time", value: end, remedy })
     }
 
-    /// One step and its error, relative to ‖p‖.
-    fn tried(&mut self, step: f64) -> Result<(Vec<f64>, f64)> {
-        let diagonal = (GAMMA * step).recip();
+    /// One step, and its difference from the embedded method of order 3.
+    fn tried(&mut self, piece: Option<&Piece>, step: f64) -> Result<(Vec<f64>, Vec<f64>)> {
+        let squared = |time: f64| piece.map_or([1.0, 0.0], |piece| piece.squared(time));
+        let [strength, growth] = squared(self.time);
+        let same = |old: [f64; 2]| (old[0] - step).abs() <= 1e-9 * step && old[1] == strength;
         let fresh = match self.prepared.take() {
-            Some((old, factors)) if (old - step).abs() <= 1e-9 * step => (old, factors),
-            _ => (step, self.operator.shifted(diagonal)?),
+            Some((old, factors)) if same(old) => (old, factors),
+            _ => ([step, strength], self.factors((GAMMA * step).recip(), strength)?),
         };
-        let (step, factors) = (fresh.0, self.prepared.insert(fresh));
-        let factors = &factors.1;
-        let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(STAGES.len());
-        for row in &STAGES {
-            // (I + hγK) k = −K (p + h Σ a k), divided by hγ.
-            let mut stage = self.p.clone();
-            for (a, slope) in row.iter().zip(&slopes) {
-                stage.iter_mut().zip(slope).for_each(|(s, k)| *s += step * a * k);
+        let ([step, _], factors) = self.prepared.insert(fresh);
+        let step = *step;
+        let change = self.modulation.filter(|_| growth != 0.0).map(|modulation| modulation.noise.apply(&self.p));
+        let mut parts: Vec<Vec<f64>> = Vec::with_capacity(MIXED.len());
+        let mut stage = self.p.clone();
+        for (i, (mixed, place)) in MIXED.iter().zip(PLACES).enumerate() {
+            match STAGES.get(i) {
+                Some(row) => {
+                    stage.copy_from_slice(&self.p);
+                    row.iter().zip(&parts).for_each(|(a, part)| add(&mut stage, *a, part));
+                }
+                None => add(&mut stage, 1.0, &parts[i - 1]),
             }
-            let right: Vec<f64> = self.operator.matrix.apply(&stage).iter().map(|k| -k / (GAMMA * step)).collect();
-            slopes.push(factors.solve(&right)?);
-        }
-        let mut next = self.p.clone();
-        let mut difference = vec![0.0; next.len()];
-        for (slope, (weight, error)) in slopes.iter().zip(WEIGHTS.iter().zip(ERROR_WEIGHTS)) {
-            for ((p, d), k) in next.iter_mut().zip(&mut difference).zip(slope) {
-                *p += step * weight * k;
-                *d += step * error * k;
+            let mut right = self.operator.matrix.apply(&stage);
+            if let Some(modulation) = self.modulation {
+                add(&mut right, squared(self.time + place * step)[0], &modulation.noise.apply(&stage));
             }
+            if let Some(change) = &change {
+                add(&mut right, CHANGES[i] * step * growth, change);
+            }
+            right.iter_mut().for_each(|r| *r = -*r);
+            mixed.iter().zip(&parts).for_each(|(c, part)| add(&mut right, c / step, part));
+            parts.push(factors.solve(&right)?);
         }
-        let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let error = norm(&difference) / norm(&next);
-        Ok((next, error))
+        let difference = parts.pop().unwrap_or_default();
+        add(&mut stage, 1.0, &difference);
+        Ok((stage, difference))
     }
+
+    /// The factors of K + `diagonal` where the squared envelope is `strength`.
+    fn factors(&self, diagonal: f64, strength: f64) -> Result<Factors> {
+        match self.modulation {
+            None => self.operator.shifted(diagonal),
+            Some(modulation) => {
+                let mut matrix = self.operator.matrix.shifted(diagonal);
+                // Both have one pattern.
+                add(&mut matrix.values, strength, &modulation.noise.values);
+                self.operator.ordering.factorise(&matrix)
+            }
+        }
+    }
+}
+
+fn add(sum: &mut [f64], factor: f64, term: &[f64]) {
+    if factor != 0.0 {
+        sum.iter_mut().zip(term).for_each(|(s, t)| *s += factor * t);
+    }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -4,9 +4,10 @@
 //! - `flux`: the operator at a point; `blocks`, `assembly`, `face`, `wall`: the matrix: volumes, faces between elements,
 //!   rebounds;
 //! - `sparse`, `dissection`: LU factors; `stationary`: the null vector of the matrix;
-//! - `domain`: where the density is; `solver`: domain, mesh and two degrees for an error estimate;
+//! - `domain`: where the density is; `layout`: its elements; `solver`: domain, mesh and two degrees for an error estimate;
 //! - `field`, `density`: the piecewise polynomial, and the density made of it;
-//! - `relaxation`, `march`, `transient`: the spectrum next to zero and p(x, t) on the same matrix.
+//! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same matrix;
+//! - `initial`, `moments`, `transient`: a start on the mesh and p(x, t); `survival`: the part of it that has passed no level.
 
 mod assembly;
 mod blocks;
@@ -16,20 +17,25 @@ mod domain;
 mod face;
 mod field;
 mod flux;
+mod initial;
+mod layout;
 mod legendre;
 mod march;
 mod mesh;
+mod moments;
 mod relaxation;
 mod solver;
 mod space;
 mod sparse;
 mod stationary;
+mod survival;
 mod transient;
 mod tuning;
 mod wall;
 
 pub use density::GridDensity;
 pub use relaxation::Relaxation;
+pub use survival::Survival;
 pub use transient::{Start, Transient};
 
 use crate::checks::{finite, positive, require};
@@ -169,12 +175,16 @@ impl Grid {
         Ok(density)
     }
 
+    /// Degree and cells, by default those of a mesh with grazing points or of one without.
+    fn resolution(&self, grazed: bool) -> (usize, [usize; 2]) {
+        // There are many layers at a grazing point: cheaper elements are better.
+        let (degree, cells) = if grazed { (7, [8, 10]) } else { (10, [9, 10]) };
+        (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells))
+    }
+
     /// Degree and cells, once every option has a meaning.
     fn validate(&self, walls: [Option<Wall>; 2]) -> Result<(usize, [usize; 2])> {
-        // There are many layers at a grazing point: cheaper elements are better.
-        let grazed = walls.iter().flatten().any(|wall| wall.restitution() < 1.0);
-        let (degree, cells) = if grazed { (7, [8, 10]) } else { (10, [9, 10]) };
-        let (degree, cells) = (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells));
+        let (degree, cells) = self.resolution(walls.iter().flatten().any(|wall| wall.restitution() < 1.0));
         require((2..=24).contains(&degree), "degree of the grid", degree as f64, "it must lie between 2 and 24")?;
         for cells in cells {
             let remedy = "take between 2 and 1000 along each state";

@@ -3,9 +3,10 @@
 use super::density::GridDensity;
 use super::domain::Profile;
 use super::field::Field;
+use super::layout::Layout;
 use super::legendre::Axis;
-use super::space::{Side, Space};
-use super::{Grid, mesh, stationary};
+use super::space::Space;
+use super::{Grid, stationary};
 use crate::checks::positive;
 use crate::error::{Error, Result};
 use crate::grid::tuning;
@@ -101,45 +102,11 @@ impl Solver<'_> {
         space.element(cells[0], cells[1])
     }
 
-    /// The elements on `domain`; with `layers`, also those at grazing points.
+    /// The elements on `domain`; with `layers`, also those at the grazing points of walls that take energy.
     fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Space {
-        let [position, velocity] = domain;
-        // Distances from a wall keep the widths of the smallest elements.
-        let origin = match self.walls {
-            [Some(_), _] => position[0],
-            [None, Some(_)] => position[1],
-            [None, None] => 0.0,
-        };
-        let (from, to) = (position[0] - origin, position[1] - origin);
-        let through = (self.problem.velocity_of(0) == Some(1)).then_some(0.0);
-        let mut lines =
-            [mesh::equal(from, to, cells[0], None), mesh::equal(velocity[0], velocity[1], cells[1], through)];
-        let inelastic = self.walls.map(|wall| wall.is_some_and(|w| w.restitution() < 1.0));
-        // Without the speed 0 in the domain nothing grazes.
-        let grazes = velocity[0] < 0.0 && velocity[1] > 0.0;
-        if layers && grazes && inelastic != [false, false] {
-            let length = to - from;
-            let widest = [length / cells[0] as f64, (velocity[1] - velocity[0]) / cells[1] as f64];
-            let strength = &self.problem.operator().diffusion()[1][1];
-            let at_walls = self.walls.iter().flatten().map(|wall| strength.evaluate(&[wall.offset(), 0.0]));
-            let diffusion = at_walls.fold(f64::INFINITY, f64::min) / 2.0;
-            let spread = (velocity[1] - velocity[0]) / 14.0;
-            let grazing = mesh::Grazing { speed: self.grid.grazing * spread, diffusion: diffusion.max(1e-300) };
-            lines[0] = match inelastic {
-                [true, false] => grazing.position(length, widest[0]),
-                [false, _] => grazing.position(length, widest[0]).iter().rev().map(|u| to - u).collect(),
-                _ => {
-                    let half = grazing.position(length / 2.0, widest[0]);
-                    half.iter().copied().chain(half.iter().rev().skip(1).map(|u| to - u)).collect()
-                }
-            };
-            lines[1] =
-                mesh::mirrored(&grazing.velocity(-velocity[0], widest[1]), &grazing.velocity(velocity[1], widest[1]));
-        }
-        let [first, second] = lines;
-        let axes = [Axis { origin, lines: first }, Axis { origin: 0.0, lines: second }];
-        let sides = self.walls.map(|wall| wall.map_or(Side::Open, |w| Side::Wall(w.restitution())));
-        Space { axes, degree, sides }
+        let grazed = self.walls.map(|wall| layers && wall.is_some_and(|w| w.restitution() < 1.0));
+        Layout { problem: self.problem, walls: self.walls, grazed, grazing: self.grid.grazing }
+            .space(domain, degree, cells)
     }
 
     /// The largest density at an open edge relative to the peak, refused if above `accepted`.
@@ -193,7 +160,7 @@ impl Solver<'_> {
             problem: self.problem.clone(),
             domain,
             edge_level,
-            memory: self.grid.memory,
+            grid: *self.grid,
             provenance,
         })
     }

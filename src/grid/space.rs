@@ -8,6 +8,8 @@ use crate::numerics::Rule;
 pub(super) enum Side {
     /// Probability that is carried out is lost; none comes in.
     Open,
+    /// A level: the same, and on purpose.
+    Level,
     /// A wall with restitution r: probability that leaves with velocity −w/r comes back with velocity w.
     Wall(f64),
 }

@@ -64,6 +64,29 @@ impl SparseMatrix {
     }
 }
 
+/// Two matrices of one size on the pattern that holds both.
+pub(crate) fn united([a, b]: [SparseMatrix; 2]) -> [SparseMatrix; 2] {
+    let empty = || SparseMatrix { size: a.size, columns: vec![0], rows: Vec::new(), values: Vec::new() };
+    let mut both = [empty(), empty()];
+    for column in 0..a.size {
+        let [mut next, ends] = [0, 1].map(|end| [a.columns[column + end], b.columns[column + end]]);
+        while next[0] < ends[0] || next[1] < ends[1] {
+            let row =
+                |k: usize, matrix: &SparseMatrix| if next[k] < ends[k] { matrix.rows[next[k]] } else { usize::MAX };
+            let rows = [row(0, &a), row(1, &b)];
+            let row = rows[0].min(rows[1]);
+            for (k, matrix) in [&a, &b].into_iter().enumerate() {
+                let here = rows[k] == row;
+                both[k].rows.push(row);
+                both[k].values.push(if here { matrix.values[next[k]] } else { 0.0 });
+                next[k] += usize::from(here);
+            }
+        }
+        both.iter_mut().for_each(|matrix| matrix.columns.push(matrix.rows.len()));
+    }
+    both
+}
+
 /// The order of elimination for one pattern, for every matrix that has it.
 #[derive(Clone, Debug)]
 pub(crate) struct Ordering {
@@ -194,6 +217,17 @@ mod tests {
 
     fn matrix(values: [f64; 4]) -> SparseMatrix {
         SparseMatrix { size: 2, columns: vec![0, 2, 4], rows: vec![0, 1, 0, 1], values: values.to_vec() }
+    }
+
+    #[test]
+    fn united_patterns_keep_their_values() {
+        let diagonal = SparseMatrix { size: 2, columns: vec![0, 1, 2], rows: vec![0, 1], values: vec![3.0, 5.0] };
+        let lower = SparseMatrix { size: 2, columns: vec![0, 2, 3], rows: vec![0, 1, 1], values: vec![1.0, 7.0, 2.0] };
+        let products = [&diagonal, &lower].map(|matrix| matrix.apply(&[1.0, 10.0]));
+        let both = united([diagonal, lower]);
+        assert_eq!(both[0].rows, both[1].rows);
+        assert_eq!(both[0].columns, [0, 2, 3]);
+        assert_eq!(both.map(|matrix| matrix.apply(&[1.0, 10.0])), products);
     }
 
     #[test]

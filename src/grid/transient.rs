@@ -2,19 +2,19 @@
 
 use super::assembly::Discretisation;
 use super::density::GridDensity;
+use super::domain::Profile;
 use super::field::Field;
 use super::march::March;
 use super::relaxation::{Relaxation, slowest};
 use super::solver::difference;
-use super::space::Space;
-use crate::checks::{dimension, finite, positive, require};
-use crate::density::{Density, Frame};
+use super::space::Side;
+use crate::checks::{finite, positive, require};
+use crate::density::Density;
+use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::grid::tuning;
 use crate::polynomial::Gaussian;
-use crate::problem::gaussian_after;
-use nalgebra::{DMatrix, DVector};
 
 /// Where a transient starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub enum Start {
     Point([f64; 2]),
     /// A normal distribution. It should be wide enough for the mesh, which the error estimates show.
     Gaussian(Gaussian),
+    /// The stationary density.
+    Stationary,
 }
 
 /// A transient density at one time.
@@ -57,7 +59,7 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
-        let operator = Discretisation::new(&self.problem, &self.fine.space, self.memory)?;
+        let operator = Discretisation::new(&self.problem, &self.fine.space, self.grid.memory)?;
         // The growth of a state's variance by the noise per unit time over twice its second moment: a rate of the right size.
         let rate = |state: usize| -> Result<f64> {
             let injected = &self.problem.operator().diffusion()[state][state];
@@ -67,7 +69,7 @@ impl GridDensity {
         slowest(&operator, shift / 4.0, count)
     }
 
-    /// The densities at rising `times` after `start`, by a Runge-Kutta method of order 4 that is stable for every step. Each
+    /// The densities at rising `times` after `start`, by a Rosenbrock method of order 4 that is stable for every step. Each
     /// step may err by `tolerance`, relative to the root mean square of p; moments err much less, and 1e-4 is a good value.
     /// The mesh is that of the stationary density.
     ///
@@ -75,94 +77,133 @@ impl GridDensity {
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the first one that the mesh resolves, the tolerance is
     /// not positive, or the start lies (partly) outside the domain; [`Error::Dimension`] for a start in other than two states.
     pub fn transient(&self, start: &Start, times: &[f64], tolerance: f64) -> Result<Vec<Transient>> {
-        positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
-        let (begin, gaussian) = self.resolved(start)?;
-        let first = times.first().copied().unwrap_or(begin);
+        self.evolved(None, start, times, tolerance)
+    }
+
+    /// The same under modulated noise, whose columns are multiplied by the envelope e(t). The mesh is that of the stationary
+    /// density under the noise as it stands, e = 1: that noise should be about the strongest one, and the envelope's peak
+    /// about 1.
+    ///
+    /// # Errors
+    /// As [`GridDensity::transient`]; [`Error::DomainCut`] if the density has spread beyond the domain.
+    ///
+    /// ```
+    /// use expoly::{Envelope, Grid, Start, models::{Linear, Solved}};
+    /// let density = Grid::new().degree(6).solve(&Linear::new(0.5, 1.0, 0.5)?.problem()?)?;
+    /// let burst = Envelope::steps([(0.0, 1.0), (3.0, 0.0)])?;
+    /// let after = density.modulated_transient(&burst, &Start::Point([0.0, 0.0]), &[3.0, 4.0], 1e-4)?;
+    /// let [during, later] = [0, 1].map(|k| after[k].moment(&[0, 2]));
+    /// assert!(later?.value < 0.7 * during?.value);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn modulated_transient(
+        &self,
+        envelope: &Envelope,
+        start: &Start,
+        times: &[f64],
+        tolerance: f64,
+    ) -> Result<Vec<Transient>> {
+        self.evolved(Some(envelope), start, times, tolerance)
+    }
+
+    fn evolved(
+        &self,
+        envelope: Option<&Envelope>,
+        start: &Start,
+        times: &[f64],
+        tolerance: f64,
+    ) -> Result<Vec<Transient>> {
+        let plan = Plan::new(envelope, times, tolerance)?;
+        let initial = self.initial(start, &self.fine.space, envelope)?;
+        let first = times.first().copied().unwrap_or(initial.time);
         let remedy = "before that time the density is too narrow for the mesh: take more cells or a later time";
-        require(first >= begin, "first time of a transient", first, remedy)?;
+        require(first >= initial.time, "first time of a transient", first, remedy)?;
+        let march =
+            |stationary: &Field| self.marched(&plan, initial.time, initial.field(stationary, &stationary.space)?);
+        let (fine, coarse) = rayon::join(|| march(&self.fine), || march(&self.coarse));
+        let all = times.iter().zip(fine?).zip(coarse?);
+        all.map(|((time, (fine, steps)), (coarse, _))| {
+            let mut density = self.clone();
+            density.provenance.l1_estimate = Some(difference(&fine, &coarse));
+            (density.fine, density.coarse) = (fine, coarse);
+            if envelope.is_some() {
+                density.require_inside()?;
+            }
+            Ok(Transient { time: *time, density, step_error: steps.error })
+        })
+        .collect()
+    }
+
+    /// The solutions at all times on the space of `start`, each with its steps so far.
+    pub(super) fn marched(&self, plan: &Plan<'_>, begin: f64, start: Field) -> Result<Vec<(Field, Steps)>> {
+        let memory = self.grid.memory;
+        let space = start.space;
+        let (operator, modulation) = match plan.envelope {
+            None => (Discretisation::new(&self.problem, &space, memory)?, None),
+            Some(envelope) => {
+                let (operator, modulation) = Discretisation::modulated(&self.problem, &space, envelope, memory)?;
+                (operator, Some(modulation))
+            }
+        };
+        let span = plan.times.last().copied().unwrap_or(begin) - begin;
+        let first = span / tuning::march::FIRST;
+        let mut march =
+            March::new(&operator, (begin, start.coefficients), first, plan.tolerance).modulated(modulation.as_ref());
+        let field = |coefficients: &Vec<f64>| Field { space: space.clone(), coefficients: coefficients.clone() };
+        let mut fields = Vec::new();
+        for time in plan.times {
+            march.advance(*time)?;
+            fields.push((field(&march.p), Steps { error: march.error, mass: field(&march.difference).mass() }));
+        }
+        Ok(fields)
+    }
+
+    /// Refuses a density that the domain cuts, and enters the level at its edges.
+    fn require_inside(&mut self) -> Result<()> {
+        let accepted = tuning::domain::CUT;
+        self.edge_level = 0.0;
+        for (state, side) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            if state == 1 || self.fine.space.sides[side] == Side::Open {
+                let level = Profile::new(&self.fine, state).edge(side);
+                if level.is_nan() || level > accepted {
+                    return Err(Error::DomainCut { state, edge: self.domain[state][side], level, accepted });
+                }
+                self.edge_level = self.edge_level.max(level);
+            }
+        }
+        self.provenance.edge_level = Some(self.edge_level);
+        Ok(())
+    }
+}
+
+/// A march: the modulation of the noise, and the times that are to be reached.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan<'a> {
+    envelope: Option<&'a Envelope>,
+    times: &'a [f64],
+    tolerance: f64,
+}
+
+impl<'a> Plan<'a> {
+    /// # Errors
+    /// [`Error::OutOfRange`] unless times rise and are finite, and the tolerance is positive.
+    pub(super) fn new(envelope: Option<&'a Envelope>, times: &'a [f64], tolerance: f64) -> Result<Self> {
+        positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
         times.iter().try_for_each(|&time| finite("time of a transient", time).map(|_| ()))?;
         for pair in times.windows(2) {
             positive("time to the next density", pair[1] - pair[0], "give times in rising order")?;
         }
-        let march = |space: &Space| self.marched(space, begin, &gaussian, times, tolerance);
-        let (fine, coarse) = rayon::join(|| march(&self.fine.space), || march(&self.coarse.space));
-        let all = times.iter().zip(fine?).zip(coarse?);
-        Ok(all
-            .map(|((time, (fine, step_error)), (coarse, _))| {
-                let mut density = self.clone();
-                density.provenance.l1_estimate = Some(difference(&fine, &coarse));
-                (density.fine, density.coarse) = (fine, coarse);
-                Transient { time: *time, density, step_error }
-            })
-            .collect())
+        Ok(Plan { envelope, times, tolerance })
     }
+}
 
-    /// The time at which the start is wide enough for the mesh, and the Gaussian then.
-    fn resolved(&self, start: &Start) -> Result<(f64, Gaussian)> {
-        let x = match start {
-            Start::Gaussian(gaussian) => {
-                dimension("the start of a transient", gaussian.mean.len(), 2)?;
-                Frame::new(gaussian)?;
-                return Ok((0.0, gaussian.clone()));
-            }
-            Start::Point(x) => *x,
-        };
-        for value in x {
-            finite("start of a transient", value)?;
-        }
-        let point = Gaussian { mean: DVector::from_column_slice(&x), covariance: DMatrix::zeros(2, 2) };
-        let least: [f64; 2] = std::array::from_fn(|i| {
-            let axis = &self.fine.space.axes[i];
-            let cell = axis.locate(x[i] - axis.origin).unwrap_or(0);
-            tuning::mesh::RESOLVED * axis.width(cell) / self.fine.space.degree as f64
-        });
-        let wide = |g: &Gaussian| (0..2).all(|i| g.covariance[(i, i)].sqrt() >= least[i]);
-        // From far below the time in which noise crosses a cell, by steps of a tenth.
-        let strength =
-            (0..2).map(|i| self.problem.operator().diffusion()[i][i].evaluate(&x)).fold(f64::MIN_POSITIVE, f64::max);
-        let mut time = 1e-3 * least[1].powi(2) / strength;
-        for _ in 0..400 {
-            let gaussian = gaussian_after(self.problem.operator(), &point, time);
-            if wide(&gaussian) {
-                return Ok((time, gaussian));
-            }
-            time *= 1.1;
-        }
-        let remedy = "the noise does not spread this start: give a Gaussian";
-        Err(Error::OutOfRange { name: "start of a transient", value: x[0], remedy })
-    }
-
-    /// The solutions at `times` on one space, each with the steps' error so far.
-    fn marched(
-        &self,
-        space: &Space,
-        begin: f64,
-        gaussian: &Gaussian,
-        times: &[f64],
-        tolerance: f64,
-    ) -> Result<Vec<(Field, f64)>> {
-        let operator = Discretisation::new(&self.problem, space, self.memory)?;
-        let frame = Frame::new(gaussian)?;
-        let volume = (std::f64::consts::TAU.ln() + frame.log_volume()).exp();
-        let (origin, inverse) = (frame.origin(), frame.inverse());
-        let density = |x: [f64; 2]| {
-            let [dx, dy] = [x[0] - origin[0], x[1] - origin[1]];
-            let [a, b] = [inverse[(0, 0)] * dx, inverse[(1, 0)] * dx + inverse[(1, 1)] * dy];
-            (-(a * a + b * b) / 2.0).exp() / volume
-        };
-        let start = Field::projected(space, density);
-        let mass = start.mass();
-        let remedy = "the start must lie inside the domain, away from walls, and be wide enough for the mesh";
-        require((mass - 1.0).abs() <= 1e-3, "mass of the start on the mesh", mass, remedy)?;
-        let span = times.last().copied().unwrap_or(begin) - begin;
-        let mut march = March::new(&operator, (begin, start.coefficients), span / 400.0, tolerance);
-        let mut fields = Vec::new();
-        for time in times {
-            march.advance(*time)?;
-            fields.push((Field { space: space.clone(), coefficients: march.p.clone() }, march.error));
-        }
-        Ok(fields)
-    }
+/// What the steps up to a time add to the error.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    /// The sum of their estimates, relative to the root mean square of p.
+    pub(super) error: f64,
+    /// The mass of the sum of their differences from a lower order.
+    pub(super) mass: f64,
 }
 
 impl Transient {

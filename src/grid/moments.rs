@@ -1,0 +1,60 @@
+//! The moments of a narrow Gaussian under modulated noise.
+
+use super::flux::Part;
+use crate::envelope::Piece;
+use crate::polynomial::{Gaussian, Polynomial};
+use crate::problem::Problem;
+use nalgebra::{DMatrix, DVector};
+
+/// The equations m′ = E f and S′ = A S + S Aᵀ + e² E B, A = E ∂f/∂x, of the Gaussian closure, f = f₀ + e² f₁ with the drift f₁
+/// that noise induces.
+#[derive(Debug)]
+pub(super) struct Moments {
+    /// f₀ and f₁.
+    drifts: [Vec<Polynomial>; 2],
+    diffusion: Vec<Vec<Polynomial>>,
+}
+
+impl Moments {
+    pub(super) fn new(problem: &Problem) -> Self {
+        let operator = problem.operator();
+        let induced: Vec<Polynomial> = (0..2).map(|i| Part::induced(problem, i)).collect();
+        let still = operator.drift().iter().zip(&induced).map(|(f, induced)| f - induced).collect();
+        Moments { drifts: [still, induced], diffusion: operator.diffusion().to_vec() }
+    }
+
+    /// The Gaussian after a stretch of time on which the envelope is smooth, by the classical Runge-Kutta method.
+    pub(super) fn after(&self, start: &Gaussian, piece: &Piece, [from, to]: [f64; 2]) -> Gaussian {
+        const STEPS: usize = 8;
+        let h = (to - from) / STEPS as f64;
+        let moved = |state: &Gaussian, rate: &Gaussian, h: f64| Gaussian {
+            mean: &state.mean + &rate.mean * h,
+            covariance: &state.covariance + &rate.covariance * h,
+        };
+        (0..STEPS).fold(start.clone(), |state, n| {
+            let squared = |place: f64| piece.squared(from + h * (n as f64 + place))[0];
+            let k1 = self.rate(&state, squared(0.0));
+            let k2 = self.rate(&moved(&state, &k1, h / 2.0), squared(0.5));
+            let k3 = self.rate(&moved(&state, &k2, h / 2.0), squared(0.5));
+            let k4 = self.rate(&moved(&state, &k3, h), squared(1.0));
+            [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)]
+                .iter()
+                .fold(state, |sum, (rate, weight)| moved(&sum, rate, weight * h / 6.0))
+        })
+    }
+
+    /// The rates of change of mean and covariance.
+    fn rate(&self, state: &Gaussian, squared: f64) -> Gaussian {
+        let mean = |of: &dyn Fn(&Polynomial) -> Polynomial, i: usize| {
+            let [still, induced] = self.drifts.each_ref().map(|drift| state.expectation(&of(&drift[i])));
+            still + squared * induced
+        };
+        let slopes = DMatrix::from_fn(2, 2, |i, j| mean(&|f| f.derivative(j), i));
+        let half = slopes * &state.covariance;
+        let noise = DMatrix::from_fn(2, 2, |i, j| squared * state.expectation(&self.diffusion[i][j]));
+        Gaussian {
+            mean: DVector::from_fn(2, |i, _| mean(&Polynomial::clone, i)),
+            covariance: &half + half.transpose() + noise,
+        }
+    }
+}
