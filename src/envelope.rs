@@ -145,7 +145,11 @@ impl Piece {
     /// The largest value at t ≥ 0.
     fn highest(&self) -> f64 {
         match self.shape {
-            Shape::Exponentials { slow, fast, .. } if slow > 0.0 => self.value((fast / slow).ln() / (fast - slow))[0],
+            Shape::Exponentials { slow, fast, .. } if slow > 0.0 => {
+                let ratio = (fast - slow) / slow;
+                let log = if ratio.is_finite() { ratio.ln_1p() } else { fast.ln() - slow.ln() };
+                self.value(log / (fast - slow))[0]
+            }
             Shape::Exponentials { amplitude, .. } => amplitude,
             Shape::Line { value, slope: 0.0 } => value,
             Shape::Line { .. } => {

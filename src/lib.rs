@@ -11,7 +11,8 @@
 //! | What is its density, as a formula p = C exp(Q)? | [`Closure`]; above a wall as well, with [`Wall`] |
 //! | Is that right? | [`ClosureDensity::l1_estimate`]; [`Grid`], [`Simulation`], [`compare`] |
 //! | What lies in the far tail? | [`Splitting`] |
-//! | How likely, how often, how soon? | [`statistics`] |
+//! | How likely, how often, how soon? | [`statistics`]; [`Survival`] without Poisson's assumption |
+//! | How does it get there, under noise that rises and fades as well? | [`GridDensity::transient`], [`Envelope`] |
 //! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
 //! | Which order is enough, what depends on a parameter? | [`study`] |
 //! | Which systems are solved? | [`models`] |

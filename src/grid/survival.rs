@@ -43,11 +43,11 @@ impl GridDensity {
     ///
     /// ```
     /// use expoly::{Grid, Start, models::{Duffing, Solved}};
-    /// let density = Grid::new().degree(5).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
-    /// let below = density.survival([f64::NEG_INFINITY, 2.0])?;
-    /// let [now, later] = below.probability(&Start::Stationary, &[0.0, 20.0], 1e-3)?[..] else { unreachable!() };
-    /// assert!((now.value - 0.9949).abs() < 1e-3 && (later.value - 0.7).abs() < 0.1);
-    /// let rate = below.rate()?; // P(T > t) ~ exp(−rate t)
+    /// let density = Grid::new().degree(5).grazing(1e-2).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
+    /// let below = density.survival([f64::NEG_INFINITY, 1.6269])?; // 2σ
+    /// let found = below.probability(&Start::Stationary, &[0.0, 20.0], 1e-3)?;
+    /// assert!((found[0].value - 0.98122).abs() < 1e-4 && (found[1].value - 0.60285).abs() < 1e-4);
+    /// assert!((below.rate()?.value - 0.022647).abs() < 1e-5); // P(T > t) ~ exp(−rate t)
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn survival(&self, within: [f64; 2]) -> Result<Survival> {

@@ -1,6 +1,8 @@
-//! The grid: stationary densities, walls, relaxation and transients.
+//! The grid: stationary densities, walls, relaxation, transients, modulated noise and survival.
 
 mod dynamics;
+mod modulated;
 mod soft_walls;
 mod stationary;
+mod survival;
 mod walls;

@@ -1,0 +1,204 @@
+//! Transients and survival under modulated noise.
+
+use crate::common::{l1_from, problem};
+use expoly::models::Linear;
+use expoly::{Envelope, Error, Gaussian, Grid, GridDensity, Interpretation, PolynomialDrift, Scalar, Start};
+use nalgebra::{dmatrix, dvector};
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rand_distr::StandardNormal;
+
+/// x″ + x′/2 + x = ξ₁ + a x′ ξ₂ in Stratonovich's sense, both noises of intensity ½.
+#[derive(Debug)]
+struct Noisy {
+    a: f64,
+}
+
+impl PolynomialDrift<2, 2> for Noisy {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, v * -0.5 - x]
+    }
+    fn noise<S: Scalar>(&self, [_, v]: [S; 2]) -> [[S; 2]; 2] {
+        [[S::zero(), S::zero()], [S::from(1.0), v * self.a]]
+    }
+    fn interpretation(&self) -> Interpretation {
+        Interpretation::Stratonovich
+    }
+}
+
+impl Noisy {
+    fn solved(&self) -> GridDensity {
+        let grid = Grid::new().degree(7).cells([10, 10]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
+        grid.solve(&problem(Noisy { a: self.a })).unwrap()
+    }
+
+    /// E x, E v, E x², E xv, E v² after `time`, by the classical Runge-Kutta method with steps that end at all kinks: h⁴ = 1e-12.
+    fn moments(&self, envelope: &Envelope, start: [f64; 5], time: f64) -> [f64; 5] {
+        let steps = (time / 1e-3).round() as usize;
+        let rate = |[x, v, xx, xv, vv]: [f64; 5], t: f64| {
+            let squared = envelope.value(t).powi(2);
+            let damping = 0.5 - 0.5 * self.a * self.a * squared;
+            [
+                v,
+                -x - damping * v,
+                2.0 * xv,
+                vv - xx - damping * xv,
+                -2.0 * xv - 2.0 * damping * vv + squared * (1.0 + self.a * self.a * vv),
+            ]
+        };
+        let h = time / steps as f64;
+        (0..steps).fold(start, |y, n| {
+            // Within the step on both sides of a jump.
+            let at = |place: f64| h * (n as f64 + place.clamp(1e-9, 1.0 - 1e-9));
+            let moved = |k: [f64; 5], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+            let k1 = rate(y, at(0.0));
+            let k2 = rate(moved(k1, h / 2.0), at(0.5));
+            let k3 = rate(moved(k2, h / 2.0), at(0.5));
+            let k4 = rate(moved(k3, h), at(1.0));
+            std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+        })
+    }
+}
+
+fn start() -> (Start, [f64; 5]) {
+    let gaussian = Gaussian { mean: dvector![0.8, -0.5], covariance: dmatrix![0.3, 0.05; 0.05, 0.4] };
+    (Start::Gaussian(gaussian), [0.8, -0.5, 0.3 + 0.64, 0.05 - 0.4, 0.4 + 0.25])
+}
+
+fn envelopes() -> [Envelope; 3] {
+    [
+        Envelope::exponentials(1.3, 0.09, 1.49).unwrap(),
+        Envelope::table([(0.0, 0.2), (1.0, 1.0), (2.5, 0.4)]).unwrap(),
+        Envelope::steps([(0.0, 1.0), (1.5, 0.3)]).unwrap(),
+    ]
+}
+
+const POWERS: [[u32; 2]; 5] = [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
+
+/// The moments of first and second order obey equations of their own, with noise in the velocity as well.
+#[test]
+fn moments_follow_their_own_equations() {
+    let (start, moments) = start();
+    for a in [0.0, 0.2] {
+        let system = Noisy { a };
+        let density = system.solved();
+        for envelope in &envelopes()[if a == 0.0 { 0 } else { 1 }..] {
+            for found in density.modulated_transient(envelope, &start, &[0.5, 2.0, 4.0], 1e-5).unwrap() {
+                let truth = system.moments(envelope, moments, found.time);
+                for (powers, truth) in POWERS.iter().zip(truth) {
+                    let moment = found.moment(powers).unwrap();
+                    let off = moment.value - truth;
+                    println!("a = {a}, t = {}, {powers:?}: {off:.1e} off, {:.1e} estimated", found.time, moment.error);
+                    assert!(off.abs() < 1e-6 && off.abs() < moment.error, "{envelope:?}: {moment} and {truth}");
+                }
+                assert!((found.moment(&[0, 0]).unwrap().value - 1.0).abs() < 1e-8);
+            }
+        }
+    }
+}
+
+/// A point under noise that begins at zero, or later, is followed to the mesh: the moments of a linear oscillator are exact.
+#[test]
+fn a_point_starts_under_noise_that_rises() {
+    let system = Noisy { a: 0.0 };
+    let density = system.solved();
+    let late = Envelope::steps([(1.5, 1.0)]).unwrap();
+    for envelope in [&envelopes()[0], &late] {
+        let found = density.modulated_transient(envelope, &Start::Point([0.8, -0.5]), &[4.0], 1e-5).unwrap();
+        let truth = system.moments(envelope, [0.8, -0.5, 0.64, -0.4, 0.25], 4.0);
+        for (powers, truth) in POWERS.iter().zip(truth) {
+            let moment = found[0].moment(powers).unwrap();
+            println!("{powers:?}: {:.1e} off, {:.1e} estimated", moment.value - truth, moment.error);
+            assert!((moment.value - truth).abs() < 1e-5, "{moment} and {truth}");
+        }
+    }
+}
+
+/// The steps' error falls with the fourth power of their length under modulated noise too: as without, a tolerance a hundred
+/// times smaller gives an error a tenth as large at most.
+#[test]
+fn a_smaller_tolerance_gives_a_smaller_error() {
+    let grid = Grid::new().degree(4).cells([8, 8]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
+    let stationary = grid.solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap();
+    let envelope = &envelopes()[0];
+    let at = |tolerance: f64| {
+        let found = stationary.modulated_transient(envelope, &start().0, &[3.0], tolerance).unwrap().remove(0);
+        found.moment(&[2, 0]).unwrap().value
+    };
+    let truth = at(1e-7);
+    let errors = [1e-3, 1e-5].map(|tolerance| (at(tolerance) - truth).abs());
+    println!("{errors:?}");
+    assert!(errors[1] < 0.1 * errors[0], "{errors:?}");
+}
+
+/// Noise as it stands leaves the stationary density as it is, and half of it makes another one, which the oscillator with that
+/// noise has.
+#[test]
+fn constant_envelopes_have_their_own_stationary_densities() {
+    let whole = Noisy { a: 0.2 }.solved();
+    let one = Envelope::steps([(0.0, 1.0)]).unwrap();
+    let kept = whole.modulated_transient(&one, &Start::Stationary, &[2.0], 1e-5).unwrap();
+    let unmodulated = whole.transient(&Start::Stationary, &[2.0], 1e-5).unwrap();
+    let distances = [l1_from(&whole, &kept[0].density), l1_from(&whole, &unmodulated[0].density)];
+    println!("kept within {distances:?}");
+    assert!(distances[0] < 1e-6 && distances[1] < 1e-6, "{distances:?}");
+    let weaker = Envelope::table([(0.0, 0.6)]).unwrap();
+    // The slowest mode has died to e^-12.
+    let late = whole.modulated_transient(&weaker, &Start::Stationary, &[48.0], 1e-5).unwrap();
+    let truth = Noisy { a: 0.2 }.moments(&weaker, [0.0, 0.0, 1.0, 0.0, 1.0], 200.0);
+    for (powers, truth) in POWERS.iter().zip(truth) {
+        let moment = late[0].moment(powers).unwrap();
+        assert!((moment.value - truth).abs() < 2e-5, "{powers:?}: {moment} and {truth}");
+    }
+}
+
+/// Duffing's oscillator in an earthquake: its survival within ±1.2 from rest against 40 000 paths, within three standard
+/// errors.
+#[test]
+fn survival_of_an_earthquake_agrees_with_a_simulation() {
+    const PATHS: usize = 40_000;
+    const STEP: f64 = 0.02;
+    let (level, times) = (1.2, [5.0, 10.0, 20.0]);
+    let density = Grid::new().degree(5).grazing(1e-2).solve(&problem(crate::common::duffing())).unwrap();
+    let envelope = Envelope::exponentials(1.3, 0.09, 1.49).unwrap();
+    let survival = density.survival([-level, level]).unwrap();
+    let found = survival.modulated_probability(&envelope, &Start::Point([0.0, 0.0]), &times, 1e-3).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let steps = (20.0 / STEP).round() as usize;
+    let kicks: Vec<f64> = (0..steps).map(|n| envelope.value(STEP * (n as f64 + 0.5)) * (0.4 * STEP).sqrt()).collect();
+    let mut survived = [0_usize; 3];
+    for _ in 0..PATHS {
+        let (mut x, mut v) = (0.0_f64, 0.0_f64);
+        let mut passed = f64::INFINITY;
+        for (n, kick) in kicks.iter().enumerate() {
+            // Half a drift, a kick, half a drift, of weak order 2: errors of h² = 4e-4 of a probability's slope.
+            x += v * STEP / 2.0;
+            let z: f64 = rng.sample(StandardNormal);
+            v = ((1.0 - 0.1 * STEP) * v - STEP * (x + 0.3 * x * x * x) + kick * z) / (1.0 + 0.1 * STEP);
+            x += v * STEP / 2.0;
+            if x.abs() > level {
+                passed = STEP * (n + 1) as f64;
+                break;
+            }
+        }
+        survived.iter_mut().zip(times).for_each(|(count, time)| *count += usize::from(passed > time));
+    }
+    for ((found, count), time) in found.iter().zip(survived).zip(times) {
+        let share = count as f64 / PATHS as f64;
+        let error = (share * (1.0 - share) / PATHS as f64).sqrt();
+        println!("t = {time}: {found}, simulated {share:.5} ± {error:.5}");
+        assert!(
+            (found.value - share).abs() < 3.0 * error.hypot(found.error),
+            "t = {time}: {found} and {share} ± {error}"
+        );
+        assert!(found.error < 0.5 * error, "t = {time}: {found} and ± {error}");
+    }
+}
+
+/// The domain of the stationary density does not hold that of noise three times as strong.
+#[test]
+fn noise_that_is_too_strong_for_the_domain_is_refused() {
+    let density = Noisy { a: 0.0 }.solved();
+    let strong = Envelope::steps([(0.0, 3.0)]).unwrap();
+    let refused = density.modulated_transient(&strong, &Start::Stationary, &[8.0], 1e-3).map(|_| ());
+    assert!(matches!(refused, Err(Error::DomainCut { .. })), "{refused:?}");
+}
