@@ -177,10 +177,11 @@ impl Survival {
             let later = marched.into_iter().map(|(field, steps)| (field.mass(), steps));
             Ok(std::iter::repeat_n(start, early).chain(later).collect::<Vec<_>>())
         })?;
-        let estimate = |((time, fine), coarse): ((&f64, &(f64, Steps)), &(f64, Steps))| {
-            Estimate::new(fine.0, (fine.0 - coarse.0).abs() + fine.1.mass.abs() + self.leak() * time)
+        let estimate = |k: usize| {
+            let (mass, steps) = fine[k];
+            Estimate::new(mass, (mass - coarse[k].0).abs() + steps.mass.abs() + self.leak() * times[k])
         };
-        Ok(times.iter().zip(&fine).zip(&coarse).map(estimate).collect())
+        Ok((0..times.len()).map(estimate).collect())
     }
 
     fn initial(&self, start: &Start, envelope: Option<&Envelope>) -> Result<Initial> {

@@ -90,7 +90,9 @@ fn moments_follow_their_own_equations() {
                     println!("a = {a}, t = {}, {powers:?}: {off:.1e} off, {:.1e} estimated", found.time, moment.error);
                     assert!(off.abs() < 1e-6 && off.abs() < moment.error, "{envelope:?}: {moment} and {truth}");
                 }
-                assert!((found.moment(&[0, 0]).unwrap().value - 1.0).abs() < 1e-8);
+                // Mass is conserved but for what leaks through the edges.
+                let lost = 1.0 - found.moment(&[0, 0]).unwrap().value;
+                assert!(lost.abs() < 1e-7, "a = {a}: {lost:e}");
             }
         }
     }

@@ -86,7 +86,7 @@ fn mirror_images_survive_alike() {
 }
 
 /// Beyond the domain nothing is passed; up to there a high level is passed at less than its rate of up-crossings, since those
-/// come in clumps, and on both sides at twice the rate of one.
+/// come in clumps, and on both sides at less than twice the rate of one, since a clump passes both.
 #[test]
 fn high_levels_are_passed_rarely_and_farther_ones_never() {
     let level = 3.5 * SIGMA;
@@ -94,8 +94,10 @@ fn high_levels_are_passed_rarely_and_farther_ones_never() {
     let [one, two] =
         [[-NONE, level], [-level, level]].map(|within| duffing().survival(within).unwrap().rate().unwrap());
     println!("{one}, {two}, up-crossings {crossings}");
-    assert!(one.value < crossings && one.value > 0.3 * crossings, "{one} and {crossings}");
-    assert!((two.value / one.value - 2.0).abs() < 0.02 && one.error < 1e-2 * one.value, "{one} and {two}");
+    assert!(one.value < crossings && one.value > 0.9 * crossings, "{one} and {crossings}");
+    assert!(two.value < 1.8 * one.value && two.value > 1.6 * one.value, "{one} and {two}");
+    // Of degree 5 the density itself is known to a hundredth there.
+    assert!(one.error < 2e-2 * one.value && two.error < 3e-2 * two.value, "{one} and {two}");
     let never = stationary(&below(50.0), &[0.0, 10.0, 50.0]);
     assert!(never.iter().all(|never| (never.value - 1.0).abs() < never.error.max(1e-7)), "{never:?}");
 }
