@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example earthquake` shakes x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ, D = 0.2, whose noise rises and fades with
 //! the envelope e(t) = a (e^(−0.09 t) − e^(−1.49 t)) of peak 1. The grid follows p(x, x′, t) and the part of it that has not left
-//! |x| < 1.5: E x² is largest at t = 4.5, three units of time after the noise, and then 5.9 % are beyond; 40 % survive, and not
-//! 26 % as by Poisson's assumption. A figure goes to `out/earthquake/`.
+//! |x| < 1.5: E x² over time, the probability of being beyond at a time, survival, and what Poisson's assumption makes of the
+//! up-crossings. A figure goes to `out/earthquake/`.
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
