@@ -80,7 +80,8 @@ impl NodalClosure {
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
         let Fitted { exponent, .. } = tried.swap_remove(0);
-        if candidates[0].l1_estimate > tuning::UNRELIABLE && !self.resolved(&exponent, &kept.domain) {
+        let doubted = candidates[0].l1_estimate > tuning::UNRELIABLE || !discretisation.impulses.is_empty();
+        if doubted && !self.resolved(&exponent, &kept.domain) {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
         let (values, at_walls) = (values.as_ref(), table.after.get(.., ..nested.lower_columns));

@@ -206,15 +206,19 @@ impl Retained {
     pub(super) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
         let all = &discretisation.nodes;
         let values = |points: &States| reference.values(points);
+        let outermost = || discretisation.domain.above(values, discretisation.drop);
         let domain = if discretisation.impulses.is_empty() {
-            discretisation.domain.above(values, discretisation.drop)
+            outermost()
         } else {
-            let masses = reference.logarithm.iter().zip(&all.weights).map(|(log, w)| log.exp() * w);
+            let masses: Vec<f64> = reference.logarithm.iter().zip(&all.weights).map(|(log, w)| log.exp() * w).collect();
             let mut mean = vec![0.0; all.points.dimension()];
-            for (mass, x) in masses.zip(&all.points) {
+            for (mass, x) in masses.iter().zip(&all.points) {
                 mean.iter_mut().zip(x).for_each(|(mean, x)| *mean += mass * x);
             }
-            discretisation.domain.around(&mean, values, discretisation.drop)
+            let first = discretisation.domain.around(&mean, values, discretisation.drop);
+            // From between two wells a ray may fall before it rises into one of them.
+            let inside = masses.iter().zip(&all.points).filter(|(_, x)| first.contains(x)).map(|(mass, _)| mass);
+            if inside.sum::<f64>() > tuning::impulses::KEPT { first } else { outermost() }
         };
         let kept = |i: &usize| discretisation.is_on_lattice() || domain.contains(&all.points[*i]);
         let nodes: Vec<usize> = (0..all.len()).filter(kept).collect();

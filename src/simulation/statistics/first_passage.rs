@@ -19,7 +19,9 @@ pub(in crate::simulation) struct PassageWindow {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub(in crate::simulation) struct PassageClock {
     observed: usize,
-    passed: bool,
+    /// The observation by which it had passed the level. It is counted when the window ends, so that windows which have not ended
+    /// count for nothing.
+    passed: Option<usize>,
 }
 
 /// The counts of one batch of trajectories.
@@ -63,7 +65,7 @@ impl PassageWindow {
 
     /// Whether a clock that was read can be that of a trajectory in such a window.
     pub(super) fn remembers(&self, clock: &PassageClock) -> bool {
-        clock.observed <= self.count
+        clock.observed <= self.count && clock.passed.is_none_or(|passed| passed <= clock.observed)
     }
 }
 
@@ -75,19 +77,21 @@ impl PassageTally {
     /// Takes one observation of a trajectory: whether it is beyond the level, and whether it has passed it since the last
     /// one. The first observation of a window is its beginning; each trajectory has its own clock.
     pub(super) fn push(&mut self, window: &PassageWindow, clock: &mut PassageClock, [beyond, since]: [bool; 2]) {
-        if (beyond || since && clock.observed > 0) && !clock.passed {
-            clock.passed = true;
-            self.passages[clock.observed.div_ceil(window.count / window.bins)] += 1.0;
-            // A passage between two observations happened half an interval before the second, in the mean.
-            let ahead = if window.continuous && clock.observed > 0 { 0.5 } else { 0.0 };
-            self.waited += (clock.observed as f64 - ahead) * window.interval;
+        if beyond || since && clock.observed > 0 {
+            clock.passed = clock.passed.or(Some(clock.observed));
         }
         if clock.observed < window.count {
             clock.observed += 1;
             return;
         }
-        if !clock.passed {
-            self.waited += window.length();
+        match clock.passed {
+            Some(passed) => {
+                self.passages[passed.div_ceil(window.count / window.bins)] += 1.0;
+                // A passage between two observations happened half an interval before the second, in the mean.
+                let ahead = if window.continuous && passed > 0 { 0.5 } else { 0.0 };
+                self.waited += (passed as f64 - ahead) * window.interval;
+            }
+            None => self.waited += window.length(),
         }
         self.windows += 1.0;
         *clock = PassageClock::default();
@@ -178,6 +182,19 @@ mod tests {
             tally.push(&window, &mut clock, [false, since]);
         }
         assert_eq!((tally.windows, tally.waited, tally.passages), (1.0, 1.25, vec![0.0, 0.0, 1.0]));
+        Ok(())
+    }
+
+    /// A passage in a window that has not ended would be one of no window.
+    #[test]
+    fn windows_count_once_they_have_ended() -> Result<()> {
+        let window = PassageWindow::new(2.0, 0.5, 2, true)?;
+        let (mut tally, mut clock) = (window.tally(), PassageClock::default());
+        for since in [false, false, false, false, false, false, true, false] {
+            tally.push(&window, &mut clock, [false, since]);
+        }
+        assert_eq!((tally.windows, tally.waited, tally.passages), (1.0, 2.0, vec![0.0; 3]));
+        assert!(clock.passed == Some(1) && window.remembers(&clock));
         Ok(())
     }
 
