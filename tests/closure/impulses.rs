@@ -105,7 +105,7 @@ fn impulses_in_four_states_have_their_moments() -> Result<()> {
             println!("{mean} {powers:?}: {found} for {exact}");
             assert!((found.value / exact - 1.0).abs() < 1e-8, "{powers:?}: {found} for {exact}");
         }
-        for powers in [[4, 0, 0, 0], [2, 0, 2, 0], [0, 4, 0, 0]] {
+        for powers in [[4, 0, 0, 0], [0, 0, 4, 0], [0, 4, 0, 0]] {
             let [p, q] = [density.moment(&powers)?, simulated.moment(&powers)?];
             assert!((p.value / q.value - 1.0).abs() < 1e-7, "{powers:?}: {p} and {q}");
         }
