@@ -9,7 +9,7 @@ use crate::problem::Problem;
 /// The power balance of the oscillator of state 0, (injected − dissipated)/injected, which is 0 for the stationary
 /// density: a check of any answer that needs no reference.
 ///
-/// The noise injects E[½ B_vv] (D for additive noise), impulses λ E[Y] E[H v] + ½ λ E[Y²] E[H²], and the drift f_v of the velocity dissipates −E[v f_v]; each wall of
+/// The noise injects E[½ B_vv] (D for additive noise), impulses λ E\[Y\] E\[H v\] + ½ λ E\[Y²\] E\[H²\], and the drift f_v of the velocity dissipates −E[v f_v]; each wall of
 /// state 0 at b takes ½ (1 − r²) ∫ |v|³ p(b, v) dv over the velocities towards it. The error is the sum of the errors that
 /// the density states for its moments. Those of a simulation are correlated:
 /// [`SimulatedDensity::energy_balance`](crate::SimulatedDensity::energy_balance) has the standard error.

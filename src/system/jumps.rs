@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// unit time on average.
 ///
 /// A state under the impulses H dJ jumps from x to x + H(x) Y, H taken just before the impulse. Many small impulses of mean zero
-/// are a white noise of the intensity D = λ E[Y²]/2 ([`Jumps::intensity`]).
+/// are a white noise of the intensity D = λ E\[Y²\]/2 ([`Jumps::intensity`]).
 ///
 /// ```
 /// use expoly::{Amplitude, Jumps};
@@ -77,7 +77,7 @@ impl Jumps {
         Ok(Jumps { rate, amplitude: amplitude.checked()? })
     }
 
-    /// The same with amplitudes in the proportions of `shape`, scaled so that λ E[Y²] = 2D for the intensity `d`.
+    /// The same with amplitudes in the proportions of `shape`, scaled so that λ E\[Y²\] = 2D for the intensity `d`.
     ///
     /// # Errors
     /// As [`Jumps::new`]; also for an intensity that is not finite and positive.
@@ -102,7 +102,7 @@ impl Jumps {
         self.amplitude
     }
 
-    /// λ E[Y²]/2, the intensity of the white noise that many small impulses of mean zero become.
+    /// λ E\[Y²\]/2, the intensity of the white noise that many small impulses of mean zero become.
     pub fn intensity(&self) -> f64 {
         self.rate * self.amplitude.moment(2) / 2.0
     }
