@@ -1,6 +1,7 @@
 //! The pilot: a short simulation that finds where the density is, before anything is computed.
 
 use super::tuning;
+use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::problem::{Problem, Symmetry, TimeScales};
 use crate::simulation::{Collisions, Paths, Simulation};
@@ -36,8 +37,10 @@ impl<'a> PilotPlan<'a> {
         let scales = TimeScales::of(problem)?;
         let walled = problem.dimension() > 2 && !problem.walls().is_empty();
         let step = if walled { tuning::pilot::STEP_AT_WALLS } else { tuning::pilot::STEP };
-        let often = problem.impulses().iter().fold(0.0, |sum, impulse| sum + impulse.jumps().rate());
-        let step = scales.short(step).min(tuning::pilot::MOST_IMPULSES / often);
+        let rate = problem.impulse_rate();
+        let remedy = "they are more than a thousand in the shortest of the system's times: take white noise of the same intensity";
+        require(rate * scales.short(1.0) <= tuning::pilot::MOST_OFTEN, "rate of the impulses", rate, remedy)?;
+        let step = scales.short(step).min(tuning::pilot::MOST_IMPULSES / rate);
         let interval = scales.short(tuning::pilot::INTERVAL);
         Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }

@@ -62,16 +62,13 @@ impl FokkerPlanck {
         let product =
             |i: usize, j: usize| columns.iter().fold(Polynomial::zero(n), |sum, column| sum + &column[i] * &column[j]);
         let diffusion: Vec<Vec<Polynomial>> = (0..n).map(|i| (0..n).map(|j| product(i, j)).collect()).collect();
-        let felt = |impulse: &Impulse| !impulse.field().iter().all(Polynomial::is_zero);
-        if diffusion.iter().flatten().all(Polynomial::is_zero) && !impulses.iter().any(felt) {
-            return Err(Error::NoNoise);
-        }
         // Products of large finite coefficients may be infinite.
         for i in 0..n {
             all_finite("drift", i, &drift[i])?;
             diffusion[i].iter().try_for_each(|entry| all_finite("squared noise", i, entry))?;
         }
-        Ok(FokkerPlanck { drift, diffusion, impulses })
+        let operator = FokkerPlanck { drift, diffusion, impulses };
+        if (0..n).any(|i| operator.is_driven(i)) { Ok(operator) } else { Err(Error::NoNoise) }
     }
 
     /// The number of states.
@@ -117,6 +114,11 @@ impl FokkerPlanck {
             Some(state) => Err(Error::Unreached { state }),
             None => Ok(()),
         }
+    }
+
+    /// Whether white noise acts on any state.
+    pub(crate) fn has_white_noise(&self) -> bool {
+        (0..self.dimension()).any(|i| !self.diffusion[i][i].is_zero())
     }
 
     /// Whether white noise or impulses act on a state.

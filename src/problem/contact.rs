@@ -246,13 +246,6 @@ impl Problem {
         (largest(&varying) <= NOTHING * scale).then_some(if contact.noiseless { 0.0 } else { intensity / 2.0 })
     }
 
-    /// Refuses impulses.
-    pub(crate) fn require_no_impulses(&self, method: &'static str) -> Result<()> {
-        let remedy = "take `Closure::new`, or the simulation";
-        let refused = Err(Error::NotServed { method, what: "Poisson impulses", remedy });
-        if self.impulses().is_empty() { Ok(()) } else { refused }
-    }
-
     /// The wall below the motion and the one above it, for a method of one displacement (state 0) and its velocity (state 1).
     pub(crate) fn walls_of_plane(&self, method: &'static str) -> Result<[Option<Wall>; 2]> {
         if self.walls.is_empty() {

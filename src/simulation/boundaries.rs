@@ -1,9 +1,9 @@
 //! Walls and levels in the straight drift between two kicks.
 
 use super::{
+    bins::Axis,
     chatter::Chatter,
     grazing::Grazing,
-    histogram::Axis,
     lanes::{read_lane, write_lane},
     passage::{Passage, Passages, Record, add_powers},
     plan::Plan,

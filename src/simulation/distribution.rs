@@ -1,7 +1,4 @@
-use super::{
-    histogram::{Axis, Histogram},
-    jackknife::jackknife,
-};
+use super::{bins::Axis, histogram::Histogram, jackknife::jackknife};
 use crate::density::Counted;
 use crate::estimate::Estimate;
 
@@ -84,7 +81,7 @@ fn combined(below: &[f64], first: usize, weights: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
     use crate::error::Result;
-    use crate::simulation::histogram::Counts;
+    use crate::simulation::bins::Counts;
 
     /// Two equal batches on four bins of [0, 4].
     fn of(counts: [usize; 4], outside: usize) -> Result<Distribution> {

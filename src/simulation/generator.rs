@@ -1,6 +1,6 @@
 use super::{
+    bins::Axis,
     boundaries::Boundaries,
-    histogram::Axis,
     passage::{POWERS, Record, powers},
     scheme::Scheme,
     tally::Layout,

@@ -14,7 +14,7 @@
 //! - `batch`, `ensemble`: batches of trajectories, and their way on all threads;
 //! - `paths`: sampled states with the impacts between them;
 //! - `pilot`: a few trajectories ahead of all others, which show the range of the states;
-//! - `tally`, `histogram`, `trend`, `blocks`: the sums that a batch makes of its samples;
+//! - `tally`, `bins`, `histogram`, `trend`, `blocks`: the sums that a batch makes of its samples;
 //! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments less the chance that is
 //!   correlated with them;
 //! - `stationarity`: the test of whether a run still depends on its start;
@@ -28,6 +28,7 @@
 
 mod arrivals;
 mod batch;
+mod bins;
 mod blocks;
 mod boundaries;
 mod calibration;

@@ -1,6 +1,6 @@
 //! What happens on the way: impacts, and up-crossings of levels.
 
-use super::histogram::{Axis, Counts};
+use super::bins::{Axis, Counts};
 use serde::{Deserialize, Serialize};
 
 /// The powers 0, 1, 2 of the speed at a passage: enough for the flux moments 1, 2, 3.

@@ -1,6 +1,6 @@
 use super::{
+    bins::Axis,
     generator::ControlVariates,
-    histogram::Axis,
     passage::Passages,
     pilot::Pilot,
     statistics::{Recorders, Requests},

@@ -1,11 +1,11 @@
 use super::{
     Simulation,
     batch::{Trajectories, deal},
+    bins::Axis,
     boundaries::Boundaries,
     control::Control,
     ensemble::Ensemble,
     generator::ControlVariates,
-    histogram::Axis,
     paths::Paths,
     pilot::Pilot,
     plan::{Plan, equations},
@@ -33,8 +33,12 @@ const TOO_FAST: &str = "next to the system's slower rates it is so fast that def
     steps before the first sample, or two thousand between two: give `burn_in`, `sampling_interval` or `time_step`, and a \
     `time_budget`; a grid needs its `domain` then";
 
-const TOO_MANY_IMPULSES: &str = "impulses of one source are more than eight in it on average: take a shorter one, or white noise \
+const TOO_MANY_IMPULSES: &str = "impulses are more than eight in it on average: take a shorter one, or white noise \
     of the same intensity";
+
+const TOO_OFTEN: &str = "next to the system's own rates they are so many that default times would have more than a million steps \
+    before the first sample, or two thousand between two: white noise of the same intensity has nearly the same density; or give \
+    `burn_in`, `sampling_interval` or `time_step`";
 
 impl<'a> Simulation<'a> {
     /// Runs the simulation.
@@ -194,16 +198,19 @@ impl<'a> Simulation<'a> {
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
-                let (step, rate) = self.chosen_step(problem, &contacts, times, control)?;
                 let given = self.burn_in.is_some() || self.sampling_interval.is_some();
+                let often = problem.impulse_rate() / tuning::time_step::MOST_IMPULSES;
+                let few =
+                    often * times.burn_in <= MOST_DEFAULT_STEPS && often * times.interval <= MOST_DEFAULT_INTERVAL;
+                require(given || few, "rate of the impulses", problem.impulse_rate(), TOO_OFTEN)?;
+                let (step, rate) = self.chosen_step(problem, &contacts, times, control)?;
                 let soon = given
                     || times.burn_in / step <= MOST_DEFAULT_STEPS && times.interval / step <= MOST_DEFAULT_INTERVAL;
                 require(soon, "rate of the motion", rate, TOO_FAST)?;
                 (step, Some(rate))
             }
         };
-        let often = problem.impulses().iter().map(|impulse| impulse.jumps().rate()).fold(0.0, f64::max);
-        require(often * step <= tuning::limits::MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
+        require(problem.impulse_rate() * step <= tuning::limits::MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
         let scheme = Scheme::new(problem, self.amplitude, step);
         let scheme = if merged { scheme.merging(problem) } else { scheme };
         let (timetable, samples) = self.timetable(step, times, merged)?;

@@ -84,7 +84,6 @@ impl<'a> Scheme<'a> {
         } else {
             Noise::Curved
         };
-        let silent = problem.noise().iter().flatten().all(Polynomial::is_zero);
         let induced = noise_induced_drift(problem.noise(), states);
         let corrected = problem.interpretation() == Interpretation::Ito && !induced.iter().all(Polynomial::is_zero);
         Scheme {
@@ -98,7 +97,7 @@ impl<'a> Scheme<'a> {
             coupled: problem.operator().coupled(),
             states,
             processes: problem.noise().len(),
-            silent,
+            silent: !problem.operator().has_white_noise(),
             amplitude,
             noise,
             induced: if corrected { -amplitude * amplitude } else { 0.0 },

@@ -1,7 +1,7 @@
 use super::{
+    bins::{Axis, Counts},
     blocks::Blocks,
     generator::ControlVariates,
-    histogram::{Axis, Counts},
     passage::{POWERS, Passages},
     statistics::{Recorders, Recordings},
     trend::Trend,

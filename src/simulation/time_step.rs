@@ -43,9 +43,8 @@ impl Simulation<'_> {
         // A wall may hold the trajectories where they would hardly ever be without it, and all rates are larger.
         let at_rest = |contact: &Contact| rate(problem, self.amplitude, &contact.at_rest(problem.dimension()));
         let at_wall = contacts.iter().map(at_rest).fold(0.0, f64::max);
-        let often = problem.impulses().iter().fold(0.0, |sum, impulse| sum + impulse.jumps().rate());
         let longest = (times.interval.min(slow) / 20.0).min(burn_in).min(tuning::time_step::LARGEST / at_wall);
-        let longest = longest.min(tuning::time_step::MOST_IMPULSES / often);
+        let longest = longest.min(tuning::time_step::MOST_IMPULSES / problem.impulse_rate());
         let mut step = longest;
         let mut attempt = 0;
         loop {

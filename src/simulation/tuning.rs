@@ -7,7 +7,7 @@ pub(super) mod limits {
     pub(crate) const MOST_TRAJECTORIES: usize = 1 << 20;
     /// The most bins of every batch likewise.
     pub(crate) const MOST_BINS: usize = 1024;
-    /// The most impulses of a source in a time step, on average: their numbers are drawn by a sum over the possible ones.
+    /// The most impulses in a time step, on average: their numbers are drawn by a sum over the possible ones.
     pub(crate) const MOST_IMPULSES: f64 = 8.0;
     /// The most levels whose crossings one simulation counts: each costs time in every step.
     pub(crate) const MOST_LEVELS: usize = 64;

@@ -185,6 +185,14 @@ fn impulses_without_a_meaning_are_refused() -> Result<()> {
     let refused = Simulation::new().samples(1000).time_step(0.1).run(&often);
     assert!(matches!(refused, Err(Error::OutOfRange { name: "time step", .. })), "{refused:?}");
     assert!(Simulation::new().samples(1000).run(&often).is_ok());
+    // So many that no method could follow them in a time that anybody would wait, and finite all the same.
+    for rate in [1e7, 1e12, 1e300] {
+        let problem = struck(0.3, &[laws(rate, 0.2)[0]]);
+        for refused in [Simulation::new().run(&problem).err(), expoly::Closure::new(4).solve(&problem).err()] {
+            let named = |name| name == "rate of the impulses";
+            assert!(matches!(refused, Some(Error::OutOfRange { name, value, .. }) if named(name) && value == rate));
+        }
+    }
     let silent = Problem::of(Struck { cubic: 0.0, white: Intensity::NONE, jumps: Vec::new() });
     assert!(matches!(silent, Err(Error::NoNoise)));
     Ok(())

@@ -1,11 +1,11 @@
 //! Poisson impulses at nodes: jumps within the trust domain.
 
 use super::trust_domain::TrustDomain;
+use crate::closure::pilot::Pilot;
 use crate::closure::space::{Functions, sweep};
 use crate::closure::tuning;
 use crate::fokker_planck::Impulse;
 use crate::numerics::Rule;
-use crate::polynomial::Polynomial;
 use crate::problem::Problem;
 use crate::states::States;
 use crate::system::Amplitude;
@@ -61,41 +61,30 @@ fn rule(amplitude: &Amplitude) -> Rule {
     })
 }
 
-/// The end of the states that a system of one state reaches, on each side of the pilot's `lowest` and `highest`: where nothing but
-/// impulses away from it acts, the state of rest that the drift leads to.
-pub(in crate::closure) fn ends(problem: &Problem, [lowest, highest]: [f64; 2]) -> [Option<f64>; 2] {
-    let silent = problem.operator().diffusion().iter().flatten().all(Polynomial::is_zero);
-    if problem.dimension() != 1 || problem.impulses().is_empty() || !silent {
+/// The end of the states that a system of one state reaches, on each side of the pilot's: where nothing but impulses away from it
+/// acts, the state of rest that the drift leads to.
+pub(in crate::closure) fn ends(problem: &Problem, pilot: &Pilot) -> [Option<f64>; 2] {
+    if problem.dimension() != 1 || problem.impulses().is_empty() || problem.operator().has_white_noise() {
         return [None, None];
     }
-    let drift = |x: f64| problem.operator().drift()[0].evaluate(&[x]);
-    let width = highest - lowest;
+    let states = pilot.states.values().iter().copied();
+    let (lowest, highest) = (states.clone().fold(f64::INFINITY, f64::min), states.fold(f64::NEG_INFINITY, f64::max));
+    let falls = |x: f64| problem.operator().drift()[0].evaluate(&[x]) <= 0.0;
     [(lowest, -1.0), (highest, 1.0)].map(|(extreme, side)| {
         let away = |impulse: &Impulse| {
             let h = impulse.field()[0].evaluate(&[extreme]);
-            // The least that an impulse brings away from this side, on this side of zero.
-            let Rule { nodes, .. } = impulse.jumps().amplitude().rule(tuning::impulses::AMPLITUDES);
-            nodes.iter().all(|y| -side * h * y > 0.0)
+            rule(&impulse.jumps().amplitude()).nodes.iter().all(|y| side * h * y < 0.0)
         };
         if !problem.impulses().iter().all(away) {
             return None;
         }
         // The first change of the drift's sign beyond the extreme state, and then by halves.
-        let step = width / 64.0;
-        let mut inner = extreme;
-        (1..=64).find_map(|k| {
-            let outer = extreme + side * f64::from(k) * step;
-            let changes = (drift(outer) <= 0.0) != (drift(extreme) <= 0.0);
-            if !changes {
-                inner = outer;
-                return None;
-            }
-            let mut bracket = [inner, outer];
-            for _ in 0..60 {
-                let middle = f64::midpoint(bracket[0], bracket[1]);
-                bracket[usize::from((drift(middle) <= 0.0) != (drift(extreme) <= 0.0))] = middle;
-            }
-            Some(bracket[1])
-        })
+        let step = side * (highest - lowest) / 64.0;
+        let beyond = (1..=64).map(|k| extreme + step * f64::from(k)).find(|x| falls(*x) != falls(extreme))?;
+        let halved = |[inner, outer]: [f64; 2], _| {
+            let middle = f64::midpoint(inner, outer);
+            if falls(middle) == falls(extreme) { [middle, outer] } else { [inner, middle] }
+        };
+        Some((0..60).fold([beyond - step, beyond], halved)[1])
     })
 }

@@ -71,18 +71,13 @@ impl Discretisation {
         family: Smooth,
         highest_order: u32,
     ) -> Option<Self> {
-        let extremes = [f64::min as fn(f64, f64) -> f64, f64::max].map(|extreme| {
-            let start = if extreme(0.0, 1.0) == 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
-            pilot.states.iter().map(|x| x[0]).fold(start, extreme)
-        });
-        let ends = impulses::ends(problem, extremes);
+        let ends = impulses::ends(problem, pilot);
         let met = TrustDomain::new(pilot, &family.symmetry, family.centre.clone(), ends, 1.0);
         let coarse = Nodes::gauss(&met, tuning::nodes::COARSE);
         let (centre, half_width) = met.box_around();
         let space = Smooth { centre, half_width, ..family.clone() }.functions(tuning::guess::DEGREE);
-        let (fitted, inflation) =
-            if problem.impulses().is_empty() { (pilot, pilot.inflation) } else { (own, own.inflation) };
-        let guess = likeliest(space, Vec::new(), &coarse, &fitted.states, inflation)?;
+        let fitted = if problem.impulses().is_empty() { pilot } else { own };
+        let guess = likeliest(space, Vec::new(), &coarse, &fitted.states, fitted.inflation)?;
         let domain = met.following(|points| guess.values(points), tuning::domain::DROP, tuning::domain::FOLLOWED);
         let states = problem.dimension();
         // Impulses that leave the domain are cut off between nodes.

@@ -57,7 +57,8 @@ pub(crate) mod pilot {
     /// The same next to walls in three states and more, whose impacts no calibration corrects: with [`STEP`] E xy of an
     /// oscillator under filtered noise above a wall was off by 0.5 %, with 0.1 by up to 0.27 %.
     pub(crate) const STEP_AT_WALLS: f64 = 0.04;
-    /// The most impulses in a time step, on average. A bound on work.
+    /// The most impulses in the shortest of the system's times, and in a time step, on average. Bounds on work.
+    pub(crate) const MOST_OFTEN: f64 = 1e3;
     pub(crate) const MOST_IMPULSES: f64 = 4.0;
     /// The time between states times the fastest rate. +7 %, +6 %.
     pub(crate) const INTERVAL: f64 = 4.0;

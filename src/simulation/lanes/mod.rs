@@ -1,3 +1,4 @@
+mod alone;
 mod steps;
 
 pub(super) use steps::{Workspace, read_lane, write_lane};

@@ -2,7 +2,7 @@ use super::{FirstPassage, Spectrum, cells::at_centre, requests::Point};
 use crate::checks::state_index;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::simulation::{Histogram, SimulatedDensity, histogram::Counts, plan::same_level, tally::Tally};
+use crate::simulation::{Histogram, SimulatedDensity, bins::Counts, plan::same_level, tally::Tally};
 
 impl SimulatedDensity {
     /// The spectral density and the autocovariance of one state.

@@ -3,8 +3,8 @@
 use super::{densities, documents, probe::Probe};
 use crate::draw::Draw;
 use expoly::{
-    Basis, Closure, Density, Grid, Interpretation, PolynomialSystem, Problem, Result, Scalar, Simulation, Splitting,
-    Wall,
+    Amplitude, Basis, Closure, Density, Grid, Interpretation, Jumps, PolynomialSystem, Problem, Result, Scalar,
+    Simulation, Splitting, Wall,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -18,6 +18,8 @@ struct Wild {
     /// By states, then processes.
     noise: Vec<Vec<Terms>>,
     interpretation: Interpretation,
+    /// Each with H by states.
+    impulses: Vec<(Jumps, Vec<Terms>)>,
 }
 
 fn sum<S: Scalar>(terms: &Terms, x: &[S]) -> S {
@@ -39,6 +41,12 @@ impl PolynomialSystem for Wild {
     }
     fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>> {
         self.noise.iter().map(|row| row.iter().map(|terms| sum(terms, x)).collect()).collect()
+    }
+    fn jumps(&self) -> Vec<Jumps> {
+        self.impulses.iter().map(|(jumps, _)| *jumps).collect()
+    }
+    fn impulse<S: Scalar>(&self, source: usize, x: &[S]) -> Vec<S> {
+        self.impulses[source].1.iter().map(|terms| sum(terms, x)).collect()
     }
     fn interpretation(&self) -> Interpretation {
         self.interpretation
@@ -97,11 +105,43 @@ impl Wild {
             }
         }
         let interpretation = draw.of([Interpretation::Ito, Interpretation::Stratonovich]);
-        let mut system = Wild { drift, noise, interpretation };
+        let mut system = Wild { drift, noise, interpretation, impulses: Vec::new() };
         if draw.with(0.2) {
             system.in_other_units(draw);
         }
+        if draw.with(0.25) {
+            system.struck(draw, wild);
+        }
         system
+    }
+
+    /// Under impulses, at times without any other noise. Rates and laws without a meaning are those that the library refuses.
+    fn struck(&mut self, draw: &mut Draw, wild: f64) {
+        let n = self.drift.len();
+        if draw.with(0.5) {
+            self.noise.iter_mut().flatten().for_each(Terms::clear);
+        }
+        for _ in 0..=draw.below(2) {
+            let mut number = || coefficient(draw, wild);
+            let ([a, b], rate) = ([number(), number()], 10.0 * number().abs());
+            let laws = [
+                Amplitude::Normal { mean: 0.0, deviation: b.abs() },
+                Amplitude::Normal { mean: a, deviation: b.abs() },
+                Amplitude::Exponential { mean: a },
+                Amplitude::Uniform { low: a.min(b), high: a.max(b) },
+                Amplitude::TwoPoint { a, b },
+                Amplitude::Laplace { mean: a, scale: b.abs() },
+            ];
+            let Ok(jumps) = Jumps::new(rate, draw.of(laws)) else { continue };
+            let mut field = vec![Terms::new(); n];
+            field[n - 1].push((vec![0; n], 1.0));
+            if draw.with(0.3) {
+                let mut powers = vec![0; n];
+                powers[draw.below(n)] += 1 + draw.below(2) as u32;
+                field[draw.below(n)].push((powers, coefficient(draw, wild)));
+            }
+            self.impulses.push((jumps, field));
+        }
     }
 
     /// The same system with every state and the time in units of another size.

@@ -1,0 +1,56 @@
+//! Impulses of a problem: how often they come, and methods that do not serve them.
+
+use super::flow::midpoint;
+use super::{Problem, TimeScales};
+use crate::error::{Error, Result};
+use crate::fokker_planck::Impulse;
+
+/// Time steps of a flow in the shortest of the system's times, and the number of these times.
+const STEPS: f64 = 20.0;
+const TIMES: f64 = 200.0;
+
+impl Problem {
+    /// The Poisson impulses, each with its H.
+    pub fn impulses(&self) -> &[Impulse] {
+        self.operator().impulses()
+    }
+
+    /// The mean number of impulses of all sources per unit time.
+    pub(crate) fn impulse_rate(&self) -> f64 {
+        self.impulses().iter().fold(0.0, |sum, impulse| sum + impulse.jumps().rate())
+    }
+
+    /// Refuses impulses.
+    ///
+    /// # Errors
+    /// [`Error::NotServed`] where there are any.
+    pub(crate) fn require_no_impulses(&self, method: &'static str) -> Result<()> {
+        let remedy = "take `Closure::new`, or the simulation";
+        let refused = Err(Error::NotServed { method, what: "Poisson impulses", remedy });
+        if self.impulses().is_empty() { Ok(()) } else { refused }
+    }
+
+    /// ρ = Σλ/(−∇·f) where the drift alone leads to from some states: the impulses in the time in which volumes of the state space
+    /// shrink by the factor e. None where white noise acts too, or nothing shrinks.
+    ///
+    /// Between two impulses the state of rest is approached as exp(−t) in these units, and waiting times are exponential: the
+    /// density is r^(ρ−1) times a volume r near it, unbounded for ρ < 1 and rough for some more.
+    pub(crate) fn impulses_while_shrinking<'a>(&self, states: impl Iterator<Item = &'a [f64]>) -> Option<f64> {
+        if self.impulses().is_empty() || self.operator().has_white_noise() {
+            return None;
+        }
+        let step = TimeScales::of(self).ok()?.short(1.0) / STEPS;
+        let moved = vec![1.0; self.dimension()];
+        let drift = |x: &Vec<f64>| {
+            let mut drift = vec![0.0; x.len()];
+            self.field().ito_drift(x, &mut drift);
+            drift
+        };
+        let shrinking = |x: &[f64]| {
+            let steps = (STEPS * TIMES) as usize;
+            let end = (0..steps).fold(x.to_vec(), |x, _| midpoint(x, step, &moved, drift));
+            Some(-self.field().divergence(&end)).filter(|shrinking| *shrinking > 0.0)
+        };
+        states.filter_map(shrinking).map(|shrinking| self.impulse_rate() / shrinking).reduce(f64::min)
+    }
+}
