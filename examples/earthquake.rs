@@ -47,7 +47,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let envelope = Envelope::exponentials(amplitude, slow, fast)?;
     // The mesh is that of the stationary density under the strongest noise.
     let stationary = Grid::new().degree(options.degree).solve(&problem)?;
-    let (rest, level) = (Start::Point([0.0, 0.0]), options.level);
+    let (rest, level) = (Start::Point(vec![0.0, 0.0]), options.level);
     // In the first two units of time the density is too narrow for the mesh.
     let times: Vec<f64> = (0..).map(|k| 2.0 + INTERVAL * f64::from(k)).take_while(|t| *t <= options.duration).collect();
     let transients = stationary.modulated_transient(&envelope, &rest, &times, 1e-3)?;

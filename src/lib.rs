@@ -11,8 +11,8 @@
 //! | What is its density, as a formula p = C exp(Q)? | [`Closure`]; above a wall as well, with [`Wall`] |
 //! | Is that right? | [`ClosureDensity::l1_estimate`]; [`Grid`], [`Simulation`], [`compare`] |
 //! | What lies in the far tail? | [`Splitting`] |
+//! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`ClosureDensity::relaxation`]; [`GridDensity::transient`], [`Envelope`] |
 //! | How likely, how often, how soon? | [`statistics`]; [`Survival`] without Poisson's assumption |
-//! | How does it get there, under noise that rises and fades as well? | [`GridDensity::transient`], [`Envelope`] |
 //! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
 //! | Which order is enough, what depends on a parameter? | [`study`] |
 //! | Which systems are solved? | [`models`] |
@@ -47,6 +47,7 @@ mod states;
 pub mod statistics;
 pub mod study;
 mod system;
+mod transient;
 
 pub use closed_form::ClosedForm;
 pub use closure::{
@@ -57,7 +58,7 @@ pub use envelope::Envelope;
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, Impulse};
-pub use grid::{Grid, GridDensity, Relaxation, Start, Survival, Transient};
+pub use grid::{Grid, GridDensity, Survival};
 pub use polynomial::{Gaussian, Polynomial};
 pub use problem::{Problem, Wall};
 pub use provenance::{Provenance, Stopped};
@@ -69,3 +70,4 @@ pub use simulation::{
 };
 pub use states::States;
 pub use system::{Amplitude, Intensity, Interpretation, Jumps, Oscillator, PolynomialDrift, PolynomialSystem};
+pub use transient::{Relaxation, Start, Transient};

@@ -22,12 +22,15 @@
 //! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
 //! reference as well. Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls. `tuning` lists the constants that decide something, step by step.
 //!
+//! `dynamics` follows densities in time, by the moment equations that `reference` solves for the stationary one.
+//!
 //! `classical` is the literature's method.
 
 mod candidates;
 mod classical;
 mod density;
 mod discretisation;
+mod dynamics;
 mod method;
 mod nodal;
 mod pilot;

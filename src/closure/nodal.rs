@@ -9,6 +9,7 @@ use super::discretisation::Discretisation;
 use super::discretisation::likelihood::likeliest;
 use super::discretisation::nodes::{Nodes, Table};
 use super::discretisation::trust_domain::TrustDomain;
+use super::dynamics::Dynamics;
 use super::pilot::Pilot;
 use super::projection::{Weight, project, tempered};
 use super::reference::{Reference, Start, normalised};
@@ -19,6 +20,7 @@ use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::{Rule, exponentials};
+use crate::problem::Problem;
 use crate::provenance::Provenance;
 use crate::states::States;
 use faer::{Mat, MatRef};
@@ -26,6 +28,7 @@ use std::time::Instant;
 
 /// The parts of a closure that are the same at all orders of one system.
 pub(super) struct NodalClosure {
+    pub(super) problem: Problem,
     pub(super) discretisation: Discretisation,
     /// The start that a similar system's reference gives.
     pub(super) start: Option<Start>,
@@ -48,7 +51,9 @@ impl NodalClosure {
     /// # Errors
     /// [`Error::NotClosed`] if the pilot's states allow no density at all.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
-        Ok(ClosureDensity::new(self.content(order)?))
+        let content = self.content(order)?;
+        let weight = content.reference.as_ref().map_or(&content.exponent, |reference| &reference.weight).clone();
+        Ok(ClosureDensity::new(content).moving(Dynamics::new(&self.problem, &self.discretisation, weight, self.rare)))
     }
 
     /// The content of an order's density.
@@ -110,7 +115,7 @@ impl NodalClosure {
             guarded: self.guarded,
             rare: self.rare,
             candidates,
-            indication,
+            indication: Some(indication),
             provenance,
         })
     }
@@ -130,7 +135,7 @@ impl NodalClosure {
         let Discretisation { nodes, guess, .. } = &self.discretisation;
         // Between the flat weights and the steep ones that the functions are used with.
         let measure = tempered(&guess.values(&nodes.points), &nodes.weights, tuning::reference::FLATNESS);
-        Table::new(&self.discretisation, &nested.all, &measure)
+        Table::new(self.discretisation.generator(), &nested.all, &measure)
     }
 
     /// The scoring of an order's densities, by the reference as it stands and as an exponential polynomial.

@@ -153,7 +153,7 @@ impl Sampled {
             candidates: vec![candidate],
             moments: found.moments,
             impacts: found.impacts,
-            indication: Indication { indicator: found.residual[0], residual: found.residual[1] },
+            indication: Some(Indication { indicator: found.residual[0], residual: found.residual[1] }),
             provenance,
         }))
     }
@@ -195,6 +195,7 @@ impl Sampled {
         let discretisation =
             Discretisation::on_lattice(problem, (domain, family), (nodes.points, weights), guess.exponent.clone());
         let nodal = NodalClosure {
+            problem: problem.clone(),
             discretisation,
             start: None,
             pilot: pilot.clone(),

@@ -151,7 +151,7 @@ impl Closure {
         let discretisation =
             if heavy { None } else { Discretisation::new(problem, [own, inflated], family, self.highest()) };
         let rare = is_rare(problem, own);
-        let nodal = NodalClosure { rare, ..self.nodal(discretisation, pilots, begin)? };
+        let nodal = NodalClosure { rare, ..self.nodal(problem, discretisation, pilots, begin)? };
         self.at_order(tuning::space::HIGHEST_ORDER, false, |order| nodal.closed(order))
     }
 
@@ -183,12 +183,13 @@ impl Closure {
             return Err(Error::NotClosed { order: self.lowest(), reason });
         }
         let discretisation = walled::walled(problem, &inflated, walls);
-        let nodal = self.nodal(discretisation, [&pilot, &inflated], begin)?;
+        let nodal = self.nodal(problem, discretisation, [&pilot, &inflated], begin)?;
         self.at_order(tuning::space::HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
     }
 
     fn nodal(
         &self,
+        problem: &Problem,
         discretisation: Option<Discretisation>,
         [pilot, inflated]: [&Pilot; 2],
         begin: Instant,
@@ -202,9 +203,10 @@ impl Closure {
             Start { weight, ..*start }
         };
         let start = self.start.as_ref().map(own);
-        let (pilot, inflation) = (pilot.clone(), inflated.inflation);
+        let (problem, pilot, inflation) = (problem.clone(), pilot.clone(), inflated.inflation);
         let (weight, guarded, seed) = (self.weight, self.guard, self.seed);
         Ok(NodalClosure {
+            problem,
             discretisation,
             start,
             pilot,

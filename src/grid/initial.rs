@@ -4,41 +4,45 @@ use super::density::GridDensity;
 use super::field::Field;
 use super::moments::Moments;
 use super::space::{Side, Space};
-use super::transient::Start;
-use crate::checks::{dimension, finite, require};
-use crate::density::Frame;
+use crate::checks::require;
+use crate::density::{Density, Frame};
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::grid::tuning;
 use crate::numerics::Rule;
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, gaussian_after};
+use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A start at the time from which on a mesh holds it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(super) struct Initial {
     pub(super) time: f64,
-    /// The Gaussian at that time; none for the stationary density.
-    gaussian: Option<Gaussian>,
+    law: Law,
+}
+
+/// The density at that time.
+#[derive(Clone)]
+enum Law {
+    Stationary,
+    Gaussian(Gaussian),
+    Density(Arc<dyn Density>),
 }
 
 impl GridDensity {
     /// The start at the time at which it is wide enough for `space`.
     pub(super) fn initial(&self, start: &Start, space: &Space, envelope: Option<&Envelope>) -> Result<Initial> {
+        start.check(2)?;
+        let at_once = |law| Ok(Initial { time: 0.0, law });
         let x = match start {
-            Start::Stationary => return Ok(Initial { time: 0.0, gaussian: None }),
-            Start::Gaussian(gaussian) => {
-                dimension("the start of a transient", gaussian.mean.len(), 2)?;
-                Frame::new(gaussian)?;
-                return Ok(Initial { time: 0.0, gaussian: Some(gaussian.clone()) });
-            }
-            Start::Point(x) => *x,
+            Start::Stationary => return at_once(Law::Stationary),
+            Start::Gaussian(gaussian) => return at_once(Law::Gaussian(gaussian.clone())),
+            Start::Density(density) => return at_once(Law::Density(Arc::clone(density))),
+            Start::Point(x) => [x[0], x[1]],
         };
-        for value in x {
-            finite("start of a transient", value)?;
-        }
         let least: [f64; 2] = std::array::from_fn(|i| {
             let axis = &space.axes[i];
             let cell = axis.locate(x[i] - axis.origin).unwrap_or(0);
@@ -54,7 +58,7 @@ impl GridDensity {
         for _ in 0..800 {
             step = if narrow.advance(step) { first } else { 1.1 * step };
             if wide(&narrow.gaussian) {
-                return Ok(Initial { time: narrow.time, gaussian: Some(narrow.gaussian) });
+                return Ok(Initial { time: narrow.time, law: Law::Gaussian(narrow.gaussian) });
             }
         }
         let remedy = "the noise does not spread this start: give a Gaussian";
@@ -66,26 +70,40 @@ impl Initial {
     /// The density on `space`; of the stationary density, `stationary` is the solution of the same degree.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if a Gaussian is too narrow for the mesh, or reaches beyond a wall or an edge.
+    /// [`Error::OutOfRange`] if a start is too narrow for the mesh, or reaches beyond a wall or an edge.
     pub(super) fn field(&self, stationary: &Field, space: &Space) -> Result<Field> {
-        let Some(gaussian) = &self.gaussian else {
-            let same = stationary.space == *space;
-            return Ok(if same { stationary.clone() } else { Field::projected(space, |x| stationary.value(&x)) });
+        let (field, expected) = match &self.law {
+            Law::Stationary => {
+                let same = stationary.space == *space;
+                return Ok(if same { stationary.clone() } else { Field::projected(space, |x| stationary.value(&x)) });
+            }
+            Law::Gaussian(gaussian) => (Field::projected(space, normal(gaussian)?), inside(gaussian, space)),
+            Law::Density(density) => {
+                // What is not known makes a mass that is refused.
+                let value = |x: [f64; 2]| density.log_pdf(&x).map_or(f64::NAN, f64::exp);
+                let field = Field::projected(space, value);
+                // Between levels, what lies beyond them is not known.
+                let expected = if space.sides.contains(&Side::Level) { field.mass().clamp(0.0, 1.0) } else { 1.0 };
+                (field, expected)
+            }
         };
-        let frame = Frame::new(gaussian)?;
-        let volume = (TAU.ln() + frame.log_volume()).exp();
-        let (origin, inverse) = (frame.origin(), frame.inverse());
-        let density = |x: [f64; 2]| {
-            let [dx, dy] = [x[0] - origin[0], x[1] - origin[1]];
-            let [a, b] = [inverse[(0, 0)] * dx, inverse[(1, 0)] * dx + inverse[(1, 1)] * dy];
-            (-(a * a + b * b) / 2.0).exp() / volume
-        };
-        let field = Field::projected(space, density);
         let mass = field.mass();
         let remedy = "the start must lie inside the domain, away from walls, and be wide enough for the mesh";
-        require((mass - inside(gaussian, space)).abs() <= 1e-3, "mass of the start on the mesh", mass, remedy)?;
+        require((mass - expected).abs() <= 1e-3, "mass of the start on the mesh", mass, remedy)?;
         Ok(field)
     }
+}
+
+/// The values of a normal density.
+fn normal(gaussian: &Gaussian) -> Result<impl Fn([f64; 2]) -> f64 + Sync> {
+    let frame = Frame::new(gaussian)?;
+    let volume = (TAU.ln() + frame.log_volume()).exp();
+    Ok(move |x: [f64; 2]| {
+        let (origin, inverse) = (frame.origin(), frame.inverse());
+        let [dx, dy] = [x[0] - origin[0], x[1] - origin[1]];
+        let [a, b] = [inverse[(0, 0)] * dx, inverse[(1, 0)] * dx + inverse[(1, 1)] * dy];
+        (-(a * a + b * b) / 2.0).exp() / volume
+    })
 }
 
 /// The probability of a Gaussian between the levels that absorb.

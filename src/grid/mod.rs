@@ -34,9 +34,7 @@ mod tuning;
 mod wall;
 
 pub use density::GridDensity;
-pub use relaxation::Relaxation;
 pub use survival::Survival;
-pub use transient::{Start, Transient};
 
 use crate::checks::{finite, positive, require};
 use crate::error::{Error, Result};

@@ -4,19 +4,8 @@ use super::assembly::Discretisation;
 use crate::error::Result;
 use crate::grid::tuning;
 use crate::numerics::eigenvalues;
+use crate::transient::Relaxation;
 use nalgebra::{Complex, DMatrix, DVector};
-
-/// One mode of relaxation, p(x, t) ~ exp(−rate t) cos(frequency t).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Relaxation {
-    /// The rate at which the mode decays, per unit time. Zero for the stationary density itself.
-    pub rate: f64,
-    /// Its circular frequency, not negative; modes with a frequency are pairs, of which one is listed.
-    pub frequency: f64,
-    /// The change of rate and frequency against a smaller Krylov space: the error of the eigenvalue of the discrete operator,
-    /// not of the discretisation.
-    pub error: f64,
-}
 
 /// The `count` slowest of the eigenvalues of K next to zero, by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
 /// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ.
@@ -42,7 +31,7 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
         if k + 1 == krylov || norm < 1e-14 * hessenberg.column(k).norm() {
             let used = k + 1;
             let smaller = rates(&hessenberg, tuning::march::SMALLER.min(used * 3 / 4), shift);
-            return Ok(listed(&rates(&hessenberg, used, shift), &smaller, count));
+            return Ok(Relaxation::slowest(rates(&hessenberg, used, shift), &smaller, count));
         }
         hessenberg[(k + 1, k)] = norm;
         basis.push(next / norm);
@@ -50,27 +39,14 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
     Ok(Vec::new())
 }
 
-/// The eigenvalues μ of the leading block, by rising modulus.
+/// The eigenvalues μ of the leading block.
 fn rates(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
     let block = hessenberg.view((0, 0), (size, size)).into_owned();
-    let mut all: Vec<[f64; 2]> = eigenvalues(block)
+    eigenvalues(block)
         .unwrap_or_default()
         .iter()
         .map(Complex::inv)
         .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)
         .map(|inverse| [inverse.re - shift, inverse.im.abs()])
-        .collect();
-    all.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
-    all
-}
-
-fn listed(all: &[[f64; 2]], smaller: &[[f64; 2]], count: usize) -> Vec<Relaxation> {
-    let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let nearest = |a: &[f64; 2]| smaller.iter().map(|b| distance(a, b)).fold(f64::INFINITY, f64::min);
-    let mode = |a: &[f64; 2]| Relaxation { rate: a[0], frequency: a[1], error: nearest(a) };
-    // Twice as many as requested, so that those with a frequency, which lie further from zero, are among them.
-    let mut modes: Vec<Relaxation> = all.iter().take(count.saturating_mul(2)).map(mode).collect();
-    modes.sort_by(|a, b| a.rate.total_cmp(&b.rate));
-    modes.truncate(count);
-    modes
+        .collect()
 }

@@ -7,12 +7,13 @@ use super::initial::Initial;
 use super::layout::Layout;
 use super::relaxation::slowest;
 use super::space::{Side, Space};
-use super::transient::{Plan, Start, Steps};
+use super::transient::{Plan, Steps};
 use crate::checks::{positive, require};
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::grid::tuning;
+use crate::transient::{Start, check_times};
 
 /// The survival of a displacement that must pass no level: P(T > t) for the time T of its first passage, without Poisson's
 /// assumption that passages are independent of each other.
@@ -162,13 +163,10 @@ impl Survival {
         times: &[f64],
         tolerance: f64,
     ) -> Result<Vec<Estimate>> {
-        if let Some(&first) = times.first() {
-            require(first >= 0.0, "first time of a survival", first, "it must not be negative")?;
-        }
+        check_times(times, 0.0, "it must not be negative")?;
         // The density has passed nothing until the mesh resolves it.
         let initial = self.initial(start, envelope)?;
         let early = times.partition_point(|time| *time <= initial.time);
-        Plan::new(envelope, times, tolerance)?;
         let plan = Plan::new(envelope, &times[early..], tolerance)?;
         let [fine, coarse] = self.both(|space, stationary| {
             let field = initial.field(stationary, space)?;

@@ -1,43 +1,19 @@
-//! Transient densities p(x, t) and the rates at which transients die.
+//! Transient densities p(x, t) on the mesh of the stationary one, and the rates at which transients die.
 
 use super::assembly::Discretisation;
 use super::density::GridDensity;
 use super::domain::Profile;
 use super::field::Field;
 use super::march::March;
-use super::relaxation::{Relaxation, slowest};
+use super::relaxation::slowest;
 use super::solver::difference;
 use super::space::Side;
-use crate::checks::{finite, positive, require};
+use crate::checks::positive;
 use crate::density::Density;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
-use crate::estimate::Estimate;
 use crate::grid::tuning;
-use crate::polynomial::Gaussian;
-
-/// Where a transient starts.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Start {
-    /// A known state. No mesh holds a point: the density is followed as a Gaussian, with the exact moments of the Gaussian
-    /// closure, until it is as wide as the mesh resolves, and on the mesh from then on.
-    Point([f64; 2]),
-    /// A normal distribution. It should be wide enough for the mesh, which the error estimates show.
-    Gaussian(Gaussian),
-    /// The stationary density.
-    Stationary,
-}
-
-/// A transient density at one time.
-#[derive(Clone, Debug)]
-pub struct Transient {
-    /// The time since the start.
-    pub time: f64,
-    /// p(x, t). Its errors are differences between two degrees; the steps' errors are in `step_error`.
-    pub density: GridDensity,
-    /// The sum of the time steps' error estimates up to here, relative to the root mean square of p.
-    pub step_error: f64,
-}
+use crate::transient::{Relaxation, Start, Transient, check_times};
 
 impl GridDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
@@ -76,7 +52,7 @@ impl GridDensity {
     /// # Errors
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the first one that the mesh resolves, the tolerance is
     /// not positive, or the start lies (partly) outside the domain; [`Error::Dimension`] for a start in other than two states.
-    pub fn transient(&self, start: &Start, times: &[f64], tolerance: f64) -> Result<Vec<Transient>> {
+    pub fn transient(&self, start: &Start, times: &[f64], tolerance: f64) -> Result<Vec<Transient<Self>>> {
         self.evolved(None, start, times, tolerance)
     }
 
@@ -91,7 +67,7 @@ impl GridDensity {
     /// use expoly::{Envelope, Grid, Start, models::{Linear, Solved}};
     /// let density = Grid::new().degree(6).solve(&Linear::new(0.5, 1.0, 0.5)?.problem()?)?;
     /// let burst = Envelope::steps([(0.0, 1.0), (3.0, 0.0)])?;
-    /// let after = density.modulated_transient(&burst, &Start::Point([0.0, 0.0]), &[3.0, 4.0], 1e-4)?;
+    /// let after = density.modulated_transient(&burst, &Start::Point(vec![0.0, 0.0]), &[3.0, 4.0], 1e-4)?;
     /// let [during, later] = [0, 1].map(|k| after[k].moment(&[0, 2]));
     /// assert!(later?.value < 0.7 * during?.value);
     /// # Ok::<(), expoly::Error>(())
@@ -102,7 +78,7 @@ impl GridDensity {
         start: &Start,
         times: &[f64],
         tolerance: f64,
-    ) -> Result<Vec<Transient>> {
+    ) -> Result<Vec<Transient<Self>>> {
         self.evolved(Some(envelope), start, times, tolerance)
     }
 
@@ -112,12 +88,11 @@ impl GridDensity {
         start: &Start,
         times: &[f64],
         tolerance: f64,
-    ) -> Result<Vec<Transient>> {
-        let plan = Plan::new(envelope, times, tolerance)?;
+    ) -> Result<Vec<Transient<Self>>> {
         let initial = self.initial(start, &self.fine.space, envelope)?;
-        let first = times.first().copied().unwrap_or(initial.time);
         let remedy = "before that time the density is too narrow for the mesh: take more cells or a later time";
-        require(first >= initial.time, "first time of a transient", first, remedy)?;
+        check_times(times, initial.time, remedy)?;
+        let plan = Plan::new(envelope, times, tolerance)?;
         let march =
             |stationary: &Field| self.marched(&plan, initial.time, initial.field(stationary, &stationary.space)?);
         let (fine, coarse) = rayon::join(|| march(&self.fine), || march(&self.coarse));
@@ -186,13 +161,9 @@ pub(super) struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     /// # Errors
-    /// [`Error::OutOfRange`] unless times rise and are finite, and the tolerance is positive.
+    /// [`Error::OutOfRange`] unless the tolerance is positive.
     pub(super) fn new(envelope: Option<&'a Envelope>, times: &'a [f64], tolerance: f64) -> Result<Self> {
         positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
-        times.iter().try_for_each(|&time| finite("time of a transient", time).map(|_| ()))?;
-        for pair in times.windows(2) {
-            positive("time to the next density", pair[1] - pair[0], "give times in rising order")?;
-        }
         Ok(Plan { envelope, times, tolerance })
     }
 }
@@ -204,15 +175,4 @@ pub(super) struct Steps {
     pub(super) error: f64,
     /// The mass of the sum of their differences from a lower order.
     pub(super) mass: f64,
-}
-
-impl Transient {
-    /// A raw moment E[x₁^p₁ x₂^p₂] at this time, its error that of space and steps together.
-    ///
-    /// # Errors
-    /// As [`GridDensity`]'s own moments.
-    pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        let moment = self.density.moment(powers)?;
-        Ok(Estimate::new(moment.value, moment.error + self.step_error * moment.value.abs()))
-    }
 }

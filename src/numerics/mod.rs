@@ -1,5 +1,5 @@
 //! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, least
-//! squares, maxima of concave functions, exponentials of many numbers, functions at several points at once.
+//! squares, maxima of concave functions, exponentials of many numbers and of matrices, functions at several points at once.
 
 mod ascent;
 mod definite;
@@ -9,7 +9,9 @@ mod gram;
 mod least_norm;
 pub(crate) mod legendre;
 mod number;
+mod propagation;
 mod quadrature;
+mod resolvent;
 mod tall;
 
 pub(crate) use ascent::{Concave, Search, Summit};
@@ -19,5 +21,7 @@ pub(crate) use exponential::exponentials;
 pub(crate) use gram::{add_gram, symmetric, weighted_gram};
 pub(crate) use least_norm::least_norm;
 pub(crate) use number::{EIGHT, Eight, Number};
+pub(crate) use propagation::propagated;
 pub(crate) use quadrature::Rule;
+pub(crate) use resolvent::Resolvent;
 pub(crate) use tall::{combination, divide_by_triangle, stretches, triangle, weighted_product, weighted_sum};

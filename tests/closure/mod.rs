@@ -2,6 +2,7 @@
 
 mod classical_walls;
 mod closed_forms;
+mod dynamics;
 mod impulses;
 mod many_states;
 mod references;

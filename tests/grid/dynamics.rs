@@ -96,7 +96,7 @@ fn a_point_start_agrees_with_a_simulation() {
     const PATHS: usize = 200_000;
     const STEP: f64 = 0.032;
     let times = [0.8, 1.6, 3.2, 6.4];
-    let densities = duffing().transient(&Start::Point([1.0, 0.0]), &times, 1e-4).unwrap();
+    let densities = duffing().transient(&Start::Point(vec![1.0, 0.0]), &times, 1e-4).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut sums = [[0.0; 10]; 4];
     let kick = (2.0 * 0.2 * STEP).sqrt();
@@ -175,8 +175,8 @@ fn transients_without_a_meaning_are_refused() {
         refused(Start::Gaussian(wide), &[-1.0], 1e-3),
         refused(Start::Gaussian(flat), &[1.0], 1e-3),
         refused(Start::Gaussian(far), &[1.0], 1e-3),
-        refused(Start::Point([f64::NAN, 0.0]), &[1.0], 1e-3),
-        refused(Start::Point([1.0, 0.0]), &[1e-9], 1e-3),
+        refused(Start::Point(vec![f64::NAN, 0.0]), &[1.0], 1e-3),
+        refused(Start::Point(vec![1.0, 0.0]), &[1e-9], 1e-3),
     ] {
         assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
     }

@@ -105,7 +105,7 @@ fn a_point_starts_under_noise_that_rises() {
     let density = system.solved();
     let late = Envelope::steps([(1.5, 1.0)]).unwrap();
     for envelope in [&envelopes()[0], &late] {
-        let found = density.modulated_transient(envelope, &Start::Point([0.8, -0.5]), &[3.0], 1e-5).unwrap();
+        let found = density.modulated_transient(envelope, &Start::Point(vec![0.8, -0.5]), &[3.0], 1e-5).unwrap();
         let truth = system.moments(envelope, [0.8, -0.5, 0.64, -0.4, 0.25], 3.0);
         for (powers, truth) in POWERS.iter().zip(truth) {
             let moment = found[0].moment(powers).unwrap();
@@ -163,7 +163,7 @@ fn survival_of_an_earthquake_agrees_with_a_simulation() {
     let density = Grid::new().degree(5).grazing(1e-2).solve(&problem(crate::common::duffing())).unwrap();
     let envelope = Envelope::exponentials(1.3, 0.09, 1.49).unwrap();
     let survival = density.survival([-level, level]).unwrap();
-    let found = survival.modulated_probability(&envelope, &Start::Point([0.0, 0.0]), &times, 1e-3).unwrap();
+    let found = survival.modulated_probability(&envelope, &Start::Point(vec![0.0, 0.0]), &times, 1e-3).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let steps = (20.0 / STEP).round() as usize;
     let kicks: Vec<f64> = (0..steps).map(|n| envelope.value(STEP * (n as f64 + 0.5)) * (0.4 * STEP).sqrt()).collect();

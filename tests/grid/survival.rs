@@ -142,7 +142,7 @@ fn survival_agrees_with_a_count() {
 #[test]
 fn starts_of_every_kind_survive() {
     let survival = below(2.0 * SIGMA);
-    let found = survival.probability(&Start::Point([0.0, 0.0]), &[0.0, 0.1, 5.0, 10.0], 1e-3).unwrap();
+    let found = survival.probability(&Start::Point(vec![0.0, 0.0]), &[0.0, 0.1, 5.0, 10.0], 1e-3).unwrap();
     println!("{found:?}");
     assert!((found[0].value - 1.0).abs() < 1e-3 && found[0].value == found[1].value);
     assert!(found[3].value < found[2].value && found[2].value < 1.0);
@@ -180,7 +180,7 @@ fn survivals_without_a_meaning_are_refused() {
         asked(&Start::Stationary, &[f64::NAN], 1e-3),
         asked(&Start::Stationary, &[0.0, NONE], 1e-3),
         asked(&Start::Stationary, &[1.0], 0.0),
-        asked(&Start::Point([f64::NAN, 0.0]), &[1.0], 1e-3),
+        asked(&Start::Point(vec![f64::NAN, 0.0]), &[1.0], 1e-3),
         asked(&gaussian(0.0, 1e-6), &[1.0], 1e-3),
     ] {
         assert!(matches!(error, Error::OutOfRange { .. }), "{error}");

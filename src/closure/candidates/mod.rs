@@ -32,6 +32,10 @@ pub enum Origin {
     /// The most likely density for the pilot's states, whose means the moment equations have calibrated in three states and
     /// more: as good as their number.
     MaximumLikelihood,
+    /// A transient density of the moment equations under the weight of the stationary one.
+    StationaryWeight,
+    /// A transient density in coordinates that move with it.
+    MovingFrame,
 }
 
 impl fmt::Display for Origin {
@@ -40,6 +44,8 @@ impl fmt::Display for Origin {
             Origin::MomentEquations { tails } => f.pad(&format!("moment equations, tails {tails:.3}")),
             Origin::Exact => f.pad("exact"),
             Origin::MaximumLikelihood => f.pad("maximum likelihood"),
+            Origin::StationaryWeight => f.pad("moment equations in time"),
+            Origin::MovingFrame => f.pad("moving frame"),
         }
     }
 }
@@ -207,7 +213,7 @@ impl Retained {
         let all = &discretisation.nodes;
         let values = |points: &States| reference.values(points);
         let outermost = || discretisation.domain.above(values, discretisation.drop);
-        let domain = if discretisation.impulses.is_empty() {
+        let domain = if discretisation.impulses.is_empty() || all.points.dimension() > 2 {
             outermost()
         } else {
             let masses: Vec<f64> = reference.logarithm.iter().zip(&all.weights).map(|(log, w)| log.exp() * w).collect();
@@ -215,7 +221,9 @@ impl Retained {
             for (mass, x) in masses.iter().zip(&all.points) {
                 mean.iter_mut().zip(x).for_each(|(mean, x)| *mean += mass * x);
             }
-            let first = discretisation.domain.around(&mean, values, discretisation.drop);
+            let whole = &discretisation.domain;
+            let farthest = 2.0 * whole.reach.iter().copied().fold(0.0, f64::max);
+            let first = whole.to_first_fall(&mean, &whole.scale, values, discretisation.drop, farthest);
             // From between two wells a ray may fall before it rises into one of them.
             let inside = masses.iter().zip(&all.points).filter(|(_, x)| first.contains(x)).map(|(mass, _)| mass);
             if inside.sum::<f64>() > tuning::impulses::KEPT { first } else { outermost() }

@@ -40,7 +40,9 @@ pub(crate) struct Content {
     pub(in crate::closure) rare: bool,
     /// The chosen one first.
     pub(in crate::closure) candidates: Vec<Candidate>,
-    pub(in crate::closure) indication: Indication,
+    /// None at a time, where there is no stationary equation to satisfy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(in crate::closure) indication: Option<Indication>,
     pub(in crate::closure) provenance: Provenance,
 }
 
@@ -81,6 +83,12 @@ impl Content {
         } else if self.rare {
             Some(
                 "impulses are so rare that the density is rough or unbounded where the motion comes to rest between them",
+            )
+        } else if chosen.l1_estimate > tuning::UNRELIABLE
+            && matches!(chosen.origin, Origin::StationaryWeight | Origin::MovingFrame)
+        {
+            Some(
+                "the estimated error is large: the density is too narrow for its polynomials at this time; take a later one",
             )
         } else if chosen.l1_estimate > tuning::UNRELIABLE {
             Some("the estimated error is large: take a higher order")

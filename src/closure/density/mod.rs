@@ -11,6 +11,7 @@ pub(super) mod impacts;
 use super::candidates::Candidate;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
+use super::dynamics::Dynamics;
 use super::reference::Start;
 use super::samples::Copula;
 use crate::checks::point;
@@ -26,6 +27,7 @@ use content::{Content, Integrals};
 use exponent::Exponent;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
+use std::sync::Arc;
 
 /// The closure's answer: p = C exp(Q) on its trust domain, with estimates of its own error.
 ///
@@ -41,6 +43,8 @@ pub struct ClosureDensity {
     /// Gauss nodes or those of a lattice, and p̃ and p̂ there times the weights; none where integrals are taken on draws.
     pub(super) nodes: States,
     pub(super) masses: Vec<[f64; 2]>,
+    /// What questions of time are answered by; none for a density from a document, and in three states and more.
+    pub(super) dynamics: Option<Arc<Dynamics>>,
 }
 
 impl Serialize for ClosureDensity {
@@ -63,16 +67,14 @@ impl ClosureDensity {
         let chosen = content.candidates[0];
         content.provenance = Provenance {
             method: String::from("closure"),
-            termination: Some(String::from(if content.indication.residual > tuning::density::ROOT {
-                "least residual"
-            } else {
-                "root"
-            })),
+            termination: content.indication.map(|indication| {
+                String::from(if indication.residual > tuning::density::ROOT { "least residual" } else { "root" })
+            }),
             origin: Some(chosen.origin.to_string()),
             warning: content.warning().map(str::to_owned),
             l1_estimate: Some(chosen.l1_estimate),
-            indicator: Some(content.indication.indicator),
-            residual: Some(content.indication.residual),
+            indicator: content.indication.map(|indication| indication.indicator),
+            residual: content.indication.map(|indication| indication.residual),
             ..content.provenance
         };
         let (points, weights) = match (&content.integrals, &content.lattice) {
@@ -92,7 +94,12 @@ impl ClosureDensity {
         });
         let pairs = own.iter().zip(reference.as_ref().unwrap_or(&own)).zip(&weights);
         let masses = pairs.map(|((p, q), w)| [w * p, w * q]).collect();
-        ClosureDensity { content, nodes: points, masses }
+        ClosureDensity { content, nodes: points, masses, dynamics: None }
+    }
+
+    /// The same with what questions of time are answered by.
+    pub(super) fn moving(self, dynamics: Dynamics) -> Self {
+        ClosureDensity { dynamics: Some(Arc::new(dynamics)), ..self }
     }
 
     /// How this density came about.
@@ -111,14 +118,15 @@ impl ClosureDensity {
         self.content.candidates[0].l1_estimate
     }
 
-    /// The indicator η: the residual tested against polynomials of a higher degree than Q's, in a norm of p̃.
+    /// The indicator η: the residual tested against polynomials of a higher degree than Q's, in a norm of p̃; infinite for a
+    /// transient density, which satisfies no stationary equation.
     pub fn indicator(&self) -> f64 {
-        self.content.indication.indicator
+        self.content.indication.map_or(f64::INFINITY, |indication| indication.indicator)
     }
 
     /// ‖F‖, the Galerkin equations of Q's own functions under p̃.
     pub fn residual(&self) -> f64 {
-        self.content.indication.residual
+        self.content.indication.map_or(f64::INFINITY, |indication| indication.residual)
     }
 
     /// Whether all Galerkin equations hold: an exact density is a root, most others are the best of their order and none.

@@ -23,7 +23,7 @@ use crate::numerics::Rule;
 use crate::problem::Problem;
 use crate::states::States;
 use likelihood::likeliest;
-use nodes::Nodes;
+use nodes::{NodalGenerator, Nodes};
 use rayon::prelude::*;
 use trust_domain::TrustDomain;
 
@@ -104,6 +104,12 @@ impl Discretisation {
         let (family, lines, passages) = (SpaceFamily::Smooth(family), Vec::new(), Vec::new());
         let (impulses, drop) = (Vec::new(), f64::INFINITY);
         Discretisation { family, domain, nodes, locals, lines, passages, impulses, fixed, guess, drop }
+    }
+
+    /// The generator at the nodes.
+    pub(super) fn generator(&self) -> NodalGenerator<'_> {
+        let Discretisation { domain, nodes: Nodes { points, .. }, locals, passages, impulses, .. } = self;
+        NodalGenerator { points, locals, passages, impulses, domain }
     }
 
     /// Whether the nodes are those of a lattice, which ends where the density does: there is no edge to stay away from.

@@ -1,7 +1,8 @@
 use super::trust_domain::TrustDomain;
-use super::{Discretisation, Passage, impulses};
+use super::{Passage, impulses};
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::{Functions, sweep};
+use crate::fokker_planck::{Impulse, Local};
 use crate::numerics::Rule;
 use crate::states::States;
 use faer::Mat;
@@ -76,10 +77,22 @@ pub(in crate::closure) struct Table {
     pub(in crate::closure) after: Mat<f64>,
 }
 
+/// The generator of a system at nodes: what changes the mean of a function there.
+#[derive(Clone, Copy)]
+pub(in crate::closure) struct NodalGenerator<'a> {
+    pub(in crate::closure) points: &'a States,
+    /// The Fokker-Planck operator at the nodes.
+    pub(in crate::closure) locals: &'a [Local],
+    pub(in crate::closure) passages: &'a [Passage],
+    /// Impulses, of which those that leave the domain are left out.
+    pub(in crate::closure) impulses: &'a [Impulse],
+    pub(in crate::closure) domain: &'a TrustDomain,
+}
+
 impl Table {
     /// Tabulates functions, orthonormal under `measure`, under the generator. `None` where they are linearly dependent.
-    pub(in crate::closure) fn new(discretisation: &Discretisation, space: &Functions, measure: &[f64]) -> Option<Self> {
-        let Discretisation { domain, nodes: Nodes { points, .. }, locals, passages, impulses, .. } = discretisation;
+    pub(in crate::closure) fn new(generator: NodalGenerator<'_>, space: &Functions, measure: &[f64]) -> Option<Self> {
+        let NodalGenerator { points, locals, passages, impulses, domain } = generator;
         let ends = |end: fn(&Passage) -> &[f64; 2]| {
             let mut points = States::new(points.dimension());
             passages.iter().for_each(|passage| points.push(end(passage)));

@@ -77,6 +77,12 @@ impl TrustDomain {
         domain
     }
 
+    /// Everything within so many `scale`s of a centre.
+    pub(in crate::closure) fn whole(centre: Vec<f64>, scale: Vec<f64>, reach: f64) -> Self {
+        let reach = vec![reach; sectors(centre.len())];
+        TrustDomain { centre, scale, reach, walls: [None, None] }
+    }
+
     /// Refuses numbers without a meaning, such as those of a damaged file.
     pub(in crate::closure) fn checked(self, count: usize) -> Read<Self> {
         let sectors = sectors(count);
@@ -198,30 +204,37 @@ impl TrustDomain {
         domain
     }
 
-    /// The part of the domain that is star-shaped about another centre, in each direction up to where a logarithmic density first
-    /// falls by `drop` below its highest value, outwards from its highest one on that ray. In three states and more the domain
-    /// stays as it is.
-    ///
-    /// Where a polynomial rises again further out, the outermost point of that height would enclose it.
-    pub(in crate::closure) fn around(&self, centre: &[f64], log: impl Fn(&States) -> Vec<f64>, drop: f64) -> Self {
-        if self.dimension() > 2 {
-            return self.clone();
-        }
-        let farthest = 2.0 * self.reach.iter().copied().fold(0.0, f64::max);
-        let mut domain =
-            TrustDomain { centre: centre.to_vec(), reach: vec![farthest; self.reach.len()], ..self.clone() };
-        let points = domain.on_rays(0..=RAY, 1.0);
+    /// The part of the domain about a mean, star-shaped, up to where a logarithmic density first falls `drop` below its highest
+    /// value on any ray, from the highest point of each ray outwards; at most `most` standard deviations away.
+    pub(in crate::closure) fn to_first_fall(
+        &self,
+        mean: &[f64],
+        deviation: &[f64],
+        log: impl Fn(&States) -> Vec<f64>,
+        drop: f64,
+        most: f64,
+    ) -> Self {
+        let (centre, scale) = (mean.to_vec(), deviation.to_vec());
+        let mut part = TrustDomain { centre, scale, reach: vec![1.0; self.reach.len()], walls: self.walls };
+        let points = part.on_rays(0..=RAY, most);
         let mut logs = log(&points);
         for (log, _) in logs.iter_mut().zip(&points).filter(|(_, x)| !self.contains(x)) {
             *log = f64::NEG_INFINITY;
         }
-        let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        for (reach, ray) in domain.reach.iter_mut().zip(logs.chunks_exact(RAY + 1)) {
-            let top = (0..=RAY).fold(0, |top, step| if ray[step] > ray[top] { step } else { top });
-            let end = (top..=RAY).find(|step| ray[*step] < highest - drop).unwrap_or(RAY);
-            *reach *= end as f64 / RAY as f64;
+        let least = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max) - drop;
+        for (reach, ray) in part.reach.iter_mut().zip(logs.chunks_exact(RAY + 1)) {
+            let peak = (0..=RAY).max_by(|a, b| ray[*a].total_cmp(&ray[*b])).unwrap_or(0);
+            let beyond = (peak + 1..=RAY).find(|step| ray[*step] < least).unwrap_or(RAY);
+            // The place between two steps where a straight line falls below.
+            let (inner, outer) = (ray[beyond - 1], ray[beyond]);
+            let share = if outer.is_finite() && inner > outer {
+                ((inner - least) / (inner - outer)).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            *reach = most * ((beyond - 1) as f64 + share) / RAY as f64;
         }
-        domain
+        part
     }
 
     /// The mass beyond the edge, in one state or two, if a logarithmic density falls on at the rate that it has there.

@@ -88,7 +88,7 @@ impl NodalClosure {
             guarded: self.guarded,
             rare: false,
             candidates: vec![candidate],
-            indication: Indication { indicator: 0.0, residual: 0.0 },
+            indication: Some(Indication { indicator: 0.0, residual: 0.0 }),
             provenance: self.provenance(order, unknowns, scoring.reference.solved),
         })
     }

@@ -51,6 +51,9 @@ pub(crate) struct Reference {
     /// The size of δ.
     #[serde(with = "number")]
     pub(super) size: f64,
+    /// 1 + δ is cut off at this factor, upwards and downwards, before its logarithm is taken.
+    #[serde(default = "cut", skip_serializing_if = "is_cut")]
+    pub(super) cut: f64,
     /// ln p̂ at the nodes, normalised over them.
     #[serde(skip)]
     pub(super) logarithm: Vec<f64>,
@@ -63,6 +66,12 @@ pub(crate) struct Reference {
 }
 
 impl Reference {
+    /// The density of a time, with an estimate of its error: ω (1 + δ) with a δ that is not small.
+    pub(super) fn in_time(weight: Exponent, space: Functions, correction: Vec<f64>, error: f64) -> Self {
+        let (logarithm, cut) = (Vec::new(), tuning::dynamics::CUT);
+        Reference { weight, space, correction, error, size: 1.0, cut, logarithm, doubt: error, solved: 1 }
+    }
+
     /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error
     /// that the edge of the domain makes, as ripples; where they are larger than the distance between the reference and the
     /// answer, a correction without them is tried too. A lattice has no edge, and its initial weight is already a fit of the
@@ -160,7 +169,8 @@ impl Reference {
             if strikes > 1 {
                 break;
             }
-            let target: Vec<f64> = log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d)).collect();
+            let target: Vec<f64> =
+                log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d, tuning::reference::CUT)).collect();
             let before = std::mem::replace(&mut change, found.size);
             // Of two that are about as good the later one is better in the tails.
             if error < tuning::reference::SAME * least {
@@ -173,6 +183,7 @@ impl Reference {
                     doubt: error,
                     solved,
                     size: found.size,
+                    cut: tuning::reference::CUT,
                 });
             }
             // After the first renewals the correction is the part that a polynomial of the weight's degree cannot represent.
@@ -261,7 +272,7 @@ impl Reference {
         let (weight, space) = (self.weight.checked(states)?, self.space.checked(states)?);
         // A correction may be cut off before the last functions.
         let fits = (1..=space.len() + 1).contains(&self.correction.len());
-        if !fits || !self.correction.iter().all(|c| c.is_finite()) {
+        if !fits || !self.correction.iter().all(|c| c.is_finite()) || self.cut.is_nan() || self.cut < 1.0 {
             return Err(String::from("the reference's coefficients do not fit its functions"));
         }
         Ok(Reference { weight, space, doubt: self.error, ..self })
@@ -272,7 +283,8 @@ impl Reference {
 impl Function for Reference {
     #[inline(always)]
     fn at<T: Number>(&self, x: &[T]) -> T {
-        self.weight.value(x) + self.correction_at(x).map(log_ratio)
+        let cut = self.cut;
+        self.weight.value(x) + self.correction_at(x).map(|correction| log_ratio(correction, cut))
     }
 }
 
@@ -287,8 +299,18 @@ impl Function for Correction<'_> {
 }
 
 /// ln (1 + δ), cut off where δ is far from small.
-fn log_ratio(correction: f64) -> f64 {
-    (1.0 + correction).clamp(tuning::reference::CUT.recip(), tuning::reference::CUT).ln()
+fn log_ratio(correction: f64, cut: f64) -> f64 {
+    (1.0 + correction).clamp(cut.recip(), cut).ln()
+}
+
+/// The cut of a stationary reference.
+fn cut() -> f64 {
+    tuning::reference::CUT
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
+fn is_cut(cut: &f64) -> bool {
+    *cut == tuning::reference::CUT
 }
 
 /// The highest of some logarithms, and the sum over the nodes of their exponentials relative to it.

@@ -79,6 +79,31 @@ impl SpaceFamily {
         }
     }
 
+    /// The same for densities that do not share the system's symmetry, with all monomials.
+    pub(in crate::closure) fn without_symmetry(&self) -> Self {
+        match self {
+            SpaceFamily::Smooth(smooth) => SpaceFamily::Smooth(Smooth {
+                degrees: Degrees::complete(),
+                symmetry: Symmetry::none(smooth.centre.len()),
+                ..smooth.clone()
+            }),
+            SpaceFamily::Walled(walled) => SpaceFamily::Walled(walled.clone()),
+        }
+    }
+
+    /// The nested spaces in which densities are followed in time.
+    pub(in crate::closure) fn ladder(&self) -> Vec<Functions> {
+        match self {
+            SpaceFamily::Smooth(smooth) => tuning::dynamics::DEGREES.map(|degree| smooth.functions(degree)).to_vec(),
+            SpaceFamily::Walled(walled) => (1..=tuning::space::WALLED.len())
+                .map(|steps| {
+                    let (corners, levels) = (walled.corners.clone(), &tuning::space::WALLED[..steps]);
+                    Functions::Walls(WallFunctions::new(corners, &walled.centre, &walled.half_width, levels))
+                })
+                .collect(),
+        }
+    }
+
     /// Whether there is nothing but polynomials.
     pub(in crate::closure) fn is_smooth(&self) -> bool {
         matches!(self, SpaceFamily::Smooth(_))

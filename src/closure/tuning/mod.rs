@@ -8,6 +8,7 @@
 //! numbers alone, as a pilot has them with another time step, change them by up to 7 %. *Not met* says that none of the nine
 //! depends on the value. Data of mathematics, such as the terms of a series, and layouts stand where they are used.
 
+pub(crate) mod dynamics;
 mod many_states;
 
 pub(crate) use many_states::{calibration, lattice, likelihood, strata};

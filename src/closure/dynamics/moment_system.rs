@@ -1,0 +1,131 @@
+use super::Dynamics;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::locals;
+use crate::closure::discretisation::nodes::{NodalGenerator, Nodes, Table};
+use crate::closure::projection::tempered;
+use crate::closure::reference::scaled_mass;
+use crate::closure::space::Functions;
+use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::tuning;
+use crate::numerics::{combination, weighted_product, weighted_sum};
+use faer::prelude::*;
+use faer::{Mat, MatRef};
+
+/// The moment equations of functions ψ_k that are orthonormal under a fixed weight ω, ψ₀ = 1.
+///
+/// A density p = ω (1 + δ), 1 + δ = Σ d_l ψ_l, has the means E ψ_k = d_k, and dE ψ_k/dt = E\[Gψ_k\] is dd/dt = A d with
+/// A_kl = ∫ ω ψ_l Gψ_k dx: linear, and exact but for the functions left out. Under an ω near the stationary density the
+/// symmetric part of A is −½ ∫ ω ∇ψ·B∇ψ, and what is left out dies at once.
+#[derive(Clone)]
+pub(super) struct MomentSystem {
+    pub(super) nodes: Nodes,
+    /// φ, the functions that ψ are combinations of.
+    pub(super) space: Functions,
+    /// ψ at the nodes.
+    pub(super) functions: Orthonormal,
+    /// ω at the nodes times the quadrature weights, with sum 1.
+    pub(super) measure: Vec<f64>,
+    /// ln ω, normalised over the nodes.
+    pub(super) weight: Exponent,
+    /// A.
+    matrix: Mat<f64>,
+    /// The columns of all degrees up to the highest stable one, by rising degree; at least two.
+    ladder: Vec<usize>,
+}
+
+impl MomentSystem {
+    /// The system of the highest degree without a growing mode. None where there is no such.
+    pub(super) fn new(dynamics: &Dynamics) -> Option<Self> {
+        let Dynamics { problem, domain, family, rules, passages, weight, .. } = dynamics;
+        let nodes = if family.is_smooth() {
+            Nodes::gauss(domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1])
+        } else {
+            Nodes::tensor(domain, rules.clone())
+        };
+        let ladder = family.ladder();
+        let space = ladder.last()?.clone();
+        let log = weight.values(&nodes.points);
+        let measure = tempered(&log, &nodes.weights, 1.0);
+        let (top, mass) = scaled_mass(&log, &nodes.weights);
+        let mut weight = weight.clone();
+        weight.constant -= top + mass.ln();
+        let locals = locals(problem, &nodes);
+        let impulses = problem.impulses();
+        let generator = NodalGenerator { points: &nodes.points, locals: &locals, passages, impulses, domain };
+        let table = Table::new(generator, &space, &measure)?;
+        let impacts = passages.iter().map(|p| p.weight * weight.value(&p.before).exp());
+        let weights: Vec<f64> = measure.iter().copied().chain(impacts).collect();
+        let matrix = weighted_product(table.rates.as_ref(), table.functions.values.as_ref(), &weights);
+        let mut ladder: Vec<usize> = ladder.iter().map(|space| space.len() + 1).collect();
+        while modes(matrix.get(1..*ladder.last()?, 1..*ladder.last()?)).is_none() {
+            ladder.pop();
+        }
+        let functions = table.functions;
+        let system = MomentSystem { nodes, space, functions, measure, weight, matrix, ladder };
+        (system.ladder.len() > 1).then(|| {
+            let residuals = system.weight.residuals(&system.nodes.points, |i| &locals[i]);
+            if passages.is_empty() && impulses.is_empty() { system.smoothed(&residuals) } else { system }
+        })
+    }
+
+    /// The same with the rates of the means under ω itself by its residual r, ∫ ω r ψ_k dx, if that makes the stationary density
+    /// smoother. They differ from ∫ ω Gψ_k dx by the flux through the edge of the domain, and are exactly zero where ω is the
+    /// stationary density.
+    fn smoothed(self, residuals: &[f64]) -> Self {
+        let values = self.functions.values.get(..self.nodes.len(), ..);
+        let weighted: Vec<f64> = self.measure.iter().zip(residuals).map(|(w, r)| w * r).collect();
+        let mut matrix = self.matrix.clone();
+        let tested = weighted_sum(values, &weighted);
+        matrix.col_as_slice_mut(0)[1..].copy_from_slice(&tested[1..]);
+        let other = MomentSystem { matrix, ..self.clone() };
+        let rough = |system: &Self| system.share_of_highest(&system.stationary(false));
+        if rough(&other) < rough(&self) { other } else { self }
+    }
+
+    /// ∫ ω |δ| of the functions of the highest degrees.
+    pub(super) fn share_of_highest(&self, d: &[f64]) -> f64 {
+        let lower = self.columns(true);
+        let highest: Vec<f64> = d.iter().enumerate().map(|(k, d)| if k < lower { 0.0 } else { *d }).collect();
+        let values = self.functions.values.get(..self.nodes.len(), ..);
+        combination(values, &highest).iter().zip(&self.measure).map(|(r, w)| w * r.abs()).sum()
+    }
+
+    /// The columns of the highest stable degree, or of the one below it.
+    pub(super) fn columns(&self, lower: bool) -> usize {
+        self.ladder[self.ladder.len() - 1 - usize::from(lower)]
+    }
+
+    /// A, the constant's row and column included.
+    pub(super) fn matrix(&self, lower: bool) -> MatRef<'_, f64> {
+        let columns = self.columns(lower);
+        self.matrix.get(..columns, ..columns)
+    }
+
+    /// The eigenvalues as rates and frequencies, that of the stationary density first, of each degree, the highest first.
+    pub(super) fn modes(&self) -> Vec<Vec<[f64; 2]>> {
+        let of = |columns: &usize| {
+            let moving = modes(self.matrix.get(1..*columns, 1..*columns)).unwrap_or_default();
+            std::iter::once([0.0; 2]).chain(moving).collect()
+        };
+        self.ladder.iter().rev().map(of).collect()
+    }
+
+    /// The coefficients d of the stationary density, d₀ = 1.
+    pub(super) fn stationary(&self, lower: bool) -> Vec<f64> {
+        let matrix = self.matrix(lower);
+        let (inner, forced) = (matrix.get(1.., 1..), matrix.get(1.., ..1));
+        let solved = inner.partial_piv_lu().solve(-&forced.to_owned());
+        std::iter::once(1.0).chain((0..solved.nrows()).map(|k| solved[(k, 0)])).collect()
+    }
+}
+
+/// Rates and frequencies ≥ 0 of the modes of a matrix; none where one of them grows, or an entry is not finite.
+fn modes(matrix: MatRef<'_, f64>) -> Option<Vec<[f64; 2]>> {
+    if !matrix.is_all_finite() {
+        return None;
+    }
+    let all = matrix.eigenvalues().ok()?;
+    let slowest = all.iter().map(|l| l.re.hypot(l.im)).fold(f64::INFINITY, f64::min);
+    let grows = all.iter().any(|l| l.re > tuning::dynamics::GROWING * slowest);
+    (!grows).then(|| all.iter().filter(|l| l.im >= 0.0).map(|l| [-l.re, l.im]).collect())
+}

@@ -1,0 +1,94 @@
+//! The moments of a start.
+
+use super::moment_system::MomentSystem;
+use crate::checks::require;
+use crate::closure::discretisation::nodes;
+use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::tuning;
+use crate::density::Frame;
+use crate::error::Result;
+use crate::numerics::{Rule, combination, weighted_sum};
+use crate::states::States;
+use crate::transient::Start;
+use faer::Mat;
+
+/// Points with the masses that a density has there.
+#[derive(Debug)]
+pub(super) struct Weighted {
+    pub(super) points: States,
+    pub(super) masses: Vec<f64>,
+    /// An estimate of its error, in L¹.
+    pub(super) error: f64,
+}
+
+/// What the equations begin with.
+#[derive(Debug)]
+pub(super) struct Beginning {
+    pub(super) time: f64,
+    /// d at that time, d₀ = 1.
+    pub(super) coefficients: Vec<f64>,
+    /// An estimate of the error of the density until then, in L¹, and the mass outside of the domain.
+    pub(super) error: f64,
+}
+
+impl Beginning {
+    /// The means of ψ under a density on the domain.
+    ///
+    /// # Errors
+    /// [`OutOfRange`](crate::Error::OutOfRange) if much of it lies elsewhere.
+    pub(super) fn new(time: f64, weighted: &Weighted, system: &MomentSystem, domain: &TrustDomain) -> Result<Self> {
+        let mut inside =
+            Weighted { points: States::new(domain.centre.len()), masses: Vec::new(), error: weighted.error };
+        for (x, mass) in weighted.points.iter().zip(&weighted.masses).filter(|(x, _)| domain.contains(x)) {
+            inside.points.push(x);
+            inside.masses.push(*mass);
+        }
+        let mass: f64 = inside.masses.iter().sum();
+        let outside = (mass - 1.0).abs();
+        let remedy = "it must lie inside the closure's domain and away from walls, and not be too narrow for its nodes";
+        require(outside <= tuning::dynamics::OUTSIDE, "mass of the start in the domain", mass, remedy)?;
+        let mut means = Mat::zeros(1, system.space.len() + 1);
+        let sums = weighted_sum(nodes::values(&system.space, &inside.points).as_ref(), &inside.masses);
+        sums.iter().enumerate().for_each(|(k, sum)| means[(0, k)] = *sum);
+        system.functions.transform(means.as_mut());
+        let coefficients = (0..means.ncols()).map(|k| means[(0, k)] / means[(0, 0)]).collect();
+        Ok(Beginning { time, coefficients, error: inside.error + outside })
+    }
+}
+
+impl Weighted {
+    /// A start: a point by itself, a Gaussian on Gauss nodes of its own, other densities on those of the system.
+    pub(super) fn of(start: &Start, system: &MomentSystem) -> Result<Self> {
+        let states = system.nodes.points.dimension();
+        let mut all = Weighted { points: States::new(states), masses: Vec::new(), error: 0.0 };
+        let mut enter = |x: &[f64], mass: f64| {
+            all.points.push(x);
+            all.masses.push(mass);
+        };
+        match start {
+            Start::Point(x) => enter(x, 1.0),
+            Start::Gaussian(gaussian) => {
+                let (frame, rule) = (Frame::new(gaussian)?, Rule::hermite(tuning::dynamics::START_NODES));
+                let mut z = vec![0.0; states];
+                for place in 0..rule.nodes.len().pow(states as u32) {
+                    let along = |i: usize| place / rule.nodes.len().pow(i as u32) % rule.nodes.len();
+                    (0..states).for_each(|i| z[i] = rule.nodes[along(i)]);
+                    enter(&frame.state(&z), (0..states).map(|i| rule.weights[along(i)]).product());
+                }
+            }
+            Start::Stationary => {
+                let values = system.functions.values.get(..system.nodes.len(), ..system.columns(false));
+                let ratio = combination(values, &system.stationary(false));
+                for ((x, weight), ratio) in system.nodes.points.iter().zip(&system.measure).zip(&ratio) {
+                    enter(x, weight * ratio);
+                }
+            }
+            Start::Density(density) => {
+                for (x, weight) in system.nodes.points.iter().zip(&system.nodes.weights) {
+                    enter(x, weight * density.log_pdf(x)?.exp());
+                }
+            }
+        }
+        Ok(all)
+    }
+}

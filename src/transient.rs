@@ -1,0 +1,116 @@
+//! Where transient densities start, what they are at each time, and the modes in which they die, for every method.
+
+use crate::checks::{dimension, finite, positive, require};
+use crate::density::{Density, Frame};
+use crate::error::Result;
+use crate::estimate::Estimate;
+use crate::polynomial::Gaussian;
+use std::fmt;
+use std::sync::Arc;
+
+/// Where a transient starts.
+#[derive(Clone)]
+pub enum Start {
+    /// A known state. No mesh holds a point: on a grid the density is followed as a Gaussian, with the exact moments of the
+    /// Gaussian closure, until it is as wide as the mesh resolves, and on the mesh from then on. The closure takes the
+    /// point's own moments.
+    Point(Vec<f64>),
+    /// A normal distribution. It should be wide enough for the mesh, or for the closure's polynomials, which the error estimates
+    /// show.
+    Gaussian(Gaussian),
+    /// The stationary density of the system itself.
+    Stationary,
+    /// Any density, by its values: the stationary one of another problem, or a transient's at some time.
+    Density(Arc<dyn Density>),
+}
+
+impl fmt::Debug for Start {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Start::Point(x) => f.debug_tuple("Point").field(x).finish(),
+            Start::Gaussian(gaussian) => f.debug_tuple("Gaussian").field(gaussian).finish(),
+            Start::Stationary => f.write_str("Stationary"),
+            Start::Density(density) => f.debug_tuple("Density").field(&density.bounds()).finish(),
+        }
+    }
+}
+
+impl Start {
+    /// Refuses the start of another number of states, and numbers without a meaning.
+    pub(crate) fn check(&self, states: usize) -> Result<()> {
+        const WHAT: &str = "the start of a transient";
+        match self {
+            Start::Point(x) => {
+                dimension(WHAT, x.len(), states)?;
+                x.iter().try_for_each(|&x| finite("start of a transient", x).map(|_| ()))
+            }
+            Start::Gaussian(gaussian) => {
+                dimension(WHAT, gaussian.mean.len(), states)?;
+                Frame::new(gaussian).map(|_| ())
+            }
+            Start::Stationary => Ok(()),
+            Start::Density(density) => dimension(WHAT, density.dimension(), states),
+        }
+    }
+}
+
+/// Refuses times that do not rise from `begin` on.
+pub(crate) fn check_times(times: &[f64], begin: f64, remedy: &'static str) -> Result<()> {
+    let first = times.first().copied().unwrap_or(begin);
+    require(first >= begin, "first time of a transient", first, remedy)?;
+    times.iter().try_for_each(|&time| finite("time of a transient", time).map(|_| ()))?;
+    times.windows(2).try_for_each(|pair| {
+        positive("time to the next density", pair[1] - pair[0], "give times in rising order").map(|_| ())
+    })
+}
+
+/// A transient density at one time.
+#[derive(Clone, Debug)]
+pub struct Transient<D> {
+    /// The time since the start.
+    pub time: f64,
+    /// p(x, t), with the error estimates of its method; the steps' errors are in `step_error`.
+    pub density: D,
+    /// The sum of the time steps' error estimates up to here, relative to the root mean square of p; 0 for a closure, whose
+    /// equations are solved without steps.
+    pub step_error: f64,
+}
+
+impl<D: Density> Transient<D> {
+    /// A raw moment E[x₁^p₁ ⋯ x_n^p_n] at this time, its error that of space and steps together.
+    ///
+    /// # Errors
+    /// As the density's own moments.
+    pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+        let moment = self.density.moment(powers)?;
+        Ok(Estimate::new(moment.value, moment.error + self.step_error * moment.value.abs()))
+    }
+}
+
+/// One mode of relaxation, p(x, t) ~ exp(−rate t) cos(frequency t).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relaxation {
+    /// The rate at which the mode decays, per unit time. Zero for the stationary density itself.
+    pub rate: f64,
+    /// Its circular frequency, not negative; modes with a frequency are pairs, of which one is listed.
+    pub frequency: f64,
+    /// The change of rate and frequency against a smaller system: on a grid against a smaller Krylov space, which is the error of
+    /// the eigenvalue of the discrete operator and not of the discretisation; of a closure against a lower degree.
+    pub error: f64,
+}
+
+impl Relaxation {
+    /// The `count` slowest of some modes, each given by rate and frequency ≥ 0, by rising rate, with their distances from those
+    /// of a `smaller` system. They are chosen among the 2`count` nearest to zero, so that those with a frequency, which lie
+    /// further from it, are among them.
+    pub(crate) fn slowest(mut all: Vec<[f64; 2]>, smaller: &[[f64; 2]], count: usize) -> Vec<Self> {
+        let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let nearest = |a: &[f64; 2]| smaller.iter().map(|b| distance(a, b)).fold(f64::INFINITY, f64::min);
+        let mode = |a: &[f64; 2]| Relaxation { rate: a[0], frequency: a[1], error: nearest(a) };
+        all.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+        let mut modes: Vec<Self> = all.iter().take(count.saturating_mul(2)).map(mode).collect();
+        modes.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+        modes.truncate(count);
+        modes
+    }
+}

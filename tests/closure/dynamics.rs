@@ -1,0 +1,322 @@
+//! The closure in time: modes of relaxation, autocovariance and spectral density, transient densities.
+
+use crate::common::*;
+use expoly::models::{Duffing, Linear};
+use expoly::{
+    Closure, ClosureDensity, Density, Error, Gaussian, Grid, Origin, Problem, Result, Simulation, Start, Wall, compare,
+};
+use nalgebra::{DMatrix, Matrix2, Vector2, dmatrix, dvector, matrix};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+fn normal(mean: [f64; 2], deviation: f64) -> Start {
+    let covariance = DMatrix::from_diagonal_element(2, 2, deviation * deviation);
+    Start::Gaussian(Gaussian { mean: dvector![mean[0], mean[1]], covariance })
+}
+
+fn van_der_pol() -> Problem {
+    let text = "states = [\"x\", \"v\"]\n[drift]\nx = \"v\"\nv = \"0.5*(1 - x^2)*v - x\"\n[noise.w]\nv = \"sqrt(0.6)\"";
+    Problem::from_toml(text).unwrap()
+}
+
+fn two_wells() -> Problem {
+    problem(Duffing::new(0.5, -1.0, 1.0, 0.3).unwrap())
+}
+
+/// The eigenvalues of a linear system's operator are sums n λ₊ + m λ₋ of its own, λ = c/2 ± i √(k − c²/4): the polynomials of
+/// each degree are mapped to themselves, so that only rounding is left, 1e-13 of the largest entry of the matrix. Required are
+/// 1e-8.
+#[test]
+fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
+    let modes = Closure::new(4).solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap().relaxation(6).unwrap();
+    let frequency = 0.9375_f64.sqrt();
+    for (rate, times) in [(0.0, 0.0), (0.25, 1.0), (0.5, 0.0), (0.5, 2.0), (0.75, 1.0)] {
+        let near = |m: &&expoly::Relaxation| (m.rate - rate).hypot(m.frequency - times * frequency) < 1e-10;
+        let mode = modes.iter().find(near).unwrap();
+        println!("{mode:?}");
+        assert!(mode.error < 1e-10, "{mode:?}");
+    }
+    let filter = Closure::new(2).solve(&problem(OrnsteinUhlenbeck)).unwrap().relaxation(5).unwrap();
+    assert!((0..5).all(|n| (filter[n].rate - n as f64).abs() < 1e-10 && filter[n].frequency == 0.0), "{filter:?}");
+}
+
+/// The slowest modes of four systems agree with the grid's to four digits, and within their own error by a factor of ten,
+/// which compares two degrees. An elastic wall makes ridges of the modes with a frequency, of which polynomials hold two
+/// digits.
+#[test]
+fn relaxation_rates_agree_with_those_of_a_grid() {
+    let cases = [
+        ("Duffing", problem(duffing()), 3),
+        ("two wells", two_wells(), 2),
+        ("van der Pol", van_der_pol(), 3),
+        ("Duffing above a wall", duffing_above(-0.5, 0.8), 3),
+    ];
+    for (name, problem, count) in cases {
+        // Spectral accuracy: 1e-6 on this mesh as well, in a fifth of the time.
+        let truth = Grid::new().degree(8).grazing(5e-3).solve(&problem).unwrap().relaxation(count + 1).unwrap();
+        let found = Closure::new(6).solve(&problem).unwrap().relaxation(count + 1).unwrap();
+        for (found, truth) in found.iter().zip(&truth).skip(1) {
+            let apart = (found.rate - truth.rate).hypot(found.frequency - truth.frequency);
+            println!("{name}: {:.8} {:.8}, {apart:.1e} off, {:.1e}", found.rate, found.frequency, found.error);
+            assert!(apart < 2e-4 * found.rate.hypot(found.frequency), "{name}: {found:?} and {truth:?}");
+            assert!(apart < 10.0 * found.error + 1e-6, "{name}: {found:?} and {truth:?}");
+        }
+    }
+}
+
+/// S = (D/π)/((k − ω²)² + c²ω²) and its transform, for weak, critical and strong damping; at critical damping two modes are one.
+/// The stationary density is cut off where it has fallen to e^−18: measured are 2e-7 of the variance.
+#[test]
+fn a_linear_oscillator_has_its_spectrum() -> Result<()> {
+    for c in [0.3_f64, 2.0, 5.0] {
+        let (k, d) = (1.0, 0.7);
+        let density = Closure::new(2).solve(&problem(Linear::new(c, k, d)?))?;
+        let (omegas, lags) = ([0.0, 0.5, 1.0, 3.0, 30.0], [0.0, 0.4, 2.0, 9.0]);
+        for (omega, found) in omegas.iter().zip(density.spectral_density(0, &omegas)?) {
+            let truth = d / PI / ((k - omega * omega).powi(2) + (c * omega).powi(2));
+            assert!((found.value - truth).abs() < 1e-6 * (d / c), "c = {c}, S({omega}): {found} and {truth}");
+        }
+        let flow = |t: f64| (matrix![0.0, 1.0; -k, -c] * t).exp();
+        for (t, found) in lags.iter().zip(density.autocovariance(0, &lags)?) {
+            let truth = d / (c * k) * flow(*t)[(0, 0)];
+            assert!((found.value - truth).abs() < 1e-6 * (d / c), "c = {c}, R({t}): {found} and {truth}");
+        }
+    }
+    Ok(())
+}
+
+/// Autocovariance and spectral density of a Duffing oscillator, of displacement and velocity, against a simulation of 1.6e5 time
+/// units: within four standard errors, which are half a percent of the variance. The window of the simulation's spectrum smooths
+/// S by ⅔ (π/T)² S″ = 1e-4 of it.
+#[test]
+fn the_spectrum_of_a_simulation_is_met() -> Result<()> {
+    let (interval, length) = (0.2, 1024);
+    let problem = problem(duffing());
+    let density = Closure::new(4).solve(&problem)?;
+    let simulation = Simulation::new().trajectories(512).samples(1024 * length).time_step(0.02).seed(3);
+    let simulation = simulation.sampling_interval(interval).spectrum(0, length).spectrum(1, length);
+    let result = simulation.run(&problem)?;
+    for state in [0, 1] {
+        let spectrum = result.spectrum(state)?;
+        let frequencies: Vec<f64> = spectrum.frequencies().collect();
+        let chosen = [8, 20, 32, 36, 40, 50, 70, 110];
+        let found = density.spectral_density(state, &chosen.map(|j| frequencies[j]))?;
+        for (j, found) in chosen.into_iter().zip(found) {
+            let counted = spectrum.density(j)?;
+            println!("S_{state}({:.3}): {found}, simulated {counted}", frequencies[j]);
+            assert!(
+                (counted.value - found.value).abs() < 4.0 * counted.error + found.error,
+                "{j}: {found} and {counted}"
+            );
+        }
+        let lags = [0, 3, 10, 25, 60, 150];
+        let found = density.autocovariance(state, &lags.map(|k| interval * k as f64))?;
+        for (k, found) in lags.into_iter().zip(found) {
+            let counted = spectrum.autocovariance(k)?;
+            println!("R_{state}({:.1}): {found}, simulated {counted}", interval * k as f64);
+            assert!(
+                (counted.value - found.value).abs() < 4.0 * counted.error + found.error,
+                "{k}: {found} and {counted}"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// A normal distribution stays normal: m(t) = e^At m₀, S(t) = S∞ + e^At (S₀ − S∞) e^Aᵀt. The equations of degree two close;
+/// measured are 2e-9, by the time steps of the moving frame. The density's own distance is the mass beyond its edge.
+#[test]
+fn a_linear_oscillator_keeps_its_gaussian() {
+    let (mean, covariance) = (dvector![0.8, -0.5], dmatrix![0.3, 0.05; 0.05, 0.4]);
+    let start = Start::Gaussian(Gaussian { mean, covariance });
+    let linear = problem(Linear::new(0.5, 1.0, 0.5).unwrap());
+    for transient in Closure::new(2).transient(&linear, &start, &[0.1, 0.5, 2.0, 20.0]).unwrap() {
+        let flow = (matrix![0.0, 1.0; -1.0, -0.5] * transient.time).exp();
+        let mean = flow * Vector2::new(0.8, -0.5);
+        let limit = Matrix2::identity();
+        let spread = limit + flow * (matrix![0.3, 0.05; 0.05, 0.4] - limit) * flow.transpose();
+        for (powers, truth) in [
+            ([1, 0], mean[0]),
+            ([0, 1], mean[1]),
+            ([2, 0], spread[(0, 0)] + mean[0] * mean[0]),
+            ([1, 1], spread[(0, 1)] + mean[0] * mean[1]),
+            ([0, 2], spread[(1, 1)] + mean[1] * mean[1]),
+        ] {
+            let moment = transient.moment(&powers).unwrap();
+            assert!((moment.value - truth).abs() < 1e-7, "t = {}, {powers:?}: {moment} and {truth}", transient.time);
+        }
+        let x = [mean[0] + 0.7, mean[1] - 0.4];
+        let z = Vector2::new(0.7, -0.4);
+        let volume = 2.0 * PI * spread.determinant().sqrt();
+        let truth = (-0.5 * z.dot(&(spread.try_inverse().unwrap() * z))).exp() / volume;
+        let found = transient.density.pdf(&x).unwrap();
+        let estimate = transient.density.l1_estimate();
+        println!("t = {}: {found} and {truth}, estimate {estimate:.1e}", transient.time);
+        assert!((found.value / truth - 1.0).abs() < 1e-4 && estimate < 1e-3, "t = {}: {found} {truth}", transient.time);
+    }
+}
+
+/// dx = −x dt + √2 dW from the point 1.5: N(1.5 e^−t, 1 − e^−2t) at all times, to the mass beyond the edge of the answer.
+#[test]
+fn one_state_starts_from_a_point() {
+    let problem = problem(OrnsteinUhlenbeck);
+    let found = Closure::new(2).transient(&problem, &Start::Point(vec![1.5]), &[1e-5, 0.1, 0.7, 6.0]).unwrap();
+    for transient in found.iter().skip(1) {
+        let (mean, variance) = (1.5 * (-transient.time).exp(), 1.0 - (-2.0 * transient.time).exp());
+        let [first, second] = [1, 2].map(|power| transient.moment(&[power]).unwrap());
+        assert!((first.value - mean).abs() < 1e-7, "{}: {first}", transient.time);
+        assert!((second.value - variance - mean * mean).abs() < 1e-7, "{}: {second}", transient.time);
+        let pdf = |x: f64| (-(x - mean).powi(2) / (2.0 * variance)).exp() / (2.0 * PI * variance).sqrt();
+        let distance: f64 = (0..2000)
+            .map(|i| 0.005 * f64::from(i) - 5.0)
+            .map(|x| 0.005 * (transient.density.pdf(&[x]).unwrap().value - pdf(x)).abs())
+            .sum();
+        let estimate = transient.density.l1_estimate();
+        println!("t = {}: {distance:.1e}, estimate {estimate:.1e}", transient.time);
+        assert!(distance < 1e-5 && estimate < 1e-4, "t = {}: {distance:e} and {estimate:e}", transient.time);
+    }
+    let origins = |k: usize| found[k].density.candidates()[0].origin;
+    assert_eq!(origins(1), Origin::MovingFrame);
+    // Noise has not yet made a Gaussian of the point, which no polynomial follows.
+    assert_eq!(origins(0), Origin::StationaryWeight);
+    assert!(found[0].density.warning().is_some() && found[0].density.l1_estimate() > 0.2);
+}
+
+/// Oscillators in one well and in two, order 6, against the grid: the distance is at most twice that of the best polynomial of
+/// the order before t = 4 and 1.3 times from then on; the truth itself, projected, gave the best ones. The weak spot is Duffing's
+/// density at t = 2, bent by its force: neither method is at home there, and the estimate says so. Elsewhere the estimate is
+/// right to a factor of two, and of ten where a frame gives it; moments are right within four times their errors.
+#[test]
+fn densities_spread_as_on_a_grid() {
+    let start = normal([1.0, 0.0], 0.2);
+    let wells =
+        [(0.5, 2.0 * 1.2e-4), (1.0, 2.0 * 4.9e-4), (2.0, 2.0 * 2.9e-2), (4.0, 1.3 * 6.5e-2), (8.0, 1.3 * 9.9e-3)];
+    let cases = [
+        (problem(duffing()), [[-3.9, 3.9], [-6.2, 6.2]], vec![(2.0, 0.01), (4.0, 1.3 * 4.7e-3), (8.0, 1.3 * 1.4e-2)]),
+        (two_wells(), [[-2.9, 2.9], [-5.0, 5.0]], wells.to_vec()),
+    ];
+    for (problem, domain, limits) in cases {
+        let times: Vec<f64> = limits.iter().map(|(time, _)| *time).collect();
+        let grid = Grid::new().degree(8).cells([11, 12]).domain(domain).edge_level(1e-6);
+        let truth = grid.solve(&problem).unwrap().transient(&start, &times, 1e-4).unwrap();
+        let found = Closure::new(6).transient(&problem, &start, &times).unwrap();
+        for ((found, truth), (time, most)) in found.iter().zip(&truth).zip(limits) {
+            let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
+            let origin = found.density.candidates()[0].origin;
+            println!("t = {time}: {distance:.1e} of {most:.1e}, estimate {estimate:.1e}, {origin}");
+            assert!(distance < most && distance < 1.3 * estimate, "t = {time}: {distance:e}, {estimate:e}");
+            let factor = if time < 4.0 { 10.0 } else { 2.0 };
+            assert!(estimate < factor * distance + 1e-3, "t = {time}: {distance:e}, {estimate:e}");
+            for powers in [[1, 0], [0, 1], [2, 0], [0, 2]] {
+                let [own, known] = [found.moment(&powers).unwrap(), truth.moment(&powers).unwrap()];
+                let apart = (own.value - known.value).abs();
+                println!("   {powers:?}: {own}, {apart:.1e} off, grid {:.1e}", known.error);
+                assert!(apart < 4.0 * own.error + known.error + 1e-6, "{powers:?}: {own} and {known}");
+            }
+        }
+    }
+}
+
+/// Above an elastic wall and above one that takes energy: the equations have their impacts.
+#[test]
+fn walls_are_met_in_time() {
+    for restitution in [1.0, 0.8] {
+        let problem = duffing_above(-0.5, restitution);
+        let start = normal([1.0, 0.0], 0.2);
+        let times = [4.0, 8.0];
+        let stationary = Grid::new().degree(5).grazing(5e-3).solve(&problem).unwrap();
+        let truth = stationary.transient(&start, &times, 1e-4).unwrap();
+        for (found, truth) in Closure::new(6).transient(&problem, &start, &times).unwrap().iter().zip(&truth) {
+            let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
+            println!("r = {restitution}, t = {}: {distance:.1e}, estimate {estimate:.1e}", found.time);
+            // The mesh is right to a thousandth at t = 4.
+            assert!(distance < 0.02 && distance < 1.3 * estimate + 1e-3, "{distance:e} and {estimate:e}");
+            assert!(estimate < 2.0 * distance + 1e-3, "{distance:e} and {estimate:e}");
+        }
+    }
+}
+
+/// The stationary density stays as it is, and p(t₁ + t₂) from the start is p(t₂) from p(t₁), to the distance of p(t₁)'s
+/// polynomial.
+#[test]
+fn densities_are_starts_too() -> Result<()> {
+    let (problem, closure) = (two_wells(), Closure::new(8));
+    let stationary: Arc<ClosureDensity> = Arc::new(closure.solve(&problem)?);
+    let still = closure.transient(&problem, &Start::Density(stationary.clone()), &[0.3, 3.0])?;
+    for transient in &still {
+        let distance = compare::l1(&transient.density, &*stationary)?;
+        println!("t = {}: {distance}, estimate {:.1e}", transient.time, transient.density.l1_estimate());
+        assert!(distance.value < 1e-4);
+    }
+    let mut from_start = closure.transient(&problem, &normal([1.0, 0.0], 0.4), &[6.0, 10.0])?;
+    let end = from_start.pop().unwrap().density;
+    let middle = from_start.pop().unwrap().density;
+    let near = middle.l1_estimate();
+    let again = closure.transient(&problem, &Start::Density(Arc::new(middle)), &[4.0])?.remove(0).density;
+    let distance = compare::l1(&again, &end)?;
+    println!("in two parts: {distance}, the first of them {near:.1e}");
+    assert!(distance.value < near);
+    Ok(())
+}
+
+/// Other times change no more than when the equations go on from the frame; the first time may be the start itself.
+#[test]
+fn a_time_does_not_depend_on_the_others() -> Result<()> {
+    let (problem, closure, start) = (problem(duffing()), Closure::new(4), normal([0.5, 0.0], 0.5));
+    let all = closure.transient(&problem, &start, &[0.0, 1.0, 3.0, 7.0])?;
+    let one = closure.transient(&problem, &start, &[3.0])?;
+    let apart = compare::l1(&all[2].density, &one[0].density)?.value;
+    println!("{apart:.1e}");
+    assert!(apart < 0.1 * one[0].density.l1_estimate());
+    let target = Closure::adaptive(0.02).transient(&problem, &start, &[7.0])?.remove(0).density;
+    assert!(target.l1_estimate() < 0.02 && target.provenance().order < Some(8), "{:?}", target.provenance());
+    assert!(closure.transient(&problem, &start, &[])?.is_empty());
+    Ok(())
+}
+
+#[test]
+fn questions_of_time_without_a_meaning_are_refused() {
+    let oscillator = problem(duffing());
+    let refused = |start: &Start, times: &[f64]| Closure::new(4).transient(&oscillator, start, times).unwrap_err();
+    let wide = normal([0.0, 0.0], 0.5);
+    let flat = Start::Gaussian(Gaussian { mean: dvector![0.0, 0.0], covariance: DMatrix::zeros(2, 2) });
+    for error in [
+        refused(&wide, &[1.0, 0.5]),
+        refused(&wide, &[1.0, 1.0]),
+        refused(&wide, &[-1.0]),
+        refused(&wide, &[f64::NAN]),
+        refused(&wide, &[1.0, f64::INFINITY]),
+        refused(&flat, &[1.0]),
+        refused(&normal([f64::NAN, 0.0], 0.5), &[1.0]),
+        refused(&normal([9.0, 0.0], 0.5), &[1.0]),
+        refused(&Start::Point(vec![f64::NAN, 0.0]), &[1.0]),
+        refused(&Start::Point(vec![90.0, 0.0]), &[1.0]),
+    ] {
+        assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+    }
+    for start in [Start::Point(vec![0.0]), Start::Gaussian(Gaussian { mean: dvector![0.0], covariance: dmatrix![1.0] })]
+    {
+        assert!(matches!(refused(&start, &[1.0]), Error::Dimension { expected: 2, found: 1, .. }));
+    }
+    // Behind a wall, and across it.
+    let walled = oscillator.clone().with_wall(Wall::above(-0.5, 0.8).unwrap()).unwrap();
+    for start in [Start::Point(vec![-0.6, 0.0]), normal([-0.5, 0.0], 0.2)] {
+        let error = Closure::new(4).transient(&walled, &start, &[1.0]).unwrap_err();
+        assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+    }
+    let density = Closure::new(4).solve(&oscillator).unwrap();
+    assert!(matches!(density.autocovariance(2, &[0.0]), Err(Error::Dimension { .. })));
+    assert!(matches!(density.autocovariance(0, &[-1.0]), Err(Error::OutOfRange { .. })));
+    assert!(matches!(density.spectral_density(0, &[f64::NAN]), Err(Error::OutOfRange { .. })));
+    assert!(density.relaxation(0).unwrap().is_empty() && density.relaxation(usize::MAX).is_ok());
+    // A document holds the density and not its equation.
+    let saved: ClosureDensity = serde_json::from_str(&serde_json::to_string(&density).unwrap()).unwrap();
+    assert!(matches!(saved.relaxation(2), Err(Error::NotKnown { .. })));
+    // So does that of a time, and it is the same to the bit.
+    let moving = Closure::new(4).transient(&oscillator, &wide, &[2.0]).unwrap().remove(0).density;
+    let saved: ClosureDensity = serde_json::from_str(&serde_json::to_string(&moving).unwrap()).unwrap();
+    assert_eq!(saved.pdf(&[0.3, 0.1]).unwrap(), moving.pdf(&[0.3, 0.1]).unwrap());
+    let three = Problem::from_toml(include_str!("../../examples/solve/filtered.toml")).unwrap();
+    let error = Closure::new(2).transient(&three, &Start::Point(vec![0.0; 3]), &[1.0]).unwrap_err();
+    assert!(matches!(error, Error::NotServed { .. }), "{error}");
+}
