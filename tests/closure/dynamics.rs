@@ -182,30 +182,35 @@ fn one_state_starts_from_a_point() {
     assert!(found[0].density.warning().is_some() && found[0].density.l1_estimate() > 0.2);
 }
 
-/// Oscillators in one well and in two, order 6, against the grid: the distance is at most twice that of the best polynomial of
-/// the order before t = 4 and 1.3 times from then on; the truth itself, projected, gave the best ones. The weak spot is Duffing's
-/// density at t = 2, bent by its force: neither method is at home there, and the estimate says so. Elsewhere the estimate is
-/// right to a factor of two, and of ten where a frame gives it; moments are right within four times their errors.
+/// Oscillators in one well, in two and on a limit cycle, order 6, against the grid: the distance is at most twice that of the best
+/// polynomial of the order before t = 4 and 1.3 times from then on; the truth itself, projected, gave the best ones. Measured are
+/// 0.9 to 1.15 times. The estimate is right to a factor of two from t = 2 on, and of ten before, where the distance of two
+/// neighbouring orders makes it; moments are right within four times their errors.
 #[test]
 fn densities_spread_as_on_a_grid() {
-    let start = normal([1.0, 0.0], 0.2);
-    let wells =
-        [(0.5, 2.0 * 1.2e-4), (1.0, 2.0 * 4.9e-4), (2.0, 2.0 * 2.9e-2), (4.0, 1.3 * 6.5e-2), (8.0, 1.3 * 9.9e-3)];
+    let [start, rest] = [&normal([1.0, 0.0], 0.2), &normal([0.0, 0.0], 0.2)];
     let cases = [
-        (problem(duffing()), [[-3.9, 3.9], [-6.2, 6.2]], vec![(2.0, 0.01), (4.0, 1.3 * 4.7e-3), (8.0, 1.3 * 1.4e-2)]),
-        (two_wells(), [[-2.9, 2.9], [-5.0, 5.0]], wells.to_vec()),
+        (problem(duffing()), start, [[-3.9, 3.9], [-6.2, 6.2]], vec![(2.0, 1.0e-3), (4.0, 4.7e-3), (8.0, 1.4e-2)]),
+        (
+            two_wells(),
+            start,
+            [[-2.9, 2.9], [-5.0, 5.0]],
+            vec![(0.5, 1.2e-4), (1.0, 4.9e-4), (2.0, 2.9e-2), (4.0, 6.5e-2), (8.0, 9.9e-3)],
+        ),
+        (van_der_pol(), rest, [[-5.0, 5.0], [-6.5, 6.5]], vec![(2.0, 1.2e-3), (4.0, 2.0e-2)]),
     ];
-    for (problem, domain, limits) in cases {
-        let times: Vec<f64> = limits.iter().map(|(time, _)| *time).collect();
+    for (problem, start, domain, best) in cases {
+        let times: Vec<f64> = best.iter().map(|(time, _)| *time).collect();
         let grid = Grid::new().degree(8).cells([11, 12]).domain(domain).edge_level(1e-6);
-        let truth = grid.solve(&problem).unwrap().transient(&start, &times, 1e-4).unwrap();
-        let found = Closure::new(6).transient(&problem, &start, &times).unwrap();
-        for ((found, truth), (time, most)) in found.iter().zip(&truth).zip(limits) {
+        let truth = grid.solve(&problem).unwrap().transient(start, &times, 1e-4).unwrap();
+        let found = Closure::new(6).transient(&problem, start, &times).unwrap();
+        for ((found, truth), (time, best)) in found.iter().zip(&truth).zip(best) {
+            let most = if time < 4.0 { 2.0 } else { 1.3 } * best;
             let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
             let origin = found.density.candidates()[0].origin;
             println!("t = {time}: {distance:.1e} of {most:.1e}, estimate {estimate:.1e}, {origin}");
             assert!(distance < most && distance < 1.3 * estimate, "t = {time}: {distance:e}, {estimate:e}");
-            let factor = if time < 4.0 { 10.0 } else { 2.0 };
+            let factor = if time < 2.0 { 10.0 } else { 2.0 };
             assert!(estimate < factor * distance + 1e-3, "t = {time}: {distance:e}, {estimate:e}");
             for powers in [[1, 0], [0, 1], [2, 0], [0, 2]] {
                 let [own, known] = [found.moment(&powers).unwrap(), truth.moment(&powers).unwrap()];

@@ -35,11 +35,12 @@ fn most_likely(values: MatRef<'_, f64>, fixed: &[f64], weights: &[f64], mean: &[
     Some(tuning::guess::SEARCH.ascend(&likelihood, vec![0.0; values.ncols()], None)?.a)
 }
 
-struct Likelihood<'a> {
-    values: MatRef<'a, f64>,
-    fixed: &'a [f64],
-    weights: &'a [f64],
-    mean: &'a [f64],
+/// The mean log-likelihood of states as a function of a.
+pub(in crate::closure) struct Likelihood<'a> {
+    pub(in crate::closure) values: MatRef<'a, f64>,
+    pub(in crate::closure) fixed: &'a [f64],
+    pub(in crate::closure) weights: &'a [f64],
+    pub(in crate::closure) mean: &'a [f64],
 }
 
 impl Concave for Likelihood<'_> {

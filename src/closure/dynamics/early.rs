@@ -1,7 +1,8 @@
 //! The time after the start, in which a density is narrow: moving frames of two degrees, whose distance is their error.
 
+use super::law::Law;
 use super::moving_frame::MovingFrame;
-use super::snapshot::{Snapshot, moments_of};
+use super::snapshot::Snapshot;
 use super::start::Weighted;
 use crate::closure::candidates::Origin;
 use crate::closure::density::exponent::Exponent;
@@ -18,6 +19,7 @@ use crate::problem::Problem;
 use crate::states::States;
 use crate::transient::Start;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Two frames at the same time.
 pub(super) struct Early<'a> {
@@ -104,7 +106,7 @@ impl<'a> Early<'a> {
     }
 
     /// The density at this time in products of Legendre's polynomials, as answers have it.
-    pub(super) fn snapshot(&self, order: u32) -> Option<Snapshot> {
+    pub(super) fn snapshot(&self) -> Option<Snapshot> {
         let Sight { frame, points, weights, ratios, error } = self.sight()?;
         let states = frame.dimension();
         let deviation: Vec<f64> = (0..states).map(|i| frame.scale().row(i).norm()).collect();
@@ -132,8 +134,8 @@ impl<'a> Early<'a> {
         let mut correction = fitted(&space, &ratios[0])?;
         correction[0] -= 1.0;
         let domain = TrustDomain::whole(mean.clone(), deviation.clone(), reach);
-        let moments = moments_of(order, states, &points, &weights, ratios.each_ref().map(Vec::as_slice));
         let reference = Reference::in_time(weight, space, correction, error);
-        Some(Snapshot { reference, domain, mean, deviation, moments, origin: Origin::MovingFrame })
+        let law = Arc::new(Law::new(points, &weights, ratios.each_ref().map(Vec::as_slice))?);
+        Some(Snapshot { reference, domain, law, origin: Origin::MovingFrame })
     }
 }

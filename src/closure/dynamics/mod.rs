@@ -6,7 +6,9 @@
 //! - `start`: d at time 0; `transient`: d at later times; `snapshot`: the exponential polynomial at one of them.
 
 mod early;
+mod entropy;
 mod hermite;
+mod law;
 mod moment_system;
 mod moving_frame;
 mod relaxation;

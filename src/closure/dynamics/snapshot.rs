@@ -1,6 +1,7 @@
 //! The exponential polynomial of an order at one time, from the coefficients of the moment equations.
 
 use super::Dynamics;
+use super::law::Law;
 use super::moment_system::MomentSystem;
 use crate::closure::candidates::{Candidate, Origin};
 use crate::closure::density::content::{Content, Integrals};
@@ -10,16 +11,14 @@ use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::projection::{distance, mixed, project};
 use crate::closure::reference::{Reference, normalised};
-use crate::closure::samples::Moment;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
 use crate::numerics::{combination, exponentials};
-use crate::polynomial::power;
 use crate::problem::Symmetry;
 use crate::provenance::Provenance;
-use crate::states::States;
+use std::sync::Arc;
 
 /// A density p̂ = ω (1 + δ) at one time.
 pub(super) struct Snapshot {
@@ -27,9 +26,7 @@ pub(super) struct Snapshot {
     pub(super) reference: Reference,
     /// Where it is known.
     pub(super) domain: TrustDomain,
-    pub(super) mean: Vec<f64>,
-    pub(super) deviation: Vec<f64>,
-    pub(super) moments: Vec<Moment>,
+    pub(super) law: Arc<Law>,
     pub(super) origin: Origin,
 }
 
@@ -45,30 +42,21 @@ pub(super) struct Asked<'a> {
 impl Snapshot {
     /// The density with the coefficients `d`, and with `lower` by the equations of the lower degree, after a
     /// beginning that has an error of its own.
-    pub(super) fn new(
-        dynamics: &Dynamics,
-        system: &MomentSystem,
-        [d, lower]: [&[f64]; 2],
-        begun: f64,
-        order: u32,
-    ) -> Self {
+    pub(super) fn new(dynamics: &Dynamics, system: &MomentSystem, [d, lower]: [&[f64]; 2], begun: f64) -> Option<Self> {
         let values = system.functions.values.get(..system.nodes.len(), ..);
         let [ratio, other] = [d, lower].map(|d| combination(values, d));
         let negative: f64 = ratio.iter().zip(&system.measure).map(|(r, w)| w * (-r).max(0.0)).sum();
-        let positive = || ratio.iter().zip(&system.measure).map(|(r, w)| w * r.max(0.0));
-        let mass: f64 = positive().sum();
-        let over = |of: &dyn Fn(&[f64]) -> f64| {
-            positive().zip(&system.nodes.points).map(|(p, x)| p * of(x)).sum::<f64>() / mass
-        };
-        let mean: Vec<f64> = (0..system.nodes.points.dimension()).map(|i| over(&|x| x[i])).collect();
-        let deviation = mean.iter().enumerate().map(|(i, m)| over(&|x| (x[i] - m).powi(2)).sqrt()).collect();
         let error = system.share_of_highest(d) + 2.0 * negative + begun;
         let mut correction = system.functions.coefficients(d);
         correction[0] -= 1.0;
         let reference = Reference::in_time(system.weight.clone(), system.space.clone(), correction, error);
-        let moments = moments_of(order, mean.len(), &system.nodes.points, &system.measure, [&ratio, &other]);
-        let (domain, origin) = (dynamics.domain.clone(), Origin::StationaryWeight);
-        Snapshot { reference, domain, mean, deviation, moments, origin }
+        let law = Arc::new(Law::new(system.nodes.points.clone(), &system.measure, [&ratio, &other])?);
+        Some(Snapshot { reference, domain: dynamics.domain.clone(), law, origin: Origin::StationaryWeight })
+    }
+
+    /// Whether polynomials are all that it needs: where no wall is near, a wall's functions have no part.
+    pub(super) fn is_smooth(&self, dynamics: &Dynamics) -> bool {
+        dynamics.family.is_smooth() || self.origin == Origin::MovingFrame
     }
 
     /// The answer of an order. None where no exponential polynomial fits.
@@ -78,11 +66,10 @@ impl Snapshot {
         let reach = tuning::dynamics::FARTHEST;
         let in_frame = self.origin == Origin::MovingFrame;
         let drop = if in_frame { tuning::dynamics::FRAME_KEPT } else { tuning::domain::KEPT };
-        let domain = self.domain.to_first_fall(&self.mean, &self.deviation, log, drop, reach);
-        // Where no wall is near, its functions have no part.
-        let smooth = dynamics.family.is_smooth() || in_frame;
+        let domain = self.domain.to_first_fall(&self.law.mean, &self.law.deviation, log, drop, reach);
+        let smooth = self.is_smooth(dynamics);
         let nodes = if smooth {
-            Nodes::gauss(&domain, tuning::nodes::FINE[self.mean.len().min(2) - 1])
+            Nodes::gauss(&domain, tuning::nodes::FINE[self.law.mean.len().min(2) - 1])
         } else {
             Nodes::tensor(&domain, dynamics.rules.clone())
         };
@@ -129,12 +116,7 @@ impl Snapshot {
         };
         let reference = Reference { error, ..reference.clone().shifted(target[0] - values[0]) };
         Some(Content {
-            moments: self
-                .moments
-                .iter()
-                .filter(|m| m.powers.iter().sum::<u32>() <= asked.order.max(2))
-                .cloned()
-                .collect(),
+            moments: self.law.moments(asked.order),
             reference: Some(reference),
             integrals: Integrals::Panels { rules: nodes.rules, lines },
             lattice: None,
@@ -159,26 +141,4 @@ fn uneven(exponent: &Exponent, domain: &TrustDomain) -> f64 {
     let mass: f64 = density.iter().zip(&others.weights).map(|(p, w)| w * p).sum();
     let apart = (mass - 1.0).abs();
     if apart < tuning::dynamics::UNEVEN { 0.0 } else { apart }
-}
-
-/// The moments up to an order, at least the second, of a density given by its ratio to a measure on some points, with their
-/// distances from those of another one.
-pub(super) fn moments_of(
-    order: u32,
-    states: usize,
-    points: &States,
-    measure: &[f64],
-    ratios: [&[f64]; 2],
-) -> Vec<Moment> {
-    let moment = |powers: Vec<u32>| {
-        let terms: Vec<f64> = points.iter().zip(measure).map(|(x, w)| w * power(x, &powers)).collect();
-        let sum = |ratio: &[f64]| terms.iter().zip(ratio).map(|(t, r)| t * r).sum::<f64>();
-        let [value, other] = ratios.map(sum);
-        let size: f64 = terms.iter().zip(ratios[0]).map(|(t, r)| (t * r).abs()).sum();
-        Moment { powers, value, error: (value - other).abs() + tuning::ROUNDING * size }
-    };
-    let all = |degree: u32| -> Vec<Vec<u32>> {
-        if states == 1 { vec![vec![degree]] } else { (0..=degree).map(|j| vec![degree - j, j]).collect() }
-    };
-    (1..=order.max(2)).flat_map(all).map(moment).collect()
 }

@@ -65,7 +65,7 @@ impl Closure {
         let system = stationary.moment_system()?;
         let Some(dynamics) = stationary.dynamics.as_deref() else { return Ok(Vec::new()) };
         let order = self.highest().min(tuning::space::HIGHEST_ORDER_AT_WALLS).max(self.lowest());
-        let (early, beginning) = followed(problem, start, times, order);
+        let (early, beginning) = followed(problem, start, times);
         // The equations go on from a frame, if it knows all times before.
         let goes_on = |begin: f64| times.iter().zip(&early).all(|(time, early)| *time >= begin || early.is_some());
         let beginning = beginning.filter(|(time, _)| goes_on(*time));
@@ -84,8 +84,12 @@ impl Closure {
             let mut known: Vec<Snapshot> = early.into_iter().collect();
             if *time >= beginning.time {
                 let d = [&own, &lower].map(|d| d.col_as_slice(k));
-                known.push(Snapshot::new(dynamics, system, d, beginning.error, order));
+                known.extend(Snapshot::new(dynamics, system, d, beginning.error));
             }
+            let orders = [self.lowest().min(order), order];
+            let polynomial = known.iter().filter(|snapshot| snapshot.is_smooth(dynamics));
+            let likeliest: Vec<Snapshot> = polynomial.filter_map(|known| known.of_largest_entropy(orders)).collect();
+            known.extend(likeliest);
             let density = self.at_time(&known, dynamics, stationary.provenance())?;
             Ok(Transient { time: *time, density, step_error: 0.0 })
         };
@@ -123,12 +127,7 @@ impl Closure {
 }
 
 /// What moving frames know at each time, and the last density that is good enough to go on from.
-fn followed(
-    problem: &Problem,
-    start: &Start,
-    times: &[f64],
-    order: u32,
-) -> (Vec<Option<Snapshot>>, Option<(f64, Weighted)>) {
+fn followed(problem: &Problem, start: &Start, times: &[f64]) -> (Vec<Option<Snapshot>>, Option<(f64, Weighted)>) {
     let mut known: Vec<Option<Snapshot>> = times.iter().map(|_| None).collect();
     let mut good = None;
     let Some(mut early) = Early::new(problem, start) else { return (known, good) };
@@ -147,7 +146,7 @@ fn followed(
                 good = early.weighted().map(|weighted| (early.time(), weighted));
             }
             if early.time() >= time {
-                *known = early.snapshot(order);
+                *known = early.snapshot();
                 break;
             }
             stretches += 1;

@@ -34,7 +34,7 @@ pub(crate) const FRAME_NODES: usize = 24;
 /// The box in which a frame's polynomials are written, in standard deviations.
 pub(crate) const FRAME_BOX: f64 = 6.0;
 /// Below this error, in L¹, the moment equations of the stationary weight go on from a frame,
-pub(crate) const FRAME_GOOD: f64 = 3e-4;
+pub(crate) const FRAME_GOOD: f64 = 1e-3;
 /// and above this one it is given up.
 pub(crate) const FRAME_LOST: f64 = 0.05;
 /// A frame ends where a wall is so many standard deviations from its middle.
@@ -43,3 +43,11 @@ pub(crate) const CLEAR_OF_WALLS: f64 = 5.0;
 pub(crate) const POINT: f64 = 1e-3;
 /// The ratio of a density to its weight is cut off at this factor before its logarithm is taken.
 pub(crate) const CUT: f64 = 1e12;
+/// Densities of largest entropy are sought within so many standard deviations of the mean,
+pub(crate) const WIDEST: f64 = 8.0;
+/// of this degree first,
+pub(crate) const FIRST: u32 = 4;
+/// and up to so many degrees above the order.
+pub(crate) const EXCESS: u32 = 4;
+/// They are known down to e^−18 of their peak.
+pub(crate) const DROP: f64 = 18.0;
