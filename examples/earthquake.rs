@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example earthquake` shakes x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ, D = 0.2, whose noise rises and fades with
 //! the envelope e(t) = a (e^(−0.09 t) − e^(−1.49 t)) of peak 1. The grid follows p(x, x′, t) and the part of it that has not left
-//! |x| < 1.5: E x² over time, the probability of being beyond at a time, survival, and what Poisson's assumption makes of the
+//! |x| < 1.5; the closure follows p by its moment equations: E x² over time, the probability of being beyond at a time, survival, and what Poisson's assumption makes of the
 //! up-crossings. E x² is largest at t = 5.5, 0.424, and x is beyond ±1.5 then with the probability 0.015; the structure survives all of
 //! it with the probability 0.902, of which Poisson's assumption makes 0.86, since crossings come in clumps. A figure goes to
 //! `out/earthquake/`.
@@ -12,7 +12,7 @@
 use clap::Parser;
 use expoly::models::{Duffing, Solved};
 use expoly::statistics::Marginal;
-use expoly::{Crossing, Density, Envelope, Grid, Start};
+use expoly::{Closure, Crossing, Density, Envelope, Grid, Start, compare};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, curve, write_figure};
 
@@ -28,6 +28,9 @@ struct Options {
     /// The last time
     #[arg(long, default_value_t = 32.0)]
     duration: f64,
+    /// Order of the closure
+    #[arg(long, default_value_t = 6)]
+    order: u32,
     /// Degree of the grid
     #[arg(long, default_value_t = 6)]
     degree: usize,
@@ -53,10 +56,12 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let transients = stationary.modulated_transient(&envelope, &rest, &times, 1e-3)?;
     let survival = stationary.survival([-level, level])?.modulated_probability(&envelope, &rest, &times, 1e-3)?;
 
-    let [mut spreads, mut beyond, mut survived, mut poisson] = [(); 4].map(|()| Vec::<[f64; 2]>::new());
+    let closed = Closure::new(options.order).modulated_transient(&problem, &envelope, &rest, &times)?;
+
+    let [mut spreads, mut closures, mut beyond, mut survived, mut poisson] = [(); 5].map(|()| Vec::<[f64; 2]>::new());
     let (mut crossings, mut last) = (0.0, None);
-    println!("     t      e   E x^2     P(|x| > {level})   survival               Poisson");
-    for (k, (transient, survival)) in transients.iter().zip(&survival).enumerate() {
+    println!("     t      e   E x^2  closure      L1  estimate   P(|x| > {level})   survival               Poisson");
+    for (k, ((transient, survival), closed)) in transients.iter().zip(&survival).zip(&closed).enumerate() {
         let (t, density) = (transient.time, &transient.density);
         let outward = [Crossing::upward(level), Crossing { upward: false, ..Crossing::upward(-level) }];
         let rate: f64 = outward
@@ -69,13 +74,16 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         let marginal = Marginal::new(density, 0)?;
         let out = marginal.exceedance(level)?.value + 1.0 - marginal.exceedance(-level)?.value;
         let square = density.moment(&[2, 0])?.value;
+        let closed_square = closed.moment(&[2, 0])?.value;
         spreads.push([t, square]);
+        closures.push([t, closed_square]);
         beyond.push([t, out]);
         survived.push([t, survival.value]);
         poisson.push([t, (-crossings).exp()]);
         if k % LINE == 0 {
+            let (distance, estimate) = (compare::l1(&closed.density, density)?.value, closed.density.l1_estimate());
             println!(
-                "{t:6.1} {:6.3} {square:7.4}     {out:10.6}   {:22} {:.4}",
+                "{t:6.1} {:6.3} {square:7.4}  {closed_square:7.4} {distance:7.1e} {estimate:9.1e}   {out:10.6}   {:22} {:.4}",
                 envelope.value(t),
                 survival.to_string(),
                 (-crossings).exp()
@@ -87,7 +95,11 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     println!("E x^2 is largest at t = {widest}, {square:.4}; P(|x| > {level}) at t = {worst}, {out:.4}");
 
     let noise: Vec<[f64; 2]> = times.iter().map(|t| [*t, envelope.value(*t).powi(2)]).collect();
-    let strengths = vec![curve("e²", Style::Dashed, 0, &noise), curve("E x²", Style::Solid, 1, &spreads)];
+    let strengths = vec![
+        curve("e²", Style::Dashed, 0, &noise),
+        curve("E x², grid", Style::Solid, 1, &spreads),
+        curve("closure", Style::Dotted, 2, &closures),
+    ];
     let fates = vec![
         curve("survival", Style::Solid, 0, &survived),
         curve("by Poisson's assumption", Style::Dashed, 1, &poisson),
@@ -97,8 +109,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let views = [panel("intensity of the noise, and E x² [L²]", strengths), panel("probability", fates)];
     let caption = format!(
         "x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ from rest, D = 0.2, e = a (e^(−{slow}t) − e^(−{fast}t)) of peak 1; |x| < {level} survives. \
-         Grid of degree {}.",
-        options.degree
+         Grid of degree {}, closure of order {}.",
+        options.degree, options.order
     );
     write_figure(&options.out.join("survival.svg"), &caption, 2, &views)?;
     println!("figure: {}", options.out.join("survival.svg").display());

@@ -11,7 +11,7 @@
 //! | What is its density, as a formula p = C exp(Q)? | [`Closure`]; above a wall as well, with [`Wall`] |
 //! | Is that right? | [`ClosureDensity::l1_estimate`]; [`Grid`], [`Simulation`], [`compare`] |
 //! | What lies in the far tail? | [`Splitting`] |
-//! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`ClosureDensity::relaxation`]; [`GridDensity::transient`], [`Envelope`] |
+//! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`Closure::modulated_transient`], [`ClosureDensity::relaxation`]; [`GridDensity::transient`], [`Envelope`] |
 //! | How likely, how often, how soon? | [`statistics`]; [`Survival`] without Poisson's assumption |
 //! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
 //! | Which order is enough, what depends on a parameter? | [`study`] |

@@ -1,9 +1,8 @@
 //! The flux J = F p − ½B∇p with F = f − ½∇·B, by dual numbers from the system's own definition.
 
-use crate::fokker_planck::{Local, noise_induced_drift};
+use crate::fokker_planck::Local;
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
-use crate::system::Interpretation;
 
 /// The part of an operator that a flux belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,16 +12,6 @@ pub(super) enum Part {
     Drift,
     /// What the noise adds, in proportion to its intensity.
     Noise,
-}
-
-impl Part {
-    /// The drift of state `i` that the noise induces.
-    pub(super) fn induced(problem: &Problem, i: usize) -> Polynomial {
-        match problem.interpretation() {
-            Interpretation::Stratonovich => noise_induced_drift(problem.noise(), 2).swap_remove(i),
-            Interpretation::Ito => Polynomial::zero(2),
-        }
-    }
 }
 
 /// The coefficients of the flux at a point.
@@ -72,7 +61,7 @@ pub(super) struct Flux<'a> {
     local: Local,
     part: Part,
     /// The drift that the noise induces.
-    induced: [Polynomial; 2],
+    induced: Vec<Polynomial>,
     pub(super) terms: Vec<Term>,
     /// The highest total degree of all functions.
     pub(super) degree: usize,
@@ -81,7 +70,7 @@ pub(super) struct Flux<'a> {
 impl<'a> Flux<'a> {
     pub(super) fn new(problem: &'a Problem, origin: [f64; 2], part: Part) -> Self {
         let operator = problem.operator();
-        let induced = [0, 1].map(|i| Part::induced(problem, i));
+        let induced = problem.induced_drift();
         let spread = operator.diffusion_divergence();
         let mut terms = Vec::new();
         let mut degree = 0;

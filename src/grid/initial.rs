@@ -2,7 +2,6 @@
 
 use super::density::GridDensity;
 use super::field::Field;
-use super::moments::Moments;
 use super::space::{Side, Space};
 use crate::checks::require;
 use crate::density::{Density, Frame};
@@ -11,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::grid::tuning;
 use crate::numerics::Rule;
 use crate::polynomial::Gaussian;
-use crate::problem::{Problem, gaussian_after};
+use crate::problem::{ModulatedMoments, Problem, gaussian_after};
 use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -124,7 +123,7 @@ struct Narrow<'a> {
     problem: &'a Problem,
     envelope: Option<&'a Envelope>,
     point: Gaussian,
-    moments: Option<Moments>,
+    moments: Option<ModulatedMoments>,
     time: f64,
     gaussian: Gaussian,
 }
@@ -132,7 +131,7 @@ struct Narrow<'a> {
 impl<'a> Narrow<'a> {
     fn new(problem: &'a Problem, envelope: Option<&'a Envelope>, x: [f64; 2]) -> Self {
         let point = Gaussian { mean: DVector::from_column_slice(&x), covariance: DMatrix::zeros(2, 2) };
-        let moments = envelope.map(|_| Moments::new(problem));
+        let moments = envelope.map(|_| ModulatedMoments::new(problem));
         Narrow { problem, envelope, gaussian: point.clone(), point, moments, time: 0.0 }
     }
 

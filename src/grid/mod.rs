@@ -7,7 +7,7 @@
 //! - `domain`: where the density is; `layout`: its elements; `solver`: domain, mesh and two degrees for an error estimate;
 //! - `field`, `density`: the piecewise polynomial, and the density made of it;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same matrix;
-//! - `initial`, `moments`, `transient`: a start on the mesh and p(x, t); `survival`: the part of it that has passed no level.
+//! - `initial`, `transient`: a start on the mesh and p(x, t); `survival`: the part of it that has passed no level.
 
 mod assembly;
 mod blocks;
@@ -22,7 +22,6 @@ mod layout;
 mod legendre;
 mod march;
 mod mesh;
-mod moments;
 mod relaxation;
 mod solver;
 mod space;

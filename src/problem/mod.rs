@@ -1,5 +1,6 @@
 //! Problems: a system as data, made once from its definition, with its walls.
 
+mod amplified;
 mod contact;
 mod definition;
 mod expression;
@@ -8,6 +9,7 @@ mod flow;
 mod gaussian_closure;
 mod impulses;
 mod mirror;
+mod modulated_moments;
 mod pack;
 mod room;
 mod symmetry;
@@ -24,6 +26,7 @@ pub(crate) use contact::Contact;
 pub(crate) use field::{Field, LANES, Lane};
 pub(crate) use flow::{Kicks, Nearness, Strike, near};
 pub(crate) use gaussian_closure::gaussian_after;
+pub(crate) use modulated_moments::ModulatedMoments;
 pub(crate) use room::reflect;
 pub(crate) use symmetry::Symmetry;
 pub(crate) use time_scales::{TimeScales, two_digits};
@@ -31,7 +34,7 @@ pub use wall::Wall;
 pub(crate) use wall::{COLLAPSE, limits};
 
 use crate::error::{Error, Result};
-use crate::fokker_planck::{FokkerPlanck, Local};
+use crate::fokker_planck::{FokkerPlanck, Local, noise_induced_drift};
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::system::Interpretation;
 use std::fmt;
@@ -141,6 +144,23 @@ impl Problem {
     /// The Fokker-Planck operator: Itô drift and diffusion matrix as polynomials.
     pub fn operator(&self) -> &FokkerPlanck {
         &self.equations.operator
+    }
+
+    /// The operator with all intensities of white noise times `share`, and the drift that it induces with them.
+    pub(crate) fn under_noise(&self, share: f64) -> FokkerPlanck {
+        let mut drift = self.operator().drift().to_vec();
+        for (f, induced) in drift.iter_mut().zip(self.induced_drift()) {
+            *f = &*f - &(induced * (1.0 - share));
+        }
+        self.operator().with(drift, share)
+    }
+
+    /// The drift that the noise induces, which Itô's has beyond that as it was written.
+    pub(crate) fn induced_drift(&self) -> Vec<Polynomial> {
+        match self.interpretation() {
+            Interpretation::Stratonovich => noise_induced_drift(self.noise(), self.dimension()),
+            Interpretation::Ito => vec![Polynomial::zero(self.dimension()); self.dimension()],
+        }
     }
 
     /// The drift as it was written, in the system's own interpretation.

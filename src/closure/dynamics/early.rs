@@ -1,6 +1,8 @@
 //! The time after the start, in which a density is narrow: moving frames of two degrees, whose distance is their error.
 
+use super::Dynamics;
 use super::law::Law;
+use super::modulation::Modulated;
 use super::moving_frame::MovingFrame;
 use super::snapshot::Snapshot;
 use super::start::Weighted;
@@ -41,11 +43,12 @@ struct Sight {
 impl<'a> Early<'a> {
     /// The frames of a start. None of other densities than points and Gaussians, and none under impulses, which leave a part of
     /// the density where it is and take another part away at once.
-    pub(super) fn new(problem: &'a Problem, start: &Start) -> Option<Self> {
+    pub(super) fn new(system: Modulated<'a>, start: &Start) -> Option<Self> {
+        let problem = system.problem;
         if !problem.impulses().is_empty() {
             return None;
         }
-        let [high, low] = tuning::dynamics::FRAME_DEGREES.map(|degree| MovingFrame::new(problem, start, degree));
+        let [high, low] = tuning::dynamics::FRAME_DEGREES.map(|degree| MovingFrame::new(system, start, degree));
         let early = Early { problem, frames: [high?, low?] };
         early.clear_of_walls().then_some(early)
     }
@@ -106,7 +109,7 @@ impl<'a> Early<'a> {
     }
 
     /// The density at this time in products of Legendre's polynomials, as answers have it.
-    pub(super) fn snapshot(&self) -> Option<Snapshot> {
+    pub(super) fn snapshot(&self, dynamics: &Arc<Dynamics>) -> Option<Snapshot> {
         let Sight { frame, points, weights, ratios, error } = self.sight()?;
         let states = frame.dimension();
         let deviation: Vec<f64> = (0..states).map(|i| frame.scale().row(i).norm()).collect();
@@ -136,6 +139,7 @@ impl<'a> Early<'a> {
         let domain = TrustDomain::whole(mean.clone(), deviation.clone(), reach);
         let reference = Reference::in_time(weight, space, correction, error);
         let law = Arc::new(Law::new(points, &weights, ratios.each_ref().map(Vec::as_slice))?);
-        Some(Snapshot { reference, domain, law, origin: Origin::MovingFrame })
+        let dynamics = Arc::clone(dynamics);
+        Some(Snapshot { dynamics, reference, domain, law, origin: Origin::MovingFrame })
     }
 }

@@ -102,6 +102,7 @@ impl Snapshot {
         }
         let (error, Likeliest { exponent, domain, .. }) = best?;
         let reference = Reference::in_time(exponent.clone(), exponent.space, vec![0.0], error);
-        Some(Snapshot { reference, domain, law: Arc::clone(law), origin: self.origin })
+        let (dynamics, law, origin) = (Arc::clone(&self.dynamics), Arc::clone(law), self.origin);
+        Some(Snapshot { dynamics, reference, domain, law, origin })
     }
 }

@@ -1,14 +1,18 @@
-//! The closure in time: how any density of a system approaches the stationary one.
+//! The closure in time: how any density of a system comes about, and approaches the stationary one.
 //!
 //! - `moment_system`: the moment equations of a fixed weight, dd/dt = A d, and the degree up to which they are stable;
 //! - `hermite`, `moving_frame`, `early`: a density that is still narrow, in coordinates that move with it;
+//! - `modulation`, `levels`: noise that rises and fades, and weights for each of its strengths;
 //! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response;
-//! - `start`: d at time 0; `transient`: d at later times; `snapshot`: the exponential polynomial at one of them.
+//! - `start`: d at time 0; `transient`: d at later times;
+//! - `law`, `entropy`: means, and the density of largest entropy that has them; `snapshot`: the exponential polynomial of a time.
 
 mod early;
 mod entropy;
 mod hermite;
 mod law;
+mod levels;
+mod modulation;
 mod moment_system;
 mod moving_frame;
 mod relaxation;

@@ -1,11 +1,11 @@
 //! A density that is still narrow, in coordinates that move and stretch with it.
 
 use super::hermite::{Products, Table, hermite};
+use super::modulation::Modulated;
 use crate::closure::tuning;
 use crate::density::Frame;
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::{Gaussian, Polynomial};
-use crate::problem::{Problem, gaussian_after};
 use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
 
@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 /// the degrees that are left out feed the others, and the error grows at once.
 #[derive(Clone)]
 pub(super) struct MovingFrame<'a> {
-    operator: &'a FokkerPlanck,
+    system: Modulated<'a>,
     degree: usize,
     pub(super) time: f64,
     place: Place,
@@ -41,9 +41,9 @@ impl Place {
 
 impl<'a> MovingFrame<'a> {
     /// The frame of a start: a Gaussian, or a point as soon as noise has made it one. None of other densities.
-    pub(super) fn new(problem: &'a Problem, start: &Start, degree: usize) -> Option<Self> {
-        let operator = problem.operator();
-        let states = problem.dimension();
+    pub(super) fn new(system: Modulated<'a>, start: &Start, degree: usize) -> Option<Self> {
+        let operator = system.problem.operator();
+        let states = operator.dimension();
         let (time, gaussian) = match start {
             Start::Gaussian(gaussian) => (0.0, gaussian.clone()),
             Start::Point(x) => {
@@ -52,14 +52,14 @@ impl<'a> MovingFrame<'a> {
                     tuning::dynamics::POINT / slopes.fold(f64::MIN_POSITIVE, |most, slope| most.max(slope.abs()));
                 let point =
                     Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(states, states) };
-                (time, gaussian_after(operator, &point, time))
+                (time, system.gaussian_after(&point, time))
             }
             Start::Stationary | Start::Density(_) => return None,
         };
         let reach = operator.drift().iter().chain(operator.diffusion().iter().flatten()).map(Polynomial::degree);
         let side = degree + 1 + reach.max().unwrap_or(0) as usize;
         let place = Place { scale: gaussian.scale().ok()?, mean: gaussian.mean, density: Table::one(states, side) };
-        Some(MovingFrame { operator, degree, time, place })
+        Some(MovingFrame { system, degree, time, place })
     }
 
     /// The coordinates; none once they are not finite.
@@ -80,28 +80,30 @@ impl<'a> MovingFrame<'a> {
     /// finite.
     pub(super) fn advance(&mut self, end: f64, most: usize) -> Option<()> {
         for _ in 0..most {
-            let left = end - self.time;
-            if left <= 0.0 {
+            if self.time >= end {
                 break;
             }
-            let (k1, speed) = self.rate(&self.place)?;
+            let stretch = self.system.stretch(self.time);
+            let (t, until) = (self.time, end.min(stretch.until()));
+            let rate = |place: &Place, time: f64| self.rate(place, &stretch.operator(time));
+            let (k1, speed) = rate(&self.place, t)?;
             let longest = tuning::dynamics::FRAME_STEP / speed;
-            let h = left / (left / longest).ceil().max(1.0);
-            let k2 = self.rate(&self.place.moved(h / 2.0, &k1))?.0;
-            let k3 = self.rate(&self.place.moved(h / 2.0, &k2))?.0;
-            let k4 = self.rate(&self.place.moved(h, &k3))?.0;
+            let h = (until - t) / ((until - t) / longest).ceil().max(1.0);
+            let k2 = rate(&self.place.moved(h / 2.0, &k1), t + h / 2.0)?.0;
+            let k3 = rate(&self.place.moved(h / 2.0, &k2), t + h / 2.0)?.0;
+            let k4 = rate(&self.place.moved(h, &k3), t + h)?.0;
             for (k, share) in [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)] {
                 self.place = self.place.moved(h * share / 6.0, &k);
             }
-            self.time = if h == left { end } else { self.time + h };
+            self.time = if h == until - t { until } else { t + h };
         }
         Some(())
     }
 
     /// The rates of change at a place, and how fast that is.
-    fn rate(&self, place: &Place) -> Option<(Place, f64)> {
+    fn rate(&self, place: &Place, operator: &FokkerPlanck) -> Option<(Place, f64)> {
         let n = place.mean.len();
-        let local = self.operator.in_frame(&Frame::of(place.mean.clone(), place.scale.clone())?);
+        let local = operator.in_frame(&Frame::of(place.mean.clone(), place.scale.clone())?);
         let mut products = Products::of(place.density.clone());
         let carried: Vec<Table> = local.drift().iter().map(|f| products.with(f)).collect();
         let spread: Vec<Vec<Table>> =

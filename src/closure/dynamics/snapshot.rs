@@ -22,6 +22,8 @@ use std::sync::Arc;
 
 /// A density p̂ = ω (1 + δ) at one time.
 pub(super) struct Snapshot {
+    /// Of the weight.
+    pub(super) dynamics: Arc<Dynamics>,
     /// With an estimate of its error.
     pub(super) reference: Reference,
     /// Where it is known.
@@ -42,7 +44,12 @@ pub(super) struct Asked<'a> {
 impl Snapshot {
     /// The density with the coefficients `d`, and with `lower` by the equations of the lower degree, after a
     /// beginning that has an error of its own.
-    pub(super) fn new(dynamics: &Dynamics, system: &MomentSystem, [d, lower]: [&[f64]; 2], begun: f64) -> Option<Self> {
+    pub(super) fn new(
+        dynamics: &Arc<Dynamics>,
+        system: &MomentSystem,
+        [d, lower]: [&[f64]; 2],
+        begun: f64,
+    ) -> Option<Self> {
         let values = system.functions.values.get(..system.nodes.len(), ..);
         let [ratio, other] = [d, lower].map(|d| combination(values, d));
         let negative: f64 = ratio.iter().zip(&system.measure).map(|(r, w)| w * (-r).max(0.0)).sum();
@@ -51,23 +58,25 @@ impl Snapshot {
         correction[0] -= 1.0;
         let reference = Reference::in_time(system.weight.clone(), system.space.clone(), correction, error);
         let law = Arc::new(Law::new(system.nodes.points.clone(), &system.measure, [&ratio, &other])?);
-        Some(Snapshot { reference, domain: dynamics.domain.clone(), law, origin: Origin::StationaryWeight })
+        let (dynamics, domain) = (Arc::clone(dynamics), dynamics.domain.clone());
+        Some(Snapshot { dynamics, reference, domain, law, origin: Origin::StationaryWeight })
     }
 
     /// Whether polynomials are all that it needs: where no wall is near, a wall's functions have no part.
-    pub(super) fn is_smooth(&self, dynamics: &Dynamics) -> bool {
-        dynamics.family.is_smooth() || self.origin == Origin::MovingFrame
+    pub(super) fn is_smooth(&self) -> bool {
+        self.dynamics.family.is_smooth() || self.origin == Origin::MovingFrame
     }
 
     /// The answer of an order. None where no exponential polynomial fits.
-    pub(super) fn answer(&self, dynamics: &Dynamics, asked: &Asked<'_>, provenance: &Provenance) -> Option<Content> {
+    pub(super) fn answer(&self, asked: &Asked<'_>, provenance: &Provenance) -> Option<Content> {
+        let dynamics = &self.dynamics;
         let reference = &self.reference;
         let log = |points: &_| reference.values(points);
         let reach = tuning::dynamics::FARTHEST;
         let in_frame = self.origin == Origin::MovingFrame;
         let drop = if in_frame { tuning::dynamics::FRAME_KEPT } else { tuning::domain::KEPT };
         let domain = self.domain.to_first_fall(&self.law.mean, &self.law.deviation, log, drop, reach);
-        let smooth = self.is_smooth(dynamics);
+        let smooth = self.is_smooth();
         let nodes = if smooth {
             Nodes::gauss(&domain, tuning::nodes::FINE[self.law.mean.len().min(2) - 1])
         } else {

@@ -2,6 +2,8 @@
 
 use super::Dynamics;
 use super::early::Early;
+use super::levels::March;
+use super::modulation::Modulated;
 use super::served;
 use super::snapshot::{Asked, Snapshot};
 use super::start::{Beginning, Weighted};
@@ -12,22 +14,24 @@ use crate::closure::method::{Closure, Order};
 use crate::closure::projection::Weight;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning;
+use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
 use crate::transient::{Start, Transient, check_times};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 impl Closure {
     /// The densities of a problem of one state or two at rising `times` after `start`, each closed by this order.
     ///
     /// The moment equations under the weight of the stationary density are linear, dd/dt = A d, and solved exactly: no time
-    /// step, and the same effort for every time. At each time their density is projected as the stationary one is. They know a
-    /// density that has spread over a good part of its domain. An earlier one is followed in coordinates that move and stretch with
-    /// it, from a point or a Gaussian on; where both know it, the answer is the one with the smaller estimate of its error, and
-    /// [`Candidate::origin`] says which. In between the estimate may be large and the answer carry a warning, while its moments
-    /// up to the order, which are those of the equations themselves, are right all the same.
+    /// step, and the same effort for every time. A density that is narrow yet is followed in coordinates that move and stretch
+    /// with it, from a point or a Gaussian on. At each time the density of largest entropy with the equations' means of a few
+    /// degrees more than the order, or the equations' own expansion, is projected as a stationary density is: that with the smaller
+    /// estimate of its error is the answer, and [`Candidate::origin`] is whether the means are those of the frame or of the
+    /// weight. Next to walls it is the expansion alone.
     ///
     /// # Errors
     /// Those of [`Closure::solve`]; [`Error::NotServed`] in three states and more, [`Error::Dimension`] for the start of another
@@ -48,6 +52,46 @@ impl Closure {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn transient(&self, problem: &Problem, start: &Start, times: &[f64]) -> Result<Vec<Transient<ClosureDensity>>> {
+        self.evolved(problem, None, start, times)
+    }
+
+    /// The same under modulated noise, whose columns are multiplied by the envelope e(t): the equations are dd/dt = (A₀ + e² A₁) d.
+    /// Where noise has faded the density would be narrow under the weight of the strongest noise; then the equations go on under
+    /// that of three tenths of its intensity, and so on, and back where noise rises again.
+    ///
+    /// # Errors
+    /// As [`Closure::transient`].
+    ///
+    /// ```
+    /// use expoly::{Closure, Density, Envelope, Start, models::{Linear, Solved}};
+    /// // From rest under noise of D = 0.5 for one time unit, and none from then on.
+    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
+    /// let burst = Envelope::steps([(0.0, 1.0), (1.0, 0.0)])?;
+    /// let rest = Start::Point(vec![0.0, 0.0]);
+    /// let at = Closure::new(2).modulated_transient(&problem, &burst, &rest, &[1.0, 2.0])?;
+    /// // 2D ∫ g(t − s)² ds over the burst, with the displacement g after a unit blow.
+    /// assert!((at[0].moment(&[2, 0])?.value - 0.192324).abs() < 1e-6);
+    /// assert!((at[1].moment(&[2, 0])?.value - 0.460460).abs() < 1e-6);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn modulated_transient(
+        &self,
+        problem: &Problem,
+        envelope: &Envelope,
+        start: &Start,
+        times: &[f64],
+    ) -> Result<Vec<Transient<ClosureDensity>>> {
+        self.evolved(problem, Some(envelope), start, times)
+    }
+
+    fn evolved(
+        &self,
+        problem: &Problem,
+        envelope: Option<&Envelope>,
+        start: &Start,
+        times: &[f64],
+    ) -> Result<Vec<Transient<ClosureDensity>>> {
+        let modulation = Modulated { problem, envelope };
         start.check(problem.dimension())?;
         served(problem.dimension())?;
         check_times(times, 0.0, "it is counted from the start on")?;
@@ -61,11 +105,11 @@ impl Closure {
             degrees: if walled { self.degrees.clone() } else { Degrees::complete() },
             ..self.clone()
         };
-        let stationary = base.solve(problem)?;
+        let strongest = modulation.strongest()?;
+        let stationary = base.solve(&strongest)?;
         let system = stationary.moment_system()?;
-        let Some(dynamics) = stationary.dynamics.as_deref() else { return Ok(Vec::new()) };
-        let order = self.highest().min(tuning::space::HIGHEST_ORDER_AT_WALLS).max(self.lowest());
-        let (early, beginning) = followed(problem, start, times);
+        let Some(dynamics) = &stationary.dynamics else { return Ok(Vec::new()) };
+        let (early, beginning) = followed(modulation, start, times, dynamics);
         // The equations go on from a frame, if it knows all times before.
         let goes_on = |begin: f64| times.iter().zip(&early).all(|(time, early)| *time >= begin || early.is_some());
         let beginning = beginning.filter(|(time, _)| goes_on(*time));
@@ -74,31 +118,41 @@ impl Closure {
                 Some(Ok(beginning)) => beginning,
                 _ => Beginning::new(0.0, &Weighted::of(start, system)?, system, &dynamics.domain)?,
             };
-        let later: Vec<f64> = times.iter().map(|time| (time - beginning.time).max(0.0)).collect();
-        let d = |lower: bool| {
-            let matrix = system.matrix(lower);
-            propagated(matrix, &beginning.coefficients[..matrix.ncols()], &later)
-        };
-        let (own, lower) = rayon::join(|| d(false), || d(true));
-        let at = |((k, time), early): ((usize, &f64), Option<Snapshot>)| {
-            let mut known: Vec<Snapshot> = early.into_iter().collect();
-            if *time >= beginning.time {
+        let mut known: Vec<Vec<Snapshot>> = early.into_iter().map(|early| early.into_iter().collect()).collect();
+        let reached = times.partition_point(|time| *time < beginning.time);
+        let (later, known_later) = (&times[reached..], &mut known[reached..]);
+        if envelope.is_some() {
+            let mut march = March::new(&base, modulation, &stationary, &beginning);
+            for (time, known) in later.iter().zip(known_later) {
+                known.extend(march.as_mut().and_then(|march| march.advance(*time).and_then(|()| march.snapshot())));
+            }
+        } else {
+            let spans: Vec<f64> = later.iter().map(|time| time - beginning.time).collect();
+            let d = |lower: bool| {
+                let matrix = system.matrix(lower);
+                propagated(matrix, &beginning.coefficients[..matrix.ncols()], &spans)
+            };
+            let (own, lower) = rayon::join(|| d(false), || d(true));
+            for (k, known) in known_later.iter_mut().enumerate() {
                 let d = [&own, &lower].map(|d| d.col_as_slice(k));
                 known.extend(Snapshot::new(dynamics, system, d, beginning.error));
             }
-            let orders = [self.lowest().min(order), order];
-            let polynomial = known.iter().filter(|snapshot| snapshot.is_smooth(dynamics));
-            let likeliest: Vec<Snapshot> = polynomial.filter_map(|known| known.of_largest_entropy(orders)).collect();
-            known.extend(likeliest);
-            let density = self.at_time(&known, dynamics, stationary.provenance())?;
+        }
+        let at = |(known, time): (Vec<Snapshot>, &f64)| {
+            let density = self.at_time(known, stationary.provenance())?;
             Ok(Transient { time: *time, density, step_error: 0.0 })
         };
-        times.par_iter().enumerate().zip(early).map(at).collect()
+        known.into_par_iter().zip(times).map(at).collect()
     }
 
     /// The closure of one time, of the snapshot with the smaller error: of the given order, or the lowest even one that meets the
     /// target, or else the best.
-    fn at_time(&self, known: &[Snapshot], dynamics: &Dynamics, provenance: &Provenance) -> Result<ClosureDensity> {
+    fn at_time(&self, mut known: Vec<Snapshot>, provenance: &Provenance) -> Result<ClosureDensity> {
+        let highest = self.highest().min(tuning::space::HIGHEST_ORDER_AT_WALLS).max(self.lowest());
+        let polynomial = known.iter().filter(|snapshot| snapshot.is_smooth());
+        let likeliest: Vec<Snapshot> =
+            polynomial.filter_map(|known| known.of_largest_entropy([self.lowest(), highest])).collect();
+        known.extend(likeliest);
         let (orders, target): (Vec<u32>, f64) = match self.order {
             Order::Fixed(order) => (vec![order], 0.0),
             Order::Adaptive(target) => ((2..=tuning::space::HIGHEST_ORDER_AT_WALLS).step_by(2).collect(), target),
@@ -113,7 +167,7 @@ impl Closure {
                 break;
             }
             let mut answers: Vec<Content> =
-                known.iter().filter_map(|snapshot| snapshot.answer(dynamics, &asked, provenance)).collect();
+                known.iter().filter_map(|snapshot| snapshot.answer(&asked, provenance)).collect();
             answers.sort_by(|a, b| a.candidates[0].l1_estimate.total_cmp(&b.candidates[0].l1_estimate));
             let candidates: Vec<Candidate> = answers.iter().map(|answer| answer.candidates[0]).collect();
             if let Some(answer) = answers.into_iter().next()
@@ -127,10 +181,15 @@ impl Closure {
 }
 
 /// What moving frames know at each time, and the last density that is good enough to go on from.
-fn followed(problem: &Problem, start: &Start, times: &[f64]) -> (Vec<Option<Snapshot>>, Option<(f64, Weighted)>) {
+fn followed(
+    system: Modulated<'_>,
+    start: &Start,
+    times: &[f64],
+    dynamics: &Arc<Dynamics>,
+) -> (Vec<Option<Snapshot>>, Option<(f64, Weighted)>) {
     let mut known: Vec<Option<Snapshot>> = times.iter().map(|_| None).collect();
     let mut good = None;
-    let Some(mut early) = Early::new(problem, start) else { return (known, good) };
+    let Some(mut early) = Early::new(system, start) else { return (known, good) };
     let mut stretches = 0;
     'times: for (known, &time) in known.iter_mut().zip(times) {
         // A point is none of the frame's densities before noise has spread it.
@@ -146,7 +205,7 @@ fn followed(problem: &Problem, start: &Start, times: &[f64]) -> (Vec<Option<Snap
                 good = early.weighted().map(|weighted| (early.time(), weighted));
             }
             if early.time() >= time {
-                *known = early.snapshot();
+                *known = early.snapshot(dynamics);
                 break;
             }
             stretches += 1;

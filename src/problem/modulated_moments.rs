@@ -1,30 +1,29 @@
 //! The moments of a narrow Gaussian under modulated noise.
 
-use super::flux::Part;
+use super::Problem;
 use crate::envelope::Piece;
 use crate::polynomial::{Gaussian, Polynomial};
-use crate::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 
 /// The equations m′ = E f and S′ = A S + S Aᵀ + e² E B, A = E ∂f/∂x, of the Gaussian closure, f = f₀ + e² f₁ with the drift f₁
 /// that noise induces.
 #[derive(Debug)]
-pub(super) struct Moments {
+pub(crate) struct ModulatedMoments {
     /// f₀ and f₁.
     drifts: [Vec<Polynomial>; 2],
     diffusion: Vec<Vec<Polynomial>>,
 }
 
-impl Moments {
-    pub(super) fn new(problem: &Problem) -> Self {
+impl ModulatedMoments {
+    pub(crate) fn new(problem: &Problem) -> Self {
         let operator = problem.operator();
-        let induced: Vec<Polynomial> = (0..2).map(|i| Part::induced(problem, i)).collect();
+        let induced = problem.induced_drift();
         let still = operator.drift().iter().zip(&induced).map(|(f, induced)| f - induced).collect();
-        Moments { drifts: [still, induced], diffusion: operator.diffusion().to_vec() }
+        ModulatedMoments { drifts: [still, induced], diffusion: operator.diffusion().to_vec() }
     }
 
     /// The Gaussian after a stretch of time on which the envelope is smooth, by the classical Runge-Kutta method.
-    pub(super) fn after(&self, start: &Gaussian, piece: &Piece, [from, to]: [f64; 2]) -> Gaussian {
+    pub(crate) fn after(&self, start: &Gaussian, piece: &Piece, [from, to]: [f64; 2]) -> Gaussian {
         const STEPS: usize = 8;
         let h = (to - from) / STEPS as f64;
         let moved = |state: &Gaussian, rate: &Gaussian, h: f64| Gaussian {
@@ -49,11 +48,12 @@ impl Moments {
             let [still, induced] = self.drifts.each_ref().map(|drift| state.expectation(&of(&drift[i])));
             still + squared * induced
         };
-        let slopes = DMatrix::from_fn(2, 2, |i, j| mean(&|f| f.derivative(j), i));
+        let n = state.mean.len();
+        let slopes = DMatrix::from_fn(n, n, |i, j| mean(&|f| f.derivative(j), i));
         let half = slopes * &state.covariance;
-        let noise = DMatrix::from_fn(2, 2, |i, j| squared * state.expectation(&self.diffusion[i][j]));
+        let noise = DMatrix::from_fn(n, n, |i, j| squared * state.expectation(&self.diffusion[i][j]));
         Gaussian {
-            mean: DVector::from_fn(2, |i, _| mean(&Polynomial::clone, i)),
+            mean: DVector::from_fn(n, |i, _| mean(&Polynomial::clone, i)),
             covariance: &half + half.transpose() + noise,
         }
     }
