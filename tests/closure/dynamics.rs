@@ -53,14 +53,14 @@ fn relaxation_rates_agree_with_those_of_a_grid() {
         ("Duffing above a wall", duffing_above(-0.5, 0.8), 3),
     ];
     for (name, problem, count) in cases {
-        // Spectral accuracy: 1e-6 on this mesh as well, in a fifth of the time.
-        let truth = Grid::new().degree(8).grazing(5e-3).solve(&problem).unwrap().relaxation(count + 1).unwrap();
+        // On this mesh the rates are right to 1e-5.
+        let truth = Grid::new().degree(5).grazing(5e-3).solve(&problem).unwrap().relaxation(count + 1).unwrap();
         let found = Closure::new(6).solve(&problem).unwrap().relaxation(count + 1).unwrap();
         for (found, truth) in found.iter().zip(&truth).skip(1) {
             let apart = (found.rate - truth.rate).hypot(found.frequency - truth.frequency);
             println!("{name}: {:.8} {:.8}, {apart:.1e} off, {:.1e}", found.rate, found.frequency, found.error);
             assert!(apart < 2e-4 * found.rate.hypot(found.frequency), "{name}: {found:?} and {truth:?}");
-            assert!(apart < 10.0 * found.error + 1e-6, "{name}: {found:?} and {truth:?}");
+            assert!(apart < 10.0 * found.error + 1e-5, "{name}: {found:?} and {truth:?}");
         }
     }
 }
@@ -197,18 +197,17 @@ fn modulated_noise_spreads_a_linear_oscillator() {
     }
 }
 
-/// The same of a Duffing oscillator against the grid, from the rise of the noise to where it has faded to a tenth of its
-/// intensity: order 6 within 1.5 times the distances measured for the closest polynomials, 6.7e-4, 3.0e-3 and 4.2e-3, and 1.2e-3
-/// where the weight has been left for a narrower one. There the estimate is 4.6 times the distance, elsewhere 0.7 to 2.6 times.
+/// The same of a Duffing oscillator against the grid, until the noise has faded to a tenth of its intensity: order 6 within 1.5
+/// times the distances of the closest polynomials, 3.0e-3 and 4.2e-3, and of 1.2e-3 where the weight has been left for a narrower one. There the estimate is 4.6 times the distance, elsewhere 0.7 to 2.6 times.
 #[test]
 fn modulated_noise_agrees_with_a_grid() {
     let strong = problem(Duffing::new(0.2, 1.0, 0.3, 0.66).unwrap());
     let envelope = Envelope::exponentials(2.32 / 1.82, 0.09, 1.49).unwrap();
-    let (start, times) = (normal([0.0, 0.0], 0.2), [2.0, 4.0, 8.0, 16.0]);
-    let grid = Grid::new().degree(6).cells([13, 13]).solve(&strong).unwrap();
-    let truth = grid.modulated_transient(&envelope, &start, &times, 1e-4).unwrap();
+    let (start, times) = (normal([0.0, 0.0], 0.2), [4.0, 8.0, 16.0]);
+    let grid = Grid::new().degree(6).cells([12, 12]).solve(&strong).unwrap();
+    let truth = grid.modulated_transient(&envelope, &start, &times, 1e-3).unwrap();
     let found = Closure::new(6).modulated_transient(&strong, &envelope, &start, &times).unwrap();
-    for ((found, truth), best) in found.iter().zip(&truth).zip([6.7e-4, 3.0e-3, 4.2e-3, 1.2e-3]) {
+    for ((found, truth), best) in found.iter().zip(&truth).zip([3.0e-3, 4.2e-3, 1.2e-3]) {
         let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
         println!("t = {}: {distance:.1e} of {best:.1e}, estimate {estimate:.1e}", found.time);
         assert!(
@@ -221,8 +220,8 @@ fn modulated_noise_agrees_with_a_grid() {
     // The peak is a matter of how the noise is written.
     let written = problem(Duffing::new(0.2, 1.0, 0.3, 0.66 / 4.0).unwrap());
     let twice = Envelope::exponentials(2.0 * 2.32 / 1.82, 0.09, 1.49).unwrap();
-    let same = Closure::new(6).modulated_transient(&written, &twice, &start, &times[1..2]).unwrap();
-    let apart = compare::l1(&same[0].density, &found[1].density).unwrap().value;
+    let same = Closure::new(6).modulated_transient(&written, &twice, &start, &times[..1]).unwrap();
+    let apart = compare::l1(&same[0].density, &found[0].density).unwrap().value;
     println!("written otherwise: {apart:.1e}");
     assert!(apart < 5e-4);
     // An envelope of 1 is none.
@@ -279,7 +278,7 @@ fn densities_spread_as_on_a_grid() {
     ];
     for (problem, start, domain, best) in cases {
         let times: Vec<f64> = best.iter().map(|(time, _)| *time).collect();
-        let grid = Grid::new().degree(8).cells([11, 12]).domain(domain).edge_level(1e-6);
+        let grid = Grid::new().degree(7).cells([11, 12]).domain(domain).edge_level(1e-6);
         let truth = grid.solve(&problem).unwrap().transient(start, &times, 1e-4).unwrap();
         let found = Closure::new(6).transient(&problem, start, &times).unwrap();
         for ((found, truth), (time, best)) in found.iter().zip(&truth).zip(best) {
@@ -306,9 +305,9 @@ fn walls_are_met_in_time() {
     for restitution in [1.0, 0.8] {
         let problem = duffing_above(-0.5, restitution);
         let start = normal([1.0, 0.0], 0.2);
-        let times = [4.0, 8.0];
-        let stationary = Grid::new().degree(5).grazing(5e-3).solve(&problem).unwrap();
-        let truth = stationary.transient(&start, &times, 1e-4).unwrap();
+        let times = [4.0];
+        let stationary = Grid::new().degree(4).grazing(1e-2).solve(&problem).unwrap();
+        let truth = stationary.transient(&start, &times, 1e-3).unwrap();
         for (found, truth) in Closure::new(6).transient(&problem, &start, &times).unwrap().iter().zip(&truth) {
             let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
             println!("r = {restitution}, t = {}: {distance:.1e}, estimate {estimate:.1e}", found.time);

@@ -3,7 +3,7 @@
 use crate::simulation::impulses::{laws, struck};
 use expoly::models::Duffing;
 use expoly::{
-    Amplitude, Closure, Density, Error, Grid, Jumps, Problem, Result, Simulation, Termination, Wall, statistics,
+    Amplitude, Closure, Density, Error, Grid, Jumps, Problem, Result, Simulation, Termination, Wall, Weight, statistics,
 };
 
 /// dx = −x dt + dJ with exponential amplitudes of mean one: the Gamma density x^(λ−1) e^(−x)/Γ(λ) (D. R. Cox and V. Isham, 1986).
@@ -32,7 +32,7 @@ fn distance_from_gamma(density: &dyn Density, rate: u32) -> f64 {
 fn a_filter_has_the_gamma_density() -> Result<()> {
     for (rate, bounds) in [(3, [0.1, 0.05, 0.032]), (5, [0.07, 0.03, 0.015]), (10, [0.032, 0.009, 0.005])] {
         for (order, bound) in [4, 6, 8].into_iter().zip(bounds) {
-            let density = Closure::new(order).solve(&filtered(f64::from(rate)))?;
+            let density = Closure::new(order).weight(Weight::Density).solve(&filtered(f64::from(rate)))?;
             let distance = distance_from_gamma(&density, rate);
             println!("λ = {rate}, n = {order}: {distance:.1e}, estimate {:.1e}", density.l1_estimate());
             assert!(distance < bound && distance < 1.3 * density.l1_estimate(), "{rate} {order}: {distance:e}");

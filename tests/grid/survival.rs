@@ -74,7 +74,7 @@ fn mirror_images_survive_alike() {
     let rates = [[-NONE, level], [-level, NONE]].map(|within| duffing().survival(within).unwrap().rate().unwrap());
     println!("{rates:?}");
     assert!((rates[0].value - rates[1].value).abs() < rates[0].error + rates[1].error, "{rates:?}");
-    let folded = Grid::new().degree(5).grazing(5e-3).solve(&duffing_above(0.0, 1.0)).unwrap();
+    let folded = Grid::new().degree(4).grazing(5e-3).solve(&duffing_above(0.0, 1.0)).unwrap();
     let two = duffing().survival([-level, level]).unwrap();
     let one = folded.survival([-NONE, level]).unwrap();
     let rates = [&two, &one].map(|survival| survival.rate().unwrap());
@@ -144,10 +144,12 @@ fn starts_of_every_kind_survive() {
     let survival = below(2.0 * SIGMA);
     let found = survival.probability(&Start::Point(vec![0.0, 0.0]), &[0.0, 0.1, 5.0, 10.0], 1e-3).unwrap();
     println!("{found:?}");
-    assert!((found[0].value - 1.0).abs() < 1e-3 && found[0].value == found[1].value);
+    // The projected Gaussian has this mass to 1e-5.
+    assert!((found[0].value - 1.0).abs() < 1e-4 && found[0].value == found[1].value);
     assert!(found[3].value < found[2].value && found[2].value < 1.0);
     let cut = survival.probability(&gaussian(2.0 * SIGMA, 0.2), &[0.0], 1e-3).unwrap();
-    assert!((cut[0].value - 0.5).abs() < 1e-3, "{cut:?}");
+    println!("{cut:?}");
+    assert!((cut[0].value - 0.5).abs() < 1e-4, "{cut:?}");
     let beyond = survival.probability(&gaussian(9.0 * SIGMA, 0.2), &[0.0], 1e-3).unwrap();
     assert!(beyond[0].value.abs() < 1e-6, "{beyond:?}");
 }

@@ -105,6 +105,12 @@ impl Closure {
             degrees: if walled { self.degrees.clone() } else { Degrees::complete() },
             ..self.clone()
         };
+        // The stationary density is that under the noise as it stands.
+        let own = match start {
+            Start::Stationary if modulation.peak() != 1.0 => Some(Start::Density(Arc::new(base.solve(problem)?))),
+            _ => None,
+        };
+        let start = own.as_ref().unwrap_or(start);
         let strongest = modulation.strongest()?;
         let stationary = base.solve(&strongest)?;
         let system = stationary.moment_system()?;

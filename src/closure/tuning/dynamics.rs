@@ -28,7 +28,7 @@ pub(crate) const FRAME_STEP: f64 = 0.05;
 /// Steps between two looks at the error.
 pub(crate) const FRAME_STEPS: usize = 4;
 /// So many looks at most: a bound on work.
-pub(crate) const FRAME_STRETCHES: usize = 300;
+pub(crate) const FRAME_STRETCHES: usize = 1200;
 /// Gauss nodes along each axis of a frame.
 pub(crate) const FRAME_NODES: usize = 24;
 /// The box in which a frame's polynomials are written, in standard deviations.
