@@ -376,6 +376,9 @@ fn questions_of_time_without_a_meaning_are_refused() {
     ] {
         assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
     }
+    let endless =
+        Closure::new(4).modulated_transient(&oscillator, &Envelope::steps([(0.0, 1.0)]).unwrap(), &wide, &[1e9]);
+    assert!(matches!(endless, Err(Error::OutOfRange { name: "last time of a transient", .. })), "{:?}", endless.err());
     for start in [Start::Point(vec![0.0]), Start::Gaussian(Gaussian { mean: dvector![0.0], covariance: dmatrix![1.0] })]
     {
         assert!(matches!(refused(&start, &[1.0]), Error::Dimension { expected: 2, found: 1, .. }));

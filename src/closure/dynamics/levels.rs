@@ -6,6 +6,7 @@ use super::modulation::Modulated;
 use super::moment_system::MomentSystem;
 use super::snapshot::Snapshot;
 use super::start::{Beginning, Weighted};
+use crate::checks::require;
 use crate::closure::density::ClosureDensity;
 use crate::closure::method::Closure;
 use crate::closure::tuning;
@@ -87,6 +88,15 @@ impl<'a> March<'a> {
             means,
             error: beginning.error,
         })
+    }
+
+    /// Refuses a last time that is too many steps away.
+    pub(super) fn require_reached(&self, end: f64) -> Result<()> {
+        let radius = self.level().map_or(0.0, |level| level.radius);
+        let remedy =
+            "steps of the noise's modulation as long as the fastest motion would not end: take an earlier time";
+        let steps = (end - self.time) * radius / tuning::dynamics::MODULATED_STEP;
+        require(steps <= tuning::dynamics::MOST_MODULATED_STEPS, "last time of a transient", end, remedy).map(|_| ())
     }
 
     fn level(&self) -> Option<&Level> {

@@ -60,7 +60,8 @@ impl Closure {
     /// that of three tenths of its intensity, and so on, and back where noise rises again.
     ///
     /// # Errors
-    /// As [`Closure::transient`].
+    /// As [`Closure::transient`]; [`Error::OutOfRange`] for a last time that is more than 50 000 steps away, each as long as the
+    /// fastest motion that the equations hold.
     ///
     /// ```
     /// use expoly::{Closure, Density, Envelope, Start, models::{Linear, Solved}};
@@ -129,6 +130,9 @@ impl Closure {
         let (later, known_later) = (&times[reached..], &mut known[reached..]);
         if envelope.is_some() {
             let mut march = March::new(&base, modulation, &stationary, &beginning);
+            if let (Some(march), Some(last)) = (&march, later.last()) {
+                march.require_reached(*last)?;
+            }
             for (time, known) in later.iter().zip(known_later) {
                 known.extend(march.as_mut().and_then(|march| march.advance(*time).and_then(|()| march.snapshot())));
             }

@@ -67,5 +67,7 @@ pub(crate) const LEVELS: usize = 6;
 pub(crate) const MODULATED_STEP: f64 = 1.2;
 /// Steps between two looks at the width.
 pub(crate) const MODULATED_STEPS: f64 = 16.0;
+/// The most steps in all: a quarter of a minute.
+pub(crate) const MOST_MODULATED_STEPS: f64 = 5e4;
 /// Products that the largest modulus of an eigenvalue is found by.
 pub(crate) const POWERS: usize = 40;
