@@ -106,7 +106,7 @@ impl<'a> March<'a> {
     /// Goes on to a time. None where numbers stop being finite.
     pub(super) fn advance(&mut self, end: f64) -> Option<()> {
         while self.time < end {
-            self.choose()?;
+            self.choose();
             let stretch = self.system.stretch(self.time);
             let level = self.levels[self.at].as_ref()?;
             let system = level.dynamics.system()?;
@@ -142,22 +142,22 @@ impl<'a> March<'a> {
         Some(())
     }
 
-    /// Takes the level that is as wide as the density.
-    fn choose(&mut self) -> Option<()> {
-        loop {
-            let law = self.law()?;
-            if self.at > 0 && self.level()?.width(&law) > tuning::dynamics::WIDE {
+    /// Takes the level that is as wide as the density; the present one for a point, which has no width.
+    fn choose(&mut self) {
+        while let Some(law) = self.law() {
+            let width = self.level().map_or(1.0, |level| level.width(&law));
+            if self.at > 0 && width > tuning::dynamics::WIDE {
                 if !self.moved(self.at - 1, &law) {
-                    return Some(());
+                    return;
                 }
-            } else if self.level()?.width(&law) < tuning::dynamics::NARROW && self.at < tuning::dynamics::LEVELS {
+            } else if width < tuning::dynamics::NARROW && self.at < tuning::dynamics::LEVELS {
                 self.prepare(self.at + 1);
                 let fits = |level: &Level| level.width(&law) < tuning::dynamics::FITS;
                 if !self.levels[self.at + 1].as_ref().is_some_and(fits) || !self.moved(self.at + 1, &law) {
-                    return Some(());
+                    return;
                 }
             } else {
-                return Some(());
+                return;
             }
         }
     }
