@@ -2,7 +2,8 @@
 #![allow(missing_docs, reason = "a program has no documented items")]
 
 use expoly::models::{CubicDamping, Duffing, DuffingChain, Solved};
-use expoly::{Basis, Closure, Problem, Result, Wall};
+use expoly::{Basis, Closure, Gaussian, Problem, Result, Start, Wall};
+use nalgebra::{dmatrix, dvector};
 use std::process::ExitCode;
 use support::bench::Group;
 
@@ -30,6 +31,15 @@ fn run() -> Result<()> {
             .task("impulses, λ = 5", || Closure::new(order).solve(&struck))
             .run()?;
     }
+
+    // What comes before the first time, and what each further one costs.
+    let start = Start::Gaussian(Gaussian { mean: dvector![1.0, 0.0], covariance: dmatrix![0.04, 0.0; 0.0, 0.04] });
+    let times: Vec<f64> = (1..=11).map(|k| 4.0 + f64::from(k)).collect();
+    Group::new("closure in time, n = 6", 11)
+        .task("the stationary density", || Closure::new(6).solve(&exact))
+        .task("one time", || Closure::new(6).transient(&exact, &start, &times[..1]))
+        .task("eleven times", || Closure::new(6).transient(&exact, &start, &times))
+        .run()?;
 
     let [filtered, absorber] =
         [include_str!("../examples/solve/filtered.toml"), include_str!("../examples/solve/absorber.toml")]

@@ -19,6 +19,7 @@ mod memory;
 mod ranks;
 mod tails;
 mod time_step;
+mod transients;
 mod wall_table;
 mod walls_in_many_states;
 
@@ -51,6 +52,8 @@ enum Question {
     Tails(tails::Options),
     /// Of which order is the simulation's time step?
     TimeStep(time_step::Options),
+    /// How good is the closure in time, and is its estimate right?
+    Transients(transients::Options),
     /// How accurate is the simulation above the walls of a table?
     WallTable(wall_table::Options),
     /// How good is the closure above lossy walls in three and four states?
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
         Question::Ranks(options) => ranks::run(&options),
         Question::Tails(options) => tails::run(&options),
         Question::TimeStep(options) => time_step::run(&options),
+        Question::Transients(options) => transients::run(&options),
         Question::WallTable(options) => wall_table::run(&options),
         Question::WallsInManyStates(options) => walls_in_many_states::run(&options),
     })
