@@ -71,7 +71,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         let start =
             Start::Gaussian(Gaussian { mean: dvector![start, 0.0], covariance: dmatrix![0.04, 0.0; 0.0, 0.04] });
         let grid = Grid::new().degree(options.degree).cells([13, 13]).grazing(5e-3);
-        let grid = domain.map_or(grid.clone(), |domain| grid.domain(domain).edge_level(1e-4));
+        let grid = domain.map_or(grid, |domain| grid.domain(domain).edge_level(1e-4));
         let stationary = grid.solve(&problem)?;
         let truth = match &envelope {
             None => stationary.transient(&start, times, 1e-4)?,
