@@ -62,7 +62,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     modes.iter().skip(1).for_each(|mode| println!("  {:.5} {:.5}, ± {:.0e}", mode.rate, mode.frequency, mode.error));
     println!("forgotten to a thousandth after {:.1} time units", 7.0 / modes[1].rate);
 
-    let many: Vec<f64> = (2..=64).map(|k| 0.25 * f64::from(k)).collect();
+    let [first, last] = [options.times.first(), options.times.last()].map(|time| time.copied().unwrap_or(1.0));
+    let many: Vec<f64> = (0..=60).map(|k| first + (last - first) * f64::from(k) / 60.0).collect();
     let grid = Grid::new().degree(options.degree).solve(&problem)?;
     let (closed, on_grid) =
         (closure.transient(&problem, &start, &options.times)?, grid.transient(&start, &options.times, 1e-4)?);
