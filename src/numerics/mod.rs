@@ -12,6 +12,7 @@ mod number;
 mod propagation;
 mod quadrature;
 mod resolvent;
+mod runge_kutta;
 mod tall;
 
 pub(crate) use ascent::{Concave, Search, Summit};
@@ -24,4 +25,5 @@ pub(crate) use number::{EIGHT, Eight, Number};
 pub(crate) use propagation::propagated;
 pub(crate) use quadrature::Rule;
 pub(crate) use resolvent::Resolvent;
+pub(crate) use runge_kutta::runge_kutta;
 pub(crate) use tall::{combination, divide_by_triangle, stretches, triangle, weighted_product, weighted_sum};

@@ -3,8 +3,10 @@
 use super::units::natural_units;
 use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
+use crate::numerics::runge_kutta;
 use crate::polynomial::{Gaussian, Polynomial};
 use nalgebra::{DMatrix, DVector};
+use std::convert::Infallible;
 
 /// Pseudo-time steps before the closure gives up; ordinary systems need 10 to 40.
 const MAX_STEPS: usize = 400;
@@ -162,11 +164,10 @@ pub(crate) fn gaussian_after(operator: &FokkerPlanck, start: &Gaussian, time: f6
     const STEPS: usize = 64;
     let equations = MomentEquations::new(&operator.diffusive());
     let h = time / STEPS as f64;
+    let rate = |state: &Gaussian, _: f64| Ok::<_, Infallible>(equations.rate(state));
     (0..STEPS).fold(start.clone(), |state, _| {
-        let k1 = equations.rate(&state);
-        let k2 = equations.rate(&equations.moved(&state, &(&k1 * (h / 2.0))));
-        let k3 = equations.rate(&equations.moved(&state, &(&k2 * (h / 2.0))));
-        let k4 = equations.rate(&equations.moved(&state, &(&k3 * h)));
-        equations.moved(&state, &((k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)))
+        let moved = |state: &Gaussian, rate: &DVector<f64>, time: f64| equations.moved(state, &(rate * time));
+        let Ok(next) = runge_kutta(&state, &equations.rate(&state), h, rate, moved);
+        next
     })
 }

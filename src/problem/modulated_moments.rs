@@ -2,8 +2,10 @@
 
 use super::Problem;
 use crate::envelope::Piece;
+use crate::numerics::runge_kutta;
 use crate::polynomial::{Gaussian, Polynomial};
 use nalgebra::{DMatrix, DVector};
+use std::convert::Infallible;
 
 /// The equations m′ = E f and S′ = A S + S Aᵀ + e² E B, A = E ∂f/∂x, of the Gaussian closure, f = f₀ + e² f₁ with the drift f₁
 /// that noise induces.
@@ -31,14 +33,12 @@ impl ModulatedMoments {
             covariance: &state.covariance + &rate.covariance * h,
         };
         (0..STEPS).fold(start.clone(), |state, n| {
-            let squared = |place: f64| piece.squared(from + h * (n as f64 + place))[0];
-            let k1 = self.rate(&state, squared(0.0));
-            let k2 = self.rate(&moved(&state, &k1, h / 2.0), squared(0.5));
-            let k3 = self.rate(&moved(&state, &k2, h / 2.0), squared(0.5));
-            let k4 = self.rate(&moved(&state, &k3, h), squared(1.0));
-            [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)]
-                .iter()
-                .fold(state, |sum, (rate, weight)| moved(&sum, rate, weight * h / 6.0))
+            let rate = |state: &Gaussian, part: f64| {
+                Ok::<_, Infallible>(self.rate(state, piece.squared(from + h * (n as f64 + part))[0]))
+            };
+            let Ok(first) = rate(&state, 0.0);
+            let Ok(next) = runge_kutta(&state, &first, h, rate, moved);
+            next
         })
     }
 

@@ -1,12 +1,13 @@
 //! The closure in time: modes of relaxation, autocovariance and spectral density, transient densities.
 
+use crate::common::moving::{Noisy, POWERS, correlated, linear_after, moments};
 use crate::common::*;
 use expoly::models::{Duffing, Linear};
 use expoly::{
     Closure, ClosureDensity, Density, Envelope, Error, Gaussian, Grid, Origin, Problem, Result, Simulation, Start,
     Wall, compare,
 };
-use nalgebra::{DMatrix, Matrix2, Vector2, dmatrix, dvector, matrix};
+use nalgebra::{DMatrix, Vector2, dmatrix, dvector, matrix};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -53,14 +54,14 @@ fn relaxation_rates_agree_with_those_of_a_grid() {
         ("Duffing above a wall", duffing_above(-0.5, 0.8), 3),
     ];
     for (name, problem, count) in cases {
-        // On this mesh the rates are right to 1e-5.
-        let truth = Grid::new().degree(5).grazing(5e-3).solve(&problem).unwrap().relaxation(count + 1).unwrap();
+        // On this mesh the rates are right to 1e-6.
+        let truth = Grid::new().degree(6).grazing(5e-3).solve(&problem).unwrap().relaxation(count + 1).unwrap();
         let found = Closure::new(6).solve(&problem).unwrap().relaxation(count + 1).unwrap();
         for (found, truth) in found.iter().zip(&truth).skip(1) {
             let apart = (found.rate - truth.rate).hypot(found.frequency - truth.frequency);
             println!("{name}: {:.8} {:.8}, {apart:.1e} off, {:.1e}", found.rate, found.frequency, found.error);
             assert!(apart < 2e-4 * found.rate.hypot(found.frequency), "{name}: {found:?} and {truth:?}");
-            assert!(apart < 10.0 * found.error + 1e-5, "{name}: {found:?} and {truth:?}");
+            assert!(apart < 10.0 * found.error + 1e-6, "{name}: {found:?} and {truth:?}");
         }
     }
 }
@@ -124,76 +125,47 @@ fn the_spectrum_of_a_simulation_is_met() -> Result<()> {
     Ok(())
 }
 
-/// A normal distribution stays normal: m(t) = e^At m₀, S(t) = S∞ + e^At (S₀ − S∞) e^Aᵀt. The equations of degree two close;
-/// measured are 2e-9, by the time steps of the moving frame. The density's own distance is the mass beyond its edge.
+/// A normal distribution stays normal, with known mean and covariance. The equations of degree two close; measured are 2e-9 of the
+/// moments, by the time steps of the moving frame, and 2e-8 of the density, by the mass beyond its edge.
 #[test]
 fn a_linear_oscillator_keeps_its_gaussian() {
-    let (mean, covariance) = (dvector![0.8, -0.5], dmatrix![0.3, 0.05; 0.05, 0.4]);
-    let start = Start::Gaussian(Gaussian { mean, covariance });
     let linear = problem(Linear::new(0.5, 1.0, 0.5).unwrap());
-    for transient in Closure::new(2).transient(&linear, &start, &[0.1, 0.5, 2.0, 20.0]).unwrap() {
-        let flow = (matrix![0.0, 1.0; -1.0, -0.5] * transient.time).exp();
-        let mean = flow * Vector2::new(0.8, -0.5);
-        let limit = Matrix2::identity();
-        let spread = limit + flow * (matrix![0.3, 0.05; 0.05, 0.4] - limit) * flow.transpose();
-        for (powers, truth) in [
-            ([1, 0], mean[0]),
-            ([0, 1], mean[1]),
-            ([2, 0], spread[(0, 0)] + mean[0] * mean[0]),
-            ([1, 1], spread[(0, 1)] + mean[0] * mean[1]),
-            ([0, 2], spread[(1, 1)] + mean[1] * mean[1]),
-        ] {
+    for transient in Closure::new(2).transient(&linear, &correlated().0, &[0.1, 0.5, 2.0, 20.0]).unwrap() {
+        let (mean, spread) = linear_after(transient.time);
+        for (powers, truth) in POWERS.into_iter().zip(moments(mean, spread)) {
             let moment = transient.moment(&powers).unwrap();
-            assert!((moment.value - truth).abs() < 1e-7, "t = {}, {powers:?}: {moment} and {truth}", transient.time);
+            assert!((moment.value - truth).abs() < 1e-8, "t = {}, {powers:?}: {moment} and {truth}", transient.time);
         }
-        let x = [mean[0] + 0.7, mean[1] - 0.4];
         let z = Vector2::new(0.7, -0.4);
         let volume = 2.0 * PI * spread.determinant().sqrt();
         let truth = (-0.5 * z.dot(&(spread.try_inverse().unwrap() * z))).exp() / volume;
-        let found = transient.density.pdf(&x).unwrap();
+        let found = transient.density.pdf(&[mean[0] + z[0], mean[1] + z[1]]).unwrap();
         let estimate = transient.density.l1_estimate();
         println!("t = {}: {found} and {truth}, estimate {estimate:.1e}", transient.time);
-        assert!((found.value / truth - 1.0).abs() < 1e-4 && estimate < 1e-3, "t = {}: {found} {truth}", transient.time);
+        assert!((found.value / truth - 1.0).abs() < 1e-7 && estimate < 1e-7, "t = {}: {found} {truth}", transient.time);
     }
 }
 
-/// Mean and covariance of a linear oscillator under noise that rises and fades, m′ = A m and S′ = A S + S Aᵀ + e² B, by a
-/// classical Runge-Kutta method. The equations of degree two close under every weight: measured are 6e-8, by the time steps of
-/// the moving frame.
+/// Under noise that rises and fades the moments of first and second order obey equations of their own, with noise in the velocity
+/// as well, whose drift in Itô's sense is modulated too: they close under every weight. Measured are 3e-8, by the time steps of the
+/// moving frame.
 #[test]
-fn modulated_noise_spreads_a_linear_oscillator() {
+fn modulated_moments_follow_their_own_equations() {
     let envelope = Envelope::exponentials(1.7, 0.25, 1.2).unwrap();
-    let (times, h) = ([0.5, 2.0, 4.0, 9.0, 16.0], 1e-3);
-    let linear = problem(Linear::new(0.5, 1.0, 0.5).unwrap());
-    let start = normal([0.4, 0.0], 0.3);
-    let found = Closure::new(2).modulated_transient(&linear, &envelope, &start, &times).unwrap();
-    let a = matrix![0.0, 1.0; -1.0, -0.5];
-    let rate =
-        |s: Matrix2<f64>, t: f64| a * s + s * a.transpose() + matrix![0.0, 0.0; 0.0, 1.0] * envelope.value(t).powi(2);
-    let (mut s, mut step) = (Matrix2::identity() * 0.09, 0);
-    for transient in found {
-        while (step as f64 + 0.5) * h < transient.time {
-            let t = h * step as f64;
-            let k1 = rate(s, t);
-            let k2 = rate(s + k1 * (h / 2.0), t + h / 2.0);
-            let k3 = rate(s + k2 * (h / 2.0), t + h / 2.0);
-            let k4 = rate(s + k3 * h, t + h);
-            s += (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0);
-            step += 1;
-        }
-        let mean = (a * transient.time).exp() * Vector2::new(0.4, 0.0);
-        for (powers, truth) in
-            [([1, 0], mean[0]), ([2, 0], s[(0, 0)] + mean[0] * mean[0]), ([0, 2], s[(1, 1)] + mean[1] * mean[1])]
+    let (start, begin) = correlated();
+    for a in [0.0, 0.2] {
+        let system = problem(Noisy { a });
+        for found in
+            Closure::new(4).modulated_transient(&system, &envelope, &start, &[0.5, 2.0, 4.0, 9.0, 16.0]).unwrap()
         {
-            let moment = transient.moment(&powers).unwrap();
-            println!("t = {}, {powers:?}: {moment}, {:.1e} off", transient.time, moment.value - truth);
-            assert!(
-                (moment.value - truth).abs() < 2e-7 * s.trace(),
-                "t = {}, {powers:?}: {moment} and {truth}",
-                transient.time
-            );
+            let truth = Noisy { a }.moments(&envelope, begin, found.time);
+            for (powers, truth) in POWERS.into_iter().zip(truth) {
+                let moment = found.moment(&powers).unwrap();
+                println!("a = {a}, t = {}, {powers:?}: {moment}, {:.1e} off", found.time, moment.value - truth);
+                assert!((moment.value - truth).abs() < 6e-8, "t = {}, {powers:?}: {moment} and {truth}", found.time);
+            }
+            println!("   estimate {:.1e}", found.density.l1_estimate());
         }
-        println!("   estimate {:.1e}", transient.density.l1_estimate());
     }
 }
 
@@ -261,7 +233,7 @@ fn one_state_starts_from_a_point() {
 
 /// Oscillators in one well, in two and on a limit cycle, order 6, against the grid: the distance is at most twice that of the best
 /// polynomial of the order before t = 4 and 1.3 times from then on; the truth itself, projected, gave the best ones. Measured are
-/// 0.9 to 1.15 times. The estimate is right to a factor of two from t = 2 on, and of ten before, where the distance of two
+/// 0.9 to 1.15 times. The estimate is at most 2.1 times the distance from t = 2 on, and ten before, where the distance of two
 /// neighbouring orders makes it; moments are right within four times their errors.
 #[test]
 fn densities_spread_as_on_a_grid() {
@@ -287,8 +259,8 @@ fn densities_spread_as_on_a_grid() {
             let origin = found.density.candidates()[0].origin;
             println!("t = {time}: {distance:.1e} of {most:.1e}, estimate {estimate:.1e}, {origin}");
             assert!(distance < most && distance < 1.3 * estimate, "t = {time}: {distance:e}, {estimate:e}");
-            let factor = if time < 2.0 { 10.0 } else { 2.0 };
-            assert!(estimate < factor * distance + 1e-3, "t = {time}: {distance:e}, {estimate:e}");
+            let factor = if time < 2.0 { 10.0 } else { 2.3 };
+            assert!(estimate < factor * distance, "t = {time}: {distance:e}, {estimate:e}");
             for powers in [[1, 0], [0, 1], [2, 0], [0, 2]] {
                 let [own, known] = [found.moment(&powers).unwrap(), truth.moment(&powers).unwrap()];
                 let apart = (own.value - known.value).abs();
@@ -302,7 +274,8 @@ fn densities_spread_as_on_a_grid() {
 /// Above an elastic wall and above one that takes energy: the equations have their impacts.
 #[test]
 fn walls_are_met_in_time() {
-    for restitution in [1.0, 0.8] {
+    // Measured are 9.6e-3 and 4.1e-3.
+    for (restitution, most) in [(1.0, 1.2e-2), (0.8, 5e-3)] {
         let problem = duffing_above(-0.5, restitution);
         let start = normal([1.0, 0.0], 0.2);
         let times = [4.0];
@@ -311,9 +284,12 @@ fn walls_are_met_in_time() {
         for (found, truth) in Closure::new(6).transient(&problem, &start, &times).unwrap().iter().zip(&truth) {
             let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
             println!("r = {restitution}, t = {}: {distance:.1e}, estimate {estimate:.1e}", found.time);
-            // The mesh is right to a thousandth at t = 4.
-            assert!(distance < 0.02 && distance < 1.3 * estimate + 1e-3, "{distance:e} and {estimate:e}");
-            assert!(estimate < 2.0 * distance + 1e-3, "{distance:e} and {estimate:e}");
+            let mesh = truth.density.l1_estimate();
+            assert!(
+                distance < most + mesh && distance < 1.1 * estimate + mesh,
+                "{distance:e} and {estimate:e} ± {mesh:e}"
+            );
+            assert!(estimate < 1.5 * distance + mesh, "{distance:e} and {estimate:e} ± {mesh:e}");
         }
     }
 }

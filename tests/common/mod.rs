@@ -1,5 +1,7 @@
 //! The systems and solutions that several tests share.
 
+pub(crate) mod moving;
+
 use expoly::models::{
     BistableHarvester, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping,
     FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, Solved, TunedAbsorber,

@@ -1,9 +1,10 @@
 //! Relaxation rates and transient densities on the grid.
 
+use crate::common::moving::{POWERS, correlated, linear_after, moments};
 use crate::common::{l1_from, problem};
 use expoly::models::{Duffing, Linear};
 use expoly::{Error, Gaussian, Grid, GridDensity, Start};
-use nalgebra::{Matrix2, Vector2, dmatrix, dvector, matrix};
+use nalgebra::{dmatrix, dvector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use std::sync::OnceLock;
@@ -42,25 +43,14 @@ fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
     assert!(modes[0].rate.abs() < 1e-7 && (modes[1].rate - 0.25).abs() < 1e-6);
 }
 
-/// A normal distribution stays normal: m(t) = e^At m₀, S(t) = S∞ + e^At (S₀ − S∞) e^Aᵀt.
+/// A normal distribution stays normal, with known mean and covariance.
 #[test]
 fn a_linear_oscillator_keeps_its_gaussian() {
     let stationary = linear();
-    let start = Gaussian { mean: dvector![0.8, -0.5], covariance: dmatrix![0.3, 0.05; 0.05, 0.4] };
-    let times = [0.5, 1.0, 2.0, 4.0];
-    let densities = stationary.transient(&Start::Gaussian(start), &times, 1e-5).unwrap();
+    let densities = stationary.transient(&correlated().0, &[0.5, 1.0, 2.0, 4.0], 1e-5).unwrap();
     for transient in &densities {
-        let flow = (matrix![0.0, 1.0; -1.0, -0.5] * transient.time).exp();
-        let mean = flow * Vector2::new(0.8, -0.5);
-        let limit = Matrix2::identity();
-        let spread = limit + flow * (matrix![0.3, 0.05; 0.05, 0.4] - limit) * flow.transpose();
-        for (powers, truth) in [
-            ([1, 0], mean[0]),
-            ([0, 1], mean[1]),
-            ([2, 0], spread[(0, 0)] + mean[0] * mean[0]),
-            ([1, 1], spread[(0, 1)] + mean[0] * mean[1]),
-            ([0, 2], spread[(1, 1)] + mean[1] * mean[1]),
-        ] {
+        let (mean, spread) = linear_after(transient.time);
+        for (powers, truth) in POWERS.into_iter().zip(moments(mean, spread)) {
             let moment = transient.moment(&powers).unwrap();
             println!(
                 "t = {}, {powers:?}: {:.1e} off, {:.1e} estimated",

@@ -1,67 +1,16 @@
 //! Transients and survival under modulated noise.
 
+use crate::common::moving::{Noisy, POWERS, correlated};
 use crate::common::{l1_from, problem};
 use expoly::models::Linear;
-use expoly::{Envelope, Error, Gaussian, Grid, GridDensity, Interpretation, PolynomialDrift, Scalar, Start};
-use nalgebra::{dmatrix, dvector};
+use expoly::{Envelope, Error, Grid, GridDensity, Start};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 
-/// x″ + x′/2 + x = ξ₁ + a x′ ξ₂ in Stratonovich's sense, both noises of intensity ½.
-#[derive(Debug)]
-struct Noisy {
-    a: f64,
-}
-
-impl PolynomialDrift<2, 2> for Noisy {
-    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
-        [v, v * -0.5 - x]
-    }
-    fn noise<S: Scalar>(&self, [_, v]: [S; 2]) -> [[S; 2]; 2] {
-        [[S::zero(), S::zero()], [S::from(1.0), v * self.a]]
-    }
-    fn interpretation(&self) -> Interpretation {
-        Interpretation::Stratonovich
-    }
-}
-
-impl Noisy {
-    fn solved(&self) -> GridDensity {
-        let grid = Grid::new().degree(7).cells([10, 10]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
-        grid.solve(&problem(Noisy { a: self.a })).unwrap()
-    }
-
-    /// E x, E v, E x², E xv, E v² after `time`, by the classical Runge-Kutta method with steps that end at all kinks: h⁴ = 1e-12.
-    fn moments(&self, envelope: &Envelope, start: [f64; 5], time: f64) -> [f64; 5] {
-        let steps = (time / 1e-3).round() as usize;
-        let rate = |[x, v, xx, xv, vv]: [f64; 5], t: f64| {
-            let squared = envelope.value(t).powi(2);
-            let damping = 0.5 - 0.5 * self.a * self.a * squared;
-            [
-                v,
-                -x - damping * v,
-                2.0 * xv,
-                vv - xx - damping * xv,
-                -2.0 * xv - 2.0 * damping * vv + squared * (1.0 + self.a * self.a * vv),
-            ]
-        };
-        let h = time / steps as f64;
-        (0..steps).fold(start, |y, n| {
-            // Within the step on both sides of a jump.
-            let at = |place: f64| h * (n as f64 + place.clamp(1e-9, 1.0 - 1e-9));
-            let moved = |k: [f64; 5], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
-            let k1 = rate(y, at(0.0));
-            let k2 = rate(moved(k1, h / 2.0), at(0.5));
-            let k3 = rate(moved(k2, h / 2.0), at(0.5));
-            let k4 = rate(moved(k3, h), at(1.0));
-            std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
-        })
-    }
-}
-
-fn start() -> (Start, [f64; 5]) {
-    let gaussian = Gaussian { mean: dvector![0.8, -0.5], covariance: dmatrix![0.3, 0.05; 0.05, 0.4] };
-    (Start::Gaussian(gaussian), [0.8, -0.5, 0.3 + 0.64, 0.05 - 0.4, 0.4 + 0.25])
+/// The stationary density on the grid.
+fn solved(a: f64) -> GridDensity {
+    let grid = Grid::new().degree(7).cells([10, 10]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
+    grid.solve(&problem(Noisy { a })).unwrap()
 }
 
 fn envelopes() -> [Envelope; 3] {
@@ -72,15 +21,12 @@ fn envelopes() -> [Envelope; 3] {
     ]
 }
 
-const POWERS: [[u32; 2]; 5] = [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
-
 /// The moments of first and second order obey equations of their own, with noise in the velocity as well.
 #[test]
 fn moments_follow_their_own_equations() {
-    let (start, moments) = start();
+    let (start, moments) = correlated();
     for a in [0.0, 0.2] {
-        let system = Noisy { a };
-        let density = system.solved();
+        let (system, density) = (Noisy { a }, solved(a));
         let all = envelopes();
         let (smooth, steps) = all.split_at(2);
         for envelope in if a == 0.0 { smooth } else { steps } {
@@ -103,8 +49,7 @@ fn moments_follow_their_own_equations() {
 /// A point under noise that begins at zero, or later, is followed to the mesh: the moments of a linear oscillator are exact.
 #[test]
 fn a_point_starts_under_noise_that_rises() {
-    let system = Noisy { a: 0.0 };
-    let density = system.solved();
+    let (system, density) = (Noisy { a: 0.0 }, solved(0.0));
     let late = Envelope::steps([(1.5, 1.0)]).unwrap();
     for envelope in [&envelopes()[0], &late] {
         let found = density.modulated_transient(envelope, &Start::Point(vec![0.8, -0.5]), &[3.0], 1e-5).unwrap();
@@ -125,7 +70,7 @@ fn a_smaller_tolerance_gives_a_smaller_error() {
     let stationary = grid.solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap();
     let envelope = &envelopes()[0];
     let at = |tolerance: f64| {
-        let found = stationary.modulated_transient(envelope, &start().0, &[3.0], tolerance).unwrap().remove(0);
+        let found = stationary.modulated_transient(envelope, &correlated().0, &[3.0], tolerance).unwrap().remove(0);
         found.moment(&[2, 0]).unwrap().value
     };
     let truth = at(1e-7);
@@ -138,7 +83,7 @@ fn a_smaller_tolerance_gives_a_smaller_error() {
 /// noise has.
 #[test]
 fn constant_envelopes_have_their_own_stationary_densities() {
-    let whole = Noisy { a: 0.2 }.solved();
+    let whole = solved(0.2);
     let one = Envelope::steps([(0.0, 1.0)]).unwrap();
     let kept = whole.modulated_transient(&one, &Start::Stationary, &[2.0], 1e-5).unwrap();
     let unmodulated = whole.transient(&Start::Stationary, &[2.0], 1e-5).unwrap();
@@ -201,7 +146,7 @@ fn survival_of_an_earthquake_agrees_with_a_simulation() {
 /// The domain of the stationary density does not hold that of noise three times as strong.
 #[test]
 fn noise_that_is_too_strong_for_the_domain_is_refused() {
-    let density = Noisy { a: 0.0 }.solved();
+    let density = solved(0.0);
     let strong = Envelope::steps([(0.0, 3.0)]).unwrap();
     let refused = density.modulated_transient(&strong, &Start::Stationary, &[8.0], 1e-3).map(|_| ());
     assert!(matches!(refused, Err(Error::DomainCut { .. })), "{refused:?}");

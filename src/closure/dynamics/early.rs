@@ -11,9 +11,9 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes;
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::Reference;
-use crate::closure::space::degrees::Degrees;
+use crate::closure::space::Functions;
+use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
-use crate::closure::space::{Functions, Polynomials};
 use crate::closure::tuning;
 use crate::density::Frame;
 use crate::numerics::{Rule, weighted_sum};
@@ -115,10 +115,7 @@ impl<'a> Early<'a> {
         let deviation: Vec<f64> = (0..states).map(|i| frame.scale().row(i).norm()).collect();
         let (mean, reach) = (frame.origin().to_vec(), tuning::dynamics::FARTHEST);
         let half_width: Vec<f64> = deviation.iter().map(|s| tuning::dynamics::FRAME_BOX * s).collect();
-        let of_degree = |degree: u32| {
-            let exponents = Degrees::complete().exponents(states, degree, |_| true);
-            Functions::Polynomials(Polynomials::new(mean.clone(), half_width.clone(), exponents))
-        };
+        let polynomials = Smooth::complete(mean.clone(), half_width);
         // Both are polynomials of these spaces, which Gauss nodes hold exactly.
         let fitted = |space: &Functions, values: &[f64]| -> Option<Vec<f64>> {
             let functions = Orthonormal::new(nodes::values(space, &points), &weights)?;
@@ -129,11 +126,11 @@ impl<'a> Early<'a> {
         let constant = -0.5 * states as f64 * TAU.ln() - frame.log_volume();
         let square = |x: &[f64]| frame.coordinates(x).iter().map(|z| z * z).sum::<f64>();
         let logarithm: Vec<f64> = points.iter().map(|x| constant - square(x) / 2.0).collect();
-        let quadratic = of_degree(2);
+        let quadratic = polynomials.functions(2);
         let normal = fitted(&quadratic, &logarithm)?;
         let weight =
             Exponent { known: Vec::new(), space: quadratic, constant: normal[0], coefficients: normal[1..].to_vec() };
-        let space = of_degree(tuning::dynamics::FRAME_DEGREES[0] as u32);
+        let space = polynomials.functions(tuning::dynamics::FRAME_DEGREES[0] as u32);
         let mut correction = fitted(&space, &ratios[0])?;
         correction[0] -= 1.0;
         let domain = TrustDomain::whole(mean.clone(), deviation.clone(), reach);

@@ -8,12 +8,10 @@ use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::projection::distance;
 use crate::closure::reference::{Reference, scaled_mass};
-use crate::closure::space::degrees::Degrees;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
 use crate::numerics::{Concave, weighted_sum};
-use crate::problem::Symmetry;
 use crate::states::States;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -35,8 +33,7 @@ impl Likeliest {
     fn new(law: &Law, degree: u32, within: &TrustDomain) -> Option<Self> {
         let nodes = Nodes::gauss(within, tuning::nodes::FINE[law.mean.len().min(2) - 1]);
         let (centre, half_width) = within.box_around();
-        let (degrees, symmetry) = (Degrees::complete(), Symmetry::none(centre.len()));
-        let space = Smooth { degrees, symmetry, centre, half_width }.functions(degree);
+        let space = Smooth::complete(centre, half_width).functions(degree);
         if nodes.len() < 2 * space.len() {
             return None;
         }

@@ -11,7 +11,9 @@ use crate::closure::density::ClosureDensity;
 use crate::closure::method::Closure;
 use crate::closure::tuning;
 use crate::error::Result;
+use crate::numerics::runge_kutta;
 use faer::{Mat, Scale};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// The stationary density under a share of the noise's intensities, as a weight.
@@ -119,16 +121,15 @@ impl<'a> March<'a> {
             let means = [false, true].map(|lower| {
                 let matrix = system.matrix(lower);
                 let noise = level.noise.as_ref().get(..matrix.nrows(), ..matrix.ncols());
-                let rate = |d: &Mat<f64>, t: f64| matrix * d + (noise * d) * Scale(share(t) - 1.0);
                 let start = &self.means[usize::from(lower)];
                 let mut d = Mat::from_fn(start.len(), 1, |k, _| start[k]);
                 for n in 0..steps as usize {
-                    let t = self.time + h * n as f64;
-                    let k1 = rate(&d, t);
-                    let k2 = rate(&(&d + &k1 * Scale(h / 2.0)), t + h / 2.0);
-                    let k3 = rate(&(&d + &k2 * Scale(h / 2.0)), t + h / 2.0);
-                    let k4 = rate(&(&d + &k3 * Scale(h)), t + h);
-                    d += (k1 + k4 + (k2 + k3) * Scale(2.0)) * Scale(h / 6.0);
+                    let rate = |d: &Mat<f64>, part: f64| {
+                        let more = share(self.time + h * (n as f64 + part)) - 1.0;
+                        Ok::<_, Infallible>(matrix * d + (noise * d) * Scale(more))
+                    };
+                    let Ok(first) = rate(&d, 0.0);
+                    Ok(d) = runge_kutta(&d, &first, h, rate, |d, rate, time| d + rate * Scale(time));
                 }
                 d.col_as_slice(0).to_vec()
             });

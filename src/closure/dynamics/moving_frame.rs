@@ -5,6 +5,7 @@ use super::modulation::Modulated;
 use crate::closure::tuning;
 use crate::density::Frame;
 use crate::fokker_planck::FokkerPlanck;
+use crate::numerics::runge_kutta;
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
@@ -85,16 +86,13 @@ impl<'a> MovingFrame<'a> {
             }
             let stretch = self.system.stretch(self.time);
             let (t, until) = (self.time, end.min(stretch.until()));
-            let rate = |place: &Place, time: f64| self.rate(place, &stretch.operator(time));
-            let (k1, speed) = rate(&self.place, t)?;
+            let (first, speed) = self.rate(&self.place, &stretch.operator(t))?;
             let longest = tuning::dynamics::FRAME_STEP / speed;
             let h = (until - t) / ((until - t) / longest).ceil().max(1.0);
-            let k2 = rate(&self.place.moved(h / 2.0, &k1), t + h / 2.0)?.0;
-            let k3 = rate(&self.place.moved(h / 2.0, &k2), t + h / 2.0)?.0;
-            let k4 = rate(&self.place.moved(h, &k3), t + h)?.0;
-            for (k, share) in [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)] {
-                self.place = self.place.moved(h * share / 6.0, &k);
-            }
+            let rate = |place: &Place, part: f64| {
+                self.rate(place, &stretch.operator(t + h * part)).map(|(rate, _)| rate).ok_or(())
+            };
+            self.place = runge_kutta(&self.place, &first, h, rate, |place, rate, time| place.moved(time, rate)).ok()?;
             self.time = if h == until - t { until } else { t + h };
         }
         Some(())

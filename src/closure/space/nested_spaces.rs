@@ -82,11 +82,9 @@ impl SpaceFamily {
     /// The same for densities that do not share the system's symmetry, with all monomials.
     pub(in crate::closure) fn without_symmetry(&self) -> Self {
         match self {
-            SpaceFamily::Smooth(smooth) => SpaceFamily::Smooth(Smooth {
-                degrees: Degrees::complete(),
-                symmetry: Symmetry::none(smooth.centre.len()),
-                ..smooth.clone()
-            }),
+            SpaceFamily::Smooth(smooth) => {
+                SpaceFamily::Smooth(Smooth::complete(smooth.centre.clone(), smooth.half_width.clone()))
+            }
             SpaceFamily::Walled(walled) => SpaceFamily::Walled(walled.clone()),
         }
     }
@@ -120,6 +118,11 @@ pub(in crate::closure) struct Smooth {
 }
 
 impl Smooth {
+    /// All polynomials on a box.
+    pub(in crate::closure) fn complete(centre: Vec<f64>, half_width: Vec<f64>) -> Self {
+        Smooth { degrees: Degrees::complete(), symmetry: Symmetry::none(centre.len()), centre, half_width }
+    }
+
     /// The degree of the reference of an order.
     pub(in crate::closure) fn reference_degree(&self, order: u32) -> u32 {
         order + tuning::space::EXCESS[self.centre.len().min(4) - 1]
