@@ -37,16 +37,9 @@ struct Options {
 
 /// The bottom of the right well, at rest.
 const START: [f64; 2] = [1.0, 0.0];
-/// The longest time step of the simulation, whose weak error is of its square, and the steps of which burn-in has a multiple.
-const STEP: f64 = 0.01;
-const MULTIPLE: f64 = 64.0;
-
 /// Trajectories at one time: mean and variance of the displacement, and its density at some places.
 fn simulated(problem: &Problem, time: f64, options: &Options, x: &[f64]) -> expoly::Result<Simulated> {
-    let simulation = Simulation::new().trajectories(options.trajectories).samples(options.trajectories).start(START);
-    // One sample of each trajectory, which is not stationary: there is nothing to calibrate by.
-    let step = time / (MULTIPLE * (time / (MULTIPLE * STEP)).ceil());
-    let simulation = simulation.burn_in(time).time_step(step).sampling_interval(step).control_variates(false).seed(1);
+    let simulation = Simulation::new().trajectories(options.trajectories).start(START).transient(time).seed(1);
     let density = simulation.run(problem)?;
     Ok((density.moment(&[1, 0])?, density.variance(0)?, values(x, |x| density.histogram(0)?.density_at(&[x]))?))
 }

@@ -8,7 +8,7 @@ use crate::polynomial::Gaussian;
 use std::fmt;
 use std::sync::Arc;
 
-/// Where a transient starts.
+/// Where a transient starts, and the trajectories of a simulation.
 #[derive(Clone)]
 pub enum Start {
     /// A known state. No mesh holds a point: on a grid the density is followed as a Gaussian, with the exact moments of the
@@ -22,6 +22,24 @@ pub enum Start {
     Stationary,
     /// Any density, by its values: the stationary one of another problem, or a transient's at some time.
     Density(Arc<dyn Density>),
+}
+
+impl From<Vec<f64>> for Start {
+    fn from(point: Vec<f64>) -> Self {
+        Start::Point(point)
+    }
+}
+
+impl<const N: usize> From<[f64; N]> for Start {
+    fn from(point: [f64; N]) -> Self {
+        Start::Point(point.to_vec())
+    }
+}
+
+impl From<Gaussian> for Start {
+    fn from(gaussian: Gaussian) -> Self {
+        Start::Gaussian(gaussian)
+    }
 }
 
 impl fmt::Debug for Start {

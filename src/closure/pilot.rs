@@ -45,6 +45,11 @@ impl<'a> PilotPlan<'a> {
         Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }
 
+    /// The time step.
+    pub(super) fn step(&self) -> f64 {
+        self.step
+    }
+
     /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.
     pub(super) fn slower(self, factor: f64, count: usize) -> Self {
         let most = tuning::pilot::MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);
@@ -102,6 +107,12 @@ impl<'a> PilotPlan<'a> {
 }
 
 impl Pilot {
+    /// Independent states at a time after a start.
+    pub(super) fn of(states: States, time: f64) -> Self {
+        let collisions = Collisions { impacts: Vec::new(), states: States::new(states.dimension()) };
+        Pilot { states, collisions, interval: time, inflation: 1.0, stationary: true }
+    }
+
     /// The pilot of the problem in a mirror, x → −x.
     pub(super) fn mirrored(&self) -> Self {
         let values = self.states.values().iter().map(|x| -x).collect();

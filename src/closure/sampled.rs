@@ -7,11 +7,14 @@ use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
 use super::discretisation::trust_domain::TrustDomain;
+use super::dynamics::Dynamics;
 use super::nodal::NodalClosure;
 use super::pilot::Pilot;
 use super::projection::Weight;
 use super::reference::scaled_mass;
-use super::samples::{Copula, Family, ImportanceRule, Lattice, SampleClosure, Samples, close_on_samples};
+use super::samples::{
+    Copula, Family, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_on_means, close_on_samples,
+};
 use super::space::degrees;
 use super::space::nested_spaces::Smooth;
 use super::tuning;
@@ -21,6 +24,7 @@ use crate::memory::MemoryLimit;
 use crate::numerics::exponentials;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
+use crate::states::States;
 use std::time::Instant;
 
 /// The parts of a closure on samples that are the same at all orders of one system.
@@ -72,12 +76,63 @@ impl Sampled {
     /// # Errors
     /// [`Error::NotClosed`] if there are too few states, or they lie on a surface.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
+        let copula = self.copula(order)?;
+        let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
+        let reason =
+            "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
+        let found = self.on_samples(order, &copula).ok_or(Error::NotClosed { order, reason })?;
+        let mut without_reference = None;
+        if self.referred && !found.exact {
+            match self.by_reference(order, &found, &copula) {
+                Ok(density) => return Ok(density),
+                Err(reason) => without_reference = Some(reason.to_owned()),
+            }
+        }
+        let mut content = self.content(order, found, copula.clone())?;
+        content.provenance.without_reference = without_reference;
+        Ok(self.moving(content, copula))
+    }
+
+    /// A stationary density, with what questions of time are answered by where there are no walls.
+    fn moving(&self, content: Content, copula: Copula) -> ClosureDensity {
+        let Sampled { problem, pilot, seed, rare, .. } = self;
+        let weight = content.exponent.clone();
+        let density = ClosureDensity::new(content);
+        if problem.walls().is_empty() {
+            density.moving(Dynamics::carried(problem, (pilot, copula), weight, *seed, *rare))
+        } else {
+            density
+        }
+    }
+
+    /// The closure of an order at a time of which the pilot's states are draws, by their means and those of moment equations.
+    ///
+    /// # Errors
+    /// As [`Sampled::closed`].
+    pub(super) fn at_time(&self, order: u32, equations: Option<(&States, [&[f64]; 2])>) -> Result<ClosureDensity> {
+        let copula = self.copula(order)?;
+        let Sampled { problem, pilot, family, seed, .. } = self;
+        let samples = Samples { problem, pilot, family, order, copula: &copula, seed: *seed };
+        let from = MeansFrom { states: &pilot.states, equations };
+        let reason = "the trajectories are too few for its functions, or no density of it has their means: take more `pilot_states`, or a lower one";
+        let (found, share) = close_on_means(samples, from).ok_or(Error::NotClosed { order, reason })?;
+        let mut content = self.content(order, found, copula)?;
+        content.candidates[0].origin = if share < 0.5 { Origin::StationaryWeight } else { Origin::MaximumLikelihood };
+        content.indication = None;
+        content.provenance.stationary = None;
+        Ok(ClosureDensity::new(content))
+    }
+
+    /// The copula of the pilot's states, after all that is known before.
+    ///
+    /// # Errors
+    /// Those of [`Sampled::closed`].
+    fn copula(&self, order: u32) -> Result<Copula> {
         let failed = |reason| Error::NotClosed { order, reason };
         let Sampled { pilot, family, .. } = self;
         let (degrees, symmetry) = (family.degrees(), family.symmetry());
-        let states = self.problem.dimension();
         // The density is compared with one two degrees higher.
-        if degrees.are_more_than(degrees::MOST, states, order + 2) {
+        if degrees.are_more_than(degrees::MOST, self.problem.dimension(), order + 2) {
             return Err(failed("it has too many functions even to list them: take a lower one, or fewer `degrees`"));
         }
         let functions = family.functions(order).len() as f64;
@@ -88,20 +143,19 @@ impl Sampled {
         // Matrices of all pairs of functions that are held at once: three sums on each of two stretches of nodes, their totals,
         // the factors, and what those are made from.
         self.memory.holds("the equations of the closure", 16.0 * functions * functions, remedy)?;
-        let surface = "the pilot's states lie on a surface: the noise may not reach every state";
         let contacts = self.problem.contacts();
         let copula = if contacts.is_empty() { Copula::new(pilot, symmetry) } else { Copula::next_to(&contacts, pilot) };
-        let copula = copula.ok_or_else(|| failed(surface))?;
-        let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
-        let few = "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
-        let found = self.on_samples(order, &copula).ok_or_else(|| failed(few))?;
-        let mut without_reference = None;
-        if self.referred && !found.exact {
-            match self.by_reference(order, &found, &copula) {
-                Ok(density) => return Ok(density),
-                Err(reason) => without_reference = Some(reason.to_owned()),
-            }
-        }
+        copula.ok_or_else(|| failed("the pilot's states lie on a surface: the noise may not reach every state"))
+    }
+
+    /// The content of a density that was found on the pilot's states.
+    ///
+    /// # Errors
+    /// [`Error::NotClosed`] if it has no finite integral.
+    fn content(&self, order: u32, found: SampleClosure, copula: Copula) -> Result<Content> {
+        let failed = |reason| Error::NotClosed { order, reason };
+        let pilot = &self.pilot;
+        let (symmetry, contacts) = (self.family.symmetry(), self.problem.contacts());
         let (copula, lattice) =
             if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         // About as many stay on this side of all walls.
@@ -138,11 +192,10 @@ impl Sampled {
             iterations: Some(found.steps),
             calibration_degree: found.calibrated.0,
             smallest_weight: Some(found.calibrated.1),
-            without_reference,
             seconds: self.begin.elapsed().as_secs_f64(),
             ..Provenance::default()
         };
-        Ok(ClosureDensity::new(Content {
+        Ok(Content {
             exponent,
             reference: None,
             domain: TrustDomain::new(pilot, symmetry, centre, [None, None], tuning::domain::WIDENING),
@@ -155,7 +208,7 @@ impl Sampled {
             impacts: found.impacts,
             indication: Some(Indication { indicator: found.residual[0], residual: found.residual[1] }),
             provenance,
-        }))
+        })
     }
 
     /// The closure of an order by a reference of its own, which starts from the density found on the pilot's states.
@@ -226,6 +279,6 @@ impl Sampled {
         content.candidates[0].accepted = true;
         (content.provenance.calibration_degree, content.provenance.smallest_weight) =
             (found.calibrated.0, Some(found.calibrated.1));
-        Ok(ClosureDensity::new(content))
+        Ok(self.moving(content, copula.clone()))
     }
 }

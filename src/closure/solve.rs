@@ -223,7 +223,7 @@ impl Closure {
     /// The closure of the requested order: of the given one, or of the lowest even one that meets the target, or else the
     /// best one when the estimate stops falling, after two orders that are no better. On samples, where a further one is
     /// noisier still and much dearer, one suffices after one that was better, or one that the states do not carry.
-    fn at_order(
+    pub(super) fn at_order(
         &self,
         highest: u32,
         on_samples: bool,

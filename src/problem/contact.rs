@@ -77,10 +77,18 @@ impl Contact {
         rates
     }
 
-    /// Whether the motion is on the wall, up to the rounding of its displacements.
+    /// Whether the motion is on the wall or behind it, up to the rounding of its displacements.
     pub(crate) fn touches(&self, x: &[f64]) -> bool {
-        let scale = x[self.first.0].abs() + self.second.map_or(0.0, |(y, _)| x[y].abs());
-        self.gap(x) <= if self.second.is_some() { 8.0 * f64::EPSILON * scale } else { 0.0 }
+        self.gap(x) <= self.rounding(x)
+    }
+
+    /// Whether it is behind the wall, by more than that rounding.
+    pub(crate) fn is_behind(&self, x: &[f64]) -> bool {
+        self.gap(x) < -self.rounding(x)
+    }
+
+    fn rounding(&self, x: &[f64]) -> f64 {
+        self.second.map_or(0.0, |(y, _)| 8.0 * f64::EPSILON * (x[self.first.0].abs() + x[y].abs()))
     }
 
     /// Whether trajectories come to rest on the wall: no noise drives them off it, and impacts take energy.

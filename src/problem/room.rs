@@ -52,7 +52,7 @@ fn inside(contacts: &[Contact], x: &mut [f64], put: impl Fn(&Contact, &mut [f64]
     for _ in 0..PASSES {
         let mut moved = false;
         for contact in contacts {
-            if contact.gap(x) < 0.0 && !contact.touches(x) {
+            if contact.is_behind(x) {
                 put(contact, x);
                 moved = true;
             }

@@ -28,7 +28,8 @@ pub(super) struct Plan {
     /// The rate ω that the time step was chosen by.
     pub(super) rate: Option<f64>,
     pub(super) timetable: Timetable,
-    pub(super) start: Option<Vec<f64>>,
+    /// The point, or a mean and the lower Cholesky factor of a covariance by rows; empty by default.
+    pub(super) start: Vec<Vec<f64>>,
     pub(super) levels: Vec<f64>,
     /// The displacements, each with the state that is its velocity.
     pub(super) displacements: Vec<(usize, usize)>,
@@ -165,7 +166,8 @@ impl Plan {
                 .walls
                 .iter()
                 .all(|wall| wall.checked().is_ok() && moves(wall.state()) && wall.other().is_none_or(moves))
-            && self.start.as_ref().is_none_or(|start| start.len() == states)
+            && self.start.iter().all(|row| row.len() == states)
+            && [0, 1, states + 1].contains(&self.start.len())
             && self.requests.validate(states, self.interval(), limits(&self.walls, 0)).is_ok()
             && self.control_variates.holds(states, tracked(), self.trajectories)
     }

@@ -16,7 +16,7 @@ use super::{
     start::Start,
     timetable::{Times, Timetable, whole},
 };
-use crate::checks::{dimension, finite, positive, require, state_index};
+use crate::checks::{finite, positive, require, state_index};
 use crate::error::{Error, Result};
 use crate::problem::{Contact, Problem, TimeScales, Wall, limits, two_digits};
 use crate::simulation::tuning::{
@@ -91,6 +91,7 @@ impl<'a> Simulation<'a> {
             memory: self.memory,
             levels: self.levels.clone(),
             start: self.start.clone(),
+            once: self.once,
             bins: self.bins,
             part: self.part,
             requests: self.requests.clone(),
@@ -123,7 +124,7 @@ impl<'a> Simulation<'a> {
             time_step: scheme.step,
             rate,
             timetable,
-            start: self.start,
+            start: start.origin.clone(),
             levels: if problem.velocity_of(0).is_some() { self.requests.with_levels(&self.levels) } else { Vec::new() },
             displacements: problem.displacements().to_vec(),
             axes,
@@ -194,7 +195,7 @@ impl<'a> Simulation<'a> {
     fn prepared<'p>(&self, problem: &'p Problem, merged: bool, control: &Control<'_>) -> Result<Prepared<'p>> {
         let contacts = problem.contacts();
         self.validate(problem, &contacts)?;
-        let times = self.times(problem)?;
+        let times = self.times_of_one()?.map_or_else(|| self.times(problem), Ok)?;
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
@@ -211,14 +212,20 @@ impl<'a> Simulation<'a> {
             }
         };
         require(problem.impulse_rate() * step <= tuning::limits::MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
+        // Whole steps of twice the length, if such are to be taken at the same times.
+        let unit = if self.two_steps && !merged { 2.0 } else { 1.0 };
+        let (step, timetable) = match self.once {
+            Some(time) => self.once(time, step, unit)?,
+            None => (step, self.timetable(step, times, unit)?),
+        };
+        let samples = self.count();
         let scheme = Scheme::new(problem, self.amplitude, step);
         let scheme = if merged { scheme.merging(problem) } else { scheme };
-        let (timetable, samples) = self.timetable(step, times, merged)?;
         let interval = timetable.interval_steps as f64 * step;
         self.memory.check()?;
         self.requests.validate(problem.dimension(), interval, limits(problem.walls(), 0))?;
         self.memory.holds("the segments of the spectra", self.requests.kept(self.trajectories), SHORTER)?;
-        let start = Start::new(self, problem, step / if merged { 2.0 } else { 1.0 });
+        let start = Start::new(self, problem, step / if merged { 2.0 } else { 1.0 })?;
         Ok(Prepared { contacts, scheme, rate, timetable, samples, start })
     }
 
@@ -229,7 +236,7 @@ impl<'a> Simulation<'a> {
         timetable: Timetable,
         control: Control<'b>,
     ) -> Ensemble<'b> {
-        let stretches = tuning::timetable::BURN_IN_STRETCHES + self.samples.div_ceil(self.trajectories);
+        let stretches = tuning::timetable::BURN_IN_STRETCHES + self.count();
         control.set(0, Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
         Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, control }
     }
@@ -260,15 +267,7 @@ impl<'a> Simulation<'a> {
         at_most("number of bins", self.bins, MOST_BINS, "at most 1024 keep the joint histogram in memory")?;
         self.levels.iter().try_for_each(|&level| finite("level", level).map(|_| ()))?;
         self.targets.iter().try_for_each(|target| target.tolerance.validate())?;
-        if let Some(start) = &self.start {
-            dimension("the start", start.len(), problem.dimension())?;
-            start.iter().try_for_each(|&x| finite("start", x).map(|_| ()))?;
-            if let Some(contact) = contacts.iter().find(|contact| contact.gap(start) < 0.0) {
-                let remedy = "a trajectory must start on the side of each wall that the motion is on";
-                return Err(Error::OutOfRange { name: "start", value: start[contact.wall.state()], remedy });
-            }
-        }
-        Ok(())
+        self.validate_start(problem, contacts)
     }
 
     /// The times that were given, and in place of others those that follow from the system's rates.
@@ -290,20 +289,22 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Burn-in and sampling in whole steps, and the number of samples of each trajectory.
-    fn timetable(&self, step: f64, times: Times, merged: bool) -> Result<(Timetable, usize)> {
-        let count = self.samples.div_ceil(self.trajectories);
-        // Whole steps of twice the length, if such are to be taken at the same times.
-        let unit = if self.two_steps && !merged { 2.0 } else { 1.0 };
+    /// The number of samples of each trajectory.
+    fn count(&self) -> usize {
+        if self.once.is_some() { 1 } else { self.samples.div_ceil(self.trajectories) }
+    }
+
+    /// Burn-in and sampling in whole `unit`s of steps.
+    fn timetable(&self, step: f64, times: Times, unit: f64) -> Result<Timetable> {
         let burn_in =
             unit * whole(times.burn_in / (unit * step) / tuning::timetable::BURN_IN_STRETCHES as f64).max(1.0);
         let interval = unit * (times.interval / (unit * step)).round().max(1.0);
         let path = self.trajectories as f64
-            * (burn_in * tuning::timetable::BURN_IN_STRETCHES as f64 + interval * count as f64);
+            * (burn_in * tuning::timetable::BURN_IN_STRETCHES as f64 + interval * self.count() as f64);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
         let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or fewer samples";
         require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
-        Ok((Timetable { burn_in_steps: burn_in as usize, interval_steps: interval as usize }, count))
+        Ok(Timetable { burn_in_steps: burn_in as usize, interval_steps: interval as usize })
     }
 
     /// The bins, on the intervals that the pilot found.

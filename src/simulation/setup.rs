@@ -5,7 +5,7 @@ use super::{
     statistics::Requests,
     target::{Target, Tolerance},
 };
-use crate::{error::Result, estimate::Estimate, memory::MemoryLimit};
+use crate::{error::Result, estimate::Estimate, memory::MemoryLimit, transient::Start};
 use std::{ops::ControlFlow, path::PathBuf, time::Duration};
 
 /// A Monte Carlo simulation: independent trajectories, sampled at equal times once they are stationary.
@@ -62,7 +62,9 @@ pub struct Simulation<'a> {
     pub(super) sampling_interval: Option<f64>,
     pub(super) seed: u64,
     pub(super) levels: Vec<f64>,
-    pub(super) start: Option<Vec<f64>>,
+    pub(super) start: Start,
+    /// The time of the only sample, after the start.
+    pub(super) once: Option<f64>,
     pub(super) bins: usize,
     pub(super) ranges: Vec<(usize, f64, f64)>,
     pub(super) progress: Option<Callback<'a>>,
@@ -94,7 +96,8 @@ impl<'a> Simulation<'a> {
             sampling_interval: None,
             seed: 0,
             levels: Vec::new(),
-            start: None,
+            start: Start::Stationary,
+            once: None,
             bins: 128,
             ranges: Vec::new(),
             progress: None,
@@ -258,13 +261,6 @@ impl<'a> Simulation<'a> {
     /// Levels of state 0 whose up-crossings are counted; none by default. State 0 must be a displacement.
     pub fn levels(self, levels: impl IntoIterator<Item = f64>) -> Self {
         Simulation { levels: levels.into_iter().collect(), ..self }
-    }
-
-    /// The state that all trajectories start from. By default they start near 0, or near the wall if that stands above 0,
-    /// each with a Gaussian spread: the deviation that the noise at 0 makes within four steps, or 0.1 where it vanishes
-    /// there.
-    pub fn start(self, start: impl Into<Vec<f64>>) -> Self {
-        Simulation { start: Some(start.into()), ..self }
     }
 
     /// The number of bins of each state's histogram, 128 by default. The joint histogram of states 0 and 1 has half as

@@ -1,11 +1,81 @@
-use super::Simulation;
+use super::{
+    Simulation,
+    timetable::{Times, Timetable},
+};
+use crate::checks::{positive, require};
+use crate::density::Frame;
+use crate::error::{Error, Result};
 use crate::problem::{Contact, Problem, reflect};
 use crate::simulation::tuning;
+use crate::transient;
+
+impl Simulation<'_> {
+    /// Where trajectories start: a point, or points drawn from a normal distribution, reflected at walls. By default, as with
+    /// [`Start::Stationary`](crate::Start), they start near 0, or near the wall if that stands above 0, each with a Gaussian
+    /// spread: the deviation that the noise at 0 makes within four steps, or 0.1 where it vanishes there; the burn-in leads on
+    /// from there. Other densities are refused.
+    pub fn start(self, start: impl Into<transient::Start>) -> Self {
+        Simulation { start: start.into(), ..self }
+    }
+
+    /// Takes one sample of each trajectory, at `time` after the start, instead of samples of a stationary response. Burn-in,
+    /// sampling interval, number of samples and control variates have no effect, and a time step is the longest one allowed.
+    ///
+    /// ```
+    /// use expoly::{Density, Simulation, models::{Linear, Solved}};
+    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
+    /// let found = Simulation::new().start([0.8, 0.0]).transient(3.0).trajectories(10_240).run(&problem)?;
+    /// let omega = 0.9375_f64.sqrt();
+    /// let mean = 0.8 * (-0.75_f64).exp() * ((3.0 * omega).cos() + 0.25 / omega * (3.0 * omega).sin());
+    /// assert!(found.moment(&[1, 0])?.deviation(mean) < 4.0);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn transient(self, time: f64) -> Self {
+        Simulation { once: Some(time), control_variates: false, ..self }
+    }
+
+    /// Refuses a start without a meaning.
+    pub(super) fn validate_start(&self, problem: &Problem, contacts: &[Contact]) -> Result<()> {
+        self.start.check(problem.dimension())?;
+        let at = match &self.start {
+            transient::Start::Point(x) => x.as_slice(),
+            transient::Start::Gaussian(gaussian) => gaussian.mean.as_slice(),
+            transient::Start::Stationary => return Ok(()),
+            transient::Start::Density(_) => {
+                let (method, what) = ("simulation", "a density as the start");
+                return Err(Error::NotServed { method, what, remedy: "take a point or a normal distribution" });
+            }
+        };
+        let beyond = contacts.iter().find(|contact| contact.gap(at) < 0.0);
+        let remedy = "a trajectory must start on the side of each wall that the motion is on";
+        let value = |contact: &Contact| at[contact.wall.state()];
+        beyond.map_or(Ok(()), |contact| Err(Error::OutOfRange { name: "start", value: value(contact), remedy }))
+    }
+
+    /// The times of the only sample, if there is but one.
+    pub(super) fn times_of_one(&self) -> Result<Option<Times>> {
+        let remedy = "the start itself is known: take a later time";
+        let times = |time| Ok(Times { burn_in: positive("time of a transient", time, remedy)?, interval: time });
+        self.once.map(times).transpose()
+    }
+
+    /// The timetable of the only sample, with the longest step that ends at its time and is at most `step`, counted in `unit`s.
+    pub(super) fn once(&self, time: f64, step: f64, unit: f64) -> Result<(f64, Timetable)> {
+        let stretches = tuning::timetable::BURN_IN_STRETCHES as f64;
+        let each = ((time / (unit * step) - 1.0) / stretches).ceil().max(1.0);
+        let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or an earlier time";
+        let path = self.trajectories as f64 * unit * (stretches * each + 1.0);
+        require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
+        let timetable = Timetable { burn_in_steps: (unit * each) as usize, interval_steps: unit as usize };
+        Ok((time / (unit * (stretches * each + 1.0)), timetable))
+    }
+}
 
 /// Where trajectories begin.
 #[derive(Debug)]
 pub(super) struct Start {
-    fixed: Option<Vec<f64>>,
+    /// The point, or the mean and the lower Cholesky factor of the covariance by rows; empty by default.
+    pub(super) origin: Vec<Vec<f64>>,
     spread: Vec<f64>,
     /// The state of rest that no wall excludes.
     centre: Vec<f64>,
@@ -15,7 +85,7 @@ pub(super) struct Start {
 impl Start {
     /// The start given to the simulation, or near 0, or beside the walls that exclude 0; each state spreads as far as the
     /// noise at 0 takes it in four steps.
-    pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Self {
+    pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Result<Self> {
         let time = tuning::timetable::SPREAD_STEPS * step;
         let variance = |i: usize| {
             let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * simulation.amplitude);
@@ -30,7 +100,16 @@ impl Start {
         for &(i, j) in problem.displacements() {
             spread[i] = spread[j] * time;
         }
-        Start { fixed: simulation.start.clone(), spread, centre: problem.still(), contacts: problem.contacts() }
+        let origin = match &simulation.start {
+            transient::Start::Point(x) => vec![x.clone()],
+            transient::Start::Gaussian(gaussian) => {
+                let frame = Frame::new(gaussian)?;
+                let rows = frame.scale().row_iter().map(|row| row.iter().copied().collect());
+                std::iter::once(frame.origin().to_vec()).chain(rows).collect()
+            }
+            transient::Start::Stationary | transient::Start::Density(_) => Vec::new(),
+        };
+        Ok(Start { origin, spread, centre: problem.still(), contacts: problem.contacts() })
     }
 
     /// The number of states.
@@ -40,11 +119,19 @@ impl Start {
 
     /// Turns standard normal numbers into the state that a trajectory begins at.
     pub(super) fn place(&self, x: &mut [f64]) {
-        if let Some(fixed) = &self.fixed {
-            return x.copy_from_slice(fixed);
-        }
-        for ((x, spread), centre) in x.iter_mut().zip(&self.spread).zip(&self.centre) {
-            *x = centre + *x * spread;
+        match self.origin.split_first() {
+            Some((point, [])) => return x.copy_from_slice(point),
+            Some((mean, rows)) => {
+                // From the last state on, since each one needs those before it.
+                for (i, row) in rows.iter().enumerate().rev() {
+                    x[i] = mean[i] + row[..=i].iter().zip(x.iter()).map(|(l, z)| l * z).sum::<f64>();
+                }
+            }
+            None => {
+                for ((x, spread), centre) in x.iter_mut().zip(&self.spread).zip(&self.centre) {
+                    *x = centre + *x * spread;
+                }
+            }
         }
         reflect(&self.contacts, x);
     }

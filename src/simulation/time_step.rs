@@ -75,7 +75,7 @@ impl Simulation<'_> {
     ) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let boundaries = Boundaries::for_scheme(&scheme, contacts, Vec::new());
-        let start = Start::new(self, problem, step);
+        let start = Start::new(self, problem, step)?;
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
         let steps = (time / step / tuning::time_step::STRETCHES as f64).ceil().clamp(1.0, tuning::time_step::MOST_STEPS)

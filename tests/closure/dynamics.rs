@@ -175,11 +175,11 @@ fn modulated_moments_follow_their_own_equations() {
 fn modulated_noise_agrees_with_a_grid() {
     let strong = problem(Duffing::new(0.2, 1.0, 0.3, 0.66).unwrap());
     let envelope = Envelope::exponentials(2.32 / 1.82, 0.09, 1.49).unwrap();
-    let (start, times) = (normal([0.0, 0.0], 0.2), [4.0, 8.0, 16.0]);
+    let (start, times) = (normal([0.0, 0.0], 0.2), [4.0, 8.0]);
     let grid = Grid::new().degree(6).cells([12, 12]).solve(&strong).unwrap();
     let truth = grid.modulated_transient(&envelope, &start, &times, 1e-3).unwrap();
     let found = Closure::new(6).modulated_transient(&strong, &envelope, &start, &times).unwrap();
-    for ((found, truth), best) in found.iter().zip(&truth).zip([3.0e-3, 4.2e-3, 1.2e-3]) {
+    for ((found, truth), best) in found.iter().zip(&truth).zip([3.0e-3, 4.2e-3]) {
         let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
         println!("t = {}: {distance:.1e} of {best:.1e}, estimate {estimate:.1e}", found.time);
         assert!(
@@ -187,7 +187,7 @@ fn modulated_noise_agrees_with_a_grid() {
             "t = {}: {distance:e} and {estimate:e}",
             found.time
         );
-        assert!(estimate < 6.0 * distance, "t = {}: {distance:e} and {estimate:e}", found.time);
+        assert!(estimate < 1.5 * distance, "t = {}: {distance:e} and {estimate:e}", found.time);
     }
     // The peak is a matter of how the noise is written.
     let written = problem(Duffing::new(0.2, 1.0, 0.3, 0.66 / 4.0).unwrap());
@@ -248,10 +248,11 @@ fn densities_spread_as_on_a_grid() {
         ),
         (van_der_pol(), rest, [[-5.0, 5.0], [-6.5, 6.5]], vec![(2.0, 1.2e-3), (4.0, 2.0e-2)]),
     ];
-    for (problem, start, domain, best) in cases {
+    // The early densities of the second case are narrow for a mesh.
+    for ((problem, start, domain, best), degree) in cases.into_iter().zip([6, 7, 6]) {
         let times: Vec<f64> = best.iter().map(|(time, _)| *time).collect();
-        let grid = Grid::new().degree(7).cells([11, 12]).domain(domain).edge_level(1e-6);
-        let truth = grid.solve(&problem).unwrap().transient(start, &times, 1e-4).unwrap();
+        let grid = Grid::new().degree(degree).cells([11, 12]).domain(domain).edge_level(1e-6);
+        let truth = grid.solve(&problem).unwrap().transient(start, &times, 3e-4).unwrap();
         let found = Closure::new(6).transient(&problem, start, &times).unwrap();
         for ((found, truth), (time, best)) in found.iter().zip(&truth).zip(best) {
             let most = if time < 4.0 { 2.0 } else { 1.3 } * best;
@@ -377,7 +378,4 @@ fn questions_of_time_without_a_meaning_are_refused() {
     let moving = Closure::new(4).transient(&oscillator, &wide, &[2.0]).unwrap().remove(0).density;
     let saved: ClosureDensity = serde_json::from_str(&serde_json::to_string(&moving).unwrap()).unwrap();
     assert_eq!(saved.pdf(&[0.3, 0.1]).unwrap(), moving.pdf(&[0.3, 0.1]).unwrap());
-    let three = Problem::from_toml(include_str!("../../examples/solve/filtered.toml")).unwrap();
-    let error = Closure::new(2).transient(&three, &Start::Point(vec![0.0; 3]), &[1.0]).unwrap_err();
-    assert!(matches!(error, Error::NotServed { .. }), "{error}");
 }

@@ -7,5 +7,6 @@ mod impulses;
 mod many_states;
 mod references;
 mod robust;
+mod trajectories;
 mod walls;
 mod walls_in_many_states;

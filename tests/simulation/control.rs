@@ -1,7 +1,7 @@
 //! Control of a simulation: the same bits on any number of threads, after interruptions and from parts; precision, time
 //! and hostile input.
 
-use crate::common::threads_of;
+use crate::common::{moving::correlated, threads_of};
 use expoly::{
     Crossing, Density, Error, PolynomialDrift, Problem, Progress, Result, SimulatedDensity, Simulation, Stopped,
     Tolerance, Wall,
@@ -343,6 +343,7 @@ fn checkpoints_of_other_simulations_are_refused_by_name() -> Result<()> {
     assert!(differs(resumed(|s| s.sampling_interval(3.0)), "sampling interval in steps"));
     assert!(differs(resumed(|s| s.levels([0.25])), "list of levels"));
     assert!(differs(resumed(|s| s.start([0.5, 0.5])), "start"));
+    assert!(differs(resumed(|s| s.start(correlated().0)), "start"));
     assert!(differs(resumed(|s| s.bins(32)), "range or number of bins"));
     assert!(differs(resumed(|s| s.samples(10)), "number of samples per trajectory"));
     assert!(differs(resumed(|s| s.part(0, 2)), "part"));

@@ -5,9 +5,11 @@
 //! - `modulation`, `levels`: noise that rises and fades, and weights for each of its strengths;
 //! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response;
 //! - `start`: d at time 0; `transient`: d at later times;
+//! - `ensemble`: the same in three states and more, where trajectories carry it;
 //! - `law`, `entropy`: means, and the density of largest entropy that has them; `snapshot`: the exponential polynomial of a time.
 
 mod early;
+mod ensemble;
 mod entropy;
 mod hermite;
 mod law;
@@ -21,23 +23,29 @@ mod start;
 mod transient;
 
 use super::density::exponent::Exponent;
+use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::discretisation::{Discretisation, Passage};
+use super::pilot::Pilot;
+use super::samples::{Copula, ImportanceRule, Lattice};
+use super::space::Functions;
+use super::space::nested_spaces::Smooth;
 use super::space::nested_spaces::SpaceFamily;
+use super::tuning;
 use crate::error::{Error, Result};
-use crate::numerics::Rule;
-use crate::problem::Problem;
+use crate::numerics::{Rule, exponentials};
+use crate::problem::{Problem, Symmetry};
+use law::Law;
 use moment_system::MomentSystem;
 use std::sync::OnceLock;
 
-/// What a closure in one state or two is made from, as far as questions of time need it: they are answered on the nodes of its
-/// whole trust domain, under the weight of its reference.
+/// What a closure is made from, as far as questions of time need it: they are answered on the nodes of its whole trust domain,
+/// under the weight of its reference, or under the density itself where the pilot's states carry it.
 pub(super) struct Dynamics {
     problem: Problem,
     domain: TrustDomain,
     family: SpaceFamily,
-    /// The rules whose product the nodes are taken from, next to walls.
-    rules: Vec<Rule>,
+    carrier: Carrier,
     passages: Vec<Passage>,
     weight: Exponent,
     /// Whether impulses alone are so rare that the density is rough.
@@ -46,18 +54,82 @@ pub(super) struct Dynamics {
     system: OnceLock<Option<MomentSystem>>,
 }
 
+/// What nodes are made from.
+enum Carrier {
+    /// The rules whose product they are taken from next to walls.
+    Rules(Vec<Rule>),
+    /// The pilot's states, their copula and a seed.
+    States(Box<(Pilot, Copula, u64)>),
+}
+
 impl Dynamics {
     pub(super) fn new(problem: &Problem, discretisation: &Discretisation, weight: Exponent, rare: bool) -> Self {
         Dynamics {
             problem: problem.clone(),
             domain: discretisation.domain.clone(),
             family: discretisation.family.without_symmetry(),
-            rules: discretisation.nodes.rules.clone(),
+            carrier: Carrier::Rules(discretisation.nodes.rules.clone()),
             passages: discretisation.passages.clone(),
             weight,
             rare,
             system: OnceLock::new(),
         }
+    }
+
+    /// The same where the pilot's states carry the density `weight`, away from walls.
+    pub(super) fn carried(
+        problem: &Problem,
+        (pilot, copula): (&Pilot, Copula),
+        weight: Exponent,
+        seed: u64,
+        rare: bool,
+    ) -> Self {
+        let (centre, _) = pilot.spread(&Symmetry::none(problem.dimension()));
+        let domain = TrustDomain::new(pilot, &problem.symmetry(), centre, [None, None], tuning::domain::WIDENING);
+        let (centre, half_width) = domain.box_around();
+        Dynamics {
+            problem: problem.clone(),
+            family: SpaceFamily::Smooth(Smooth::complete(centre, half_width)),
+            domain,
+            carrier: Carrier::States(Box::new((pilot.clone(), copula, seed))),
+            passages: Vec::new(),
+            weight,
+            rare,
+            system: OnceLock::new(),
+        }
+    }
+
+    /// The rules of nodes next to walls.
+    fn rules(&self) -> &[Rule] {
+        if let Carrier::Rules(rules) = &self.carrier { rules } else { &[] }
+    }
+
+    /// The nodes, so many at most where there is a choice. None where there are none.
+    fn nodes(&self, most: usize) -> Option<Nodes> {
+        match &self.carrier {
+            Carrier::Rules(_) if self.family.is_smooth() => {
+                Some(Nodes::gauss(&self.domain, tuning::nodes::FINE[self.domain.centre.len().min(2) - 1]))
+            }
+            Carrier::Rules(rules) => Some(Nodes::tensor(&self.domain, rules.clone())),
+            Carrier::States(carrier) => {
+                let (pilot, copula, seed) = &**carrier;
+                let symmetry = Symmetry::none(self.domain.centre.len());
+                let found = match Lattice::finest(pilot, &symmetry, copula, most) {
+                    Some((_, nodes)) => nodes,
+                    None => ImportanceRule::new(&self.weight, copula, most, *seed)?.nodes().ok()?,
+                };
+                let mut weights = found.base;
+                exponentials(&mut weights);
+                Some(Nodes { points: found.points, weights, rules: Vec::new() })
+            }
+        }
+    }
+
+    /// The spaces of the moment equations by rising degree, and the most nodes that their tables have room for.
+    fn ladder(&self) -> (Vec<Functions>, usize) {
+        let ladder = self.family.ladder();
+        let functions = ladder.last().map_or(1, |space| space.len() + 1);
+        (ladder, tuning::dynamics::MOST_ENTRIES / functions)
     }
 
     /// The moment equations; none where they are unstable at every degree.
@@ -66,8 +138,8 @@ impl Dynamics {
     }
 }
 
-/// Refuses questions of time where there are more states than nodes serve.
-fn served(states: usize) -> Result<()> {
-    let (what, remedy) = ("time in three states and more", "take the simulation");
-    if states > 2 { Err(Error::NotServed { method: "closure", what, remedy }) } else { Ok(()) }
+/// Refuses questions of time that the equations have no answer to.
+fn served(states: usize, walls: usize) -> Result<()> {
+    let (what, remedy) = ("time next to walls in three states and more", "take the simulation");
+    if states > 2 && walls > 0 { Err(Error::NotServed { method: "closure", what, remedy }) } else { Ok(()) }
 }

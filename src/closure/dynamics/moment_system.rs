@@ -5,8 +5,8 @@ use crate::closure::discretisation::locals;
 use crate::closure::discretisation::nodes::{NodalGenerator, Nodes, Table};
 use crate::closure::projection::tempered;
 use crate::closure::reference::scaled_mass;
-use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::space::{Functions, Polynomials};
 use crate::closure::tuning;
 use crate::fokker_planck::Local;
 use crate::numerics::{combination, weighted_product, weighted_sum};
@@ -31,6 +31,9 @@ pub(super) struct MomentSystem {
     pub(super) weight: Exponent,
     /// A.
     matrix: Mat<f64>,
+    /// How far the two expressions of the rates under ω, which differ by the flux through the edge of the domain, move the
+    /// stationary means of first and second degree; at higher ones the difference of two degrees is larger.
+    edge: Vec<f64>,
     /// The columns of all degrees up to the highest stable one, by rising degree; at least two.
     ladder: Vec<usize>,
 }
@@ -38,13 +41,9 @@ pub(super) struct MomentSystem {
 impl MomentSystem {
     /// The system of the highest degree without a growing mode. None where there is no such.
     pub(super) fn new(dynamics: &Dynamics) -> Option<Self> {
-        let Dynamics { problem, domain, family, rules, passages, weight, .. } = dynamics;
-        let nodes = if family.is_smooth() {
-            Nodes::gauss(domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1])
-        } else {
-            Nodes::tensor(domain, rules.clone())
-        };
-        let ladder = family.ladder();
+        let Dynamics { problem, domain, passages, weight, .. } = dynamics;
+        let (ladder, most) = dynamics.ladder();
+        let nodes = dynamics.nodes(most)?;
         let space = ladder.last()?.clone();
         let log = weight.values(&nodes.points);
         let measure = tempered(&log, &nodes.weights, 1.0);
@@ -63,7 +62,8 @@ impl MomentSystem {
             ladder.pop();
         }
         let functions = table.functions;
-        let system = MomentSystem { nodes, space, functions, measure, weight, matrix, ladder };
+        let edge = vec![0.0; space.len() + 1];
+        let system = MomentSystem { nodes, space, functions, measure, weight, matrix, edge, ladder };
         (system.ladder.len() > 1).then(|| {
             let residuals = system.weight.residuals(&system.nodes.points, |i| &locals[i]);
             if passages.is_empty() && impulses.is_empty() { system.smoothed(&residuals) } else { system }
@@ -80,8 +80,21 @@ impl MomentSystem {
         let tested = weighted_sum(values, &weighted);
         matrix.col_as_slice_mut(0)[1..].copy_from_slice(&tested[1..]);
         let other = MomentSystem { matrix, ..self.clone() };
-        let rough = |system: &Self| system.share_of_highest(&system.stationary(false));
-        if rough(&other) < rough(&self) { other } else { self }
+        let [own, others] = [&self, &other].map(|system| system.stationary(false));
+        let exponents = self.space.polynomials().map_or(&[][..], Polynomials::exponents);
+        let low = std::iter::once(false).chain(exponents.iter().map(|alpha| alpha.iter().sum::<u32>() <= 2));
+        let edge = own.iter().zip(&others).zip(low).map(|((a, b), low)| if low { a - b } else { 0.0 }).collect();
+        let smoother = if self.share_of_highest(&others) < self.share_of_highest(&own) { other } else { self };
+        MomentSystem { edge, ..smoother }
+    }
+
+    /// 1 + δ at the nodes by the equations of the highest degree; and by those of the one below, with what the edge of the domain
+    /// may add.
+    pub(super) fn ratios(&self, [own, lower]: [&[f64]; 2]) -> [Vec<f64>; 2] {
+        let values = self.functions.values.get(..self.nodes.len(), ..);
+        let edge = self.edge.iter().chain(std::iter::repeat(&0.0));
+        let below: Vec<f64> = lower.iter().zip(edge).map(|(d, edge)| d + edge).collect();
+        [combination(values, own), combination(values, &below)]
     }
 
     /// The part of A that is in proportion to the intensity of the noise.
@@ -104,8 +117,7 @@ impl MomentSystem {
     /// The law with some means, by the equations of the highest degree and by those of the one below it. None where it has no
     /// variance.
     pub(super) fn law(&self, means: [&[f64]; 2]) -> Option<Law> {
-        let values = self.functions.values.get(..self.nodes.len(), ..);
-        let ratios = means.map(|d| combination(values, d));
+        let ratios = self.ratios(means);
         Law::new(self.nodes.points.clone(), &self.measure, ratios.each_ref().map(Vec::as_slice))
     }
 
@@ -129,6 +141,12 @@ impl MomentSystem {
         let highest: Vec<f64> = d.iter().enumerate().map(|(k, d)| if k < lower { 0.0 } else { *d }).collect();
         let values = self.functions.values.get(..self.nodes.len(), ..);
         combination(values, &highest).iter().zip(&self.measure).map(|(r, w)| w * r.abs()).sum()
+    }
+
+    /// The degree of the functions.
+    pub(super) fn highest_degree(&self) -> u32 {
+        let all = self.space.polynomials().map_or(&[][..], Polynomials::exponents);
+        all.iter().map(|alpha| alpha.iter().sum()).max().unwrap_or(0)
     }
 
     /// The columns of the highest stable degree, or of the one below it.

@@ -15,14 +15,14 @@ use std::f64::consts::PI;
 
 impl ClosureDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0. They are
-    /// the eigenvalues of the moment equations of degree 24 in one state and in two, whatever the order, and chosen among the
-    /// 2`count` that are nearest to zero.
+    /// the eigenvalues of the moment equations of degree 24 in one state and in two, whatever the order, of 12, 8, 6 and 4 in three,
+    /// four, five and six, and chosen among the 2`count` that are nearest to zero.
     ///
     /// A transient lasts as long as the second one: it has fallen to a thousandth after 7/rate. A bistable system's second
     /// rate is the rate at which its wells mix.
     ///
     /// # Errors
-    /// [`Error::NotServed`] in three states and more, [`Error::NotKnown`] for a density that was read from a document,
+    /// [`Error::NotServed`] next to walls in three states and more, [`Error::NotKnown`] for a density from a document,
     /// [`Error::NotClosed`] where the equations have a growing mode at every degree.
     ///
     /// ```
@@ -103,10 +103,9 @@ impl ClosureDensity {
 
     /// The moment equations.
     pub(super) fn moment_system(&self) -> Result<&MomentSystem> {
-        served(self.dimension())?;
+        served(self.dimension(), self.exponent().space.corners().len())?;
         let Some(dynamics) = &self.dynamics else {
-            let (what, remedy) =
-                ("the motion behind a density from a document or from samples", "solve the problem on nodes");
+            let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
             return Err(Error::NotKnown { what: what.into(), remedy });
         };
         let reason = "its moment equations have a growing mode at every degree: take the grid";

@@ -15,7 +15,7 @@ use crate::closure::space::degrees::Degrees;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
-use crate::numerics::{combination, exponentials};
+use crate::numerics::exponentials;
 use crate::problem::Symmetry;
 use crate::provenance::Provenance;
 use std::sync::Arc;
@@ -50,8 +50,7 @@ impl Snapshot {
         [d, lower]: [&[f64]; 2],
         begun: f64,
     ) -> Option<Self> {
-        let values = system.functions.values.get(..system.nodes.len(), ..);
-        let [ratio, other] = [d, lower].map(|d| combination(values, d));
+        let [ratio, other] = system.ratios([d, lower]);
         let negative: f64 = ratio.iter().zip(&system.measure).map(|(r, w)| w * (-r).max(0.0)).sum();
         let error = system.share_of_highest(d) + 2.0 * negative + begun;
         let mut correction = system.functions.coefficients(d);
@@ -80,9 +79,9 @@ impl Snapshot {
         let nodes = if smooth {
             Nodes::gauss(&domain, tuning::nodes::FINE[self.law.mean.len().min(2) - 1])
         } else {
-            Nodes::tensor(&domain, dynamics.rules.clone())
+            Nodes::tensor(&domain, dynamics.rules().to_vec())
         };
-        let lines = if smooth { lines(&domain) } else { dynamics.rules.clone() };
+        let lines = if smooth { lines(&domain) } else { dynamics.rules().to_vec() };
         let space = if smooth {
             let (centre, half_width) = domain.box_around();
             let (degrees, symmetry) = (asked.degrees.clone(), Symmetry::none(centre.len()));

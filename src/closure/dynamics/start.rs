@@ -65,10 +65,13 @@ impl Weighted {
             all.points.push(x);
             all.masses.push(mass);
         };
+        // In more states few enough that their product is, and enough for the moments of the highest degree.
+        let exact = system.highest_degree() as usize / 2 + 2;
+        let nodes = if states > 2 { exact } else { tuning::dynamics::START_NODES };
         match start {
             Start::Point(x) => enter(x, 1.0),
             Start::Gaussian(gaussian) => {
-                let (frame, rule) = (Frame::new(gaussian)?, Rule::hermite(tuning::dynamics::START_NODES));
+                let (frame, rule) = (Frame::new(gaussian)?, Rule::hermite(nodes));
                 let mut z = vec![0.0; states];
                 for place in 0..rule.nodes.len().pow(states as u32) {
                     let along = |i: usize| place / rule.nodes.len().pow(i as u32) % rule.nodes.len();

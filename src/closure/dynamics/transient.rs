@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 impl Closure {
-    /// The densities of a problem of one state or two at rising `times` after `start`, each closed by this order.
+    /// The densities of a problem at rising `times` after `start`, each closed by this order.
     ///
     /// The moment equations under the weight of the stationary density are linear, dd/dt = A d, and solved exactly: no time
     /// step, and the same effort for every time. A density that is narrow yet is followed in coordinates that move and stretch
@@ -33,10 +33,16 @@ impl Closure {
     /// estimate of its error is the answer, and [`Candidate::origin`] is whether the means are those of the frame or of the
     /// weight. Next to walls it is the expansion alone.
     ///
+    /// In three states and more trajectories from the start, 262 144 or [`Closure::pilot_states`], find where the density is at each
+    /// time. Its means are theirs, corrected by those of the moment equations as far as these are more accurate: to some 1e-6 of the
+    /// low moments early, before the equations of finite degree fail, and again where the start is forgotten. Q is the most likely
+    /// density with these means.
+    ///
     /// # Errors
-    /// Those of [`Closure::solve`]; [`Error::NotServed`] in three states and more, [`Error::Dimension`] for the start of another
-    /// number of states, [`Error::OutOfRange`] if times do not rise from 0 on or more than a thousandth of the start lies outside
-    /// of the domain, [`Error::NotClosed`] where the equations have a growing mode at every degree.
+    /// Those of [`Closure::solve`]; [`Error::NotServed`] in three states and more next to walls, or if the start is a density;
+    /// [`Error::Dimension`] for the start of another number of states, [`Error::OutOfRange`] if times do not rise from 0 on or more
+    /// than a thousandth of the start lies outside of the domain, [`Error::NotClosed`] where the equations have a growing mode at
+    /// every degree.
     ///
     /// ```
     /// use expoly::{Closure, Density, Gaussian, Start, models::{Linear, Solved}};
@@ -60,7 +66,7 @@ impl Closure {
     /// that of three tenths of its intensity, and so on, and back where noise rises again.
     ///
     /// # Errors
-    /// As [`Closure::transient`]; [`Error::OutOfRange`] for a last time that is more than 50 000 steps away, each as long as the
+    /// As [`Closure::transient`]; [`Error::NotServed`] in three states and more; [`Error::OutOfRange`] for a last time that is more than 50 000 steps away, each as long as the
     /// fastest motion that the equations hold.
     ///
     /// ```
@@ -94,11 +100,14 @@ impl Closure {
     ) -> Result<Vec<Transient<ClosureDensity>>> {
         let modulation = Modulated { problem, envelope };
         start.check(problem.dimension())?;
-        served(problem.dimension())?;
+        served(problem.dimension(), problem.walls().len())?;
         check_times(times, 0.0, "it is counted from the start on")?;
         let walled = !problem.walls().is_empty();
         let highest = if walled { tuning::space::HIGHEST_ORDER_AT_WALLS } else { tuning::space::HIGHEST_ORDER };
         self.check(problem.dimension(), highest)?;
+        if problem.dimension() > 2 {
+            return if envelope.is_some() { Err(UNMODULATED) } else { self.carried_transient(problem, start, times) };
+        }
         // The weight of the reference is to be a good one whatever the order.
         let base = Closure {
             order: Order::Fixed(self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS)),
@@ -189,6 +198,13 @@ impl Closure {
         best.map(ClosureDensity::new).ok_or(Error::NotClosed { order: self.lowest(), reason })
     }
 }
+
+/// The refusal of modulated noise where trajectories carry the density.
+const UNMODULATED: Error = Error::NotServed {
+    method: "closure",
+    what: "modulated noise in three states and more",
+    remedy: "take noise that does not change, or a simulation of one's own",
+};
 
 /// What moving frames know at each time, and the last density that is good enough to go on from.
 fn followed(

@@ -1,7 +1,6 @@
 //! The most likely density on the nodes that resolve it: a lattice, Gauss nodes across a wall's line, or draws.
 
 use super::Samples;
-use super::calibration::Calibration;
 use super::importance::ImportanceRule;
 use super::lattice::Lattice;
 use super::likelihood::{Fit, Likelihood, Nodes};
@@ -15,11 +14,12 @@ use crate::numerics::Search;
 /// A mask of the seed, which makes the draws of the maximisation independent of those of the answers.
 const FITTED: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// A fit of calibrated means.
+/// A fit of means.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitting<'a> {
     pub(super) samples: Samples<'a>,
-    pub(super) calibration: &'a Calibration,
+    /// Of the functions in order.
+    pub(super) means: &'a [f64],
 }
 
 /// The fit and its nodes.
@@ -49,7 +49,7 @@ impl Fitting<'_> {
         let (mut steps, mut start) = (0, Vec::new());
         let mut most_likely = |products: &Products, search| {
             start.resize(products.len(), 0.0);
-            let means = &self.calibration.means[..products.len() - 1];
+            let means = &self.means[..products.len() - 1];
             let likelihood = Likelihood { nodes: &nodes, products, corners, walls: &walls };
             let fit = likelihood.most_likely(means, start.clone(), search)?;
             steps += fit.steps;

@@ -201,7 +201,7 @@ impl ImportanceRule {
     }
 
     /// The same as nodes, each shift a part of them.
-    pub(super) fn nodes(&self) -> Result<Nodes> {
+    pub(in crate::closure) fn nodes(&self) -> Result<Nodes> {
         let n = self.products.dimension();
         let sampler = self.copula.sampler(&[])?;
         let scale = (self.shifts.count() as f64).ln();

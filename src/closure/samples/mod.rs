@@ -10,6 +10,7 @@
 //! - `family`: the functions of an order;
 //! - `copula`, `importance`, `lattice`, `strata`: draws, lattices and, next to walls, Gauss nodes across and a lattice along them;
 //! - `likelihood`, `fitting`: the most likely density on such nodes;
+//! - `means`: those of a density at a time, which satisfies no stationary equations;
 //! - `equations`, `walls`, `reconciliation`: the moment equations under exp(Q), the impacts' part in them, and the step that
 //!   weighs them against the means.
 
@@ -21,6 +22,7 @@ mod fitting;
 mod importance;
 mod lattice;
 mod likelihood;
+mod means;
 mod moments;
 mod paths;
 mod reconciliation;
@@ -31,6 +33,7 @@ pub(crate) use copula::Copula;
 pub(in crate::closure) use family::Family;
 pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
+pub(in crate::closure) use means::MeansFrom;
 pub(crate) use moments::Moment;
 
 use super::density::exponent::Exponent;
@@ -45,6 +48,7 @@ use calibration::Calibration;
 use fitting::{Fitted, Fitting};
 pub(in crate::closure) use likelihood::Nodes;
 use likelihood::{Fit, Likelihood, distance, effective};
+use means::Means;
 use moments::moments;
 
 /// ln p up to a constant, as found on samples.
@@ -97,6 +101,42 @@ pub(in crate::closure) fn close_on_samples(samples: Samples<'_>) -> Option<Sampl
     without_kinks.filter(|found| found.exact).or_else(|| closed(samples))
 }
 
+/// Closes at one order by the means of a density at a time, of which the states of `samples` are draws. None where they are too few.
+///
+/// Its error is the distance from the density of two degrees more, and what the means' own errors make of that one. The number
+/// beside it is the mean share of the states in the means.
+pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'_>) -> Option<(SampleClosure, f64)> {
+    let Samples { family, order, .. } = samples;
+    let (space, higher) = (family.functions(order), family.compared(order));
+    let degrees: Vec<u32> = higher.polynomials()?.exponents().iter().map(|alpha| alpha.iter().sum()).collect();
+    let means = Means::new(from, &higher, &degrees)?;
+    let [products, comparing] = [&space, &higher].map(Products::of);
+    let Fitted { lattice, nodes, fit, .. } = Fitting { samples, means: &means.values }.best([&products, &comparing])?;
+    let likelihood = Likelihood { nodes: &nodes, products: &products, corners: &[], walls: &[] };
+    let comparing = Likelihood { products: &comparing, ..likelihood };
+    let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(means.values.len() + 1).collect();
+    let above = comparing.most_likely(&means.values, start, tuning::likelihood::ROUGH);
+    let l1_estimate = above.map_or(2.0, |above| {
+        let doubt = comparing.change(&above, [&means.values, &means.doubtful()]).unwrap_or(2.0);
+        distance(&fit.masses, &above.masses).hypot(doubt).hypot(above.next).min(2.0)
+    });
+    let log_mass = lattice.as_ref().and_then(|_| likelihood.log_mass(&fit));
+    let found = SampleClosure {
+        moments: moments(&space, family, &means.values, |c| means.error(c)),
+        exponent: Exponent { known: Vec::new(), space, constant: 0.0, coefficients: fit.a[1..].to_vec() },
+        log_mass,
+        impacts: Vec::new(),
+        exact: false,
+        l1_estimate,
+        residual: [f64::INFINITY; 2],
+        carried: fit.converged && fit.effective > tuning::likelihood::LEAST_EFFECTIVE,
+        calibrated: (None, 1.0),
+        steps: fit.steps,
+        lattice: lattice.map(|lattice| (lattice, nodes)),
+    };
+    Some((found, means.share_of_states))
+}
+
 /// Closes in one family of functions, by integrals over a lattice where that resolves the density, and over draws from
 /// the states' copula otherwise. None where they are too few for its functions.
 fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
@@ -105,7 +145,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let corners = family.corners();
     let calibration = Calibration::new(problem, samples.pilot, family, &higher, space.len())?;
     let [products, comparing] = [&space, &higher].map(Products::of);
-    let fitting = Fitting { samples, calibration: &calibration };
+    let fitting = Fitting { samples, means: &calibration.means };
     let Fitted { lattice, nodes, walls, fit } = fitting.best([&products, &comparing])?;
     let covered = family.covered();
     let likelihood = Likelihood { nodes: &nodes, products: &products, corners, walls: &walls };
@@ -130,7 +170,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let coefficients = fit.a[1..].to_vec();
     let log_mass = lattice.as_ref().and_then(|_| likelihood.log_mass(&fit));
     Some(SampleClosure {
-        moments: moments(&space, family, &calibration),
+        moments: moments(&space, family, &calibration.means, |c| calibration.error(c)),
         exponent: Exponent { known: corners.to_vec(), space, constant: 0.0, coefficients },
         log_mass,
         impacts: impacts.collect(),

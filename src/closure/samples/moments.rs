@@ -1,6 +1,5 @@
 //! Moments from the means of Legendre products.
 
-use super::calibration::Calibration;
 use super::family::Family;
 use crate::closure::space::Functions;
 use crate::record::number;
@@ -19,7 +18,14 @@ pub(crate) struct Moment {
 }
 
 /// The moments E x^α of the exponents α of the polynomials among the functions, as far as x^α is a combination of them.
-pub(super) fn moments(functions: &Functions, family: &Family, calibration: &Calibration) -> Vec<Moment> {
+///
+/// `error` is that of E Σ c_k φ_k.
+pub(super) fn moments(
+    functions: &Functions,
+    family: &Family,
+    means: &[f64],
+    error: impl Fn(&[(usize, f64)]) -> f64,
+) -> Vec<Moment> {
     let listed: Vec<(usize, &[u32])> = match functions {
         Functions::Polynomials(functions) => functions.exponents().iter().map(Vec::as_slice).enumerate().collect(),
         Functions::Contacts(functions) => functions.polynomials(),
@@ -53,11 +59,11 @@ pub(super) fn moments(functions: &Functions, family: &Family, calibration: &Cali
                 value += c;
             } else {
                 let k = *place.get(beta.as_slice())?;
-                value += c * calibration.means[k];
+                value += c * means[k];
                 parts.push((k, c));
             }
         }
-        Some(Moment { powers: alpha.to_vec(), value, error: calibration.error(&parts) })
+        Some(Moment { powers: alpha.to_vec(), value, error: error(&parts) })
     };
     listed.iter().filter_map(moment).collect()
 }

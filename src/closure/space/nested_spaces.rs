@@ -92,6 +92,7 @@ impl SpaceFamily {
     /// The nested spaces in which densities are followed in time.
     pub(in crate::closure) fn ladder(&self) -> Vec<Functions> {
         match self {
+            SpaceFamily::Smooth(smooth) if smooth.centre.len() > 2 => smooth.ladder_of_many(),
             SpaceFamily::Smooth(smooth) => tuning::dynamics::DEGREES.map(|degree| smooth.functions(degree)).to_vec(),
             SpaceFamily::Walled(walled) => (1..=tuning::space::WALLED.len())
                 .map(|steps| {
@@ -121,6 +122,15 @@ impl Smooth {
     /// All polynomials on a box.
     pub(in crate::closure) fn complete(centre: Vec<f64>, half_width: Vec<f64>) -> Self {
         Smooth { degrees: Degrees::complete(), symmetry: Symmetry::none(centre.len()), centre, half_width }
+    }
+
+    /// Those of rising degree that are few enough in three states and more; the first two are in any case.
+    fn ladder_of_many(&self) -> Vec<Functions> {
+        let most = tuning::dynamics::MOST_FUNCTIONS;
+        let few = |degree: &u32| !self.degrees.are_more_than(most, self.centre.len(), *degree);
+        let degrees: Vec<u32> = tuning::dynamics::DEGREES_OF_MANY.into_iter().take_while(few).collect();
+        let degrees = if degrees.len() < 2 { vec![1, 2] } else { degrees };
+        degrees.into_iter().map(|degree| self.functions(degree)).collect()
     }
 
     /// The degree of the reference of an order.

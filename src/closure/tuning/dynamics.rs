@@ -2,6 +2,17 @@
 
 /// The degrees of the moment equations, of which the highest stable one is taken.
 pub(crate) const DEGREES: [u32; 8] = [10, 12, 14, 16, 18, 20, 22, 24];
+/// The degrees in three states and more, as far as they are so few functions,
+pub(crate) const DEGREES_OF_MANY: [u32; 6] = [2, 4, 6, 8, 10, 12];
+pub(crate) const MOST_FUNCTIONS: usize = 500;
+/// and the nodes times functions there: two tables of so many numbers take 400 MB.
+pub(crate) const MOST_ENTRIES: usize = 25_000_000;
+/// The least and the highest order of the density whose moment equations they are there.
+pub(crate) const CARRIED_BASE: u32 = 4;
+/// See [`CARRIED_BASE`].
+pub(crate) const CARRIED_MOST: u32 = 6;
+/// The trajectories of a transient in three states and more.
+pub(crate) const ENSEMBLE: usize = 1 << 18;
 /// A mode that grows at more than this share of the slowest rate is a growing one. Rounding leaves 1e-9 of it.
 pub(crate) const GROWING: f64 = 1e-6;
 /// Modes of two degrees are the same within this factor on the error of the higher one.

@@ -8,6 +8,10 @@ pub(crate) mod calibration {
     pub(crate) const LENGTH_AT_WALLS: usize = 5;
     /// Beside them, next to walls, kinks A u^i w^j z^a with i + j + |a| up to this.
     pub(crate) const KINKS: u32 = 2;
+    /// A mean of the moment equations that is farther from the states' own than so many standard errors is wrong by the distance.
+    pub(crate) const CONTRADICTED: f64 = 6.0;
+    /// Beyond so many standard errors of the states the equations say nothing of a mean.
+    pub(crate) const UNKNOWN: f64 = 30.0;
     /// Blocks of states that each of them needs.
     pub(crate) const BLOCKS_EACH: usize = 60;
     /// A trajectory has at least so many blocks, if it has as many states.

@@ -1,5 +1,6 @@
 use super::importance::Importance;
 use crate::simulation::control::{Callback, Progress};
+use crate::transient::Start;
 use std::ops::ControlFlow;
 
 /// A simulation of rare states: the tails of the stationary density down to any probability, without bias.
@@ -49,7 +50,7 @@ pub struct Splitting<'a> {
     pub(super) relaxation: Option<f64>,
     pub(super) duration: Option<f64>,
     pub(super) resampling_interval: Option<f64>,
-    pub(super) start: Option<Vec<f64>>,
+    pub(super) start: Start,
     pub(super) seed: u64,
     pub(super) progress: Option<Callback<'a>>,
 }
@@ -74,7 +75,7 @@ impl<'a> Splitting<'a> {
             relaxation: None,
             duration: None,
             resampling_interval: None,
-            start: None,
+            start: Start::Stationary,
             seed: 0,
             progress: None,
         }
@@ -159,9 +160,9 @@ impl<'a> Splitting<'a> {
         Splitting { resampling_interval: Some(interval), ..self }
     }
 
-    /// The state from which the starting states are made. See [`Simulation::start`](crate::Simulation::start).
-    pub fn start(self, start: impl Into<Vec<f64>>) -> Self {
-        Splitting { start: Some(start.into()), ..self }
+    /// Where the trajectories that the starting states are made from start. See [`Simulation::start`](crate::Simulation::start).
+    pub fn start(self, start: impl Into<Start>) -> Self {
+        Splitting { start: start.into(), ..self }
     }
 
     /// The seed of all random numbers, 0 by default.

@@ -1,0 +1,105 @@
+//! Transients in three states and more: trajectories from the start find where the density is at a time, and its means are theirs
+//! and those of the moment equations.
+
+use super::moment_system::MomentSystem;
+use super::start::{Beginning, Weighted};
+use super::{Dynamics, Law};
+use crate::checks::positive;
+use crate::closure::density::ClosureDensity;
+use crate::closure::method::{Closure, Order};
+use crate::closure::pilot::{Pilot, PilotPlan};
+use crate::closure::sampled::Sampled;
+use crate::closure::samples::Family;
+use crate::closure::tuning;
+use crate::error::{Error, Result};
+use crate::numerics::propagated;
+use crate::problem::{Problem, Symmetry};
+use crate::simulation::Simulation;
+use crate::transient::{Start, Transient};
+use faer::Mat;
+use std::time::Instant;
+
+impl Closure {
+    /// The densities at some times, where trajectories carry them.
+    pub(super) fn carried_transient(
+        &self,
+        problem: &Problem,
+        start: &Start,
+        times: &[f64],
+    ) -> Result<Vec<Transient<ClosureDensity>>> {
+        let begin = Instant::now();
+        let at = |time: f64, density| Transient { time, density, step_error: 0.0 };
+        self.check(problem.dimension(), tuning::space::HIGHEST_ORDER)?;
+        match start {
+            Start::Stationary => {
+                let density = self.solve(problem)?;
+                return Ok(times.iter().map(|time| at(*time, density.clone())).collect());
+            }
+            Start::Density(_) => {
+                let what = "a density as the start in three states and more";
+                return Err(Error::NotServed {
+                    method: "closure",
+                    what,
+                    remedy: "take a point or a normal distribution",
+                });
+            }
+            Start::Point(_) | Start::Gaussian(_) => {}
+        }
+        if let Some(first) = times.first() {
+            positive("first time of a transient", *first, "in three states and more the start itself is no answer")?;
+        }
+        // The equations have means up to their own degree, whatever the order of their weight.
+        let order = Order::Fixed(self.highest().clamp(tuning::dynamics::CARRIED_BASE, tuning::dynamics::CARRIED_MOST));
+        let base = Closure { order, ..self.clone() }.solve(problem)?;
+        let solved = base.dynamics.as_ref().and_then(|dynamics| Solved::new(dynamics, start, times));
+        let step = PilotPlan::new(problem, self.seed)?.step();
+        let count = self.states.unwrap_or(tuning::dynamics::ENSEMBLE);
+        let closed = |(k, &time): (usize, &f64)| {
+            let simulation = Simulation::new().start(start.clone()).transient(time).trajectories(count).time_step(step);
+            let pilot = Pilot::of(simulation.seed(self.seed).states(problem)?, time);
+            let symmetry = Symmetry::none(problem.dimension());
+            let family = Family::new(problem, &pilot, &self.degrees, &symmetry);
+            let reason = "the trajectories lie on a surface: take a later time";
+            let sampled = Sampled {
+                problem: problem.clone(),
+                family: family.ok_or(Error::NotClosed { order: self.lowest(), reason })?,
+                pilot,
+                guarded: self.guard,
+                rare: false,
+                referred: false,
+                seed: self.seed,
+                memory: self.memory,
+                begin,
+            };
+            let law = solved.as_ref().and_then(|solved| solved.law(k));
+            let equations = law.as_ref().map(|law| (&law.points, law.masses.each_ref().map(Vec::as_slice)));
+            let highest = tuning::space::HIGHEST_ORDER;
+            Ok(at(time, self.at_order(highest, true, |order| sampled.at_time(order, equations))?))
+        };
+        times.iter().enumerate().map(closed).collect()
+    }
+}
+
+/// The moment equations' solutions of two degrees at some times.
+struct Solved<'a> {
+    system: &'a MomentSystem,
+    means: [Mat<f64>; 2],
+}
+
+impl<'a> Solved<'a> {
+    /// None where a mode grows at every degree, or the start lies outside of the domain.
+    fn new(dynamics: &'a Dynamics, start: &Start, times: &[f64]) -> Option<Self> {
+        let system = dynamics.system()?;
+        let weighted = Weighted::of(start, system).ok()?;
+        let beginning = Beginning::new(0.0, &weighted, system, &dynamics.domain).ok()?;
+        let means = [false, true].map(|lower| {
+            let matrix = system.matrix(lower);
+            propagated(matrix, &beginning.coefficients[..matrix.ncols()], times)
+        });
+        Some(Solved { system, means })
+    }
+
+    fn law(&self, time: usize) -> Option<Law> {
+        self.system.law(self.means.each_ref().map(|means| means.col_as_slice(time)))
+    }
+}
