@@ -5,6 +5,8 @@ mod closed_forms;
 mod dynamics;
 mod impulses;
 mod many_states;
+mod modes;
+mod modulated;
 mod references;
 mod robust;
 mod trajectories;

@@ -1,7 +1,9 @@
 //! Densities that move and whose moments of first and second order are known.
 
-use expoly::{Envelope, Gaussian, Interpretation, PolynomialDrift, Scalar, Start};
-use nalgebra::{Matrix2, Vector2, dmatrix, dvector, matrix};
+use super::problem;
+use expoly::models::Duffing;
+use expoly::{Envelope, Gaussian, Interpretation, PolynomialDrift, Problem, Scalar, Start};
+use nalgebra::{DMatrix, Matrix2, Vector2, dmatrix, dvector, matrix};
 
 /// Those of first and second order.
 pub(crate) const POWERS: [[u32; 2]; 5] = [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
@@ -71,4 +73,21 @@ impl Noisy {
             std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
         })
     }
+}
+
+/// A normal distribution of two states, of one deviation in both.
+pub(crate) fn normal(mean: [f64; 2], deviation: f64) -> Start {
+    let covariance = DMatrix::from_diagonal_element(2, 2, deviation * deviation);
+    Start::Gaussian(Gaussian { mean: dvector![mean[0], mean[1]], covariance })
+}
+
+/// x″ − ½(1 − x²)x′ + x = ξ with D = 0.3.
+pub(crate) fn van_der_pol() -> Problem {
+    let text = "states = [\"x\", \"v\"]\n[drift]\nx = \"v\"\nv = \"0.5*(1 - x^2)*v - x\"\n[noise.w]\nv = \"sqrt(0.6)\"";
+    Problem::from_toml(text).unwrap()
+}
+
+/// A Duffing oscillator with two wells.
+pub(crate) fn two_wells() -> Problem {
+    problem(Duffing::new(0.5, -1.0, 1.0, 0.3).unwrap())
 }

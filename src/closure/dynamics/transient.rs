@@ -108,21 +108,14 @@ impl Closure {
         if problem.dimension() > 2 {
             return if envelope.is_some() { Err(UNMODULATED) } else { self.carried_transient(problem, start, times) };
         }
-        // The weight of the reference is to be a good one whatever the order.
-        let base = Closure {
-            order: Order::Fixed(self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS)),
-            weight: Weight::Density,
-            degrees: if walled { self.degrees.clone() } else { Degrees::complete() },
-            ..self.clone()
-        };
+        let strongest = modulation.strongest()?;
+        let (base, stationary) = self.weighted(&strongest)?;
         // The stationary density is that under the noise as it stands.
         let own = match start {
             Start::Stationary if modulation.peak() != 1.0 => Some(Start::Density(Arc::new(base.solve(problem)?))),
             _ => None,
         };
         let start = own.as_ref().unwrap_or(start);
-        let strongest = modulation.strongest()?;
-        let stationary = base.solve(&strongest)?;
         let system = stationary.moment_system()?;
         let Some(dynamics) = &stationary.dynamics else { return Ok(Vec::new()) };
         let (early, beginning) = followed(modulation, start, times, dynamics);
@@ -162,6 +155,32 @@ impl Closure {
             Ok(Transient { time: *time, density, step_error: 0.0 })
         };
         known.into_par_iter().zip(times).map(at).collect()
+    }
+
+    /// The closure whose reference gives the weight, a good one whatever this order is, and its density. Under rare impulses a high
+    /// order may have a weight under which modes grow where a lower one has not.
+    fn weighted(&self, problem: &Problem) -> Result<(Self, ClosureDensity)> {
+        let degrees = if problem.walls().is_empty() { Degrees::complete() } else { self.degrees.clone() };
+        let of_order = |order| -> Result<(Self, ClosureDensity)> {
+            let base = Closure {
+                order: Order::Fixed(order),
+                weight: Weight::Density,
+                degrees: degrees.clone(),
+                ..self.clone()
+            };
+            let density = base.solve(problem)?;
+            density.moment_system()?;
+            Ok((base, density))
+        };
+        let highest = self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS);
+        let first = of_order(highest);
+        let lower = (2..highest - 1).rev().step_by(2);
+        match first {
+            Err(Error::NotClosed { .. }) if !problem.impulses().is_empty() => {
+                lower.map(of_order).find(Result::is_ok).unwrap_or(first)
+            }
+            first => first,
+        }
     }
 
     /// The closure of one time, of the snapshot with the smaller error: of the given order, or the lowest even one that meets the

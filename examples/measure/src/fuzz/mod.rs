@@ -7,6 +7,7 @@
 mod densities;
 mod documents;
 mod files;
+mod motion;
 mod mutants;
 mod probe;
 mod systems;

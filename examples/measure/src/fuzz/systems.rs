@@ -1,6 +1,6 @@
 //! Random systems, tame and wild, for one method each.
 
-use super::{densities, documents, probe::Probe};
+use super::{densities, documents, motion, probe::Probe};
 use crate::draw::Draw;
 use expoly::{
     Amplitude, Basis, Closure, Density, Grid, Interpretation, Jumps, PolynomialSystem, Problem, Result, Scalar,
@@ -54,7 +54,7 @@ impl PolynomialSystem for Wild {
 }
 
 /// A coefficient: as usual, of any size, or at the ends of what a number can be.
-fn coefficient(draw: &mut Draw, wild: f64) -> f64 {
+pub(super) fn coefficient(draw: &mut Draw, wild: f64) -> f64 {
     let sign = if draw.with(0.5) { 1.0 } else { -1.0 };
     sign * match draw.within(0.0, 1.0) {
         u if u < 0.02 * wild => draw.of([0.0, 1e-300, 1e150, 1e308, f64::NAN, f64::INFINITY]),
@@ -236,6 +236,7 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
             })?;
             probe.show(&format!("{:?}", density.provenance()));
             densities::of_closure(probe, &density, problem);
+            motion::of_closure(probe, &closure, &density, problem);
             boxed(Some(density))
         }
         3 => {
@@ -255,6 +256,7 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
             }
             let density = probe.ask(&format!("{grid:?}"), || grid.solve(problem))?;
             probe.show(&format!("{:?}", density.provenance()));
+            motion::of_grid(probe, &density);
             boxed(Some(density))
         }
         6 => {
