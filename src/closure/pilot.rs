@@ -58,11 +58,12 @@ impl<'a> PilotPlan<'a> {
     }
 
     /// The time steps of all trajectories of a pilot of `count` states; noise that depends on the state makes each of them
-    /// slower, in proportion to its terms.
+    /// slower, in proportion to its terms, and so do impulses, at each of which a trajectory goes on alone.
     fn path_steps(&self, count: usize, burn_in: f64, step: f64) -> f64 {
         let samples = count.div_ceil(tuning::pilot::TRAJECTORIES) as f64;
         let path_steps = tuning::pilot::TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step;
-        path_steps * (1.0 + self.problem.operator().varying_noise() as f64)
+        let alone = tuning::pilot::ALONE * self.problem.impulse_rate() * step;
+        path_steps * (1.0 + self.problem.operator().varying_noise() as f64 + alone)
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.

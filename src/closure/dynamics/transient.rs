@@ -162,22 +162,17 @@ impl Closure {
     fn weighted(&self, problem: &Problem) -> Result<(Self, ClosureDensity)> {
         let degrees = if problem.walls().is_empty() { Degrees::complete() } else { self.degrees.clone() };
         let of_order = |order| -> Result<(Self, ClosureDensity)> {
-            let base = Closure {
-                order: Order::Fixed(order),
-                weight: Weight::Density,
-                degrees: degrees.clone(),
-                ..self.clone()
-            };
+            let (order, weight, degrees) = (Order::Fixed(order), Weight::Density, degrees.clone());
+            // On nodes, as is the default.
+            let base = Closure { order, weight, degrees, on_samples: None, ..self.clone() };
             let density = base.solve(problem)?;
             density.moment_system()?;
             Ok((base, density))
         };
-        let highest = self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS);
-        let first = of_order(highest);
-        let lower = (2..highest - 1).rev().step_by(2);
+        let first = of_order(self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS));
         match first {
             Err(Error::NotClosed { .. }) if !problem.impulses().is_empty() => {
-                lower.map(of_order).find(Result::is_ok).unwrap_or(first)
+                of_order(tuning::dynamics::LOW_BASE).or(first)
             }
             first => first,
         }

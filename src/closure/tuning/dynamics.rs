@@ -19,6 +19,8 @@ pub(crate) const GROWING: f64 = 1e-6;
 pub(crate) const SAME_MODE: f64 = 3.0;
 /// The least order of the stationary closure whose reference gives the weight.
 pub(crate) const BASE: u32 = 8;
+/// The order under impulses where modes grow under the weight of that one.
+pub(crate) const LOW_BASE: u32 = 4;
 /// The largest mass of a start outside of the domain.
 pub(crate) const OUTSIDE: f64 = 1e-3;
 /// Gauss nodes along each axis of a normal start.

@@ -93,6 +93,8 @@ pub(crate) mod pilot {
     /// A pilot is made longer only up to so many time steps of all trajectories, where noise does not depend on the state:
     /// seconds. A bound on work.
     pub(crate) const MOST_PATH_STEPS: f64 = 2.5e8;
+    /// The path-steps that an impulse costs as much as.
+    pub(crate) const ALONE: f64 = 16.0;
     /// The fewest states between two walls that suffice for the likelihood of a density.
     pub(crate) const LEAST_BETWEEN: usize = 100;
 }

@@ -94,9 +94,16 @@ pub(super) fn of_grid(probe: &mut Probe, density: &GridDensity) {
     }
     let [low, high] = [0; 2].map(|_| coefficient(&mut probe.draw, 0.5));
     let Some(survival) = probe.ask("survival", || density.survival([low, high])) else { return };
-    for probability in probe.ask("survival", || survival.probability(&start, &times, 1e-2)).unwrap_or_default() {
+    let probabilities = probe.ask("probability of survival", || {
+        Probe::may_take_longer(6.0);
+        survival.probability(&start, &times, 1e-2)
+    });
+    for probability in probabilities.unwrap_or_default() {
         // A polynomial on elements may be below zero where there is next to nothing.
         probe.value("probability of survival", -0.01, || Ok(probability.value));
     }
-    probe.ask("rate of passage", || survival.rate());
+    probe.ask("rate of passage", || {
+        Probe::may_take_longer(6.0);
+        survival.rate()
+    });
 }
