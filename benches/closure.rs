@@ -25,9 +25,11 @@ fn run() -> Result<()> {
         "states = [\"x\", \"v\"]\n[drift]\nx = \"v\"\nv = \"-0.1*v - 0.3*v^3 - x - x^3\"\n\
          [impulse.j]\nrate = 5\namplitude = { normal = { mean = 0, deviation = \"sqrt(0.2)\" } }\nv = 1",
     )?;
+    // As texts, both of them.
+    let white = Problem::from_toml(&inexact.to_toml()?)?;
     for order in [4, 8] {
         Group::new(&format!("closure under impulses, n = {order}"), 11)
-            .task("white noise", || Closure::new(order).solve(&inexact))
+            .task("white noise", || Closure::new(order).solve(&white))
             .task("impulses, λ = 5", || Closure::new(order).solve(&struck))
             .run()?;
     }

@@ -6,8 +6,11 @@ use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
 
 /// Time steps of a flow in the shortest of the system's times, and the number of these times.
-const STEPS: f64 = 20.0;
+const STEPS: f64 = 10.0;
 const TIMES: f64 = 200.0;
+/// It is at rest where it has become slower by this factor, which is seen after every so many steps.
+const AT_REST: f64 = 1e-2;
+const LOOK: usize = 50;
 
 impl Problem {
     /// The Poisson impulses, each with its H.
@@ -46,9 +49,16 @@ impl Problem {
             self.field().ito_drift(x, &mut drift);
             drift
         };
+        let speed = |x: &Vec<f64>| drift(x).iter().map(|f| f * f).sum::<f64>().sqrt();
         let shrinking = |x: &[f64]| {
-            let steps = (STEPS * TIMES) as usize;
-            let end = (0..steps).fold(x.to_vec(), |x, _| midpoint(x, step, &moved, drift));
+            let mut end = x.to_vec();
+            let resting = AT_REST * speed(&end);
+            for stretch in 0..(STEPS * TIMES) as usize / LOOK {
+                if stretch > 0 && speed(&end) < resting {
+                    break;
+                }
+                end = (0..LOOK).fold(end, |x, _| midpoint(x, step, &moved, drift));
+            }
             Some(-self.field().divergence(&end)).filter(|shrinking| *shrinking > 0.0)
         };
         states.filter_map(shrinking).map(|shrinking| self.impulse_rate() / shrinking).reduce(f64::min)

@@ -80,10 +80,12 @@ impl Discretisation {
         let guess = likeliest(space, Vec::new(), &coarse, &fitted.states, fitted.inflation)?;
         let domain = met.following(|points| guess.values(points), tuning::domain::DROP, tuning::domain::FOLLOWED);
         let states = problem.dimension();
-        // Impulses that leave the domain are cut off between nodes.
-        let few = highest_order <= tuning::nodes::LOW_ORDER && problem.impulses().is_empty();
-        let along =
-            if states == 2 && few { tuning::nodes::LOW_ORDER_NODES } else { tuning::nodes::FINE[states.min(2) - 1] };
+        let along = if states == 2 && highest_order <= tuning::nodes::LOW_ORDER {
+            // Impulses that leave the domain are cut off between nodes.
+            tuning::nodes::LOW_ORDER_NODES[usize::from(!problem.impulses().is_empty())]
+        } else {
+            tuning::nodes::FINE[states.min(2) - 1]
+        };
         let nodes = Nodes::gauss(&domain, along);
         let (centre, half_width) = domain.box_around();
         let family = SpaceFamily::Smooth(Smooth { centre, half_width, ..family });

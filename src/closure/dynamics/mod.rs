@@ -29,8 +29,7 @@ use super::discretisation::{Discretisation, Passage};
 use super::pilot::Pilot;
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::Functions;
-use super::space::nested_spaces::Smooth;
-use super::space::nested_spaces::SpaceFamily;
+use super::space::nested_spaces::{Smooth, SpaceFamily};
 use super::tuning;
 use crate::error::{Error, Result};
 use crate::numerics::{Rule, exponentials};
@@ -58,8 +57,14 @@ pub(super) struct Dynamics {
 enum Carrier {
     /// The rules whose product they are taken from next to walls.
     Rules(Vec<Rule>),
-    /// The pilot's states, their copula and a seed.
-    States(Box<(Pilot, Copula, u64)>),
+    States(Box<CarryingStates>),
+}
+
+/// The pilot's states, where they carry the density.
+struct CarryingStates {
+    pilot: Pilot,
+    copula: Copula,
+    seed: u64,
 }
 
 impl Dynamics {
@@ -91,7 +96,7 @@ impl Dynamics {
             problem: problem.clone(),
             family: SpaceFamily::Smooth(Smooth::complete(centre, half_width)),
             domain,
-            carrier: Carrier::States(Box::new((pilot.clone(), copula, seed))),
+            carrier: Carrier::States(Box::new(CarryingStates { pilot: pilot.clone(), copula, seed })),
             passages: Vec::new(),
             weight,
             rare,
@@ -112,7 +117,7 @@ impl Dynamics {
             }
             Carrier::Rules(rules) => Some(Nodes::tensor(&self.domain, rules.clone())),
             Carrier::States(carrier) => {
-                let (pilot, copula, seed) = &**carrier;
+                let CarryingStates { pilot, copula, seed } = &**carrier;
                 let symmetry = Symmetry::none(self.domain.centre.len());
                 let found = match Lattice::finest(pilot, &symmetry, copula, most) {
                     Some((_, nodes)) => nodes,

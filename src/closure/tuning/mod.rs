@@ -38,7 +38,7 @@ pub(crate) mod impulses {
     /// rough or unbounded there, and no polynomial follows it.
     pub(crate) const RARE: f64 = 2.0;
     /// The states from which the drift is followed to find that time.
-    pub(crate) const FLOWS: usize = 16;
+    pub(crate) const FLOWS: usize = 8;
 }
 
 /// Step 1: the pilot.
@@ -139,8 +139,8 @@ pub(crate) mod nodes {
     pub(crate) const COARSE: usize = 40;
     /// Up to this order, whose functions are smoother, fewer nodes suffice, and the answer is faster. 0, +5 %.
     pub(crate) const LOW_ORDER: u32 = 5;
-    /// So many along each of two states. +1 %, 0.
-    pub(crate) const LOW_ORDER_NODES: usize = 44;
+    /// So many along each of two states, without impulses and with them. +1 %, 0.
+    pub(crate) const LOW_ORDER_NODES: [usize; 2] = [44, 56];
     /// Nodes on either side of 0 along a line, for integrals over one state. Not met.
     pub(crate) const LINE: usize = 72;
     /// Panels from a wall on, in s with the distance u = u_max s³, since the density varies with ∛u: u/u_max at the end of
