@@ -46,6 +46,7 @@ pub use candidates::{Candidate, Origin};
 pub use classical::{Basis, ClassicalClosure, Solution, Termination};
 pub use density::ClosureDensity;
 pub(crate) use discretisation::trust_domain::TrustDomain;
+pub use dynamics::ClosureSurvival;
 pub use method::Closure;
 pub use projection::Weight;
 pub(crate) use samples::Copula;

@@ -45,11 +45,6 @@ impl<'a> PilotPlan<'a> {
         Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
     }
 
-    /// The time step.
-    pub(super) fn step(&self) -> f64 {
-        self.step
-    }
-
     /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.
     pub(super) fn slower(self, factor: f64, count: usize) -> Self {
         let most = tuning::pilot::MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);

@@ -132,7 +132,7 @@ impl<'a> Simulation<'a> {
             requests: self.requests,
             control_variates: ControlVariates::default(),
         };
-        if self.control_variates {
+        if self.control_variates && self.once.is_none() {
             plan.control_variates = ControlVariates::new(problem, &plan.layout(), self.trajectories);
         }
         // The pilot counts nothing; only the trajectories that are sampled do.
@@ -199,7 +199,7 @@ impl<'a> Simulation<'a> {
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
-                let given = self.burn_in.is_some() || self.sampling_interval.is_some();
+                let given = self.burn_in.is_some() || self.sampling_interval.is_some() || self.once.is_some();
                 let often = problem.impulse_rate() / tuning::time_step::MOST_IMPULSES;
                 let few =
                     often * times.burn_in <= MOST_DEFAULT_STEPS && often * times.interval <= MOST_DEFAULT_INTERVAL;

@@ -31,7 +31,7 @@ impl Simulation<'_> {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn transient(self, time: f64) -> Self {
-        Simulation { once: Some(time), control_variates: false, ..self }
+        Simulation { once: Some(time), ..self }
     }
 
     /// Refuses a start without a meaning.

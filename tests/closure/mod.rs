@@ -9,6 +9,7 @@ mod modes;
 mod modulated;
 mod references;
 mod robust;
+mod survival;
 mod trajectories;
 mod walls;
 mod walls_in_many_states;

@@ -53,8 +53,8 @@ fn a_filtered_linear_oscillator_keeps_its_gaussian() {
         }
         let estimate = found.density.l1_estimate();
         println!("t = {}: estimate {estimate:.1e}", found.time);
-        // Measured are 4.4e-3, 3.1e-4 and 3.2e-5: what the edge of the domain may make of high degrees is least known early.
-        assert!(estimate < if found.time < 1.0 { 6e-3 } else { 5e-4 });
+        // Measured are 2.9e-3, 1.0e-4 and 4.6e-5: what the edge of the domain may make of high degrees is least known early.
+        assert!(estimate < if found.time < 1.0 { 4e-3 } else { 2e-4 });
         // The density is a rule on draws, with an error of its own.
         let (peak, truth) =
             (found.density.pdf(mean.as_slice()).unwrap(), 1.0 / (spread * std::f64::consts::TAU).determinant().sqrt());
@@ -77,8 +77,9 @@ fn a_filtered_linear_oscillator_relaxes_with_its_own_eigenvalues() {
     for (found, lag) in density.autocovariance(0, &lags).unwrap().iter().zip(lags) {
         let truth = ((RATES * lag).exp() * SPREAD)[(0, 0)];
         println!("R({lag}) = {found}, {:.1e} off", found.value - truth);
-        // The stationary density is cut off where no state of the pilot has been.
-        assert!((found.value - truth).abs() < 1e-4, "{found} and {truth}");
+        // The stationary density is cut off where no state of the pilot has been, and its error has that.
+        let off = (found.value - truth).abs();
+        assert!(off < 1.5 * found.error + 1e-8 && found.error < 2e-6, "{found} and {truth}");
     }
 }
 
@@ -148,6 +149,7 @@ fn what_trajectories_cannot_carry_is_refused() {
     let refused =
         |problem: &Problem, start: &Start, times: &[f64]| closure.transient(problem, start, times).unwrap_err();
     assert!(matches!(refused(&chain, &point, &[0.0]), Error::OutOfRange { .. }));
+    assert!(matches!(refused(&chain, &point, &[1.0, 1e6]), Error::OutOfRange { .. }));
     assert!(matches!(refused(&chain, &Start::Point(vec![0.0; 3]), &[1.0]), Error::Dimension { .. }));
     let density = Start::Density(std::sync::Arc::new(closure.solve(&chain).unwrap()));
     assert!(matches!(refused(&chain, &density, &[1.0]), Error::NotServed { .. }));

@@ -360,6 +360,10 @@ fn transients_have_the_moments_of_a_linear_oscillator() -> Result<()> {
         let root = (squares / 15.0).sqrt();
         assert!((0.6..1.5).contains(&root), "{root}");
     }
+    // One sample of each trajectory has no use for control variates, whether asked for before or after.
+    let found = |simulation: Simulation<'_>| simulation.run(&problem)?.moment(&[2, 0]);
+    let few = || trajectories().trajectories(2000);
+    assert_eq!(found(few().transient(0.8))?, found(few().transient(0.8).control_variates(true))?);
     // Next to a wall every trajectory starts on its side, and a saved result has its start.
     let walled = problem.with_wall(Wall::above(0.5, 0.8)?)?;
     let states = trajectories().trajectories(2000).transient(1e-6).states(&walled)?;

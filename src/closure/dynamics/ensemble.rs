@@ -4,16 +4,16 @@
 use super::moment_system::MomentSystem;
 use super::start::{Beginning, Weighted};
 use super::{Dynamics, Law};
-use crate::checks::positive;
+use crate::checks::{positive, require};
 use crate::closure::density::ClosureDensity;
 use crate::closure::method::{Closure, Order};
-use crate::closure::pilot::{Pilot, PilotPlan};
+use crate::closure::pilot::Pilot;
 use crate::closure::sampled::Sampled;
 use crate::closure::samples::Family;
 use crate::closure::tuning;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::{Problem, Symmetry, TimeScales};
 use crate::simulation::Simulation;
 use crate::transient::{Start, Transient};
 use faer::Mat;
@@ -48,14 +48,18 @@ impl Closure {
         if let Some(first) = times.first() {
             positive("first time of a transient", *first, "in three states and more the start itself is no answer")?;
         }
+        if let Some(&last) = times.last() {
+            let longest = TimeScales::of(problem)?.short(tuning::dynamics::LONGEST);
+            let remedy = "trajectories go there step by step, and long before it the density is the stationary one";
+            require(last <= longest, "last time of a transient", last, remedy)?;
+        }
         // The equations have means up to their own degree, whatever the order of their weight.
         let order = Order::Fixed(self.highest().clamp(tuning::dynamics::CARRIED_BASE, tuning::dynamics::CARRIED_MOST));
         let base = Closure { order, ..self.clone() }.solve(problem)?;
         let solved = base.dynamics.as_ref().and_then(|dynamics| Solved::new(dynamics, start, times));
-        let step = PilotPlan::new(problem, self.seed)?.step();
         let count = self.states.unwrap_or(tuning::dynamics::ENSEMBLE);
         let closed = |(k, &time): (usize, &f64)| {
-            let simulation = Simulation::new().start(start.clone()).transient(time).trajectories(count).time_step(step);
+            let simulation = Simulation::new().start(start.clone()).transient(time).trajectories(count);
             let pilot = Pilot::of(simulation.seed(self.seed).states(problem)?, time);
             let symmetry = Symmetry::none(problem.dimension());
             let family = Family::new(problem, &pilot, &self.degrees, &symmetry);

@@ -5,9 +5,11 @@
 //! - `modulation`, `levels`: noise that rises and fades, and weights for each of its strengths;
 //! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response;
 //! - `start`: d at time 0; `transient`: d at later times;
+//! - `absorbed`, `survival`: the mass that is left between levels which absorb, and first passages;
 //! - `ensemble`: the same in three states and more, where trajectories carry it;
 //! - `law`, `entropy`: means, and the density of largest entropy that has them; `snapshot`: the exponential polynomial of a time.
 
+mod absorbed;
 mod early;
 mod ensemble;
 mod entropy;
@@ -20,6 +22,7 @@ mod moving_frame;
 mod relaxation;
 mod snapshot;
 mod start;
+mod survival;
 mod transient;
 
 use super::density::exponent::Exponent;
@@ -37,6 +40,7 @@ use crate::problem::{Problem, Symmetry};
 use law::Law;
 use moment_system::MomentSystem;
 use std::sync::OnceLock;
+pub use survival::ClosureSurvival;
 
 /// What a closure is made from, as far as questions of time need it: they are answered on the nodes of its whole trust domain,
 /// under the weight of its reference, or under the density itself where the pilot's states carry it.

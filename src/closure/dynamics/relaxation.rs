@@ -1,17 +1,18 @@
 //! The modes of the moment equations, and what they say about the stationary response.
 
 use super::moment_system::MomentSystem;
-use super::served;
+use super::{Dynamics, served};
 use crate::checks::{finite, require, state_index};
 use crate::closure::density::ClosureDensity;
 use crate::closure::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::numerics::{Resolvent, combination, propagated, weighted_sum};
+use crate::numerics::{Resolvent, propagated, weighted_sum};
 use crate::transient::Relaxation;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 impl ClosureDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0. They are
@@ -34,7 +35,7 @@ impl ClosureDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
-        let modes = self.moment_system()?.modes();
+        let modes = self.motion()?.1.modes();
         let (highest, below) = (&modes[0], &modes[1]);
         let slowest = Relaxation::slowest(highest.clone(), below, count);
         Ok(slowest.into_iter().map(|mode| settled(mode, &modes)).collect())
@@ -56,7 +57,7 @@ impl ClosureDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn autocovariance(&self, state: usize, lags: &[f64]) -> Result<Vec<Estimate>> {
-        let system = self.moment_system()?;
+        let (_, system) = self.motion()?;
         state_index("the state of an autocovariance", state, self.dimension())?;
         for &lag in lags {
             require(finite("lag", lag)? >= 0.0, "lag", lag, "R(−τ) = R(τ): give it as a positive number")?;
@@ -87,7 +88,7 @@ impl ClosureDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn spectral_density(&self, state: usize, frequencies: &[f64]) -> Result<Vec<Estimate>> {
-        let system = self.moment_system()?;
+        let (_, system) = self.motion()?;
         state_index("the state of a spectral density", state, self.dimension())?;
         frequencies.iter().try_for_each(|&omega| finite("frequency", omega).map(|_| ()))?;
         let [own, lower] = [false, true].map(|lower| {
@@ -101,15 +102,16 @@ impl ClosureDensity {
         Ok(compared(own, lower))
     }
 
-    /// The moment equations.
-    pub(super) fn moment_system(&self) -> Result<&MomentSystem> {
+    /// What the closure is made from, and its moment equations.
+    pub(super) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
         served(self.dimension(), self.exponent().space.corners().len())?;
         let Some(dynamics) = &self.dynamics else {
             let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
             return Err(Error::NotKnown { what: what.into(), remedy });
         };
-        let reason = "its moment equations have a growing mode at every degree: take the grid";
-        dynamics.system().ok_or(Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason })
+        let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
+        let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
+        Ok((dynamics, dynamics.system().ok_or(refusal)?))
     }
 }
 
@@ -130,8 +132,9 @@ fn settled(mode: Relaxation, modes: &[Vec<[f64; 2]>]) -> Relaxation {
 /// The coefficients of a state's deviation from its mean in ψ, and those of the same times the stationary density: the second
 /// are what the system relaxes from, R(τ) = c·exp(Aτ) b.
 fn fluctuation(system: &MomentSystem, state: usize, lower: bool) -> [Vec<f64>; 2] {
+    let [own, below] = system.ratios([&system.stationary(false), &system.stationary(true)]);
+    let ratio = if lower { below } else { own };
     let values = system.functions.values.get(..system.nodes.len(), ..system.columns(lower));
-    let ratio = combination(values, &system.stationary(lower));
     let x = || system.nodes.points.iter().map(|x| x[state]);
     let mean: f64 = x().zip(&ratio).zip(&system.measure).map(|((x, r), w)| w * r * x).sum();
     let tested = |ratio: &dyn Fn(usize) -> f64| {

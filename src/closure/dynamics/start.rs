@@ -4,6 +4,8 @@ use super::moment_system::MomentSystem;
 use crate::checks::require;
 use crate::closure::discretisation::nodes;
 use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::space::Functions;
+use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
 use crate::density::Frame;
 use crate::error::Result;
@@ -37,58 +39,68 @@ impl Beginning {
     /// # Errors
     /// [`OutOfRange`](crate::Error::OutOfRange) if much of it lies elsewhere.
     pub(super) fn new(time: f64, weighted: &Weighted, system: &MomentSystem, domain: &TrustDomain) -> Result<Self> {
-        let mut inside =
-            Weighted { points: States::new(domain.centre.len()), masses: Vec::new(), error: weighted.error };
+        let mut inside = Weighted { error: weighted.error, ..Weighted::none(domain.centre.len()) };
         for (x, mass) in weighted.points.iter().zip(&weighted.masses).filter(|(x, _)| domain.contains(x)) {
-            inside.points.push(x);
-            inside.masses.push(*mass);
+            inside.enter(x, *mass);
         }
         let mass: f64 = inside.masses.iter().sum();
         let outside = (mass - 1.0).abs();
         let remedy = "it must lie inside the closure's domain and away from walls, and not be too narrow for its nodes";
         require(outside <= tuning::dynamics::OUTSIDE, "mass of the start in the domain", mass, remedy)?;
-        let mut means = Mat::zeros(1, system.space.len() + 1);
-        let sums = weighted_sum(nodes::values(&system.space, &inside.points).as_ref(), &inside.masses);
-        sums.iter().enumerate().for_each(|(k, sum)| means[(0, k)] = *sum);
-        system.functions.transform(means.as_mut());
-        let coefficients = (0..means.ncols()).map(|k| means[(0, k)] / means[(0, 0)]).collect();
+        let means = inside.means(&system.space, &system.functions);
+        let coefficients = means.iter().map(|mean| mean / means[0]).collect();
         Ok(Beginning { time, coefficients, error: inside.error + outside })
     }
 }
 
 impl Weighted {
+    /// No points.
+    pub(super) fn none(states: usize) -> Self {
+        Weighted { points: States::new(states), masses: Vec::new(), error: 0.0 }
+    }
+
+    /// Adds a point.
+    pub(super) fn enter(&mut self, x: &[f64], mass: f64) {
+        self.points.push(x);
+        self.masses.push(mass);
+    }
+
+    /// The means of functions ψ, which are combinations of φ.
+    pub(super) fn means(&self, space: &Functions, functions: &Orthonormal) -> Vec<f64> {
+        let sums = weighted_sum(nodes::values(space, &self.points).as_ref(), &self.masses);
+        let mut means = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
+        functions.transform(means.as_mut());
+        (0..sums.len()).map(|k| means[(0, k)]).collect()
+    }
+
     /// A start: a point by itself, a Gaussian on Gauss nodes of its own, other densities on those of the system.
     pub(super) fn of(start: &Start, system: &MomentSystem) -> Result<Self> {
         let states = system.nodes.points.dimension();
-        let mut all = Weighted { points: States::new(states), masses: Vec::new(), error: 0.0 };
-        let mut enter = |x: &[f64], mass: f64| {
-            all.points.push(x);
-            all.masses.push(mass);
-        };
+        let mut all = Weighted::none(states);
         // In more states few enough that their product is, and enough for the moments of the highest degree.
         let exact = system.highest_degree() as usize / 2 + 2;
         let nodes = if states > 2 { exact } else { tuning::dynamics::START_NODES };
         match start {
-            Start::Point(x) => enter(x, 1.0),
+            Start::Point(x) => all.enter(x, 1.0),
             Start::Gaussian(gaussian) => {
                 let (frame, rule) = (Frame::new(gaussian)?, Rule::hermite(nodes));
                 let mut z = vec![0.0; states];
                 for place in 0..rule.nodes.len().pow(states as u32) {
                     let along = |i: usize| place / rule.nodes.len().pow(i as u32) % rule.nodes.len();
                     (0..states).for_each(|i| z[i] = rule.nodes[along(i)]);
-                    enter(&frame.state(&z), (0..states).map(|i| rule.weights[along(i)]).product());
+                    all.enter(&frame.state(&z), (0..states).map(|i| rule.weights[along(i)]).product());
                 }
             }
             Start::Stationary => {
                 let values = system.functions.values.get(..system.nodes.len(), ..system.columns(false));
                 let ratio = combination(values, &system.stationary(false));
                 for ((x, weight), ratio) in system.nodes.points.iter().zip(&system.measure).zip(&ratio) {
-                    enter(x, weight * ratio);
+                    all.enter(x, weight * ratio);
                 }
             }
             Start::Density(density) => {
                 for (x, weight) in system.nodes.points.iter().zip(&system.nodes.weights) {
-                    enter(x, weight * density.log_pdf(x)?.exp());
+                    all.enter(x, weight * density.log_pdf(x)?.exp());
                 }
             }
         }

@@ -116,8 +116,7 @@ impl Closure {
             _ => None,
         };
         let start = own.as_ref().unwrap_or(start);
-        let system = stationary.moment_system()?;
-        let Some(dynamics) = &stationary.dynamics else { return Ok(Vec::new()) };
+        let (dynamics, system) = stationary.motion()?;
         let (early, beginning) = followed(modulation, start, times, dynamics);
         // The equations go on from a frame, if it knows all times before.
         let goes_on = |begin: f64| times.iter().zip(&early).all(|(time, early)| *time >= begin || early.is_some());
@@ -166,7 +165,7 @@ impl Closure {
             // On nodes, as is the default.
             let base = Closure { order, weight, degrees, on_samples: None, ..self.clone() };
             let density = base.solve(problem)?;
-            density.moment_system()?;
+            density.motion()?;
             Ok((base, density))
         };
         let first = of_order(self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS));
