@@ -34,7 +34,7 @@ fn survival_agrees_with_a_grid() {
     for (name, problem, most) in
         [("Duffing", problem(crate::common::duffing()), 0.03), ("two wells", wells, 0.03), ("van der Pol", cycle, 0.2)]
     {
-        let grid = Grid::new().degree(5).grazing(1e-2).solve(&problem).unwrap();
+        let grid = Grid::new().degree(4).grazing(2e-2).solve(&problem).unwrap();
         let density = Closure::new(6).solve(&problem).unwrap();
         let sigma = grid.variance(0).unwrap().value.sqrt();
         for share in [[-NONE, 1.0], [-NONE, 2.0], [-2.0, 2.0], [-1.0, 1.5]] {
@@ -43,14 +43,15 @@ fn survival_agrees_with_a_grid() {
             let rates = (found.rate(), truth.rate().unwrap());
             println!("{name} {share:?}: {} and {}", rates.0, rates.1);
             assert!(is_within(rates.0, rates.1) && rates.0.error < most * rates.0.value, "{name} {share:?}");
-            if share != [-1.0, 1.5] {
+            // One of the systems in time is enough, at what a grid takes.
+            if name != "Duffing" || share != [-1.0, 1.5] {
                 continue;
             }
             let known: Arc<dyn Density> = Arc::new(grid.clone());
             for start in
                 [Start::Stationary, vec![0.2 * sigma, 0.0].into(), gaussian(1.5 * sigma, 0.05), Start::Density(known)]
             {
-                let times = [0.0, 1.0, 4.0, 16.0];
+                let times = [0.0, 1.0, 6.0];
                 let found = found.probability(&start, &times).unwrap();
                 for ((found, truth), time) in
                     found.iter().zip(truth.probability(&start, &times, 1e-3).unwrap()).zip(times)
