@@ -70,5 +70,7 @@ pub use simulation::{
     FirstPassage, Histogram, Progress, SimulatedDensity, Simulation, Spectrum, Splitting, Tails, Tolerance,
 };
 pub use states::States;
-pub use system::{Amplitude, Intensity, Interpretation, Jumps, Oscillator, PolynomialDrift, PolynomialSystem};
+pub use system::{
+    Amplitude, Intensity, Interpretation, Jumps, Oscillator, Parameter, Parametric, PolynomialDrift, PolynomialSystem,
+};
 pub use transient::{Relaxation, Start, Transient};

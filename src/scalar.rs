@@ -16,8 +16,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// It is a commutative ring with the real numbers in it, in the terms of [`num_traits`]: [`Zero`] and [`One`] bring addition
 /// and multiplication.
 ///
-/// A state can be added, subtracted and multiplied, and raised to a whole power. Numbers may stand to the *right* of an
-/// operator (`x * 2.0`, `x / 3.0`): Rust has no `2.0 * x` for a generic type.
+/// A state can be added, subtracted and multiplied, and raised to a whole power. Numbers, and parameters of the type `P`, may
+/// stand to the *right* of an operator (`x * 2.0`, `x / 3.0`): Rust has no `2.0 * x` for a generic type. Parameters are numbers
+/// unless answers are to be differentiated by them ([`Parametric`](crate::Parametric)).
 ///
 /// There is no division by a state and no transcendental function, so that every drift that compiles is a polynomial, as the
 /// closure's exact integrals require. A quotient of states is refused, because only a number may divide:
@@ -41,7 +42,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
     message = "a drift cannot be evaluated on `{Self}`",
     note = "a drift runs on `f64`, on the fixed-size numbers of num-dual over `f64`, and on the library's symbols"
 )]
-pub trait Scalar:
+pub trait Scalar<P = f64>:
     Copy
     + Debug
     + From<f64>
@@ -53,6 +54,11 @@ pub trait Scalar:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
+    + From<P>
+    + Add<P, Output = Self>
+    + Sub<P, Output = Self>
+    + Mul<P, Output = Self>
+    + Div<P, Output = Self>
 {
     /// The whole power xⁿ, by repeated squaring; x⁰ = 1.
     #[inline]

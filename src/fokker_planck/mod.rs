@@ -207,6 +207,28 @@ impl FokkerPlanck {
         }
     }
 
+    /// Of an operator whose last two states are parameters ε₁ and ε₂ the coefficient of powers of these.
+    pub(crate) fn coefficient(&self, powers: [u32; 2]) -> Self {
+        let n = self.dimension() - 2;
+        let part = |p: &Polynomial| {
+            let mut part = Polynomial::zero(n);
+            for (alpha, c) in p.terms().filter(|(alpha, _)| alpha[n..] == powers) {
+                part.add_term(&alpha[..n], c);
+            }
+            part
+        };
+        FokkerPlanck {
+            drift: self.drift[..n].iter().map(part).collect(),
+            diffusion: self.diffusion[..n].iter().map(|row| row[..n].iter().map(part).collect()).collect(),
+            impulses: Vec::new(),
+        }
+    }
+
+    /// Whether drift, diffusion and impulses vanish.
+    pub(crate) fn is_zero(&self) -> bool {
+        self.impulses.is_empty() && self.drift.iter().chain(self.diffusion.iter().flatten()).all(Polynomial::is_zero)
+    }
+
     /// Another drift, and the diffusion times `share`.
     pub(crate) fn with(&self, drift: Vec<Polynomial>, share: f64) -> Self {
         let diffusion = self.diffusion.iter().map(|row| row.iter().map(|b| b * share).collect()).collect();

@@ -1,21 +1,21 @@
-use super::{Duffing, listed};
+use super::Duffing;
 use crate::checks::positive;
 use crate::density::Density;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Oscillator, PolynomialDrift};
+use crate::system::{Oscillator, Parameter, Parametric, PolynomialDrift};
 
 /// A Duffing oscillator that carries a mass m, with noise on the oscillator alone: x″ + c x′ + k x + μ x³ + s = ξ, m y″
 /// = s, s = κ (x − y) + ν (x − y)³ + γ (x′ − y′).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Attachment {
-    structure: Duffing,
-    mass: f64,
+pub(super) struct Attachment<P = f64> {
+    structure: Duffing<P>,
+    mass: P,
     /// κ and ν.
-    spring: [f64; 2],
-    damping: f64,
+    spring: [P; 2],
+    damping: P,
 }
 
 impl Attachment {
@@ -24,10 +24,9 @@ impl Attachment {
         Ok(Attachment { structure, mass, spring, damping })
     }
 
-    /// The problem, with the name of coefficient `number` of the spring, the one that is there.
-    pub(super) fn problem(self, name: &str, number: usize) -> Result<Problem> {
-        let own = listed(&format!("m {name} gamma"), [self.mass, self.spring[number], self.damping]);
-        Problem::of(Named { attachment: self, parameters: [Oscillator::parameters(&self.structure), own].concat() })
+    /// The problem, with the name of the spring that is a parameter, and its number.
+    pub(super) fn problem(self, spring: (&'static str, usize)) -> Result<Problem> {
+        Problem::parametric(Named { attachment: self, spring })
     }
 
     /// γ E(x′ − y′)².
@@ -38,14 +37,14 @@ impl Attachment {
     }
 }
 
-struct Named {
-    attachment: Attachment,
-    parameters: Vec<(String, f64)>,
+struct Named<P = f64> {
+    attachment: Attachment<P>,
+    spring: (&'static str, usize),
 }
 
-impl PolynomialDrift<4, 1> for Named {
+impl<P: Parameter> PolynomialDrift<4, 1, P> for Named<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
+    fn drift<S: Scalar<P>>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
         let Attachment { structure, mass, spring: [linear, cubic], damping } = self.attachment;
         let stretch = x - y;
         let force = stretch * linear + stretch.powi(3) * cubic + (u - v) * damping;
@@ -53,16 +52,27 @@ impl PolynomialDrift<4, 1> for Named {
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, _: [S; 4]) -> [[S; 1]; 4] {
-        [0.0, 0.0, self.attachment.structure.intensity().amplitude(), 0.0].map(|amplitude| [S::from(amplitude)])
+    fn noise<S: Scalar<P>>(&self, _: [S; 4]) -> [[S; 1]; 4] {
+        let amplitude = S::from(self.attachment.structure.intensity().amplitude());
+        [S::zero(), S::zero(), amplitude, S::zero()].map(|entry| [entry])
     }
 
     fn names(&self) -> Vec<String> {
         ["x", "y", "u", "v"].map(str::to_owned).to_vec()
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        self.parameters.clone()
+impl Parametric for Named {
+    type With<P: Parameter> = Named<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Named<P> {
+        let Attachment { structure, mass, spring, damping } = &self.attachment;
+        let (structure, mass) = (structure.with(of), of("m", *mass));
+        let (name, number) = self.spring;
+        let mut stiffness = [P::zero(); 2];
+        stiffness[number] = of(name, spring[number]);
+        let attachment = Attachment { structure, mass, spring: stiffness, damping: of("gamma", *damping) };
+        Named { attachment, spring: self.spring }
     }
 }
 

@@ -1,5 +1,5 @@
-use super::follower::Follower;
-use super::{Duffing, listed};
+use super::Duffing;
+use super::follower::{Follower, Kind};
 use crate::checks::positive;
 use crate::density::Density;
 use crate::error::Result;
@@ -36,8 +36,7 @@ impl BistableHarvester {
     /// # Errors
     /// As [`Problem::of`].
     pub fn problem(&self) -> Result<Problem> {
-        let Follower { back, forth, rate, .. } = self.0;
-        self.0.problem("V", listed("kappa1 kappa2 lambda", [back, forth, rate]))
+        self.0.problem(Kind::Voltage)
     }
 
     /// The mean power that the load takes, per unit mass: V²/R with V²/(m R) = (κ₁/κ₂) λ V², in any units of V.

@@ -1,9 +1,9 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::checks::{positive, require};
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::PolynomialSystem;
+use crate::system::{Parameter, Parametric, PolynomialSystem};
 
 /// A chain of coupled Duffing oscillators in equilibrium with a bath:
 /// x_i″ + c_i x_i′ + k x_i + μ x_i³ + κ (2x_i − x_{i−1} − x_{i+1}) = ξ_i, with free ends.
@@ -15,12 +15,12 @@ use crate::system::PolynomialSystem;
 /// # Reference
 /// T. K. Caughey, Nonlinear theory of random vibrations, Advances in Applied Mechanics 11 (1971) 209-253.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DuffingChain {
-    damping: Vec<f64>,
-    stiffness: f64,
-    cubic: f64,
-    coupling: f64,
-    temperature: f64,
+pub struct DuffingChain<P = f64> {
+    damping: Vec<P>,
+    stiffness: P,
+    cubic: P,
+    coupling: P,
+    temperature: P,
 }
 
 impl DuffingChain {
@@ -45,13 +45,6 @@ impl DuffingChain {
         Ok(DuffingChain { damping: damping.to_vec(), stiffness, cubic, coupling, temperature })
     }
 
-    fn acceleration<S: Scalar>(&self, state: &[S], i: usize) -> S {
-        let (x, v) = (state[2 * i], state[2 * i + 1]);
-        let own = v * self.damping[i] + x * self.stiffness + x.powi(3) * self.cubic;
-        let neighbours = [i.checked_sub(1), Some(i + 1).filter(|&j| j < self.damping.len())].into_iter().flatten();
-        neighbours.fold(-own, |sum, j| sum + (state[2 * j] - x) * self.coupling)
-    }
-
     fn energy<S: Scalar>(&self, state: &[S]) -> S {
         let own = state.chunks_exact(2).fold(S::from(0.0), |sum, pair| {
             let (x, v) = (pair[0], pair[1]);
@@ -62,7 +55,16 @@ impl DuffingChain {
     }
 }
 
-impl PolynomialSystem for DuffingChain {
+impl<P: Parameter> DuffingChain<P> {
+    fn acceleration<S: Scalar<P>>(&self, state: &[S], i: usize) -> S {
+        let (x, v) = (state[2 * i], state[2 * i + 1]);
+        let own = v * self.damping[i] + x * self.stiffness + x.powi(3) * self.cubic;
+        let neighbours = [i.checked_sub(1), Some(i + 1).filter(|&j| j < self.damping.len())].into_iter().flatten();
+        neighbours.fold(-own, |sum, j| sum + (state[2 * j] - x) * self.coupling)
+    }
+}
+
+impl<P: Parameter> PolynomialSystem<P> for DuffingChain<P> {
     fn states(&self) -> usize {
         2 * self.damping.len()
     }
@@ -72,15 +74,15 @@ impl PolynomialSystem for DuffingChain {
     }
 
     #[inline]
-    fn drift<S: Scalar>(&self, state: &[S]) -> Vec<S> {
+    fn drift<S: Scalar<P>>(&self, state: &[S]) -> Vec<S> {
         (0..self.damping.len()).flat_map(|i| [state[2 * i + 1], self.acceleration(state, i)]).collect()
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, _: &[S]) -> Vec<Vec<S>> {
-        let mut noise = vec![vec![S::from(0.0); self.processes()]; self.states()];
+    fn noise<S: Scalar<P>>(&self, _: &[S]) -> Vec<Vec<S>> {
+        let mut noise = vec![vec![S::zero(); self.damping.len()]; 2 * self.damping.len()];
         for (i, damping) in self.damping.iter().enumerate() {
-            noise[2 * i + 1][i] = S::from((2.0 * damping * self.temperature).sqrt());
+            noise[2 * i + 1][i] = S::from((*damping * self.temperature * 2.0).sqrt());
         }
         noise
     }
@@ -88,16 +90,25 @@ impl PolynomialSystem for DuffingChain {
     fn names(&self) -> Vec<String> {
         (1..=self.damping.len()).flat_map(|i| [format!("x{i}"), format!("v{i}")]).collect()
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        let damping = (1..).zip(&self.damping).map(|(i, c)| (format!("c{i}"), *c));
-        damping.chain(listed("k mu kappa T", [self.stiffness, self.cubic, self.coupling, self.temperature])).collect()
+impl Parametric for DuffingChain {
+    type With<P: Parameter> = DuffingChain<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> DuffingChain<P> {
+        DuffingChain {
+            damping: (1..).zip(&self.damping).map(|(i, c)| of(&format!("c{i}"), *c)).collect(),
+            stiffness: of("k", self.stiffness),
+            cubic: of("mu", self.cubic),
+            coupling: of("kappa", self.coupling),
+            temperature: of("T", self.temperature),
+        }
     }
 }
 
 impl Solved for DuffingChain {
     fn problem(&self) -> Result<Problem> {
-        Problem::of_system(self.clone())
+        Problem::parametric_system(self.clone())
     }
 
     fn log_density<S: Scalar>(&self, x: &[S]) -> S {

@@ -1,9 +1,9 @@
-use super::{Duffing, listed};
+use super::Duffing;
 use crate::checks::{positive, require};
 use crate::error::Result;
 use crate::problem::{Problem, Wall};
 use crate::scalar::Scalar;
-use crate::system::{Oscillator, PolynomialDrift};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric, PolynomialDrift};
 
 /// The Duffing oscillator above a wall under coloured and white noise: y″ + c y′ + k y + μ y³ = z + ξ₀ for y > b, z′ = a (ξ − z),
 /// and y′₊ = −r y′₋ at y = b.
@@ -15,10 +15,10 @@ use crate::system::{Oscillator, PolynomialDrift};
 /// M. F. Dimentberg and D. V. Iourtchenko, Random vibrations with impacts: a review, Nonlinear Dynamics 36 (2004) 229-254,
 /// doi:10.1023/B:NODY.0000045510.93602.ca.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ColouredVibroImpact {
-    oscillator: Duffing,
-    bandwidth: f64,
-    white: f64,
+pub struct ColouredVibroImpact<P = f64> {
+    oscillator: Duffing<P>,
+    bandwidth: P,
+    white: P,
     wall: Wall,
 }
 
@@ -53,28 +53,37 @@ impl ColouredVibroImpact {
     /// # Errors
     /// As [`Problem::of`].
     pub fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)?.with_wall(self.wall)
+        Problem::parametric(*self)?.with_wall(self.wall)
     }
 }
 
-impl PolynomialDrift<3, 2> for ColouredVibroImpact {
+impl<P: Parameter> PolynomialDrift<3, 2, P> for ColouredVibroImpact<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [y, v, z]: [S; 3]) -> [S; 3] {
+    fn drift<S: Scalar<P>>(&self, [y, v, z]: [S; 3]) -> [S; 3] {
         [v, z - self.oscillator.force(y, v), -(z * self.bandwidth)]
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, _: [S; 3]) -> [[S; 2]; 3] {
-        let zero = S::from(0.0);
+    fn noise<S: Scalar<P>>(&self, _: [S; 3]) -> [[S; 2]; 3] {
+        let zero = S::zero();
         let coloured = self.bandwidth * self.oscillator.intensity().amplitude();
-        [[zero; 2], [S::from((2.0 * self.white).sqrt()), zero], [zero, S::from(coloured)]]
+        [[zero; 2], [S::from(Intensity::of(self.white).amplitude()), zero], [zero, S::from(coloured)]]
     }
 
     fn names(&self) -> Vec<String> {
         ["y", "v", "z"].map(str::to_owned).to_vec()
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        [Oscillator::parameters(&self.oscillator), listed("a D0", [self.bandwidth, self.white])].concat()
+impl Parametric for ColouredVibroImpact {
+    type With<P: Parameter> = ColouredVibroImpact<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> ColouredVibroImpact<P> {
+        ColouredVibroImpact {
+            oscillator: self.oscillator.with(of),
+            bandwidth: of("a", self.bandwidth),
+            white: of("D0", self.white),
+            wall: self.wall,
+        }
     }
 }

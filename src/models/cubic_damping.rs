@@ -1,7 +1,6 @@
-use super::listed;
 use crate::error::Result;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// A Duffing oscillator with cubic damping, x″ + α x′ + γ x′³ + k x + μ x³ = ξ; Rayleigh's oscillator for α < 0 < γ.
 ///
@@ -10,12 +9,12 @@ use crate::system::{Intensity, Oscillator};
 /// # Reference
 /// Lord Rayleigh, On maintained vibrations, Philosophical Magazine 15 (1883) 229-235, doi:10.1080/14786448308627342.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CubicDamping {
-    linear_damping: f64,
-    cubic_damping: f64,
-    stiffness: f64,
-    cubic: f64,
-    intensity: Intensity,
+pub struct CubicDamping<P = f64> {
+    linear_damping: P,
+    cubic_damping: P,
+    stiffness: P,
+    cubic: P,
+    intensity: Intensity<P>,
 }
 
 impl CubicDamping {
@@ -38,20 +37,27 @@ impl CubicDamping {
     }
 }
 
-impl Oscillator for CubicDamping {
+impl<P: Parameter> Oscillator<P> for CubicDamping<P> {
     #[inline]
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         v * self.linear_damping + v.powi(3) * self.cubic_damping + x * self.stiffness + x.powi(3) * self.cubic
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed(
-            "alpha gamma k mu D",
-            [self.linear_damping, self.cubic_damping, self.stiffness, self.cubic, self.intensity.d()],
-        )
+impl Parametric for CubicDamping {
+    type With<P: Parameter> = CubicDamping<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> CubicDamping<P> {
+        CubicDamping {
+            linear_damping: of("alpha", self.linear_damping),
+            cubic_damping: of("gamma", self.cubic_damping),
+            stiffness: of("k", self.stiffness),
+            cubic: of("mu", self.cubic),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }

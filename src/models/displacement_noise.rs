@@ -1,8 +1,8 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, PolynomialDrift};
+use crate::system::{Intensity, Parameter, Parametric, PolynomialDrift};
 
 /// A Duffing oscillator whose noise and damping grow together with the displacement:
 /// x″ + c (1 + g x²) x′ + k x + μ x³ = ξ₁ + √g x ξ₂, both noises of intensity D.
@@ -14,12 +14,12 @@ use crate::system::{Intensity, PolynomialDrift};
 /// Y. K. Lin and G. Q. Cai, Exact stationary response solution for second order nonlinear systems under parametric and
 /// external white noise excitations: part II, Journal of Applied Mechanics 55 (1988) 702-705.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DisplacementNoise {
-    damping: f64,
-    stiffness: f64,
-    cubic: f64,
-    growth: f64,
-    intensity: Intensity,
+pub struct DisplacementNoise<P = f64> {
+    damping: P,
+    stiffness: P,
+    cubic: P,
+    growth: P,
+    intensity: Intensity<P>,
 }
 
 impl DisplacementNoise {
@@ -33,28 +33,40 @@ impl DisplacementNoise {
     }
 }
 
-impl PolynomialDrift<2, 2> for DisplacementNoise {
+impl<P: Parameter> PolynomialDrift<2, 2, P> for DisplacementNoise<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+    fn drift<S: Scalar<P>>(&self, [x, v]: [S; 2]) -> [S; 2] {
         let damping = (x * x * self.growth + 1.0) * v * self.damping;
         [v, -(damping + x * self.stiffness + x.powi(3) * self.cubic)]
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, [x, _]: [S; 2]) -> [[S; 2]; 2] {
-        let zero = S::from(0.0);
+    fn noise<S: Scalar<P>>(&self, [x, _]: [S; 2]) -> [[S; 2]; 2] {
+        let zero = S::zero();
         let sigma = self.intensity.amplitude();
-        [[zero, zero], [S::from(sigma), x * (self.growth.sqrt() * sigma)]]
+        // √g √(2D), of an intensity of its own.
+        let growing = Intensity::of(self.intensity.d() * self.growth).amplitude();
+        [[zero, zero], [S::from(sigma), x * growing]]
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed("c k mu g D", [self.damping, self.stiffness, self.cubic, self.growth, self.intensity.d()])
+impl Parametric for DisplacementNoise {
+    type With<P: Parameter> = DisplacementNoise<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> DisplacementNoise<P> {
+        DisplacementNoise {
+            damping: of("c", self.damping),
+            stiffness: of("k", self.stiffness),
+            cubic: of("mu", self.cubic),
+            growth: of("g", self.growth),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }
 
 impl Solved for DisplacementNoise {
     fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     fn log_density<S: Scalar>(&self, state: &[S]) -> S {

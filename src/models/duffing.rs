@@ -1,8 +1,8 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// Duffing's oscillator x″ + c x′ + k x + μ x³ = ξ, with two wells for k < 0 < μ.
 ///
@@ -11,11 +11,11 @@ use crate::system::{Intensity, Oscillator};
 /// # Reference
 /// T. K. Caughey, Nonlinear theory of random vibrations, Advances in Applied Mechanics 11 (1971) 209-253.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Duffing {
-    damping: f64,
-    stiffness: f64,
-    cubic: f64,
-    intensity: Intensity,
+pub struct Duffing<P = f64> {
+    damping: P,
+    stiffness: P,
+    cubic: P,
+    intensity: Intensity<P>,
 }
 
 impl Duffing {
@@ -42,24 +42,33 @@ impl Duffing {
     }
 }
 
-impl Oscillator for Duffing {
+impl<P: Parameter> Oscillator<P> for Duffing<P> {
     #[inline]
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         v * self.damping + x * self.stiffness + x.powi(3) * self.cubic
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed("c k mu D", [self.damping, self.stiffness, self.cubic, self.intensity.d()])
+impl Parametric for Duffing {
+    type With<P: Parameter> = Duffing<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Duffing<P> {
+        Duffing {
+            damping: of("c", self.damping),
+            stiffness: of("k", self.stiffness),
+            cubic: of("mu", self.cubic),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }
 
 impl Solved for Duffing {
     fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     fn log_density<S: Scalar>(&self, state: &[S]) -> S {

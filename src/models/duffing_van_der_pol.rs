@@ -1,7 +1,6 @@
-use super::listed;
 use crate::error::Result;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// The Duffing-van der Pol oscillator x″ + (α + β x²) x′ + k x + μ x³ = ξ: damping that depends on the displacement.
 ///
@@ -10,12 +9,12 @@ use crate::system::{Intensity, Oscillator};
 /// # Reference
 /// B. van der Pol, On relaxation-oscillations, Philosophical Magazine 2 (1926) 978-992, doi:10.1080/14786442608564127.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DuffingVanDerPol {
-    linear_damping: f64,
-    displacement_damping: f64,
-    stiffness: f64,
-    cubic: f64,
-    intensity: Intensity,
+pub struct DuffingVanDerPol<P = f64> {
+    linear_damping: P,
+    displacement_damping: P,
+    stiffness: P,
+    cubic: P,
+    intensity: Intensity<P>,
 }
 
 impl DuffingVanDerPol {
@@ -39,21 +38,28 @@ impl DuffingVanDerPol {
     }
 }
 
-impl Oscillator for DuffingVanDerPol {
+impl<P: Parameter> Oscillator<P> for DuffingVanDerPol<P> {
     #[inline]
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         let damping = x * x * self.displacement_damping + self.linear_damping;
         damping * v + x * self.stiffness + x.powi(3) * self.cubic
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed(
-            "alpha beta k mu D",
-            [self.linear_damping, self.displacement_damping, self.stiffness, self.cubic, self.intensity.d()],
-        )
+impl Parametric for DuffingVanDerPol {
+    type With<P: Parameter> = DuffingVanDerPol<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> DuffingVanDerPol<P> {
+        DuffingVanDerPol {
+            linear_damping: of("alpha", self.linear_damping),
+            displacement_damping: of("beta", self.displacement_damping),
+            stiffness: of("k", self.stiffness),
+            cubic: of("mu", self.cubic),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }

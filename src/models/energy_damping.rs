@@ -1,8 +1,8 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// An oscillator whose damping depends on its energy: x″ + (β H − α) x′ + x + μ x³ = ξ, H = x′²/2 + x²/2 + μ x⁴/4.
 ///
@@ -13,11 +13,11 @@ use crate::system::{Intensity, Oscillator};
 /// T. K. Caughey and F. Ma, The exact steady-state solution of a class of non-linear stochastic systems, International
 /// Journal of Non-Linear Mechanics 17 (1982) 137-142, doi:10.1016/0020-7462(82)90013-0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EnergyDamping {
-    drive: f64,
-    damping: f64,
-    cubic: f64,
-    intensity: Intensity,
+pub struct EnergyDamping<P = f64> {
+    drive: P,
+    damping: P,
+    cubic: P,
+    intensity: Intensity<P>,
 }
 
 impl EnergyDamping {
@@ -29,30 +29,41 @@ impl EnergyDamping {
     pub fn new(drive: f64, damping: f64, cubic: f64, intensity: f64) -> Result<Self> {
         Ok(EnergyDamping { drive, damping, cubic, intensity: Intensity::new(intensity)? })
     }
+}
 
-    fn energy<S: Scalar>(&self, x: S, v: S) -> S {
+impl<P: Parameter> EnergyDamping<P> {
+    fn energy<S: Scalar<P>>(&self, x: S, v: S) -> S {
         (v * v + x * x) * 0.5 + x.powi(4) * (self.cubic / 4.0)
     }
 }
 
-impl Oscillator for EnergyDamping {
+impl<P: Parameter> Oscillator<P> for EnergyDamping<P> {
     #[inline]
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         (self.energy(x, v) * self.damping - self.drive) * v + x + x.powi(3) * self.cubic
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed("alpha beta mu D", [self.drive, self.damping, self.cubic, self.intensity.d()])
+impl Parametric for EnergyDamping {
+    type With<P: Parameter> = EnergyDamping<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> EnergyDamping<P> {
+        EnergyDamping {
+            drive: of("alpha", self.drive),
+            damping: of("beta", self.damping),
+            cubic: of("mu", self.cubic),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }
 
 impl Solved for EnergyDamping {
     fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     fn log_density<S: Scalar>(&self, state: &[S]) -> S {

@@ -1,9 +1,9 @@
-use super::{Duffing, listed};
+use super::Duffing;
 use crate::checks::positive;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, PolynomialDrift};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric, PolynomialDrift};
 
 /// A Duffing oscillator under coloured noise, x″ + c x′ + k x + μ x³ = z, where z is white noise ξ behind a filter:
 /// z′ = a (ξ − z), or z″ + 2 ζ ω z′ + ω² z = ω² ξ.
@@ -76,66 +76,75 @@ impl FilteredDuffing {
     pub fn problem(&self) -> Result<Problem> {
         let oscillator = self.oscillator;
         match self.filter {
-            Filter::First(a) => Problem::of(FirstOrder { oscillator, a }),
-            Filter::Second(omega, zeta) => Problem::of(SecondOrder { oscillator, omega, zeta }),
+            Filter::First(a) => Problem::parametric(FirstOrder { oscillator, a }),
+            Filter::Second(omega, zeta) => Problem::parametric(SecondOrder { oscillator, omega, zeta }),
         }
     }
 }
 
-struct FirstOrder {
-    oscillator: Duffing,
-    a: f64,
+struct FirstOrder<P = f64> {
+    oscillator: Duffing<P>,
+    a: P,
 }
 
-impl PolynomialDrift<3, 1> for FirstOrder {
+impl<P: Parameter> PolynomialDrift<3, 1, P> for FirstOrder<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
+    fn drift<S: Scalar<P>>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
         [v, z - self.oscillator.force(x, v), -(z * self.a)]
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, _: [S; 3]) -> [[S; 1]; 3] {
+    fn noise<S: Scalar<P>>(&self, _: [S; 3]) -> [[S; 1]; 3] {
         behind(self.a, self.oscillator.intensity())
     }
 
     fn names(&self) -> Vec<String> {
         ["x", "v", "z"].map(str::to_owned).to_vec()
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        [Oscillator::parameters(&self.oscillator), listed("a", [self.a])].concat()
+impl Parametric for FirstOrder {
+    type With<P: Parameter> = FirstOrder<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> FirstOrder<P> {
+        FirstOrder { oscillator: self.oscillator.with(of), a: of("a", self.a) }
     }
 }
 
-struct SecondOrder {
-    oscillator: Duffing,
-    omega: f64,
-    zeta: f64,
+struct SecondOrder<P = f64> {
+    oscillator: Duffing<P>,
+    omega: P,
+    zeta: P,
 }
 
-impl PolynomialDrift<4, 1> for SecondOrder {
+impl<P: Parameter> PolynomialDrift<4, 1, P> for SecondOrder<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [x, v, z, w]: [S; 4]) -> [S; 4] {
+    fn drift<S: Scalar<P>>(&self, [x, v, z, w]: [S; 4]) -> [S; 4] {
         let square = self.omega * self.omega;
-        [v, z - self.oscillator.force(x, v), w, -(w * (2.0 * self.zeta * self.omega) + z * square)]
+        [v, z - self.oscillator.force(x, v), w, -(w * (self.zeta * self.omega * 2.0) + z * square)]
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, _: [S; 4]) -> [[S; 1]; 4] {
+    fn noise<S: Scalar<P>>(&self, _: [S; 4]) -> [[S; 1]; 4] {
         behind(self.omega * self.omega, self.oscillator.intensity())
     }
 
     fn names(&self) -> Vec<String> {
         ["x", "v", "z", "w"].map(str::to_owned).to_vec()
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        [Oscillator::parameters(&self.oscillator), listed("omega zeta", [self.omega, self.zeta])].concat()
+impl Parametric for SecondOrder {
+    type With<P: Parameter> = SecondOrder<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> SecondOrder<P> {
+        let oscillator = self.oscillator.with(of);
+        SecondOrder { oscillator, omega: of("omega", self.omega), zeta: of("zeta", self.zeta) }
     }
 }
 
 /// Noise on the last state alone, times a gain.
 #[inline]
-fn behind<S: Scalar, const N: usize>(gain: f64, intensity: Intensity) -> [[S; 1]; N] {
-    std::array::from_fn(|i| [S::from(if i + 1 == N { gain * intensity.amplitude() } else { 0.0 })])
+fn behind<P: Parameter, S: Scalar<P>, const N: usize>(gain: P, intensity: Intensity<P>) -> [[S; 1]; N] {
+    std::array::from_fn(|i| [if i + 1 == N { S::from(gain * intensity.amplitude()) } else { S::zero() }])
 }

@@ -2,51 +2,84 @@ use super::Duffing;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Oscillator, PolynomialDrift};
+use crate::system::{Oscillator, Parameter, Parametric, PolynomialDrift};
 
 /// A Duffing oscillator that drives a further state by its velocity, with that state's force on it: x″ + c x′ + k x + μ x³ +
 /// a z = ξ, z′ = b x′ − λ z.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Follower {
-    pub(super) oscillator: Duffing,
+pub(super) struct Follower<P = f64> {
+    pub(super) oscillator: Duffing<P>,
     /// a.
-    pub(super) back: f64,
+    pub(super) back: P,
     /// b.
-    pub(super) forth: f64,
+    pub(super) forth: P,
     /// λ.
-    pub(super) rate: f64,
+    pub(super) rate: P,
 }
 
-impl Follower {
-    /// The problem with the third state's name and the parameters beyond the oscillator's.
-    pub(super) fn problem(self, name: &'static str, parameters: Vec<(String, f64)>) -> Result<Problem> {
-        Problem::of(Named { follower: self, name, parameters })
+/// What follows the oscillator, by which its parameters have their names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    /// The voltage V of a harvester: κ₁, κ₂, λ.
+    Voltage,
+    /// The force f of a Maxwell element: k₁ and τ = 1/rate.
+    Force,
+}
+
+impl Kind {
+    fn state(self) -> &'static str {
+        match self {
+            Kind::Voltage => "V",
+            Kind::Force => "f",
+        }
     }
 }
 
-struct Named {
-    follower: Follower,
-    name: &'static str,
-    parameters: Vec<(String, f64)>,
+impl Follower {
+    pub(super) fn problem(self, kind: Kind) -> Result<Problem> {
+        Problem::parametric(Named { follower: self, kind })
+    }
 }
 
-impl PolynomialDrift<3, 1> for Named {
+struct Named<P = f64> {
+    follower: Follower<P>,
+    kind: Kind,
+}
+
+impl<P: Parameter> PolynomialDrift<3, 1, P> for Named<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
+    fn drift<S: Scalar<P>>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
         let Follower { oscillator, back, forth, rate } = self.follower;
         [v, -(oscillator.force(x, v) + z * back), v * forth - z * rate]
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, _: [S; 3]) -> [[S; 1]; 3] {
-        [0.0, self.follower.oscillator.intensity().amplitude(), 0.0].map(|amplitude| [S::from(amplitude)])
+    fn noise<S: Scalar<P>>(&self, _: [S; 3]) -> [[S; 1]; 3] {
+        [S::zero(), S::from(self.follower.oscillator.intensity().amplitude()), S::zero()].map(|entry| [entry])
     }
 
     fn names(&self) -> Vec<String> {
-        ["x", "v", self.name].map(str::to_owned).to_vec()
+        ["x", "v", self.kind.state()].map(str::to_owned).to_vec()
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        [Oscillator::parameters(&self.follower.oscillator), self.parameters.clone()].concat()
+impl Parametric for Named {
+    type With<P: Parameter> = Named<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Named<P> {
+        let Follower { oscillator, back, forth, rate } = self.follower;
+        let oscillator = oscillator.with(of);
+        let follower = match self.kind {
+            Kind::Voltage => {
+                Follower { oscillator, back: of("kappa1", back), forth: of("kappa2", forth), rate: of("lambda", rate) }
+            }
+            Kind::Force => Follower {
+                oscillator,
+                back: P::from(back),
+                forth: of("k1", forth),
+                rate: of("tau", rate.recip()).recip(),
+            },
+        };
+        Named { follower, kind: self.kind }
     }
 }

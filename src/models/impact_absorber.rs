@@ -54,7 +54,7 @@ impl ImpactAbsorber {
     /// # Errors
     /// As [`Problem::of`].
     pub fn problem(&self) -> Result<Problem> {
-        let free = self.attachment.problem("kappa", 0)?;
+        let free = self.attachment.problem(("kappa", 0))?;
         self.stops.into_iter().try_fold(free, Problem::with_wall)
     }
 

@@ -1,8 +1,8 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// The linear oscillator x″ + c x′ + k x = ξ: normal, with E x′² = D/c and E x² = D/(c k).
 ///
@@ -10,10 +10,10 @@ use crate::system::{Intensity, Oscillator};
 /// S. Chandrasekhar, Stochastic problems in physics and astronomy, Reviews of Modern Physics 15 (1943) 1-89,
 /// doi:10.1103/RevModPhys.15.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Linear {
-    damping: f64,
-    stiffness: f64,
-    intensity: Intensity,
+pub struct Linear<P = f64> {
+    damping: P,
+    stiffness: P,
+    intensity: Intensity<P>,
 }
 
 impl Linear {
@@ -27,24 +27,32 @@ impl Linear {
     }
 }
 
-impl Oscillator for Linear {
+impl<P: Parameter> Oscillator<P> for Linear<P> {
     #[inline]
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         v * self.damping + x * self.stiffness
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed("c k D", [self.damping, self.stiffness, self.intensity.d()])
+impl Parametric for Linear {
+    type With<P: Parameter> = Linear<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Linear<P> {
+        Linear {
+            damping: of("c", self.damping),
+            stiffness: of("k", self.stiffness),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }
 
 impl Solved for Linear {
     fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     fn log_density<S: Scalar>(&self, state: &[S]) -> S {

@@ -117,8 +117,3 @@ pub trait Solved {
         ExpPolynomial::from_states(&self.log_polynomial()?, &self.problem()?.gaussian()?, Support::Above(bound))
     }
 }
-
-/// Parameters with their names; `names` holds these as words.
-fn listed<const K: usize>(names: &str, values: [f64; K]) -> Vec<(String, f64)> {
-    names.split(' ').map(str::to_owned).zip(values).collect()
-}

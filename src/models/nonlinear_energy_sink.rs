@@ -32,7 +32,7 @@ impl NonlinearEnergySink {
     /// # Errors
     /// As [`Problem::of`].
     pub fn problem(&self) -> Result<Problem> {
-        self.0.problem("nu", 1)
+        self.0.problem(("nu", 1))
     }
 
     /// The mean power that the sink's damper takes per unit mass of the structure, γ E(u − v)², of the D that the noise

@@ -1,11 +1,10 @@
-use super::listed;
 use crate::checks::{coordinate, dimension, point, positive, state_index};
 use crate::density::{Crossing, Density, moderate};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Interpretation, PolynomialDrift};
+use crate::system::{Intensity, Interpretation, Parameter, Parametric, PolynomialDrift};
 
 /// The linear oscillator with noise in damping and stiffness, x″ + 2α x′ (1 + η) + Ω² x (1 + ζ) = ξ, Stratonovich.
 ///
@@ -17,11 +16,11 @@ use crate::system::{Intensity, Interpretation, PolynomialDrift};
 /// M. F. Dimentberg, An exact solution to a certain non-linear random vibration problem, International Journal of
 /// Non-Linear Mechanics 17 (1982) 231-236, doi:10.1016/0020-7462(82)90023-3.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParametricLinear {
-    damping: f64,
-    frequency: f64,
-    parametric: Intensity,
-    external: Intensity,
+pub struct ParametricLinear<P = f64> {
+    damping: P,
+    frequency: P,
+    parametric: Intensity<P>,
+    external: Intensity<P>,
 }
 
 impl ParametricLinear {
@@ -59,26 +58,35 @@ impl ParametricLinear {
     }
 }
 
-impl PolynomialDrift<2, 3> for ParametricLinear {
+impl<P: Parameter> PolynomialDrift<2, 3, P> for ParametricLinear<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
-        [v, -(v * (2.0 * self.damping) + x * self.frequency.powi(2))]
+    fn drift<S: Scalar<P>>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -(v * (self.damping * 2.0) + x * self.frequency.powi(2))]
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, [x, v]: [S; 2]) -> [[S; 3]; 2] {
-        let zero = S::from(0.0);
+    fn noise<S: Scalar<P>>(&self, [x, v]: [S; 2]) -> [[S; 3]; 2] {
+        let zero = S::zero();
         // Ω² √(2D_ζ) = 2αΩ √(2D_η) by the condition on the intensities.
-        let sigma = 2.0 * self.damping * self.parametric.amplitude();
+        let sigma = self.damping * 2.0 * self.parametric.amplitude();
         [[zero; 3], [S::from(self.external.amplitude()), -(v * sigma), -(x * (self.frequency * sigma))]]
     }
 
     fn interpretation(&self) -> Interpretation {
         Interpretation::Stratonovich
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed("alpha Omega D_eta D", [self.damping, self.frequency, self.parametric.d(), self.external.d()])
+impl Parametric for ParametricLinear {
+    type With<P: Parameter> = ParametricLinear<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> ParametricLinear<P> {
+        ParametricLinear {
+            damping: of("alpha", self.damping),
+            frequency: of("Omega", self.frequency),
+            parametric: Intensity::of(of("D_eta", self.parametric.d())),
+            external: Intensity::of(of("D", self.external.d())),
+        }
     }
 }
 

@@ -1,8 +1,8 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// The cubic-quintic oscillator x″ + c x′ + k x + μ x³ + ν x⁵ = ξ, with three wells for k, ν > 0 and μ sufficiently
 /// negative.
@@ -12,12 +12,12 @@ use crate::system::{Intensity, Oscillator};
 /// # Reference
 /// T. K. Caughey, Nonlinear theory of random vibrations, Advances in Applied Mechanics 11 (1971) 209-253.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QuinticDuffing {
-    damping: f64,
-    stiffness: f64,
-    cubic: f64,
-    quintic: f64,
-    intensity: Intensity,
+pub struct QuinticDuffing<P = f64> {
+    damping: P,
+    stiffness: P,
+    cubic: P,
+    quintic: P,
+    intensity: Intensity<P>,
 }
 
 impl QuinticDuffing {
@@ -31,24 +31,34 @@ impl QuinticDuffing {
     }
 }
 
-impl Oscillator for QuinticDuffing {
+impl<P: Parameter> Oscillator<P> for QuinticDuffing<P> {
     #[inline]
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         v * self.damping + x * self.stiffness + x.powi(3) * self.cubic + x.powi(5) * self.quintic
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed("c k mu nu D", [self.damping, self.stiffness, self.cubic, self.quintic, self.intensity.d()])
+impl Parametric for QuinticDuffing {
+    type With<P: Parameter> = QuinticDuffing<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> QuinticDuffing<P> {
+        QuinticDuffing {
+            damping: of("c", self.damping),
+            stiffness: of("k", self.stiffness),
+            cubic: of("mu", self.cubic),
+            quintic: of("nu", self.quintic),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }
 
 impl Solved for QuinticDuffing {
     fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     fn log_density<S: Scalar>(&self, state: &[S]) -> S {

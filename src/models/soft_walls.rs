@@ -1,9 +1,9 @@
-use super::{Duffing, Solved, listed};
+use super::{Duffing, Solved};
 use crate::checks::{finite, positive, require};
 use crate::error::Result;
 use crate::problem::{Problem, Wall};
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// A Duffing oscillator between two soft walls at b₁ and b₂, y″ + c y′ + k y + μ y³ + U′ + γ y′ = ξ: an ordinary oscillator that
 /// approaches the one between rigid walls with the restitution r as the walls get stiffer.
@@ -26,11 +26,13 @@ use crate::system::{Intensity, Oscillator};
 /// K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, Journal of Applied Mechanics
 /// 42 (1975) 440-445, doi:10.1115/1.3423596, of contacts whose damping follows their force.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SoftWalls {
-    oscillator: Duffing,
-    walls: [Wall; 2],
+pub struct SoftWalls<P = f64> {
+    oscillator: Duffing<P>,
+    /// The offsets of the walls.
+    offsets: [P; 2],
+    restitution: P,
     power: u32,
-    energy: f64,
+    energy: P,
 }
 
 impl SoftWalls {
@@ -58,8 +60,8 @@ impl SoftWalls {
         let remedy = "give an odd power from 3 to 29, so that the damping is above zero on both sides";
         require(served, "power m", f64::from(power), remedy)?;
         let energy = positive("energy e", energy, "the walls hold bodies by an energy above zero")?;
-        let walls = [Wall::above(low, restitution)?, Wall::below(high, restitution)?];
-        Ok(SoftWalls { oscillator, walls, power, energy })
+        let _ = [Wall::above(low, restitution)?, Wall::below(high, restitution)?];
+        Ok(SoftWalls { oscillator, offsets: [low, high], restitution, power, energy })
     }
 
     /// The oscillator between soft walls.
@@ -67,7 +69,7 @@ impl SoftWalls {
     /// # Errors
     /// As [`Problem::of`].
     pub fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     /// The same oscillator between rigid walls at b₁ and b₂, the limit of m → ∞.
@@ -75,7 +77,9 @@ impl SoftWalls {
     /// # Errors
     /// As [`Problem::with_wall`].
     pub fn rigid(&self) -> Result<Problem> {
-        self.walls.into_iter().try_fold(self.oscillator.problem()?, Problem::with_wall)
+        let [low, high] = self.offsets;
+        let walls = [Wall::above(low, self.restitution)?, Wall::below(high, self.restitution)?];
+        walls.into_iter().try_fold(self.oscillator.problem()?, Problem::with_wall)
     }
 
     /// The stiffness of the walls K = U″(b), per unit mass.
@@ -83,39 +87,50 @@ impl SoftWalls {
         let m = f64::from(self.power);
         2.0 * m * (2.0 * m - 1.0) * self.energy / self.half().powi(2)
     }
+}
 
+impl<P: Parameter> SoftWalls<P> {
     /// ℓ.
-    fn half(&self) -> f64 {
-        (self.walls[1].offset() - self.walls[0].offset()) / 2.0
+    fn half(&self) -> P {
+        (self.offsets[1] - self.offsets[0]) / 2.0
     }
 
     /// ζ.
-    fn damping_ratio(&self) -> f64 {
-        let decay = -self.walls[0].restitution().ln();
-        decay / decay.hypot(std::f64::consts::PI)
+    fn damping_ratio(&self) -> P {
+        let decay = -self.restitution.ln();
+        decay / (decay * decay + std::f64::consts::PI.powi(2)).sqrt()
     }
 }
 
-impl Oscillator for SoftWalls {
+impl<P: Parameter> Oscillator<P> for SoftWalls<P> {
     #[inline]
-    fn force<S: Scalar>(&self, y: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, y: S, v: S) -> S {
         let half = self.half();
-        let s = (y - (self.walls[0].offset() + half)) * half.recip();
+        let s = (y - (self.offsets[0] + half)) * half.recip();
         // |q′| and q for √(2e) = 1.
         let steepness = s.powi(self.power - 1);
-        let rate = f64::from(self.power) / half;
-        let damping = 2.0 * self.damping_ratio() * (2.0 * self.energy).sqrt() * rate;
-        let contact = steepness * (steepness * s * (2.0 * self.energy * rate) + v * damping);
+        let rate = half.recip() * f64::from(self.power);
+        let damping = self.damping_ratio() * 2.0 * (self.energy * 2.0).sqrt() * rate;
+        let contact = steepness * (steepness * s * (self.energy * rate * 2.0) + v * damping);
         self.oscillator.force(y, v) + contact
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.oscillator.intensity()
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        let [low, high] = self.walls.map(|wall| wall.offset());
-        let own = [low, high, self.walls[0].restitution(), f64::from(self.power), self.energy];
-        [Oscillator::parameters(&self.oscillator), listed("b1 b2 r m e", own)].concat()
+impl Parametric for SoftWalls {
+    type With<P: Parameter> = SoftWalls<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> SoftWalls<P> {
+        let [low, high] = self.offsets;
+        SoftWalls {
+            oscillator: self.oscillator.with(of),
+            offsets: [of("b1", low), of("b2", high)],
+            restitution: of("r", self.restitution),
+            power: self.power,
+            energy: of("e", self.energy),
+        }
     }
 }

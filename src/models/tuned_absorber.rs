@@ -33,7 +33,7 @@ impl TunedAbsorber {
     /// # Errors
     /// As [`Problem::of`].
     pub fn problem(&self) -> Result<Problem> {
-        self.0.problem("kappa", 0)
+        self.0.problem(("kappa", 0))
     }
 
     /// The mean power that the absorber's damper takes per unit mass of the structure, γ E(u − v)². The noise feeds D,

@@ -1,8 +1,8 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator};
+use crate::system::{Intensity, Oscillator, Parameter, Parametric};
 
 /// The van der Pol-Rayleigh oscillator x″ + ε (x² + x′² − 1) x′ + x = ξ with its circular limit cycle.
 ///
@@ -13,9 +13,9 @@ use crate::system::{Intensity, Oscillator};
 /// T. K. Caughey and F. Ma, The exact steady-state solution of a class of non-linear stochastic systems, International
 /// Journal of Non-Linear Mechanics 17 (1982) 137-142, doi:10.1016/0020-7462(82)90013-0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VanDerPolRayleigh {
-    strength: f64,
-    intensity: Intensity,
+pub struct VanDerPolRayleigh<P = f64> {
+    strength: P,
+    intensity: Intensity<P>,
 }
 
 impl VanDerPolRayleigh {
@@ -29,24 +29,31 @@ impl VanDerPolRayleigh {
     }
 }
 
-impl Oscillator for VanDerPolRayleigh {
+impl<P: Parameter> Oscillator<P> for VanDerPolRayleigh<P> {
     #[inline]
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         (x * x + v * v - 1.0) * v * self.strength + x
     }
 
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed("epsilon D", [self.strength, self.intensity.d()])
+impl Parametric for VanDerPolRayleigh {
+    type With<P: Parameter> = VanDerPolRayleigh<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> VanDerPolRayleigh<P> {
+        VanDerPolRayleigh {
+            strength: of("epsilon", self.strength),
+            intensity: Intensity::of(of("D", self.intensity.d())),
+        }
     }
 }
 
 impl Solved for VanDerPolRayleigh {
     fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     fn log_density<S: Scalar>(&self, state: &[S]) -> S {

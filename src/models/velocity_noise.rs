@@ -1,9 +1,9 @@
-use super::{Solved, listed};
+use super::Solved;
 use crate::checks::finite;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Interpretation, PolynomialDrift};
+use crate::system::{Interpretation, Parameter, Parametric, PolynomialDrift};
 
 /// A Duffing oscillator with noise in its velocity, x″ + d(x, x′) + k x + μ x³ = (g₀ + g₁ x′) ξ, in Stratonovich's
 /// sense with ξ of intensity 1, and with the damping that gives it the density C exp(−φ(H)), φ = α H + β H²/2:
@@ -17,13 +17,13 @@ use crate::system::{Interpretation, PolynomialDrift};
 /// Y. K. Lin and G. Q. Cai, Exact stationary response solution for second order nonlinear systems under parametric and
 /// external white noise excitations: part II, Journal of Applied Mechanics 55 (1988) 702-705.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VelocityNoise {
-    constant: f64,
-    slope: f64,
-    linear: f64,
-    quadratic: f64,
-    stiffness: f64,
-    cubic: f64,
+pub struct VelocityNoise<P = f64> {
+    constant: P,
+    slope: P,
+    linear: P,
+    quadratic: P,
+    stiffness: P,
+    cubic: P,
 }
 
 impl VelocityNoise {
@@ -36,40 +36,50 @@ impl VelocityNoise {
         let [constant, slope] = [finite("noise amplitude g₀", noise[0])?, finite("noise slope g₁", noise[1])?];
         Ok(VelocityNoise { constant, slope, linear: exponent[0], quadratic: exponent[1], stiffness, cubic })
     }
+}
 
-    fn energy<S: Scalar>(&self, x: S, v: S) -> S {
+impl<P: Parameter> VelocityNoise<P> {
+    fn energy<S: Scalar<P>>(&self, x: S, v: S) -> S {
         v * v * 0.5 + x * x * (self.stiffness / 2.0) + x.powi(4) * (self.cubic / 4.0)
     }
 }
 
-impl PolynomialDrift<2, 1> for VelocityNoise {
+impl<P: Parameter> PolynomialDrift<2, 1, P> for VelocityNoise<P> {
     #[inline]
-    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+    fn drift<S: Scalar<P>>(&self, [x, v]: [S; 2]) -> [S; 2] {
         let amplitude = v * self.slope + self.constant;
         let damping = amplitude * amplitude * (self.energy(x, v) * self.quadratic + self.linear) * v;
         [v, amplitude * self.slope - damping - x * self.stiffness - x.powi(3) * self.cubic]
     }
 
     #[inline]
-    fn noise<S: Scalar>(&self, [_, v]: [S; 2]) -> [[S; 1]; 2] {
-        [[S::from(0.0)], [(v * self.slope + self.constant) * std::f64::consts::SQRT_2]]
+    fn noise<S: Scalar<P>>(&self, [_, v]: [S; 2]) -> [[S; 1]; 2] {
+        [[S::zero()], [(v * self.slope + self.constant) * std::f64::consts::SQRT_2]]
     }
 
     fn interpretation(&self) -> Interpretation {
         Interpretation::Stratonovich
     }
+}
 
-    fn parameters(&self) -> Vec<(String, f64)> {
-        listed(
-            "g0 g1 alpha beta k mu",
-            [self.constant, self.slope, self.linear, self.quadratic, self.stiffness, self.cubic],
-        )
+impl Parametric for VelocityNoise {
+    type With<P: Parameter> = VelocityNoise<P>;
+
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> VelocityNoise<P> {
+        VelocityNoise {
+            constant: of("g0", self.constant),
+            slope: of("g1", self.slope),
+            linear: of("alpha", self.linear),
+            quadratic: of("beta", self.quadratic),
+            stiffness: of("k", self.stiffness),
+            cubic: of("mu", self.cubic),
+        }
     }
 }
 
 impl Solved for VelocityNoise {
     fn problem(&self) -> Result<Problem> {
-        Problem::of(*self)
+        Problem::parametric(*self)
     }
 
     fn log_density<S: Scalar>(&self, state: &[S]) -> S {

@@ -1,5 +1,5 @@
-use super::follower::Follower;
-use super::{Duffing, listed};
+use super::Duffing;
+use super::follower::{Follower, Kind};
 use crate::checks::positive;
 use crate::error::Result;
 use crate::problem::Problem;
@@ -42,6 +42,6 @@ impl ViscoelasticIsolator {
     /// # Errors
     /// As [`Problem::of`].
     pub fn problem(&self) -> Result<Problem> {
-        self.0.problem("f", listed("k1 tau", [self.0.forth, self.0.rate.recip()]))
+        self.0.problem(Kind::Force)
     }
 }

@@ -10,7 +10,7 @@ mod text;
 use exponents::ordered;
 pub(crate) use exponents::{monomials, of_one, power, total_degree};
 pub use gaussian::Gaussian;
-pub(crate) use symbol::{Arena, Symbol};
+pub(crate) use symbol::{Arena, Symbol, is_real, series};
 pub(crate) use text::twelve_digits;
 
 use crate::checks::dimension;

@@ -1,5 +1,6 @@
 use super::Polynomial;
 use crate::scalar::Scalar;
+use num_dual::{DualNum, HyperDual64};
 use num_traits::{One, Zero};
 use std::cell::RefCell;
 use std::fmt;
@@ -33,14 +34,15 @@ impl Arena {
 
 /// A polynomial that can be copied like a number: a handle into an [`Arena`].
 ///
-/// It implements [`Scalar`], so that a drift evaluated on symbols returns the drift's polynomials.
+/// It implements [`Scalar`], so that a drift evaluated on symbols returns the drift's polynomials. Parameters may be dual
+/// numbers, a + b ε₁ + c ε₂ + d ε₁ε₂: then the last two variables of the arena are ε₁ and ε₂.
 #[derive(Clone, Copy)]
 pub(crate) struct Symbol<'a>(Inner<'a>);
 
 #[derive(Clone, Copy)]
 enum Inner<'a> {
     /// A number needs no store, so that it can be made where no arena is at hand.
-    Constant(f64),
+    Constant(HyperDual64),
     Stored {
         arena: &'a Arena,
         index: usize,
@@ -51,14 +53,14 @@ impl<'a> Symbol<'a> {
     /// The polynomial of `states` variables that the symbol stands for.
     pub(crate) fn polynomial(self, states: usize) -> Polynomial {
         match self.0 {
-            Inner::Constant(value) => Polynomial::constant(states, value),
+            Inner::Constant(value) => series(value, states),
             Inner::Stored { arena, index } => arena.stored.borrow()[index].clone(),
         }
     }
 
-    fn map(self, number: impl Fn(f64) -> f64, polynomial: impl Fn(&Polynomial) -> Polynomial) -> Self {
+    fn map(self, number: impl Fn(HyperDual64) -> HyperDual64, polynomial: impl Fn(&Polynomial) -> Polynomial) -> Self {
         match self.0 {
-            Inner::Constant(value) => Symbol::from(number(value)),
+            Inner::Constant(value) => Symbol(Inner::Constant(number(value))),
             Inner::Stored { arena, index } => {
                 let result = polynomial(&arena.stored.borrow()[index]);
                 arena.symbol(result)
@@ -69,8 +71,30 @@ impl<'a> Symbol<'a> {
 
 impl From<f64> for Symbol<'_> {
     fn from(value: f64) -> Self {
+        Symbol(Inner::Constant(value.into()))
+    }
+}
+
+impl From<HyperDual64> for Symbol<'_> {
+    fn from(value: HyperDual64) -> Self {
         Symbol(Inner::Constant(value))
     }
+}
+
+/// Whether a dual number has no part but the real one.
+pub(crate) fn is_real(number: HyperDual64) -> bool {
+    [number.eps1, number.eps2, number.eps1eps2] == [0.0; 3]
+}
+
+/// A dual number as a polynomial whose last two variables are ε₁ and ε₂.
+pub(crate) fn series(number: HyperDual64, variables: usize) -> Polynomial {
+    let HyperDual64 { re, eps1, eps2, eps1eps2, .. } = number;
+    let constant = Polynomial::constant(variables, re);
+    if is_real(number) {
+        return constant;
+    }
+    let [first, second] = [2, 1].map(|back| Polynomial::variable(variables, variables - back));
+    constant + &first * eps1 + &second * eps2 + &first * &second * eps1eps2
 }
 
 impl fmt::Debug for Symbol<'_> {
@@ -122,13 +146,45 @@ impl Div<f64> for Symbol<'_> {
     }
 }
 
+impl Add<HyperDual64> for Symbol<'_> {
+    type Output = Self;
+
+    fn add(self, constant: HyperDual64) -> Self {
+        self + Symbol::from(constant)
+    }
+}
+
+impl Sub<HyperDual64> for Symbol<'_> {
+    type Output = Self;
+
+    fn sub(self, constant: HyperDual64) -> Self {
+        self - Symbol::from(constant)
+    }
+}
+
+impl Mul<HyperDual64> for Symbol<'_> {
+    type Output = Self;
+
+    fn mul(self, factor: HyperDual64) -> Self {
+        self * Symbol::from(factor)
+    }
+}
+
+impl Div<HyperDual64> for Symbol<'_> {
+    type Output = Self;
+
+    fn div(self, divisor: HyperDual64) -> Self {
+        self * Symbol::from(divisor.recip())
+    }
+}
+
 impl Add for Symbol<'_> {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        match other.0 {
-            Inner::Constant(constant) => self + constant,
-            Inner::Stored { .. } => other.with(self, |p, q| p + q),
+        match (self.0, other.0) {
+            (Inner::Constant(a), Inner::Constant(b)) => Symbol::from(a + b),
+            _ => other.with(self, |p, q| p + q),
         }
     }
 }
@@ -145,9 +201,12 @@ impl Mul for Symbol<'_> {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
-        match other.0 {
-            Inner::Constant(factor) => self * factor,
-            Inner::Stored { .. } => other.with(self, |p, q| p * q),
+        match (self.0, other.0) {
+            (Inner::Constant(a), Inner::Constant(b)) => Symbol::from(a * b),
+            (Inner::Constant(factor), stored) | (stored, Inner::Constant(factor)) if is_real(factor) => {
+                Symbol(stored) * factor.re
+            }
+            _ => other.with(self, |p, q| p * q),
         }
     }
 }
@@ -169,7 +228,7 @@ impl Zero for Symbol<'_> {
 
     fn is_zero(&self) -> bool {
         match self.0 {
-            Inner::Constant(value) => value == 0.0,
+            Inner::Constant(value) => value.is_zero(),
             Inner::Stored { arena, index } => arena.stored.borrow()[index].is_zero(),
         }
     }
@@ -182,6 +241,8 @@ impl One for Symbol<'_> {
 }
 
 impl Scalar for Symbol<'_> {}
+
+impl Scalar<HyperDual64> for Symbol<'_> {}
 
 #[cfg(test)]
 mod tests {
@@ -199,7 +260,7 @@ mod tests {
         assert_eq!(text((x + 2.0) * one + one), "3 + x1");
         assert_eq!(text(Symbol::from(2.0) * x * Symbol::from(3.0)), "6 x1");
         assert_eq!(text(one + one), "2");
-        assert_eq!(text(Scalar::powi(one - x, 2)), "1 - 2 x1 + x1^2");
+        assert_eq!(text(Scalar::<f64>::powi(one - x, 2)), "1 - 2 x1 + x1^2");
         assert!((x - x).is_zero() && Symbol::zero().is_zero() && !one.is_zero());
     }
 }

@@ -1,22 +1,31 @@
 //! Problems from their definitions.
 
+use super::family::Family;
 use super::field::{AnySize, Field, Fixed};
 use super::{Equations, Problem};
 use crate::checks::dimension;
 use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Impulse, noise_induced_drift};
 use crate::polynomial::{Arena, Polynomial, Symbol};
-use crate::system::{Interpretation, PolynomialDrift, PolynomialSystem};
+use crate::scalar::Scalar;
+use crate::system::{Interpretation, Parameter, Parametric, PolynomialDrift, PolynomialSystem};
+use num_dual::HyperDual64;
 use std::sync::Arc;
 
-/// A system as its polynomials.
+/// A system as its polynomials, and what came with it.
 struct Definition {
+    equations: Written,
+    names: Vec<String>,
+    parameters: Vec<(String, f64)>,
+    family: Option<Box<dyn Family>>,
+}
+
+/// The equations of a system as polynomials.
+struct Written {
     drift: Vec<Polynomial>,
     columns: Vec<Vec<Polynomial>>,
     interpretation: Interpretation,
     impulses: Vec<Impulse>,
-    names: Vec<String>,
-    parameters: Vec<(String, f64)>,
 }
 
 impl Problem {
@@ -30,21 +39,31 @@ impl Problem {
     where
         T: PolynomialDrift<N, M> + 'static,
     {
-        let arena = Arena::new(N);
-        let x: [Symbol<'_>; N] = {
-            let variables = arena.variables();
-            std::array::from_fn(|i| variables[i])
-        };
-        let drift = system.drift(x).map(|f| f.polynomial(N)).to_vec();
-        let noise = system.noise(x);
-        let columns = (0..M).map(|k| noise.iter().map(|row| row[k].polynomial(N)).collect()).collect();
-        let impulse = |(source, jumps)| {
-            let field = system.impulse(source, x).map(|h| h.polynomial(N));
-            Impulse::new(jumps, field.to_vec())
-        };
-        let impulses = system.jumps().into_iter().enumerate().map(impulse).collect();
-        let (interpretation, names, parameters) = (system.interpretation(), system.names(), system.parameters());
-        let definition = Definition { drift, columns, interpretation, impulses, names, parameters };
+        Self::fixed(system, Vec::new(), None)
+    }
+
+    /// The problem of a system with parameters, which answers can be differentiated by.
+    ///
+    /// # Errors
+    /// As [`Problem::of`]; [`Error::NotAName`] where two parameters have the same name.
+    pub fn parametric<T, const N: usize, const M: usize>(system: T) -> Result<Self>
+    where
+        T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
+        T::With<HyperDual64>: PolynomialDrift<N, M, HyperDual64>,
+    {
+        let (parameters, copy) = parameters_of(&system)?;
+        Self::fixed(system, parameters, Some(Box::new(FixedFamily::<T, N, M>(copy))))
+    }
+
+    fn fixed<T, const N: usize, const M: usize>(
+        system: T,
+        parameters: Vec<(String, f64)>,
+        family: Option<Box<dyn Family>>,
+    ) -> Result<Self>
+    where
+        T: PolynomialDrift<N, M> + 'static,
+    {
+        let definition = Definition { equations: fixed(&system, 0), names: system.names(), parameters, family };
         definition.problem(|induces| Box::new(Fixed::<T, N, M> { system, induces }) as Box<dyn Field>)
     }
 
@@ -53,33 +72,147 @@ impl Problem {
     /// # Errors
     /// As [`Problem::of`]; [`Error::Dimension`] where drift or noise do not have the system's stated length.
     pub fn of_system(system: impl PolynomialSystem + 'static) -> Result<Self> {
-        let (n, m) = (system.states(), system.processes());
-        let arena = Arena::new(n);
-        let x = arena.variables();
-        let (drift, noise) = (system.drift(&x), system.noise(&x));
-        dimension("a drift", drift.len(), n)?;
-        dimension("a noise matrix", noise.len(), n)?;
-        noise.iter().try_for_each(|row| dimension("a row of a noise matrix", row.len(), m))?;
-        let drift = drift.iter().map(|f| f.polynomial(n)).collect();
-        let columns = (0..m).map(|k| noise.iter().map(|row| row[k].polynomial(n)).collect()).collect();
-        let impulse = |(source, jumps)| {
-            let field = system.impulse(source, &x);
-            dimension("the factor of an impulse", field.len(), n)?;
-            Ok(Impulse::new(jumps, field.iter().map(|h| h.polynomial(n)).collect()))
-        };
-        let impulses = system.jumps().into_iter().enumerate().map(impulse).collect::<Result<_>>()?;
-        let (interpretation, names, parameters) = (system.interpretation(), system.names(), system.parameters());
-        let definition = Definition { drift, columns, interpretation, impulses, names, parameters };
+        Self::any_size(system, Vec::new(), None)
+    }
+
+    /// The problem of such a system with parameters, which answers can be differentiated by.
+    ///
+    /// # Errors
+    /// As [`Problem::of_system`]; [`Error::NotAName`] where two parameters have the same name.
+    pub fn parametric_system<T>(system: T) -> Result<Self>
+    where
+        T: PolynomialSystem + Parametric<With<f64> = T> + 'static,
+        T::With<HyperDual64>: PolynomialSystem<HyperDual64>,
+    {
+        let (parameters, copy) = parameters_of(&system)?;
+        Self::any_size(system, parameters, Some(Box::new(AnyFamily(copy))))
+    }
+
+    pub(super) fn any_size(
+        system: impl PolynomialSystem + 'static,
+        parameters: Vec<(String, f64)>,
+        family: Option<Box<dyn Family>>,
+    ) -> Result<Self> {
+        let definition = Definition { equations: any_size(&system, 0)?, names: system.names(), parameters, family };
         definition.problem(|induces| Box::new(AnySize { system, induces }) as Box<dyn Field>)
+    }
+}
+
+/// The parameters of a system, and the system once more.
+fn parameters_of<T: Parametric<With<f64> = T>>(system: &T) -> Result<(Vec<(String, f64)>, T)> {
+    let mut parameters: Vec<(String, f64)> = Vec::new();
+    let copy = system.with(&mut |name, value| {
+        parameters.push((name.to_owned(), value));
+        value
+    });
+    for (i, (name, _)) in parameters.iter().enumerate() {
+        if parameters[..i].iter().any(|(other, _)| other == name) {
+            return Err(Error::NotAName { name: name.clone(), problem: "two parameters have it" });
+        }
+    }
+    Ok((parameters, copy))
+}
+
+/// The equations of a system as polynomials in its states and `more` variables.
+fn fixed<P: Parameter, T, const N: usize, const M: usize>(system: &T, more: usize) -> Written
+where
+    T: PolynomialDrift<N, M, P>,
+    for<'a> Symbol<'a>: Scalar<P>,
+{
+    let n = N + more;
+    let arena = Arena::new(n);
+    let variables = arena.variables();
+    let x: [Symbol<'_>; N] = std::array::from_fn(|i| variables[i]);
+    let noise = system.noise(x);
+    let impulse = |(source, jumps)| Impulse::new(jumps, padded(system.impulse(source, x), n));
+    Written {
+        drift: padded(system.drift(x), n),
+        columns: (0..M).map(|k| padded(noise.iter().map(|row| row[k]), n)).collect(),
+        interpretation: system.interpretation(),
+        impulses: system.jumps().into_iter().enumerate().map(impulse).collect(),
+    }
+}
+
+/// The same for a number of states at run time.
+fn any_size<P: Parameter, T: PolynomialSystem<P>>(system: &T, more: usize) -> Result<Written>
+where
+    for<'a> Symbol<'a>: Scalar<P>,
+{
+    let (states, m) = (system.states(), system.processes());
+    let n = states + more;
+    let arena = Arena::new(n);
+    let x = &arena.variables()[..states];
+    let (drift, noise) = (system.drift(x), system.noise(x));
+    dimension("a drift", drift.len(), states)?;
+    dimension("a noise matrix", noise.len(), states)?;
+    noise.iter().try_for_each(|row| dimension("a row of a noise matrix", row.len(), m))?;
+    let impulse = |(source, jumps)| {
+        let field = system.impulse(source, x);
+        dimension("the factor of an impulse", field.len(), states)?;
+        Ok(Impulse::new(jumps, padded(field, n)))
+    };
+    Ok(Written {
+        drift: padded(drift, n),
+        columns: (0..m).map(|k| padded(noise.iter().map(|row| row[k]), n)).collect(),
+        interpretation: system.interpretation(),
+        impulses: system.jumps().into_iter().enumerate().map(impulse).collect::<Result<_>>()?,
+    })
+}
+
+/// The polynomials of symbols in `n` variables, and zero for the variables that none of them is the drift of.
+fn padded<'a>(symbols: impl IntoIterator<Item = Symbol<'a>>, n: usize) -> Vec<Polynomial> {
+    let mut all: Vec<Polynomial> = symbols.into_iter().map(|symbol| symbol.polynomial(n)).collect();
+    all.resize(n, Polynomial::zero(n));
+    all
+}
+
+impl Written {
+    fn operator(&self) -> Result<FokkerPlanck> {
+        FokkerPlanck::new(&self.drift, &self.columns, self.interpretation, self.impulses.clone())
+    }
+}
+
+/// The systems of a type for all values of its parameters.
+struct FixedFamily<T, const N: usize, const M: usize>(T);
+
+impl<T, const N: usize, const M: usize> Family for FixedFamily<T, N, M>
+where
+    T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
+    T::With<HyperDual64>: PolynomialDrift<N, M, HyperDual64>,
+{
+    fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
+        Problem::parametric(self.0.with(&mut |name, present| value(name, present)))
+    }
+
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<FokkerPlanck> {
+        fixed(&self.0.with(&mut |name, present| value(name, present)), 2).operator()
+    }
+}
+
+/// The same for a number of states at run time.
+struct AnyFamily<T>(T);
+
+impl<T> Family for AnyFamily<T>
+where
+    T: PolynomialSystem + Parametric<With<f64> = T> + 'static,
+    T::With<HyperDual64>: PolynomialSystem<HyperDual64>,
+{
+    fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
+        Problem::parametric_system(self.0.with(&mut |name, present| value(name, present)))
+    }
+
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<FokkerPlanck> {
+        any_size(&self.0.with(&mut |name, present| value(name, present)), 2)?.operator()
     }
 }
 
 impl Definition {
     /// The problem; `field` makes the evaluation of the same system, given whether the noise induces a drift.
     fn problem(self, field: impl FnOnce(bool) -> Box<dyn Field>) -> Result<Problem> {
-        let Definition { drift, columns, interpretation, impulses, names, parameters } = self;
-        let n = drift.len();
-        let operator = FokkerPlanck::new(&drift, &columns, interpretation, impulses)?;
+        let Definition { equations, names, parameters, family } = self;
+        let n = equations.drift.len();
+        let operator = equations.operator()?;
+        let Written { drift, columns, interpretation, .. } = equations;
         let pairs = (0..n).filter_map(|i| operator.velocity_of(i).map(|j| (i, j)));
         let displacements: Vec<_> = pairs.filter(|&(_, j)| operator.velocity_of(j).is_none()).collect();
         let states = named(names, n, &displacements)?;
@@ -96,6 +229,7 @@ impl Definition {
             constant_noise,
             displacements,
             field,
+            family,
         };
         Ok(Problem { equations: Arc::new(equations), walls: Vec::new() })
     }

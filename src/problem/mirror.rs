@@ -15,13 +15,13 @@ impl Problem {
         };
         let system = Written {
             states: self.states().to_vec(),
-            parameters: self.parameters().to_vec(),
             drift: self.drift().iter().map(turned).collect::<Result<_>>()?,
             noise: noise.collect::<Result<_>>()?,
             interpretation: self.interpretation(),
             impulses: self.impulses().iter().map(impulse).collect::<Result<_>>()?,
         };
-        self.walls().iter().try_fold(Problem::of_system(system)?, |problem, wall| problem.with_wall(wall.mirrored()))
+        let mirrored = Problem::any_size(system, self.parameters().to_vec(), None)?;
+        self.walls().iter().try_fold(mirrored, |problem, wall| problem.with_wall(wall.mirrored()))
     }
 }
 

@@ -4,6 +4,7 @@ mod amplified;
 mod contact;
 mod definition;
 mod expression;
+mod family;
 mod field;
 mod flow;
 mod gaussian_closure;
@@ -37,6 +38,7 @@ use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Local, noise_induced_drift};
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::system::Interpretation;
+use family::Family;
 use std::fmt;
 use std::sync::Arc;
 
@@ -72,6 +74,8 @@ struct Equations {
     constant_noise: bool,
     displacements: Vec<(usize, usize)>,
     field: Box<dyn Field>,
+    /// The same system at other values of its parameters.
+    family: Option<Box<dyn Family>>,
 }
 
 impl Problem {
@@ -136,7 +140,7 @@ impl Problem {
         self.states().iter().position(|state| state == name).ok_or_else(unknown)
     }
 
-    /// The names and values of the parameters that the system lists.
+    /// The names and values of the parameters of a [`Parametric`](crate::Parametric) system, or of a text.
     pub fn parameters(&self) -> &[(String, f64)] {
         &self.equations.parameters
     }

@@ -1,3 +1,4 @@
+use super::Parameter;
 use crate::checks::positive;
 use crate::error::Result;
 use std::f64::consts::PI;
@@ -18,8 +19,8 @@ use std::f64::consts::PI;
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Intensity {
-    d: f64,
+pub struct Intensity<P = f64> {
+    d: P,
 }
 
 const REMEDY: &str = "a noise strength must be finite and above zero";
@@ -51,16 +52,6 @@ impl Intensity {
         Self::new(positive("one-sided spectral density G₀", g0, REMEDY)? * PI / 2.0)
     }
 
-    /// D itself.
-    pub fn d(self) -> f64 {
-        self.d
-    }
-
-    /// σ = √(2D), the factor of dW.
-    pub fn amplitude(self) -> f64 {
-        (2.0 * self.d).sqrt()
-    }
-
     /// S₀ = D/π.
     pub fn two_sided_density(self) -> f64 {
         self.d / PI
@@ -69,5 +60,23 @@ impl Intensity {
     /// G₀ = 2D/π.
     pub fn one_sided_density(self) -> f64 {
         2.0 * self.d / PI
+    }
+}
+
+impl<P: Parameter> Intensity<P> {
+    /// The intensity D that a parameter is. One that is not finite and positive is refused where the system is used.
+    pub fn of(d: P) -> Self {
+        Intensity { d }
+    }
+
+    /// D itself.
+    pub fn d(self) -> P {
+        self.d
+    }
+
+    /// σ = √(2D), the factor of dW.
+    pub fn amplitude(self) -> P {
+        // No noise has no root to be differentiated.
+        if self.d.re() == 0.0 { P::zero() } else { (self.d * 2.0).sqrt() }
     }
 }

@@ -3,10 +3,12 @@
 mod intensity;
 mod jumps;
 mod oscillator;
+mod parametric;
 
 pub use intensity::Intensity;
 pub use jumps::{Amplitude, Jumps};
 pub use oscillator::Oscillator;
+pub use parametric::{Parameter, Parametric};
 
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
@@ -54,12 +56,12 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(problem.displacements(), [(0, 2), (1, 3)]);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub trait PolynomialDrift<const N: usize, const M: usize>: Send + Sync {
+pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: Send + Sync {
     /// The drift f(x).
-    fn drift<S: Scalar>(&self, x: [S; N]) -> [S; N];
+    fn drift<S: Scalar<P>>(&self, x: [S; N]) -> [S; N];
 
     /// The noise matrix G(x): row i holds the factors of the M Wiener processes in state i.
-    fn noise<S: Scalar>(&self, x: [S; N]) -> [[S; M]; N];
+    fn noise<S: Scalar<P>>(&self, x: [S; N]) -> [[S; M]; N];
 
     /// Independent sources of Poisson impulses, none by default: dX = f dt + G dW + Σ_j H_j(X₋) dJ_j.
     fn jumps(&self) -> Vec<Jumps> {
@@ -67,9 +69,9 @@ pub trait PolynomialDrift<const N: usize, const M: usize>: Send + Sync {
     }
 
     /// H_j(x), the factor of the impulses of one source in each state; zero by default.
-    fn impulse<S: Scalar>(&self, source: usize, x: [S; N]) -> [S; N] {
+    fn impulse<S: Scalar<P>>(&self, source: usize, x: [S; N]) -> [S; N] {
         let _ = (source, x);
-        [S::from(0.0); N]
+        [S::zero(); N]
     }
 
     /// How the product G(X) dW is meant. Without effect where G is constant; Itô by default.
@@ -80,11 +82,6 @@ pub trait PolynomialDrift<const N: usize, const M: usize>: Send + Sync {
     /// The states' names, in order; by default x and v for two states of which the second is the velocity of the first, and
     /// x1, x2, … otherwise.
     fn names(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    /// The parameters' names and values, none by default.
-    fn parameters(&self) -> Vec<(String, f64)> {
         Vec::new()
     }
 }
@@ -116,7 +113,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize>: Send + Sync {
 /// assert_eq!(Problem::of_system(Cascade(7))?.dimension(), 7);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub trait PolynomialSystem: Send + Sync {
+pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {
     /// The number of states n.
     fn states(&self) -> usize;
 
@@ -124,10 +121,10 @@ pub trait PolynomialSystem: Send + Sync {
     fn processes(&self) -> usize;
 
     /// The drift f(x): n numbers for n numbers.
-    fn drift<S: Scalar>(&self, x: &[S]) -> Vec<S>;
+    fn drift<S: Scalar<P>>(&self, x: &[S]) -> Vec<S>;
 
     /// The noise matrix G(x) by rows: n rows of m numbers.
-    fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>>;
+    fn noise<S: Scalar<P>>(&self, x: &[S]) -> Vec<Vec<S>>;
 
     /// Independent sources of Poisson impulses, as in [`PolynomialDrift::jumps`].
     fn jumps(&self) -> Vec<Jumps> {
@@ -135,9 +132,9 @@ pub trait PolynomialSystem: Send + Sync {
     }
 
     /// H_j(x), n numbers; zero by default.
-    fn impulse<S: Scalar>(&self, source: usize, x: &[S]) -> Vec<S> {
+    fn impulse<S: Scalar<P>>(&self, source: usize, x: &[S]) -> Vec<S> {
         let _ = source;
-        vec![S::from(0.0); x.len()]
+        vec![S::zero(); x.len()]
     }
 
     /// How the product G(X) dW is meant. Without effect where G is constant; Itô by default.
@@ -147,11 +144,6 @@ pub trait PolynomialSystem: Send + Sync {
 
     /// The states' names, in order; by default as in [`PolynomialDrift::names`].
     fn names(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    /// The parameters' names and values, none by default.
-    fn parameters(&self) -> Vec<(String, f64)> {
         Vec::new()
     }
 }

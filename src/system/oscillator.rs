@@ -1,5 +1,6 @@
-use super::{Intensity, Jumps, PolynomialDrift};
+use super::{Intensity, Jumps, Parameter, PolynomialDrift};
 use crate::scalar::Scalar;
+use num_dual::HyperDual64;
 
 /// A single oscillator x″ + h(x, x′) = ξ with white noise ξ, E[ξ(t)ξ(t+τ)] = 2D δ(τ).
 ///
@@ -21,45 +22,46 @@ use crate::scalar::Scalar;
 /// ```
 ///
 /// An oscillator with multiplicative noise implements `PolynomialDrift` itself.
-pub trait Oscillator: Send + Sync {
+pub trait Oscillator<P: Parameter = f64>: Send + Sync {
     /// The force h(x, v) per unit mass, damping and stiffness together, with the sign that it has on the left side.
-    fn force<S: Scalar>(&self, x: S, v: S) -> S;
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S;
 
     /// The intensity D of the external white noise; [`Intensity::NONE`] under impulses alone.
-    fn intensity(&self) -> Intensity;
+    fn intensity(&self) -> Intensity<P>;
 
     /// Independent sources of Poisson impulses on the velocity, v → v + Y; none by default.
     fn jumps(&self) -> Vec<Jumps> {
         Vec::new()
     }
-
-    /// The parameters' names and values, none by default.
-    fn parameters(&self) -> Vec<(String, f64)> {
-        Vec::new()
-    }
 }
 
-impl<T: Oscillator> PolynomialDrift<2, 1> for T {
-    #[inline]
-    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
-        [v, -self.force(x, v)]
-    }
+/// For each type of parameters by itself: one implementation for all of them would exclude every other system of two states that
+/// is generic over its parameters.
+macro_rules! oscillators {
+    ($($number:ty),*) => {
+        $(
+        impl<T: Oscillator<$number>> PolynomialDrift<2, 1, $number> for T {
+            #[inline]
+            fn drift<S: Scalar<$number>>(&self, [x, v]: [S; 2]) -> [S; 2] {
+                [v, -self.force(x, v)]
+            }
 
-    #[inline]
-    fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 1]; 2] {
-        [[S::from(0.0)], [S::from(self.intensity().amplitude())]]
-    }
+            #[inline]
+            fn noise<S: Scalar<$number>>(&self, _: [S; 2]) -> [[S; 1]; 2] {
+                [[S::zero()], [S::from(self.intensity().amplitude())]]
+            }
 
-    fn jumps(&self) -> Vec<Jumps> {
-        Oscillator::jumps(self)
-    }
+            fn jumps(&self) -> Vec<Jumps> {
+                Oscillator::<$number>::jumps(self)
+            }
 
-    #[inline]
-    fn impulse<S: Scalar>(&self, _: usize, _: [S; 2]) -> [S; 2] {
-        [S::from(0.0), S::from(1.0)]
-    }
-
-    fn parameters(&self) -> Vec<(String, f64)> {
-        Oscillator::parameters(self)
-    }
+            #[inline]
+            fn impulse<S: Scalar<$number>>(&self, _: usize, _: [S; 2]) -> [S; 2] {
+                [S::zero(), S::one()]
+            }
+        }
+        )*
+    };
 }
+
+oscillators!(f64, HyperDual64);

@@ -3,11 +3,14 @@
 pub(crate) mod moving;
 
 use expoly::models::{
-    BistableHarvester, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping,
-    FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, Solved, TunedAbsorber,
-    VanDerPolRayleigh, VelocityNoise, ViscoelasticIsolator,
+    BistableHarvester, ColouredVibroImpact, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol,
+    EnergyDamping, FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, SoftWalls, Solved,
+    TunedAbsorber, VanDerPolRayleigh, VelocityNoise, ViscoelasticIsolator,
 };
-use expoly::{Closure, ClosureDensity, Density, Grid, GridDensity, Intensity, PolynomialDrift, Problem, Scalar, Wall};
+use expoly::{
+    Closure, ClosureDensity, Density, Grid, GridDensity, Intensity, Parametric, PolynomialDrift, Problem, Scalar, Wall,
+};
+use num_dual::HyperDual64;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -37,7 +40,7 @@ where
 
 /// Duffing's oscillator of all reference tables above a wall.
 pub(crate) fn duffing_above(offset: f64, restitution: f64) -> Problem {
-    problem(duffing()).with_wall(Wall::above(offset, restitution).unwrap()).unwrap()
+    parametric(duffing()).with_wall(Wall::above(offset, restitution).unwrap()).unwrap()
 }
 
 /// The density of a named problem by the grid's defaults.
@@ -199,19 +202,28 @@ pub(crate) fn energy_sink() -> NonlinearEnergySink {
     NonlinearEnergySink::new(Duffing::new(0.02, 1.0, 0.0, 0.05).unwrap(), 0.15, 0.4, 0.05).unwrap()
 }
 
+/// The problem of a system with its parameters.
+fn parametric<T, const N: usize, const M: usize>(system: T) -> Problem
+where
+    T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
+    T::With<HyperDual64>: PolynomialDrift<N, M, HyperDual64>,
+{
+    Problem::parametric(system).unwrap()
+}
+
 /// Every model once, as problems: systems of fixed and of any size, of both interpretations.
 pub(crate) fn every_model() -> Vec<(&'static str, Problem)> {
     vec![
-        ("linear", problem(linear())),
-        ("Duffing", problem(duffing())),
-        ("three wells", problem(three_wells())),
-        ("van der Pol-Rayleigh", problem(van_der_pol_rayleigh())),
-        ("energy damping", problem(energy_damping())),
-        ("parametric linear", problem(parametric_linear())),
-        ("displacement noise", problem(displacement_noise())),
-        ("velocity noise", problem(velocity_noise())),
-        ("van der Pol", problem(van_der_pol())),
-        ("Rayleigh", problem(rayleigh())),
+        ("linear", parametric(linear())),
+        ("Duffing", parametric(duffing())),
+        ("three wells", parametric(three_wells())),
+        ("van der Pol-Rayleigh", parametric(van_der_pol_rayleigh())),
+        ("energy damping", parametric(energy_damping())),
+        ("parametric linear", parametric(parametric_linear())),
+        ("displacement noise", parametric(displacement_noise())),
+        ("velocity noise", parametric(velocity_noise())),
+        ("van der Pol", parametric(van_der_pol())),
+        ("Rayleigh", parametric(rayleigh())),
         ("chain of 3", chain_of_three().problem().unwrap()),
         ("vibro-impact", duffing_above(-0.5, 0.9)),
         ("harvester", harvester().problem().unwrap()),
@@ -220,6 +232,11 @@ pub(crate) fn every_model() -> Vec<(&'static str, Problem)> {
         ("energy sink", energy_sink().problem().unwrap()),
         ("first-order filter", FilteredDuffing::first_order(duffing(), 4.0).unwrap().problem().unwrap()),
         ("second-order filter", FilteredDuffing::second_order(duffing(), 1.5, 0.2).unwrap().problem().unwrap()),
+        (
+            "coloured vibro-impact",
+            ColouredVibroImpact::new(duffing(), 3.0, 0.1, [-0.5, 0.9]).unwrap().problem().unwrap(),
+        ),
+        ("soft walls", SoftWalls::new(duffing(), [-0.6, 1.0], 0.8, 3, 0.5).unwrap().problem().unwrap()),
     ]
 }
 

@@ -26,9 +26,6 @@ impl PolynomialDrift<4, 2> for Coupled {
     fn names(&self) -> Vec<String> {
         self.names.iter().map(ToString::to_string).collect()
     }
-    fn parameters(&self) -> Vec<(String, f64)> {
-        vec![("kappa".into(), 0.5)]
-    }
 }
 
 #[test]
@@ -37,7 +34,7 @@ fn a_problem_says_what_it_is_made_of() -> Result<()> {
     assert_eq!((problem.dimension(), problem.states().join(" ")), (4, String::from("x y u v")));
     assert_eq!((problem.state("u")?, problem.state("v")?), (2, 3));
     assert!(matches!(problem.state("w"), Err(Error::NotAName { name, .. }) if name == "w"));
-    assert_eq!(problem.parameters(), [(String::from("kappa"), 0.5)]);
+    assert!(problem.parameters().is_empty());
     assert_eq!(problem.interpretation(), Interpretation::Stratonovich);
     assert_eq!(problem.displacements(), [(0, 2), (1, 3)]);
     assert_eq!([0, 1, 2, 3, 4].map(|state| problem.velocity_of(state)), [Some(2), Some(3), None, None, None]);
@@ -54,7 +51,7 @@ fn a_problem_says_what_it_is_made_of() -> Result<()> {
     assert_eq!(crate::common::problem(duffing()).states(), ["x", "v"]);
     assert_eq!(crate::common::problem(OrnsteinUhlenbeck).states(), ["x1"]);
     assert_eq!(chain_of_three().problem()?.states(), ["x1", "v1", "x2", "v2", "x3", "v3"]);
-    let parameters = crate::common::problem(duffing()).parameters().to_vec();
+    let parameters = duffing().problem()?.parameters().to_vec();
     assert_eq!(parameters, [("c", 0.2), ("k", 1.0), ("mu", 0.3), ("D", 0.2)].map(|(name, c)| (name.to_owned(), c)));
     // The same statement for every model: names for all states, finite parameters.
     for (name, problem) in every_model() {

@@ -4,6 +4,7 @@ mod definition;
 mod hostile;
 mod impulses;
 mod operator;
+mod parameters;
 mod questions;
 mod text;
 mod units;

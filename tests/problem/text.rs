@@ -51,7 +51,7 @@ const WALL: &str = "[[wall]]\nstate = \"x\"\nabove = -0.5\nrestitution = 0.9\n";
 /// The text's field is the polynomials, the model's its own definition: they differ by rounding, and so do the answers.
 #[test]
 fn a_text_and_a_model_ask_for_the_same_answers() -> Result<()> {
-    let (text, model) = (Problem::from_toml(DUFFING)?, problem(duffing()));
+    let (text, model) = (Problem::from_toml(DUFFING)?, duffing().problem().unwrap());
     assert_same("Duffing", &text, &model);
     let walled = Problem::from_toml(&format!("{DUFFING}{WALL}"))?;
     assert_same("above a wall", &walled, &duffing_above(-0.5, 0.9));

@@ -1,10 +1,10 @@
 //! Impulses from text and to text.
 
-use super::Written;
 use super::read::{Document, Entry};
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
+use crate::problem::expression::Names;
 use crate::system::{Amplitude, Jumps};
 use toml::de::DeTable;
 
@@ -14,35 +14,35 @@ const LAWS: &str = "give one law: amplitude = { normal = { mean = 0, deviation =
 
 impl Document<'_> {
     /// The impulses of a table.
-    pub(super) fn impulse(self, name: &str, table: &DeTable<'_>, place: usize, written: &Written) -> Result<Impulse> {
+    pub(super) fn impulse(self, name: &str, table: &DeTable<'_>, place: usize, names: &Names) -> Result<Impulse> {
         let rate = match table.get("rate") {
-            Some(rate) => self.number(name, rate, &written.parameters)?,
+            Some(rate) => self.number(name, rate, names)?,
             None => return self.wrong(place, name, "it has no rate; rate = 2.0 is two impulses per unit time"),
         };
         let amplitude = match table.get("amplitude") {
-            Some(amplitude) => self.amplitude(name, amplitude, written)?,
+            Some(amplitude) => self.amplitude(name, amplitude, names)?,
             None => return self.wrong(place, name, LAWS),
         };
-        let field = self.by_state(table, (name, &["rate", "amplitude"]), written)?;
-        let n = written.states.len();
-        let field = field.into_iter().map(|entry| entry.unwrap_or_else(|| Polynomial::zero(n))).collect();
+        let field = self.by_state(table, (name, &["rate", "amplitude"]), names)?;
+        let zero = || Polynomial::zero(names.variables());
+        let field = field.into_iter().map(|entry| entry.unwrap_or_else(zero)).collect();
         let jumps = Jumps::new(rate, amplitude).or_else(|error| self.wrong(place, name, error.to_string()))?;
         Ok(Impulse::new(jumps, field))
     }
 
-    fn amplitude(self, name: &str, value: &Entry<'_>, written: &Written) -> Result<Amplitude> {
+    fn amplitude(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Amplitude> {
         let place = value.span().start;
         let laws = self.table(name, value)?;
         let (Some((law, numbers)), 1) = (laws.iter().next(), laws.len()) else { return self.wrong(place, name, LAWS) };
         let law = law.get_ref().as_ref();
         let numbers = self.table(law, numbers)?;
-        let all = |names: &[&str]| -> Result<Vec<f64>> {
-            self.known(numbers, law, names)?;
+        let all = |entries: &[&str]| -> Result<Vec<f64>> {
+            self.known(numbers, law, entries)?;
             let number = |name: &&str| match numbers.get(*name) {
-                Some(value) => self.number(name, value, &written.parameters),
+                Some(value) => self.number(name, value, names),
                 None => self.wrong(place, name, LAWS),
             };
-            names.iter().map(number).collect()
+            entries.iter().map(number).collect()
         };
         Ok(match law {
             "normal" => {

@@ -1,5 +1,6 @@
 //! Problems as text.
 
+mod family;
 mod impulse;
 mod read;
 mod write;
@@ -12,19 +13,11 @@ use crate::system::{Interpretation, Jumps, PolynomialSystem};
 /// A system as its polynomials.
 pub(super) struct Written {
     pub(super) states: Vec<String>,
-    pub(super) parameters: Vec<(String, f64)>,
     pub(super) drift: Vec<Polynomial>,
     /// By rows.
     pub(super) noise: Vec<Vec<Polynomial>>,
     pub(super) interpretation: Interpretation,
     pub(super) impulses: Vec<Impulse>,
-}
-
-impl Written {
-    /// No equations yet.
-    fn new(states: Vec<String>, parameters: Vec<(String, f64)>, interpretation: Interpretation) -> Self {
-        Written { states, parameters, drift: Vec::new(), noise: Vec::new(), interpretation, impulses: Vec::new() }
-    }
 }
 
 impl PolynomialSystem for Written {
@@ -58,9 +51,5 @@ impl PolynomialSystem for Written {
 
     fn names(&self) -> Vec<String> {
         self.states.clone()
-    }
-
-    fn parameters(&self) -> Vec<(String, f64)> {
-        self.parameters.clone()
     }
 }

@@ -1,11 +1,13 @@
 //! From text.
 
 use super::Written;
+use super::family::Text;
 use crate::error::{Error, Result};
-use crate::polynomial::Polynomial;
-use crate::problem::expression::{RESERVED, is_name, polynomial};
+use crate::polynomial::{Polynomial, is_real};
+use crate::problem::expression::{Names, RESERVED, is_name, number, polynomial};
 use crate::problem::{Problem, Wall};
 use crate::system::Interpretation;
+use num_dual::HyperDual64;
 use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -17,9 +19,20 @@ const NO_STATE: &str =
 type Key<'a> = Spanned<Cow<'a, str>>;
 pub(super) type Entry<'a> = Spanned<DeValue<'a>>;
 
+/// What a document says.
+pub(super) struct Read {
+    pub(super) written: Written,
+    pub(super) names: Names,
+    /// Each wall with its place.
+    walls: Vec<(usize, Wall)>,
+}
+
+/// Gives a parameter another value.
+type Change<'a> = &'a dyn Fn(&str, HyperDual64) -> HyperDual64;
+
 /// A document, for the lines of its errors.
 #[derive(Clone, Copy)]
-pub(super) struct Document<'a>(&'a str);
+pub(super) struct Document<'a>(pub(super) &'a str);
 
 impl Document<'_> {
     pub(super) fn wrong<T>(self, place: usize, name: &str, problem: impl Into<String>) -> Result<T> {
@@ -36,21 +49,34 @@ impl Document<'_> {
     }
 
     /// An expression in states and parameters; a plain number is one.
-    fn expression(self, name: &str, value: &Entry<'_>, written: &Written) -> Result<Polynomial> {
-        let text = match value.get_ref() {
-            DeValue::String(text) => text.to_string(),
-            DeValue::Integer(number) if number.radix() == 10 => format!("({number})"),
-            DeValue::Float(number) => format!("({number})"),
-            _ => return self.wrong(value.span().start, name, "it must be a number, or an expression in quotes"),
-        };
-        let found = polynomial(&text, &written.states, &written.parameters);
+    fn expression(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Polynomial> {
+        let found = polynomial(&self.text(name, value)?, names);
         found.or_else(|problem| self.wrong(value.span().start, name, problem))
     }
 
     /// An expression without states.
-    pub(super) fn number(self, name: &str, value: &Entry<'_>, parameters: &[(String, f64)]) -> Result<f64> {
-        let constants = Written::new(Vec::new(), parameters.to_vec(), Interpretation::Ito);
-        Ok(self.expression(name, value, &constants)?.constant_term())
+    fn dual(self, name: &str, value: &Entry<'_>, parameters: &[(String, HyperDual64)]) -> Result<HyperDual64> {
+        let found = number(&self.text(name, value)?, parameters);
+        found.or_else(|problem| self.wrong(value.span().start, name, problem))
+    }
+
+    /// The same where nothing is differentiated.
+    pub(super) fn number(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<f64> {
+        let found = self.dual(name, value, &names.parameters)?;
+        if is_real(found) {
+            return Ok(found.re);
+        }
+        let what = "derivatives by parameters of walls and impulses";
+        Err(Error::NotServed { method: "automatic differentiation", what, remedy: "take differences of two problems" })
+    }
+
+    fn text(self, name: &str, value: &Entry<'_>) -> Result<String> {
+        match value.get_ref() {
+            DeValue::String(text) => Ok(text.to_string()),
+            DeValue::Integer(number) if number.radix() == 10 => Ok(format!("({number})")),
+            DeValue::Float(number) => Ok(format!("({number})")),
+            _ => self.wrong(value.span().start, name, "it must be a number, or an expression in quotes"),
+        }
     }
 
     pub(super) fn known(self, table: &DeTable<'_>, what: &str, names: &[&str]) -> Result<()> {
@@ -88,8 +114,13 @@ impl Document<'_> {
         self.wrong(place, name, problem)
     }
 
-    fn parameters(self, root: &DeTable<'_>, states: &[String]) -> Result<Vec<(String, f64)>> {
-        let mut parameters: Vec<(String, f64)> = Vec::new();
+    fn parameters(
+        self,
+        root: &DeTable<'_>,
+        states: &[String],
+        change: Change<'_>,
+    ) -> Result<Vec<(String, HyperDual64)>> {
+        let mut parameters: Vec<(String, HyperDual64)> = Vec::new();
         let Some(value) = root.get("parameters") else { return Ok(parameters) };
         // A parameter may be made of those above it.
         for (key, value) in in_order(self.table("parameters", value)?) {
@@ -98,7 +129,8 @@ impl Document<'_> {
             if states.iter().any(|state| state == name) {
                 return self.wrong(key.span().start, name, "a state has this name");
             }
-            parameters.push((name.to_string(), self.number(name, value, &parameters)?));
+            let value = change(name, self.dual(name, value, &parameters)?);
+            parameters.push((name.to_string(), value));
         }
         Ok(parameters)
     }
@@ -108,22 +140,21 @@ impl Document<'_> {
         self,
         table: &DeTable<'_>,
         (what, beside): (&str, &[&str]),
-        written: &Written,
+        names: &Names,
     ) -> Result<Vec<Option<Polynomial>>> {
-        let names: Vec<&str> = written.states.iter().map(String::as_str).collect();
-        self.known(table, what, &[beside, &names].concat())?;
-        let entry = |name: &&str| table.get(*name).map(|value| self.expression(name, value, written)).transpose();
-        names.iter().map(entry).collect()
+        let states: Vec<&str> = names.states.iter().map(String::as_str).collect();
+        self.known(table, what, &[beside, &states].concat())?;
+        let entry = |name: &&str| table.get(*name).map(|value| self.expression(name, value, names)).transpose();
+        states.iter().map(entry).collect()
     }
 
     /// The wall of a table, with the number of a state by its name.
-    fn wall(self, entry: &Entry<'_>, written: &Written) -> Result<Wall> {
+    fn wall(self, entry: &Entry<'_>, names: &Names) -> Result<Wall> {
         let place = entry.span().start;
         let wrong = |problem: &str| self.wrong(place, "wall", problem);
         let table = self.table("wall", entry)?;
         self.known(table, "a wall", &["state", "between", "masses", "above", "below", "restitution"])?;
-        let number =
-            |name: &str| table.get(name).map(|value| self.number(name, value, &written.parameters)).transpose();
+        let number = |name: &str| table.get(name).map(|value| self.number(name, value, names)).transpose();
         let Some(restitution) = number("restitution")? else {
             return wrong("it has no restitution; 0 < restitution ≤ 1");
         };
@@ -133,7 +164,7 @@ impl Document<'_> {
             _ => return wrong("the motion stays above = b, or below = b: give one of the two"),
         };
         let state = |value: &DeValue<'_>| match value {
-            DeValue::String(name) => written.states.iter().position(|state| state == name),
+            DeValue::String(name) => names.states.iter().position(|state| state == name),
             _ => None,
         };
         let entry = |name: &str| table.get(name).map(Spanned::get_ref);
@@ -152,7 +183,7 @@ impl Document<'_> {
                 let masses = match entry("masses") {
                     None => [1.0, 1.0],
                     Some(DeValue::Array(masses)) if masses.len() == 2 => {
-                        let mass = |i: usize| self.number("masses", &masses[i], &written.parameters);
+                        let mass = |i: usize| self.number("masses", &masses[i], names);
                         [mass(0)?, mass(1)?]
                     }
                     Some(_) => return wrong("give two masses: masses = [1, 0.1]"),
@@ -164,7 +195,8 @@ impl Document<'_> {
         on.or_else(|error| wrong(&error.to_string()))
     }
 
-    fn problem(self) -> Result<Problem> {
+    /// What it says, the parameters as `change` gives them; beside the states polynomials have so many `more` variables.
+    pub(super) fn equations(self, change: Change<'_>, more: usize) -> Result<Read> {
         let root = match DeTable::parse(self.0) {
             Ok(root) => root.into_inner(),
             Err(error) => {
@@ -178,38 +210,39 @@ impl Document<'_> {
             &["states", "interpretation", "parameters", "drift", "noise", "impulse", "wall"],
         )?;
         let states = self.states(&root)?;
-        let parameters = self.parameters(&root, &states)?;
+        let parameters = self.parameters(&root, &states, change)?;
         let interpretation = match root.get("interpretation").map(|value| (value.span().start, value.get_ref())) {
             None => Interpretation::Ito,
             Some((_, DeValue::String(name))) if name == "ito" => Interpretation::Ito,
             Some((_, DeValue::String(name))) if name == "stratonovich" => Interpretation::Stratonovich,
             Some((place, _)) => return self.wrong(place, "interpretation", "it is \"ito\" or \"stratonovich\""),
         };
-        let mut written = Written::new(states, parameters, interpretation);
-        let n = written.states.len();
+        let names = Names { states, parameters, more };
+        let (n, zero) = (names.states.len(), || Polynomial::zero(names.variables()));
         let Some(drift) = root.get("drift") else {
             return self.wrong(0, "drift", "there is none: write a table [drift] with an entry for each state");
         };
-        let found = self.by_state(self.table("drift", drift)?, ("the drift", &[]), &written)?;
+        let found = self.by_state(self.table("drift", drift)?, ("the drift", &[]), &names)?;
         if let Some(i) = found.iter().position(Option::is_none) {
             let problem = "the drift has no entry for this state; write 0 where it does not move";
-            return self.wrong(drift.span().start, &written.states[i], problem);
+            return self.wrong(drift.span().start, &names.states[i], problem);
         }
-        written.drift = found.into_iter().flatten().collect();
-        written.noise = vec![Vec::new(); n];
+        let states = names.states.clone();
+        let drift = found.into_iter().flatten().collect();
+        let mut written = Written { states, drift, noise: vec![Vec::new(); n], interpretation, impulses: Vec::new() };
         if let Some(noise) = root.get("noise") {
             for (key, process) in in_order(self.table("noise", noise)?) {
                 let name = format!("noise.{}", key.get_ref());
-                let column = self.by_state(self.table(&name, process)?, (&name, &[]), &written)?;
+                let column = self.by_state(self.table(&name, process)?, (&name, &[]), &names)?;
                 for (row, entry) in written.noise.iter_mut().zip(column) {
-                    row.push(entry.unwrap_or_else(|| Polynomial::zero(n)));
+                    row.push(entry.unwrap_or_else(zero));
                 }
             }
         }
         if let Some(sources) = root.get("impulse") {
             for (key, source) in in_order(self.table("impulse", sources)?) {
                 let name = format!("impulse.{}", key.get_ref());
-                let impulse = self.impulse(&name, self.table(&name, source)?, key.span().start, &written)?;
+                let impulse = self.impulse(&name, self.table(&name, source)?, key.span().start, &names)?;
                 written.impulses.push(impulse);
             }
         }
@@ -219,10 +252,22 @@ impl Document<'_> {
                 return self.wrong(list.span().start, "wall", "each wall is a table [[wall]]");
             };
             for entry in entries {
-                walls.push((entry.span().start, self.wall(entry, &written)?));
+                walls.push((entry.span().start, self.wall(entry, &names)?));
             }
         }
-        walls.into_iter().try_fold(Problem::of_system(written)?, |problem, (place, wall)| {
+        Ok(Read { written, names, walls })
+    }
+
+    pub(super) fn problem(self, changes: Vec<(String, f64)>) -> Result<Problem> {
+        let change = |name: &str, value: HyperDual64| {
+            changes.iter().find(|(changed, _)| changed == name).map_or(value, |(_, value)| (*value).into())
+        };
+        let Read { written, names, walls: placed } = self.equations(&change, 0)?;
+        let parameters = names.parameters.into_iter().map(|(name, value)| (name, value.re)).collect();
+        let walls = placed.iter().map(|(_, wall)| *wall).collect();
+        let family = Text { text: self.0.to_owned(), changes, walls };
+        let problem = Problem::any_size(written, parameters, Some(Box::new(family)))?;
+        placed.into_iter().try_fold(problem, |problem, (place, wall)| {
             problem.with_wall(wall).or_else(|error| self.wrong(place, "wall", error.to_string()))
         })
     }
@@ -284,6 +329,6 @@ impl Problem {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
-        Document(text).problem()
+        Document(text).problem(Vec::new())
     }
 }

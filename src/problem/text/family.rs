@@ -1,0 +1,56 @@
+use super::read::Document;
+use crate::error::Result;
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::Polynomial;
+use crate::problem::family::Family;
+use crate::problem::{Problem, Wall};
+use num_dual::HyperDual64;
+
+/// The problems of a text for all values of its parameters.
+pub(super) struct Text {
+    pub(super) text: String,
+    /// The parameters that have other values than there.
+    pub(super) changes: Vec<(String, f64)>,
+    pub(super) walls: Vec<Wall>,
+}
+
+impl Text {
+    fn changed(&self, name: &str, value: HyperDual64) -> HyperDual64 {
+        self.changes.iter().find(|(changed, _)| changed == name).map_or(value, |(_, value)| (*value).into())
+    }
+}
+
+impl Family for Text {
+    fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
+        let mut changes = self.changes.clone();
+        let names = Document(&self.text).equations(&|name, found| self.changed(name, found), 0)?.names;
+        for (name, present) in names.parameters {
+            let new = value(&name, present.re);
+            if new != present.re {
+                changes.retain(|(changed, _)| *changed != name);
+                changes.push((name, new));
+            }
+        }
+        Document(&self.text).problem(changes)
+    }
+
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<FokkerPlanck> {
+        // A parameter that is made of others moves with them.
+        let seeded = |name: &str, found: HyperDual64| {
+            let present = self.changed(name, found);
+            present + (value(name, present.re) - present.re)
+        };
+        let mut written = Document(&self.text).equations(&seeded, 2)?.written;
+        let n = written.states.len() + 2;
+        written.drift.resize(n, Polynomial::zero(n));
+        let processes = written.noise.first().map_or(0, Vec::len);
+        written.noise.resize(n, vec![Polynomial::zero(n); processes]);
+        let columns: Vec<Vec<Polynomial>> =
+            (0..processes).map(|k| written.noise.iter().map(|row| row[k].clone()).collect()).collect();
+        FokkerPlanck::new(&written.drift, &columns, written.interpretation, Vec::new())
+    }
+
+    fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+}

@@ -1,0 +1,129 @@
+//! Parameters: problems at other values of them, and derivatives of the equations.
+
+use crate::common::{duffing, every_model};
+use expoly::models::{Duffing, Solved};
+use expoly::{Error, FokkerPlanck, Polynomial, Problem, Result, Wall};
+
+/// All coefficients of drift and diffusion.
+fn entries(operator: &FokkerPlanck) -> Vec<&Polynomial> {
+    operator.drift().iter().chain(operator.diffusion().iter().flatten()).collect()
+}
+
+/// The largest coefficient of Σ c_k p_k over all entries of some operators.
+fn largest(operators: &[(f64, &FokkerPlanck)]) -> f64 {
+    let all: Vec<Vec<&Polynomial>> = operators.iter().map(|(_, operator)| entries(operator)).collect();
+    let sum = |i: usize| {
+        let terms = operators.iter().zip(&all).map(|((c, _), entries)| entries[i] * *c);
+        terms.reduce(|sum, p| sum + p).unwrap().max_coefficient()
+    };
+    (0..all[0].len()).map(sum).fold(0.0, f64::max)
+}
+
+/// Every model, by every parameter and by all pairs: what dual numbers give against differences of the same operator at other
+/// values. Of second order, they err by h²/6 of a third derivative and by rounding/h: with h = 1e-4 of the parameter 1e-8 of the
+/// first derivatives, and with h = 1e-2 1e-3 of the second ones.
+#[test]
+fn derivatives_are_the_limits_of_differences() -> Result<()> {
+    for (name, problem) in every_model() {
+        let parameters = problem.parameters().to_vec();
+        assert!(!parameters.is_empty(), "{name}");
+        let at = |parameter: &str, value: f64| problem.with_parameter(parameter, value).unwrap();
+        for (i, (first, value)) in parameters.iter().enumerate() {
+            // A noise that is not there has no root to be differentiated, and its parameter leaves the equations.
+            if *value == 0.0 && problem.derivative(&[first]).is_err() {
+                continue;
+            }
+            let derivative = problem.derivative(&[first])?;
+            let size = largest(&[(1.0, &derivative)]);
+            let h = 1e-4 * value.abs().max(0.1);
+            let [high, low] = [h, -h].map(|h| at(first, value + h));
+            let off = largest(&[(1.0, &derivative), (-0.5 / h, high.operator()), (0.5 / h, low.operator())]);
+            assert!(off < 1e-7 * size, "{name} {first}: {off:e} of {size:e}");
+            for (second, other) in &parameters[i..] {
+                let Ok(twice) = problem.derivative(&[first, second]) else { continue };
+                let h = 1e-2 * other.abs().max(0.1);
+                let [high, low] = [h, -h].map(|h| at(second, other + h).derivative(&[first]).unwrap());
+                let off = largest(&[(1.0, &twice), (-0.5 / h, &high), (0.5 / h, &low)]);
+                let size = largest(&[(1.0, &twice)]).max(size / other.abs().max(0.1));
+                assert!(off < 2e-3 * size, "{name} {first} {second}: {off:e} of {size:e}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The same oscillator in a text, with a stiffness and a wall made of other parameters.
+const TEXT: &str = r#"
+states = ["x", "v"]
+[parameters]
+c = 0.2
+omega = 2.0
+k = "omega^2"
+mu = 0.3
+D = 0.2
+gap = 0.5
+[drift]
+x = "v"
+v = "-c*v - k*x - mu*x^3"
+[noise.w]
+v = "sqrt(2*D)"
+[[wall]]
+state = "x"
+above = "-gap"
+restitution = 0.9
+"#;
+
+/// A text has the derivatives of the same model, and those of parameters that others are made of by the chain rule.
+#[test]
+fn texts_have_the_derivatives_of_the_model() -> Result<()> {
+    let text = Problem::from_toml(TEXT)?;
+    let model = Duffing::new(0.2, 4.0, 0.3, 0.2)?.problem()?;
+    let apart = |text: &[&str], model: &[&str], factor: f64, problems: [&Problem; 2]| {
+        let [one, other] = [problems[0].derivative(text).unwrap(), problems[1].derivative(model).unwrap()];
+        largest(&[(1.0, &one), (-factor, &other)])
+    };
+    for name in ["c", "k", "mu", "D"] {
+        // The square of √(2D) is rounded.
+        assert!(apart(&[name], &[name], 1.0, [&text, &model]) < 1e-15, "{name}");
+    }
+    assert!(apart(&["omega"], &["k"], 4.0, [&text, &model]) < 1e-15);
+    let by_frequency = text.derivative(&["omega", "omega"])?;
+    assert_eq!(by_frequency.drift()[1].text(text.states()).to_string(), "- 2 x");
+    assert!(largest(&[(1.0, &text.derivative(&["omega", "c"])?)]) == 0.0);
+
+    // At other values: of a parameter, of those made of it, and of the wall.
+    let slow = text.with_parameter("omega", 1.0)?;
+    assert_eq!(slow.drift()[1].text(slow.states()).to_string(), "- x - 0.2 v - 0.3 x^3");
+    let wide = slow.with_parameter("gap", 0.8)?;
+    assert_eq!((wide.walls()[0].offset(), wide.parameters()[1].1), (-0.8, 1.0));
+    assert_eq!(wide.with_parameter("omega", 2.0)?.drift(), text.drift());
+    // A wall that was set beside the text stays where it is.
+    let other = text.without_walls().with_wall(Wall::above(-0.3, 0.8)?)?;
+    assert_eq!(other.with_parameter("gap", 0.8)?.walls(), other.walls());
+    let walled = duffing().problem()?.with_wall(Wall::above(-0.5, 0.9)?)?;
+    assert_eq!(walled.with_parameter("mu", 0.5)?.walls(), walled.walls());
+    Ok(())
+}
+
+#[test]
+fn derivatives_that_are_not_known_are_refused() -> Result<()> {
+    let text = Problem::from_toml(TEXT)?;
+    assert!(matches!(text.derivative(&["nu"]), Err(Error::NotAName { name, .. }) if name == "nu"));
+    assert!(matches!(text.with_parameter("nu", 1.0), Err(Error::NotAName { .. })));
+    for names in [&[][..], &["c", "c", "c"]] {
+        assert!(matches!(text.derivative(names), Err(Error::OutOfRange { name: "number of parameters", .. })));
+    }
+    // The equations do not contain the wall, and the restitution is no parameter.
+    assert!(matches!(text.derivative(&["gap"]), Err(Error::NotServed { .. })));
+    // A saved problem has its parameters' values in the equations.
+    let saved = Problem::from_toml(&text.to_toml()?)?;
+    assert!(matches!(saved.derivative(&["c"]), Err(Error::NotKnown { what, .. }) if what.contains('c')));
+    // Values that are refused where the system is made.
+    for (name, value) in [("D", -0.1), ("c", f64::NAN), ("mu", f64::INFINITY)] {
+        assert!(text.with_parameter(name, value).is_err(), "{name}");
+        assert!(duffing().problem()?.with_parameter(name, value).is_err(), "{name}");
+    }
+    let plain = Problem::of(duffing())?;
+    assert!(plain.parameters().is_empty() && matches!(plain.derivative(&["c"]), Err(Error::NotAName { .. })));
+    Ok(())
+}
