@@ -14,14 +14,14 @@ use std::sync::Arc;
 
 /// A system as its polynomials, and what came with it.
 struct Definition {
-    equations: Written,
+    equations: PolynomialForm,
     names: Vec<String>,
     parameters: Vec<(String, f64)>,
     family: Option<Box<dyn Family>>,
 }
 
 /// The equations of a system as polynomials.
-struct Written {
+struct PolynomialForm {
     drift: Vec<Polynomial>,
     columns: Vec<Vec<Polynomial>>,
     interpretation: Interpretation,
@@ -114,7 +114,7 @@ fn parameters_of<T: Parametric<With<f64> = T>>(system: &T) -> Result<(Vec<(Strin
 }
 
 /// The equations of a system as polynomials in its states and `more` variables.
-fn fixed<P: Parameter, T, const N: usize, const M: usize>(system: &T, more: usize) -> Written
+fn fixed<P: Parameter, T, const N: usize, const M: usize>(system: &T, more: usize) -> PolynomialForm
 where
     T: PolynomialDrift<N, M, P>,
     for<'a> Symbol<'a>: Scalar<P>,
@@ -125,7 +125,7 @@ where
     let x: [Symbol<'_>; N] = std::array::from_fn(|i| variables[i]);
     let noise = system.noise(x);
     let impulse = |(source, jumps)| Impulse::new(jumps, padded(system.impulse(source, x), n));
-    Written {
+    PolynomialForm {
         drift: padded(system.drift(x), n),
         columns: (0..M).map(|k| padded(noise.iter().map(|row| row[k]), n)).collect(),
         interpretation: system.interpretation(),
@@ -134,7 +134,7 @@ where
 }
 
 /// The same for a number of states at run time.
-fn any_size<P: Parameter, T: PolynomialSystem<P>>(system: &T, more: usize) -> Result<Written>
+fn any_size<P: Parameter, T: PolynomialSystem<P>>(system: &T, more: usize) -> Result<PolynomialForm>
 where
     for<'a> Symbol<'a>: Scalar<P>,
 {
@@ -151,7 +151,7 @@ where
         dimension("the factor of an impulse", field.len(), states)?;
         Ok(Impulse::new(jumps, padded(field, n)))
     };
-    Ok(Written {
+    Ok(PolynomialForm {
         drift: padded(drift, n),
         columns: (0..m).map(|k| padded(noise.iter().map(|row| row[k]), n)).collect(),
         interpretation: system.interpretation(),
@@ -166,7 +166,7 @@ fn padded<'a>(symbols: impl IntoIterator<Item = Symbol<'a>>, n: usize) -> Vec<Po
     all
 }
 
-impl Written {
+impl PolynomialForm {
     fn operator(&self) -> Result<FokkerPlanck> {
         FokkerPlanck::new(&self.drift, &self.columns, self.interpretation, self.impulses.clone())
     }
@@ -212,7 +212,7 @@ impl Definition {
         let Definition { equations, names, parameters, family } = self;
         let n = equations.drift.len();
         let operator = equations.operator()?;
-        let Written { drift, columns, interpretation, .. } = equations;
+        let PolynomialForm { drift, columns, interpretation, .. } = equations;
         let pairs = (0..n).filter_map(|i| operator.velocity_of(i).map(|j| (i, j)));
         let displacements: Vec<_> = pairs.filter(|&(_, j)| operator.velocity_of(j).is_none()).collect();
         let states = named(names, n, &displacements)?;

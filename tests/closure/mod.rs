@@ -9,6 +9,7 @@ mod modes;
 mod modulated;
 mod references;
 mod robust;
+mod sensitivity;
 mod survival;
 mod trajectories;
 mod walls;

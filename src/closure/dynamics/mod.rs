@@ -38,7 +38,8 @@ use crate::error::{Error, Result};
 use crate::numerics::{Rule, exponentials};
 use crate::problem::{Problem, Symmetry};
 use law::Law;
-use moment_system::MomentSystem;
+pub(super) use moment_system::MomentSystem;
+pub(super) use start::Weighted;
 use std::sync::OnceLock;
 pub use survival::ClosureSurvival;
 
@@ -106,6 +107,11 @@ impl Dynamics {
             rare,
             system: OnceLock::new(),
         }
+    }
+
+    /// The problem that the density is one of.
+    pub(super) fn problem(&self) -> &Problem {
+        &self.problem
     }
 
     /// The rules of nodes next to walls.

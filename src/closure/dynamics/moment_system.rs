@@ -20,16 +20,16 @@ use faer::{Mat, MatRef, Scale};
 /// A_kl = ∫ ω ψ_l Gψ_k dx: linear, and exact but for the functions left out. Under an ω near the stationary density the
 /// symmetric part of A is −½ ∫ ω ∇ψ·B∇ψ, and what is left out dies at once.
 #[derive(Clone)]
-pub(super) struct MomentSystem {
-    pub(super) nodes: Nodes,
+pub(in crate::closure) struct MomentSystem {
+    pub(in crate::closure) nodes: Nodes,
     /// φ, the functions that ψ are combinations of.
-    pub(super) space: Functions,
+    pub(in crate::closure) space: Functions,
     /// ψ at the nodes.
-    pub(super) functions: Orthonormal,
+    pub(in crate::closure) functions: Orthonormal,
     /// ω at the nodes times the quadrature weights, with sum 1.
-    pub(super) measure: Vec<f64>,
+    pub(in crate::closure) measure: Vec<f64>,
     /// ln ω, normalised over the nodes.
-    pub(super) weight: Exponent,
+    pub(in crate::closure) weight: Exponent,
     /// A.
     matrix: Mat<f64>,
     /// How far the two expressions of the rates under ω, which differ by the flux through the edge of the domain, move the
@@ -108,6 +108,24 @@ impl MomentSystem {
         [combination(values, own), combination(values, &below)]
     }
 
+    /// Σ d_l ψ_l as a function of the state.
+    pub(in crate::closure) fn function(&self, d: &[f64]) -> Exponent {
+        let mut all = self.functions.coefficients(d);
+        all.resize(self.space.len() + 1, 0.0);
+        Exponent { known: Vec::new(), space: self.space.clone(), constant: all[0], coefficients: all[1..].to_vec() }
+    }
+
+    /// The same at the nodes.
+    pub(in crate::closure) fn combined_of(&self, d: &[f64]) -> Vec<f64> {
+        combination(self.functions.values.get(..self.nodes.len(), ..), d)
+    }
+
+    /// The columns of the functions up to a degree.
+    pub(in crate::closure) fn columns_of_degree(&self, degree: u32) -> usize {
+        let all = self.space.polynomials().map_or(&[][..], Polynomials::exponents);
+        1 + all.iter().take_while(|alpha| alpha.iter().sum::<u32>() <= degree).count()
+    }
+
     /// The part of A that is in proportion to the intensity of the noise.
     pub(super) fn noise(&self, dynamics: &Dynamics) -> Option<Mat<f64>> {
         let Dynamics { problem, domain, .. } = dynamics;
@@ -161,12 +179,12 @@ impl MomentSystem {
     }
 
     /// The columns of the highest stable degree, or of the one below it.
-    pub(super) fn columns(&self, lower: bool) -> usize {
+    pub(in crate::closure) fn columns(&self, lower: bool) -> usize {
         self.ladder[self.ladder.len() - 1 - usize::from(lower)]
     }
 
     /// A, the constant's row and column included.
-    pub(super) fn matrix(&self, lower: bool) -> MatRef<'_, f64> {
+    pub(in crate::closure) fn matrix(&self, lower: bool) -> MatRef<'_, f64> {
         let columns = self.columns(lower);
         self.matrix.get(..columns, ..columns)
     }
@@ -181,7 +199,7 @@ impl MomentSystem {
     }
 
     /// The coefficients d of the stationary density, d₀ = 1.
-    pub(super) fn stationary(&self, lower: bool) -> Vec<f64> {
+    pub(in crate::closure) fn stationary(&self, lower: bool) -> Vec<f64> {
         let matrix = self.matrix(lower);
         let (inner, forced) = (matrix.get(1.., 1..), matrix.get(1.., ..1));
         let solved = inner.partial_piv_lu().solve(-&forced.to_owned());

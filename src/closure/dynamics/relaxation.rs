@@ -103,7 +103,7 @@ impl ClosureDensity {
     }
 
     /// What the closure is made from, and its moment equations.
-    pub(super) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
+    pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
         served(self.dimension(), self.exponent().space.corners().len())?;
         let Some(dynamics) = &self.dynamics else {
             let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");

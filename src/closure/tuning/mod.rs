@@ -322,6 +322,18 @@ pub(crate) mod density {
     pub(crate) const OF_A_SECTION: usize = 8;
 }
 
+/// Derivatives by parameters.
+pub(crate) mod sensitivity {
+    /// The degree of the polynomial that the derivative of the weight's logarithm is,
+    pub(crate) const DEGREE: u32 = 12;
+    /// how often it is renewed at most,
+    pub(crate) const RENEWALS: usize = 12;
+    /// and the factor by which what it leaves must fall each time.
+    pub(crate) const FALLS: f64 = 0.9;
+    /// Nodes from a level to the edge of the domain.
+    pub(crate) const TAIL_NODES: usize = 80;
+}
+
 /// The literature's closure.
 pub(crate) mod classical {
     /// Iterations before a search counts as stalled; roots are found in 4 to 20.

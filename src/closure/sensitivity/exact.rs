@@ -1,0 +1,60 @@
+use super::at_points;
+use crate::closure::density::ClosureDensity;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::projection::tempered;
+use crate::closure::space::Functions;
+use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::space::sweep;
+use crate::closure::tuning;
+use crate::fokker_planck::{FokkerPlanck, Local};
+use crate::numerics::{least_norm, weighted_product, weighted_sum};
+use crate::problem::Problem;
+use faer::{Col, Mat};
+
+/// The Galerkin equations of an exact density exp(Q), linearised: the residual of exp(Q) vanishes everywhere, and so does its
+/// derivative, ∫ p ψ_k [r(f′, B′; Q) + (B∇Q + ∂B − f)·∇Q′ + ½ B:∇∇Q′] dx = 0.
+pub(super) struct Newton<'a> {
+    density: &'a ClosureDensity,
+    space: Functions,
+    basis: Orthonormal,
+    measure: Vec<f64>,
+    matrix: Mat<f64>,
+}
+
+impl<'a> Newton<'a> {
+    /// None where the functions are linearly dependent.
+    pub(super) fn new(density: &'a ClosureDensity, problem: &Problem, space: Functions) -> Option<Self> {
+        let points = &density.nodes;
+        let (states, count) = (points.dimension(), space.len());
+        let weights: Vec<f64> = density.masses.iter().map(|masses| masses[0]).collect();
+        let measure = tempered(&vec![0.0; weights.len()], &weights, 1.0);
+        let own = at_points(problem.operator(), points);
+        let reversed = sweep::at_jets(density.exponent(), points, |i, gradient, _| {
+            let mut reversed = vec![0.0; states];
+            own[i].reversed(gradient, &mut reversed);
+            reversed
+        });
+        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), count + 1));
+        let local = |i: usize| (&reversed[i][..], &own[i].diffusion[..]);
+        sweep::tabulate_rates(&space, points, local, [values.as_mut(), images.as_mut()]);
+        let basis = Orthonormal::new(values, &measure)?;
+        basis.transform(images.as_mut());
+        let system = weighted_product(basis.values.as_ref(), images.as_ref(), &measure);
+        let matrix = Mat::from_fn(count, count, |k, l| system[(k + 1, l + 1)]);
+        Some(Newton { density, space, basis, measure, matrix })
+    }
+
+    /// Q′ along the derivative of the operator. None where it is not finite.
+    pub(super) fn slope(&self, moved: &FokkerPlanck) -> Option<Exponent> {
+        let points = &self.density.nodes;
+        let moved = at_points(moved, points);
+        let residual = |i: usize, gradient: &[f64], hessian: &[f64]| Local::residual(&moved[i], gradient, hessian);
+        let residuals = sweep::at_jets(self.density.exponent(), points, residual);
+        let source: Vec<f64> = self.measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
+        let source = weighted_sum(self.basis.values.as_ref(), &source);
+        let right = Col::from_fn(self.space.len(), |k| -source[k + 1]);
+        let solved = least_norm(&self.matrix, &right, tuning::SOLVED * self.matrix.norm_l2())?;
+        let psi: Vec<f64> = std::iter::once(0.0).chain((0..solved.nrows()).map(|k| solved[k])).collect();
+        super::exponent(&self.space, &self.basis.coefficients(&psi))
+    }
+}

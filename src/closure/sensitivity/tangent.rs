@@ -1,0 +1,183 @@
+use super::at_points;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::nodes;
+use crate::closure::dynamics::{MomentSystem, Weighted};
+use crate::closure::projection::tempered;
+use crate::closure::space::orthonormal::Orthonormal;
+use crate::closure::space::sweep;
+use crate::closure::tuning;
+use crate::fokker_planck::{FokkerPlanck, Local};
+use crate::numerics::{combination, weighted_sum};
+use crate::problem::Problem;
+use crate::states::States;
+use faer::Mat;
+use faer::linalg::solvers::PartialPivLu;
+use faer::prelude::*;
+
+/// A function at the nodes, with its derivatives.
+struct Jets {
+    value: Vec<f64>,
+    gradient: Vec<Vec<f64>>,
+    hessian: Vec<Vec<f64>>,
+}
+
+impl Jets {
+    fn of(function: &Exponent, points: &States) -> Self {
+        let derivatives =
+            sweep::at_jets(function, points, |_, gradient, hessian| (gradient.to_vec(), hessian.to_vec()));
+        let (gradient, hessian) = derivatives.into_iter().unzip();
+        Jets { value: function.values(points), gradient, hessian }
+    }
+
+    /// The product of two functions.
+    fn times(&self, other: &Jets) -> Jets {
+        let product = |i: usize| {
+            let (f, g, df, dg) = (self.value[i], other.value[i], &self.gradient[i], &other.gradient[i]);
+            let n = df.len();
+            let gradient: Vec<f64> = (0..n).map(|a| f * dg[a] + g * df[a]).collect();
+            let second = |a: usize, b: usize| {
+                f * other.hessian[i][a * n + b] + g * self.hessian[i][a * n + b] + df[a] * dg[b] + df[b] * dg[a]
+            };
+            let hessian: Vec<f64> = (0..n * n).map(|k| second(k / n, k % n)).collect();
+            (f * g, gradient, hessian)
+        };
+        let mut all = Jets { value: Vec::new(), gradient: Vec::new(), hessian: Vec::new() };
+        for (value, gradient, hessian) in (0..self.value.len()).map(product) {
+            all.value.push(value);
+            all.gradient.push(gradient);
+            all.hessian.push(hessian);
+        }
+        all
+    }
+}
+
+/// The solution p̂ = ω u of the moment equations, u = Σ d_l ψ_l, with all that its derivatives have in common.
+///
+/// p̂′ = ω (u s + Σ d′_l ψ_l) with a polynomial s of a lower degree that stands for the derivative of ln ω: the weight moves along.
+/// With the weight fixed, what flows through the edge of the domain would be multiplied by the derivative itself and not by what
+/// s leaves of it. The part with s is tested in strong form, ∫ ψ_k L(ω u s) dx, which has no flux through the edge.
+pub(super) struct Tangent<'a> {
+    system: &'a MomentSystem,
+    own: Vec<Local>,
+    log_weight: Jets,
+    ratio: Jets,
+    /// Those of the moment equations, without the constant, of the highest degree and of the one below it.
+    factors: [PartialPivLu<f64>; 2],
+    /// The functions of s, orthonormal under p̂^0.6, and that measure.
+    lower: Orthonormal,
+    measure: Vec<f64>,
+}
+
+/// p̂′/p̂ = s + Σ d′_l ψ_l/u.
+pub(super) struct Derivative<'a> {
+    system: &'a MomentSystem,
+    s: Exponent,
+    d: Vec<f64>,
+    /// An estimate of its error, in L¹.
+    pub(super) error: f64,
+}
+
+impl<'a> Tangent<'a> {
+    /// None where the functions are linearly dependent.
+    pub(super) fn new(problem: &Problem, system: &'a MomentSystem) -> Option<Self> {
+        let points = &system.nodes.points;
+        let ratio = Jets::of(&system.function(&system.stationary(false)), points);
+        let factors = [false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu());
+        let logs: Vec<f64> = system
+            .weight
+            .values(points)
+            .iter()
+            .zip(&ratio.value)
+            .map(|(log, u)| log + u.max(f64::MIN_POSITIVE).ln())
+            .collect();
+        let measure = tempered(&logs, &system.nodes.weights, tuning::reference::FLATNESS);
+        let columns = system.columns_of_degree(tuning::sensitivity::DEGREE);
+        let values = system.functions.values.get(..points.len(), ..columns).to_owned();
+        let lower = Orthonormal::new(values, &measure)?;
+        let own = at_points(problem.operator(), points);
+        Some(Tangent { system, own, log_weight: Jets::of(&system.weight, points), ratio, factors, lower, measure })
+    }
+
+    /// The derivative along an operator's. None where it is not finite.
+    pub(super) fn along(&self, moved: &FokkerPlanck) -> Option<Derivative<'a>> {
+        let system = self.system;
+        let moved = at_points(moved, &system.nodes.points);
+        let fixed = self.strong(&moved, &self.ratio);
+        let mut best: Option<Derivative<'_>> = None;
+        let mut least = f64::INFINITY;
+        let mut s = system.function(&[0.0]);
+        for _ in 0..tuning::sensitivity::RENEWALS {
+            let jets = Jets::of(&s, &system.nodes.points);
+            let along = self.strong(&self.own, &self.ratio.times(&jets));
+            let source: Vec<f64> =
+                fixed.iter().zip(&along).zip(&system.measure).map(|((a, b), w)| w * (a + b)).collect();
+            let [d, below] = [false, true].map(|below| self.solved(&source, below));
+            let left = system.combined_of(&d);
+            let size: f64 = left.iter().zip(&system.measure).map(|(c, w)| (c * w).abs()).sum();
+            if size.is_nan() || size >= tuning::sensitivity::FALLS * least {
+                break;
+            }
+            least = size;
+            let other = system.combined_of(&below);
+            let apart: f64 = left.iter().zip(&other).zip(&system.measure).map(|((a, b), w)| ((a - b) * w).abs()).sum();
+            best = Some(Derivative { system, s: s.clone(), d, error: apart });
+            let target: Vec<f64> =
+                (0..left.len()).map(|i| self.measure[i] * (jets.value[i] + left[i] / self.ratio.value[i])).collect();
+            let fit = weighted_sum(self.lower.values.as_ref(), &target);
+            s = system.function(&self.lower.coefficients(&fit));
+        }
+        best
+    }
+
+    /// L(ω g)/ω at the nodes.
+    fn strong(&self, operator: &[Local], g: &Jets) -> Vec<f64> {
+        let at = |i: usize| {
+            let (gradient, hessian) = (&self.log_weight.gradient[i], &self.log_weight.hessian[i]);
+            let local = &operator[i];
+            let n = gradient.len();
+            let mut reversed = vec![0.0; n];
+            local.reversed(gradient, &mut reversed);
+            let mut sum = g.value[i] * local.residual(gradient, hessian);
+            for a in 0..n {
+                sum += reversed[a] * g.gradient[i][a];
+                for b in 0..n {
+                    sum += 0.5 * local.diffusion[a * n + b] * g.hessian[i][a * n + b];
+                }
+            }
+            sum
+        };
+        (0..g.value.len()).map(at).collect()
+    }
+
+    /// d′ of A d′ = −∫ ψ (source), the constant's 0.
+    fn solved(&self, source: &[f64], below: bool) -> Vec<f64> {
+        let columns = self.system.columns(below);
+        let values = self.system.functions.values.get(..source.len(), ..columns);
+        let tested = weighted_sum(values, source);
+        let solved = self.factors[usize::from(below)].solve(Mat::from_fn(columns - 1, 1, |k, _| -tested[k + 1]));
+        std::iter::once(0.0).chain((0..columns - 1).map(|k| solved[(k, 0)])).collect()
+    }
+}
+
+impl Derivative<'_> {
+    /// p̂′ on the whole domain, with mean zero.
+    pub(super) fn masses(&self) -> Weighted {
+        let (points, stationary) = (&self.system.nodes.points, self.system.stationary(false));
+        let [ratio, left] = [&stationary, &self.d].map(|d| self.system.combined_of(d));
+        let s = self.s.values(points);
+        let moved: Vec<f64> = (0..s.len()).map(|i| self.system.measure[i] * (ratio[i] * s[i] + left[i])).collect();
+        let mass: Vec<f64> = ratio.iter().zip(&self.system.measure).map(|(u, w)| u * w).collect();
+        let share = moved.iter().sum::<f64>() / mass.iter().sum::<f64>();
+        let masses = moved.iter().zip(&mass).map(|(moved, mass)| moved - share * mass).collect();
+        Weighted { points: points.clone(), masses, error: self.error }
+    }
+
+    /// p̂′/p̂ at some points.
+    pub(super) fn values(&self, points: &States) -> Vec<f64> {
+        let mut values = nodes::values(&self.system.space, points);
+        self.system.functions.transform(values.as_mut());
+        let stationary = self.system.stationary(false);
+        let [left, ratio] = [&self.d, &stationary].map(|d| combination(values.as_ref(), d));
+        self.s.values(points).iter().zip(left.iter().zip(&ratio)).map(|(s, (left, u))| s + left / u).collect()
+    }
+}
