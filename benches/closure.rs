@@ -43,6 +43,18 @@ fn run() -> Result<()> {
         .task("eleven times", || Closure::new(6).transient(&exact, &start, &times))
         .run()?;
 
+    // Of all five parameters, without a closed form.
+    let parametric = Problem::parametric(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
+    let names: Vec<&str> = parametric.parameters().iter().map(|(name, _)| name.as_str()).collect();
+    for order in [4, 8] {
+        Group::new(&format!("derivatives by parameters, n = {order}"), 11)
+            .task("the density", || Closure::new(order).solve(&parametric))
+            .task("the density and its derivatives by five parameters", || {
+                Closure::new(order).solve(&parametric)?.sensitivities(&names)
+            })
+            .run()?;
+    }
+
     let [filtered, absorber] =
         [include_str!("../examples/solve/filtered.toml"), include_str!("../examples/solve/absorber.toml")]
             .map(Problem::from_toml);

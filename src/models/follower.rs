@@ -36,6 +36,7 @@ impl Kind {
 }
 
 impl Follower {
+    /// The problem, with the names of what follows.
     pub(super) fn problem(self, kind: Kind) -> Result<Problem> {
         Problem::parametric(Named { follower: self, kind })
     }

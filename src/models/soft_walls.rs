@@ -60,8 +60,8 @@ impl SoftWalls {
         let remedy = "give an odd power from 3 to 29, so that the damping is above zero on both sides";
         require(served, "power m", f64::from(power), remedy)?;
         let energy = positive("energy e", energy, "the walls hold bodies by an energy above zero")?;
-        let _ = [Wall::above(low, restitution)?, Wall::below(high, restitution)?];
-        Ok(SoftWalls { oscillator, offsets: [low, high], restitution, power, energy })
+        let soft = SoftWalls { oscillator, offsets: [low, high], restitution, power, energy };
+        soft.walls().map(|_| soft)
     }
 
     /// The oscillator between soft walls.
@@ -77,15 +77,18 @@ impl SoftWalls {
     /// # Errors
     /// As [`Problem::with_wall`].
     pub fn rigid(&self) -> Result<Problem> {
-        let [low, high] = self.offsets;
-        let walls = [Wall::above(low, self.restitution)?, Wall::below(high, self.restitution)?];
-        walls.into_iter().try_fold(self.oscillator.problem()?, Problem::with_wall)
+        self.walls()?.into_iter().try_fold(self.oscillator.problem()?, Problem::with_wall)
     }
 
     /// The stiffness of the walls K = U″(b), per unit mass.
     pub fn stiffness(&self) -> f64 {
         let m = f64::from(self.power);
         2.0 * m * (2.0 * m - 1.0) * self.energy / self.half().powi(2)
+    }
+
+    fn walls(&self) -> Result<[Wall; 2]> {
+        let [low, high] = self.offsets;
+        Ok([Wall::above(low, self.restitution)?, Wall::below(high, self.restitution)?])
     }
 }
 

@@ -39,7 +39,6 @@ use crate::numerics::{Rule, exponentials};
 use crate::problem::{Problem, Symmetry};
 use law::Law;
 pub(super) use moment_system::MomentSystem;
-pub(super) use start::Weighted;
 use std::sync::OnceLock;
 pub use survival::ClosureSurvival;
 

@@ -15,12 +15,12 @@ use crate::transient::Start;
 use faer::Mat;
 
 /// Points with the masses that a density has there.
-#[derive(Clone, Debug)]
-pub(in crate::closure) struct Weighted {
-    pub(in crate::closure) points: States,
-    pub(in crate::closure) masses: Vec<f64>,
+#[derive(Debug)]
+pub(super) struct Weighted {
+    pub(super) points: States,
+    pub(super) masses: Vec<f64>,
     /// An estimate of its error, in L¹.
-    pub(in crate::closure) error: f64,
+    pub(super) error: f64,
 }
 
 /// What the equations begin with.
@@ -55,7 +55,7 @@ impl Beginning {
 
 impl Weighted {
     /// No points.
-    pub(in crate::closure) fn none(states: usize) -> Self {
+    pub(super) fn none(states: usize) -> Self {
         Weighted { points: States::new(states), masses: Vec::new(), error: 0.0 }
     }
 

@@ -1,62 +1,50 @@
 //! How a density moves with a parameter of its system.
 //!
 //! The derivative p′ of the stationary density by a parameter solves L p′ = −L′p, the same linear equation with another right
-//! side. Nothing is differenced and no search is differentiated.
+//! side, and the second one L p″ = −L′ₖp′ₗ − L′ₗp′ₖ − L″p. Nothing is differenced and no search is differentiated.
 //!
 //! - `exact`: of an exact density, from its Galerkin equations;
 //! - `tangent`: of the solution of the moment equations, under a weight that moves along;
-//! - `projected`: of the exponential polynomial that is closest to it.
+//! - `projected`: of the exponential polynomial that is closest to it;
+//! - `answers`: what they say of moments, tails and crossings.
 
+mod answers;
 mod exact;
 mod projected;
 mod tangent;
+
+pub use answers::Sensitivity;
 
 use super::candidates::Origin;
 use super::density::ClosureDensity;
 use super::density::content::Integrals;
 use super::density::exponent::Exponent;
-use super::dynamics::Weighted;
 use super::space::{Functions, Polynomials};
-use super::tuning;
-use crate::checks::{coordinate, dimension, finite, point};
-use crate::density::{Crossing, Density};
+use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::estimate::Estimate;
 use crate::fokker_planck::{FokkerPlanck, Local};
-use crate::numerics::Rule;
-use crate::polynomial::{monomials, power};
+use crate::polynomial::monomials;
+use crate::problem::Problem;
 use crate::states::States;
+use answers::Whole;
 use exact::Newton;
 use projected::Fit;
 use rayon::prelude::*;
-use tangent::Tangent;
+use tangent::{Derivative, Tangent};
 
-/// The derivative ∂p/∂θ = p ∂ ln p/∂θ of a closure's density by a parameter θ, and of every answer that it gives.
-///
-/// ∂Q/∂θ is a polynomial of the closure's order. Its errors are the distances from the derivative of the reference, the solution
-/// of the moment equations of a higher degree. Relative to ∫|p′| they are some 2 to 12 times as large as those of the density
-/// relative to 1.
-#[derive(Clone, Debug)]
-pub struct Sensitivity {
-    density: ClosureDensity,
-    parameter: String,
-    /// ∂Q/∂θ, normalised.
-    slope: Exponent,
-    /// ∂p̃/∂θ and that of the reference at the density's nodes, times the weights.
-    masses: Vec<[f64; 2]>,
-    /// The reference's on its whole domain; none where the density is exact.
-    whole: Weighted,
-    /// An estimate of the error of the reference's derivative, in L¹.
-    doubt: f64,
+/// What all derivatives of one density have in common.
+enum Linearised<'a> {
+    Exact(Box<Newton<'a>>),
+    Fitted(Box<(Fit, Tangent<'a>)>),
 }
 
-/// A derivative before it is normalised.
-struct Found {
+/// A first derivative.
+struct First<'a> {
     slope: Exponent,
-    /// ∂ ln p̂/∂θ at the density's nodes; none where the density is exact.
-    reference: Option<Vec<f64>>,
-    whole: Weighted,
-    doubt: f64,
+    /// ∂ ln p̃/∂θ and ∂ ln p̂/∂θ at the density's nodes, each with mean zero.
+    at_nodes: [Vec<f64>; 2],
+    /// That of the reference; none where the density is exact.
+    reference: Option<Derivative<'a>>,
 }
 
 impl ClosureDensity {
@@ -80,12 +68,70 @@ impl ClosureDensity {
         Ok(self.sensitivities(&[parameter])?.remove(0))
     }
 
-    /// The derivatives by several parameters, with what they have in common made once: six of them take about as long as the
-    /// closure itself.
+    /// The derivatives by several parameters, with what they have in common made once.
     ///
     /// # Errors
     /// As [`ClosureDensity::sensitivity`].
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
+        let (problem, linearised) = self.linearised()?;
+        let moved = parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
+        let found: Vec<Option<First<'_>>> = moved.par_iter().map(|moved| linearised.first(self, moved)).collect();
+        let one = |(parameter, found): (&&str, Option<First<'_>>)| {
+            let First { slope, at_nodes, reference } = found.ok_or(self.failed())?;
+            let whole = reference.as_ref().map(|reference| reference.whole(None));
+            Ok(self.moving_with(vec![(*parameter).to_owned()], (slope, None), at_nodes, whole))
+        };
+        parameters.iter().zip(found).map(one).collect()
+    }
+
+    /// The second derivative by two parameters, which may be the same.
+    ///
+    /// # Errors
+    /// As [`ClosureDensity::sensitivity`].
+    ///
+    /// ```
+    /// use expoly::{Closure, models::{Duffing, Solved}};
+    /// let density = Closure::new(4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
+    /// // E v² = D/c.
+    /// let mixed = density.second_sensitivity(["c", "D"])?.moment(&[0, 2])?;
+    /// assert!((mixed.value + 1.0 / 0.2_f64.powi(2)).abs() < 1e-6);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
+        let (problem, linearised) = self.linearised()?;
+        let [k, l] = parameters;
+        let moved = [problem.derivative(&[k])?, problem.derivative(&[l])?];
+        let twice = problem.derivative(&parameters)?;
+        let first = moved.each_ref().map(|moved| linearised.first(self, moved));
+        let [Some(first), Some(second)] = first else { return Err(self.failed()) };
+        let (slopes, moved) = ([&first.slope, &second.slope], moved.each_ref());
+        let both =
+            |values: [&Vec<f64>; 2]| -> Vec<f64> { values[0].iter().zip(values[1]).map(|(k, l)| k * l).collect() };
+        let own = both([&first.at_nodes[0], &second.at_nodes[0]]);
+        let (mut slope, reference, whole) = match &linearised {
+            Linearised::Exact(newton) => (newton.second(moved, &twice, slopes).ok_or(self.failed())?, None, None),
+            Linearised::Fitted(fitted) => {
+                let (fit, tangent) = &**fitted;
+                let (Some(k), Some(l)) = (&first.reference, &second.reference) else { return Err(self.failed()) };
+                let derivative = tangent.second(moved, &twice, [k, l]).ok_or(self.failed())?;
+                let along = self.centred(derivative.second_values([k, l], &self.nodes), 1).0;
+                let square = both([&first.at_nodes[1], &second.at_nodes[1]]);
+                let curved: Vec<f64> = along.iter().zip(square).map(|(along, square)| along - square).collect();
+                let at = |k: usize| [&first.at_nodes[k][..], &second.at_nodes[k][..]];
+                let slope = fit.second(at(0), at(1), &curved).ok_or(self.failed())?;
+                (slope, Some(along), Some(derivative.whole(Some([k, l]))))
+            }
+        };
+        let sums = slope.values(&self.nodes).into_iter().zip(own).map(|(slope, product)| slope + product).collect();
+        let (own, centre) = self.centred(sums, 0);
+        slope.constant -= centre;
+        let at_nodes = [own.clone(), reference.unwrap_or(own)];
+        let product = [first.slope.clone(), second.slope.clone()];
+        let names = parameters.map(str::to_owned).to_vec();
+        Ok(self.moving_with(names, (slope, Some(product)), at_nodes, whole))
+    }
+
+    fn linearised(&self) -> Result<(&Problem, Linearised<'_>)> {
         let tails = match self.candidates()[0].origin {
             Origin::Exact => None,
             Origin::MomentEquations { tails } => Some(tails),
@@ -100,48 +146,40 @@ impl ClosureDensity {
         if !problem.impulses().is_empty() {
             return Err(NOT_SERVED);
         }
-        let order = self.provenance().order.unwrap_or(0);
-        let failed = Error::NotClosed { order, reason: "the linear equations of the derivative have no solution" };
         let space = self.functions();
-        let moved = parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
-        let found: Vec<Option<Found>> = if let Some(tails) = tails {
-            let fit = Fit::new(self, space, tails).ok_or(failed.clone())?;
-            let tangent = Tangent::new(problem, system).ok_or(failed.clone())?;
-            let along = |moved: &FokkerPlanck| {
-                let derivative = tangent.along(moved)?;
-                let reference = derivative.values(&self.nodes);
-                let (slope, whole) = (fit.slope(&reference)?, derivative.masses());
-                Some(Found { slope, reference: Some(reference), whole, doubt: derivative.error })
-            };
-            moved.par_iter().map(along).collect()
-        } else {
-            let newton = Newton::new(self, problem, space).ok_or(failed.clone())?;
-            let along = |moved: &FokkerPlanck| {
-                let slope = newton.slope(moved)?;
-                Some(Found { slope, reference: None, whole: Weighted::none(self.dimension()), doubt: 0.0 })
-            };
-            moved.par_iter().map(along).collect()
+        let linearised = match tails {
+            None => Newton::new(self, problem, space).map(|newton| Linearised::Exact(Box::new(newton))),
+            Some(tails) => Fit::new(self, space, tails)
+                .and_then(|fit| Some(Linearised::Fitted(Box::new((fit, Tangent::new(problem, system)?))))),
         };
-        let named = parameters.iter().zip(found);
-        named.map(|(parameter, found)| Ok(self.moving_with(parameter, found.ok_or(failed.clone())?))).collect()
+        Ok((problem, linearised.ok_or(self.failed())?))
     }
 
-    /// What was found, normalised.
-    fn moving_with(&self, parameter: &str, found: Found) -> Sensitivity {
-        let Found { mut slope, reference, whole, doubt } = found;
-        let mean = |values: &[f64], k: usize| -> f64 {
-            let sums = values.iter().zip(&self.masses);
-            let [sum, mass] = sums.fold([0.0; 2], |[sum, mass], (v, m)| [sum + v * m[k], mass + m[k]]);
-            sum / mass
-        };
-        let own = slope.values(&self.nodes);
-        let centre = mean(&own, 0);
-        slope.constant -= centre;
-        let reference = reference.unwrap_or_else(|| own.clone());
-        let other_centre = mean(&reference, 1);
-        let both = own.iter().zip(&reference).zip(&self.masses);
-        let masses = both.map(|((own, other), m)| [(own - centre) * m[0], (other - other_centre) * m[1]]).collect();
-        Sensitivity { density: self.clone(), parameter: parameter.to_owned(), slope, masses, whole, doubt }
+    fn failed(&self) -> Error {
+        let order = self.provenance().order.unwrap_or(0);
+        Error::NotClosed { order, reason: "the linear equations of the derivative have no solution" }
+    }
+
+    /// Values at the nodes less their mean under p̃, or under p̂, and that mean.
+    fn centred(&self, mut values: Vec<f64>, k: usize) -> (Vec<f64>, f64) {
+        let sums = values.iter().zip(&self.masses);
+        let [sum, mass] = sums.fold([0.0; 2], |[sum, mass], (v, m)| [sum + v * m[k], mass + m[k]]);
+        values.iter_mut().for_each(|value| *value -= sum / mass);
+        (values, sum / mass)
+    }
+
+    /// The derivative of the density from those of its logarithm and of the reference's.
+    fn moving_with(
+        &self,
+        parameters: Vec<String>,
+        (slope, product): (Exponent, Option<[Exponent; 2]>),
+        [own, other]: [Vec<f64>; 2],
+        whole: Option<Whole>,
+    ) -> Sensitivity {
+        let masses =
+            own.iter().zip(other).zip(&self.masses).map(|((own, other), m)| [own * m[0], other * m[1]]).collect();
+        let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
+        Sensitivity { density: self.clone(), parameters, slope, product, masses, whole: whole.unwrap_or_else(none) }
     }
 
     /// All polynomials of the order: a parameter may break the symmetry that the density has.
@@ -161,121 +199,22 @@ const NOT_SERVED: Error = Error::NotServed {
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 
-impl Sensitivity {
-    /// The name of the parameter.
-    pub fn parameter(&self) -> &str {
-        &self.parameter
-    }
-
-    /// The density that this is a derivative of.
-    pub fn density(&self) -> &ClosureDensity {
-        &self.density
-    }
-
-    /// ∂ ln p/∂θ at a state, with mean zero under p.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`] if it is no state of the problem.
-    pub fn log_derivative(&self, x: &[f64]) -> Result<f64> {
-        point(x, self.density.dimension())?;
-        Ok(self.slope.value(x))
-    }
-
-    /// ∫ |∂p/∂θ| dx.
-    pub fn size(&self) -> f64 {
-        self.masses.iter().map(|[own, _]| own.abs()).sum()
-    }
-
-    /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx: the distance from the derivative of the reference, and that derivative's own
-    /// error. It is to be compared with [`Sensitivity::size`].
-    pub fn l1_estimate(&self) -> f64 {
-        let apart: f64 = self.masses.iter().map(|[own, other]| (own - other).abs()).sum();
-        apart.hypot(self.doubt)
-    }
-
-    /// dE g/dθ.
-    pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
-        let (mut sum, mut other, mut square) = (0.0, 0.0, 0.0);
-        for ((x, [own, reference]), masses) in self.density.nodes.iter().zip(&self.masses).zip(&self.density.masses) {
-            let value = g(x);
-            sum += value * own;
-            other += value * reference;
-            square += value * value * masses[0];
-        }
-        // What lies between the edges of the two domains counts as an error.
-        let whole: f64 = self.whole.points.iter().zip(&self.whole.masses).map(|(x, mass)| mass * g(x)).sum();
-        let apart = (sum - other).abs().max(if self.whole.masses.is_empty() { 0.0 } else { (sum - whole).abs() });
-        Estimate::new(sum, apart + (self.doubt + self.rounding()) * square.sqrt())
-    }
-
-    /// The derivative of a raw moment, dE\[x₁^p₁ ⋯ x_n^p_n\]/dθ.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`] unless there is a power for each state.
-    pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        dimension("a list of powers", powers.len(), self.density.dimension())?;
-        Ok(self.expectation(&|x| power(x, powers)))
-    }
-
-    /// The derivative of P(x_i > `level`) for a state i.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`] if there is no such state, [`Error::OutOfRange`] for a level that is not finite.
-    pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
-        coordinate("the state of an exceedance", state, level, self.density.dimension())?;
-        let [low, high] = self.density.bounds()[state];
-        if level >= high {
-            return Ok(Estimate::new(0.0, self.density.truncated_mass()));
-        }
-        let rule = Rule::legendre(tuning::sensitivity::TAIL_NODES).on(level.max(low), high);
-        let sections = rule.iter().map(|(x, w)| self.section(state, x, |_| w));
-        Ok(sections.fold(Estimate::exact(0.0), Estimate::plus))
-    }
-
-    /// The derivative of the marginal density of a state.
-    ///
-    /// # Errors
-    /// As [`Sensitivity::exceedance`].
-    pub fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        coordinate("the state of a marginal", state, x, self.density.dimension())?;
-        Ok(self.section(state, x, |_| 1.0))
-    }
-
-    /// The derivative of the mean rate at which the displacement crosses a level upwards.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`] in one state, [`Error::OutOfRange`] for a level that is not finite.
-    pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
-        let [displacement, velocity] = Crossing::upward(finite("level", level)?).states(self.density.dimension())?;
-        Ok(self.section(displacement, level, |x| x[velocity].max(0.0)))
-    }
-
-    /// ∫ g ∂p/∂θ dx over the other state, with its error by that of the whole derivative where nothing better is known.
-    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64) -> Estimate {
-        let Integrals::Panels { lines, .. } = &self.density.content.integrals else { return Estimate::exact(0.0) };
-        let mut at = vec![0.0; lines.len()];
-        at[state] = x;
-        let mut sum = 0.0;
-        let mut add = |at: &[f64], w: f64| {
-            if self.density.content.domain.contains(at) {
-                sum += w * g(at) * self.density.exponent().value(at).exp() * self.slope.value(at);
+impl<'a> Linearised<'a> {
+    /// The derivative along that of the operator. None where it is not finite.
+    fn first(&self, density: &ClosureDensity, moved: &FokkerPlanck) -> Option<First<'a>> {
+        let (mut slope, along, reference) = match self {
+            Linearised::Exact(newton) => (newton.slope(moved)?, None, None),
+            Linearised::Fitted(fitted) => {
+                let (fit, tangent) = &**fitted;
+                let derivative = tangent.along(moved)?;
+                let along = density.centred(derivative.values(&density.nodes), 1).0;
+                (fit.slope(&along)?, Some(along), Some(derivative))
             }
         };
-        if lines.len() == 1 {
-            add(&at, 1.0);
-        } else {
-            let other = usize::from(state == 0);
-            for (t, w) in lines[other].iter() {
-                at[other] = t;
-                add(&at, w);
-            }
-        }
-        let share = self.l1_estimate() / self.size().max(f64::MIN_POSITIVE) + self.rounding();
-        Estimate::new(sum, sum.abs() * share)
-    }
-
-    fn rounding(&self) -> f64 {
-        tuning::SOLVED * self.size().max(1.0)
+        let (own, centre) = density.centred(slope.values(&density.nodes), 0);
+        slope.constant -= centre;
+        let at_nodes = [own.clone(), along.unwrap_or(own)];
+        Some(First { slope, at_nodes, reference })
     }
 }
 

@@ -1,7 +1,8 @@
+use super::answers::Whole;
 use super::at_points;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes;
-use crate::closure::dynamics::{MomentSystem, Weighted};
+use crate::closure::dynamics::MomentSystem;
 use crate::closure::projection::tempered;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
@@ -27,6 +28,15 @@ impl Jets {
             sweep::at_jets(function, points, |_, gradient, hessian| (gradient.to_vec(), hessian.to_vec()));
         let (gradient, hessian) = derivatives.into_iter().unzip();
         Jets { value: function.values(points), gradient, hessian }
+    }
+
+    /// The sum of a function and a multiple of another one.
+    fn plus(mut self, other: &Jets, factor: f64) -> Jets {
+        let add = |to: &mut [f64], from: &[f64]| to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+        add(&mut self.value, &other.value);
+        self.gradient.iter_mut().zip(&other.gradient).for_each(|(to, from)| add(to, from));
+        self.hessian.iter_mut().zip(&other.hessian).for_each(|(to, from)| add(to, from));
+        self
     }
 
     /// The product of two functions.
@@ -73,8 +83,8 @@ pub(super) struct Derivative<'a> {
     system: &'a MomentSystem,
     s: Exponent,
     d: Vec<f64>,
-    /// An estimate of its error, in L¹.
-    pub(super) error: f64,
+    /// d′ by the equations of the degree below.
+    below: Vec<f64>,
 }
 
 impl<'a> Tangent<'a> {
@@ -100,9 +110,38 @@ impl<'a> Tangent<'a> {
 
     /// The derivative along an operator's. None where it is not finite.
     pub(super) fn along(&self, moved: &FokkerPlanck) -> Option<Derivative<'a>> {
+        let moved = at_points(moved, &self.system.nodes.points);
+        self.renewed(&self.strong(&moved, &self.ratio))
+    }
+
+    /// The derivative along two operators', given those along each of them and the operator's own second derivative: L p̂″ =
+    /// −L′ₖ p̂′ₗ − L′ₗ p̂′ₖ − L″p̂. Of it g = p̂″/ω the part gₖ sₗ + sₖ gₗ − u sₖ sₗ is known. None where it is not finite.
+    pub(super) fn second(
+        &self,
+        moved: [&FokkerPlanck; 2],
+        twice: &FokkerPlanck,
+        first: [&Derivative<'a>; 2],
+    ) -> Option<Derivative<'a>> {
+        let points = &self.system.nodes.points;
+        let s = first.map(|first| Jets::of(&first.s, points));
+        let left = first.map(|first| Jets::of(&self.system.function(&first.d), points));
+        let g = [0, 1].map(|k| self.ratio.times(&s[k]).plus(&left[k], 1.0));
+        let both = self.ratio.times(&s[0]).times(&s[1]);
+        let known = g[0].times(&s[1]).plus(&s[0].times(&g[1]), 1.0).plus(&both, -1.0);
+        let moved = moved.map(|moved| at_points(moved, points));
+        let parts = [
+            self.strong(&moved[0], &g[1]),
+            self.strong(&moved[1], &g[0]),
+            self.strong(&at_points(twice, points), &self.ratio),
+            self.strong(&self.own, &known),
+        ];
+        let fixed: Vec<f64> = (0..points.len()).map(|i| parts.iter().map(|part| part[i]).sum()).collect();
+        self.renewed(&fixed)
+    }
+
+    /// The solution for a source at the nodes, with a polynomial s that takes up as much of it as it can.
+    fn renewed(&self, fixed: &[f64]) -> Option<Derivative<'a>> {
         let system = self.system;
-        let moved = at_points(moved, &system.nodes.points);
-        let fixed = self.strong(&moved, &self.ratio);
         let mut best: Option<Derivative<'_>> = None;
         let mut least = f64::INFINITY;
         let mut s = system.function(&[0.0]);
@@ -118,15 +157,20 @@ impl<'a> Tangent<'a> {
                 break;
             }
             least = size;
-            let other = system.combined_of(&below);
-            let apart: f64 = left.iter().zip(&other).zip(&system.measure).map(|((a, b), w)| ((a - b) * w).abs()).sum();
-            best = Some(Derivative { system, s: s.clone(), d, error: apart });
+            best = Some(Derivative { system, s: s.clone(), d, below });
             let target: Vec<f64> =
                 (0..left.len()).map(|i| self.measure[i] * (jets.value[i] + left[i] / self.ratio.value[i])).collect();
             let fit = weighted_sum(self.lower.values.as_ref(), &target);
             s = system.function(&self.lower.coefficients(&fit));
         }
-        best
+        best.map(|best| {
+            // Any multiple of p̂ solves the same equations: that with the mean zero is the derivative of a density.
+            let along = best.values(&system.nodes.points);
+            let density: Vec<f64> = self.ratio.value.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
+            let mean = along.iter().zip(&density).map(|(t, p)| t * p).sum::<f64>() / density.iter().sum::<f64>();
+            let s = Exponent { constant: best.s.constant - mean, ..best.s };
+            Derivative { s, ..best }
+        })
     }
 
     /// L(ω g)/ω at the nodes.
@@ -160,24 +204,43 @@ impl<'a> Tangent<'a> {
 }
 
 impl Derivative<'_> {
-    /// p̂′ on the whole domain, with mean zero.
-    pub(super) fn masses(&self) -> Weighted {
-        let (points, stationary) = (&self.system.nodes.points, self.system.stationary(false));
-        let [ratio, left] = [&stationary, &self.d].map(|d| self.system.combined_of(d));
-        let s = self.s.values(points);
-        let moved: Vec<f64> = (0..s.len()).map(|i| self.system.measure[i] * (ratio[i] * s[i] + left[i])).collect();
-        let mass: Vec<f64> = ratio.iter().zip(&self.system.measure).map(|(u, w)| u * w).collect();
-        let share = moved.iter().sum::<f64>() / mass.iter().sum::<f64>();
-        let masses = moved.iter().zip(&mass).map(|(moved, mass)| moved - share * mass).collect();
-        Weighted { points: points.clone(), masses, error: self.error }
-    }
-
     /// p̂′/p̂ at some points.
     pub(super) fn values(&self, points: &States) -> Vec<f64> {
+        self.parts(points).into_iter().map(|[s, left]| s + left).collect()
+    }
+
+    /// s and Σ d′_l ψ_l/u at some points.
+    fn parts(&self, points: &States) -> Vec<[f64; 2]> {
         let mut values = nodes::values(&self.system.space, points);
         self.system.functions.transform(values.as_mut());
         let stationary = self.system.stationary(false);
         let [left, ratio] = [&self.d, &stationary].map(|d| combination(values.as_ref(), d));
-        self.s.values(points).iter().zip(left.iter().zip(&ratio)).map(|(s, (left, u))| s + left / u).collect()
+        self.s.values(points).into_iter().zip(left.iter().zip(&ratio)).map(|(s, (left, u))| [s, left / u]).collect()
+    }
+
+    /// p̂″/p̂ at some points, of which this is the part that was solved for.
+    pub(super) fn second_values(&self, first: [&Derivative<'_>; 2], points: &States) -> Vec<f64> {
+        let [k, l] = first.map(|first| first.parts(points));
+        let known = k.into_iter().zip(l).map(|([s, left], [t, other])| (s + left) * t + s * (t + other) - s * t);
+        self.values(points).into_iter().zip(known).map(|(own, known)| own + known).collect()
+    }
+
+    /// The nodes of the whole domain, with p̂′ there, or p̂″ given the first derivatives: by the equations of the highest degree, and
+    /// of the one below it.
+    pub(super) fn whole(&self, first: Option<[&Derivative<'_>; 2]>) -> Whole {
+        let (system, points) = (self.system, &self.system.nodes.points);
+        let ratio = system.combined_of(&system.stationary(false));
+        let densities: Vec<f64> = ratio.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
+        let along = first.map_or_else(|| self.values(points), |first| self.second_values(first, points));
+        let other = system.combined_of(&self.below).into_iter().zip(system.combined_of(&self.d));
+        let change: Vec<f64> = other.zip(&ratio).map(|((below, own), u)| (below - own) / u).collect();
+        let below = along.iter().zip(change).map(|(along, change)| along + change).collect();
+        let sum: f64 = densities.iter().sum();
+        let [own, below] = [along, below].map(|along| {
+            let mean = along.iter().zip(&densities).map(|(t, p)| t * p).sum::<f64>() / sum;
+            along.iter().zip(&densities).map(|(t, p)| (t - mean) * p / sum).collect::<Vec<f64>>()
+        });
+        let masses = own.into_iter().zip(below).map(<[f64; 2]>::from).collect();
+        Whole { points: points.clone(), masses }
     }
 }

@@ -1,0 +1,109 @@
+//! Which parameter matters for a failure?
+//!
+//! Answer, by `cargo run --release --example sensitivities`, for an oscillator whose damping grows with its displacement,
+//! x″ + (α + β x²) x′ + k x + μ x³ = ξ: a percent more noise makes a displacement above 3σ 4.5 % more likely, and a percent more
+//! of the damping β, of the cubic stiffness μ, of the stiffness k and of the damping α 1.9, 1.9, 1.3 and 0.6 % less likely. Each
+//! derivative is one linear solve, states its error, and is a tangent to what the closure finds at other values, as the figure in
+//! `out/` shows.
+
+#![allow(clippy::print_stdout, reason = "an example prints its answer")]
+
+use clap::Parser;
+use expoly::models::DuffingVanDerPol;
+use expoly::statistics::Marginal;
+use expoly::{Closure, ClosureDensity, Density, Estimate, Problem, Sensitivity};
+use std::{path::PathBuf, process::ExitCode};
+use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
+
+/// Elasticities of the answers, and tangents to them.
+#[derive(Clone, Debug, Parser)]
+struct Options {
+    /// Order of the closure
+    #[arg(long, default_value_t = 8)]
+    order: u32,
+    /// Level of the failure, in standard deviations of the displacement
+    #[arg(long, default_value_t = 2.0)]
+    level: f64,
+    /// Folder for the figure and its numbers
+    #[arg(long, default_value = "out/sensitivities")]
+    out: PathBuf,
+}
+
+fn exceedance(density: &ClosureDensity, level: f64) -> expoly::Result<Estimate> {
+    Marginal::new(density, 0)?.exceedance(level)
+}
+
+/// Percent of an answer for a percent of the parameter.
+fn elasticity(value: f64, slope: Estimate, answer: f64) -> Estimate {
+    slope.scaled(value / answer)
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
+    let problem = Problem::parametric(DuffingVanDerPol::new([0.1, 0.3], 1.0, 0.3, 0.3)?)?;
+    let closure = Closure::new(options.order);
+    let density = closure.solve(&problem)?;
+    let level = options.level * density.variance(0)?.value.sqrt();
+    let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
+    let found = density.sensitivities(&names)?;
+
+    let rare = exceedance(&density, level)?;
+    println!("P(x > {level:.4}) = {rare}, L1 {:.1e} by the closure's own estimate", density.l1_estimate());
+    println!("percent of each answer for a percent of a parameter:");
+    println!("  parameter            E x^2                 E v^2              P(x > {} s)", options.level);
+    for ((name, value), found) in problem.parameters().iter().zip(&found) {
+        let of = |powers: [u32; 2]| -> expoly::Result<Estimate> {
+            Ok(elasticity(*value, found.moment(&powers)?, density.moment(&powers)?.value))
+        };
+        let tail = elasticity(*value, found.exceedance(0, level)?, rare.value);
+        let bar = "#".repeat((4.0 * tail.value.abs()).round() as usize);
+        let [x, v] = [of([2, 0])?, of([0, 2])?].map(|e| e.to_string());
+        println!("  {name:6} = {value:4}  {x:>20}  {v:>20}  {:>20}  {bar}", tail.to_string());
+    }
+
+    let views =
+        [marginals(&problem, &density, &found)?, tangents(&closure, &problem, &found, level)?].map(View::Curves);
+    let caption = format!(
+        "x″ + (α + β x²) x′ + k x + μ x³ = ξ, α = 0.1, β = 0.3, k = 1, μ = 0.3, D = 0.3, E[ξ(t)ξ(t+τ)] = 2D δ(τ); closure of \
+         order {}, seed 0. Left: θ ∂p(x)/∂θ. Right: P(x > {level:.4}) with one parameter times a factor, and tangents.",
+        options.order
+    );
+    let path = options.out.join("sensitivities.svg");
+    write_figure(&path, &caption, 2, &views)?;
+    println!("figure: {}", path.display());
+    Ok(())
+}
+
+/// θ ∂p/∂θ of the displacement's marginal density for each parameter.
+fn marginals(problem: &Problem, density: &ClosureDensity, found: &[Sensitivity]) -> expoly::Result<Panel> {
+    let scale =
+        |name: &str| problem.parameters().iter().find(|(other, _)| other == name).map_or(1.0, |(_, value)| *value);
+    let [low, high] = density.bounds()[0];
+    let x = between([low, high], 161);
+    let curves = found.iter().enumerate().map(|(k, found)| {
+        let points = values(&x, |x| found.marginal(0, x))?;
+        let scaled: Vec<[f64; 2]> = points.iter().map(|[x, p, _]| [*x, p * scale(&found.parameters()[0])]).collect();
+        Ok(curve(&found.parameters()[0], Style::Solid, k, &scaled))
+    });
+    let curves = curves.collect::<expoly::Result<Vec<_>>>()?;
+    Ok(Panel::new(["displacement x [L]", "θ ∂p(x)/∂θ [1/L]"], Scale::Linear, curves))
+}
+
+/// The exceedance at other values of two parameters, and its tangents.
+fn tangents(closure: &Closure, problem: &Problem, found: &[Sensitivity], level: f64) -> expoly::Result<Panel> {
+    let mut curves = Vec::new();
+    for (colour, name) in ["beta", "mu"].into_iter().enumerate() {
+        let Some(found) = found.iter().find(|found| found.parameters()[0] == name) else { continue };
+        let value = problem.parameters().iter().find(|(other, _)| other == name).map_or(1.0, |(_, value)| *value);
+        let at = |factor: f64| exceedance(&closure.solve(&problem.with_parameter(name, factor * value)?)?, level);
+        let points = values(&between([0.8, 1.2], 9), at)?;
+        let (middle, slope) = (exceedance(found.density(), level)?.value, found.exceedance(0, level)?.value);
+        let line: Vec<[f64; 2]> = [0.8, 1.2].map(|factor| [factor, middle + slope * value * (factor - 1.0)]).into();
+        curves.push(curve(&format!("{name}, solved again"), Style::Points, colour + 1, &points));
+        curves.push(curve(&format!("{name}, tangent"), Style::Solid, colour + 1, &line));
+    }
+    Ok(Panel::new(["factor on the parameter", "P(x > level)"], Scale::Linear, curves))
+}
+
+fn main() -> ExitCode {
+    support::exit_code(run(&Options::parse()))
+}
