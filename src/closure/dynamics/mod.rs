@@ -108,11 +108,6 @@ impl Dynamics {
         }
     }
 
-    /// The problem that the density is one of.
-    pub(super) fn problem(&self) -> &Problem {
-        &self.problem
-    }
-
     /// The rules of nodes next to walls.
     fn rules(&self) -> &[Rule] {
         if let Carrier::Rules(rules) = &self.carrier { rules } else { &[] }

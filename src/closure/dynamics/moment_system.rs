@@ -178,6 +178,13 @@ impl MomentSystem {
         all.iter().map(|alpha| alpha.iter().sum()).max().unwrap_or(0)
     }
 
+    /// The system with functions up to a degree, and one below it.
+    pub(in crate::closure) fn up_to(&self, degree: u32) -> Self {
+        let most = self.columns_of_degree(degree);
+        let kept = self.ladder.iter().take_while(|columns| **columns <= most).count().max(2);
+        MomentSystem { ladder: self.ladder[..kept].to_vec(), ..self.clone() }
+    }
+
     /// The columns of the highest stable degree, or of the one below it.
     pub(in crate::closure) fn columns(&self, lower: bool) -> usize {
         self.ladder[self.ladder.len() - 1 - usize::from(lower)]

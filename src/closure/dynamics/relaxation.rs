@@ -9,6 +9,7 @@ use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::{Resolvent, propagated, weighted_sum};
+use crate::problem::Problem;
 use crate::transient::Relaxation;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -102,13 +103,20 @@ impl ClosureDensity {
         Ok(compared(own, lower))
     }
 
+    /// The problem that this is a density of.
+    pub(in crate::closure) fn problem(&self) -> Result<&Problem> {
+        Ok(&self.origin()?.problem)
+    }
+
+    fn origin(&self) -> Result<&Arc<Dynamics>> {
+        let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
+        self.dynamics.as_ref().ok_or(Error::NotKnown { what: what.into(), remedy })
+    }
+
     /// What the closure is made from, and its moment equations.
     pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
         served(self.dimension(), self.exponent().space.corners().len())?;
-        let Some(dynamics) = &self.dynamics else {
-            let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
-            return Err(Error::NotKnown { what: what.into(), remedy });
-        };
+        let dynamics = self.origin()?;
         let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
         let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         Ok((dynamics, dynamics.system().ok_or(refusal)?))

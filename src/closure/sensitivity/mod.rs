@@ -19,7 +19,9 @@ use super::candidates::Origin;
 use super::density::ClosureDensity;
 use super::density::content::Integrals;
 use super::density::exponent::Exponent;
+use super::dynamics::MomentSystem;
 use super::space::{Functions, Polynomials};
+use super::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Local};
@@ -73,7 +75,9 @@ impl ClosureDensity {
     /// # Errors
     /// As [`ClosureDensity::sensitivity`].
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
-        let (problem, linearised) = self.linearised()?;
+        let problem = self.differentiable()?;
+        let system = self.system_of_order()?;
+        let linearised = self.linearised(problem, system.as_ref())?;
         let moved = parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
         let found: Vec<Option<First<'_>>> = moved.par_iter().map(|moved| linearised.first(self, moved)).collect();
         let one = |(parameter, found): (&&str, Option<First<'_>>)| {
@@ -98,7 +102,9 @@ impl ClosureDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
-        let (problem, linearised) = self.linearised()?;
+        let problem = self.differentiable()?;
+        let system = self.system_of_order()?;
+        let linearised = self.linearised(problem, system.as_ref())?;
         let [k, l] = parameters;
         let moved = [problem.derivative(&[k])?, problem.derivative(&[l])?];
         let twice = problem.derivative(&parameters)?;
@@ -131,28 +137,34 @@ impl ClosureDensity {
         Ok(self.moving_with(names, (slope, Some(product)), at_nodes, whole))
     }
 
-    fn linearised(&self) -> Result<(&Problem, Linearised<'_>)> {
-        let tails = match self.candidates()[0].origin {
-            Origin::Exact => None,
-            Origin::MomentEquations { tails } => Some(tails),
-            _ => return Err(NOT_SERVED),
-        };
-        let served = self.dimension() <= 2 && self.exponent().space.corners().is_empty();
-        if !served || !matches!(self.content.integrals, Integrals::Panels { .. }) {
+    /// The problem, if derivatives of its density are served.
+    fn differentiable(&self) -> Result<&Problem> {
+        let fitted = matches!(self.candidates()[0].origin, Origin::Exact | Origin::MomentEquations { .. });
+        let smooth = self.dimension() <= 2 && self.exponent().space.corners().is_empty();
+        if !(fitted && smooth && matches!(self.content.integrals, Integrals::Panels { .. })) {
             return Err(NOT_SERVED);
         }
-        let (dynamics, system) = self.motion()?;
-        let problem = dynamics.problem();
-        if !problem.impulses().is_empty() {
-            return Err(NOT_SERVED);
-        }
+        let problem = self.problem()?;
+        if problem.impulses().is_empty() { Ok(problem) } else { Err(NOT_SERVED) }
+    }
+
+    /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact. The
+    /// highest of all serve densities that move, and carry what the edge of the domain makes of the derivative.
+    fn system_of_order(&self) -> Result<Option<MomentSystem>> {
+        let Origin::MomentEquations { .. } = self.candidates()[0].origin else { return Ok(None) };
+        let excess = tuning::space::EXCESS[self.dimension() - 1];
+        let degree = self.provenance().order.unwrap_or(0) + excess;
+        Ok(Some(self.motion()?.1.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
+    }
+
+    fn linearised<'a>(&'a self, problem: &Problem, system: Option<&'a MomentSystem>) -> Result<Linearised<'a>> {
         let space = self.functions();
-        let linearised = match tails {
-            None => Newton::new(self, problem, space).map(|newton| Linearised::Exact(Box::new(newton))),
-            Some(tails) => Fit::new(self, space, tails)
+        let found = match (system, self.candidates()[0].origin) {
+            (Some(system), Origin::MomentEquations { tails }) => Fit::new(self, space, tails)
                 .and_then(|fit| Some(Linearised::Fitted(Box::new((fit, Tangent::new(problem, system)?))))),
+            _ => Newton::new(self, problem, space).map(|newton| Linearised::Exact(Box::new(newton))),
         };
-        Ok((problem, linearised.ok_or(self.failed())?))
+        found.ok_or(self.failed())
     }
 
     fn failed(&self) -> Error {

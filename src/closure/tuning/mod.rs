@@ -324,6 +324,8 @@ pub(crate) mod density {
 
 /// Derivatives by parameters.
 pub(crate) mod sensitivity {
+    /// The least degree of the moment equations.
+    pub(crate) const LEAST_DEGREE: u32 = 14;
     /// The degree of the polynomial that the derivative of the weight's logarithm is,
     pub(crate) const DEGREE: u32 = 12;
     /// how often it is renewed at most,
