@@ -53,7 +53,7 @@ impl Sensitivity {
     /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ; by two parameters (∂²p/∂θ∂φ)/p. Its mean under p is zero.
     ///
     /// # Errors
-    /// [`Error::Dimension`] if it is no state of the problem.
+    /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
     pub fn relative(&self, x: &[f64]) -> Result<f64> {
         point(x, self.density.dimension())?;
         Ok(self.at(x))
@@ -96,7 +96,7 @@ impl Sensitivity {
     /// The derivative of a raw moment, dE\[x₁^p₁ ⋯ x_n^p_n\]/dθ.
     ///
     /// # Errors
-    /// [`Error::Dimension`] unless there is a power for each state.
+    /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state.
     pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.density.dimension())?;
         Ok(self.expectation(&|x| power(x, powers)))
@@ -105,7 +105,7 @@ impl Sensitivity {
     /// The derivative of P(x_i > `level`) for a state i.
     ///
     /// # Errors
-    /// [`Error::Dimension`] if there is no such state, [`Error::OutOfRange`] for a level that is not finite.
+    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
         let [low, high] = self.density.bounds()[state];
@@ -129,7 +129,7 @@ impl Sensitivity {
     /// The derivative of the mean rate at which the displacement crosses a level upwards.
     ///
     /// # Errors
-    /// [`Error::Dimension`] in one state, [`Error::OutOfRange`] for a level that is not finite.
+    /// [`Error::Dimension`](crate::Error::Dimension) in one state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let [displacement, velocity] = Crossing::upward(finite("level", level)?).states(self.density.dimension())?;
         Ok(self.section(displacement, level, |x| x[velocity].max(0.0)))
