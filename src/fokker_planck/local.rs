@@ -1,4 +1,7 @@
+use super::FokkerPlanck;
 use crate::numerics::Number;
+use crate::polynomial::Polynomial;
+use crate::states::States;
 
 /// The Fokker-Planck operator at one point.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +67,33 @@ impl Local {
             let spread: f64 = row.iter().zip(gradient).map(|(b, q)| b * q).sum();
             drift[i] = spread + self.diffusion_divergence[i] - self.drift[i];
         }
+    }
+}
+
+impl FokkerPlanck {
+    /// The operator, without impulses, at some points: from its polynomials, where no definition is at hand that dual numbers could
+    /// run on.
+    pub(crate) fn locals(&self, points: &States) -> Vec<Local> {
+        let n = self.dimension();
+        let divergence = self.divergence();
+        let pairs = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let parts: Vec<[Polynomial; 3]> = pairs()
+            .map(|(i, j)| {
+                let (value, slope) = (self.diffusion[i][j].clone(), self.diffusion[i][j].derivative(j));
+                let curvature = slope.derivative(i);
+                [value, slope, curvature]
+            })
+            .collect();
+        let local = |x: &[f64]| {
+            let mut local = Local::new(n);
+            local.drift = self.drift.iter().map(|f| f.evaluate(x)).collect();
+            local.divergence = divergence.evaluate(x);
+            for ((i, j), parts) in pairs().zip(&parts) {
+                local.add_derivatives(i, j, parts.each_ref().map(|part| part.evaluate(x)));
+            }
+            local
+        };
+        points.iter().map(local).collect()
     }
 }
 

@@ -5,6 +5,9 @@ use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
 use num_dual::HyperDual64;
 
+/// The step by which impulses are seen to depend on a parameter.
+const STEP: f64 = 1e-6;
+
 /// What makes the problems of a system for any values of its parameters.
 pub(super) trait Family: Send + Sync {
     /// The problem with `value(name, present value)` for each parameter.
@@ -77,7 +80,16 @@ impl Problem {
             let [first, second] = [Some(first), second].map(|by| f64::from(u8::from(by == Some(name))));
             HyperDual64::new(present, first, second, 0.0)
         };
-        let lifted = self.family()?.lifted(&seed)?;
+        let family = self.family()?;
+        let lifted = family.lifted(&seed)?;
+        // Impulses have no part in drift and diffusion, and no derivative here.
+        let beside = |name: &str, present: f64| {
+            if parameters.contains(&name) { present + STEP * (1.0 + present.abs()) } else { present }
+        };
+        if !self.impulses().is_empty() && family.at(&beside)?.impulses() != self.impulses() {
+            let (method, what) = ("automatic differentiation", "derivatives by parameters of impulses");
+            return Err(Error::NotServed { method, what, remedy: "take differences of two problems" });
+        }
         let zero = |powers: [u32; 2]| lifted.coefficient(powers).is_zero();
         if zero([1, 0]) || second.is_some() && zero([0, 1]) {
             let name = if zero([1, 0]) { first } else { second.unwrap_or(first) };

@@ -184,10 +184,12 @@ fn questions_of_time_without_a_meaning_are_refused() {
     {
         assert!(matches!(refused(&start, &[1.0]), Error::Dimension { expected: 2, found: 1, .. }));
     }
-    // Across a wall.
+    // Behind a wall, and across it.
     let walled = oscillator.clone().with_wall(Wall::above(-0.5, 0.8).unwrap()).unwrap();
-    let error = Closure::new(4).transient(&walled, &normal([-0.5, 0.0], 0.2), &[1.0]).unwrap_err();
-    assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+    for start in [Start::Point(vec![-0.6, 0.0]), normal([-0.5, 0.0], 0.2)] {
+        let error = Closure::new(4).transient(&walled, &start, &[1.0]).unwrap_err();
+        assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+    }
     let density = Closure::new(4).solve(&oscillator).unwrap();
     assert!(matches!(density.autocovariance(2, &[0.0]), Err(Error::Dimension { .. })));
     assert!(matches!(density.autocovariance(0, &[-1.0]), Err(Error::OutOfRange { .. })));

@@ -55,6 +55,7 @@ fn closed_form(
                 assert!((moment.value - truth).abs() < 1e-8 * truth.abs().max(1.0), "{moment} and {truth}");
             }
             let truth = of(&|density| beyond(density, 1.5));
+            // Simpson's rule is right to some 1e-11.
             let tail = found.exceedance(0, 1.5)?;
             assert!((tail.value - truth).abs() < 1e-8 * truth.abs().max(1e-2), "{tail} and {truth}");
             let truth = of(&|density| density.flux(Crossing::upward(1.5), 1).unwrap().value);
@@ -167,7 +168,7 @@ v = "sqrt(2*D)"
 "#;
 
 /// Without a closed form, against differences of a grid: ∫ |p̃′ − p′| is within a factor of two of its own estimate, 9e-2 to 5e-4 of
-/// ∫ |p′|, and the moments' derivatives are right to 2e-4 at every order, the second ones to 1e-2.
+/// ∫ |p′|, and the moments' derivatives are right to 2e-4 at every order, the second ones to 2e-3 (measured are 4e-4 to 9e-4).
 #[test]
 fn derivatives_without_a_closed_form_have_their_estimated_errors() -> Result<()> {
     let problem = Problem::from_toml(CUBIC)?;
@@ -204,7 +205,7 @@ fn derivatives_without_a_closed_form_have_their_estimated_errors() -> Result<()>
             let [a, b, c, d] = grids.each_ref().map(|grid| grid.moment(&[2, 0]).unwrap().value);
             let truth = (16.0 * (b + c) - a - d - 30.0 * middle) / (12.0 * h * h);
             println!("   twice: {curvature} and {truth:.5}");
-            assert!((curvature.value / truth - 1.0).abs() < 1e-2, "{name}: {curvature} and {truth}");
+            assert!((curvature.value / truth - 1.0).abs() < 2e-3, "{name}: {curvature} and {truth}");
             for powers in [[2, 0], [0, 2], [4, 0], [0, 4]] {
                 let (truth, moment) = (of(&|density| density.moment(&powers).unwrap().value), found.moment(&powers)?);
                 println!("   {powers:?}: {moment} and {truth:.6}");
@@ -225,7 +226,8 @@ fn the_tangent_touches_the_densities_nearby() -> Result<()> {
     let differences = slope(variance, 0.05);
     let tangent = found.moment(&[2, 0])?;
     println!("{differences} and {tangent}");
-    assert!((tangent.value / differences - 1.0).abs() < 1e-3, "{differences} and {tangent}");
+    // Measured is 7e-5: the differences' own h⁴, and the edges of five domains.
+    assert!((tangent.value / differences - 1.0).abs() < 2e-4, "{differences} and {tangent}");
     assert_eq!((found.density().dimension(), found.marginal(0, 9.0)?.value), (2, 0.0));
 
     // Pointwise, by a fit with a share for the tails, whose weight moves as well.
@@ -235,8 +237,8 @@ fn the_tangent_touches_the_densities_nearby() -> Result<()> {
     for x in [[0.0, 0.0], [0.8, -0.5], [-1.1, 0.9], [1.4, 1.0]] {
         let differences = (beside[1].log_pdf(&x)? - beside[0].log_pdf(&x)?) / 0.06;
         println!("{x:?}: {} and {differences}", found.relative(&x)?);
-        // Of ln p in D the third derivative is some 2·3/D³, times h²/6.
-        assert!((found.relative(&x)? - differences).abs() < 0.05 * found.relative(&x)?.abs().max(1.0), "{x:?}");
+        // The differences err by h²/6 of a third derivative, some 6/D² of the first: 1e-2, as measured.
+        assert!((found.relative(&x)? - differences).abs() < 0.02 * found.relative(&x)?.abs().max(1.0), "{x:?}");
     }
     Ok(())
 }

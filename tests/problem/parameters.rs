@@ -115,6 +115,14 @@ fn derivatives_that_are_not_known_are_refused() -> Result<()> {
     }
     // The equations do not contain the wall, and the restitution is no parameter.
     assert!(matches!(text.derivative(&["gap"]), Err(Error::NotServed { .. })));
+    // Impulses have no part in drift and diffusion: a parameter of theirs is refused, and another one is not.
+    let struck = TEXT.replace(
+        "[[wall]]",
+        "[impulse.a]\nrate = 2\namplitude = { normal = { mean = 0, deviation = 0.3 } }\nv = \"mu\"\n[[wall]]",
+    );
+    let struck = Problem::from_toml(&struck)?;
+    assert!(matches!(struck.derivative(&["mu"]), Err(Error::NotServed { .. })));
+    assert_eq!(struck.derivative(&["c"])?, text.derivative(&["c"])?);
     // A saved problem has its parameters' values in the equations.
     let saved = Problem::from_toml(&text.to_toml()?)?;
     assert!(matches!(saved.derivative(&["c"]), Err(Error::NotKnown { what, .. }) if what.contains('c')));

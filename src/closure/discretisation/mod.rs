@@ -89,7 +89,7 @@ impl Discretisation {
         let nodes = Nodes::gauss(&domain, along);
         let (centre, half_width) = domain.box_around();
         let family = SpaceFamily::Smooth(Smooth { centre, half_width, ..family });
-        let (lines, locals, fixed) = (lines(&domain), locals(problem, &nodes), vec![0.0; nodes.len()]);
+        let (lines, locals, fixed) = (lines(&domain), locals(problem, &nodes.points), vec![0.0; nodes.len()]);
         let (passages, impulses, drop) = (Vec::new(), problem.impulses().to_vec(), tuning::domain::KEPT);
         Some(Discretisation { family, domain, nodes, locals, lines, passages, impulses, fixed, guess, drop })
     }
@@ -102,7 +102,7 @@ impl Discretisation {
         guess: Exponent,
     ) -> Self {
         let nodes = Nodes { points, weights, rules: Vec::new() };
-        let (locals, fixed) = (locals(problem, &nodes), vec![0.0; nodes.len()]);
+        let (locals, fixed) = (locals(problem, &nodes.points), vec![0.0; nodes.len()]);
         let (family, lines, passages) = (SpaceFamily::Smooth(family), Vec::new(), Vec::new());
         let (impulses, drop) = (Vec::new(), f64::INFINITY);
         Discretisation { family, domain, nodes, locals, lines, passages, impulses, fixed, guess, drop }
@@ -135,14 +135,14 @@ impl Discretisation {
     }
 }
 
-/// The Fokker-Planck operator at nodes.
-pub(super) fn locals(problem: &Problem, nodes: &Nodes) -> Vec<Local> {
+/// The Fokker-Planck operator at some points.
+pub(super) fn locals(problem: &Problem, points: &States) -> Vec<Local> {
     let local = |x: &[f64]| {
         let mut local = Local::new(x.len());
         problem.local(x, &mut local);
         local
     };
-    nodes.points.par_iter().map(local).collect()
+    points.par_iter().map(local).collect()
 }
 
 /// Rules across a domain along each state, in two panels that meet at 0 or in the middle.

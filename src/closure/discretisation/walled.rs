@@ -49,7 +49,7 @@ pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Optio
     let passages = passages.filter(|passage| domain.contains(&passage.before) && domain.contains(&passage.after));
     let passages = passages.collect();
     let nodes = nodes.within(&domain);
-    let (locals, fixed) = (locals(problem, &nodes), known_values(&guess.known, &nodes.points));
+    let (locals, fixed) = (locals(problem, &nodes.points), known_values(&guess.known, &nodes.points));
     let family = SpaceFamily::Walled(Walled { corners: corners(1.0), centre, half_width });
     Some(Discretisation {
         family,

@@ -25,6 +25,7 @@ mod start;
 mod survival;
 mod transient;
 
+use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
@@ -34,12 +35,13 @@ use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::Functions;
 use super::space::nested_spaces::{Smooth, SpaceFamily};
 use super::tuning;
+use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::numerics::{Rule, exponentials};
 use crate::problem::{Problem, Symmetry};
 use law::Law;
 pub(super) use moment_system::MomentSystem;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 pub use survival::ClosureSurvival;
 
 /// What a closure is made from, as far as questions of time need it: they are answered on the nodes of its whole trust domain,
@@ -144,6 +146,27 @@ impl Dynamics {
     /// The moment equations; none where they are unstable at every degree.
     fn system(&self) -> Option<&MomentSystem> {
         self.system.get_or_init(|| MomentSystem::new(self)).as_ref()
+    }
+}
+
+impl ClosureDensity {
+    /// The problem that this is a density of.
+    pub(in crate::closure) fn problem(&self) -> Result<&Problem> {
+        Ok(&self.origin()?.problem)
+    }
+
+    fn origin(&self) -> Result<&Arc<Dynamics>> {
+        let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
+        self.dynamics.as_ref().ok_or(Error::NotKnown { what: what.into(), remedy })
+    }
+
+    /// What the closure is made from, and its moment equations.
+    pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
+        served(self.dimension(), self.exponent().space.corners().len())?;
+        let dynamics = self.origin()?;
+        let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
+        let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
+        Ok((dynamics, dynamics.system().ok_or(refusal)?))
     }
 }
 

@@ -51,7 +51,7 @@ impl MomentSystem {
         let (top, mass) = scaled_mass(&log, &nodes.weights);
         let mut weight = weight.clone();
         weight.constant -= top + mass.ln();
-        let locals = locals(problem, &nodes);
+        let locals = locals(problem, &nodes.points);
         let impulses = problem.impulses();
         let generator = NodalGenerator { points: &nodes.points, locals: &locals, passages, impulses, domain };
         let table = Table::new(generator, &space, &measure)?;

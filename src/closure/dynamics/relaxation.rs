@@ -1,19 +1,16 @@
 //! The modes of the moment equations, and what they say about the stationary response.
 
 use super::moment_system::MomentSystem;
-use super::{Dynamics, served};
 use crate::checks::{finite, require, state_index};
 use crate::closure::density::ClosureDensity;
 use crate::closure::tuning;
 use crate::density::Density;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::{Resolvent, propagated, weighted_sum};
-use crate::problem::Problem;
 use crate::transient::Relaxation;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 impl ClosureDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0. They are
@@ -24,8 +21,8 @@ impl ClosureDensity {
     /// rate is the rate at which its wells mix.
     ///
     /// # Errors
-    /// [`Error::NotServed`] next to walls in three states and more, [`Error::NotKnown`] for a density from a document,
-    /// [`Error::NotClosed`] where the equations have a growing mode at every degree.
+    /// [`Error::NotServed`](crate::Error::NotServed) next to walls in three states and more, [`Error::NotKnown`](crate::Error::NotKnown) for a density from a document,
+    /// [`Error::NotClosed`](crate::Error::NotClosed) where the equations have a growing mode at every degree.
     ///
     /// ```
     /// use expoly::{Closure, models::{Linear, Solved}};
@@ -46,7 +43,7 @@ impl ClosureDensity {
     /// errors are the distances from those of a lower degree.
     ///
     /// # Errors
-    /// As [`ClosureDensity::relaxation`]; [`Error::Dimension`] if there is no such state, [`Error::OutOfRange`] for a lag that is
+    /// As [`ClosureDensity::relaxation`]; [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a lag that is
     /// negative or not finite.
     ///
     /// ```
@@ -77,7 +74,7 @@ impl ClosureDensity {
     /// degree.
     ///
     /// # Errors
-    /// As [`ClosureDensity::relaxation`]; [`Error::Dimension`] if there is no such state, [`Error::OutOfRange`] for a frequency that
+    /// As [`ClosureDensity::relaxation`]; [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a frequency that
     /// is not finite.
     ///
     /// ```
@@ -101,25 +98,6 @@ impl ClosureDensity {
             frequencies.iter().map(|omega| resolvent.at(*omega) / PI).collect()
         });
         Ok(compared(own, lower))
-    }
-
-    /// The problem that this is a density of.
-    pub(in crate::closure) fn problem(&self) -> Result<&Problem> {
-        Ok(&self.origin()?.problem)
-    }
-
-    fn origin(&self) -> Result<&Arc<Dynamics>> {
-        let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
-        self.dynamics.as_ref().ok_or(Error::NotKnown { what: what.into(), remedy })
-    }
-
-    /// What the closure is made from, and its moment equations.
-    pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
-        served(self.dimension(), self.exponent().space.corners().len())?;
-        let dynamics = self.origin()?;
-        let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
-        let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
-        Ok((dynamics, dynamics.system().ok_or(refusal)?))
     }
 }
 

@@ -72,6 +72,13 @@ impl Sensitivity {
         apart.hypot(doubt)
     }
 
+    /// Why the derivative should not be relied on, if there is a reason: the density's own, or its own estimated error.
+    pub fn warning(&self) -> Option<&str> {
+        let large = self.l1_estimate() > tuning::UNRELIABLE * self.size().max(tuning::SOLVED);
+        let own = large.then_some("the estimated error of the derivative is large: take a higher order");
+        self.density.warning().or(own)
+    }
+
     /// dE g/dθ, the sum over the nodes of the closure.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         let (mut sum, mut other, mut square) = (0.0, 0.0, 0.0);

@@ -1,6 +1,6 @@
-use super::at_points;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::locals;
 use crate::closure::projection::tempered;
 use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
@@ -30,7 +30,7 @@ impl<'a> Newton<'a> {
         let (states, count) = (points.dimension(), space.len());
         let weights: Vec<f64> = density.masses.iter().map(|masses| masses[0]).collect();
         let measure = tempered(&vec![0.0; weights.len()], &weights, 1.0);
-        let own = at_points(problem.operator(), points);
+        let own = locals(problem, points);
         let reversed = sweep::at_jets(density.exponent(), points, |i, gradient, _| {
             let mut reversed = vec![0.0; states];
             own[i].reversed(gradient, &mut reversed);
@@ -49,7 +49,7 @@ impl<'a> Newton<'a> {
     /// Q′ along the derivative of the operator. None where it is not finite.
     pub(super) fn slope(&self, moved: &FokkerPlanck) -> Option<Exponent> {
         let points = &self.density.nodes;
-        let moved = at_points(moved, points);
+        let moved = moved.locals(points);
         let residual = |i: usize, gradient: &[f64], hessian: &[f64]| Local::residual(&moved[i], gradient, hessian);
         let residuals = sweep::at_jets(self.density.exponent(), points, residual);
         self.solved(&residuals)
@@ -65,7 +65,7 @@ impl<'a> Newton<'a> {
     ) -> Option<Exponent> {
         let points = &self.density.nodes;
         let n = points.dimension();
-        let (moved, twice) = (moved.map(|moved| at_points(moved, points)), at_points(twice, points));
+        let (moved, twice) = (moved.map(|moved| moved.locals(points)), twice.locals(points));
         let jets = slope
             .map(|slope| sweep::at_jets(slope, points, |_, gradient, hessian| (gradient.to_vec(), hessian.to_vec())));
         let residuals = sweep::at_jets(self.density.exponent(), points, |i, gradient, hessian| {

@@ -24,7 +24,7 @@ use super::space::{Functions, Polynomials};
 use super::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::fokker_planck::{FokkerPlanck, Local};
+use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::monomials;
 use crate::problem::Problem;
 use crate::states::States;
@@ -239,27 +239,4 @@ fn exponent(space: &Functions, all: &[f64]) -> Option<Exponent> {
         constant: all[0],
         coefficients: all[1..].to_vec(),
     })
-}
-
-/// An operator of polynomials at some points.
-fn at_points(operator: &FokkerPlanck, points: &States) -> Vec<Local> {
-    let n = operator.dimension();
-    let divergence = operator.divergence();
-    let slopes: Vec<Vec<_>> =
-        (0..n).map(|i| (0..n).map(|j| operator.diffusion()[i][j].derivative(j)).collect()).collect();
-    let curvatures: Vec<Vec<_>> = (0..n).map(|i| (0..n).map(|j| slopes[i][j].derivative(i)).collect()).collect();
-    let local = |x: &[f64]| {
-        let mut local = Local::new(n);
-        local.drift = operator.drift().iter().map(|f| f.evaluate(x)).collect();
-        local.divergence = divergence.evaluate(x);
-        for i in 0..n {
-            for j in 0..n {
-                let parts =
-                    [operator.diffusion()[i][j].evaluate(x), slopes[i][j].evaluate(x), curvatures[i][j].evaluate(x)];
-                local.add_derivatives(i, j, parts);
-            }
-        }
-        local
-    };
-    points.iter().map(local).collect()
 }

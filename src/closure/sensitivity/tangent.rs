@@ -1,7 +1,6 @@
 use super::answers::Whole;
-use super::at_points;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::nodes;
+use crate::closure::discretisation::{locals, nodes};
 use crate::closure::dynamics::MomentSystem;
 use crate::closure::projection::tempered;
 use crate::closure::space::orthonormal::Orthonormal;
@@ -104,13 +103,13 @@ impl<'a> Tangent<'a> {
         let columns = system.columns_of_degree(tuning::sensitivity::DEGREE);
         let values = system.functions.values.get(..points.len(), ..columns).to_owned();
         let lower = Orthonormal::new(values, &measure)?;
-        let own = at_points(problem.operator(), points);
+        let own = locals(problem, points);
         Some(Tangent { system, own, log_weight: Jets::of(&system.weight, points), ratio, factors, lower, measure })
     }
 
     /// The derivative along an operator's. None where it is not finite.
     pub(super) fn along(&self, moved: &FokkerPlanck) -> Option<Derivative<'a>> {
-        let moved = at_points(moved, &self.system.nodes.points);
+        let moved = moved.locals(&self.system.nodes.points);
         self.renewed(&self.strong(&moved, &self.ratio))
     }
 
@@ -128,11 +127,11 @@ impl<'a> Tangent<'a> {
         let g = [0, 1].map(|k| self.ratio.times(&s[k]).plus(&left[k], 1.0));
         let both = self.ratio.times(&s[0]).times(&s[1]);
         let known = g[0].times(&s[1]).plus(&s[0].times(&g[1]), 1.0).plus(&both, -1.0);
-        let moved = moved.map(|moved| at_points(moved, points));
+        let moved = moved.map(|moved| moved.locals(points));
         let parts = [
             self.strong(&moved[0], &g[1]),
             self.strong(&moved[1], &g[0]),
-            self.strong(&at_points(twice, points), &self.ratio),
+            self.strong(&twice.locals(points), &self.ratio),
             self.strong(&self.own, &known),
         ];
         let fixed: Vec<f64> = (0..points.len()).map(|i| parts.iter().map(|part| part[i]).sum()).collect();

@@ -10,6 +10,7 @@
 
 pub(crate) mod dynamics;
 mod many_states;
+pub(crate) mod sensitivity;
 
 pub(crate) use many_states::{calibration, lattice, likelihood, strata};
 
@@ -320,20 +321,6 @@ pub(crate) mod density {
     pub(crate) const SHIFTS: usize = 16;
     /// A section gets this part of the draws that a mean gets: a marginal is computed at many places.
     pub(crate) const OF_A_SECTION: usize = 8;
-}
-
-/// Derivatives by parameters.
-pub(crate) mod sensitivity {
-    /// The least degree of the moment equations.
-    pub(crate) const LEAST_DEGREE: u32 = 14;
-    /// The degree of the polynomial that the derivative of the weight's logarithm is,
-    pub(crate) const DEGREE: u32 = 12;
-    /// how often it is renewed at most,
-    pub(crate) const RENEWALS: usize = 12;
-    /// and the factor by which what it leaves must fall each time.
-    pub(crate) const FALLS: f64 = 0.9;
-    /// Nodes from a level to the edge of the domain.
-    pub(crate) const TAIL_NODES: usize = 80;
 }
 
 /// The literature's closure.

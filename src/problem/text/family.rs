@@ -15,7 +15,8 @@ pub(super) struct Text {
 }
 
 impl Text {
-    fn changed(&self, name: &str, value: HyperDual64) -> HyperDual64 {
+    /// The value of a parameter, given the one in the text.
+    pub(super) fn changed(&self, name: &str, value: HyperDual64) -> HyperDual64 {
         self.changes.iter().find(|(changed, _)| changed == name).map_or(value, |(_, value)| (*value).into())
     }
 }

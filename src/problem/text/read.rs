@@ -259,13 +259,10 @@ impl Document<'_> {
     }
 
     pub(super) fn problem(self, changes: Vec<(String, f64)>) -> Result<Problem> {
-        let change = |name: &str, value: HyperDual64| {
-            changes.iter().find(|(changed, _)| changed == name).map_or(value, |(_, value)| (*value).into())
-        };
-        let Read { written, names, walls: placed } = self.equations(&change, 0)?;
+        let mut family = Text { text: self.0.to_owned(), changes, walls: Vec::new() };
+        let Read { written, names, walls: placed } = self.equations(&|name, value| family.changed(name, value), 0)?;
         let parameters = names.parameters.into_iter().map(|(name, value)| (name, value.re)).collect();
-        let walls = placed.iter().map(|(_, wall)| *wall).collect();
-        let family = Text { text: self.0.to_owned(), changes, walls };
+        family.walls = placed.iter().map(|(_, wall)| *wall).collect();
         let problem = Problem::any_size(written, parameters, Some(Box::new(family)))?;
         placed.into_iter().try_fold(problem, |problem, (place, wall)| {
             problem.with_wall(wall).or_else(|error| self.wrong(place, "wall", error.to_string()))

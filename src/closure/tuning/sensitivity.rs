@@ -1,0 +1,12 @@
+//! Derivatives by parameters.
+
+/// The least degree of the moment equations.
+pub(crate) const LEAST_DEGREE: u32 = 14;
+/// The degree of the polynomial that the derivative of the weight's logarithm is,
+pub(crate) const DEGREE: u32 = 12;
+/// how often it is renewed at most,
+pub(crate) const RENEWALS: usize = 12;
+/// and the factor by which what it leaves must fall each time.
+pub(crate) const FALLS: f64 = 0.9;
+/// Nodes from a level to the edge of the domain.
+pub(crate) const TAIL_NODES: usize = 80;
