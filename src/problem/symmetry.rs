@@ -29,18 +29,24 @@ impl Symmetry {
         } else {
             vec![vec![false; n], vec![true; n]]
         };
-        let turns = |p: &Polynomial, flip: &[bool], sign: bool| p.terms().all(|(alpha, _)| odd(flip, alpha) == sign);
         let struck = |flip: &[bool], impulse: &Impulse| {
             let all = |turned: bool| (0..n).all(|i| turns(&impulse.field()[i], flip, flip[i] != turned));
             all(false) || impulse.jumps().amplitude().is_symmetric() && all(true)
         };
-        let kept = |flip: &Vec<bool>| {
+        let kept = |flip: &Vec<bool>| operator.impulses().iter().all(|impulse| struck(flip, impulse));
+        Symmetry { changes: all.into_iter().filter(kept).collect() }.and_of(operator)
+    }
+
+    /// Those that leave the drift and the diffusion of another operator as they are, too.
+    pub(crate) fn and_of(mut self, operator: &FokkerPlanck) -> Self {
+        let n = operator.dimension();
+        self.changes.retain(|flip| {
             (0..n).all(|i| {
                 turns(&operator.drift()[i], flip, flip[i])
                     && (0..n).all(|j| turns(&operator.diffusion()[i][j], flip, flip[i] != flip[j]))
-            }) && operator.impulses().iter().all(|impulse| struck(flip, impulse))
-        };
-        Symmetry { changes: all.into_iter().filter(kept).collect() }
+            })
+        });
+        self
     }
 
     /// Those that flip none of these states.
@@ -79,6 +85,11 @@ impl Symmetry {
             image
         })
     }
+}
+
+/// Whether a polynomial changes its sign where these states do, or does not, by `sign`.
+fn turns(p: &Polynomial, flip: &[bool], sign: bool) -> bool {
+    p.terms().all(|(alpha, _)| odd(flip, alpha) == sign)
 }
 
 /// Whether a monomial changes its sign where these states do.

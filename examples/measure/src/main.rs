@@ -9,6 +9,7 @@ mod calibration;
 mod campaign;
 mod cells;
 mod closure_cost;
+mod derivatives;
 mod draw;
 mod fuzz;
 mod grid_convergence;
@@ -35,6 +36,8 @@ enum Question {
     Campaign(campaign::Options),
     /// What does a closure cost, over its order, its nodes and its states?
     ClosureCost(closure_cost::Options),
+    /// How accurate are derivatives by parameters in three and four states?
+    Derivatives(derivatives::Options),
     /// Does any input make the library panic, hang, or return a value that is no number?
     Fuzz(fuzz::Options),
     /// How accurate is the grid, and what does accuracy cost?
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
         Question::Calibration(options) => calibration::run(&options),
         Question::Campaign(options) => campaign::run(&options),
         Question::ClosureCost(options) => closure_cost::run(&options),
+        Question::Derivatives(options) => derivatives::run(&options),
         Question::Fuzz(options) => fuzz::run(&options),
         Question::GridConvergence(options) => grid_convergence::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),

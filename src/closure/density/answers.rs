@@ -28,7 +28,12 @@ impl ClosureDensity {
     }
 
     /// ∫ g p dx over all states but one, which is `x`.
-    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Result<Estimate> {
+    pub(in crate::closure) fn section(
+        &self,
+        state: usize,
+        x: f64,
+        g: impl Fn(&[f64]) -> f64 + Sync,
+    ) -> Result<Estimate> {
         let Content { exponent, reference, domain, integrals, .. } = &self.content;
         let lines = match integrals {
             Integrals::Panels { lines, .. } => lines,

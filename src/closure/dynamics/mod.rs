@@ -46,7 +46,7 @@ pub use survival::ClosureSurvival;
 
 /// What a closure is made from, as far as questions of time need it: they are answered on the nodes of its whole trust domain,
 /// under the weight of its reference, or under the density itself where the pilot's states carry it.
-pub(super) struct Dynamics {
+pub(in crate::closure) struct Dynamics {
     problem: Problem,
     domain: TrustDomain,
     family: SpaceFamily,
@@ -110,6 +110,16 @@ impl Dynamics {
         }
     }
 
+    /// The problem that these are questions of.
+    pub(in crate::closure) fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// The pilot, where its states carry the density.
+    pub(in crate::closure) fn pilot(&self) -> Option<&Pilot> {
+        if let Carrier::States(carrier) = &self.carrier { Some(&carrier.pilot) } else { None }
+    }
+
     /// The rules of nodes next to walls.
     fn rules(&self) -> &[Rule] {
         if let Carrier::Rules(rules) = &self.carrier { rules } else { &[] }
@@ -155,7 +165,7 @@ impl ClosureDensity {
         Ok(&self.origin()?.problem)
     }
 
-    fn origin(&self) -> Result<&Arc<Dynamics>> {
+    pub(in crate::closure) fn origin(&self) -> Result<&Arc<Dynamics>> {
         let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
         self.dynamics.as_ref().ok_or(Error::NotKnown { what: what.into(), remedy })
     }

@@ -16,27 +16,27 @@ use rayon::prelude::*;
 
 /// Eight states with the coefficients of the operator there.
 #[derive(Clone, Debug)]
-pub(super) struct Sites {
-    pub(super) x: Vec<Lane>,
+pub(in crate::closure) struct Sites {
+    pub(in crate::closure) x: Vec<Lane>,
     /// f.
-    pub(super) drift: Vec<Lane>,
+    pub(in crate::closure) drift: Vec<Lane>,
     /// B, by rows.
-    pub(super) diffusion: Vec<Lane>,
+    pub(in crate::closure) diffusion: Vec<Lane>,
     /// −f + ∂B.
-    pub(super) backward: Vec<Lane>,
+    pub(in crate::closure) backward: Vec<Lane>,
     /// −∇·f + ½ ∂∂B.
-    pub(super) source: Lane,
+    pub(in crate::closure) source: Lane,
     /// The states i with some B_ij ≠ 0, j ≠ i.
-    pub(super) coupled: Vec<usize>,
+    pub(in crate::closure) coupled: Vec<usize>,
     /// The states with noise.
-    pub(super) noisy: Vec<usize>,
+    pub(in crate::closure) noisy: Vec<usize>,
     local: Local,
     /// The walls whose grazing impacts make a part S of ln p that is known.
     grazed: Vec<Corner>,
 }
 
 impl Sites {
-    pub(super) fn new(problem: &Problem, corners: &[Corner]) -> Self {
+    pub(in crate::closure) fn new(problem: &Problem, corners: &[Corner]) -> Self {
         let n = problem.dimension();
         let [x, drift, backward] = [(); 3].map(|()| vec![ZERO; n]);
         let b = problem.operator().diffusion();
@@ -48,7 +48,7 @@ impl Sites {
     }
 
     /// Up to eight states, one after the other in `states`; the last stands in for those that are missing.
-    pub(super) fn place(&mut self, problem: &Problem, states: &[f64]) {
+    pub(in crate::closure) fn place(&mut self, problem: &Problem, states: &[f64]) {
         let n = problem.dimension();
         let count = states.len() / n;
         for l in 0..LANES {

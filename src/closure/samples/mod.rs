@@ -30,6 +30,7 @@ mod strata;
 mod walls;
 
 pub(crate) use copula::Copula;
+pub(in crate::closure) use equations::Sites;
 pub(in crate::closure) use family::Family;
 pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;

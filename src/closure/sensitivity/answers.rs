@@ -1,5 +1,6 @@
 //! What a derivative answers, each with its error.
 
+use super::carried::Carried;
 use crate::checks::{coordinate, dimension, finite, point};
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Integrals;
@@ -11,6 +12,7 @@ use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::polynomial::power;
 use crate::states::States;
+use std::sync::Arc;
 
 /// The derivative ∂p/∂θ of a closure's density by a parameter θ, and of every answer that it gives; or the second derivative
 /// by two.
@@ -30,6 +32,8 @@ pub struct Sensitivity {
     pub(super) masses: Vec<[f64; 2]>,
     /// The reference's on its whole domain; nothing where the density is exact.
     pub(super) whole: Whole,
+    /// In three states and more, where the density is not exact.
+    pub(super) carried: Option<Arc<Carried>>,
 }
 
 /// Derivatives at nodes, times their weights, by the equations of the highest degree and by those of the one below it.
@@ -61,12 +65,19 @@ impl Sensitivity {
 
     /// ∫ |∂p/∂θ| dx.
     pub fn size(&self) -> f64 {
-        self.masses.iter().map(|[own, _]| own.abs()).sum()
+        match &self.carried {
+            Some(carried) => carried.size(),
+            None if self.in_many_states() => self.under_density(&|x| self.at(x).abs()).value,
+            None => self.masses.iter().map(|[own, _]| own.abs()).sum(),
+        }
     }
 
     /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx: the distance from the derivative of the reference, and that derivative's own
     /// error. It is to be compared with [`Sensitivity::size`].
     pub fn l1_estimate(&self) -> f64 {
+        if let Some(carried) = &self.carried {
+            return carried.l1_estimate;
+        }
         let apart: f64 = self.masses.iter().map(|[own, other]| (own - other).abs()).sum();
         let doubt: f64 = self.whole.masses.iter().map(|[own, below]| (own - below).abs()).sum();
         apart.hypot(doubt)
@@ -76,11 +87,20 @@ impl Sensitivity {
     pub fn warning(&self) -> Option<&str> {
         let large = self.l1_estimate() > tuning::UNRELIABLE * self.size().max(tuning::SOLVED);
         let own = large.then_some("the estimated error of the derivative is large: take a higher order");
-        self.density.warning().or(own)
+        let few = self.carried.as_ref().is_some_and(|carried| carried.change() > tuning::UNRELIABLE * carried.size());
+        let few =
+            few.then_some("the derivative is still changing with the degree on the pilot's states: take more of them");
+        self.density.warning().or(few).or(own)
     }
 
     /// dE g/dθ, the sum over the nodes of the closure.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
+        if let Some(carried) = &self.carried {
+            return carried.expectation(g);
+        }
+        if self.in_many_states() {
+            return self.under_density(&|x| g(x) * self.at(x));
+        }
         let (mut sum, mut other, mut square) = (0.0, 0.0, 0.0);
         for ((x, [own, reference]), masses) in self.density.nodes.iter().zip(&self.masses).zip(&self.density.masses) {
             let value = g(x);
@@ -115,6 +135,9 @@ impl Sensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
+        if self.in_many_states() {
+            return Ok(self.expectation(&|x| f64::from(u8::from(x[state] > level))));
+        }
         let [low, high] = self.density.bounds()[state];
         if level >= high {
             return Ok(Estimate::new(0.0, self.density.truncated_mass()));
@@ -142,14 +165,28 @@ impl Sensitivity {
         Ok(self.section(displacement, level, |x| x[velocity].max(0.0)))
     }
 
+    fn in_many_states(&self) -> bool {
+        self.density.dimension() > 2
+    }
+
+    /// ∫ g p dx.
+    fn under_density(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
+        self.density.expectation(g).unwrap_or(Estimate::new(f64::NAN, f64::INFINITY))
+    }
+
     fn at(&self, x: &[f64]) -> f64 {
         let product = self.product.as_ref().map_or(0.0, |[k, l]| k.value(x) * l.value(x));
         self.slope.value(x) + product
     }
 
     /// ∫ g ∂p/∂θ dx over the other state, with its error by that of the whole derivative where nothing better is known.
-    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64) -> Estimate {
-        let Integrals::Panels { lines, .. } = &self.density.content.integrals else { return Estimate::exact(0.0) };
+    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Estimate {
+        let relative = self.l1_estimate() / self.size().max(f64::MIN_POSITIVE);
+        let Integrals::Panels { lines, .. } = &self.density.content.integrals else {
+            let drawn = self.density.section(state, x, |x| g(x) * self.at(x));
+            let drawn = drawn.unwrap_or(Estimate::new(f64::NAN, f64::INFINITY));
+            return Estimate::new(drawn.value, drawn.error.hypot(drawn.value * relative));
+        };
         let mut at = vec![0.0; lines.len()];
         at[state] = x;
         let mut sum = 0.0;
@@ -167,8 +204,7 @@ impl Sensitivity {
                 add(&at, w);
             }
         }
-        let share = self.l1_estimate() / self.size().max(f64::MIN_POSITIVE) + self.rounding();
-        Estimate::new(sum, sum.abs() * share)
+        Estimate::new(sum, sum.abs() * (relative + self.rounding()))
     }
 
     fn rounding(&self) -> f64 {

@@ -6,9 +6,11 @@
 //! - `exact`: of an exact density, from its Galerkin equations;
 //! - `tangent`: of the solution of the moment equations, under a weight that moves along;
 //! - `projected`: of the exponential polynomial that is closest to it;
+//! - `carried`: in three states and more, on the pilot's states;
 //! - `answers`: what they say of moments, tails and crossings.
 
 mod answers;
+mod carried;
 mod exact;
 mod projected;
 mod tangent;
@@ -26,12 +28,15 @@ use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::monomials;
-use crate::problem::Problem;
+use crate::problem::{Problem, Symmetry};
 use crate::states::States;
 use answers::Whole;
+use carried::Carried;
 use exact::Newton;
 use projected::Fit;
 use rayon::prelude::*;
+use std::borrow::Cow;
+use std::sync::Arc;
 use tangent::{Derivative, Tangent};
 
 /// What all derivatives of one density have in common.
@@ -53,7 +58,7 @@ impl ClosureDensity {
     /// The derivative by a parameter of the problem.
     ///
     /// # Errors
-    /// [`Error::NotServed`] next to walls, under impulses, in three states and more, and for a density of a time;
+    /// [`Error::NotServed`] next to walls, under impulses, and for a density of a time;
     /// [`Error::NotKnown`] for a density from a document; those of [`Problem::derivative`](crate::Problem::derivative);
     /// [`Error::NotClosed`] where the linear system has no solution.
     ///
@@ -76,10 +81,15 @@ impl ClosureDensity {
     /// As [`ClosureDensity::sensitivity`].
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
         let problem = self.differentiable()?;
-        let system = self.system_of_order()?;
-        let linearised = self.linearised(problem, system.as_ref())?;
         let moved = parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
-        let found: Vec<Option<First<'_>>> = moved.par_iter().map(|moved| linearised.first(self, moved)).collect();
+        if self.is_carried() {
+            return self.carried(parameters, &moved);
+        }
+        let system = self.system_of_order()?;
+        let symmetry = self.common_symmetry(problem, &moved);
+        let on_nodes = self.on_nodes().ok_or(self.failed())?;
+        let linearised = on_nodes.linearised(problem, system.as_ref(), &symmetry)?;
+        let found: Vec<Option<First<'_>>> = moved.par_iter().map(|moved| linearised.first(&on_nodes, moved)).collect();
         let one = |(parameter, found): (&&str, Option<First<'_>>)| {
             let First { slope, at_nodes, reference } = found.ok_or(self.failed())?;
             let whole = reference.as_ref().map(|reference| reference.whole(None));
@@ -103,11 +113,16 @@ impl ClosureDensity {
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
         let problem = self.differentiable()?;
+        if self.dimension() > 2 {
+            let what = "second derivatives in three states and more";
+            return Err(Error::NotServed { method: "closure", what, remedy: "take differences of first ones" });
+        }
         let system = self.system_of_order()?;
-        let linearised = self.linearised(problem, system.as_ref())?;
         let [k, l] = parameters;
         let moved = [problem.derivative(&[k])?, problem.derivative(&[l])?];
         let twice = problem.derivative(&parameters)?;
+        let symmetry = self.common_symmetry(problem, &moved);
+        let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
         let first = moved.each_ref().map(|moved| linearised.first(self, moved));
         let [Some(first), Some(second)] = first else { return Err(self.failed()) };
         let (slopes, moved) = ([&first.slope, &second.slope], moved.each_ref());
@@ -139,13 +154,40 @@ impl ClosureDensity {
 
     /// The problem, if derivatives of its density are served.
     fn differentiable(&self) -> Result<&Problem> {
-        let fitted = matches!(self.candidates()[0].origin, Origin::Exact | Origin::MomentEquations { .. });
-        let smooth = self.dimension() <= 2 && self.exponent().space.corners().is_empty();
-        if !(fitted && smooth && matches!(self.content.integrals, Integrals::Panels { .. })) {
-            return Err(NOT_SERVED);
-        }
         let problem = self.problem()?;
-        if problem.impulses().is_empty() { Ok(problem) } else { Err(NOT_SERVED) }
+        let stationary = match self.candidates()[0].origin {
+            Origin::Exact | Origin::MomentEquations { .. } => true,
+            Origin::MaximumLikelihood => self.dimension() > 2 && self.content.indication.is_some(),
+            _ => false,
+        };
+        let on_panels = matches!(self.content.integrals, Integrals::Panels { .. });
+        let smooth = problem.walls().is_empty() && problem.impulses().is_empty();
+        if stationary && smooth && on_panels == (self.dimension() <= 2) { Ok(problem) } else { Err(NOT_SERVED) }
+    }
+
+    /// The same with some of its draws for nodes where it has no others. The Galerkin equations of an exact density hold on any.
+    fn on_nodes(&self) -> Option<Cow<'_, ClosureDensity>> {
+        if !self.nodes.is_empty() {
+            return Some(Cow::Borrowed(self));
+        }
+        let (states, mut masses) = self.weighted_states()?;
+        let kept = states.len().min(tuning::sensitivity::DRAWS);
+        masses.truncate(kept);
+        let values = states.values()[..kept * states.dimension()].to_vec();
+        let nodes = States::from_values(states.dimension(), values);
+        let masses = masses.into_iter().map(|mass| [mass; 2]).collect();
+        Some(Cow::Owned(ClosureDensity { nodes, masses, ..self.clone() }))
+    }
+
+    /// Whether the derivative is found on the pilot's states: in three states and more, where the density is not exact.
+    fn is_carried(&self) -> bool {
+        self.dimension() > 2 && self.candidates()[0].origin != Origin::Exact
+    }
+
+    /// The symmetry of the equation and its derivatives; none where that would save little.
+    fn common_symmetry(&self, problem: &Problem, moved: &[FokkerPlanck]) -> Symmetry {
+        let own = if self.dimension() > 2 { problem.symmetry() } else { Symmetry::none(self.dimension()) };
+        moved.iter().fold(own, Symmetry::and_of)
     }
 
     /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact. The
@@ -157,8 +199,13 @@ impl ClosureDensity {
         Ok(Some(self.motion()?.1.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
     }
 
-    fn linearised<'a>(&'a self, problem: &Problem, system: Option<&'a MomentSystem>) -> Result<Linearised<'a>> {
-        let space = self.functions();
+    fn linearised<'a>(
+        &'a self,
+        problem: &Problem,
+        system: Option<&'a MomentSystem>,
+        symmetry: &Symmetry,
+    ) -> Result<Linearised<'a>> {
+        let space = Functions::Polynomials(self.polynomials(symmetry));
         let found = match (system, self.candidates()[0].origin) {
             (Some(system), Origin::MomentEquations { tails }) => Fit::new(self, space, tails)
                 .and_then(|fit| Some(Linearised::Fitted(Box::new((fit, Tangent::new(problem, system)?))))),
@@ -180,6 +227,17 @@ impl ClosureDensity {
         (values, sum / mass)
     }
 
+    /// The same where there are no nodes.
+    fn moving_on_states(
+        &self,
+        parameters: Vec<String>,
+        (slope, product): (Exponent, Option<[Exponent; 2]>),
+        carried: Option<Arc<Carried>>,
+    ) -> Sensitivity {
+        let found = self.moving_with(parameters, (slope, product), [Vec::new(), Vec::new()], None);
+        Sensitivity { carried, ..found }
+    }
+
     /// The derivative of the density from those of its logarithm and of the reference's.
     fn moving_with(
         &self,
@@ -191,23 +249,30 @@ impl ClosureDensity {
         let masses =
             own.iter().zip(other).zip(&self.masses).map(|((own, other), m)| [own * m[0], other * m[1]]).collect();
         let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
-        Sensitivity { density: self.clone(), parameters, slope, product, masses, whole: whole.unwrap_or_else(none) }
+        let whole = whole.unwrap_or_else(none);
+        Sensitivity { density: self.clone(), parameters, slope, product, masses, whole, carried: None }
     }
 
-    /// All polynomials of the order: a parameter may break the symmetry that the density has.
-    fn functions(&self) -> Functions {
-        let polynomials = self.exponent().space.polynomials();
-        let degree =
-            polynomials.map_or(0, |own| own.exponents().iter().map(|alpha| alpha.iter().sum()).max().unwrap_or(0));
+    /// The polynomials of the order with a symmetry: a parameter may break that of the density. Where it does not, they are the
+    /// density's own.
+    fn polynomials(&self, symmetry: &Symmetry) -> Polynomials {
+        let own = self.exponent().space.polynomials().map_or(&[][..], |own| own.exponents());
+        let degree = own.iter().map(|alpha| alpha.iter().sum()).max().unwrap_or(0);
         let (centre, half_width) = self.content.domain.box_around();
-        let exponents = monomials(self.dimension(), degree).into_iter().filter(|alpha| alpha.iter().any(|a| *a > 0));
-        Functions::Polynomials(Polynomials::new(centre, half_width, exponents.collect()))
+        let kept = self.problem().is_ok_and(|problem| problem.symmetry() == *symmetry);
+        let exponents = if kept {
+            own.to_vec()
+        } else {
+            let all = monomials(self.dimension(), degree).into_iter();
+            all.filter(|alpha| alpha.iter().any(|a| *a > 0) && symmetry.keeps(alpha)).collect()
+        };
+        Polynomials::new(centre, half_width, exponents)
     }
 }
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters next to walls, under impulses, in three states and more, and of a pilot's own fit",
+    what: "derivatives by parameters next to walls, under impulses, and of a density that is not stationary",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 

@@ -8,5 +8,9 @@ pub(crate) const DEGREE: u32 = 12;
 pub(crate) const RENEWALS: usize = 12;
 /// and the factor by which what it leaves must fall each time.
 pub(crate) const FALLS: f64 = 0.9;
+/// Draws on which the equations of an exact density are solved where there are no nodes.
+pub(crate) const DRAWS: usize = 1 << 16;
+/// On the pilot's states: the degrees of the functions.
+pub(crate) const DEGREES: [u32; 4] = [2, 4, 6, 8];
 /// Nodes from a level to the edge of the domain.
 pub(crate) const TAIL_NODES: usize = 80;

@@ -1,0 +1,74 @@
+use crate::closure::density::exponent::Exponent;
+use crate::closure::space::{Functions, Polynomials};
+use crate::control_variates::products::{LANES, Products};
+use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
+use crate::states::States;
+use faer::Mat;
+use faer::linalg::solvers::{Llt, Solve};
+use rayon::prelude::*;
+
+/// States whose functions are tabulated together.
+const STRETCH: usize = 4096;
+
+/// The most likely exponential polynomial, linearised: E_p̃ φ = E φ for its functions φ, so that Cov_p̃(φ) c′ = dE φ/dθ.
+pub(super) struct Likely {
+    space: Polynomials,
+    products: Products,
+    means: Vec<f64>,
+    covariance: Llt<f64>,
+}
+
+impl Likely {
+    /// Under p̃ by its masses on nodes or draws. None where the functions are linearly dependent there.
+    pub(super) fn new(space: Polynomials, points: &States, masses: &[f64]) -> Option<Self> {
+        let products = Products::new(&space);
+        let count = space.len();
+        // The constant's column makes the means.
+        let parts = points.par_chunks(STRETCH).zip(masses.par_chunks(STRETCH)).map(|(x, masses)| {
+            weighted_gram(table(&products, points.dimension(), x).as_ref(), masses, &vec![0.0; count + 1])
+        });
+        let parts: Vec<Mat<f64>> = parts.collect();
+        let mut gram = Mat::zeros(count + 1, count + 1);
+        parts.iter().for_each(|part| gram += part);
+        let gram = symmetric(&gram);
+        let whole = gram[(0, 0)];
+        let means: Vec<f64> = (1..=count).map(|k| gram[(k, 0)] / whole).collect();
+        let covariance = Mat::from_fn(count, count, |k, l| gram[(k + 1, l + 1)] / whole - means[k] * means[l]);
+        Some(Likely { space, products, means, covariance: definite(covariance)? })
+    }
+
+    /// Q′ from the derivative's masses on states. None where it is not finite.
+    pub(super) fn slope(&self, states: &States, masses: &[f64]) -> Option<Exponent> {
+        let count = self.space.len();
+        let parts = states
+            .par_chunks(STRETCH)
+            .zip(masses.par_chunks(STRETCH))
+            .map(|(x, masses)| weighted_sum(table(&self.products, states.dimension(), x).as_ref(), masses));
+        let parts: Vec<Vec<f64>> = parts.collect();
+        let moved = Mat::from_fn(count, 1, |k, _| parts.iter().map(|part| part[k + 1]).sum::<f64>());
+        let coefficients: Vec<f64> = self.covariance.solve(moved).col(0).iter().copied().collect();
+        let constant = -coefficients.iter().zip(&self.means).map(|(c, mean)| c * mean).sum::<f64>();
+        let finite = constant.is_finite() && coefficients.iter().all(|c| c.is_finite());
+        let space = Functions::Polynomials(self.space.clone());
+        finite.then_some(Exponent { known: Vec::new(), space, constant, coefficients })
+    }
+}
+
+/// The constant and the functions at some states, one after the other in `x`.
+fn table(products: &Products, n: usize, x: &[f64]) -> Mat<f64> {
+    let count = x.len() / n;
+    let mut table = Mat::zeros(count, products.len());
+    let mut scratch = products.scratch();
+    let mut lanes = vec![[0.0; LANES]; n];
+    for at in (0..count).step_by(LANES) {
+        for (i, lane) in lanes.iter_mut().enumerate() {
+            *lane = std::array::from_fn(|l| x[(at + l).min(count - 1) * n + i]);
+        }
+        products.place_values(&lanes, &mut scratch);
+        for k in 0..products.len() {
+            let values = products.value(&scratch, k);
+            (at..count.min(at + LANES)).zip(values).for_each(|(row, value)| table[(row, k)] = value);
+        }
+    }
+    table
+}

@@ -1,0 +1,107 @@
+//! Derivatives where the pilot's states carry the density: no nodes are needed, nor a simulation for each parameter.
+//!
+//! - `walk`: functions and their images along the pilot's trajectories;
+//! - `equations`: the Galerkin equations there, their solutions, and means with standard errors;
+//! - `fit`: the exponential polynomial's part.
+
+mod equations;
+mod fit;
+mod walk;
+
+use super::answers::Sensitivity;
+use crate::closure::density::ClosureDensity;
+use crate::closure::dynamics::Dynamics;
+use crate::density::Density;
+use crate::error::{Error, Result};
+use crate::estimate::Estimate;
+use crate::fokker_planck::FokkerPlanck;
+use crate::problem::Symmetry;
+use crate::states::States;
+use equations::{Ground, Masses, StateEquations};
+use fit::Likely;
+use rayon::prelude::*;
+use std::fmt;
+use std::sync::Arc;
+
+/// The derivative of a density that the pilot's states carry.
+pub(super) struct Carried {
+    motion: Arc<Dynamics>,
+    symmetry: Symmetry,
+    masses: Masses,
+    /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx.
+    pub(super) l1_estimate: f64,
+}
+
+impl fmt::Debug for Carried {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Carried").field("l1_estimate", &self.l1_estimate).finish_non_exhaustive()
+    }
+}
+
+impl ClosureDensity {
+    /// The derivatives along those of the operator, on the pilot's states.
+    pub(super) fn carried(&self, parameters: &[&str], operators: &[FokkerPlanck]) -> Result<Vec<Sensitivity>> {
+        let reason = "the pilot's states are too few for the equations of the derivative: take more `pilot_states`";
+        let few = || Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
+        let motion = self.origin()?;
+        let ground = Ground::new(motion, operators).ok_or_else(few)?;
+        let equations = StateEquations::new(&ground, motion).ok_or_else(few)?;
+        let (found, weights) = equations.derivatives(operators).ok_or_else(few)?;
+        let states = &motion.pilot().ok_or_else(few)?.states;
+        let (points, masses) = self.carrying_nodes().ok_or(self.failed())?;
+        let likely = Likely::new(self.polynomials(&ground.symmetry), &points, &masses).ok_or(self.failed())?;
+        let one = |(name, masses): (&&str, Masses)| {
+            let slope = likely.slope(states, &masses.own).ok_or(self.failed())?;
+            let own: Vec<f64> = slope.values(states).into_iter().zip(&weights).map(|(value, w)| value * w).collect();
+            let l1_estimate = distance(&own, &masses.own).hypot(self.l1_estimate() * size(&masses.own));
+            let symmetry = ground.symmetry.clone();
+            let carried = Carried { motion: Arc::clone(motion), symmetry, masses, l1_estimate };
+            Ok(self.moving_on_states(vec![(*name).to_owned()], (slope, None), Some(Arc::new(carried))))
+        };
+        parameters.iter().zip(found).map(one).collect()
+    }
+
+    /// States with weights that sum to about 1, on which integrals of the density are taken.
+    pub(super) fn carrying_nodes(&self) -> Option<(States, Vec<f64>)> {
+        if self.nodes.is_empty() {
+            return self.weighted_states();
+        }
+        Some((self.nodes.clone(), self.masses.iter().map(|masses| masses[0]).collect()))
+    }
+}
+
+impl Carried {
+    /// ∫ |∂p/∂θ| dx.
+    pub(super) fn size(&self) -> f64 {
+        size(&self.masses.own)
+    }
+
+    /// ∫ of what the functions of the two highest degrees change.
+    pub(super) fn change(&self) -> f64 {
+        distance(&self.masses.own, &self.masses.below)
+    }
+
+    /// dE g/dθ, with the standard error of a jackknife over lots of trajectories (J. W. Tukey, 1958).
+    pub(super) fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
+        let Some(pilot) = self.motion.pilot() else { return Estimate::new(f64::NAN, f64::INFINITY) };
+        // Every state stands for its mirror images too.
+        let at = |x: &[f64]| self.symmetry.images(x).map(|image| g(&image)).sum::<f64>() / self.symmetry.count() as f64;
+        let values: Vec<f64> = pilot.states.par_iter().map(at).collect();
+        let value = values.iter().zip(&self.masses.own).map(|(g, mass)| g * mass).sum();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let change =
+            |changes: &Vec<f32>| values.iter().zip(changes).map(|(g, mass)| (g - mean) * f64::from(*mass)).sum::<f64>();
+        let changes: Vec<f64> = self.masses.changes.par_iter().map(change).collect();
+        let count = changes.len() as f64;
+        let square: f64 = changes.iter().map(|change| change * change).sum();
+        Estimate::new(value, ((count - 1.0) / count * square).sqrt())
+    }
+}
+
+fn distance(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a - b).abs()).sum()
+}
+
+fn size(masses: &[f64]) -> f64 {
+    masses.iter().map(|mass| mass.abs()).sum()
+}
