@@ -210,6 +210,15 @@ pub enum Error {
         /// Its error message.
         reason: String,
     },
+    /// Parameters cannot be found from a density that a combination of them does not change.
+    #[error(
+        "the stationary density does not change along {}: hold one of these parameters at a known value",
+        combined(combination)
+    )]
+    Unidentifiable {
+        /// The parameters, each with its share in the combination.
+        combination: Vec<(String, f64)>,
+    },
     /// A density does not have a value.
     #[error("this density has no answer about {what}: {remedy}")]
     NotKnown {
@@ -331,3 +340,7 @@ pub enum Error {
 
 /// The result of a question to this library.
 pub type Result<T> = std::result::Result<T, Error>;
+/// A combination of parameters as text.
+fn combined(combination: &[(String, f64)]) -> String {
+    combination.iter().map(|(name, weight)| format!("{weight:+.3} {name}")).collect::<Vec<_>>().join(" ")
+}

@@ -35,6 +35,7 @@ mod fokker_planck;
 mod grid;
 #[doc = include_str!("guide.md")]
 pub mod guide {}
+pub mod inverse;
 mod memory;
 pub mod models;
 mod numerics;

@@ -1,9 +1,11 @@
 //! Lists of states.
 
+use crate::error::{Error, Result};
 use crate::record::Read;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Index;
+use std::path::Path;
 use std::slice::ChunksExact;
 
 /// A list of states of one system, each a slice of as many numbers as the system has states.
@@ -43,6 +45,38 @@ impl States {
     /// An empty list of states of `dimension` numbers each, at least one.
     pub fn new(dimension: usize) -> Self {
         States::with_capacity(dimension, 0)
+    }
+
+    /// The states of a table of comma-separated values: its first line names the columns, of which those with the names `states` are
+    /// taken, in their order, and others are left out.
+    ///
+    /// # Errors
+    /// [`Error::File`] for a file that cannot be read, or a field that is no finite number, by its line; [`Error::NotAName`] for a
+    /// state that no column has.
+    pub fn from_csv(path: impl AsRef<Path>, states: &[String]) -> Result<Self> {
+        let path = path.as_ref();
+        let failed = |reason: String| Error::File { action: "read", path: path.display().to_string(), reason };
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|e| failed(e.to_string()))?;
+        let heading = reader.headers().map_err(|e| failed(e.to_string()))?.clone();
+        let column = |name: &String| {
+            let missing = || Error::NotAName { name: name.clone(), problem: "no column of the table has it" };
+            heading.iter().position(|other| other == name).ok_or_else(missing)
+        };
+        let columns = states.iter().map(column).collect::<Result<Vec<usize>>>()?;
+        let mut all = States::new(states.len());
+        let mut state = vec![0.0; states.len()];
+        for record in reader.records() {
+            let record = record.map_err(|e| failed(e.to_string()))?;
+            for (x, &column) in state.iter_mut().zip(&columns) {
+                let field = record.get(column).unwrap_or_default();
+                let line = record.position().map_or(0, csv::Position::line);
+                let number = field.parse().ok().filter(|value: &f64| value.is_finite());
+                *x = number.ok_or_else(|| failed(format!("line {line}: {field:?} is no finite number")))?;
+            }
+            all.push(&state);
+        }
+        Ok(all)
     }
 
     pub(crate) fn with_capacity(dimension: usize, count: usize) -> Self {

@@ -14,6 +14,7 @@ mod draw;
 mod fuzz;
 mod grid_convergence;
 mod grid_walls;
+mod identification;
 mod impulses;
 mod memory;
 #[cfg(feature = "mpi")]
@@ -44,6 +45,8 @@ enum Question {
     GridConvergence(grid_convergence::Options),
     /// How accurate is the grid above a wall that takes energy?
     GridWalls(grid_walls::Options),
+    /// How often do intervals of identified parameters hold the true ones?
+    Identification(identification::Options),
     /// How good is the closure under Poisson impulses, and is its estimate right?
     Impulses(impulses::Options),
     /// Does the memory of a simulation depend on its length?
@@ -74,6 +77,7 @@ fn main() -> ExitCode {
         Question::Fuzz(options) => fuzz::run(&options),
         Question::GridConvergence(options) => grid_convergence::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),
+        Question::Identification(options) => identification::run(&options),
         Question::Impulses(options) => impulses::run(&options),
         Question::Memory(options) => memory::run(&options),
         #[cfg(feature = "mpi")]

@@ -223,6 +223,11 @@ impl ClosureDensity {
         &self.content.exponent
     }
 
+    /// ln p at some states, also where the density is not trusted.
+    pub(crate) fn continued_logarithms(&self, states: &States) -> Vec<f64> {
+        self.content.exponent.values(states)
+    }
+
     /// The trust domain: star-shaped, or an ellipsoid in normal scores.
     pub(crate) fn domain(&self) -> std::result::Result<&TrustDomain, &Copula> {
         match &self.content.integrals {
