@@ -7,7 +7,6 @@ use crate::Outcome;
 use clap::Args;
 use expoly::inverse::{Identification, Identified};
 use expoly::{Closure, Problem, Result, Simulation, States};
-use rayon::prelude::*;
 
 /// Coverage of intervals of identified parameters.
 #[derive(Clone, Debug, Args)]
@@ -55,7 +54,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
             all.iter().skip(k * count).take(count).for_each(|x| states.push(x));
             Identification::new(&start, &names).closure(Closure::new(options.order)).run(&states)
         };
-        let found: Vec<Result<Identified>> = (0..options.repetitions).into_par_iter().map(identified).collect();
+        let found: Vec<Result<Identified>> = (0..options.repetitions).map(identified).collect();
         let failed: Vec<String> =
             found.iter().filter_map(|found| found.as_ref().err()).map(ToString::to_string).collect();
         let found: Vec<&Identified> = found.iter().flatten().collect();
