@@ -1,6 +1,6 @@
 //! What a derivative answers, each with its error.
 
-use super::carried::Carried;
+use super::on_states::OnStates;
 use crate::checks::{coordinate, dimension, finite, point};
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Integrals;
@@ -33,7 +33,7 @@ pub struct Sensitivity {
     /// The reference's on its whole domain; nothing where the density is exact.
     pub(super) whole: Whole,
     /// In three states and more, where the density is not exact.
-    pub(super) carried: Option<Arc<Carried>>,
+    pub(super) on_states: Option<Arc<OnStates>>,
 }
 
 /// Derivatives at nodes, times their weights, by the equations of the highest degree and by those of the one below it.
@@ -65,8 +65,8 @@ impl Sensitivity {
 
     /// ∫ |∂p/∂θ| dx.
     pub fn size(&self) -> f64 {
-        match &self.carried {
-            Some(carried) => carried.size(),
+        match &self.on_states {
+            Some(states) => states.size(),
             None if self.in_many_states() => self.under_density(&|x| self.at(x).abs()).value,
             None => self.masses.iter().map(|[own, _]| own.abs()).sum(),
         }
@@ -75,8 +75,8 @@ impl Sensitivity {
     /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx: the distance from the derivative of the reference, and that derivative's own
     /// error. It is to be compared with [`Sensitivity::size`].
     pub fn l1_estimate(&self) -> f64 {
-        if let Some(carried) = &self.carried {
-            return carried.l1_estimate;
+        if let Some(states) = &self.on_states {
+            return states.l1_estimate;
         }
         let apart: f64 = self.masses.iter().map(|[own, other]| (own - other).abs()).sum();
         let doubt: f64 = self.whole.masses.iter().map(|[own, below]| (own - below).abs()).sum();
@@ -87,7 +87,7 @@ impl Sensitivity {
     pub fn warning(&self) -> Option<&str> {
         let large = self.l1_estimate() > tuning::UNRELIABLE * self.size().max(tuning::SOLVED);
         let own = large.then_some("the estimated error of the derivative is large: take a higher order");
-        let few = self.carried.as_ref().is_some_and(|carried| carried.change() > tuning::UNRELIABLE * carried.size());
+        let few = self.on_states.as_ref().is_some_and(|states| states.change() > tuning::UNRELIABLE * states.size());
         let few =
             few.then_some("the derivative is still changing with the degree on the pilot's states: take more of them");
         self.density.warning().or(few).or(own)
@@ -95,8 +95,8 @@ impl Sensitivity {
 
     /// dE g/dθ, the sum over the nodes of the closure.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
-        if let Some(carried) = &self.carried {
-            return carried.expectation(g);
+        if let Some(states) = &self.on_states {
+            return states.expectation(g);
         }
         if self.in_many_states() {
             return self.under_density(&|x| g(x) * self.at(x));

@@ -6,12 +6,12 @@
 //! - `exact`: of an exact density, from its Galerkin equations;
 //! - `tangent`: of the solution of the moment equations, under a weight that moves along;
 //! - `projected`: of the exponential polynomial that is closest to it;
-//! - `carried`: in three states and more, on the pilot's states;
+//! - `on_states`: in three states and more, on the pilot's states;
 //! - `answers`: what they say of moments, tails and crossings.
 
 mod answers;
-mod carried;
 mod exact;
+mod on_states;
 mod projected;
 mod tangent;
 
@@ -31,8 +31,8 @@ use crate::polynomial::monomials;
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
 use answers::Whole;
-use carried::Carried;
 use exact::Newton;
+use on_states::OnStates;
 use projected::Fit;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -82,8 +82,8 @@ impl ClosureDensity {
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
         let problem = self.differentiable()?;
         let moved = parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
-        if self.is_carried() {
-            return self.carried(parameters, &moved);
+        if self.is_on_states() {
+            return self.moving_by_states(parameters, &moved);
         }
         let system = self.system_of_order()?;
         let symmetry = self.common_symmetry(problem, &moved);
@@ -180,7 +180,7 @@ impl ClosureDensity {
     }
 
     /// Whether the derivative is found on the pilot's states: in three states and more, where the density is not exact.
-    fn is_carried(&self) -> bool {
+    fn is_on_states(&self) -> bool {
         self.dimension() > 2 && self.candidates()[0].origin != Origin::Exact
     }
 
@@ -232,10 +232,10 @@ impl ClosureDensity {
         &self,
         parameters: Vec<String>,
         (slope, product): (Exponent, Option<[Exponent; 2]>),
-        carried: Option<Arc<Carried>>,
+        on_states: Option<Arc<OnStates>>,
     ) -> Sensitivity {
         let found = self.moving_with(parameters, (slope, product), [Vec::new(), Vec::new()], None);
-        Sensitivity { carried, ..found }
+        Sensitivity { on_states, ..found }
     }
 
     /// The derivative of the density from those of its logarithm and of the reference's.
@@ -250,7 +250,7 @@ impl ClosureDensity {
             own.iter().zip(other).zip(&self.masses).map(|((own, other), m)| [own * m[0], other * m[1]]).collect();
         let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
         let whole = whole.unwrap_or_else(none);
-        Sensitivity { density: self.clone(), parameters, slope, product, masses, whole, carried: None }
+        Sensitivity { density: self.clone(), parameters, slope, product, masses, whole, on_states: None }
     }
 
     /// The polynomials of the order with a symmetry: a parameter may break that of the density. Where it does not, they are the

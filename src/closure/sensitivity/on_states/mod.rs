@@ -24,7 +24,7 @@ use std::fmt;
 use std::sync::Arc;
 
 /// The derivative of a density that the pilot's states carry.
-pub(super) struct Carried {
+pub(super) struct OnStates {
     motion: Arc<Dynamics>,
     symmetry: Symmetry,
     masses: Masses,
@@ -32,15 +32,15 @@ pub(super) struct Carried {
     pub(super) l1_estimate: f64,
 }
 
-impl fmt::Debug for Carried {
+impl fmt::Debug for OnStates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Carried").field("l1_estimate", &self.l1_estimate).finish_non_exhaustive()
+        f.debug_struct("OnStates").field("l1_estimate", &self.l1_estimate).finish_non_exhaustive()
     }
 }
 
 impl ClosureDensity {
     /// The derivatives along those of the operator, on the pilot's states.
-    pub(super) fn carried(&self, parameters: &[&str], operators: &[FokkerPlanck]) -> Result<Vec<Sensitivity>> {
+    pub(super) fn moving_by_states(&self, parameters: &[&str], operators: &[FokkerPlanck]) -> Result<Vec<Sensitivity>> {
         let reason = "the pilot's states are too few for the equations of the derivative: take more `pilot_states`";
         let few = || Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         let motion = self.origin()?;
@@ -55,8 +55,8 @@ impl ClosureDensity {
             let own: Vec<f64> = slope.values(states).into_iter().zip(&weights).map(|(value, w)| value * w).collect();
             let l1_estimate = distance(&own, &masses.own).hypot(self.l1_estimate() * size(&masses.own));
             let symmetry = ground.symmetry.clone();
-            let carried = Carried { motion: Arc::clone(motion), symmetry, masses, l1_estimate };
-            Ok(self.moving_on_states(vec![(*name).to_owned()], (slope, None), Some(Arc::new(carried))))
+            let on_states = OnStates { motion: Arc::clone(motion), symmetry, masses, l1_estimate };
+            Ok(self.moving_on_states(vec![(*name).to_owned()], (slope, None), Some(Arc::new(on_states))))
         };
         parameters.iter().zip(found).map(one).collect()
     }
@@ -70,7 +70,7 @@ impl ClosureDensity {
     }
 }
 
-impl Carried {
+impl OnStates {
     /// ∫ |∂p/∂θ| dx.
     pub(super) fn size(&self) -> f64 {
         size(&self.masses.own)
