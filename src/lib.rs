@@ -60,7 +60,7 @@ pub use envelope::Envelope;
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, Impulse};
-pub use grid::{Grid, GridDensity, Survival};
+pub use grid::{Grid, GridDensity, GridSensitivity, Survival};
 pub use polynomial::{Gaussian, Polynomial};
 pub use problem::{Problem, Wall};
 pub use provenance::{Provenance, Stopped};
