@@ -110,6 +110,16 @@ impl Dynamics {
         }
     }
 
+    /// The impacts.
+    pub(super) fn passages(&self) -> &[Passage] {
+        &self.passages
+    }
+
+    /// The trust domain.
+    pub(super) fn domain(&self) -> &TrustDomain {
+        &self.domain
+    }
+
     /// The rules of nodes next to walls.
     fn rules(&self) -> &[Rule] {
         if let Carrier::Rules(rules) = &self.carrier { rules } else { &[] }
@@ -155,7 +165,7 @@ impl ClosureDensity {
         Ok(&self.origin()?.problem)
     }
 
-    fn origin(&self) -> Result<&Arc<Dynamics>> {
+    pub(in crate::closure) fn origin(&self) -> Result<&Arc<Dynamics>> {
         let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
         self.dynamics.as_ref().ok_or(Error::NotKnown { what: what.into(), remedy })
     }

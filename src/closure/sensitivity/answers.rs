@@ -1,5 +1,7 @@
 //! What a derivative answers, each with its error.
 
+use super::carried::Carried;
+use super::slope::Slope;
 use crate::checks::{coordinate, dimension, finite, point};
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Integrals;
@@ -15,7 +17,8 @@ use crate::states::States;
 /// The derivative ∂p/∂θ of a closure's density by a parameter θ, and of every answer that it gives; or the second derivative
 /// by two.
 ///
-/// ∂Q/∂θ is a polynomial of the closure's order. Its errors are the distances from the derivative of the reference, the solution
+/// ∂Q/∂θ is a polynomial of the closure's order; next to walls it has the functions that Q has there, and the derivative of the
+/// singular part. With the offset of a wall the density moves: its nodes, its domain and the functions of Q. Its errors are the distances from the derivative of the reference, the solution
 /// of the moment equations of a higher degree. Relative to ∫|p′| they are some 2 to 12 times as large as those of the density
 /// relative to 1.
 #[derive(Clone, Debug)]
@@ -23,11 +26,16 @@ pub struct Sensitivity {
     pub(super) density: ClosureDensity,
     pub(super) parameters: Vec<String>,
     /// The derivative of Q, with a constant that makes the derivative of the density one of a density.
-    pub(super) slope: Exponent,
+    pub(super) slope: Slope,
     /// The first derivatives of Q, whose product is a part of the second one of exp(Q).
     pub(super) product: Option<[Exponent; 2]>,
-    /// The derivatives of p̃ and of the reference at the density's nodes, times the weights.
+    /// The derivatives of p̃ and of the reference at the density's nodes, times the weights, in the coordinate in which walls stand
+    /// still,
     pub(super) masses: Vec<[f64; 2]>,
+    /// and what they have at fixed states beside.
+    pub(super) carried: Carried,
+    /// The derivative of the impact rate, where there are walls.
+    pub(super) impacts: Option<Estimate>,
     /// The reference's on its whole domain; nothing where the density is exact.
     pub(super) whole: Whole,
 }
@@ -56,18 +64,18 @@ impl Sensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
     pub fn relative(&self, x: &[f64]) -> Result<f64> {
         point(x, self.density.dimension())?;
-        Ok(self.at(x))
+        Ok(self.at(x) + self.carried.value(self.density.exponent(), x))
     }
 
     /// ∫ |∂p/∂θ| dx.
     pub fn size(&self) -> f64 {
-        self.masses.iter().map(|[own, _]| own.abs()).sum()
+        self.at_fixed_states().map(|[own, _]| own.abs()).sum()
     }
 
     /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx: the distance from the derivative of the reference, and that derivative's own
     /// error. It is to be compared with [`Sensitivity::size`].
     pub fn l1_estimate(&self) -> f64 {
-        let apart: f64 = self.masses.iter().map(|[own, other]| (own - other).abs()).sum();
+        let apart: f64 = self.at_fixed_states().map(|[own, other]| (own - other).abs()).sum();
         let doubt: f64 = self.whole.masses.iter().map(|[own, below]| (own - below).abs()).sum();
         apart.hypot(doubt)
     }
@@ -79,8 +87,31 @@ impl Sensitivity {
         self.density.warning().or(own)
     }
 
-    /// dE g/dθ, the sum over the nodes of the closure.
+    /// dE g/dθ, the sum over the nodes of the closure. With the offset of a wall states move, and g must be continuous in the
+    /// displacement: differences are its slope.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
+        let still = self.mean(g);
+        if !self.carried.moves() {
+            return still;
+        }
+        let [low, high] = self.density.bounds()[0];
+        let step = tuning::sensitivity::STEP * (high - low);
+        let slope = |x: &[f64]| (g(&[x[0] + step, x[1]]) - g(&[x[0] - step, x[1]])) / (2.0 * step);
+        still.plus(self.carried_along(slope))
+    }
+
+    /// ∫ η ∂_x g p dx, by which a mean moves with the states.
+    fn carried_along(&self, slope: impl Fn(&[f64]) -> f64) -> Estimate {
+        let nodes = self.density.nodes.iter().zip(&self.density.masses);
+        let [own, other] = nodes.fold([0.0; 2], |[own, other], (x, masses)| {
+            let value = self.carried.rate(x[0]) * slope(x);
+            [own + value * masses[0], other + value * masses[1]]
+        });
+        Estimate::new(own, own - other)
+    }
+
+    /// The same in the coordinate in which walls stand still.
+    fn mean(&self, g: &dyn Fn(&[f64]) -> f64) -> Estimate {
         let (mut sum, mut other, mut square) = (0.0, 0.0, 0.0);
         for ((x, [own, reference]), masses) in self.density.nodes.iter().zip(&self.masses).zip(&self.density.masses) {
             let value = g(x);
@@ -106,7 +137,12 @@ impl Sensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state.
     pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.density.dimension())?;
-        Ok(self.expectation(&|x| power(x, powers)))
+        let still = self.mean(&|x| power(x, powers));
+        if !self.carried.moves() || powers[0] == 0 {
+            return Ok(still);
+        }
+        let lower = [powers[0] - 1, powers[1]];
+        Ok(still.plus(self.carried_along(|x| f64::from(powers[0]) * power(x, &lower))))
     }
 
     /// The derivative of P(x_i > `level`) for a state i.
@@ -119,9 +155,18 @@ impl Sensitivity {
         if level >= high {
             return Ok(Estimate::new(0.0, self.density.truncated_mass()));
         }
-        let rule = Rule::legendre(tuning::sensitivity::TAIL_NODES).on(level.max(low), high);
-        let sections = rule.iter().map(|(x, w)| self.section(state, x, |_| w));
-        Ok(sections.fold(Estimate::exact(0.0), Estimate::plus))
+        if level <= low {
+            return Ok(Estimate::exact(0.0));
+        }
+        let rule = Rule::legendre(tuning::sensitivity::TAIL_NODES).on(level, high);
+        let beyond: f64 = rule.iter().map(|(x, w)| w * self.sum_over(state, x, |x| self.at(x))).sum();
+        // What is carried over the level by a wall that moves.
+        let through = if state == 0 && self.carried.moves() {
+            self.carried.rate(level) * self.sum_over(0, level, |_| 1.0)
+        } else {
+            0.0
+        };
+        Ok(self.shared(beyond + through))
     }
 
     /// The derivative of the marginal density of a state.
@@ -130,7 +175,9 @@ impl Sensitivity {
     /// As [`Sensitivity::exceedance`].
     pub fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         coordinate("the state of a marginal", state, x, self.density.dimension())?;
-        Ok(self.section(state, x, |_| 1.0))
+        // Over the displacement the integral follows the walls.
+        let fixed = |x: &[f64]| if state == 0 { self.carried.value(self.density.exponent(), x) } else { 0.0 };
+        Ok(self.shared(self.sum_over(state, x, |x| self.at(x) + fixed(x))))
     }
 
     /// The derivative of the mean rate at which the displacement crosses a level upwards.
@@ -139,36 +186,53 @@ impl Sensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) in one state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let [displacement, velocity] = Crossing::upward(finite("level", level)?).states(self.density.dimension())?;
-        Ok(self.section(displacement, level, |x| x[velocity].max(0.0)))
+        let fixed = |x: &[f64]| self.at(x) + self.carried.value(self.density.exponent(), x);
+        Ok(self.shared(self.sum_over(displacement, level, |x| x[velocity].max(0.0) * fixed(x))))
     }
 
+    /// The derivative of the mean number of impacts per unit time, at all walls together, wherever they move; none without a
+    /// wall.
+    pub fn impact_rate(&self) -> Option<Estimate> {
+        self.impacts.map(|rate| Estimate::new(rate.value, rate.error + self.rounding()))
+    }
+
+    /// The derivatives of p̃ and of the reference at the density's nodes, times the weights.
+    fn at_fixed_states(&self) -> impl Iterator<Item = [f64; 2]> {
+        let carried = self.carried.at_nodes.iter().copied().chain(std::iter::repeat([0.0; 2]));
+        let all = self.masses.iter().zip(&self.density.masses).zip(carried);
+        all.map(|((moving, masses), carried)| [0, 1].map(|k| moving[k] + carried[k] * masses[k]))
+    }
+
+    /// (∂p/∂θ)/p in the coordinate in which walls stand still.
     fn at(&self, x: &[f64]) -> f64 {
         let product = self.product.as_ref().map_or(0.0, |[k, l]| k.value(x) * l.value(x));
         self.slope.value(x) + product
     }
 
-    /// ∫ g ∂p/∂θ dx over the other state, with its error by that of the whole derivative where nothing better is known.
-    fn section(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64) -> Estimate {
-        let Integrals::Panels { lines, .. } = &self.density.content.integrals else { return Estimate::exact(0.0) };
+    /// ∫ g p dx over the other state.
+    fn sum_over(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64) -> f64 {
+        let Integrals::Panels { lines, .. } = &self.density.content.integrals else { return 0.0 };
         let mut at = vec![0.0; lines.len()];
         at[state] = x;
-        let mut sum = 0.0;
-        let mut add = |at: &[f64], w: f64| {
-            if self.density.content.domain.contains(at) {
-                sum += w * g(at) * self.density.exponent().value(at).exp() * self.at(at);
-            }
+        let value = |at: &[f64], w: f64| {
+            let inside = self.density.content.domain.contains(at);
+            if inside { w * g(at) * self.density.exponent().value(at).exp() } else { 0.0 }
         };
         if lines.len() == 1 {
-            add(&at, 1.0);
-        } else {
-            let other = usize::from(state == 0);
-            for (t, w) in lines[other].iter() {
-                at[other] = t;
-                add(&at, w);
-            }
+            return value(&at, 1.0);
         }
+        let other = usize::from(state == 0);
+        let sum = lines[other].iter().map(|(t, w)| {
+            at[other] = t;
+            value(&at, w)
+        });
+        sum.sum()
+    }
+
+    /// A value with its error by that of the whole derivative, where nothing better is known.
+    fn shared(&self, value: f64) -> Estimate {
         let share = self.l1_estimate() / self.size().max(f64::MIN_POSITIVE) + self.rounding();
-        Estimate::new(sum, sum.abs() * share)
+        Estimate::new(value, value.abs() * share)
     }
 
     fn rounding(&self) -> f64 {

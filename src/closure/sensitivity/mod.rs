@@ -3,15 +3,23 @@
 //! The derivative p′ of the stationary density by a parameter solves L p′ = −L′p, the same linear equation with another right
 //! side, and the second one L p″ = −L′ₖp′ₗ − L′ₗp′ₖ − L″p. Nothing is differenced and no search is differentiated.
 //!
+//! - `moving`: what of a problem moves with a parameter, walls among it;
 //! - `exact`: of an exact density, from its Galerkin equations;
-//! - `tangent`: of the solution of the moment equations, under a weight that moves along;
+//! - `tangent`: of the solution of the moment equations, under a weight that moves along; `walled`: the same next to walls, where
+//!   the singular part of the weight does;
 //! - `projected`: of the exponential polynomial that is closest to it;
-//! - `answers`: what they say of moments, tails and crossings.
+//! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`: what it says at fixed states and at the walls, of moments, tails
+//!   and crossings.
 
 mod answers;
+mod carried;
 mod exact;
+mod impacts;
+mod moving;
 mod projected;
+mod slope;
 mod tangent;
+mod walled;
 
 pub use answers::Sensitivity;
 
@@ -24,25 +32,35 @@ use super::space::{Functions, Polynomials};
 use super::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::monomials;
 use crate::problem::Problem;
 use crate::states::States;
 use answers::Whole;
+use carried::Carried;
 use exact::Newton;
+use moving::Moving;
 use projected::Fit;
 use rayon::prelude::*;
+use slope::Slope;
 use tangent::{Derivative, Tangent};
+use walled::WalledTangent;
 
 /// What all derivatives of one density have in common.
-enum Linearised<'a> {
-    Exact(Box<Newton<'a>>),
-    Fitted(Box<(Fit, Tangent<'a>)>),
+struct Linearised<'a> {
+    /// Of an exact density.
+    newton: Option<Newton<'a>>,
+    fitted: Option<(Fit, Solution<'a>)>,
+}
+
+/// The moment equations that a derivative solves.
+enum Solution<'a> {
+    Smooth(Box<Tangent<'a>>),
+    Walled(Box<WalledTangent<'a>>),
 }
 
 /// A first derivative.
 struct First<'a> {
-    slope: Exponent,
+    slope: Slope,
     /// ∂ ln p̃/∂θ and ∂ ln p̂/∂θ at the density's nodes, each with mean zero.
     at_nodes: [Vec<f64>; 2],
     /// That of the reference; none where the density is exact.
@@ -53,9 +71,9 @@ impl ClosureDensity {
     /// The derivative by a parameter of the problem.
     ///
     /// # Errors
-    /// [`Error::NotServed`] next to walls, under impulses, in three states and more, and for a density of a time;
-    /// [`Error::NotKnown`] for a density from a document; those of [`Problem::derivative`](crate::Problem::derivative);
-    /// [`Error::NotClosed`] where the linear system has no solution.
+    /// [`Error::NotServed`] under impulses, in three states and more, and for a density of a time; [`Error::NotKnown`] for a
+    /// density from a document, and where the problem does not depend on the parameter in a known way; [`Error::NotAName`] if it
+    /// has none of the name; [`Error::NotClosed`] where the linear system has no solution.
     ///
     /// ```
     /// use expoly::{Closure, Density, models::{Duffing, Solved}};
@@ -76,22 +94,26 @@ impl ClosureDensity {
     /// As [`ClosureDensity::sensitivity`].
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
         let problem = self.differentiable()?;
-        let system = self.system_of_order()?;
+        let corners = self.exponent().space.corners();
+        let moving = parameters.iter().map(|parameter| Moving::new(problem, parameter, corners));
+        let moving = moving.collect::<Result<Vec<_>>>()?;
+        let system = self.system_of_order(moving.iter().any(Moving::grazes))?;
         let linearised = self.linearised(problem, system.as_ref())?;
-        let moved = parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
-        let found: Vec<Option<First<'_>>> = moved.par_iter().map(|moved| linearised.first(self, moved)).collect();
-        let one = |(parameter, found): (&&str, Option<First<'_>>)| {
+        let found: Vec<Option<First<'_>>> = moving.par_iter().map(|moving| linearised.first(self, moving)).collect();
+        let one = |((parameter, moving), found): ((&&str, &Moving), Option<First<'_>>)| {
             let First { slope, at_nodes, reference } = found.ok_or(self.failed())?;
+            let impacts = self.impacts_along(moving.shift[1], &slope, reference.as_ref());
             let whole = reference.as_ref().map(|reference| reference.whole(None));
-            Ok(self.moving_with(vec![(*parameter).to_owned()], (slope, None), at_nodes, whole))
+            let found = self.moving_with(vec![(*parameter).to_owned()], (slope, None), at_nodes, whole);
+            Ok(Sensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
         };
-        parameters.iter().zip(found).map(one).collect()
+        parameters.iter().zip(&moving).zip(found).map(one).collect()
     }
 
     /// The second derivative by two parameters, which may be the same.
     ///
     /// # Errors
-    /// As [`ClosureDensity::sensitivity`].
+    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls.
     ///
     /// ```
     /// use expoly::{Closure, models::{Duffing, Solved}};
@@ -103,21 +125,26 @@ impl ClosureDensity {
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
         let problem = self.differentiable()?;
-        let system = self.system_of_order()?;
+        if !problem.walls().is_empty() {
+            return Err(NOT_SERVED);
+        }
+        let system = self.system_of_order(false)?;
         let linearised = self.linearised(problem, system.as_ref())?;
-        let [k, l] = parameters;
-        let moved = [problem.derivative(&[k])?, problem.derivative(&[l])?];
+        let [k, l] = [0, 1].map(|j| Moving::new(problem, parameters[j], &[]));
+        let moving = [k?, l?];
         let twice = problem.derivative(&parameters)?;
-        let first = moved.each_ref().map(|moved| linearised.first(self, moved));
+        let first = moving.each_ref().map(|moving| linearised.first(self, moving));
         let [Some(first), Some(second)] = first else { return Err(self.failed()) };
-        let (slopes, moved) = ([&first.slope, &second.slope], moved.each_ref());
+        let slopes = [&first.slope.regular, &second.slope.regular];
+        let moved = moving.each_ref().map(|moving| &moving.operator);
         let both =
             |values: [&Vec<f64>; 2]| -> Vec<f64> { values[0].iter().zip(values[1]).map(|(k, l)| k * l).collect() };
         let own = both([&first.at_nodes[0], &second.at_nodes[0]]);
         let (mut slope, reference, whole) = match &linearised {
-            Linearised::Exact(newton) => (newton.second(moved, &twice, slopes).ok_or(self.failed())?, None, None),
-            Linearised::Fitted(fitted) => {
-                let (fit, tangent) = &**fitted;
+            Linearised { newton: Some(newton), .. } => {
+                (newton.second(moved, &twice, slopes).ok_or(self.failed())?, None, None)
+            }
+            Linearised { fitted: Some((fit, Solution::Smooth(tangent))), .. } => {
                 let (Some(k), Some(l)) = (&first.reference, &second.reference) else { return Err(self.failed()) };
                 let derivative = tangent.second(moved, &twice, [k, l]).ok_or(self.failed())?;
                 let along = self.centred(derivative.second_values([k, l], &self.nodes), 1).0;
@@ -127,12 +154,13 @@ impl ClosureDensity {
                 let slope = fit.second(at(0), at(1), &curved).ok_or(self.failed())?;
                 (slope, Some(along), Some(derivative.whole(Some([k, l]))))
             }
+            Linearised { .. } => return Err(self.failed()),
         };
         let sums = slope.values(&self.nodes).into_iter().zip(own).map(|(slope, product)| slope + product).collect();
         let (own, centre) = self.centred(sums, 0);
         slope.constant -= centre;
         let at_nodes = [own.clone(), reference.unwrap_or(own)];
-        let product = [first.slope.clone(), second.slope.clone()];
+        let (product, slope) = (slopes.map(Clone::clone), Slope { regular: slope, singular: Vec::new() });
         let names = parameters.map(str::to_owned).to_vec();
         Ok(self.moving_with(names, (slope, Some(product)), at_nodes, whole))
     }
@@ -140,31 +168,49 @@ impl ClosureDensity {
     /// The problem, if derivatives of its density are served.
     fn differentiable(&self) -> Result<&Problem> {
         let fitted = matches!(self.candidates()[0].origin, Origin::Exact | Origin::MomentEquations { .. });
-        let smooth = self.dimension() <= 2 && self.exponent().space.corners().is_empty();
-        if !(fitted && smooth && matches!(self.content.integrals, Integrals::Panels { .. })) {
+        if !(fitted && self.dimension() <= 2 && matches!(self.content.integrals, Integrals::Panels { .. })) {
             return Err(NOT_SERVED);
         }
         let problem = self.problem()?;
         if problem.impulses().is_empty() { Ok(problem) } else { Err(NOT_SERVED) }
     }
 
-    /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact. The
-    /// highest of all serve densities that move, and carry what the edge of the domain makes of the derivative.
-    fn system_of_order(&self) -> Result<Option<MomentSystem>> {
-        let Origin::MomentEquations { .. } = self.candidates()[0].origin else { return Ok(None) };
+    /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact, unless a
+    /// derivative `grazes`. The highest of all serve densities that move, and carry what the edge of the domain makes of the
+    /// derivative; next to walls it is farther away.
+    fn system_of_order(&self, grazes: bool) -> Result<Option<MomentSystem>> {
+        if matches!(self.candidates()[0].origin, Origin::Exact) && !grazes {
+            return Ok(None);
+        }
+        let system = self.motion()?.1;
+        if !self.exponent().space.corners().is_empty() {
+            return Ok(Some(system.clone()));
+        }
         let excess = tuning::space::EXCESS[self.dimension() - 1];
         let degree = self.provenance().order.unwrap_or(0) + excess;
-        Ok(Some(self.motion()?.1.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
+        Ok(Some(system.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
     }
 
     fn linearised<'a>(&'a self, problem: &Problem, system: Option<&'a MomentSystem>) -> Result<Linearised<'a>> {
-        let space = self.functions();
-        let found = match (system, self.candidates()[0].origin) {
-            (Some(system), Origin::MomentEquations { tails }) => Fit::new(self, space, tails)
-                .and_then(|fit| Some(Linearised::Fitted(Box::new((fit, Tangent::new(problem, system)?))))),
-            _ => Newton::new(self, problem, space).map(|newton| Linearised::Exact(Box::new(newton))),
+        let (origin, walled) = (self.candidates()[0].origin, !problem.walls().is_empty());
+        let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
+        let dynamics = self.origin()?;
+        let solution = |system: &'a MomentSystem| {
+            if walled {
+                let room = (dynamics.passages(), dynamics.domain());
+                return Some(Solution::Walled(Box::new(WalledTangent::new(problem, system, room)?)));
+            }
+            Some(Solution::Smooth(Box::new(Tangent::new(problem, system)?)))
         };
-        found.ok_or(self.failed())
+        let fitted = |system| Some((Fit::new(self, self.functions(), tails)?, solution(system)?));
+        let newton = if matches!(origin, Origin::Exact) {
+            let newton = Newton::new(self, problem, self.functions(), dynamics.passages());
+            Some(newton.ok_or(self.failed())?)
+        } else {
+            None
+        };
+        let fitted = system.map(|system| fitted(system).ok_or(self.failed())).transpose()?;
+        Ok(Linearised { newton, fitted })
     }
 
     fn failed(&self) -> Error {
@@ -184,18 +230,22 @@ impl ClosureDensity {
     fn moving_with(
         &self,
         parameters: Vec<String>,
-        (slope, product): (Exponent, Option<[Exponent; 2]>),
+        (slope, product): (Slope, Option<[Exponent; 2]>),
         [own, other]: [Vec<f64>; 2],
         whole: Option<Whole>,
     ) -> Sensitivity {
         let masses =
             own.iter().zip(other).zip(&self.masses).map(|((own, other), m)| [own * m[0], other * m[1]]).collect();
         let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
-        Sensitivity { density: self.clone(), parameters, slope, product, masses, whole: whole.unwrap_or_else(none) }
+        let (density, whole) = (self.clone(), whole.unwrap_or_else(none));
+        Sensitivity { density, parameters, slope, product, masses, whole, carried: Carried::default(), impacts: None }
     }
 
-    /// All polynomials of the order: a parameter may break the symmetry that the density has.
+    /// All polynomials of the order: a parameter may break the symmetry that the density has. Next to walls it has none.
     fn functions(&self) -> Functions {
+        if !self.exponent().space.corners().is_empty() {
+            return self.exponent().space.clone();
+        }
         let polynomials = self.exponent().space.polynomials();
         let degree =
             polynomials.map_or(0, |own| own.exponents().iter().map(|alpha| alpha.iter().sum()).max().unwrap_or(0));
@@ -207,24 +257,31 @@ impl ClosureDensity {
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters next to walls, under impulses, in three states and more, and of a pilot's own fit",
+    what: "derivatives by parameters under impulses, in three states and more, of a pilot's own fit, and second ones next to walls",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 
 impl<'a> Linearised<'a> {
-    /// The derivative along that of the operator. None where it is not finite.
-    fn first(&self, density: &ClosureDensity, moved: &FokkerPlanck) -> Option<First<'a>> {
+    /// The derivative along a motion. None where it is not finite.
+    fn first(&self, density: &ClosureDensity, moving: &Moving) -> Option<First<'a>> {
         let (mut slope, along, reference) = match self {
-            Linearised::Exact(newton) => (newton.slope(moved)?, None, None),
-            Linearised::Fitted(fitted) => {
-                let (fit, tangent) = &**fitted;
-                let derivative = tangent.along(moved)?;
-                let along = density.centred(derivative.values(&density.nodes), 1).0;
-                (fit.slope(&along)?, Some(along), Some(derivative))
+            Linearised { newton: Some(newton), .. } if !moving.grazes() => {
+                (Slope { regular: newton.slope(&moving.operator)?, singular: Vec::new() }, None, None)
             }
+            Linearised { fitted: Some((fit, solution)), .. } => {
+                let derivative = match solution {
+                    Solution::Smooth(tangent) => tangent.along(&moving.operator)?,
+                    Solution::Walled(tangent) => tangent.along(moving)?,
+                };
+                let along = density.centred(derivative.values(&density.nodes), 1).0;
+                let known = derivative.s.singulars(&density.nodes);
+                let slope = Slope { regular: fit.slope(&along, &known)?, singular: moving.singular.clone() };
+                (slope, Some(along), Some(derivative))
+            }
+            Linearised { .. } => return None,
         };
         let (own, centre) = density.centred(slope.values(&density.nodes), 0);
-        slope.constant -= centre;
+        slope.regular.constant -= centre;
         let at_nodes = [own.clone(), along.unwrap_or(own)];
         Some(First { slope, at_nodes, reference })
     }

@@ -8,5 +8,8 @@ pub(crate) const DEGREE: u32 = 12;
 pub(crate) const RENEWALS: usize = 12;
 /// and the factor by which what it leaves must fall each time.
 pub(crate) const FALLS: f64 = 0.9;
+/// The step of the differences that are the slope of an integrand, relative to the domain's width: the square of it and rounding over it
+/// are some 1e-10.
+pub(crate) const STEP: f64 = 1e-5;
 /// Nodes from a level to the edge of the domain.
 pub(crate) const TAIL_NODES: usize = 80;

@@ -1,0 +1,45 @@
+use super::slope::Slope;
+use super::tangent::Derivative;
+use crate::closure::density::ClosureDensity;
+use crate::closure::density::content::Integrals;
+use crate::closure::reference::Reference;
+use crate::estimate::Estimate;
+use crate::states::States;
+
+impl ClosureDensity {
+    /// The derivative of the impact rate as the coordinate in which walls stand still stretches at a rate, with its distance from
+    /// that of the reference, and the latter's from that by the equations of the degree below. None without walls.
+    pub(super) fn impacts_along(
+        &self,
+        stretching: f64,
+        slope: &Slope,
+        reference: Option<&Derivative<'_>>,
+    ) -> Option<Estimate> {
+        let Integrals::Panels { lines, .. } = &self.content.integrals else { return None };
+        let (mut points, mut weights) = (States::new(2), Vec::new());
+        for corner in self.exponent().space.corners() {
+            let (at, approach) = (corner.wall().offset(), -corner.side());
+            for (v, w) in lines[1].iter().filter(|(v, _)| approach * v > 0.0) {
+                if self.content.domain.contains(&[at, v]) {
+                    points.push(&[at, v]);
+                    weights.push(w * v.abs());
+                }
+            }
+        }
+        let rate = |logs: Vec<f64>, slopes: Vec<f64>| -> f64 {
+            let all = weights.iter().zip(logs).zip(slopes);
+            all.map(|((weight, log), slope)| weight * log.exp() * (slope - stretching)).sum()
+        };
+        let own = rate(self.exponent().values(&points), slope.values(&points));
+        let by = |density: &Reference, along: &Derivative<'_>| {
+            let centre = self.centred(along.values(&self.nodes), 1).1;
+            let slopes = along.values(&points).into_iter().map(|slope| slope - centre).collect();
+            rate(density.values(&points), slopes)
+        };
+        let error = self.content.reference.as_ref().zip(reference).map_or(0.0, |(density, along)| {
+            let reference = by(density, along);
+            (own - reference).abs() + (reference - by(density, &along.by_lower_degree())).abs()
+        });
+        (!weights.is_empty()).then(|| Estimate::new(own, error))
+    }
+}
