@@ -87,7 +87,8 @@ impl Problem {
     ///
     /// # Errors
     /// [`Error::NotADisplacement`] unless some state is the velocity of the wall's, and of its other body's; [`Error::OutOfRange`]
-    /// for a second wall on the same side, a body that hits itself, or walls that leave the motion no room.
+    /// for a second wall on the same side, a body that hits itself, or walls that leave the motion no room; [`Error::NotAName`]
+    /// where a parameter of the wall ([`Problem::parameters`]) would have the name of another one.
     pub fn with_wall(mut self, wall: Wall) -> Result<Self> {
         let wall = wall.checked()?;
         for state in std::iter::once(wall.state()).chain(wall.other()) {

@@ -45,37 +45,58 @@ fn derivatives_of_exact_densities_next_to_elastic_walls_are_exact() -> Result<()
     Ok(())
 }
 
-/// Next to lossy walls, by the equations' parameters and the wall's, against a grid: moments to 1e-4 relative, as its own degree
-/// leaves, measured are up to 2e-5; other answers, and ∫ |p̃′ − p′|, within twice their estimated errors.
+/// Between two lossy walls that move with one parameter, under noise that depends on the displacement.
+const BETWEEN: &str = r#"
+states = ["x", "v"]
+[parameters]
+c = 0.3
+g = 0.15
+gap = 0.6
+r = 0.8
+[drift]
+x = "v"
+v = "-c*v - 0.2*x^2*v - x - 0.3*x^3"
+[noise.w]
+v = "0.6 + g*x"
+[[wall]]
+state = "x"
+above = "-gap"
+restitution = "r"
+[[wall]]
+state = "x"
+below = "2*gap"
+restitution = "r^2"
+"#;
+
+/// Next to lossy walls, by the equations' parameters and the walls', against a grid: moments to 5e-4 relative, measured are up to
+/// 3e-4 where they are a hundredth of the others and 2e-5 otherwise; impact rates, and ∫ |p̃′ − p′|, within twice their estimated
+/// errors.
 #[test]
 fn derivatives_next_to_lossy_walls_have_their_estimated_errors() -> Result<()> {
-    for (offset, restitution) in [(-0.5, 0.8), (0.5, 0.95)] {
-        let problem = duffing().problem()?.with_wall(Wall::above(offset, restitution)?)?;
+    let one = duffing().problem()?.with_wall(Wall::above(-0.5, 0.8)?)?;
+    for problem in [one, Problem::from_toml(BETWEEN)?] {
         let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
-        let (grid_density, truths) = Grid::new().degree(6).sensitivities(&problem, &names)?;
+        let (_, truths) = Grid::new().degree(5).sensitivities(&problem, &names)?;
         let density = Closure::new(6).solve(&problem)?;
         for (by, truth) in density.sensitivities(&names)?.iter().zip(&truths) {
             let name = truth.parameter();
             for powers in [[1, 0], [2, 0], [0, 2]] {
                 let (found, truth) = (by.moment(&powers)?, truth.moment(&powers)?.value);
-                println!("b = {offset} {name} {powers:?}: {found} and {truth:.8}");
-                assert!((found.value / truth - 1.0).abs() < 1e-4, "{name} {powers:?}: {found} and {truth}");
+                println!("{name} {powers:?}: {found} and {truth:.8}");
+                assert!((found.value / truth - 1.0).abs() < 5e-4, "{name} {powers:?}: {found} and {truth}");
             }
             let (found, impacts) = (by.impact_rate().unwrap(), truth.impact_rate().unwrap());
             println!("   impact rate {found} and {impacts}");
-            assert!(
-                (found.value - impacts.value).abs() < 2.0 * (found.error + impacts.error),
-                "{name}: {found} and {impacts}"
-            );
-            assert!(
-                (found.value - impacts.value).abs() < 0.05 * grid_density.impact_rate().unwrap().value,
-                "{name}: {found}"
-            );
+            let off = (found.value - impacts.value).abs();
+            assert!(off < 2.0 * (found.error + impacts.error) && off < 4e-3, "{name}: {found} and {impacts}");
             let relative = |x: &[f64]| truth.pdf(x).unwrap().value / density.pdf(x).unwrap().value;
             let apart = density.expectation(&|x| (by.relative(x).unwrap() - relative(x)).abs())?.value;
             let estimate = by.l1_estimate() + truth.l1_estimate();
             println!("   {apart:.1e} off of {:.2}, estimated {estimate:.1e}", by.size());
-            assert!(apart < 2.0 * estimate && estimate < 0.03 * by.size(), "{name}: {apart:e} and {estimate:e}");
+            assert!(
+                apart < 2.0 * estimate && estimate < 0.1 * by.size().max(0.3),
+                "{name}: {apart:e} and {estimate:e}"
+            );
         }
     }
     Ok(())
@@ -118,6 +139,17 @@ fn an_elastic_wall_that_begins_to_take_energy() -> Result<()> {
     let found = by.moment(&[0, 2])?;
     println!("{found} and {truth}");
     assert!((found.value / truth - 1.0).abs() < 1e-6, "{found} and {truth}");
+    // The grid, with layers towards the grazing point. At order 4 the impact rate's is off by 3 %, and says so.
+    let (_, truths) = Grid::new().degree(5).sensitivities(&problem, &["x.above.restitution"])?;
+    let (found, truth) = (by.moment(&[2, 0])?, truths[0].moment(&[2, 0])?);
+    println!("{found} and {truth}");
+    assert!((found.value / truth.value - 1.0).abs() < 1e-4, "{found} and {truth}");
+    let (found, truth) = (by.impact_rate().unwrap(), truths[0].impact_rate().unwrap());
+    println!("{found} and {truth}");
+    assert!(
+        (found.value - truth.value).abs() < 2.0 * found.error && found.error < 0.1 * truth.value,
+        "{found} and {truth}"
+    );
     Ok(())
 }
 

@@ -2,7 +2,6 @@ use super::slope::Slope;
 use super::tangent::Derivative;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Integrals;
-use crate::closure::reference::Reference;
 use crate::estimate::Estimate;
 use crate::states::States;
 
@@ -31,14 +30,17 @@ impl ClosureDensity {
             all.map(|((weight, log), slope)| weight * log.exp() * (slope - stretching)).sum()
         };
         let own = rate(self.exponent().values(&points), slope.values(&points));
-        let by = |density: &Reference, along: &Derivative<'_>| {
-            let centre = self.centred(along.values(&self.nodes), 1).1;
-            let slopes = along.values(&points).into_iter().map(|slope| slope - centre).collect();
-            rate(density.values(&points), slopes)
-        };
-        let error = self.content.reference.as_ref().zip(reference).map_or(0.0, |(density, along)| {
-            let reference = by(density, along);
-            (own - reference).abs() + (reference - by(density, &along.by_lower_degree())).abs()
+        let error = reference.map_or(0.0, |along| {
+            // An exact density is its own reference, and has derivatives that are not.
+            let of_reference = self.content.reference.as_ref();
+            let by = |along: &Derivative<'_>| {
+                let centre = self.centred(along.values(&self.nodes), 1).1;
+                let slopes = along.values(&points).into_iter().map(|slope| slope - centre).collect();
+                let own = || self.exponent().values(&points);
+                rate(of_reference.map_or_else(own, |reference| reference.values(&points)), slopes)
+            };
+            let reference = by(along);
+            (own - reference).abs() + (reference - by(&along.by_lower_degree())).abs()
         });
         (!weights.is_empty()).then(|| Estimate::new(own, error))
     }
