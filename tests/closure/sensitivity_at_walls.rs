@@ -76,7 +76,7 @@ fn derivatives_next_to_lossy_walls_have_their_estimated_errors() -> Result<()> {
     let one = duffing().problem()?.with_wall(Wall::above(-0.5, 0.8)?)?;
     for problem in [one, Problem::from_toml(BETWEEN)?] {
         let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
-        let (_, truths) = Grid::new().degree(5).sensitivities(&problem, &names)?;
+        let (_, truths) = Grid::new().degree(4).sensitivities(&problem, &names)?;
         let density = Closure::new(6).solve(&problem)?;
         for (by, truth) in density.sensitivities(&names)?.iter().zip(&truths) {
             let name = truth.parameter();
@@ -94,7 +94,7 @@ fn derivatives_next_to_lossy_walls_have_their_estimated_errors() -> Result<()> {
             let estimate = by.l1_estimate() + truth.l1_estimate();
             println!("   {apart:.1e} off of {:.2}, estimated {estimate:.1e}", by.size());
             assert!(
-                apart < 2.0 * estimate && estimate < 0.1 * by.size().max(0.3),
+                apart < 2.0 * estimate && estimate < 0.15 * by.size().max(0.3),
                 "{name}: {apart:e} and {estimate:e}"
             );
         }

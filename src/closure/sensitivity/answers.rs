@@ -18,9 +18,9 @@ use crate::states::States;
 /// by two.
 ///
 /// ∂Q/∂θ is a polynomial of the closure's order; next to walls it has the functions that Q has there, and the derivative of the
-/// singular part. With the offset of a wall the density moves: its nodes, its domain and the functions of Q. Its errors are the distances from the derivative of the reference, the solution
-/// of the moment equations of a higher degree. Relative to ∫|p′| they are some 2 to 12 times as large as those of the density
-/// relative to 1.
+/// singular part. With the offset of a wall the density moves: its nodes, its domain and the functions of Q. Its errors are the
+/// distances from the derivative of the reference, the solution of the moment equations of a higher degree. Relative to ∫|p′| they
+/// are some 2 to 12 times as large as those of the density relative to 1.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     pub(super) density: ClosureDensity,
@@ -58,7 +58,8 @@ impl Sensitivity {
         &self.density
     }
 
-    /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ; by two parameters (∂²p/∂θ∂φ)/p. Its mean under p is zero.
+    /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ; by two parameters (∂²p/∂θ∂φ)/p. Its mean under p is
+    /// zero; by the offset of a wall it is the density there, which the wall takes from the motion or leaves to it.
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
@@ -152,21 +153,18 @@ impl Sensitivity {
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
         let [low, high] = self.density.bounds()[state];
-        if level >= high {
+        if level <= low || level >= high {
             return Ok(Estimate::new(0.0, self.density.truncated_mass()));
         }
-        if level <= low {
-            return Ok(Estimate::exact(0.0));
-        }
         let rule = Rule::legendre(tuning::sensitivity::TAIL_NODES).on(level, high);
-        let beyond: f64 = rule.iter().map(|(x, w)| w * self.sum_over(state, x, |x| self.at(x))).sum();
+        let sections = rule.iter().map(|(x, w)| self.shared(w * self.sum_over(state, x, |x| self.at(x))));
+        let beyond = sections.fold(Estimate::exact(0.0), Estimate::plus);
         // What is carried over the level by a wall that moves.
-        let through = if state == 0 && self.carried.moves() {
-            self.carried.rate(level) * self.sum_over(0, level, |_| 1.0)
-        } else {
-            0.0
-        };
-        Ok(self.shared(beyond + through))
+        if state == 0 && self.carried.moves() {
+            let through = self.carried.rate(level) * self.sum_over(0, level, |_| 1.0);
+            return Ok(beyond.plus(self.shared(through)));
+        }
+        Ok(beyond)
     }
 
     /// The derivative of the marginal density of a state.
