@@ -76,7 +76,8 @@ impl GridSensitivity {
         Ok(self.fixed[0].value(&x) / self.density.fine.value(&x))
     }
 
-    /// ∫ |∂p/∂θ| dx.
+    /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the smallest cell: ∂p/∂x ~ u^(g − 1)
+    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
     pub fn size(&self) -> f64 {
         let (mut sum, field) = (0.0, &self.fixed[0]);
         field.for_each_node(field.space.rule(0), |_, weight, p| sum += weight * p.abs());

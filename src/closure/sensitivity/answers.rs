@@ -20,7 +20,8 @@ use crate::states::States;
 /// ∂Q/∂θ is a polynomial of the closure's order; next to walls it has the functions that Q has there, and the derivative of the
 /// singular part. With the offset of a wall the density moves: its nodes, its domain and the functions of Q. Its errors are the
 /// distances from the derivative of the reference, the solution of the moment equations of a higher degree. Relative to ∫|p′| they
-/// are some 2 to 12 times as large as those of the density relative to 1.
+/// are some 2 to 12 times as large as those of the density relative to 1. Next to walls with r < 1 errors of moments, a few 1e-6,
+/// were up to 3 times these distances, and 8 times by the restitution: both solutions have the same singular functions.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     pub(super) density: ClosureDensity,
@@ -68,7 +69,8 @@ impl Sensitivity {
         Ok(self.at(x) + self.carried.value(self.density.exponent(), x))
     }
 
-    /// ∫ |∂p/∂θ| dx.
+    /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the nodes: ∂p/∂x ~ u^(g − 1)
+    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
     pub fn size(&self) -> f64 {
         self.at_fixed_states().map(|[own, _]| own.abs()).sum()
     }

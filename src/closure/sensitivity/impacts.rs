@@ -42,6 +42,6 @@ impl ClosureDensity {
             let reference = by(along);
             (own - reference).abs() + (reference - by(&along.by_lower_degree())).abs()
         });
-        (!weights.is_empty()).then(|| Estimate::new(own, error))
+        (!self.exponent().space.corners().is_empty()).then(|| Estimate::new(own, error))
     }
 }

@@ -182,10 +182,10 @@ impl ClosureDensity {
         if matches!(self.candidates()[0].origin, Origin::Exact) && !grazes {
             return Ok(None);
         }
-        let system = self.motion()?.1;
         if !self.exponent().space.corners().is_empty() {
-            return Ok(Some(system.clone()));
+            return MomentSystem::of_all_degrees(self.origin()?).map(Some).ok_or(self.failed());
         }
+        let system = self.motion()?.1;
         let excess = tuning::space::EXCESS[self.dimension() - 1];
         let degree = self.provenance().order.unwrap_or(0) + excess;
         Ok(Some(system.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
