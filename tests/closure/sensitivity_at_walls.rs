@@ -103,7 +103,7 @@ fn derivatives_next_to_lossy_walls_have_their_estimated_errors() -> Result<()> {
 }
 
 /// The derivatives of a closure's density are those of its neighbours' differences of fourth order: h⁴ of a fifth derivative, and
-/// what the functions of Q do as they move. Moments to 1e-4, measured are 3e-5; the impact rate to 3e-2, measured are 6e-3.
+/// what the functions of Q do as they move. Moments to 3e-5, measured are up to 1e-5; the impact rate to 1.5e-2, measured are 5e-3.
 #[test]
 fn the_tangent_touches_the_densities_of_walls_nearby() -> Result<()> {
     let problem = duffing().problem()?.with_wall(Wall::below(0.5, 0.8)?)?;
@@ -121,7 +121,7 @@ fn the_tangent_touches_the_densities_of_walls_nearby() -> Result<()> {
         for (k, found) in found.into_iter().enumerate() {
             let truth = (8.0 * (around[2][k] - around[1][k]) - (around[3][k] - around[0][k])) / (12.0 * h);
             println!("{name} {k}: {found:.7} and {truth:.7}");
-            let tolerance = if k == 3 { 3e-2 } else { 1e-4 };
+            let tolerance = if k == 3 { 1.5e-2 } else { 3e-5 };
             assert!((found / truth - 1.0).abs() < tolerance, "{name} {k}: {found} and {truth}");
         }
     }

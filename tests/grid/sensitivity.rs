@@ -14,7 +14,7 @@ fn answers(by: &GridSensitivity) -> Result<[f64; 5]> {
 }
 
 /// By all parameters without a wall, above one, below one and between two, which move. The grid's own error at degree 7 is up to
-/// 1e-6, as measured.
+/// 6e-8, as measured.
 #[test]
 fn derivatives_are_those_of_closed_forms() -> Result<()> {
     let parameters = [0.2, 1.0, 0.3, 0.2];
@@ -25,7 +25,7 @@ fn derivatives_are_those_of_closed_forms() -> Result<()> {
         for by in &found {
             for (found, truth) in answers(by)?.into_iter().zip(elastic.derivatives(by.parameter())) {
                 println!("{walls:?} {}: {found:.9} and {truth:.9}", by.parameter());
-                assert!((found - truth).abs() < 2e-6 * truth.abs().max(1.0), "{walls:?} {}: {found}", by.parameter());
+                assert!((found - truth).abs() < 2e-7 * truth.abs().max(1.0), "{walls:?} {}: {found}", by.parameter());
             }
         }
     }
