@@ -4,14 +4,15 @@
 //! x″ + (α + β x²) x′ + k x + μ x³ = ξ: a percent more noise makes a displacement above 2σ 2.1 % more likely, and a percent more
 //! of the damping β, of the stiffness k, of its cubic part μ and of the damping α 1.5, 1.2, 0.9 and 0.7 % less likely. Each derivative
 //! is one linear solve, states its error, and is a tangent to what the closure finds at other values, as the figure in `out/`
-//! shows.
+//! shows. Above a wall at −σ/2 that keeps 0.8 of the speed the impact rate changes most with the place of the wall: by
+//! −0.39 % for a percent more distance, and by 0.07 % for a percent more of the speed.
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
 use expoly::models::DuffingVanDerPol;
 use expoly::statistics::Marginal;
-use expoly::{Closure, ClosureDensity, Density, Estimate, Problem, Sensitivity};
+use expoly::{Closure, ClosureDensity, Density, Estimate, Grid, Problem, Sensitivity, Wall};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
 
@@ -67,9 +68,29 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
          order {}, seed 0. Left: θ ∂p(x)/∂θ. Right: P(x > {level:.4}) with one parameter times a factor, and tangents.",
         options.order
     );
+    next_to_a_wall(&problem.clone().with_wall(Wall::above(-0.5 * density.variance(0)?.value.sqrt(), 0.8)?)?, &closure)?;
+
     let path = options.out.join("sensitivities.svg");
     write_figure(&path, &caption, 2, &views)?;
     println!("figure: {}", path.display());
+    Ok(())
+}
+
+/// The elasticities of the impact rate, by the closure and by the grid, those by the wall's own parameters among them.
+fn next_to_a_wall(problem: &Problem, closure: &Closure) -> expoly::Result<()> {
+    let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
+    let density = closure.solve(problem)?;
+    let found = density.sensitivities(&names)?;
+    let (truth, truths) = Grid::new().degree(5).sensitivities(problem, &names)?;
+    let (Some(rate), Some(true_rate)) = (density.impact_rate(), truth.impact_rate()) else { return Ok(()) };
+    println!(
+        "above a wall, {rate} impacts per unit time, by the grid {true_rate}; percent for a percent of a parameter:"
+    );
+    for (((name, value), found), truth) in problem.parameters().iter().zip(&found).zip(&truths) {
+        let (Some(own), Some(other)) = (found.impact_rate(), truth.impact_rate()) else { continue };
+        let [own, other] = [elasticity(*value, own, rate.value), elasticity(*value, other, true_rate.value)];
+        println!("  {name:19} = {value:7.4}  {:>20}  by the grid {:>20}", own.to_string(), other.to_string());
+    }
     Ok(())
 }
 

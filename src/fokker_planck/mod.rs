@@ -12,6 +12,7 @@
 
 mod impulses;
 mod local;
+mod stretched;
 mod text;
 
 pub use impulses::Impulse;
@@ -222,6 +223,13 @@ impl FokkerPlanck {
             diffusion: self.diffusion[..n].iter().map(|row| row[..n].iter().map(part).collect()).collect(),
             impulses: Vec::new(),
         }
+    }
+
+    /// The operator 0 in so many states.
+    pub(crate) fn zero(n: usize) -> Self {
+        let zero = || Polynomial::zero(n);
+        let diffusion = (0..n).map(|_| (0..n).map(|_| zero()).collect()).collect();
+        FokkerPlanck { drift: (0..n).map(|_| zero()).collect(), diffusion, impulses: Vec::new() }
     }
 
     /// Whether drift, diffusion and impulses vanish.

@@ -16,12 +16,12 @@ use super::flux::{Flux, Part};
 use super::legendre::Table;
 use super::space::{Side, Space};
 use super::sparse::{Factors, Ordering, SparseMatrix, united};
-use super::wall;
+use super::wall::Rebound;
 use crate::envelope::Envelope;
 use crate::error::Result;
 use crate::memory::MemoryLimit;
 use crate::numerics::Rule;
-use crate::problem::Problem;
+use crate::problem::{PlaneMotion, Problem};
 use nalgebra::DMatrix;
 
 /// Blocks in a column of K: those of an element and of the four next to it.
@@ -89,8 +89,13 @@ pub(super) struct Modulation<'a> {
     pub(super) envelope: &'a Envelope,
 }
 
+/// The derivative of K on a mesh that stands still, or moves with the walls.
+pub(super) fn derivative(problem: &Problem, space: &Space, motion: &PlaneMotion) -> SparseMatrix {
+    assemble(problem, space, Part::Moved(motion))
+}
+
 /// The matrix K on `space`, or a part of it.
-fn assemble(problem: &Problem, space: &Space, part: Part) -> SparseMatrix {
+fn assemble(problem: &Problem, space: &Space, part: Part<'_>) -> SparseMatrix {
     let mut flux = Flux::new(problem, space.axes.each_ref().map(|axis| axis.origin), part);
     let mut blocks = Blocks::default();
     volume(&mut blocks, &mut flux, space);
@@ -106,8 +111,16 @@ fn assemble(problem: &Problem, space: &Space, part: Part) -> SparseMatrix {
         }
     }
     for (upper, side) in space.sides.iter().enumerate() {
-        if let (Side::Wall(restitution), false) = (*side, part == Part::Noise) {
-            wall::rebound(&mut blocks, space, upper == 1, restitution);
+        let Side::Wall(restitution) = *side else { continue };
+        let wall = Rebound { space, upper: upper == 1, restitution };
+        match part {
+            Part::Whole | Part::Drift => wall.add(&mut blocks, 1.0),
+            Part::Noise => {}
+            Part::Moved(motion) => {
+                // In the coordinate that moves, the velocity is v over dx/dξ.
+                wall.add(&mut blocks, -motion.shift[1]);
+                wall.add_derivative(&mut blocks, motion.restitution[upper]);
+            }
         }
     }
     blocks.into_matrix(space.block(), space.elements())

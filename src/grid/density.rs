@@ -51,16 +51,17 @@ impl GridDensity {
 
     /// Impacts per unit time, at all walls together; none without a wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
+        self.impacts().map(|crossing| self.passing(crossing, 1)).reduce(Estimate::plus)
+    }
+
+    /// The impacts on each wall.
+    pub(super) fn impacts(&self) -> impl Iterator<Item = Crossing> {
         let walls = self.walls().into_iter().enumerate();
-        let rates = walls.filter_map(|(side, offset)| {
-            let crossing = Crossing { upward: side == 1, ..Crossing::upward(offset?) };
-            Some(self.passing(crossing, 1))
-        });
-        rates.reduce(Estimate::plus)
+        walls.filter_map(|(side, offset)| Some(Crossing { upward: side == 1, ..Crossing::upward(offset?) }))
     }
 
     /// Where the walls are, below the motion and above it.
-    fn walls(&self) -> [Option<f64>; 2] {
+    pub(super) fn walls(&self) -> [Option<f64>; 2] {
         [0, 1].map(|side| matches!(self.fine.space.sides[side], Side::Wall(_)).then_some(self.domain[0][side]))
     }
 
@@ -75,10 +76,10 @@ impl GridDensity {
 
     /// A rough estimate of the mean of |x₁^p₁ x₂^p₂| beyond the open edges: the edges' level times the peak of the marginal,
     /// falling as a normal density does there. For high powers it exceeds the difference of the two degrees.
-    fn beyond(&self, powers: [u32; 2]) -> f64 {
+    pub(super) fn beyond(&self, powers: [u32; 2], level: f64) -> f64 {
         const SAFETY: f64 = 3.0;
         let field = &self.fine;
-        let level = self.edge_level.clamp(f64::MIN_POSITIVE, 0.1);
+        let level = level.clamp(f64::MIN_POSITIVE, 0.1);
         let walls = self.walls();
         let moment = |state: usize, power: u32| {
             let size = |x: f64| x.abs().powi(power as i32);
@@ -157,7 +158,7 @@ impl Density for GridDensity {
             let [a, b] = [0, 1].map(|s| field.weights(s, powers[s] as usize, EVERYWHERE, |x| x.powi(powers[s] as i32)));
             field.integrate([&a, &b])
         });
-        Ok(Estimate::new(moment.value, moment.error + self.beyond(powers)))
+        Ok(Estimate::new(moment.value, moment.error + self.beyond(powers, self.edge_level)))
     }
 
     /// The flux moment of one state's passages with the other as velocity. At a wall with r < 1 its error contains that of the
@@ -173,27 +174,27 @@ impl Density for GridDensity {
     }
 }
 
-const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+pub(super) const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-fn plane(x: &[f64]) -> Result<[f64; 2]> {
+pub(super) fn plane(x: &[f64]) -> Result<[f64; 2]> {
     point(x, 2)?;
     Ok([x[0], x[1]])
 }
 
-fn moderate(power: u32) -> Result<u32> {
+pub(super) fn moderate(power: u32) -> Result<u32> {
     let remedy = "a grid integrates powers up to 200";
     require(power <= HIGHEST_POWER, "power of a moment", f64::from(power), remedy).map(|_| power)
 }
 
 /// ∫ g(x_state) h(x_other) p dx from the integrals of g and h with the basis.
-fn integral(field: &Field, state: usize, own: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+pub(super) fn integral(field: &Field, state: usize, own: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
     if state == 0 { field.integrate([own, other]) } else { field.integrate([other, own]) }
 }
 
 /// How far the flux within the smallest cell is off next to a lossy wall. There the density is a power of the velocity, so that
 /// the fluxes of layers form a geometric series; by the second and the third one the first one is the sum of all below. It is
 /// doubled, since the error reaches the second layer: the true one was a quarter to a half of this for r from 0.5 to 0.8.
-fn unresolved(field: &Field, crossing: Crossing, power: u32) -> f64 {
+pub(super) fn unresolved(field: &Field, crossing: Crossing, power: u32) -> f64 {
     let lines = &field.space.axes[1].lines;
     let zero = lines.partition_point(|w| *w < 0.0);
     let line = |k: usize| {
@@ -210,7 +211,7 @@ fn unresolved(field: &Field, crossing: Crossing, power: u32) -> f64 {
     2.0 * if ratio > 1.0 { (first - second / (ratio - 1.0)).abs() } else { first.abs() }
 }
 
-fn flux(field: &Field, crossing: Crossing, power: u32) -> f64 {
+pub(super) fn flux(field: &Field, crossing: Crossing, power: u32) -> f64 {
     let (at, sign) = (field.point(crossing.displacement, crossing.level), if crossing.upward { 1.0 } else { -1.0 });
     let range = if crossing.upward { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
     let over = field.weights(crossing.velocity, power as usize, range, |v| (sign * v).powi(power as i32));

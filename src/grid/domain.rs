@@ -37,7 +37,7 @@ pub(super) fn pilot(problem: &Problem, walls: [Option<Wall>; 2]) -> Result<[[f64
 /// The profile of a density along one state: positions, rising, and the largest |p| over the other state there.
 pub(super) struct Profile {
     points: Vec<(f64, f64)>,
-    peak: f64,
+    pub(super) peak: f64,
 }
 
 impl Profile {

@@ -60,7 +60,9 @@ impl<'a> Face<'a> {
     pub(super) fn advect(&self, blocks: &mut Blocks) {
         for from in &self.neighbours {
             // The flux out of `from` through the face: F·n where that is positive.
-            let leaving = self.matrix(|value| (from.sign * value.advection[self.direction]).max(0.0), false);
+            let leaves = |value: &Value| from.sign * value.carrying[self.direction] > 0.0;
+            let flux = |value: &Value| from.sign * value.advection[self.direction];
+            let leaving = self.matrix(|value| if leaves(value) { flux(value) } else { 0.0 }, false);
             for to in &self.neighbours {
                 let sign = from.sign * to.sign;
                 self.add(blocks, to.element, from.element, sign, &(&to.values * from.values.transpose()), &leaving);

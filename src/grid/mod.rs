@@ -5,7 +5,7 @@
 //!   rebounds;
 //! - `sparse`, `dissection`: LU factors; `stationary`: the null vector of the matrix;
 //! - `domain`: where the density is; `layout`: its elements; `solver`: domain, mesh and two degrees for an error estimate;
-//! - `field`, `density`: the piecewise polynomial, and the density made of it;
+//! - `field`, `density`: the piecewise polynomial, and the density made of it; `sensitivity`: its derivatives by parameters;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same matrix;
 //! - `initial`, `transient`: a start on the mesh and p(x, t); `survival`: the part of it that has passed no level.
 
@@ -23,6 +23,7 @@ mod legendre;
 mod march;
 mod mesh;
 mod relaxation;
+mod sensitivity;
 mod solver;
 mod space;
 mod sparse;
@@ -33,12 +34,15 @@ mod tuning;
 mod wall;
 
 pub use density::GridDensity;
+pub use sensitivity::GridSensitivity;
 pub use survival::Survival;
 
 use crate::checks::{finite, positive, require};
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
-use crate::problem::{Problem, Wall};
+use crate::problem::{PlaneMotion, Problem, Wall};
+use field::Field;
+use solver::Solver;
 use std::time::Instant;
 
 /// A discontinuous Galerkin method: tensor Legendre polynomials on a rectangular mesh, for problems of two states.
@@ -152,24 +156,65 @@ impl Grid {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn solve(&self, problem: &Problem) -> Result<GridDensity> {
-        let begin = Instant::now();
+        Ok(self.solved(problem, &[])?.0)
+    }
+
+    /// The stationary density, and its derivatives by some parameters of the problem ([`Problem::parameters`]), those of walls
+    /// among them.
+    ///
+    /// The derivative p′ solves L p′ = −L′p with the integral 0: each takes the matrix of L′ and one solution with the factors that
+    /// the density has made. Upwind sides and the mesh are held, and the mesh moves with a wall whose offset is the parameter, so
+    /// that the result is the derivative of the discrete solution itself. At r = 1 the one by r is that towards r < 1.
+    ///
+    /// # Errors
+    /// As [`Grid::solve`]; [`Error::NotAName`] for a name that no parameter has, [`Error::NotKnown`] and [`Error::NotServed`] where
+    /// the problem has no derivative by it.
+    ///
+    /// ```
+    /// use expoly::{Grid, Wall, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(-0.5, 1.0)?)?;
+    /// let (density, by) = Grid::new().degree(6).sensitivities(&problem, &["D", "x.above.offset"])?;
+    /// // p = C exp(−(c/D) H) where the wall leaves room: E v² = D/c.
+    /// assert!((by[0].moment(&[0, 2])?.value - 5.0).abs() < 1e-3 && by[1].moment(&[0, 2])?.value.abs() < 1e-3);
+    /// assert!(by[1].moment(&[1, 0])?.value > 0.0 && density.impact_rate() == by[1].density().impact_rate());
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn sensitivities(&self, problem: &Problem, parameters: &[&str]) -> Result<(GridDensity, Vec<GridSensitivity>)> {
+        self.served(problem)?;
+        let motion = |name: &&str| Ok(problem.motion(name)?.on_plane(problem));
+        let motions: Vec<PlaneMotion> = parameters.iter().map(motion).collect::<Result<_>>()?;
+        let (density, derivatives) = self.solved(problem, &motions)?;
+        let all = parameters.iter().zip(motions).zip(derivatives);
+        let found = all.map(|((name, motion), moved)| GridSensitivity::new(&density, name, motion, moved)).collect();
+        Ok((density, found))
+    }
+
+    /// The walls of a problem that is served.
+    fn served(&self, problem: &Problem) -> Result<[Option<Wall>; 2]> {
         if problem.dimension() != 2 {
             let (what, remedy) = ("a problem of other than two states", "take the closure or the simulation");
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
         problem.require_no_impulses("grid")?;
         problem.require_no_rest()?;
-        let walls = problem.walls_of_plane("grid")?;
+        problem.walls_of_plane("grid")
+    }
+
+    /// The density, and its derivatives along some motions by the two degrees.
+    fn solved(&self, problem: &Problem, motions: &[PlaneMotion]) -> Result<(GridDensity, Vec<[Field; 2]>)> {
+        let begin = Instant::now();
+        let walls = self.served(problem)?;
         self.memory.check()?;
-        let (degree, cells) = self.validate(walls)?;
+        let mut solver = Solver { grid: self, degree: 0, cells: [0; 2], problem, walls, motions };
+        (solver.degree, solver.cells) = self.validate([0, 1].iter().any(|side| solver.grazed(*side)))?;
         problem.operator().require_reached(&[])?;
         let (start, adjust) = match self.domain {
             Some(domain) => (domain, false),
             None => (domain::pilot(problem, walls)?, true),
         };
-        let mut density = solver::Solver { grid: self, degree, cells, problem, walls }.run(start, adjust)?;
+        let (mut density, derivatives) = solver.run(start, adjust)?;
         density.provenance.seconds = begin.elapsed().as_secs_f64();
-        Ok(density)
+        Ok((density, derivatives))
     }
 
     /// Degree and cells, by default those of a mesh with grazing points or of one without.
@@ -180,8 +225,8 @@ impl Grid {
     }
 
     /// Degree and cells, once every option has a meaning.
-    fn validate(&self, walls: [Option<Wall>; 2]) -> Result<(usize, [usize; 2])> {
-        let (degree, cells) = self.resolution(walls.iter().flatten().any(|wall| wall.restitution() < 1.0));
+    fn validate(&self, grazed: bool) -> Result<(usize, [usize; 2])> {
+        let (degree, cells) = self.resolution(grazed);
         require((2..=24).contains(&degree), "degree of the grid", degree as f64, "it must lie between 2 and 24")?;
         for cells in cells {
             let remedy = "take between 2 and 1000 along each state";

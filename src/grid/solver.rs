@@ -10,7 +10,7 @@ use super::{Grid, stationary};
 use crate::checks::positive;
 use crate::error::{Error, Result};
 use crate::grid::tuning;
-use crate::problem::{COLLAPSE, Problem, Wall};
+use crate::problem::{COLLAPSE, PlaneMotion, Problem, Wall};
 use crate::provenance::Provenance;
 
 type Domain = [[f64; 2]; 2];
@@ -22,10 +22,13 @@ pub(super) struct Solver<'a> {
     pub(super) problem: &'a Problem,
     /// The walls below the motion and above it.
     pub(super) walls: [Option<Wall>; 2],
+    /// What the density is differentiated along.
+    pub(super) motions: &'a [PlaneMotion],
 }
 
 impl Solver<'_> {
-    pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<GridDensity> {
+    /// The density, and its derivatives by the two degrees.
+    pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<(GridDensity, Vec<[Field; 2]>)> {
         let memory = self.grid.memory;
         let mut domain = self.between_walls(start);
         for [low, high] in domain {
@@ -36,7 +39,7 @@ impl Solver<'_> {
             let space = self.space(domain, tuning::domain::TRIAL_DEGREE, tuning::domain::TRIAL_CELLS, false);
             let centre = space.elements() / 2 + space.axes[1].cells() / 2;
             let pin = trial.as_ref().map_or(centre, |field| self.same_place(field, &space));
-            let field = stationary::solve(self.problem, &space, pin, memory)?.field;
+            let field = stationary::solve(self.problem, &space, pin, memory, &[])?.field;
             let next = self.between_walls(self.measured(&field));
             let settled = self.settled(domain, next);
             // A domain that is given is judged by the solution itself: steep forces are beyond this mesh.
@@ -55,10 +58,13 @@ impl Solver<'_> {
         let degree = self.degree;
         let space = self.space(domain, degree, self.cells, true);
         let pin = trial.as_ref().map_or(0, |field| self.same_place(field, &space));
-        let coarse =
-            stationary::solve(self.problem, &Space { degree: degree - 1, ..space.clone() }, pin, memory)?.field;
-        let fine = stationary::solve(self.problem, &space, coarse.peak_element(), memory)?;
-        self.density(fine, coarse, domain)
+        let solve = |space: &Space, pin: usize| stationary::solve(self.problem, space, pin, memory, self.motions);
+        let mut coarse = solve(&Space { degree: degree - 1, ..space.clone() }, pin)?;
+        let mut fine = solve(&space, coarse.field.peak_element())?;
+        let derivatives = [&mut fine, &mut coarse].map(|solution| std::mem::take(&mut solution.derivatives));
+        let density = self.density(fine, coarse.field, domain)?;
+        let [fine, coarse] = derivatives;
+        Ok((density, fine.into_iter().zip(coarse).map(<[Field; 2]>::from).collect()))
     }
 
     /// The domain with the walls as its limits.
@@ -102,9 +108,15 @@ impl Solver<'_> {
         space.element(cells[0], cells[1])
     }
 
+    /// Whether grazing impacts on a wall make the density singular, or its derivative by the restitution.
+    pub(super) fn grazed(&self, side: usize) -> bool {
+        let lossy = self.walls[side].is_some_and(|wall| wall.restitution() < 1.0);
+        lossy || self.motions.iter().any(|motion| motion.restitution[side] != 0.0)
+    }
+
     /// The elements on `domain`; with `layers`, also those at the grazing points of walls that take energy.
     fn space(&self, domain: Domain, degree: usize, cells: [usize; 2], layers: bool) -> Space {
-        let grazed = self.walls.map(|wall| layers && wall.is_some_and(|w| w.restitution() < 1.0));
+        let grazed = [0, 1].map(|side| layers && self.grazed(side));
         Layout { problem: self.problem, walls: self.walls, grazed, grazing: self.grid.grazing }
             .space(domain, degree, cells)
     }
@@ -127,7 +139,7 @@ impl Solver<'_> {
     }
 
     fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
-        let stationary::Stationary { field, leak, residual, nonzeros } = fine;
+        let stationary::Stationary { field, leak, residual, nonzeros, .. } = fine;
         let error = difference(&field, &coarse);
         let edge_level = self.edge_level(&field, domain, self.grid.edge_level.max(error.min(tuning::domain::CUT)))?;
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);

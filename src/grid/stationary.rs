@@ -1,12 +1,12 @@
 //! The null vector of the matrix: the stationary density.
 
-use super::assembly::Discretisation;
+use super::assembly::{Discretisation, derivative};
 use super::field::Field;
 use super::space::Space;
-use super::sparse::SparseMatrix;
+use super::sparse::{Factors, SparseMatrix};
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
-use crate::problem::Problem;
+use crate::problem::{PlaneMotion, Problem};
 
 /// A stationary density with its leak and its residual.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub(super) struct Stationary {
     pub(super) residual: f64,
     /// Entries of K.
     pub(super) nonzeros: usize,
+    /// Its derivatives along some motions.
+    pub(super) derivatives: Vec<Field>,
 }
 
 /// Solves K p = 0 with total mass 1.
@@ -26,7 +28,15 @@ pub(super) struct Stationary {
 /// in element k, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and nothing to
 /// the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
 /// Its strength is the multiplier that a border would have had. `pin` is k, an element in which there is mass.
-pub(super) fn solve(problem: &Problem, space: &Space, pin: usize, memory: MemoryLimit) -> Result<Stationary> {
+///
+/// The derivative along a motion solves K p′ = −K′p with total mass 0, by the same factors.
+pub(super) fn solve(
+    problem: &Problem,
+    space: &Space,
+    pin: usize,
+    memory: MemoryLimit,
+    motions: &[PlaneMotion],
+) -> Result<Stationary> {
     let Discretisation { matrix, ordering } = Discretisation::new(problem, space, memory)?;
     let k = pin * space.block();
     let alpha = matrix.magnitude().min(diagonal_scale(&matrix, k));
@@ -35,11 +45,7 @@ pub(super) fn solve(problem: &Problem, space: &Space, pin: usize, memory: Memory
     let factors = ordering.factorise(&pinned)?;
     let mut right = vec![0.0; matrix.size];
     right[k] = alpha;
-    let mut p = factors.solve(&right)?;
-    let product = pinned.apply(&p);
-    // One step of iterative refinement: a pin where the density is low would cost digits.
-    let defect: Vec<f64> = right.iter().zip(&product).map(|(b, a)| b - a).collect();
-    p.iter_mut().zip(factors.solve(&defect)?).for_each(|(p, d)| *p += d);
+    let p = refined(&pinned, &factors, &right)?;
 
     let mut field = Field { space: space.clone(), coefficients: p };
     let mass = field.mass();
@@ -52,7 +58,25 @@ pub(super) fn solve(problem: &Problem, space: &Space, pin: usize, memory: Memory
     product[k] -= lost / space.root_area(pin);
     let largest = |x: &[f64]| x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
     let residual = largest(&product) / (matrix.magnitude() * largest(&field.coefficients));
-    Ok(Stationary { field, leak: lost, residual, nonzeros: matrix.values.len() })
+    let moved = |motion: &PlaneMotion| {
+        let source = derivative(problem, space, motion).apply(&field.coefficients);
+        let right: Vec<f64> = source.iter().map(|s| -s).collect();
+        let mut moved = Field { space: space.clone(), coefficients: refined(&pinned, &factors, &right)? };
+        let mass = moved.mass();
+        moved.coefficients.iter_mut().zip(&field.coefficients).for_each(|(s, p)| *s -= mass * p);
+        Ok(moved)
+    };
+    let derivatives = motions.iter().map(moved).collect::<Result<_>>()?;
+    Ok(Stationary { field, leak: lost, residual, nonzeros: matrix.values.len(), derivatives })
+}
+
+/// The solution of A x = `right` with one step of iterative refinement: a pin where the density is low would cost digits.
+fn refined(matrix: &SparseMatrix, factors: &Factors, right: &[f64]) -> Result<Vec<f64>> {
+    let mut x = factors.solve(right)?;
+    let product = matrix.apply(&x);
+    let defect: Vec<f64> = right.iter().zip(&product).map(|(b, a)| b - a).collect();
+    x.iter_mut().zip(factors.solve(&defect)?).for_each(|(x, d)| *x += d);
+    Ok(x)
 }
 
 fn diagonal_scale(matrix: &SparseMatrix, k: usize) -> f64 {

@@ -1,6 +1,6 @@
 //! Problems from their definitions.
 
-use super::family::Family;
+use super::family::{Family, Lifted};
 use super::field::{AnySize, Field, Fixed};
 use super::{Equations, Problem};
 use crate::checks::dimension;
@@ -184,8 +184,8 @@ where
         Problem::parametric(self.0.with(&mut |name, present| value(name, present)))
     }
 
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<FokkerPlanck> {
-        fixed(&self.0.with(&mut |name, present| value(name, present)), 2).operator()
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
+        fixed(&self.0.with(&mut |name, present| value(name, present)), 2).operator().map(Lifted::open)
     }
 }
 
@@ -201,8 +201,8 @@ where
         Problem::parametric_system(self.0.with(&mut |name, present| value(name, present)))
     }
 
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<FokkerPlanck> {
-        any_size(&self.0.with(&mut |name, present| value(name, present)), 2)?.operator()
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
+        any_size(&self.0.with(&mut |name, present| value(name, present)), 2)?.operator().map(Lifted::open)
     }
 }
 
@@ -231,7 +231,7 @@ impl Definition {
             field,
             family,
         };
-        Ok(Problem { equations: Arc::new(equations), walls: Vec::new() })
+        Ok(Problem::open(Arc::new(equations)))
     }
 }
 

@@ -1,8 +1,9 @@
 //! Problems at other values of their parameters, and the derivatives of their equations.
 
-use super::{Problem, Wall};
+use super::{Motion, Problem, Wall};
 use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::is_real;
 use num_dual::HyperDual64;
 
 /// The step by which impulses are seen to depend on a parameter.
@@ -13,9 +14,8 @@ pub(super) trait Family: Send + Sync {
     /// The problem with `value(name, present value)` for each parameter.
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem>;
 
-    /// The operator with dual numbers for the parameters, a + b ε₁ + c ε₂ + d ε₁ε₂: ε₁ and ε₂ are two more states, which do not
-    /// move.
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<FokkerPlanck>;
+    /// The system with dual numbers for the parameters, a + b ε₁ + c ε₂ + d ε₁ε₂.
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted>;
 
     /// The walls that the definition itself contains.
     fn walls(&self) -> &[Wall] {
@@ -23,12 +23,31 @@ pub(super) trait Family: Send + Sync {
     }
 }
 
+/// A system with dual numbers for its parameters.
+pub(super) struct Lifted {
+    /// ε₁ and ε₂ are two more states, which do not move.
+    pub(super) operator: FokkerPlanck,
+    /// Offset and restitution of the walls that the definition itself contains.
+    pub(super) walls: Vec<[HyperDual64; 2]>,
+}
+
+impl Lifted {
+    /// Without walls.
+    pub(super) fn open(operator: FokkerPlanck) -> Self {
+        Lifted { operator, walls: Vec::new() }
+    }
+}
+
 impl Problem {
-    /// The same problem with another value of a parameter. Walls that were set beside the definition stay.
+    /// The same problem with another value of a parameter.
+    ///
+    /// The walls that a text itself contains follow its parameters. Offsets and restitutions that were set beside the definition
+    /// stay.
     ///
     /// # Errors
-    /// [`Error::NotAName`] if no parameter has the name, [`Error::NotKnown`] where the system is not
-    /// [`Parametric`](crate::Parametric) and does not come from a text; those of the system's own definition at that value.
+    /// [`Error::NotAName`] if no parameter has the name, [`Error::NotKnown`] where it is none of a wall and the system is not
+    /// [`Parametric`](crate::Parametric) and does not come from a text; those of the system's own definition at that value, and
+    /// those of [`Problem::with_wall`].
     ///
     /// ```
     /// use expoly::models::{Duffing, Solved};
@@ -37,13 +56,27 @@ impl Problem {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn with_parameter(&self, name: &str, value: f64) -> Result<Self> {
-        self.index_of_parameter(name)?;
-        let family = self.family()?;
-        let made = family.at(&|other, present| if other == name { value } else { present })?;
-        if self.walls == family.walls() {
-            return Ok(made);
-        }
-        self.walls.iter().try_fold(made.without_walls(), |made, wall| made.with_wall(*wall))
+        let index = self.index_of_parameter(name)?;
+        let (made, walls) = match self.number_of_wall(index) {
+            Some((changed, number)) => {
+                let mut numbers = self.walls[changed].numbers();
+                numbers[number] = value;
+                let wall = |(i, wall): (usize, &Wall)| if i == changed { wall.with_numbers(numbers) } else { *wall };
+                (self.clone(), self.walls.iter().enumerate().map(wall).collect())
+            }
+            None => {
+                let family = self.family()?;
+                let made = family.at(&|other, present| if other == name { value } else { present })?;
+                let wall = |(i, wall): (usize, &Wall)| {
+                    let (follows, numbers) = (self.follows(family, i), wall.numbers());
+                    let new = made.walls.get(i).map_or(numbers, Wall::numbers);
+                    wall.with_numbers([0, 1].map(|k| if follows[k] { new[k] } else { numbers[k] }))
+                };
+                let walls = self.walls.iter().enumerate().map(wall).collect::<Vec<_>>();
+                (made, walls)
+            }
+        };
+        walls.into_iter().try_fold(made.without_walls(), Self::with_wall)
     }
 
     /// The derivative of the Fokker-Planck operator by one parameter, ∂f/∂θ and ∂B/∂θ of the Itô drift f and of B = G Gᵀ, or by
@@ -54,7 +87,7 @@ impl Problem {
     /// # Errors
     /// [`Error::NotAName`] if no parameter has the name, [`Error::OutOfRange`] unless there are one or two names; [`Error::NotKnown`]
     /// where the system is not [`Parametric`](crate::Parametric) and does not come from a text, or does not contain the
-    /// parameter; [`Error::NotServed`] for a parameter of impulses.
+    /// parameter; [`Error::NotServed`] for a parameter of impulses, or of walls, on which the operator does not act.
     ///
     /// ```
     /// use expoly::models::{Duffing, Solved};
@@ -65,9 +98,6 @@ impl Problem {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn derivative(&self, parameters: &[&str]) -> Result<FokkerPlanck> {
-        for name in parameters {
-            self.index_of_parameter(name)?;
-        }
         let (first, second) = match *parameters {
             [first] => (first, None),
             [first, second] => (first, Some(second)),
@@ -76,6 +106,47 @@ impl Problem {
                 return Err(Error::OutOfRange { name: "number of parameters", value: parameters.len() as f64, remedy });
             }
         };
+        let mut of_walls = false;
+        for name in parameters {
+            of_walls |= self.number_of_wall(self.index_of_parameter(name)?).is_some();
+        }
+        let lifted = if of_walls { None } else { Some(self.lifted(first, second)?) };
+        let Some(lifted) = lifted.filter(|lifted| lifted.walls.iter().flatten().all(|number| is_real(*number))) else {
+            let (method, what) = ("a derivative of the equations", "a parameter of walls, which are none of them");
+            let remedy = "take the derivative of a density: `Grid::sensitivities` or `ClosureDensity::sensitivity`";
+            return Err(Error::NotServed { method, what, remedy });
+        };
+        let zero = |powers: [u32; 2]| lifted.operator.coefficient(powers).is_zero();
+        if zero([1, 0]) || second.is_some() && zero([0, 1]) {
+            return Err(independent(if zero([1, 0]) { first } else { second.unwrap_or(first) }));
+        }
+        Ok(lifted.operator.coefficient([1, u32::from(second.is_some())]))
+    }
+
+    /// What of the problem moves with a parameter, whatever it is one of.
+    ///
+    /// # Errors
+    /// As [`Problem::derivative`], but for those of walls.
+    pub(crate) fn motion(&self, parameter: &str) -> Result<Motion> {
+        let index = self.index_of_parameter(parameter)?;
+        let mut walls = vec![[0.0; 2]; self.walls.len()];
+        if let Some((wall, number)) = self.number_of_wall(index) {
+            walls[wall][number] = 1.0;
+            return Ok(Motion { operator: FokkerPlanck::zero(self.dimension()), walls });
+        }
+        let family = self.family()?;
+        let lifted = self.lifted(parameter, None)?;
+        for (i, (moved, numbers)) in walls.iter_mut().zip(&lifted.walls).enumerate() {
+            let follows = self.follows(family, i);
+            *moved = [0, 1].map(|k| if follows[k] { numbers[k].eps1 } else { 0.0 });
+        }
+        let operator = lifted.operator.coefficient([1, 0]);
+        let fixed = operator.is_zero() && walls.iter().flatten().all(|rate| *rate == 0.0);
+        if fixed { Err(independent(parameter)) } else { Ok(Motion { operator, walls }) }
+    }
+
+    /// The system with dual numbers for one parameter, or for two, which may be the same.
+    fn lifted(&self, first: &str, second: Option<&str>) -> Result<Lifted> {
         let seed = |name: &str, present: f64| {
             let [first, second] = [Some(first), second].map(|by| f64::from(u8::from(by == Some(name))));
             HyperDual64::new(present, first, second, 0.0)
@@ -84,19 +155,23 @@ impl Problem {
         let lifted = family.lifted(&seed)?;
         // Impulses have no part in drift and diffusion, and no derivative here.
         let beside = |name: &str, present: f64| {
-            if parameters.contains(&name) { present + STEP * (1.0 + present.abs()) } else { present }
+            if name == first || Some(name) == second { present + STEP * (1.0 + present.abs()) } else { present }
         };
         if !self.impulses().is_empty() && family.at(&beside)?.impulses() != self.impulses() {
             let (method, what) = ("automatic differentiation", "derivatives by parameters of impulses");
             return Err(Error::NotServed { method, what, remedy: "take differences of two problems" });
         }
-        let zero = |powers: [u32; 2]| lifted.coefficient(powers).is_zero();
-        if zero([1, 0]) || second.is_some() && zero([0, 1]) {
-            let name = if zero([1, 0]) { first } else { second.unwrap_or(first) };
-            let remedy = "its expressions must contain the parameter, and not its value";
-            return Err(Error::NotKnown { what: format!("how the equations depend on {name}"), remedy });
-        }
-        Ok(lifted.coefficient([1, u32::from(second.is_some())]))
+        Ok(lifted)
+    }
+
+    /// Which numbers of a wall, offset and restitution, are the definition's own.
+    fn follows(&self, family: &dyn Family, wall: usize) -> [bool; 2] {
+        family.walls().get(wall).map_or([false; 2], |own| own.shared(&self.walls[wall]))
+    }
+
+    /// The wall that a parameter is one of, and which of its numbers it is.
+    fn number_of_wall(&self, index: usize) -> Option<(usize, usize)> {
+        index.checked_sub(self.equations.parameters.len()).map(|beyond| (beyond / 2, beyond % 2))
     }
 
     fn index_of_parameter(&self, name: &str) -> Result<usize> {
@@ -109,4 +184,9 @@ impl Problem {
         let unknown = Error::NotKnown { what: "the system at other values of its parameters".into(), remedy };
         self.equations.family.as_deref().ok_or(unknown)
     }
+}
+
+fn independent(name: &str) -> Error {
+    let remedy = "its expressions must contain the parameter, and not its value";
+    Error::NotKnown { what: format!("how the equations depend on {name}"), remedy }
 }

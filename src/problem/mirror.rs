@@ -20,7 +20,7 @@ impl Problem {
             interpretation: self.interpretation(),
             impulses: self.impulses().iter().map(impulse).collect::<Result<_>>()?,
         };
-        let mirrored = Problem::any_size(system, self.parameters().to_vec(), None)?;
+        let mirrored = Problem::any_size(system, self.equations.parameters.clone(), None)?;
         self.walls().iter().try_fold(mirrored, |problem, wall| problem.with_wall(wall.mirrored()))
     }
 }

@@ -11,6 +11,7 @@ mod gaussian_closure;
 mod impulses;
 mod mirror;
 mod modulated_moments;
+mod motion;
 mod pack;
 mod room;
 mod symmetry;
@@ -28,6 +29,7 @@ pub(crate) use field::{Field, LANES, Lane};
 pub(crate) use flow::{Kicks, Nearness, Strike, near};
 pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use modulated_moments::ModulatedMoments;
+pub(crate) use motion::{Motion, PlaneMotion};
 pub(crate) use room::reflect;
 pub(crate) use symmetry::Symmetry;
 pub(crate) use time_scales::{TimeScales, two_digits};
@@ -60,6 +62,8 @@ use std::sync::Arc;
 pub struct Problem {
     equations: Arc<Equations>,
     walls: Vec<Wall>,
+    /// Those of the equations, then those of each wall.
+    parameters: Arc<[(String, f64)]>,
 }
 
 /// The part of a problem that walls do not change.
@@ -83,7 +87,8 @@ impl Problem {
     ///
     /// # Errors
     /// [`Error::NotADisplacement`] unless some state is the velocity of the wall's, and of its other body's; [`Error::OutOfRange`]
-    /// for a second wall on the same side, a body that hits itself, or walls that leave the motion no room.
+    /// for a second wall on the same side, a body that hits itself, or walls that leave the motion no room; [`Error::NotAName`]
+    /// where a parameter of the wall ([`Problem::parameters`]) would have the name of another one.
     pub fn with_wall(mut self, wall: Wall) -> Result<Self> {
         let wall = wall.checked()?;
         for state in std::iter::once(wall.state()).chain(wall.other()) {
@@ -113,12 +118,23 @@ impl Problem {
             let remedy = "the motion must have room between the walls";
             return refused("offset of the wall", wall.offset(), remedy);
         }
+        let own = wall.parameters(self.states());
+        if let Some((name, _)) = own.iter().find(|(name, _)| self.parameters().iter().any(|(other, _)| other == name)) {
+            return Err(Error::NotAName { name: name.clone(), problem: "two parameters have it" });
+        }
+        self.parameters = self.parameters.iter().cloned().chain(own).collect();
         Ok(self)
     }
 
     /// The same without walls.
     pub fn without_walls(&self) -> Self {
-        Problem { equations: Arc::clone(&self.equations), walls: Vec::new() }
+        Self::open(Arc::clone(&self.equations))
+    }
+
+    /// The problem of equations, without walls.
+    fn open(equations: Arc<Equations>) -> Self {
+        let parameters = equations.parameters.iter().cloned().collect();
+        Problem { equations, walls: Vec::new(), parameters }
     }
 
     /// The number of states.
@@ -140,9 +156,19 @@ impl Problem {
         self.states().iter().position(|state| state == name).ok_or_else(unknown)
     }
 
-    /// The names and values of the parameters of a [`Parametric`](crate::Parametric) system, or of a text.
+    /// The names and values of all parameters: of a [`Parametric`](crate::Parametric) system, or of a text; then of each wall its
+    /// offset and its restitution, `x.above.offset` and `x.above.restitution` for a wall with the motion of x above it, and
+    /// `x-y.below.offset` between two bodies.
+    ///
+    /// ```
+    /// use expoly::{Wall, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(-0.5, 0.9)?)?;
+    /// assert_eq!(problem.parameters()[4], ("x.above.offset".into(), -0.5));
+    /// assert_eq!(problem.with_parameter("x.above.restitution", 0.8)?.walls()[0].restitution(), 0.8);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
     pub fn parameters(&self) -> &[(String, f64)] {
-        &self.equations.parameters
+        &self.parameters
     }
 
     /// The Fokker-Planck operator: Itô drift and diffusion matrix as polynomials.

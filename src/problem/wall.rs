@@ -158,6 +158,30 @@ impl Wall {
         self.above
     }
 
+    /// The names and values of its parameters, given those of the states: its offset and its restitution.
+    pub(crate) fn parameters(&self, states: &[String]) -> [(String, f64); 2] {
+        let side = if self.above { "above" } else { "below" };
+        let other = self.other().map(|other| format!("-{}", states[other])).unwrap_or_default();
+        let place = format!("{}{other}.{side}", states[self.state]);
+        [(format!("{place}.offset"), self.offset), (format!("{place}.restitution"), self.restitution)]
+    }
+
+    /// The same wall with another offset and another restitution.
+    pub(crate) fn with_numbers(self, [offset, restitution]: [f64; 2]) -> Self {
+        Wall { offset, restitution, ..self }
+    }
+
+    /// Its offset and its restitution.
+    pub(crate) fn numbers(&self) -> [f64; 2] {
+        [self.offset, self.restitution]
+    }
+
+    /// Which of its numbers, offset and restitution, are those of another wall on the same side of the same displacement.
+    pub(crate) fn shared(&self, other: &Wall) -> [bool; 2] {
+        let place = |wall: &Wall| (wall.state(), wall.other(), wall.above);
+        [0, 1].map(|k| place(self) == place(other) && self.numbers()[k] == other.numbers()[k])
+    }
+
     /// The same wall in a mirror, y → −y.
     pub(crate) fn mirrored(&self) -> Self {
         Wall { offset: -self.offset, above: !self.above, ..*self }

@@ -10,6 +10,7 @@ mod modulated;
 mod references;
 mod robust;
 mod sensitivity;
+mod sensitivity_at_walls;
 mod survival;
 mod trajectories;
 mod walls;

@@ -1,6 +1,6 @@
 //! Parameters: problems at other values of them, and derivatives of the equations.
 
-use crate::common::{duffing, every_model};
+use crate::common::{chain_of_two, duffing, every_model};
 use expoly::models::{Duffing, Solved};
 use expoly::{Error, FokkerPlanck, Polynomial, Problem, Result, Wall};
 
@@ -25,6 +25,8 @@ fn largest(operators: &[(f64, &FokkerPlanck)]) -> f64 {
 #[test]
 fn derivatives_are_the_limits_of_differences() -> Result<()> {
     for (name, problem) in every_model() {
+        // Those of walls are none of the equations.
+        let problem = problem.without_walls();
         let parameters = problem.parameters().to_vec();
         assert!(!parameters.is_empty(), "{name}");
         let at = |parameter: &str, value: f64| problem.with_parameter(parameter, value).unwrap();
@@ -105,6 +107,45 @@ fn texts_have_the_derivatives_of_the_model() -> Result<()> {
     Ok(())
 }
 
+/// Walls have their parameters beside those of the equations, whatever these are.
+#[test]
+fn offsets_and_restitutions_are_parameters() -> Result<()> {
+    let names = |problem: &Problem| problem.parameters().iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    let walls = [Wall::above(-0.5, 0.9)?, Wall::below(1.0, 0.8)?];
+    let plain = walls.into_iter().try_fold(Problem::of(duffing())?, Problem::with_wall)?;
+    let all = ["x.above.offset", "x.above.restitution", "x.below.offset", "x.below.restitution"];
+    assert_eq!(names(&plain), all);
+    assert_eq!(plain.parameters().iter().map(|(_, value)| *value).collect::<Vec<_>>(), [-0.5, 0.9, 1.0, 0.8]);
+    let moved = plain.with_parameter(all[2], 1.2)?.with_parameter(all[1], 0.7)?;
+    assert_eq!(moved.walls(), [Wall::above(-0.5, 0.7)?, Wall::below(1.2, 0.8)?]);
+    assert_eq!((moved.operator(), moved.parameters()[1].1), (plain.operator(), 0.7));
+    assert!(plain.without_walls().parameters().is_empty());
+    assert_eq!(names(&duffing().problem()?.with_wall(walls[0])?), ["c", "k", "mu", "D", all[0], all[1]]);
+    // Between two bodies.
+    let chain = chain_of_two().problem()?.with_wall(Wall::below(0.3, 0.9)?.between([0, 2], [1.0, 2.0])?)?;
+    assert_eq!(
+        chain.parameters().last(),
+        Some(&(format!("{}-{}.below.restitution", chain.states()[0], chain.states()[2]), 0.9))
+    );
+    let offset = &chain.parameters()[chain.parameters().len() - 2].0;
+    assert_eq!(chain.with_parameter(offset, 0.4)?.walls()[0].offset(), 0.4);
+
+    // No such wall, none with this number, and no derivative of the equations.
+    assert!(matches!(plain.with_parameter("v.above.offset", 0.0), Err(Error::NotAName { .. })));
+    assert!(matches!(plain.with_parameter(all[1], 1.1), Err(Error::OutOfRange { name: "restitution r", .. })));
+    assert!(matches!(plain.with_parameter(all[0], 1.5), Err(Error::OutOfRange { name: "offset of the wall", .. })));
+    assert!(matches!(plain.with_parameter(all[0], f64::NAN), Err(Error::OutOfRange { .. })));
+    assert!(matches!(plain.derivative(&[all[0]]), Err(Error::NotServed { .. })));
+
+    // In a text: a number that was set stays, the other one follows.
+    let text = Problem::from_toml(TEXT)?;
+    let set = text.with_parameter("x.above.restitution", 0.7)?.with_parameter("gap", 0.8)?;
+    assert_eq!(set.walls(), [Wall::above(-0.8, 0.7)?]);
+    assert_eq!(text.with_parameter("x.above.offset", -0.4)?.with_parameter("gap", 0.8)?.walls()[0].offset(), -0.4);
+    assert_eq!(names(&Problem::from_toml(&text.to_toml()?)?), names(&text));
+    Ok(())
+}
+
 #[test]
 fn derivatives_that_are_not_known_are_refused() -> Result<()> {
     let text = Problem::from_toml(TEXT)?;
@@ -113,7 +154,7 @@ fn derivatives_that_are_not_known_are_refused() -> Result<()> {
     for names in [&[][..], &["c", "c", "c"]] {
         assert!(matches!(text.derivative(names), Err(Error::OutOfRange { name: "number of parameters", .. })));
     }
-    // The equations do not contain the wall, and the restitution is no parameter.
+    // The equations do not contain the wall.
     assert!(matches!(text.derivative(&["gap"]), Err(Error::NotServed { .. })));
     // Impulses have no part in drift and diffusion: a parameter of theirs is refused, and another one is not.
     let struck = TEXT.replace(

@@ -125,6 +125,13 @@ impl TrustDomain {
             }
             *reach *= most * step as f64 / RAY as f64;
         }
+        if self.dimension() == 2 && self.limits().contains(&self.centre[0]) {
+            // Behind a wall at the centre there is the mirror image.
+            let behind = |sector: &usize| !self.between_walls(self.free_ray(*sector, 1, most)[0]);
+            for sector in (0..SECTORS).filter(behind) {
+                domain.reach[sector] = domain.reach[(3 * SECTORS / 2 - 1 - sector) % SECTORS];
+            }
+        }
         domain
     }
 

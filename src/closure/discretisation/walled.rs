@@ -34,7 +34,7 @@ pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Optio
         walls.iter().flatten().map(corner).collect()
     };
 
-    let rules = vec![across(bounds[0], offsets), speeds(speed)];
+    let rules = rules(&domain);
     let nodes = Nodes::tensor(&domain, rules.clone());
     let (centre, half_width) = domain.box_around();
     let exponents = (1..=tuning::guess::LOW_DEGREE).flat_map(|n| (0..=n).map(move |j| vec![n - j, j])).collect();
@@ -84,6 +84,13 @@ fn hull(pilot: &Pilot, offsets: [Option<f64>; 2]) -> TrustDomain {
             TrustDomain::new(&pilot, &symmetry, vec![wall, 0.0], offsets, tuning::domain::WIDENING)
         }
     }
+}
+
+/// The rules along both states of a domain, graded towards its walls.
+pub(in crate::closure) fn rules(domain: &TrustDomain) -> Vec<Rule> {
+    let bounds = domain.bounds();
+    let speed = bounds[1][1].abs().max(bounds[1][0].abs());
+    vec![across(bounds[0], domain.limits().map(|limit| Some(limit).filter(|limit| limit.is_finite()))), speeds(speed)]
 }
 
 /// The rule across the displacement, graded towards each wall.

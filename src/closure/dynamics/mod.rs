@@ -120,6 +120,16 @@ impl Dynamics {
         if let Carrier::States(carrier) = &self.carrier { Some(&carrier.pilot) } else { None }
     }
 
+    /// The impacts.
+    pub(super) fn passages(&self) -> &[Passage] {
+        &self.passages
+    }
+
+    /// The trust domain.
+    pub(super) fn domain(&self) -> &TrustDomain {
+        &self.domain
+    }
+
     /// The rules of nodes next to walls.
     fn rules(&self) -> &[Rule] {
         if let Carrier::Rules(rules) = &self.carrier { rules } else { &[] }

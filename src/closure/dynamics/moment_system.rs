@@ -42,6 +42,25 @@ pub(in crate::closure) struct MomentSystem {
 impl MomentSystem {
     /// The system of the highest degree without a growing mode. None where there is no such.
     pub(super) fn new(dynamics: &Dynamics) -> Option<Self> {
+        let (mut system, locals) = Self::with_rates(dynamics)?;
+        let (matrix, ladder) = (&system.matrix, &mut system.ladder);
+        while modes(matrix.get(1..*ladder.last()?, 1..*ladder.last()?), 0).is_none() {
+            ladder.pop();
+        }
+        (system.ladder.len() > 1).then(|| {
+            let residuals = system.weight.residuals(&system.nodes.points, |i| &locals[i]);
+            let smooth = dynamics.passages.is_empty() && dynamics.problem.impulses().is_empty();
+            if smooth { system.smoothed(&residuals) } else { system }
+        })
+    }
+
+    /// The system of all degrees, for what does not move in time. None where its functions are linearly dependent.
+    pub(in crate::closure) fn of_all_degrees(dynamics: &Dynamics) -> Option<Self> {
+        Some(Self::with_rates(dynamics)?.0)
+    }
+
+    /// The system of all degrees, with the operator at its nodes.
+    fn with_rates(dynamics: &Dynamics) -> Option<(Self, Vec<Local>)> {
         let Dynamics { problem, domain, passages, weight, .. } = dynamics;
         let (ladder, most) = dynamics.ladder();
         let nodes = dynamics.nodes(most)?;
@@ -58,17 +77,11 @@ impl MomentSystem {
         let impacts = passages.iter().map(|p| p.weight * weight.value(&p.before).exp());
         let weights: Vec<f64> = measure.iter().copied().chain(impacts).collect();
         let matrix = weighted_product(table.rates.as_ref(), table.functions.values.as_ref(), &weights);
-        let mut ladder: Vec<usize> = ladder.iter().map(|space| space.len() + 1).collect();
-        while modes(matrix.get(1..*ladder.last()?, 1..*ladder.last()?), 0).is_none() {
-            ladder.pop();
-        }
+        let ladder: Vec<usize> = ladder.iter().map(|space| space.len() + 1).collect();
         let functions = table.functions;
         let edge = vec![0.0; space.len() + 1];
         let system = MomentSystem { nodes, space, functions, measure, weight, matrix, edge, ladder };
-        (system.ladder.len() > 1).then(|| {
-            let residuals = system.weight.residuals(&system.nodes.points, |i| &locals[i]);
-            if passages.is_empty() && impulses.is_empty() { system.smoothed(&residuals) } else { system }
-        })
+        Some((system, locals))
     }
 
     /// The same with the rates of the means under ω itself by its residual r, ∫ ω r ψ_k dx, if that makes the stationary density

@@ -5,7 +5,7 @@ use crate::closure::candidates::{Candidate, Fitted, Origin, Retained, Scoring, m
 use crate::closure::density::content::Content;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes::{self, Nodes};
-use crate::closure::discretisation::{Discretisation, lines};
+use crate::closure::discretisation::{Discretisation, lines, walled};
 use crate::closure::nodal::NodalClosure;
 use crate::closure::projection::{distance, project, tempered};
 use crate::closure::reference::{normalised, scaled_mass};
@@ -53,15 +53,21 @@ impl NodalClosure {
         scoring: &Scoring<'_>,
     ) -> Option<Content> {
         let discretisation = &self.discretisation;
-        let (domain, nodes, lines) = if discretisation.family.is_smooth() && self.lattice.is_none() {
+        let (domain, nodes, lines) = if self.lattice.is_none() {
             let domain = discretisation.domain.following(
                 |points| exponent.values(points),
                 tuning::domain::FULL_DROP,
                 tuning::domain::EXACT_FOLLOWED,
             );
-            let nodes = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]);
-            let lines = lines(&domain);
-            (domain, nodes, lines)
+            if discretisation.family.is_smooth() {
+                let nodes = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]);
+                let lines = lines(&domain);
+                (domain, nodes, lines)
+            } else {
+                let rules = walled::rules(&domain);
+                let nodes = Nodes::tensor(&domain, rules.clone());
+                (domain, nodes, rules)
+            }
         } else {
             (discretisation.domain.clone(), discretisation.nodes.clone(), discretisation.lines.clone())
         };

@@ -262,6 +262,17 @@ impl Reference {
         sweep::values(self, points)
     }
 
+    /// ∂ ln p̂ by a state at many states, where the correction is not cut off.
+    pub(super) fn slopes(&self, points: &States, state: usize) -> Vec<f64> {
+        let mut coefficients = self.correction[1..].to_vec();
+        coefficients.resize(self.space.len(), 0.0);
+        let (known, space) = (Vec::new(), self.space.clone());
+        let ratio = Exponent { known, space, constant: 1.0 + self.correction[0], coefficients };
+        let slope = |function: &Exponent| sweep::at_jets(function, points, |_, gradient, _| gradient[state]);
+        let ratios = slope(&ratio).into_iter().zip(ratio.values(points));
+        slope(&self.weight).into_iter().zip(ratios).map(|(own, (slope, ratio))| own + slope / ratio).collect()
+    }
+
     /// ln p̂ at a state, up to a constant.
     pub(super) fn value(&self, x: &[f64]) -> f64 {
         self.at(x)

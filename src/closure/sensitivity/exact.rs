@@ -1,6 +1,6 @@
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::locals;
+use crate::closure::discretisation::{Passage, locals, nodes};
 use crate::closure::projection::tempered;
 use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
@@ -9,10 +9,12 @@ use crate::closure::tuning;
 use crate::fokker_planck::{FokkerPlanck, Local, generator};
 use crate::numerics::{least_norm, weighted_product, weighted_sum};
 use crate::problem::Problem;
+use crate::states::States;
 use faer::{Col, Mat};
 
 /// The Galerkin equations of an exact density exp(Q), linearised: the residual of exp(Q) vanishes everywhere, and so does its
-/// derivative, ∫ p ψ_k [r(f′, B′; Q) + (B∇Q + ∂B − f)·∇Q′ + ½ B:∇∇Q′] dx = 0.
+/// derivative, ∫ p ψ_k [r(f′, B′; Q) + (B∇Q + ∂B − f)·∇Q′ + ½ B:∇∇Q′] dx = 0, in the coordinate in which walls stand still; next
+/// to elastic walls less the sum over impacts of ψ_k times what the condition p before = r² p after misses.
 pub(super) struct Newton<'a> {
     density: &'a ClosureDensity,
     space: Functions,
@@ -25,7 +27,12 @@ pub(super) struct Newton<'a> {
 
 impl<'a> Newton<'a> {
     /// None where the functions are linearly dependent.
-    pub(super) fn new(density: &'a ClosureDensity, problem: &Problem, space: Functions) -> Option<Self> {
+    pub(super) fn new(
+        density: &'a ClosureDensity,
+        problem: &Problem,
+        space: Functions,
+        passages: &[Passage],
+    ) -> Option<Self> {
         let points = &density.nodes;
         let (states, count) = (points.dimension(), space.len());
         let weights: Vec<f64> = density.masses.iter().map(|masses| masses[0]).collect();
@@ -41,7 +48,25 @@ impl<'a> Newton<'a> {
         sweep::tabulate_rates(&space, points, local, [values.as_mut(), images.as_mut()]);
         let basis = Orthonormal::new(values, &measure)?;
         basis.transform(images.as_mut());
-        let system = weighted_product(basis.values.as_ref(), images.as_ref(), &measure);
+        let mut system = weighted_product(basis.values.as_ref(), images.as_ref(), &measure);
+        if !passages.is_empty() {
+            // What is missing after impacts of what comes in before them, r² p after − p before.
+            let at = |end: fn(&Passage) -> &[f64; 2]| {
+                let mut points = States::new(states);
+                passages.iter().for_each(|passage| points.push(end(passage)));
+                let mut values = nodes::values(&space, &points);
+                basis.transform(values.as_mut());
+                (values, density.exponent().values(&points))
+            };
+            let ((before, log_before), (after, log_after)) = (at(|p| &p.before), at(|p| &p.after));
+            let whole: f64 = weights.iter().sum();
+            let missing = Mat::from_fn(passages.len(), count + 1, |i, k| {
+                let Passage { weight, contraction, .. } = passages[i];
+                let [p, q] = [log_before[i], log_after[i]].map(|log| weight * log.exp() / whole);
+                contraction * q * after[(i, k)] - p * before[(i, k)]
+            });
+            system -= after.transpose() * missing;
+        }
         let matrix = Mat::from_fn(count, count, |k, l| system[(k + 1, l + 1)]);
         Some(Newton { density, space, basis, measure, matrix, own })
     }

@@ -3,17 +3,26 @@
 //! The derivative p′ of the stationary density by a parameter solves L p′ = −L′p, the same linear equation with another right
 //! side, and the second one L p″ = −L′ₖp′ₗ − L′ₗp′ₖ − L″p. Nothing is differenced and no search is differentiated.
 //!
+//! - `moving`: what of a problem moves with a parameter, walls among it;
 //! - `exact`: of an exact density, from its Galerkin equations;
-//! - `tangent`: of the solution of the moment equations, under a weight that moves along;
+//! - `tangent`: of the solution of the moment equations, under a weight that moves along; `walled`: the same next to walls, where
+//!   the singular part of the weight does;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
-//! - `answers`: what they say of moments, tails and crossings.
+//! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`, `derived`: what it says at fixed states and at the walls, of moments,
+//!   tails, crossings, quantiles and first passages.
 
 mod answers;
+mod carried;
+mod derived;
 mod exact;
+mod impacts;
+mod moving;
 mod on_states;
 mod projected;
+mod slope;
 mod tangent;
+mod walled;
 
 pub use answers::Sensitivity;
 
@@ -26,28 +35,35 @@ use super::space::{Functions, Polynomials};
 use super::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::monomials;
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
 use answers::Whole;
+use carried::Carried;
 use exact::Newton;
-use on_states::OnStates;
+use moving::Moving;
 use projected::Fit;
 use rayon::prelude::*;
-use std::borrow::Cow;
-use std::sync::Arc;
+use slope::Slope;
 use tangent::{Derivative, Tangent};
+use walled::WalledTangent;
 
 /// What all derivatives of one density have in common.
-enum Linearised<'a> {
-    Exact(Box<Newton<'a>>),
-    Fitted(Box<(Fit, Tangent<'a>)>),
+struct Linearised<'a> {
+    /// Of an exact density.
+    newton: Option<Newton<'a>>,
+    fitted: Option<(Fit, Solution<'a>)>,
+}
+
+/// The moment equations that a derivative solves.
+enum Solution<'a> {
+    Smooth(Box<Tangent<'a>>),
+    Walled(Box<WalledTangent<'a>>),
 }
 
 /// A first derivative.
 struct First<'a> {
-    slope: Exponent,
+    slope: Slope,
     /// ∂ ln p̃/∂θ and ∂ ln p̂/∂θ at the density's nodes, each with mean zero.
     at_nodes: [Vec<f64>; 2],
     /// That of the reference; none where the density is exact.
@@ -58,9 +74,9 @@ impl ClosureDensity {
     /// The derivative by a parameter of the problem.
     ///
     /// # Errors
-    /// [`Error::NotServed`] next to walls, under impulses, and for a density of a time;
-    /// [`Error::NotKnown`] for a density from a document; those of [`Problem::derivative`](crate::Problem::derivative);
-    /// [`Error::NotClosed`] where the linear system has no solution.
+    /// [`Error::NotServed`] under impulses, in three states and more, and for a density of a time; [`Error::NotKnown`] for a
+    /// density from a document, and where the problem does not depend on the parameter in a known way; [`Error::NotAName`] if it
+    /// has none of the name; [`Error::NotClosed`] where the linear system has no solution.
     ///
     /// ```
     /// use expoly::{Closure, Density, models::{Duffing, Solved}};
@@ -81,27 +97,29 @@ impl ClosureDensity {
     /// As [`ClosureDensity::sensitivity`].
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
         let problem = self.differentiable()?;
-        let moved = parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
-        if self.is_on_states() {
-            return self.moving_by_states(parameters, &moved);
+        if self.dimension() > 2 {
+            return self.sensitivities_on_states(problem, parameters);
         }
-        let system = self.system_of_order()?;
-        let symmetry = self.common_symmetry(problem, &moved);
-        let on_nodes = self.on_nodes().ok_or(self.failed())?;
-        let linearised = on_nodes.linearised(problem, system.as_ref(), &symmetry)?;
-        let found: Vec<Option<First<'_>>> = moved.par_iter().map(|moved| linearised.first(&on_nodes, moved)).collect();
-        let one = |(parameter, found): (&&str, Option<First<'_>>)| {
+        let corners = self.exponent().space.corners();
+        let moving = parameters.iter().map(|parameter| Moving::new(problem, parameter, corners));
+        let moving = moving.collect::<Result<Vec<_>>>()?;
+        let system = self.system_of_order(moving.iter().any(Moving::grazes))?;
+        let linearised = self.linearised(problem, system.as_ref())?;
+        let found: Vec<Option<First<'_>>> = moving.par_iter().map(|moving| linearised.first(self, moving)).collect();
+        let one = |((parameter, moving), found): ((&&str, &Moving), Option<First<'_>>)| {
             let First { slope, at_nodes, reference } = found.ok_or(self.failed())?;
+            let impacts = self.impacts_along(moving.shift[1], &slope, reference.as_ref());
             let whole = reference.as_ref().map(|reference| reference.whole(None));
-            Ok(self.moving_with(vec![(*parameter).to_owned()], (slope, None), at_nodes, whole))
+            let found = self.moving_with(vec![(*parameter).to_owned()], (slope, None), at_nodes, whole);
+            Ok(Sensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
         };
-        parameters.iter().zip(found).map(one).collect()
+        parameters.iter().zip(&moving).zip(found).map(one).collect()
     }
 
     /// The second derivative by two parameters, which may be the same.
     ///
     /// # Errors
-    /// As [`ClosureDensity::sensitivity`].
+    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls and in three states and more.
     ///
     /// ```
     /// use expoly::{Closure, models::{Duffing, Solved}};
@@ -113,26 +131,26 @@ impl ClosureDensity {
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
         let problem = self.differentiable()?;
-        if self.dimension() > 2 {
-            let what = "second derivatives in three states and more";
-            return Err(Error::NotServed { method: "closure", what, remedy: "take differences of first ones" });
+        if !problem.walls().is_empty() || self.dimension() > 2 {
+            return Err(NOT_SERVED);
         }
-        let system = self.system_of_order()?;
-        let [k, l] = parameters;
-        let moved = [problem.derivative(&[k])?, problem.derivative(&[l])?];
+        let system = self.system_of_order(false)?;
+        let linearised = self.linearised(problem, system.as_ref())?;
+        let [k, l] = [0, 1].map(|j| Moving::new(problem, parameters[j], &[]));
+        let moving = [k?, l?];
         let twice = problem.derivative(&parameters)?;
-        let symmetry = self.common_symmetry(problem, &moved);
-        let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
-        let first = moved.each_ref().map(|moved| linearised.first(self, moved));
+        let first = moving.each_ref().map(|moving| linearised.first(self, moving));
         let [Some(first), Some(second)] = first else { return Err(self.failed()) };
-        let (slopes, moved) = ([&first.slope, &second.slope], moved.each_ref());
+        let slopes = [&first.slope.regular, &second.slope.regular];
+        let moved = moving.each_ref().map(|moving| &moving.operator);
         let both =
             |values: [&Vec<f64>; 2]| -> Vec<f64> { values[0].iter().zip(values[1]).map(|(k, l)| k * l).collect() };
         let own = both([&first.at_nodes[0], &second.at_nodes[0]]);
         let (mut slope, reference, whole) = match &linearised {
-            Linearised::Exact(newton) => (newton.second(moved, &twice, slopes).ok_or(self.failed())?, None, None),
-            Linearised::Fitted(fitted) => {
-                let (fit, tangent) = &**fitted;
+            Linearised { newton: Some(newton), .. } => {
+                (newton.second(moved, &twice, slopes).ok_or(self.failed())?, None, None)
+            }
+            Linearised { fitted: Some((fit, Solution::Smooth(tangent))), .. } => {
                 let (Some(k), Some(l)) = (&first.reference, &second.reference) else { return Err(self.failed()) };
                 let derivative = tangent.second(moved, &twice, [k, l]).ok_or(self.failed())?;
                 let along = self.centred(derivative.second_values([k, l], &self.nodes), 1).0;
@@ -142,76 +160,69 @@ impl ClosureDensity {
                 let slope = fit.second(at(0), at(1), &curved).ok_or(self.failed())?;
                 (slope, Some(along), Some(derivative.whole(Some([k, l]))))
             }
+            Linearised { .. } => return Err(self.failed()),
         };
         let sums = slope.values(&self.nodes).into_iter().zip(own).map(|(slope, product)| slope + product).collect();
         let (own, centre) = self.centred(sums, 0);
         slope.constant -= centre;
         let at_nodes = [own.clone(), reference.unwrap_or(own)];
-        let product = [first.slope.clone(), second.slope.clone()];
+        let (product, slope) = (slopes.map(Clone::clone), Slope { regular: slope, singular: Vec::new() });
         let names = parameters.map(str::to_owned).to_vec();
         Ok(self.moving_with(names, (slope, Some(product)), at_nodes, whole))
     }
 
     /// The problem, if derivatives of its density are served.
     fn differentiable(&self) -> Result<&Problem> {
-        let problem = self.problem()?;
+        let on_panels = matches!(self.content.integrals, Integrals::Panels { .. });
         let stationary = match self.candidates()[0].origin {
-            Origin::Exact | Origin::MomentEquations { .. } => true,
-            Origin::MaximumLikelihood => self.dimension() > 2 && self.content.indication.is_some(),
+            Origin::Exact | Origin::MomentEquations { .. } => on_panels == (self.dimension() <= 2),
+            Origin::MaximumLikelihood => !on_panels && self.content.indication.is_some(),
             _ => false,
         };
-        let on_panels = matches!(self.content.integrals, Integrals::Panels { .. });
-        let smooth = problem.walls().is_empty() && problem.impulses().is_empty();
-        if stationary && smooth && on_panels == (self.dimension() <= 2) { Ok(problem) } else { Err(NOT_SERVED) }
-    }
-
-    /// The same with some of its draws for nodes where it has no others. The Galerkin equations of an exact density hold on any.
-    fn on_nodes(&self) -> Option<Cow<'_, ClosureDensity>> {
-        if !self.nodes.is_empty() {
-            return Some(Cow::Borrowed(self));
+        if !stationary {
+            return Err(NOT_SERVED);
         }
-        let (states, mut masses) = self.weighted_states()?;
-        let kept = states.len().min(tuning::sensitivity::DRAWS);
-        masses.truncate(kept);
-        let values = states.values()[..kept * states.dimension()].to_vec();
-        let nodes = States::from_values(states.dimension(), values);
-        let masses = masses.into_iter().map(|mass| [mass; 2]).collect();
-        Some(Cow::Owned(ClosureDensity { nodes, masses, ..self.clone() }))
+        let problem = self.problem()?;
+        let walled = self.dimension() > 2 && !problem.walls().is_empty();
+        if problem.impulses().is_empty() && !walled { Ok(problem) } else { Err(NOT_SERVED) }
     }
 
-    /// Whether the derivative is found on the pilot's states: in three states and more, where the density is not exact.
-    fn is_on_states(&self) -> bool {
-        self.dimension() > 2 && self.candidates()[0].origin != Origin::Exact
-    }
-
-    /// The symmetry of the equation and its derivatives; none where that would save little.
-    fn common_symmetry(&self, problem: &Problem, moved: &[FokkerPlanck]) -> Symmetry {
-        let own = if self.dimension() > 2 { problem.symmetry() } else { Symmetry::none(self.dimension()) };
-        moved.iter().fold(own, Symmetry::and_of)
-    }
-
-    /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact. The
-    /// highest of all serve densities that move, and carry what the edge of the domain makes of the derivative.
-    fn system_of_order(&self) -> Result<Option<MomentSystem>> {
-        let Origin::MomentEquations { .. } = self.candidates()[0].origin else { return Ok(None) };
+    /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact, unless a
+    /// derivative `grazes`. The highest of all serve densities that move, and carry what the edge of the domain makes of the
+    /// derivative; next to walls it is farther away.
+    fn system_of_order(&self, grazes: bool) -> Result<Option<MomentSystem>> {
+        if matches!(self.candidates()[0].origin, Origin::Exact) && !grazes {
+            return Ok(None);
+        }
+        if !self.exponent().space.corners().is_empty() {
+            return MomentSystem::of_all_degrees(self.origin()?).map(Some).ok_or(self.failed());
+        }
+        let system = self.motion()?.1;
         let excess = tuning::space::EXCESS[self.dimension() - 1];
         let degree = self.provenance().order.unwrap_or(0) + excess;
-        Ok(Some(self.motion()?.1.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
+        Ok(Some(system.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
     }
 
-    fn linearised<'a>(
-        &'a self,
-        problem: &Problem,
-        system: Option<&'a MomentSystem>,
-        symmetry: &Symmetry,
-    ) -> Result<Linearised<'a>> {
-        let space = Functions::Polynomials(self.polynomials(symmetry));
-        let found = match (system, self.candidates()[0].origin) {
-            (Some(system), Origin::MomentEquations { tails }) => Fit::new(self, space, tails)
-                .and_then(|fit| Some(Linearised::Fitted(Box::new((fit, Tangent::new(problem, system)?))))),
-            _ => Newton::new(self, problem, space).map(|newton| Linearised::Exact(Box::new(newton))),
+    fn linearised<'a>(&'a self, problem: &Problem, system: Option<&'a MomentSystem>) -> Result<Linearised<'a>> {
+        let (origin, walled) = (self.candidates()[0].origin, !problem.walls().is_empty());
+        let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
+        let dynamics = self.origin()?;
+        let solution = |system: &'a MomentSystem| {
+            if walled {
+                let room = (dynamics.passages(), dynamics.domain());
+                return Some(Solution::Walled(Box::new(WalledTangent::new(problem, system, room)?)));
+            }
+            Some(Solution::Smooth(Box::new(Tangent::new(problem, system)?)))
         };
-        found.ok_or(self.failed())
+        let fitted = |system| Some((Fit::new(self, self.functions(), tails)?, solution(system)?));
+        let newton = if matches!(origin, Origin::Exact) {
+            let newton = Newton::new(self, problem, self.functions(), dynamics.passages());
+            Some(newton.ok_or(self.failed())?)
+        } else {
+            None
+        };
+        let fitted = system.map(|system| fitted(system).ok_or(self.failed())).transpose()?;
+        Ok(Linearised { newton, fitted })
     }
 
     fn failed(&self) -> Error {
@@ -227,40 +238,36 @@ impl ClosureDensity {
         (values, sum / mass)
     }
 
-    /// The same where there are no nodes.
-    fn moving_on_states(
-        &self,
-        parameters: Vec<String>,
-        (slope, product): (Exponent, Option<[Exponent; 2]>),
-        on_states: Option<Arc<OnStates>>,
-    ) -> Sensitivity {
-        let found = self.moving_with(parameters, (slope, product), [Vec::new(), Vec::new()], None);
-        Sensitivity { on_states, ..found }
-    }
-
     /// The derivative of the density from those of its logarithm and of the reference's.
     fn moving_with(
         &self,
         parameters: Vec<String>,
-        (slope, product): (Exponent, Option<[Exponent; 2]>),
+        (slope, product): (Slope, Option<[Exponent; 2]>),
         [own, other]: [Vec<f64>; 2],
         whole: Option<Whole>,
     ) -> Sensitivity {
         let masses =
             own.iter().zip(other).zip(&self.masses).map(|((own, other), m)| [own * m[0], other * m[1]]).collect();
         let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
-        let whole = whole.unwrap_or_else(none);
-        Sensitivity { density: self.clone(), parameters, slope, product, masses, whole, on_states: None }
+        let (density, whole) = (self.clone(), whole.unwrap_or_else(none));
+        let carried = Carried::default();
+        Sensitivity { density, parameters, slope, product, masses, whole, carried, impacts: None, on_states: None }
     }
 
-    /// The polynomials of the order with a symmetry: a parameter may break that of the density. Where it does not, they are the
-    /// density's own.
+    /// All polynomials of the order: a parameter may break the symmetry that the density has. Next to walls it has none.
+    fn functions(&self) -> Functions {
+        if !self.exponent().space.corners().is_empty() {
+            return self.exponent().space.clone();
+        }
+        Functions::Polynomials(self.polynomials(&Symmetry::none(self.dimension())))
+    }
+
+    /// The polynomials of the order with a symmetry: the density's own, if it is the problem's.
     fn polynomials(&self, symmetry: &Symmetry) -> Polynomials {
         let own = self.exponent().space.polynomials().map_or(&[][..], |own| own.exponents());
         let degree = own.iter().map(|alpha| alpha.iter().sum()).max().unwrap_or(0);
         let (centre, half_width) = self.content.domain.box_around();
-        let kept = self.problem().is_ok_and(|problem| problem.symmetry() == *symmetry);
-        let exponents = if kept {
+        let exponents = if self.problem().is_ok_and(|problem| problem.symmetry() == *symmetry) {
             own.to_vec()
         } else {
             let all = monomials(self.dimension(), degree).into_iter();
@@ -272,24 +279,32 @@ impl ClosureDensity {
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters next to walls, under impulses, and of a density that is not stationary",
+    what: "derivatives by parameters under impulses, of a density that is not stationary, next to walls in three states and more, and \
+           second ones next to walls or in three states and more",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 
 impl<'a> Linearised<'a> {
-    /// The derivative along that of the operator. None where it is not finite.
-    fn first(&self, density: &ClosureDensity, moved: &FokkerPlanck) -> Option<First<'a>> {
+    /// The derivative along a motion. None where it is not finite.
+    fn first(&self, density: &ClosureDensity, moving: &Moving) -> Option<First<'a>> {
         let (mut slope, along, reference) = match self {
-            Linearised::Exact(newton) => (newton.slope(moved)?, None, None),
-            Linearised::Fitted(fitted) => {
-                let (fit, tangent) = &**fitted;
-                let derivative = tangent.along(moved)?;
-                let along = density.centred(derivative.values(&density.nodes), 1).0;
-                (fit.slope(&along)?, Some(along), Some(derivative))
+            Linearised { newton: Some(newton), .. } if !moving.grazes() => {
+                (Slope { regular: newton.slope(&moving.operator)?, singular: Vec::new() }, None, None)
             }
+            Linearised { fitted: Some((fit, solution)), .. } => {
+                let derivative = match solution {
+                    Solution::Smooth(tangent) => tangent.along(&moving.operator)?,
+                    Solution::Walled(tangent) => tangent.along(moving)?,
+                };
+                let along = density.centred(derivative.values(&density.nodes), 1).0;
+                let known = derivative.s.singulars(&density.nodes);
+                let slope = Slope { regular: fit.slope(&along, &known)?, singular: moving.singular.clone() };
+                (slope, Some(along), Some(derivative))
+            }
+            Linearised { .. } => return None,
         };
         let (own, centre) = density.centred(slope.values(&density.nodes), 0);
-        slope.constant -= centre;
+        slope.regular.constant -= centre;
         let at_nodes = [own.clone(), along.unwrap_or(own)];
         Some(First { slope, at_nodes, reference })
     }

@@ -36,13 +36,13 @@ impl Fit {
         Some(Fit { space, basis, share, nodes })
     }
 
-    /// Q′ for s at the nodes. None where it is not finite.
-    pub(super) fn slope(&self, s: &[f64]) -> Option<Exponent> {
+    /// Q′ for s at the nodes, beside a part of it that is known there. None where it is not finite.
+    pub(super) fn slope(&self, s: &[f64], known: &[f64]) -> Option<Exponent> {
         let (share, mean) = (self.share, self.nodes.iter().zip(s).map(|([_, flat, _], s)| flat * s).sum::<f64>());
-        let source = self.nodes.iter().zip(s).map(|([p, flat, e], s)| {
+        let source = self.nodes.iter().zip(s.iter().zip(known)).map(|([p, flat, e], (s, known))| {
             let weight = (1.0 - share) * p + share * flat;
             let moved = (1.0 - share) * p * s + tuning::projection::FLAT * share * flat * (s - mean);
-            weight * e * s - moved * (e - 1.0)
+            weight * e * (s - known) - moved * (e - 1.0)
         });
         self.fitted(&source.collect::<Vec<_>>())
     }

@@ -1,4 +1,5 @@
 use super::answers::Whole;
+use super::slope::Slope;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::{locals, nodes};
 use crate::closure::dynamics::MomentSystem;
@@ -79,11 +80,11 @@ pub(super) struct Tangent<'a> {
 
 /// p̂′/p̂ = s + Σ d′_l ψ_l/u.
 pub(super) struct Derivative<'a> {
-    system: &'a MomentSystem,
-    s: Exponent,
-    d: Vec<f64>,
+    pub(super) system: &'a MomentSystem,
+    pub(super) s: Slope,
+    pub(super) d: Vec<f64>,
     /// d′ by the equations of the degree below.
-    below: Vec<f64>,
+    pub(super) below: Vec<f64>,
 }
 
 impl<'a> Tangent<'a> {
@@ -122,7 +123,7 @@ impl<'a> Tangent<'a> {
         first: [&Derivative<'a>; 2],
     ) -> Option<Derivative<'a>> {
         let points = &self.system.nodes.points;
-        let s = first.map(|first| Jets::of(&first.s, points));
+        let s = first.map(|first| Jets::of(&first.s.regular, points));
         let left = first.map(|first| Jets::of(&self.system.function(&first.d), points));
         let g = [0, 1].map(|k| self.ratio.times(&s[k]).plus(&left[k], 1.0));
         let both = self.ratio.times(&s[0]).times(&s[1]);
@@ -156,20 +157,15 @@ impl<'a> Tangent<'a> {
                 break;
             }
             least = size;
-            best = Some(Derivative { system, s: s.clone(), d, below });
+            let slope = Slope { regular: s.clone(), singular: Vec::new() };
+            best = Some(Derivative { system, s: slope, d, below });
             let target: Vec<f64> =
                 (0..left.len()).map(|i| self.measure[i] * (jets.value[i] + left[i] / self.ratio.value[i])).collect();
             let fit = weighted_sum(self.lower.values.as_ref(), &target);
             s = system.function(&self.lower.coefficients(&fit));
         }
-        best.map(|best| {
-            // Any multiple of p̂ solves the same equations: that with the mean zero is the derivative of a density.
-            let along = best.values(&system.nodes.points);
-            let density: Vec<f64> = self.ratio.value.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
-            let mean = along.iter().zip(&density).map(|(t, p)| t * p).sum::<f64>() / density.iter().sum::<f64>();
-            let s = Exponent { constant: best.s.constant - mean, ..best.s };
-            Derivative { s, ..best }
-        })
+        let density: Vec<f64> = self.ratio.value.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
+        best.map(|best| best.centred(&density))
     }
 
     /// L(ω g)/ω at the nodes.
@@ -203,6 +199,20 @@ impl<'a> Tangent<'a> {
 }
 
 impl Derivative<'_> {
+    /// Any multiple of p̂ solves the same equations: that with the mean zero is the derivative of a density, given p̂ at the nodes
+    /// times the weights.
+    pub(super) fn centred(mut self, density: &[f64]) -> Self {
+        let along = self.values(&self.system.nodes.points);
+        let mean = along.iter().zip(density).map(|(t, p)| t * p).sum::<f64>() / density.iter().sum::<f64>();
+        self.s.regular.constant -= mean;
+        self
+    }
+
+    /// The same by the equations of the degree below.
+    pub(super) fn by_lower_degree(&self) -> Self {
+        Derivative { s: self.s.clone(), d: self.below.clone(), below: self.below.clone(), ..*self }
+    }
+
     /// p̂′/p̂ at some points.
     pub(super) fn values(&self, points: &States) -> Vec<f64> {
         self.parts(points).into_iter().map(|[s, left]| s + left).collect()

@@ -6,6 +6,7 @@ use crate::control_variates::planes::Form;
 use crate::numerics::Number;
 use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
+use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 /// A rigid wall as the place of the singularity (0, 0) in u ≥ 0, the distance from it, and w = u′.
@@ -148,6 +149,29 @@ impl Corner {
         let side = self.side();
         jet.gradient = jet.gradient.map(|slope| slope * side);
         jet
+    }
+}
+
+/// How the singular part of ln p next to a wall moves with a parameter, at a given distance from the wall and a given velocity.
+#[derive(Clone, Debug)]
+pub(in crate::closure) struct GrazingMotion {
+    corner: Corner,
+    similarity: Option<Similarity<Dual64>>,
+}
+
+impl GrazingMotion {
+    /// The motion of a wall's singular part as its restitution and the noise intensity there move at these rates.
+    pub(in crate::closure) fn new(corner: &Corner, [restitution, intensity]: [f64; 2]) -> Self {
+        let r = Dual64::new(corner.wall.restitution(), restitution);
+        let similarity = Similarity::new(r, Dual64::new(corner.intensity, intensity));
+        let still = corner.similarity.is_none() || restitution == 0.0 && (intensity == 0.0 || !corner.grazes());
+        GrazingMotion { corner: corner.clone(), similarity: similarity.filter(|_| !still) }
+    }
+
+    /// ∂S/∂θ at a state.
+    pub(in crate::closure) fn value(&self, x: &[f64]) -> f64 {
+        let [u, w] = self.corner.coordinates(x);
+        self.similarity.as_ref().map_or(0.0, |similarity| similarity.jet(u, w).value.eps)
     }
 }
 

@@ -18,6 +18,7 @@ mod similarity;
 mod wall;
 
 pub(crate) use contact::{ContactFunctions, ContactLevel};
+pub(in crate::closure) use corner::GrazingMotion;
 pub(crate) use corner::{Corner, Kink, SMALLEST};
 pub(crate) use polynomials::Polynomials;
 pub(crate) use similarity::{CLOSEST, PER_UNIT, STEPS, Similarity, TAYLOR};

@@ -1,4 +1,5 @@
 use super::PlaneJet;
+use num_dual::DualNum;
 use std::f64::consts::PI;
 
 /// Points of the table per unit of z, on either side of 0.
@@ -36,115 +37,128 @@ fn grazing_exponent(r: f64) -> Option<f64> {
     Some(g)
 }
 
+/// The same with its derivatives, by the function whose root it is.
+fn exponent_of<T: DualNum<Primitive = f64> + Copy>(r: T) -> Option<T> {
+    let g = grazing_exponent(r.re())?;
+    let (power, angle) = ((r.ln() * -(2.0 + 3.0 * g)).exp(), PI * (1.0 / 6.0 - g));
+    let slope = -3.0 * r.re().ln() * power.re() + 2.0 * PI * angle.cos();
+    Some(T::from(g) - (power - power.re()) / slope)
+}
+
 /// The similarity solution of grazing impacts, S(u, w) = ln p for w p_u = D p_ww and p(0, w) = r⁻² p(0, −w/r).
 ///
 /// Near u = w = 0 only diffusion and the wall matter, and the density is p = u^g k(z) with z = −w/(9Du)^{1/3} and
 ///
 /// k″ = 3z² k′ − 9g z k,
 ///
-/// which is Tricomi's U(−g, 2/3, z³) for z > 0, continued through 0. At u = 0 S is finite except at w = 0.
+/// which is Tricomi's U(−g, 2/3, z³) for z > 0, continued through 0. At u = 0 S is finite except at w = 0. With dual numbers for r
+/// and D it has its derivatives by them.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Similarity {
-    pub(crate) exponent: f64,
+pub(crate) struct Similarity<T = f64> {
+    pub(crate) exponent: T,
     /// 9D.
-    pub(crate) scale: f64,
+    pub(crate) scale: T,
     /// ln k and k′/k at the table's points, from −EDGE up.
-    pub(crate) table: Vec<[f64; 2]>,
+    pub(crate) table: Vec<[T; 2]>,
     /// The coefficients (−g)_n (1/3 − g)_n/n! of the asymptotic series in −z⁻³.
-    pub(crate) expansion: [f64; ASYMPTOTIC],
+    pub(crate) expansion: [T; ASYMPTOTIC],
     /// The limits of ln k − 3g ln|z| for z → −∞ and z → ∞.
-    pub(crate) limits: [f64; 2],
+    pub(crate) limits: [T; 2],
 }
 
 impl Similarity {
+    /// S at the distance `u` from the wall and the velocity `w` away from it, with its derivatives in (u, w).
+    pub(super) fn at(&self, u: f64, w: f64) -> PlaneJet<f64> {
+        if self.exponent == 0.0 { PlaneJet::ZERO } else { self.jet(u, w) }
+    }
+}
+
+impl<T: DualNum<Primitive = f64> + Copy> Similarity<T> {
     /// The solution for a restitution `r` and noise of intensity `intensity` on the velocity, if there is one.
-    pub(super) fn new(r: f64, intensity: f64) -> Option<Self> {
-        let exponent = grazing_exponent(r)?;
-        let mut expansion = [1.0; ASYMPTOTIC];
+    pub(super) fn new(r: T, intensity: T) -> Option<Self> {
+        let exponent = exponent_of(r)?;
+        let mut expansion = [T::from(1.0); ASYMPTOTIC];
         for n in 1..ASYMPTOTIC {
-            let before = (n - 1) as f64 - exponent;
+            let before = -exponent + (n - 1) as f64;
             expansion[n] = expansion[n - 1] * before * (before + 1.0 / 3.0) / n as f64;
         }
         // The wall's condition is the ratio of the two limits.
-        let limits = [-(2.0 + 3.0 * exponent) * r.ln(), 0.0];
-        let table = vec![[0.0; 2]; 2 * STEPS + 1];
-        let mut similarity = Similarity { exponent, scale: 9.0 * intensity, table, expansion, limits };
+        let limits = [-(exponent * 3.0 + 2.0) * r.ln(), T::from(0.0)];
+        let table = vec![[T::from(0.0); 2]; 2 * STEPS + 1];
+        let mut similarity = Similarity { exponent, scale: intensity * 9.0, table, expansion, limits };
         // From z = ∞ downwards every other solution decays faster, so that errors die out; below 0 all but one do.
         similarity.table[2 * STEPS] = similarity.outer(EDGE);
         for i in (0..2 * STEPS).rev() {
-            let [log, slope, _] = similarity.taylor(i + 1, -1.0 / PER_UNIT as f64);
+            let [log, slope, _] = similarity.taylor(i + 1, T::from(-1.0 / PER_UNIT as f64));
             similarity.table[i] = [log, slope];
         }
         Some(similarity)
     }
 
-    /// S at the distance `u` from the wall and the velocity `w` away from it, with its derivatives in (u, w).
-    pub(super) fn at(&self, u: f64, w: f64) -> PlaneJet<f64> {
-        if self.exponent == 0.0 {
-            return PlaneJet::ZERO;
-        }
+    /// S with its derivatives in (u, w), also where it vanishes and its derivatives by r do not.
+    pub(super) fn jet(&self, u: f64, w: f64) -> PlaneJet<T> {
         // At the singular point itself a large value, not an infinite one.
         let u = if w.abs() < CLOSEST { u.max(f64::MIN_POSITIVE) } else { u.max(0.0) };
-        if w.abs() > EDGE * (self.scale * u).cbrt() { self.far(u, w) } else { self.near(u, w) }
+        if w.abs() > EDGE * (self.scale.re() * u).cbrt() { self.far(u, w) } else { self.near(u, w) }
     }
 
     /// S where ln k comes from the table.
-    fn near(&self, u: f64, w: f64) -> PlaneJet<f64> {
+    fn near(&self, u: f64, w: f64) -> PlaneJet<T> {
         let (g, length) = (self.exponent, (self.scale * u).cbrt());
-        let z = -w / length;
-        let nearest = ((z + EDGE) * PER_UNIT as f64).round().clamp(0.0, 2.0 * STEPS as f64) as usize;
+        let z = -(length.recip() * w);
+        let nearest = ((z.re() + EDGE) * PER_UNIT as f64).round().clamp(0.0, 2.0 * STEPS as f64) as usize;
         let [log, slope, bend] = self.taylor(nearest, z - point(nearest));
-        let (z_u, z_w) = (-z / (3.0 * u), -1.0 / length);
-        let mixed = bend * z_u * z_w + slope / (3.0 * u * length);
+        let (z_u, z_w) = (-z / (3.0 * u), -length.recip());
+        let mixed = bend * z_u * z_w + slope / (length * (3.0 * u));
         PlaneJet {
             value: g * u.ln() + log,
             gradient: [g / u + slope * z_u, slope * z_w],
             hessian: [
-                [-g / (u * u) + bend * z_u * z_u + slope * 4.0 * z / (9.0 * u * u), mixed],
+                [-g / (u * u) + bend * z_u * z_u + slope * z * 4.0 / (9.0 * u * u), mixed],
                 [mixed, bend * z_w * z_w],
             ],
         }
     }
 
     /// S where the asymptotic series serves: written in w and x = 9Du/|w|³, it has no singular term at u = 0.
-    fn far(&self, u: f64, w: f64) -> PlaneJet<f64> {
+    fn far(&self, u: f64, w: f64) -> PlaneJet<T> {
         let g = self.exponent;
         let unit = self.scale / w.abs().powi(3);
         let (x, limit) = (unit * u, self.limits[usize::from(w < 0.0)]);
         let [log, slope, bend] = self.asymptotic(x, -w);
-        let (x_w, x_ww) = (-3.0 * x / w, 12.0 * x / (w * w));
-        let mixed = bend * unit * x_w - slope * 3.0 * unit / w;
+        let (x_w, x_ww) = (x * -3.0 / w, x * 12.0 / (w * w));
+        let mixed = bend * unit * x_w - slope * unit * 3.0 / w;
         PlaneJet {
             value: -g * unit.ln() + limit + log,
-            gradient: [slope * unit, 3.0 * g / w + slope * x_w],
-            hessian: [[bend * unit * unit, mixed], [mixed, -3.0 * g / (w * w) + bend * x_w * x_w + slope * x_ww]],
+            gradient: [slope * unit, g * 3.0 / w + slope * x_w],
+            hessian: [[bend * unit * unit, mixed], [mixed, g * -3.0 / (w * w) + bend * x_w * x_w + slope * x_ww]],
         }
     }
 
     /// ln k and its derivative in z from the asymptotic series.
-    fn outer(&self, z: f64) -> [f64; 2] {
+    fn outer(&self, z: f64) -> [T; 2] {
         let (g, x) = (self.exponent, z.abs().powi(-3));
-        let [log, slope, _] = self.asymptotic(x, z);
+        let [log, slope, _] = self.asymptotic(T::from(x), z);
         let limit = self.limits[usize::from(z > 0.0)];
-        [3.0 * g * z.abs().ln() + limit + log, 3.0 * g / z + slope * (-3.0 * x / z)]
+        [g * (3.0 * z.abs().ln()) + limit + log, g * (3.0 / z) + slope * (-3.0 * x / z)]
     }
 
     /// The logarithm of the asymptotic series on the side of z's sign, with two derivatives in x = |z|⁻³.
-    fn asymptotic(&self, x: f64, z: f64) -> [f64; 3] {
+    fn asymptotic(&self, x: T, z: f64) -> [T; 3] {
         let sign = -z.signum();
-        let [log, slope, bend] = log_of_series(&self.expansion, sign * x);
-        [log, sign * slope, bend]
+        let [log, slope, bend] = log_of_series(&self.expansion, x * sign);
+        [log, slope * sign, bend]
     }
 
     /// ln k and its derivatives at a distance from a point of the table, by the Taylor series that the equation gives.
-    fn taylor(&self, nearest: usize, distance: f64) -> [f64; 3] {
+    fn taylor(&self, nearest: usize, distance: T) -> [T; 3] {
         let (g, z, [log, slope]) = (self.exponent, point(nearest), self.table[nearest]);
-        let mut c = [0.0; TAYLOR];
-        (c[0], c[1]) = (1.0, slope);
+        let mut c = [T::from(0.0); TAYLOR];
+        (c[0], c[1]) = (T::from(1.0), slope);
         for n in 0..TAYLOR - 2 {
             let m = n as f64;
-            let before = if n > 0 { (3.0 * (m - 1.0) - 9.0 * g) * c[n - 1] } else { 0.0 };
-            let sum = 3.0 * z * z * (m + 1.0) * c[n + 1] + (6.0 * m - 9.0 * g) * z * c[n] + before;
+            let before = if n > 0 { (-g * 9.0 + 3.0 * (m - 1.0)) * c[n - 1] } else { T::from(0.0) };
+            let sum = c[n + 1] * (3.0 * z * z * (m + 1.0)) + (-g * 9.0 + 6.0 * m) * c[n] * z + before;
             c[n + 2] = sum / ((m + 1.0) * (m + 2.0));
         }
         let [change, slope, bend] = log_of_series(&c, distance);
@@ -153,12 +167,12 @@ impl Similarity {
 }
 
 /// ln Σ c_n xⁿ with two derivatives.
-fn log_of_series(coefficients: &[f64], x: f64) -> [f64; 3] {
-    let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
+fn log_of_series<T: DualNum<Primitive = f64> + Copy>(coefficients: &[T], x: T) -> [T; 3] {
+    let (mut sum, mut first, mut second) = (T::from(0.0), T::from(0.0), T::from(0.0));
     for c in coefficients.iter().rev() {
-        second = second * x + 2.0 * first;
+        second = second * x + first * 2.0;
         first = first * x + sum;
-        sum = sum * x + c;
+        sum = sum * x + *c;
     }
     let slope = first / sum;
     [sum.ln(), slope, second / sum - slope * slope]
@@ -172,6 +186,7 @@ fn point(i: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_dual::Dual64;
 
     const RESTITUTIONS: [f64; 7] = [0.98, 0.95, 0.9, 0.7, 0.5, 0.3, 0.2];
 
@@ -294,5 +309,38 @@ mod tests {
         let corner = Similarity::new(0.7, 0.2).unwrap();
         assert!(corner.at(0.0, 0.0).value.is_finite() && corner.at(0.0, 1e-200).value.is_finite());
         assert!(corner.at(0.0, 0.0).value > corner.at(1e-30, 0.0).value);
+    }
+
+    /// By dual numbers, against differences of fourth order: h⁴ of a fifth derivative and rounding over h, 1e-9 where the largest
+    /// logarithm is 20. At r = 1, where S vanishes, from one side.
+    #[test]
+    fn derivatives_by_restitution_and_intensity() {
+        let (d, h) = (0.2, 1e-3);
+        let at = |r: f64, d: f64, u: f64, w: f64| Similarity::new(r, d).unwrap().at(u, w).value;
+        for r in [1.0, 0.95, 0.8, 0.5] {
+            let by_r = Similarity::new(Dual64::new(r, 1.0), Dual64::from(d)).unwrap();
+            let by_d = Similarity::new(Dual64::from(r), Dual64::new(d, 1.0)).unwrap();
+            for (u, w) in points() {
+                let differences = if r == 1.0 {
+                    let f = |k: f64| at(r - k * h, d, u, w);
+                    (25.0 * f(0.0) - 48.0 * f(1.0) + 36.0 * f(2.0) - 16.0 * f(3.0) + 3.0 * f(4.0)) / (12.0 * h)
+                } else {
+                    let f = |k: f64| at(r + k * h, d, u, w);
+                    (8.0 * (f(1.0) - f(-1.0)) - (f(2.0) - f(-2.0))) / (12.0 * h)
+                };
+                let found = by_r.jet(u, w).value.eps;
+                assert!(
+                    (found - differences).abs() < 2e-8 * found.abs().max(1.0),
+                    "{r} {u} {w}: {found} {differences}"
+                );
+                let f = |k: f64| at(r, d + k * h, u, w);
+                let differences = (8.0 * (f(1.0) - f(-1.0)) - (f(2.0) - f(-2.0))) / (12.0 * h);
+                let found = by_d.jet(u, w).value.eps;
+                assert!(
+                    (found - differences).abs() < 1e-8 * found.abs().max(1.0),
+                    "{r} {u} {w}: {found} {differences}"
+                );
+            }
+        }
     }
 }

@@ -12,5 +12,8 @@ pub(crate) const FALLS: f64 = 0.9;
 pub(crate) const DRAWS: usize = 1 << 16;
 /// On the pilot's states: the degrees of the functions.
 pub(crate) const DEGREES: [u32; 4] = [2, 4, 6, 8];
+/// The step of the differences that are the slope of an integrand, relative to the domain's width: the square of it and rounding over it
+/// are some 1e-10.
+pub(crate) const STEP: f64 = 1e-5;
 /// Nodes from a level to the edge of the domain.
 pub(crate) const TAIL_NODES: usize = 80;

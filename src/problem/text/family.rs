@@ -1,8 +1,8 @@
-use super::read::Document;
+use super::read::{Document, Read};
 use crate::error::Result;
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::Polynomial;
-use crate::problem::family::Family;
+use crate::problem::family::{Family, Lifted};
 use crate::problem::{Problem, Wall};
 use num_dual::HyperDual64;
 
@@ -35,20 +35,21 @@ impl Family for Text {
         Document(&self.text).problem(changes)
     }
 
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<FokkerPlanck> {
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
         // A parameter that is made of others moves with them.
         let seeded = |name: &str, found: HyperDual64| {
             let present = self.changed(name, found);
             present + (value(name, present.re) - present.re)
         };
-        let mut written = Document(&self.text).equations(&seeded, 2)?.written;
+        let Read { mut written, walls, .. } = Document(&self.text).equations(&seeded, 2)?;
         let n = written.states.len() + 2;
         written.drift.resize(n, Polynomial::zero(n));
         let processes = written.noise.first().map_or(0, Vec::len);
         written.noise.resize(n, vec![Polynomial::zero(n); processes]);
         let columns: Vec<Vec<Polynomial>> =
             (0..processes).map(|k| written.noise.iter().map(|row| row[k].clone()).collect()).collect();
-        FokkerPlanck::new(&written.drift, &columns, written.interpretation, Vec::new())
+        let operator = FokkerPlanck::new(&written.drift, &columns, written.interpretation, Vec::new())?;
+        Ok(Lifted { operator, walls: walls.iter().map(|wall| wall.numbers).collect() })
     }
 
     fn walls(&self) -> &[Wall] {

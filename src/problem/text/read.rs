@@ -23,8 +23,15 @@ pub(super) type Entry<'a> = Spanned<DeValue<'a>>;
 pub(super) struct Read {
     pub(super) written: Written,
     pub(super) names: Names,
-    /// Each wall with its place.
-    walls: Vec<(usize, Wall)>,
+    pub(super) walls: Vec<Placed>,
+}
+
+/// A wall of a text.
+pub(super) struct Placed {
+    place: usize,
+    wall: Wall,
+    /// Its offset and its restitution.
+    pub(super) numbers: [HyperDual64; 2],
 }
 
 /// Gives a parameter another value.
@@ -66,7 +73,7 @@ impl Document<'_> {
         if is_real(found) {
             return Ok(found.re);
         }
-        let what = "derivatives by parameters of walls and impulses";
+        let what = "derivatives by parameters of impulses, and of masses that hit each other";
         Err(Error::NotServed { method: "automatic differentiation", what, remedy: "take differences of two problems" })
     }
 
@@ -149,18 +156,18 @@ impl Document<'_> {
     }
 
     /// The wall of a table, with the number of a state by its name.
-    fn wall(self, entry: &Entry<'_>, names: &Names) -> Result<Wall> {
+    fn wall(self, entry: &Entry<'_>, names: &Names) -> Result<Placed> {
         let place = entry.span().start;
-        let wrong = |problem: &str| self.wrong(place, "wall", problem);
+        let wrong = |problem: &str| self.wrong::<Placed>(place, "wall", problem);
         let table = self.table("wall", entry)?;
         self.known(table, "a wall", &["state", "between", "masses", "above", "below", "restitution"])?;
-        let number = |name: &str| table.get(name).map(|value| self.number(name, value, names)).transpose();
+        let number = |name: &str| table.get(name).map(|value| self.dual(name, value, &names.parameters)).transpose();
         let Some(restitution) = number("restitution")? else {
             return wrong("it has no restitution; 0 < restitution ≤ 1");
         };
-        let made = match (number("above")?, number("below")?) {
-            (Some(offset), None) => Wall::above(offset, restitution),
-            (None, Some(offset)) => Wall::below(offset, restitution),
+        let (offset, made) = match (number("above")?, number("below")?) {
+            (Some(offset), None) => (offset, Wall::above(offset.re, restitution.re)),
+            (None, Some(offset)) => (offset, Wall::below(offset.re, restitution.re)),
             _ => return wrong("the motion stays above = b, or below = b: give one of the two"),
         };
         let state = |value: &DeValue<'_>| match value {
@@ -192,7 +199,10 @@ impl Document<'_> {
             }
             _ => return wrong(NO_STATE),
         };
-        on.or_else(|error| wrong(&error.to_string()))
+        match on {
+            Ok(wall) => Ok(Placed { place, wall, numbers: [offset, restitution] }),
+            Err(error) => wrong(&error.to_string()),
+        }
     }
 
     /// What it says, the parameters as `change` gives them; beside the states polynomials have so many `more` variables.
@@ -252,7 +262,7 @@ impl Document<'_> {
                 return self.wrong(list.span().start, "wall", "each wall is a table [[wall]]");
             };
             for entry in entries {
-                walls.push((entry.span().start, self.wall(entry, &names)?));
+                walls.push(self.wall(entry, &names)?);
             }
         }
         Ok(Read { written, names, walls })
@@ -262,9 +272,9 @@ impl Document<'_> {
         let mut family = Text { text: self.0.to_owned(), changes, walls: Vec::new() };
         let Read { written, names, walls: placed } = self.equations(&|name, value| family.changed(name, value), 0)?;
         let parameters = names.parameters.into_iter().map(|(name, value)| (name, value.re)).collect();
-        family.walls = placed.iter().map(|(_, wall)| *wall).collect();
+        family.walls = placed.iter().map(|placed| placed.wall).collect();
         let problem = Problem::any_size(written, parameters, Some(Box::new(family)))?;
-        placed.into_iter().try_fold(problem, |problem, (place, wall)| {
+        placed.into_iter().try_fold(problem, |problem, Placed { place, wall, .. }| {
             problem.with_wall(wall).or_else(|error| self.wrong(place, "wall", error.to_string()))
         })
     }

@@ -16,7 +16,7 @@ impl Problem {
     /// # Errors
     /// [`Error::NotAName`] where a state's name or a parameter's can be none in an expression.
     pub fn to_toml(&self) -> Result<String> {
-        let names = self.states().iter().chain(self.parameters().iter().map(|(name, _)| name));
+        let names = self.states().iter().chain(self.equations.parameters.iter().map(|(name, _)| name));
         if let Some(name) = names.into_iter().find(|name| !is_name(name)) {
             let problem = "in an expression a name is a letter, then letters, digits and _";
             return Err(Error::NotAName { name: name.clone(), problem });
@@ -26,9 +26,9 @@ impl Problem {
         if self.interpretation() == Interpretation::Stratonovich {
             text += "interpretation = \"stratonovich\"\n";
         }
-        if !self.parameters().is_empty() {
+        if !self.equations.parameters.is_empty() {
             text += "\n[parameters]\n";
-            self.parameters().iter().for_each(|(name, value)| line(&mut text, name, &format!("{value:?}")));
+            self.equations.parameters.iter().for_each(|(name, value)| line(&mut text, name, &format!("{value:?}")));
         }
         text += "\n[drift]\n";
         for (name, f) in self.states().iter().zip(self.drift()) {

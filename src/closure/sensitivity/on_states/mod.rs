@@ -8,14 +8,20 @@ mod equations;
 mod fit;
 mod walk;
 
-use super::answers::Sensitivity;
+use super::Sensitivity;
+use super::exact::Newton;
+use super::slope::Slope;
+use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
+use crate::closure::density::exponent::Exponent;
 use crate::closure::dynamics::Dynamics;
+use crate::closure::space::Functions;
+use crate::closure::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::fokker_planck::FokkerPlanck;
-use crate::problem::Symmetry;
+use crate::problem::{Problem, Symmetry};
 use crate::states::States;
 use equations::{Ground, Masses, StateEquations};
 use fit::Likely;
@@ -39,14 +45,19 @@ impl fmt::Debug for OnStates {
 }
 
 impl ClosureDensity {
-    /// The derivatives along those of the operator, on the pilot's states.
-    pub(super) fn moving_by_states(&self, parameters: &[&str], operators: &[FokkerPlanck]) -> Result<Vec<Sensitivity>> {
+    /// The derivatives in three states and more.
+    pub(super) fn sensitivities_on_states(&self, problem: &Problem, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
+        let operators =
+            parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
+        if self.candidates()[0].origin == Origin::Exact {
+            return self.exact_sensitivities(problem, parameters, &operators);
+        }
         let reason = "the pilot's states are too few for the equations of the derivative: take more `pilot_states`";
         let few = || Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         let motion = self.origin()?;
-        let ground = Ground::new(motion, operators).ok_or_else(few)?;
+        let ground = Ground::new(motion, &operators).ok_or_else(few)?;
         let equations = StateEquations::new(&ground, motion).ok_or_else(few)?;
-        let (found, weights) = equations.derivatives(operators).ok_or_else(few)?;
+        let (found, weights) = equations.derivatives(&operators).ok_or_else(few)?;
         let states = &motion.pilot().ok_or_else(few)?.states;
         let (points, masses) = self.carrying_nodes().ok_or(self.failed())?;
         let likely = Likely::new(self.polynomials(&ground.symmetry), &points, &masses).ok_or(self.failed())?;
@@ -56,13 +67,42 @@ impl ClosureDensity {
             let l1_estimate = distance(&own, &masses.own).hypot(self.l1_estimate() * size(&masses.own));
             let symmetry = ground.symmetry.clone();
             let on_states = OnStates { motion: Arc::clone(motion), symmetry, masses, l1_estimate };
-            Ok(self.moving_on_states(vec![(*name).to_owned()], (slope, None), Some(Arc::new(on_states))))
+            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(name, slope) })
         };
         parameters.iter().zip(found).map(one).collect()
     }
 
+    /// Those of an exact density: its Galerkin equations hold on any nodes.
+    fn exact_sensitivities(
+        &self,
+        problem: &Problem,
+        parameters: &[&str],
+        operators: &[FokkerPlanck],
+    ) -> Result<Vec<Sensitivity>> {
+        let symmetry = operators.iter().fold(problem.symmetry(), Symmetry::and_of);
+        let (states, mut masses) = self.carrying_nodes().ok_or(self.failed())?;
+        let kept = states.len().min(tuning::sensitivity::DRAWS);
+        masses.truncate(kept);
+        let nodes = States::from_values(states.dimension(), states.values()[..kept * states.dimension()].to_vec());
+        let masses = masses.into_iter().map(|mass| [mass; 2]).collect();
+        let on_nodes = ClosureDensity { nodes, masses, ..self.clone() };
+        let space = Functions::Polynomials(self.polynomials(&symmetry));
+        let newton = Newton::new(&on_nodes, problem, space, &[]).ok_or(self.failed())?;
+        let one = |(name, operator): (&&str, &FokkerPlanck)| {
+            let mut slope = newton.slope(operator).ok_or(self.failed())?;
+            slope.constant -= self.expectation(&|x| slope.value(x))?.value;
+            Ok(self.moving_by(name, slope))
+        };
+        parameters.iter().zip(operators).map(one).collect()
+    }
+
+    fn moving_by(&self, name: &str, slope: Exponent) -> Sensitivity {
+        let slope = Slope { regular: slope, singular: Vec::new() };
+        self.moving_with(vec![name.to_owned()], (slope, None), [Vec::new(), Vec::new()], None)
+    }
+
     /// States with weights that sum to about 1, on which integrals of the density are taken.
-    pub(super) fn carrying_nodes(&self) -> Option<(States, Vec<f64>)> {
+    fn carrying_nodes(&self) -> Option<(States, Vec<f64>)> {
         if self.nodes.is_empty() {
             return self.weighted_states();
         }

@@ -1,0 +1,68 @@
+//! What of a problem moves with a parameter.
+
+use super::Problem;
+use crate::fokker_planck::FokkerPlanck;
+use crate::polynomial::Polynomial;
+
+/// The derivative of a problem by a parameter θ.
+#[derive(Clone, Debug)]
+pub(crate) struct Motion {
+    /// ∂f/∂θ and ∂B/∂θ at a fixed state.
+    pub(crate) operator: FokkerPlanck,
+    /// ∂b/∂θ and ∂r/∂θ of each wall.
+    pub(crate) walls: Vec<[f64; 2]>,
+}
+
+/// The same of a displacement (state 0) and its velocity (state 1) in the coordinate ξ in which walls stand still: x moves with
+/// them by dx/dθ = η(x) at a fixed ξ, η the rate of a single wall, and linear between two.
+///
+/// The density q in ξ satisfies the equation with f(x(ξ)) over dx/dξ, and with η′ = dη/dx
+///
+/// ∂f_x = η ∂_x f_x − η′ f_x, ∂f_v = η ∂_x f_v, ∂B_vv = η ∂_x B_vv.
+///
+/// At a fixed x the density has the derivative ∂p/∂θ = ∂q/∂θ − ∂_x(η q).
+#[derive(Clone, Debug)]
+pub(crate) struct PlaneMotion {
+    /// ∂f/∂θ and ∂B/∂θ at a fixed ξ.
+    pub(crate) operator: FokkerPlanck,
+    /// η = [0] + [1] x.
+    pub(crate) shift: [f64; 2],
+    /// ∂r/∂θ of the walls below the motion and above it.
+    pub(crate) restitution: [f64; 2],
+}
+
+impl Motion {
+    /// The motion of a problem of two states with walls on state 0 alone.
+    pub(crate) fn on_plane(&self, problem: &Problem) -> PlaneMotion {
+        let rates = problem.walls().iter().zip(&self.walls);
+        let of_side = |above: bool| rates.clone().find(|(wall, _)| wall.is_above() == above);
+        let sides = [of_side(true), of_side(false)];
+        let shift = match sides.map(|side| side.map(|(wall, [rate, _])| (wall.offset(), *rate))) {
+            [Some((low, first)), Some((high, second))] => {
+                let slope = (second - first) / (high - low);
+                [first - slope * low, slope]
+            }
+            [one, other] => [one.or(other).map_or(0.0, |(_, rate)| rate), 0.0],
+        };
+        let restitution = sides.map(|side| side.map_or(0.0, |(_, [_, rate])| *rate));
+        let operator = if shift == [0.0; 2] {
+            self.operator.clone()
+        } else {
+            let field = Polynomial::variable(2, 0) * shift[1] + shift[0];
+            self.operator.plus(&problem.operator().stretched(0, &field))
+        };
+        PlaneMotion { operator, shift, restitution }
+    }
+}
+
+impl PlaneMotion {
+    /// η at a displacement.
+    pub(crate) fn rate(&self, x: f64) -> f64 {
+        self.shift[0] + self.shift[1] * x
+    }
+
+    /// Whether a wall moves.
+    pub(crate) fn moves(&self) -> bool {
+        self.shift != [0.0; 2]
+    }
+}
