@@ -14,6 +14,7 @@
 //! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`Closure::modulated_transient`], [`ClosureDensity::relaxation`]; [`GridDensity::transient`], [`Envelope`] |
 //! | How likely, how often, how soon? | [`statistics`]; [`Survival`] and [`ClosureSurvival`] without Poisson's assumption |
 //! | Which parameter matters, and how much? | [`ClosureDensity::sensitivity`], [`Grid::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
+//! | Which parameters do measurements have, or does a demand need? | [`inverse`] |
 //! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
 //! | Which order is enough, what depends on a parameter? | [`study`] |
 //! | Which systems are solved? | [`models`] |

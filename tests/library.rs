@@ -10,5 +10,6 @@ mod closure;
 mod common;
 mod documents;
 mod grid;
+mod inverse;
 mod problem;
 pub(crate) mod simulation;

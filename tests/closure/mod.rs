@@ -11,6 +11,7 @@ mod references;
 mod robust;
 mod sensitivity;
 mod sensitivity_at_walls;
+mod sensitivity_in_many_states;
 mod survival;
 mod trajectories;
 mod walls;

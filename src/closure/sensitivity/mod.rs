@@ -179,12 +179,12 @@ impl ClosureDensity {
             Origin::MaximumLikelihood => !on_panels && self.content.indication.is_some(),
             _ => false,
         };
-        if !stationary {
+        let walled = self.dimension() > 2 && !self.content.impacts.is_empty();
+        if !stationary || walled {
             return Err(NOT_SERVED);
         }
         let problem = self.problem()?;
-        let walled = self.dimension() > 2 && !problem.walls().is_empty();
-        if problem.impulses().is_empty() && !walled { Ok(problem) } else { Err(NOT_SERVED) }
+        if problem.impulses().is_empty() { Ok(problem) } else { Err(NOT_SERVED) }
     }
 
     /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact, unless a

@@ -135,6 +135,31 @@ pub(super) fn of_closure(probe: &mut Probe, density: &ClosureDensity, problem: &
     }
 }
 
+/// The derivative by one of the problem's parameters, or by one that it has not.
+pub(super) fn slope(probe: &mut Probe, density: &ClosureDensity, problem: &Problem) {
+    let names = problem.parameters();
+    let name = names.get(probe.draw.below(names.len() + 1)).map_or("none", |(name, _)| name);
+    probe.show(&format!("derivative by {name}"));
+    let Some(by) = probe.ask("sensitivity", || density.sensitivity(name)) else { return };
+    let n = density.dimension();
+    for (what, value) in [("size of a derivative", by.size()), ("L1 of a derivative", by.l1_estimate())] {
+        probe.value(what, 0.0, || Ok(value));
+    }
+    let state = probe.draw.below(n);
+    let powers: Vec<u32> = (0..n).map(|i| if i == state { 2 } else { 0 }).collect();
+    probe.value("derivative of a moment", f64::NEG_INFINITY, || Ok(by.moment(&powers)?.value));
+    probe.value("derivative of a rate", f64::NEG_INFINITY, || Ok(by.impact_rate().map_or(0.0, |rate| rate.value)));
+    let odd = probe.draw.of(ODD);
+    probe.ask("slope of an odd place", || by.relative(&vec![odd; n]));
+    probe.ask("slope of an odd exceedance", || by.exceedance(state, odd));
+    probe.ask("slope of an odd marginal", || by.marginal(state, odd));
+    probe.ask("slope of an odd crossing", || by.upcrossing_rate(odd));
+    if n <= 2 {
+        probe.ask("slope of a quantile", || by.upper_quantile(state, odd));
+        probe.ask("slope of a first passage", || by.first_passage(0.3, odd));
+    }
+}
+
 /// The methods that a simulation alone has.
 pub(super) fn of_simulation(probe: &mut Probe, density: &SimulatedDensity, states: usize) {
     for state in 0..states {

@@ -237,6 +237,7 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
             probe.show(&format!("{:?}", density.provenance()));
             densities::of_closure(probe, &density, problem);
             motion::of_closure(probe, &closure, &density, problem);
+            densities::slope(probe, &density, problem);
             boxed(Some(density))
         }
         3 => {

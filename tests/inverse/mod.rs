@@ -1,0 +1,4 @@
+//! Parameters from measured states, and from a demand.
+
+mod design;
+mod identification;
