@@ -15,5 +15,7 @@ pub(crate) const DEGREES: [u32; 4] = [2, 4, 6, 8];
 /// The step of the differences that are the slope of an integrand, relative to the domain's width: the square of it and rounding over it
 /// are some 1e-10.
 pub(crate) const STEP: f64 = 1e-5;
+/// and the logarithm of the ratio of errors above which two degrees less are taken.
+pub(crate) const NOISIER: f64 = 0.7;
 /// Nodes from a level to the edge of the domain.
 pub(crate) const TAIL_NODES: usize = 80;

@@ -50,25 +50,29 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// The functions of the highest degree for which there are enough states. None where the pilot carries no density.
-    pub(super) fn new(motion: &Dynamics, operators: &[FokkerPlanck]) -> Option<Self> {
+    /// The functions of the two highest degrees for which there are enough states, the highest first; none where the pilot carries
+    /// no density.
+    pub(super) fn ladder(motion: &Dynamics, operators: &[FokkerPlanck]) -> Option<Vec<Self>> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
         let symmetry = operators.iter().fold(problem.symmetry(), Symmetry::and_of);
         let least = tuning::calibration::LEAST_BLOCKS;
         let length = (pilot.slowness(&symmetry).ceil() as usize).min((pilot.samples() / least).max(1));
         let blocks = pilot.samples() / length * TRAJECTORIES;
-        let (degree, exponents) = functions(problem, &symmetry, blocks)?;
-        let lower = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() + 2 <= degree).count();
         let (centre, _) = pilot.spread(&symmetry);
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
         let half_width: Vec<f64> = (0..centre.len()).map(farthest).collect();
-        let products = Products::new(&Polynomials::new(centre, half_width, exponents));
-        Some(Ground { symmetry, products, lower, length })
+        let ground = |(degree, exponents): (u32, Vec<Vec<u32>>)| {
+            let lower = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() + 2 <= degree).count();
+            let products = Products::new(&Polynomials::new(centre.clone(), half_width.clone(), exponents));
+            Ground { symmetry: symmetry.clone(), products, lower, length }
+        };
+        let degrees = functions(problem, &symmetry, blocks);
+        Some(degrees.into_iter().rev().take(2).map(ground).collect())
     }
 }
 
-/// The functions of the highest degree for which there are enough blocks of states.
-fn functions(problem: &Problem, symmetry: &Symmetry, blocks: usize) -> Option<(u32, Vec<Vec<u32>>)> {
+/// The functions of each degree for which there are enough blocks of states.
+fn functions(problem: &Problem, symmetry: &Symmetry, blocks: usize) -> Vec<(u32, Vec<Vec<u32>>)> {
     let exponents = |degree| {
         let found = Degrees::complete().exponents(problem.dimension(), degree, |alpha| symmetry.keeps(alpha));
         (degree, found)
@@ -76,7 +80,7 @@ fn functions(problem: &Problem, symmetry: &Symmetry, blocks: usize) -> Option<(u
     let fits = |(_, found): &(u32, Vec<Vec<u32>>)| {
         found.len() * tuning::calibration::BLOCKS_EACH <= blocks && found.len() <= tuning::space::MOST
     };
-    tuning::sensitivity::DEGREES.into_iter().map(exponents).take_while(fits).last()
+    tuning::sensitivity::DEGREES.into_iter().map(exponents).take_while(fits).collect()
 }
 
 /// Sums of 𝓖ψ over blocks, and the lower triangle of that of their products.

@@ -55,17 +55,22 @@ impl ClosureDensity {
         let reason = "the pilot's states are too few for the equations of the derivative: take more `pilot_states`";
         let few = || Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         let motion = self.origin()?;
-        let ground = Ground::new(motion, &operators).ok_or_else(few)?;
-        let equations = StateEquations::new(&ground, motion).ok_or_else(few)?;
-        let (found, weights) = equations.derivatives(&operators).ok_or_else(few)?;
         let states = &motion.pilot().ok_or_else(few)?.states;
+        let ladder = Ground::ladder(motion, &operators).ok_or_else(few)?;
+        let of_degree = |ground: &Ground| StateEquations::new(ground, motion)?.derivatives(&operators);
+        let mut degrees = ladder.iter().filter_map(of_degree).map(|found| (doubt(states, &found.0), found));
+        let (highest, found) = degrees.next().ok_or_else(few)?;
+        // Where functions of the highest degree are all but dependent on each other in the equations, their noise is large.
+        let lower = degrees.next().filter(|(lower, _)| lower + tuning::sensitivity::NOISIER < highest);
+        let (found, weights) = lower.map_or(found, |(_, lower)| lower);
+        let symmetry = &ladder[0].symmetry;
         let (points, masses) = self.carrying_nodes().ok_or(self.failed())?;
-        let likely = Likely::new(self.polynomials(&ground.symmetry), &points, &masses).ok_or(self.failed())?;
+        let likely = Likely::new(self.polynomials(symmetry), &points, &masses).ok_or(self.failed())?;
         let one = |(name, masses): (&&str, Masses)| {
             let slope = likely.slope(states, &masses.own).ok_or(self.failed())?;
             let own: Vec<f64> = slope.values(states).into_iter().zip(&weights).map(|(value, w)| value * w).collect();
             let l1_estimate = distance(&own, &masses.own).hypot(self.l1_estimate() * size(&masses.own));
-            let symmetry = ground.symmetry.clone();
+            let symmetry = symmetry.clone();
             let on_states = OnStates { motion: Arc::clone(motion), symmetry, masses, l1_estimate };
             Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(name, slope) })
         };
@@ -128,14 +133,28 @@ impl OnStates {
         let at = |x: &[f64]| self.symmetry.images(x).map(|image| g(&image)).sum::<f64>() / self.symmetry.count() as f64;
         let values: Vec<f64> = pilot.states.par_iter().map(at).collect();
         let value = values.iter().zip(&self.masses.own).map(|(g, mass)| g * mass).sum();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let change =
-            |changes: &Vec<f32>| values.iter().zip(changes).map(|(g, mass)| (g - mean) * f64::from(*mass)).sum::<f64>();
-        let changes: Vec<f64> = self.masses.changes.par_iter().map(change).collect();
-        let count = changes.len() as f64;
-        let square: f64 = changes.iter().map(|change| change * change).sum();
-        Estimate::new(value, ((count - 1.0) / count * square).sqrt())
+        Estimate::new(value, jackknife(&values, &self.masses))
     }
+}
+
+/// The mean logarithm of the standard errors of the derivatives of all mean squares.
+fn doubt(states: &States, found: &[Masses]) -> f64 {
+    let errors = (0..states.dimension()).flat_map(|i| {
+        let squares: Vec<f64> = states.iter().map(|x| x[i] * x[i]).collect();
+        found.iter().map(move |masses| jackknife(&squares, masses))
+    });
+    let errors: Vec<f64> = errors.collect();
+    errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / errors.len().max(1) as f64
+}
+
+/// The standard error of the derivative of a mean, given the values at the states, by what leaving out each lot changes.
+fn jackknife(values: &[f64], masses: &Masses) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let change =
+        |changes: &Vec<f32>| values.iter().zip(changes).map(|(g, mass)| (g - mean) * f64::from(*mass)).sum::<f64>();
+    let changes: Vec<f64> = masses.changes.par_iter().map(change).collect();
+    let count = changes.len() as f64;
+    ((count - 1.0) / count * changes.iter().map(|change| change * change).sum::<f64>()).sqrt()
 }
 
 fn distance(one: &[f64], other: &[f64]) -> f64 {
