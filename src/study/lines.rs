@@ -53,11 +53,15 @@ impl Heading {
     /// # Errors
     /// [`Error::OtherStudy`], [`Error::SpoiledStudy`], [`Error::File`].
     pub(super) fn read<R: DeserializeOwned>(&self, path: &Path) -> Result<Content<R>> {
+        self.content(path, &file::read(path)?.unwrap_or_default())
+    }
+
+    /// The rows in the content of a file.
+    pub(super) fn content<R: DeserializeOwned>(&self, path: &Path, content: &[u8]) -> Result<Content<R>> {
         let heading = self.text.as_bytes();
-        let content = file::read(path)?.unwrap_or_default();
         let mut found = Content { rows: BTreeMap::new(), sound: 0 };
         // A run that ended while it wrote the first lines has left a part of them.
-        if heading.starts_with(&content) && content.len() < heading.len() {
+        if heading.starts_with(content) && content.len() < heading.len() {
             return Ok(found);
         }
         let Some(body) = content.strip_prefix(heading) else {

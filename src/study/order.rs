@@ -33,7 +33,7 @@ use std::path::Path;
 pub struct OrderStudy<'a> {
     cases: Vec<Case<'a>>,
     orders: Vec<u32>,
-    output: Output<'a>,
+    pub(super) output: Output<'a>,
 }
 
 impl fmt::Debug for OrderStudy<'_> {

@@ -34,7 +34,7 @@ pub struct Sweep<'a> {
     columns: Vec<String>,
     segment: usize,
     settings: String,
-    output: Output<'a>,
+    pub(super) output: Output<'a>,
 }
 
 /// The rows of a sweep, in the order of its values.
