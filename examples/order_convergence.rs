@@ -9,8 +9,9 @@
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
-use expoly::study::OrderStudy;
+use expoly::study::{OrderStudy, Part};
 use std::{path::PathBuf, process::ExitCode, time::Instant};
+use support::dealt::Dealt;
 use support::figure::{orders::views, write_figure};
 use support::orders::Setup;
 use support::progress::study_bar;
@@ -26,10 +27,12 @@ struct Options {
     orders: Vec<u32>,
     #[command(flatten)]
     setup: Setup,
+    #[command(flatten)]
+    dealt: Dealt,
     /// Folder for the table and the figure
     #[arg(long, default_value = "out/order_convergence")]
     out: PathBuf,
-    /// Go on from the table of an interrupted run instead of beginning anew
+    /// Go on from the table of an interrupted run and from its parts instead of beginning anew, as a part does anyway
     #[arg(long)]
     resume: bool,
     /// Print one JSON object and write no files
@@ -40,6 +43,8 @@ struct Options {
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let (about, cases): (Vec<_>, Vec<_>) = options.setup.cases(&options.model)?.into_iter().unzip();
     let study = cases.into_iter().fold(OrderStudy::new(&options.orders), OrderStudy::case);
+    let part = options.dealt.part;
+    let study = study.part(part.number(), part.count());
     if options.json {
         println!("{}", serde_json::to_string_pretty(&study.run()?)?);
         return Ok(());
@@ -48,12 +53,16 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let stem = options.out.join(options.model.join("_"));
     let (rows, figure) = (stem.with_extension("csv"), stem.with_extension("svg"));
     std::fs::create_dir_all(&options.out)?;
-    if !options.resume && rows.exists() {
-        std::fs::remove_file(&rows)?;
+    if !options.resume && part == Part::WHOLE {
+        Part::files(&rows)?.iter().try_for_each(std::fs::remove_file)?;
     }
     let (bar, progress) = study_bar();
     let table = study.file(&rows).progress(progress).run()?;
     bar.finish_and_clear();
+    if let Some(note) = options.dealt.note(&rows, table.missing()) {
+        println!("{note}");
+        return Ok(());
+    }
     let mut caption = String::from("E[ξ(t)ξ(t+τ)] = 2D δ(τ).");
     for about in &about {
         let truth = table.rows().iter().find(|row| row.system == about.name).map_or("", |row| &row.truth);

@@ -12,6 +12,7 @@ use clap::Parser;
 use expoly::models::{Duffing, Solved};
 use expoly::{Closure, ClosureDensity, Density, Wall, statistics::Impacts, study::Sweep};
 use std::path::PathBuf;
+use support::dealt::Dealt;
 use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
 use support::progress::study_bar;
 
@@ -27,6 +28,8 @@ struct Options {
     /// Three values at order 4, instead of 21 at order 8
     #[arg(long)]
     short: bool,
+    #[command(flatten)]
+    dealt: Dealt,
     /// Folder for the table and the figure
     #[arg(long, default_value = "out/restitution_sweep")]
     out: PathBuf,
@@ -52,6 +55,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let table = Sweep::new(name, &between(range, count), &columns)
         .settings(&format!("{oscillator:?} {fixed} {closure:?}"))
         .file(file("csv"))
+        .part(options.dealt.part.number(), options.dealt.part.count())
         .progress(progress)
         .run(|value, near: Option<&ClosureDensity>| {
             let wall = wall(value)?;
@@ -64,6 +68,10 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
             Ok((row, density))
         })?;
     bar.finish_and_clear();
+    if let Some(note) = options.dealt.note(&file("csv"), table.missing()) {
+        println!("{note}");
+        return Ok(());
+    }
     println!("     {name}        impacts per time  energy per impact              power lost   L1 estimate");
     let rows = table.rows();
     for row in rows {

@@ -151,7 +151,7 @@ pub enum Error {
     /// A file could not be read or written.
     #[error("cannot {action} {path}: {reason}")]
     File {
-        /// To read, or to write.
+        /// To read, to write or to remove.
         action: &'static str,
         /// The file.
         path: String,
@@ -307,7 +307,7 @@ pub enum Error {
     StudyCancelled {
         /// The rows that are there.
         done: usize,
-        /// The rows of the whole study.
+        /// The rows of the whole study, or of the part of it that was run.
         rows: usize,
     },
     /// A file holds the rows of another study.
@@ -327,6 +327,32 @@ pub enum Error {
         row: usize,
         /// What is wrong with it.
         problem: &'static str,
+    },
+    /// A file is not one of a study.
+    #[error("{path} holds no table of a study, and no parts of one are beside it: give the name of the table")]
+    NotAStudy {
+        /// The file.
+        path: String,
+    },
+    /// A study has no part of a number.
+    #[error("there is no part {part} of {parts}: parts are counted from 1 to their number")]
+    NoSuchPart {
+        /// The number of the part.
+        part: usize,
+        /// The number of parts.
+        parts: usize,
+    },
+    /// The parts of a study do not make up its table.
+    #[error(
+        "{missing} of {rows} rows of {path} are in none of its parts: run the parts that have not ended, or the study itself without parts, which computes what is missing"
+    )]
+    MissingRows {
+        /// The file of the table.
+        path: String,
+        /// The rows that are missing.
+        missing: usize,
+        /// The rows of the whole study.
+        rows: usize,
     },
     /// A table has no column of a name.
     #[error("there is no column {name:?}; there are {columns:?}")]

@@ -49,10 +49,10 @@ mod passage;
 mod paths;
 mod pilot;
 mod plan;
-mod processes;
+pub(crate) mod processes;
 mod random;
 #[cfg(feature = "mpi")]
-mod ranks;
+pub(crate) mod ranks;
 mod result;
 mod run;
 mod scheme;

@@ -1,8 +1,8 @@
 use crate::error::{Error, Result};
 use serde::{Serialize, de::DeserializeOwned};
 
-/// The processes that share the trajectories of one simulation.
-pub(super) trait Processes {
+/// The processes that share the trajectories of one simulation, or the rows of one study.
+pub(crate) trait Processes {
     /// The number of this process, from 0.
     fn rank(&self) -> usize;
 
@@ -32,7 +32,7 @@ impl Processes for OneProcess {
 }
 
 /// The data of all processes, or an error: that of this process first, else that of the first that failed.
-pub(super) fn all_gather(processes: &impl Processes, mine: Result<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+pub(crate) fn all_gather(processes: &impl Processes, mine: Result<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
     if processes.count() == 1 {
         return Ok(vec![mine?]);
     }
@@ -76,22 +76,17 @@ pub(super) fn any_of<const N: usize>(
     Ok((any(N), std::array::from_fn(any)))
 }
 
+/// Processes that are threads.
 #[cfg(test)]
-mod tests {
+pub(crate) mod threads {
     use super::*;
-    use crate::{
-        Density, Estimate, Problem, Progress, Provenance, SimulatedDensity, Simulation, Stopped, Tolerance, Wall,
-        models::{Duffing, Linear},
-    };
     use std::{
-        ops::ControlFlow::{Break, Continue},
         sync::{self, Mutex, PoisonError},
         thread,
-        time::Duration,
     };
 
     /// A process that is a thread.
-    struct Thread<'a> {
+    pub(crate) struct Thread<'a> {
         rank: usize,
         count: usize,
         board: &'a Mutex<Vec<Vec<u8>>>,
@@ -118,7 +113,7 @@ mod tests {
     }
 
     /// The results of `count` processes.
-    fn among<R: Send>(count: usize, run: impl Fn(&Thread<'_>) -> Result<R> + Sync) -> Vec<Result<R>> {
+    pub(crate) fn among<R: Send>(count: usize, run: impl Fn(&Thread<'_>) -> Result<R> + Sync) -> Vec<Result<R>> {
         let (board, gate) = (Mutex::new(vec![Vec::new(); count]), sync::Barrier::new(count));
         let run = |rank| run(&Thread { rank, count, board: &board, gate: &gate });
         thread::scope(|scope| {
@@ -127,6 +122,19 @@ mod tests {
             threads.into_iter().map(|thread| thread.join().unwrap_or_else(failed)).collect()
         })
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{threads::among, *};
+    use crate::{
+        Density, Estimate, Problem, Progress, Provenance, SimulatedDensity, Simulation, Stopped, Tolerance, Wall,
+        models::{Duffing, Linear},
+    };
+    use std::{
+        ops::ControlFlow::{Break, Continue},
+        time::Duration,
+    };
 
     fn problem() -> Result<Problem> {
         Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.with_wall(Wall::above(0.2, 0.9)?)
@@ -203,7 +211,7 @@ mod tests {
         // In the pilot, and after it, which takes 64 · 256 path-steps.
         for steps in [1, 100_000] {
             let outcomes = among(2, |processes| {
-                let most = if processes.rank == 1 { steps } else { u64::MAX };
+                let most = if processes.rank() == 1 { steps } else { u64::MAX };
                 let stop = move |p: Progress| if p.done >= most { Break(()) } else { Continue(()) };
                 simulation().progress(stop).run_among(&problem, processes)
             });

@@ -23,7 +23,7 @@ impl Simulation<'_> {
 }
 
 /// The ranks of a communicator.
-struct Ranks<'a, C>(&'a C);
+pub(crate) struct Ranks<'a, C>(pub(crate) &'a C);
 
 impl<C: Communicator> Processes for Ranks<'_, C> {
     fn rank(&self) -> usize {

@@ -1,14 +1,16 @@
 use super::case::Case;
-use super::journal::{Callback, Journal, columns};
+use super::journal::{Journal, Output};
+use super::lines::columns;
 use super::row::OrderRow;
 use super::table::OrderTable;
 use super::truth::Truth;
 use crate::error::{Error, Result};
 use crate::simulation::Progress;
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A study of orders: all problems × methods × orders in one table.
 ///
@@ -31,8 +33,7 @@ use std::path::{Path, PathBuf};
 pub struct OrderStudy<'a> {
     cases: Vec<Case<'a>>,
     orders: Vec<u32>,
-    file: Option<PathBuf>,
-    progress: Option<Callback<'a>>,
+    pub(super) output: Output<'a>,
 }
 
 impl fmt::Debug for OrderStudy<'_> {
@@ -45,7 +46,7 @@ impl fmt::Debug for OrderStudy<'_> {
 impl<'a> OrderStudy<'a> {
     /// A study of these orders.
     pub fn new(orders: &[u32]) -> Self {
-        OrderStudy { cases: Vec::new(), orders: orders.to_vec(), file: None, progress: None }
+        OrderStudy { cases: Vec::new(), orders: orders.to_vec(), output: Output::new() }
     }
 
     /// Adds a case.
@@ -54,28 +55,42 @@ impl<'a> OrderStudy<'a> {
         self
     }
 
-    /// Keeps the rows in a CSV file, and goes on from it if it is there. In the end the rows stand in order. A file serves
-    /// one process at a time.
+    /// Keeps the rows in a CSV file, and goes on from it and its parts if they are there. In the end the rows stand in order. A
+    /// file serves one process at a time.
     pub fn file(self, path: impl AsRef<Path>) -> Self {
-        OrderStudy { file: Some(path.as_ref().to_owned()), ..self }
+        OrderStudy { output: Output { file: Some(path.as_ref().to_owned()), ..self.output }, ..self }
+    }
+
+    /// Computes part k of n alone, k from 1, so that n processes, on machines that share a folder, compute one table: 1/1 is
+    /// the whole study, which is the default.
+    ///
+    /// Rows are dealt as [`Part`](super::Part) says, those of high orders first; a part makes the truths of the problems that it has
+    /// rows of. It appends its rows to a file of its own, the table's with `.part-k-of-n` behind its name, and computes none
+    /// that the table or any part of it has when it begins. So an interrupted study may go on with another number of parts, or
+    /// without parts. [`merge`](super::merge) puts the table together, and so does a run without parts, which computes what
+    /// is missing.
+    pub fn part(self, k: usize, n: usize) -> Self {
+        OrderStudy { output: Output { part: (k, n), ..self.output }, ..self }
     }
 
     /// Calls back after each row, one at a time, with the row as it stands in the file, without number and checksum; `Break` ends the
-    /// study, and rows that have begun are still finished. Rows of an earlier run count as done. The callback must not start
+    /// study, and rows that have begun are still finished. Rows of an earlier run count as done, and those of other parts do not
+    /// count at all. The callback must not start
     /// parallel work of its own: its thread could be given a row, and then wait for itself without end.
     pub fn progress(self, callback: impl FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a) -> Self {
-        OrderStudy { progress: Some(Box::new(callback)), ..self }
+        OrderStudy { output: Output { progress: Some(Box::new(callback)), ..self.output }, ..self }
     }
 
-    /// Computes the rows that are missing.
+    /// Computes the rows that are missing, and returns all that are there then.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a study without rows, [`Error::NotAName`] for a name of more than one line;
-    /// [`Error::OtherStudy`] for a file of another study, [`Error::SpoiledStudy`] for one that was altered, [`Error::File`];
+    /// [`Error::OutOfRange`] for a study without rows, [`Error::NotAName`] for a name of more than one line,
+    /// [`Error::NoSuchPart`] for part 0 and parts above n; [`Error::OtherStudy`] for a file of another study, the table's or that
+    /// of a part, [`Error::SpoiledStudy`] for one that was altered, [`Error::File`];
     /// [`Error::StudyCancelled`]; and the errors of truths and methods. A method that has no density at some order makes a
     /// row, not an error.
     pub fn run(self) -> Result<OrderTable> {
-        let OrderStudy { cases, orders, file, progress } = self;
+        let OrderStudy { cases, orders, output } = self;
         let columns = columns::<OrderRow>()?;
         let mut keys: Vec<(usize, usize, u32)> = Vec::new();
         let mut settings = format!("{columns:?} {orders:?}");
@@ -87,19 +102,23 @@ impl<'a> OrderStudy<'a> {
             let remedy = "give it at least one order, one problem and one method";
             return Err(Error::OutOfRange { name: "number of rows of the study", value: 0.0, remedy });
         }
-        let journal = Journal { columns, rows: keys.len(), settings, path: file, progress };
+        // The costs of rows grow with their orders.
+        let mut falling: Vec<usize> = (0..keys.len()).collect();
+        falling.sort_by_key(|&row| Reverse(keys[row].2));
+        let mut places = vec![0; keys.len()];
+        falling.iter().enumerate().for_each(|(place, &row)| places[row] = place);
+        let journal: Journal<'_, OrderRow> = Journal::new(output, &settings, &columns, &places)?;
         // Truths first, each on all threads: a row that waited for one could be run by the thread that makes it.
-        let missing: BTreeSet<usize> = journal.missing::<OrderRow>()?.into_iter().map(|row| keys[row].0).collect();
+        let missing: BTreeSet<usize> = journal.missing().map(|row| keys[row].0).collect();
         let truths = missing.into_iter().map(|case| Ok((case, cases[case].truth()?)));
         let truths: BTreeMap<usize, Truth> = truths.collect::<Result<_>>()?;
-        let rows = journal.run(|row| {
-            let (case, method, order) = keys[row];
-            // Only rows that were missing a moment ago are computed.
-            match truths.get(&case) {
-                Some(truth) => cases[case].row(truth, method, order),
-                None => cases[case].row(&cases[case].truth()?, method, order),
-            }
+        let found = journal.run(|rows, keeper| {
+            rows.iter().try_for_each(|&row| {
+                let (case, method, order) = keys[row];
+                keeper.row(row, || Ok((cases[case].row(&truths[&case], method, order)?, ())))
+            })
         })?;
-        Ok(OrderTable { rows })
+        let missing = keys.len() - found.len();
+        Ok(OrderTable { rows: found.into_values().collect(), missing })
     }
 }

@@ -1,12 +1,11 @@
-use super::journal::{Callback, Journal};
+use super::journal::{Journal, Output, all};
 use crate::checks::{dimension, finite, require};
 use crate::error::{Error, Result};
 use crate::simulation::Progress;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The default number of values that start from the same one.
 const SEGMENT: usize = 8;
@@ -14,8 +13,8 @@ const SEGMENT: usize = 8;
 /// A study of the dependence on one parameter: a row of numbers for each value, each started from a value close by.
 ///
 /// The values are taken in segments of eight neighbours. The middle value of a segment is solved from nothing, and all others
-/// of the segment start from it, so that rows do not wait for one another, and a study that goes on from a file has to
-/// repeat no more than the middle ones. These come first: rows are kept, and progress is reported, once all of them are there.
+/// of the segment start from it, so that they do not wait for one another, and a study that goes on from a file has to
+/// repeat no more than the middle ones. Segments stay whole where a sweep is dealt to parts ([`Sweep::part`]) or ranks.
 ///
 /// ```
 /// use expoly::{Closure, Density, Problem, models::DuffingVanDerPol, study::Sweep};
@@ -35,16 +34,16 @@ pub struct Sweep<'a> {
     columns: Vec<String>,
     segment: usize,
     settings: String,
-    file: Option<PathBuf>,
-    progress: Option<Callback<'a>>,
+    pub(super) output: Output<'a>,
 }
 
 /// The rows of a sweep, in the order of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepTable {
     /// The parameter's name, then those of the other columns.
-    columns: Vec<String>,
-    rows: Vec<Vec<f64>>,
+    pub(super) columns: Vec<String>,
+    pub(super) rows: Vec<Vec<f64>>,
+    pub(super) missing: usize,
 }
 
 impl fmt::Debug for Sweep<'_> {
@@ -65,8 +64,7 @@ impl<'a> Sweep<'a> {
             columns: columns.iter().map(|column| column.as_ref().to_owned()).collect(),
             segment: SEGMENT,
             settings: String::new(),
-            file: None,
-            progress: None,
+            output: Output::new(),
         }
     }
 
@@ -82,12 +80,17 @@ impl<'a> Sweep<'a> {
 
     /// Keeps the rows in a CSV file, and goes on from it if it is there, as [`OrderStudy::file`](super::OrderStudy::file).
     pub fn file(self, path: impl AsRef<Path>) -> Self {
-        Sweep { file: Some(path.as_ref().to_owned()), ..self }
+        Sweep { output: Output { file: Some(path.as_ref().to_owned()), ..self.output }, ..self }
+    }
+
+    /// Computes the segments of part k of n alone, k from 1, as [`OrderStudy::part`](super::OrderStudy::part).
+    pub fn part(self, k: usize, n: usize) -> Self {
+        Sweep { output: Output { part: (k, n), ..self.output }, ..self }
     }
 
     /// Calls back after each row, as [`OrderStudy::progress`](super::OrderStudy::progress).
     pub fn progress(self, callback: impl FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a) -> Self {
-        Sweep { progress: Some(Box::new(callback)), ..self }
+        Sweep { output: Output { progress: Some(Box::new(callback)), ..self.output }, ..self }
     }
 
     /// Computes the rows that are missing: `solve(value, near)` returns the numbers of the columns and the start for
@@ -101,7 +104,7 @@ impl<'a> Sweep<'a> {
         self,
         solve: impl Fn(f64, Option<&W>) -> Result<(Vec<f64>, W)> + Sync,
     ) -> Result<SweepTable> {
-        let Sweep { parameter, values, columns, segment, settings, file, progress } = self;
+        let Sweep { parameter, values, columns, segment, settings, output } = self;
         for &value in &values {
             finite("value of the sweep", value)?;
         }
@@ -109,30 +112,28 @@ impl<'a> Sweep<'a> {
             require(count > 0, name, 0.0, "it must be one at least")?;
         }
         let settings = format!("{parameter:?} {values:?} {columns:?} {segment} {settings:?}");
-        let all: Vec<String> = std::iter::once(parameter).chain(columns).collect();
-        let journal = Journal { columns: all.clone(), rows: values.len(), settings, path: file, progress };
-        let count = all.len() - 1;
-        let checked = |(numbers, state): (Vec<f64>, W)| {
-            dimension("the numbers of a row of the sweep", numbers.len(), count)?;
-            Ok((numbers, state))
+        let columns: Vec<String> = std::iter::once(parameter).chain(columns).collect();
+        let segments: Vec<usize> = (0..values.len()).map(|row| row / segment).collect();
+        let journal = Journal::new(output, &settings, &columns, &segments)?;
+        let solved = |row: usize, near: Option<&W>| {
+            let (numbers, state) = solve(values[row], near)?;
+            dimension("the numbers of a row of the sweep", numbers.len(), columns.len() - 1)?;
+            Ok((std::iter::once(values[row]).chain(numbers).collect::<Vec<f64>>(), state))
         };
         // The middle of a row's segment.
         let middle = |row: usize| {
             let first = row / segment * segment;
             (first + (first + segment).min(values.len()) - 1) / 2
         };
-        let mut middles: Vec<usize> = journal.missing::<Vec<f64>>()?.into_iter().map(middle).collect();
-        middles.dedup();
-        let solved = middles.par_iter().map(|&row| Ok((row, checked(solve(values[row], None)?)?)));
-        let solved: BTreeMap<usize, (Vec<f64>, W)> = solved.collect::<Result<_>>()?;
-        let rows = journal.run(|row| {
-            let numbers = match solved.get(&middle(row)) {
-                Some((numbers, _)) if middle(row) == row => numbers.clone(),
-                near => checked(solve(values[row], near.map(|(_, state)| state))?)?.0,
-            };
-            Ok(std::iter::once(values[row]).chain(numbers).collect())
+        let found = journal.run(|rows, keeper| {
+            let middle = middle(rows[0]);
+            let near = keeper.row(middle, || solved(middle, None))?;
+            let others = rows.par_iter().with_max_len(1).filter(|row| **row != middle);
+            let others = others.map(|&row| keeper.row(row, || solved(row, Some(&near)).map(|(row, _)| (row, ()))));
+            all(others.collect::<Vec<_>>())
         })?;
-        Ok(SweepTable { columns: all, rows })
+        let missing = values.len() - found.len();
+        Ok(SweepTable { columns, rows: found.into_values().collect(), missing })
     }
 }
 
@@ -142,9 +143,14 @@ impl SweepTable {
         &self.columns
     }
 
-    /// The rows: the parameter, then the numbers of the columns.
+    /// The rows that are there: the parameter, then the numbers of the columns.
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.rows
+    }
+
+    /// The number of rows that are not there, as [`OrderTable::missing`](super::OrderTable::missing).
+    pub fn missing(&self) -> usize {
+        self.missing
     }
 
     /// The numbers of one column.

@@ -7,12 +7,20 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrderTable {
     pub(super) rows: Vec<OrderRow>,
+    #[serde(skip)]
+    pub(super) missing: usize,
 }
 
 impl OrderTable {
-    /// The rows.
+    /// The rows that are there.
     pub fn rows(&self) -> &[OrderRow] {
         &self.rows
+    }
+
+    /// The number of rows that are not there: after a run of one part ([`OrderStudy::part`](super::OrderStudy::part)) those of
+    /// others that were in none of the files when it began.
+    pub fn missing(&self) -> usize {
+        self.missing
     }
 
     /// The convergence of each system and method, in the order of the rows.

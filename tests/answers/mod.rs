@@ -2,5 +2,6 @@
 
 mod closed_form;
 mod densities;
+mod parts;
 mod sampling_errors;
 mod study;

@@ -17,8 +17,11 @@ mod grid_walls;
 mod identification;
 mod impulses;
 mod memory;
+mod merge;
 #[cfg(feature = "mpi")]
 mod ranks;
+#[cfg(feature = "mpi")]
+mod studies;
 mod tails;
 mod time_step;
 mod transients;
@@ -51,9 +54,14 @@ enum Question {
     Impulses(impulses::Options),
     /// Does the memory of a simulation depend on its length?
     Memory(memory::Options),
+    /// The table of a study from its parts
+    Merge(merge::Options),
     /// One simulation on all ranks of MPI, with all bits of its result
     #[cfg(feature = "mpi")]
     Ranks(ranks::Options),
+    /// A sweep and a study of orders on all ranks of MPI
+    #[cfg(feature = "mpi")]
+    Studies(studies::Options),
     /// How far into the tail does splitting reach, and how accurately?
     Tails(tails::Options),
     /// Of which order is the simulation's time step?
@@ -80,8 +88,11 @@ fn main() -> ExitCode {
         Question::Identification(options) => identification::run(&options),
         Question::Impulses(options) => impulses::run(&options),
         Question::Memory(options) => memory::run(&options),
+        Question::Merge(options) => merge::run(&options),
         #[cfg(feature = "mpi")]
         Question::Ranks(options) => ranks::run(&options),
+        #[cfg(feature = "mpi")]
+        Question::Studies(options) => studies::run(&options),
         Question::Tails(options) => tails::run(&options),
         Question::TimeStep(options) => time_step::run(&options),
         Question::Transients(options) => transients::run(&options),

@@ -1,8 +1,9 @@
-//! What the examples, tests and benches share: systems, studies of orders, figures, files, numbers in JSON, progress bars,
+//! What the examples, tests and benches share: systems, studies of orders, parts of studies, figures, files, numbers in JSON, progress bars,
 //! timings, the commands that documents name.
 
 pub mod bench;
 pub mod commands;
+pub mod dealt;
 pub mod exact;
 pub mod figure;
 pub mod file;

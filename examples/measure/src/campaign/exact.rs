@@ -84,7 +84,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         })
     };
     let campaign = options.campaign(if options.best { "exact_best.csv" } else { "exact.csv" }, 60, &orders);
-    let findings = campaign.findings(system, truth, row)?;
+    let Some(findings) = campaign.findings(system, truth, row)? else { return Ok(()) };
     findings.print_missing();
     for order in orders {
         summary(order, &findings.rows.iter().filter(|row| row.place.order == order).collect::<Vec<_>>());

@@ -1,10 +1,11 @@
 //! The run of every campaign: a truth for each system, a row for each order, and a table that an interrupted campaign goes on
-//! from.
+//! from, or parts of it.
 
 use crate::Outcome;
-use expoly::Problem;
+use expoly::{Problem, study::Part};
 use std::fmt::Display;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use support::dealt::Dealt;
 use support::file::{csv_of, read_csv, write_whole};
 
 /// A system of a campaign, which can be printed.
@@ -89,6 +90,10 @@ pub(crate) struct Campaign {
     pub(crate) seed: u64,
     pub(crate) indices: std::ops::Range<usize>,
     pub(crate) orders: Vec<u32>,
+    /// The systems that this run closes.
+    pub(crate) dealt: Dealt,
+    /// Close none, and refuse a table that is not whole.
+    pub(crate) merge: bool,
 }
 
 /// A campaign's findings, with the systems that have none.
@@ -100,30 +105,53 @@ pub(crate) struct Findings<R> {
 }
 
 impl Campaign {
-    /// Closes the systems of all indices at all orders, prints each row as it comes, and keeps the table after each system.
-    /// Rows that are in the table already are not computed again.
+    /// Closes the systems of this part at all orders, prints each row as it comes, and keeps the part's table after each system.
+    /// Rows that the table or any part of it has are not computed again. Without parts the table is whole then, and takes the
+    /// place of its parts; none are the findings of one part.
     ///
     /// # Errors
-    /// Where the file is no table of this campaign, or cannot be written.
+    /// Where a file is no table of this campaign, or cannot be written, and where rows are missing that are not to be computed.
     pub(crate) fn findings<S: Named, T, R: Row>(
         &self,
         system: impl Fn(usize) -> expoly::Result<S>,
         truth: impl Fn(usize, &Problem) -> Result<T, String>,
         row: impl Fn(Place, &Problem, &T) -> expoly::Result<R>,
-    ) -> Result<Findings<R>, Box<dyn std::error::Error>> {
-        let mut lines = self.begun()?;
-        for index in self.indices.clone() {
-            let places = self.orders.iter().map(|&order| Place { index, order });
-            let missing: Vec<Place> =
-                places.filter(|place| lines.iter().all(|line: &Line<R>| line.place() != *place)).collect();
-            if missing.is_empty() {
+    ) -> Result<Option<Findings<R>>, Box<dyn std::error::Error>> {
+        let Dealt { part } = self.dealt;
+        let file = part.file(&self.path);
+        // The lines of this part's own file, and those of all others; a line of two counts once.
+        let (mut lines, mut others) = (self.begun::<R>(&file)?, Vec::new());
+        for other in Part::files(&self.path)?.iter().filter(|other| **other != file) {
+            others.extend(self.begun::<R>(other)?);
+        }
+        if part == Part::WHOLE {
+            for line in others.drain(..) {
+                if !has(&lines, line.place()) {
+                    lines.push(line);
+                }
+            }
+        }
+        let all = |index| self.orders.iter().map(move |&order| Place { index, order });
+        let missing = |lines: &[Line<R>]| {
+            let missing =
+                self.indices.clone().flat_map(all).filter(|&place| !has(lines, place) && !has(&others, place));
+            missing.collect::<Vec<_>>()
+        };
+        let left = missing(&lines);
+        if self.merge && !left.is_empty() {
+            let (rows, path) = (self.indices.len() * self.orders.len(), self.path.display());
+            return Err(format!("{} of {rows} rows of {path} are in none of its parts", left.len()).into());
+        }
+        for index in self.indices.clone().filter(|&index| part.holds(index)) {
+            let places: Vec<Place> = left.iter().copied().filter(|place| place.index == index).collect();
+            if places.is_empty() {
                 continue;
             }
             let system = system(index)?;
             println!("{index:4} {system}");
             let problem = system.problem()?;
             let truth = truth(index, &problem);
-            for place in missing {
+            for place in places {
                 let line = match &truth {
                     Err(reason) => Line::Unknown(place, reason.clone()),
                     Ok(truth) => match row(place, &problem, truth) {
@@ -138,22 +166,39 @@ impl Campaign {
                 }
                 lines.push(line);
             }
-            self.keep(&lines)?;
+            self.keep(&file, &lines)?;
         }
-        Ok(self.sorted(lines))
+        if let Some(note) = self.dealt.note(&self.path, missing(&lines).len()) {
+            println!("{note}");
+            return Ok(None);
+        }
+        self.merged(&mut lines)?;
+        Ok(Some(self.sorted(lines)))
     }
 
-    /// The lines of an earlier run.
-    fn begun<R: Row>(&self) -> Result<Vec<Line<R>>, Box<dyn std::error::Error>> {
-        let Some((header, rows)) = read_csv(&self.path)? else { return Ok(Vec::new()) };
+    /// Writes the lines of a table with parts, in order, and removes the parts.
+    fn merged<R: Row>(&self, lines: &mut [Line<R>]) -> Outcome {
+        let mut parts = Part::files(&self.path)?;
+        parts.retain(|path| *path != self.path);
+        if !parts.is_empty() {
+            lines.sort_by_key(|line| (line.place().index, line.place().order));
+            self.keep(&self.path, lines)?;
+            parts.iter().try_for_each(std::fs::remove_file)?;
+        }
+        Ok(())
+    }
+
+    /// The lines of a file of an earlier run.
+    fn begun<R: Row>(&self, path: &Path) -> Result<Vec<Line<R>>, Box<dyn std::error::Error>> {
+        let Some((header, rows)) = read_csv(path)? else { return Ok(Vec::new()) };
         let lines: Option<Vec<Line<R>>> = rows.iter().map(|fields| Line::read(fields, self.seed)).collect();
-        let another = || format!("{} is the table of another campaign: move it, or give --out", self.path.display());
+        let another = || format!("{} is the table of another campaign: move it, or give --out", path.display());
         Ok(lines.filter(|_| header == columns::<R>()).ok_or_else(another)?)
     }
 
-    fn keep<R: Row>(&self, lines: &[Line<R>]) -> Outcome {
+    fn keep<R: Row>(&self, path: &Path, lines: &[Line<R>]) -> Outcome {
         let table = csv_of(&columns::<R>(), lines.iter().map(|line| line.write(self.seed)))?;
-        Ok(write_whole(&self.path, &table)?)
+        Ok(write_whole(path, &table)?)
     }
 
     /// The lines of this run's systems and orders, in order.
@@ -173,6 +218,10 @@ impl Campaign {
         findings.unknown.dedup();
         findings
     }
+}
+
+fn has<R: Row>(lines: &[Line<R>], place: Place) -> bool {
+    lines.iter().any(|line| line.place() == place)
 }
 
 fn columns<R: Row>() -> Vec<String> {

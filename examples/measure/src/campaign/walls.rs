@@ -83,7 +83,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     };
     println!("seed {}; L1 (estimate; grid), decades of p_Y, errors of E Y, E Y'^2, impact rate in %, s", options.seed);
     let campaign = options.campaign(name, usual, &orders);
-    let findings = campaign.findings(system, truth, row)?;
+    let Some(findings) = campaign.findings(system, truth, row)? else { return Ok(()) };
     let rows = &findings.rows;
     findings.print_missing();
     for order in orders {
