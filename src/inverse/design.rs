@@ -1,4 +1,4 @@
-use super::newton::{limited, stepped};
+use super::newton::{Secant, constrained, limited, stepped};
 use super::{moved, values};
 use crate::checks::{finite, positive, require};
 use crate::closure::{Closure, ClosureDensity, Sensitivity};
@@ -7,14 +7,12 @@ use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use crate::statistics::Marginal;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use num_dual::HyperDual64;
 use std::fmt;
 
 /// The largest change of a parameter in a step, relative to itself.
 const LONGEST: f64 = 0.5;
-/// Eigenvalues of the Lagrange function's second derivative are at least this share of the largest.
-const CONVEX: f64 = 0.05;
 /// The order by which the order rises, and the highest.
 const RISE: u32 = 2;
 /// See [`RISE`].
@@ -110,7 +108,7 @@ impl fmt::Debug for Design<'_> {
 
 impl<'a> Design<'a> {
     /// A design of these parameters, from their values in the problem on, for an answer `value` above zero, at the least `cost`: a
-    /// function of the parameters in this order, written on dual numbers.
+    /// function of the parameters in this order, written on dual numbers, [`num_dual::HyperDual64`].
     pub fn new(
         problem: &Problem,
         parameters: &[&str],
@@ -183,7 +181,7 @@ impl<'a> Design<'a> {
                 Some(exact) => exact.clone(),
                 None => secant.updated(&parameters, &at.slope),
             };
-            let step = step([&slope, &at.slope], &(curvature + multiplier * second), at.log);
+            let step = constrained([&slope, &at.slope], &(curvature + multiplier * second), at.log);
             let factor = limited(&parameters, step.as_slice(), LONGEST);
             let step: Vec<f64> = step.iter().map(|step| factor * step).collect();
             let solve =
@@ -252,49 +250,6 @@ struct Solved {
     log: f64,
     slope: DVector<f64>,
     curvature: Option<DMatrix<f64>>,
-}
-
-/// The step to a stationary point of the cost's quadratic model where the linear model of ln A is met. The eigenvalues of the
-/// curvature are made positive.
-fn step([cost, answer]: [&DVector<f64>; 2], curvature: &DMatrix<f64>, log: f64) -> DVector<f64> {
-    let count = cost.len();
-    let mut parts = SymmetricEigen::new(curvature.clone());
-    let least = CONVEX * parts.eigenvalues.amax();
-    parts.eigenvalues.apply(|value| *value = value.abs().max(least));
-    let curvature = parts.recompose();
-    let mut system = DMatrix::zeros(count + 1, count + 1);
-    system.view_mut((0, 0), (count, count)).copy_from(&curvature);
-    system.view_mut((0, count), (count, 1)).copy_from(answer);
-    system.view_mut((count, 0), (1, count)).copy_from(&answer.transpose());
-    let right = DVector::from_fn(count + 1, |k, _| if k < count { -cost[k] } else { -log });
-    // A cost without curvature leaves only the shortest way to the demand.
-    let solved = system.lu().solve(&right).filter(|step| step.iter().all(|value| value.is_finite()));
-    solved.map_or_else(|| answer * (-log / answer.norm_squared()), |step| step.rows(0, count).into())
-}
-
-/// The second derivative of ln A by the symmetric update of rank one.
-struct Secant {
-    matrix: DMatrix<f64>,
-    last: Option<(DVector<f64>, DVector<f64>)>,
-}
-
-impl Secant {
-    fn new(count: usize) -> Self {
-        Secant { matrix: DMatrix::zeros(count, count), last: None }
-    }
-
-    fn updated(&mut self, parameters: &[f64], slope: &DVector<f64>) -> DMatrix<f64> {
-        let at = DVector::from_column_slice(parameters);
-        if let Some((before, slope_before)) = self.last.replace((at.clone(), slope.clone())) {
-            let moved = at - before;
-            let left = slope - slope_before - &self.matrix * &moved;
-            let along = left.dot(&moved);
-            if along.abs() > 1e-8 * left.norm() * moved.norm() {
-                self.matrix += &left * left.transpose() / along;
-            }
-        }
-        self.matrix.clone()
-    }
 }
 
 /// A design that was found.
