@@ -23,7 +23,7 @@ use std::path::Path;
 /// let square = |x: f64, _: Option<&()>| Ok((vec![x * x], ()));
 /// let sweep = || Sweep::new("x", &[1.0, 2.0, 3.0], &["x^2"]).segment(1).file(&table);
 /// sweep().part(1, 2).run(square)?;
-/// assert!(merge(&table).unwrap_err().to_string().contains("1 of 3 rows"));
+/// assert!(merge(&table).unwrap_err().to_string().contains("2 of 3 rows"));
 /// sweep().part(2, 2).run(square)?;
 /// assert_eq!(merge(&table)?, 3);
 /// assert_eq!(sweep().run(|_, _: Option<&()>| unreachable!())?.column("x^2")?, [1.0, 4.0, 9.0]);
