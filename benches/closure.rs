@@ -7,6 +7,22 @@ use nalgebra::{dmatrix, dvector};
 use std::process::ExitCode;
 use support::bench::Group;
 
+const GROWING: &str = r#"
+states = ["x", "v"]
+[parameters]
+c = 0.2
+e = 0.3
+q = 0.1
+k = 1
+mu = 0.3
+D = 0.3
+[drift]
+x = "v"
+v = "-c*v - e*x^2*v - q*v^3 - k*x - mu*x^3"
+[noise.w]
+v = "sqrt(2*D)"
+"#;
+
 fn run() -> Result<()> {
     let exact = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     let inexact = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
@@ -43,16 +59,17 @@ fn run() -> Result<()> {
         .task("eleven times", || Closure::new(6).transient(&exact, &start, &times))
         .run()?;
 
-    // Of all five parameters, without a closed form.
-    let parametric = Problem::parametric(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
-    let names: Vec<&str> = parametric.parameters().iter().map(|(name, _)| name.as_str()).collect();
-    for order in [4, 8] {
-        Group::new(&format!("derivatives by parameters, n = {order}"), 11)
-            .task("the density", || Closure::new(order).solve(&parametric))
-            .task("the density and its derivatives by five parameters", || {
-                Closure::new(order).solve(&parametric)?.sensitivities(&names)
-            })
-            .run()?;
+    // By all six parameters, without a closed form: in the second group above a wall, whose own two are among them.
+    let plane = Problem::from_toml(GROWING)?;
+    let above = Problem::parametric(Duffing::new(0.2, 1.0, 0.3, 0.2)?)?.with_wall(Wall::above(-0.5, 0.8)?)?;
+    for (place, problem) in [("in the plane", &plane), ("above a wall", &above)] {
+        let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
+        for order in [4, 6, 8] {
+            Group::new(&format!("derivatives by six parameters {place}, n = {order}"), 11)
+                .task("the density", || Closure::new(order).solve(problem))
+                .task("the density and its derivatives", || Closure::new(order).solve(problem)?.sensitivities(&names))
+                .run()?;
+        }
     }
 
     let [filtered, absorber] =

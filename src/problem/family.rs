@@ -145,6 +145,27 @@ impl Problem {
         if fixed { Err(independent(parameter)) } else { Ok(Motion { operator, walls }) }
     }
 
+    /// The second derivative by two parameters, which may be the same.
+    ///
+    /// # Errors
+    /// As [`Problem::motion`].
+    pub(crate) fn second_motion(&self, [first, second]: [&str; 2]) -> Result<Motion> {
+        let still =
+            || Motion { operator: FokkerPlanck::zero(self.dimension()), walls: vec![[0.0; 2]; self.walls.len()] };
+        for name in [first, second] {
+            if self.number_of_wall(self.index_of_parameter(name)?).is_some() {
+                return Ok(still());
+            }
+        }
+        let (family, lifted) = (self.family()?, self.lifted(first, Some(second))?);
+        let mut walls = still().walls;
+        for (i, (moved, numbers)) in walls.iter_mut().zip(&lifted.walls).enumerate() {
+            let follows = self.follows(family, i);
+            *moved = [0, 1].map(|k| if follows[k] { numbers[k].eps1eps2 } else { 0.0 });
+        }
+        Ok(Motion { operator: lifted.operator.coefficient([1, 1]), walls })
+    }
+
     /// The system with dual numbers for one parameter, or for two, which may be the same.
     fn lifted(&self, first: &str, second: Option<&str>) -> Result<Lifted> {
         let seed = |name: &str, present: f64| {

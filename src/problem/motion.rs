@@ -4,7 +4,7 @@ use super::Problem;
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::Polynomial;
 
-/// The derivative of a problem by a parameter θ.
+/// The derivative of a problem by a parameter θ, or the second one by two.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     /// ∂f/∂θ and ∂B/∂θ at a fixed state.
@@ -21,6 +21,10 @@ pub(crate) struct Motion {
 /// ∂f_x = η ∂_x f_x − η′ f_x, ∂f_v = η ∂_x f_v, ∂B_vv = η ∂_x B_vv.
 ///
 /// At a fixed x the density has the derivative ∂p/∂θ = ∂q/∂θ − ∂_x(η q).
+///
+/// By two parameters θ and φ, with ζ the second derivative of x, an operator T_η that is the one above, and f″ at a fixed x,
+///
+/// ∂²f/∂θ∂φ = f″ + T_η(φ) f′_θ + T_η(θ) f′_φ + T_η(θ) T_η(φ) f + T_(ζ − η(θ) η(φ)′) f.
 #[derive(Clone, Debug)]
 pub(crate) struct PlaneMotion {
     /// ∂f/∂θ and ∂B/∂θ at a fixed ξ.
@@ -34,6 +38,26 @@ pub(crate) struct PlaneMotion {
 impl Motion {
     /// The motion of a problem of two states with walls on state 0 alone.
     pub(crate) fn on_plane(&self, problem: &Problem) -> PlaneMotion {
+        let (shift, restitution) = self.of_walls(problem);
+        PlaneMotion { operator: self.operator.plus(&stretched(problem.operator(), shift)), shift, restitution }
+    }
+
+    /// The second motion there, which this is at a fixed state, given the first ones.
+    pub(crate) fn second_on_plane(&self, problem: &Problem, first: [&Motion; 2]) -> PlaneMotion {
+        let (shift, restitution) = self.of_walls(problem);
+        let [one, other] = first.map(|motion| motion.on_plane(problem));
+        let bend = [0, 1].map(|k| shift[k] - one.shift[k] * other.shift[1]);
+        let parts = [
+            stretched(&first[0].operator, other.shift),
+            stretched(&other.operator, one.shift),
+            stretched(problem.operator(), bend),
+        ];
+        let operator = parts.iter().fold(self.operator.clone(), |sum, part| sum.plus(part));
+        PlaneMotion { operator, shift, restitution }
+    }
+
+    /// η of the coordinate in which walls stand still, and the rates of the restitutions.
+    fn of_walls(&self, problem: &Problem) -> ([f64; 2], [f64; 2]) {
         let rates = problem.walls().iter().zip(&self.walls);
         let of_side = |above: bool| rates.clone().find(|(wall, _)| wall.is_above() == above);
         let sides = [of_side(true), of_side(false)];
@@ -44,15 +68,17 @@ impl Motion {
             }
             [one, other] => [one.or(other).map_or(0.0, |(_, rate)| rate), 0.0],
         };
-        let restitution = sides.map(|side| side.map_or(0.0, |(_, [_, rate])| *rate));
-        let operator = if shift == [0.0; 2] {
-            self.operator.clone()
-        } else {
-            let field = Polynomial::variable(2, 0) * shift[1] + shift[0];
-            self.operator.plus(&problem.operator().stretched(0, &field))
-        };
-        PlaneMotion { operator, shift, restitution }
+        (shift, sides.map(|side| side.map_or(0.0, |(_, [_, rate])| *rate)))
     }
+}
+
+/// An operator as the coordinate of state 0 moves by η.
+fn stretched(operator: &FokkerPlanck, shift: [f64; 2]) -> FokkerPlanck {
+    if shift == [0.0; 2] {
+        return FokkerPlanck::zero(operator.dimension());
+    }
+    let field = Polynomial::variable(operator.dimension(), 0) * shift[1] + shift[0];
+    operator.stretched(0, &field)
 }
 
 impl PlaneMotion {

@@ -5,7 +5,7 @@ use expoly::models::{DisplacementNoise, Duffing, Solved};
 use expoly::statistics::{Crossings, Marginal};
 use expoly::{
     Closure, ClosureDensity, Crossing, Density, Error, ExpPolynomial, Grid, Intensity, Oscillator, Parameter,
-    Parametric, Problem, Result, Scalar, Sensitivity, Wall, Weight,
+    Parametric, Problem, Result, Scalar, Sensitivity, Weight,
 };
 
 /// The differences of an answer of second order at h and 2h, extrapolated: h⁴ of a fifth derivative, and rounding over h.
@@ -249,8 +249,6 @@ fn derivatives_that_the_closure_has_not_are_refused() -> Result<()> {
     let duffing = duffing().problem()?;
     let density = Closure::new(4).solve(&duffing)?;
     assert!(matches!(density.sensitivity("nu"), Err(Error::NotAName { .. })));
-    let walled = duffing.clone().with_wall(Wall::above(-0.5, 0.9)?)?;
-    assert!(matches!(Closure::new(4).solve(&walled)?.second_sensitivity(["c", "D"]), Err(Error::NotServed { .. })));
     let document: ClosureDensity = serde_json::from_str(&serde_json::to_string(&density).unwrap()).unwrap();
     assert!(matches!(document.sensitivity("c"), Err(Error::NotKnown { .. })));
     let moving = Closure::new(4).transient(&duffing, &vec![0.5, 0.0].into(), &[2.0])?.remove(0);

@@ -58,19 +58,29 @@ impl Elastic {
         [over(low, &|x| x) / mass, over(low, &|x| x * x) / mass, d / c, over(low.max(0.4), &|_| 1.0) / mass, impacts]
     }
 
+    /// The same with a parameter moved.
+    fn moved(&self, name: &str, h: f64) -> Self {
+        let mut moved = *self;
+        match name {
+            "x.above.offset" => moved.walls[0] = moved.walls[0].map(|b| b + h),
+            "x.below.offset" => moved.walls[1] = moved.walls[1].map(|b| b + h),
+            name => moved.parameters[["c", "k", "mu", "D"].iter().position(|own| *own == name).unwrap()] += h,
+        }
+        moved
+    }
+
     /// Their derivatives by a parameter, by differences of fourth order: h⁴ of a fifth derivative and rounding over h, 1e-11 relative.
     pub(crate) fn derivatives(&self, name: &str) -> [f64; 5] {
-        let at = |h: f64| {
-            let mut moved = *self;
-            match name {
-                "x.above.offset" => moved.walls[0] = moved.walls[0].map(|b| b + h),
-                "x.below.offset" => moved.walls[1] = moved.walls[1].map(|b| b + h),
-                name => moved.parameters[["c", "k", "mu", "D"].iter().position(|own| *own == name).unwrap()] += h,
-            }
-            moved.answers()
-        };
-        let h = 2e-4;
-        let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(k * h));
-        std::array::from_fn(|k| (8.0 * (c[k] - b[k]) - (d[k] - a[k])) / (12.0 * h))
+        slopes(2e-4, |h| self.moved(name, h).answers())
     }
+
+    /// Their second derivatives by two parameters, likewise: h⁴ of a sixth derivative and rounding over h², 1e-8 relative.
+    pub(crate) fn second_derivatives(&self, [first, second]: [&str; 2]) -> [f64; 5] {
+        slopes(2e-3, |h| slopes(2e-3, |g| self.moved(first, h).moved(second, g).answers()))
+    }
+}
+
+fn slopes(h: f64, at: impl Fn(f64) -> [f64; 5]) -> [f64; 5] {
+    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(k * h));
+    std::array::from_fn(|k| (8.0 * (c[k] - b[k]) - (d[k] - a[k])) / (12.0 * h))
 }

@@ -10,6 +10,7 @@ mod campaign;
 mod cells;
 mod closure_cost;
 mod derivatives;
+mod derivatives_at_walls;
 mod draw;
 mod fuzz;
 mod grid_convergence;
@@ -42,6 +43,8 @@ enum Question {
     ClosureCost(closure_cost::Options),
     /// How accurate are derivatives by parameters in three and four states?
     Derivatives(derivatives::Options),
+    /// How accurate are derivatives by parameters above a wall that takes energy?
+    DerivativesAtWalls(derivatives_at_walls::Options),
     /// Does any input make the library panic, hang, or return a value that is no number?
     Fuzz(fuzz::Options),
     /// How accurate is the grid, and what does accuracy cost?
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
         Question::Campaign(options) => campaign::run(&options),
         Question::ClosureCost(options) => closure_cost::run(&options),
         Question::Derivatives(options) => derivatives::run(&options),
+        Question::DerivativesAtWalls(options) => derivatives_at_walls::run(&options),
         Question::Fuzz(options) => fuzz::run(&options),
         Question::GridConvergence(options) => grid_convergence::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),

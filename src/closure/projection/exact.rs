@@ -103,7 +103,8 @@ impl NodalClosure {
 /// Newton's method on ∫ r ψ_k p̃ dx = 0 from an exponent that is close already. Where the order contains the exact density
 /// the residual vanishes at every node, and this, which does not hold for most roots, is required; otherwise `None`.
 ///
-/// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way.
+/// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way. The last step begins where
+/// the residual counts as zero, so that Q, whose derivatives by parameters follow from it, is right to rounding.
 fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retained) -> Option<Exponent> {
     let Retained { points, weights, .. } = kept;
     let (states, count) = (points.dimension(), exponent.coefficients.len());
@@ -131,11 +132,12 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
             .zip(&measure)
             .fold([0.0; 2], |[square, parts], ((r, along, _), w)| [square + w * r * r, parts + w * along]);
         let size = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
-        if size < tuning::SOLVED {
+        if size < tuning::ROUNDING {
             return Some(current);
         }
+        let solved = size < tuning::SOLVED;
         // The negation also excludes NaN.
-        if !(size < tuning::exact::NEAR && size < tuning::CONVERGING * last) {
+        if !(solved || size < tuning::exact::NEAR && size < tuning::CONVERGING * last) {
             return None;
         }
         last = size;
@@ -171,6 +173,9 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
         }
         if !current.coefficients.iter().all(|a| a.is_finite()) {
             return None;
+        }
+        if solved {
+            return Some(current);
         }
     }
     None

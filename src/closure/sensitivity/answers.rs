@@ -6,7 +6,6 @@ use super::slope::Slope;
 use crate::checks::{coordinate, dimension, finite, point};
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Integrals;
-use crate::closure::density::exponent::Exponent;
 use crate::closure::tuning;
 use crate::density::{Crossing, Density};
 use crate::error::Result;
@@ -34,12 +33,10 @@ pub struct Sensitivity {
     pub(super) parameters: Vec<String>,
     /// The derivative of Q, with a constant that makes the derivative of the density one of a density.
     pub(super) slope: Slope,
-    /// The first derivatives of Q, whose product is a part of the second one of exp(Q).
-    pub(super) product: Option<[Exponent; 2]>,
     /// The derivatives of p̃ and of the reference at the density's nodes, times the weights, in the coordinate in which walls stand
     /// still,
     pub(super) masses: Vec<[f64; 2]>,
-    /// and what they have at fixed states beside.
+    /// and what they have beside, at fixed states and by the first derivatives.
     pub(super) carried: Carried,
     /// The derivative of the impact rate, where there are walls.
     pub(super) impacts: Option<Estimate>,
@@ -78,7 +75,7 @@ impl Sensitivity {
     }
 
     /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the nodes: ∂p/∂x ~ u^(g − 1)
-    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
+    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3; by two offsets it is so for every r < 1. Moments, tails and rates are finite all the same.
     pub fn size(&self) -> f64 {
         match &self.on_states {
             Some(states) => states.size(),
@@ -122,19 +119,17 @@ impl Sensitivity {
             return still;
         }
         let [low, high] = self.density.bounds()[0];
-        let step = tuning::sensitivity::STEP * (high - low);
-        let slope = |x: &[f64]| (g(&[x[0] + step, x[1]]) - g(&[x[0] - step, x[1]])) / (2.0 * step);
-        still.plus(self.carried_along(slope))
-    }
-
-    /// ∫ η ∂_x g p dx, by which a mean moves with the states.
-    fn carried_along(&self, slope: impl Fn(&[f64]) -> f64) -> Estimate {
-        let nodes = self.density.nodes.iter().zip(&self.density.masses);
-        let [own, other] = nodes.fold([0.0; 2], |[own, other], (x, masses)| {
-            let value = self.carried.rate(x[0]) * slope(x);
-            [own + value * masses[0], other + value * masses[1]]
-        });
-        Estimate::new(own, own - other)
+        let [first, second] = tuning::sensitivity::STEPS.map(|step| step * (high - low));
+        let at = |x: &[f64], step: f64| g(&[x[0] + step, x[1]]);
+        let slopes = |x: &[f64]| {
+            let bend = if self.parameters.len() > 1 {
+                (at(x, second) - 2.0 * at(x, 0.0) + at(x, -second)) / (second * second)
+            } else {
+                0.0
+            };
+            [(at(x, first) - at(x, -first)) / (2.0 * first), bend]
+        };
+        still.plus(self.carried.mean(&self.density, slopes))
     }
 
     /// The same in the coordinate in which walls stand still.
@@ -171,8 +166,10 @@ impl Sensitivity {
         if !self.carried.moves() || powers[0] == 0 {
             return Ok(still);
         }
-        let lower = [powers[0] - 1, powers[1]];
-        Ok(still.plus(self.carried_along(|x| f64::from(powers[0]) * power(x, &lower))))
+        let [first, second] = [1, 2].map(|k| [powers[0].saturating_sub(k), powers[1]]);
+        let factor = f64::from(powers[0]);
+        let slopes = |x: &[f64]| [factor * power(x, &first), factor * (factor - 1.0) * power(x, &second)];
+        Ok(still.plus(self.carried.mean(&self.density, slopes)))
     }
 
     /// The derivative of P(x_i > `level`) for a state i.
@@ -193,7 +190,7 @@ impl Sensitivity {
         let beyond = sections.fold(Estimate::exact(0.0), Estimate::plus);
         // What is carried over the level by a wall that moves.
         if state == 0 && self.carried.moves() {
-            let through = self.carried.rate(level) * self.sum_over(0, level, |_| 1.0);
+            let through = self.sum_over(0, level, |x| self.carried.through(self.density.exponent(), x));
             return Ok(beyond.plus(self.shared(through)));
         }
         Ok(beyond)
@@ -257,8 +254,7 @@ impl Sensitivity {
 
     /// (∂p/∂θ)/p in the coordinate in which walls stand still.
     fn at(&self, x: &[f64]) -> f64 {
-        let product = self.product.as_ref().map_or(0.0, |[k, l]| k.value(x) * l.value(x));
-        self.slope.value(x) + product
+        self.slope.value(x) + self.carried.product(x)
     }
 
     /// ∫ g p dx over the other state.

@@ -9,6 +9,7 @@
 //!   the singular part of the weight does;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
+//! - `second`: the second one, by either way;
 //! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`, `derived`: what it says at fixed states and at the walls, of moments,
 //!   tails, crossings, quantiles and first passages.
 
@@ -20,6 +21,7 @@ mod impacts;
 mod moving;
 mod on_states;
 mod projected;
+mod second;
 mod slope;
 mod tangent;
 mod walled;
@@ -105,12 +107,18 @@ impl ClosureDensity {
         let moving = moving.collect::<Result<Vec<_>>>()?;
         let system = self.system_of_order(moving.iter().any(Moving::grazes))?;
         let linearised = self.linearised(problem, system.as_ref())?;
-        let found: Vec<Option<First<'_>>> = moving.par_iter().map(|moving| linearised.first(self, moving)).collect();
+        let found: Vec<Option<First<'_>>> =
+            moving.par_iter().map(|moving| linearised.first(self, moving, moving.grazes())).collect();
         let one = |((parameter, moving), found): ((&&str, &Moving), Option<First<'_>>)| {
-            let First { slope, at_nodes, reference } = found.ok_or(self.failed())?;
-            let impacts = self.impacts_along(moving.shift[1], &slope, reference.as_ref());
+            let found = found.ok_or(self.failed())?;
+            // The rate of impacts is that of the density over the stretched length.
+            let impacts = self.impacts_along(|points| {
+                let over = |along: Vec<f64>| along.into_iter().map(|s| s - moving.shift[1]).collect();
+                found.relative(self, points).map(over)
+            });
+            let First { slope, at_nodes, reference } = found;
             let whole = reference.as_ref().map(|reference| reference.whole(None));
-            let found = self.moving_with(vec![(*parameter).to_owned()], (slope, None), at_nodes, whole);
+            let found = self.moving_with(vec![(*parameter).to_owned()], slope, at_nodes, whole);
             Ok(Sensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
         };
         parameters.iter().zip(&moving).zip(found).map(one).collect()
@@ -119,7 +127,7 @@ impl ClosureDensity {
     /// The second derivative by two parameters, which may be the same.
     ///
     /// # Errors
-    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls and in three states and more.
+    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] in three states and more.
     ///
     /// ```
     /// use expoly::{Closure, models::{Duffing, Solved}};
@@ -131,44 +139,10 @@ impl ClosureDensity {
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
         let problem = self.differentiable()?;
-        if !problem.walls().is_empty() || self.dimension() > 2 {
+        if self.dimension() > 2 {
             return Err(NOT_SERVED);
         }
-        let system = self.system_of_order(false)?;
-        let linearised = self.linearised(problem, system.as_ref())?;
-        let [k, l] = [0, 1].map(|j| Moving::new(problem, parameters[j], &[]));
-        let moving = [k?, l?];
-        let twice = problem.derivative(&parameters)?;
-        let first = moving.each_ref().map(|moving| linearised.first(self, moving));
-        let [Some(first), Some(second)] = first else { return Err(self.failed()) };
-        let slopes = [&first.slope.regular, &second.slope.regular];
-        let moved = moving.each_ref().map(|moving| &moving.operator);
-        let both =
-            |values: [&Vec<f64>; 2]| -> Vec<f64> { values[0].iter().zip(values[1]).map(|(k, l)| k * l).collect() };
-        let own = both([&first.at_nodes[0], &second.at_nodes[0]]);
-        let (mut slope, reference, whole) = match &linearised {
-            Linearised { newton: Some(newton), .. } => {
-                (newton.second(moved, &twice, slopes).ok_or(self.failed())?, None, None)
-            }
-            Linearised { fitted: Some((fit, Solution::Smooth(tangent))), .. } => {
-                let (Some(k), Some(l)) = (&first.reference, &second.reference) else { return Err(self.failed()) };
-                let derivative = tangent.second(moved, &twice, [k, l]).ok_or(self.failed())?;
-                let along = self.centred(derivative.second_values([k, l], &self.nodes), 1).0;
-                let square = both([&first.at_nodes[1], &second.at_nodes[1]]);
-                let curved: Vec<f64> = along.iter().zip(square).map(|(along, square)| along - square).collect();
-                let at = |k: usize| [&first.at_nodes[k][..], &second.at_nodes[k][..]];
-                let slope = fit.second(at(0), at(1), &curved).ok_or(self.failed())?;
-                (slope, Some(along), Some(derivative.whole(Some([k, l]))))
-            }
-            Linearised { .. } => return Err(self.failed()),
-        };
-        let sums = slope.values(&self.nodes).into_iter().zip(own).map(|(slope, product)| slope + product).collect();
-        let (own, centre) = self.centred(sums, 0);
-        slope.constant -= centre;
-        let at_nodes = [own.clone(), reference.unwrap_or(own)];
-        let (product, slope) = (slopes.map(Clone::clone), Slope { regular: slope, singular: Vec::new() });
-        let names = parameters.map(str::to_owned).to_vec();
-        Ok(self.moving_with(names, (slope, Some(product)), at_nodes, whole))
+        self.second_on_nodes(problem, parameters)
     }
 
     /// The problem, if derivatives of its density are served.
@@ -238,11 +212,17 @@ impl ClosureDensity {
         (values, sum / mass)
     }
 
+    /// The reference's values at some points less their mean under it.
+    fn centred_at(&self, values: impl Fn(&States) -> Vec<f64>, points: &States) -> Vec<f64> {
+        let centre = self.centred(values(&self.nodes), 1).1;
+        values(points).into_iter().map(|value| value - centre).collect()
+    }
+
     /// The derivative of the density from those of its logarithm and of the reference's.
     fn moving_with(
         &self,
         parameters: Vec<String>,
-        (slope, product): (Slope, Option<[Exponent; 2]>),
+        slope: Slope,
         [own, other]: [Vec<f64>; 2],
         whole: Option<Whole>,
     ) -> Sensitivity {
@@ -251,7 +231,7 @@ impl ClosureDensity {
         let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
         let (density, whole) = (self.clone(), whole.unwrap_or_else(none));
         let carried = Carried::default();
-        Sensitivity { density, parameters, slope, product, masses, whole, carried, impacts: None, on_states: None }
+        Sensitivity { density, parameters, slope, masses, whole, carried, impacts: None, on_states: None }
     }
 
     /// All polynomials of the order: a parameter may break the symmetry that the density has. Next to walls it has none.
@@ -280,15 +260,15 @@ impl ClosureDensity {
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
     what: "derivatives by parameters under impulses, of a density that is not stationary, next to walls in three states and more, and \
-           second ones next to walls or in three states and more",
+           second ones in three states and more",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 
 impl<'a> Linearised<'a> {
-    /// The derivative along a motion. None where it is not finite.
-    fn first(&self, density: &ClosureDensity, moving: &Moving) -> Option<First<'a>> {
+    /// The derivative along a motion, which `grazes` or comes with one that does. None where it is not finite.
+    fn first(&self, density: &ClosureDensity, moving: &Moving, grazes: bool) -> Option<First<'a>> {
         let (mut slope, along, reference) = match self {
-            Linearised { newton: Some(newton), .. } if !moving.grazes() => {
+            Linearised { newton: Some(newton), .. } if !grazes => {
                 (Slope { regular: newton.slope(&moving.operator)?, singular: Vec::new() }, None, None)
             }
             Linearised { fitted: Some((fit, solution)), .. } => {
@@ -307,6 +287,16 @@ impl<'a> Linearised<'a> {
         slope.regular.constant -= centre;
         let at_nodes = [own.clone(), along.unwrap_or(own)];
         Some(First { slope, at_nodes, reference })
+    }
+}
+
+impl First<'_> {
+    /// ∂ ln q/∂θ at some points: of p̃, of the reference, and of the reference by the equations of the degree below.
+    fn relative(&self, density: &ClosureDensity, points: &States) -> [Vec<f64>; 3] {
+        let own = self.slope.values(points);
+        let Some(reference) = &self.reference else { return [own.clone(), own.clone(), own] };
+        let of = |along: &Derivative<'_>| density.centred_at(|points| along.values(points), points);
+        [own, of(reference), of(&reference.by_lower_degree())]
     }
 }
 

@@ -28,8 +28,10 @@ pub(super) struct WalledTangent<'a> {
     rates: Mat<f64>,
     before: States,
     after: States,
-    /// ω u at the nodes, times the quadrature weights, and then at impacts, times their weights.
-    masses: Vec<f64>,
+    /// ω at the nodes, times the quadrature weights, and then at impacts, times their weights.
+    weights: Vec<f64>,
+    /// u there.
+    ratio: Vec<f64>,
     /// Those of the moment equations, without the constant, of the highest degree and of the one below it.
     factors: [PartialPivLu<f64>; 2],
 }
@@ -51,55 +53,125 @@ impl<'a> WalledTangent<'a> {
             points
         };
         let (before, after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
-        let stationary = system.stationary(false);
-        let ratio = combination(functions.values.as_ref(), &stationary);
+        let ratio = combination(functions.values.as_ref(), &system.stationary(false));
         let impacts = passages.iter().zip(system.weight.values(&before)).map(|(p, log)| p.weight * log.exp());
-        let weights = system.measure.iter().copied().chain(impacts);
-        let masses = weights.zip(&ratio).map(|(w, u)| w * u).collect();
+        let weights = system.measure.iter().copied().chain(impacts).collect();
         let factors = [false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu());
-        Some(WalledTangent { system, passages, rates, before, after, masses, factors })
+        Some(WalledTangent { system, passages, rates, before, after, weights, ratio, factors })
     }
 
     /// The derivative along a motion. None where it is not finite.
     pub(super) fn along(&self, moving: &Moving) -> Option<Derivative<'a>> {
-        let (system, nodes) = (self.system, self.system.nodes.points.len());
-        let still = system.function(&[0.0]);
-        let s = Slope { regular: still, singular: moving.singular.clone() };
-        // The known part of p̂′/p̂, at nodes and at impacts, where the rate of impacts moves as well.
-        let known = s.singulars(&system.nodes.points).into_iter();
-        let at_impacts = s.singulars(&self.before).into_iter().map(|known| known - moving.shift[1]);
-        let known = known.chain(at_impacts).zip(&self.masses).map(|(known, mass)| known * mass);
-        let mut source = weighted_sum(self.rates.as_ref(), &known.collect::<Vec<_>>());
-        let locals = moving.operator.locals(&system.nodes.points);
-        let moved = self.tested(&system.nodes.points, |i| (&locals[i].drift[..], &locals[i].diffusion[..]), 0..nodes);
-        // ψ after an impact changes as the velocity there does, by the speed before it.
-        let speeds: Vec<[f64; 2]> = self
-            .passages
-            .iter()
-            .map(|passage| [0.0, -passage.before[1] * moving.restitution[usize::from(passage.before[1] > 0.0)]])
-            .collect();
-        let bounced = self.tested(&self.after, |i| (&speeds[i][..], &[0.0; 4][..]), nodes..self.masses.len());
-        source.iter_mut().zip(moved.iter().zip(&bounced)).for_each(|(sum, (a, b))| *sum += a + b);
+        let s = self.singular(moving);
+        let known = self.at_rows(&s).into_iter().zip(&self.ratio).map(|(s, u)| s * u).collect();
+        let mut source = self.carried(known, |i| self.ratio[i] * moving.shift[1]);
+        add(&mut source, &self.moved(moving, &self.ratio, |_| 0.0));
+        self.solved(s, &source)
+    }
+
+    /// The derivative along two motions, given those along each of them and what moves to second order: of g = p̂″/ω the part
+    /// u (Q₀″ + Q₀′ₖ Q₀′ₗ) + Q₀′ₖ Σ d′ₗψ + Q₀′ₗ Σ d′ₖψ is known. None where it is not finite.
+    pub(super) fn second(
+        &self,
+        moving: [&Moving; 2],
+        both: &Moving,
+        first: [&Derivative<'a>; 2],
+    ) -> Option<Derivative<'a>> {
+        let s = self.singular(both);
+        let twice = self.at_rows(&s);
+        let [k, l] = first.map(|first| self.at_rows(&first.s));
+        let [left_k, left_l] = first.map(|first| combination(self.system.functions.values.as_ref(), &first.d));
+        let g =
+            |s: &[f64], left: &[f64]| -> Vec<f64> { (0..s.len()).map(|i| self.ratio[i] * s[i] + left[i]).collect() };
+        let [g_k, g_l] = [g(&k, &left_k), g(&l, &left_l)];
+        let known =
+            (0..twice.len()).map(|i| self.ratio[i] * (twice[i] + k[i] * l[i]) + k[i] * left_l[i] + l[i] * left_k[i]);
+        let [stretch_k, stretch_l] = moving.map(|moving| moving.shift[1]);
+        // The rate of impacts is that of p̂ over the stretched length.
+        let stretched = |i: usize| {
+            let again = both.shift[1] - 2.0 * stretch_k * stretch_l;
+            g_k[i] * stretch_l + g_l[i] * stretch_k + self.ratio[i] * again
+        };
+        let mut source = self.carried(known.collect(), stretched);
+        for (moving, g, stretch) in [(moving[0], &g_l, stretch_l), (moving[1], &g_k, stretch_k)] {
+            let at_impacts = |i: usize| g[i] - self.ratio[i] * stretch;
+            let g: Vec<f64> = (0..g.len()).map(|i| if i < self.nodes() { g[i] } else { at_impacts(i) }).collect();
+            add(&mut source, &self.moved(moving, &g, |_| 0.0));
+        }
+        // ½ ∂²ψ/∂v² times twice the product of the rates of the velocity.
+        let bent = |side: usize| 2.0 * moving[0].restitution[side] * moving[1].restitution[side];
+        add(&mut source, &self.moved(both, &self.ratio, bent));
+        self.solved(s, &source)
+    }
+
+    fn nodes(&self) -> usize {
+        self.system.nodes.points.len()
+    }
+
+    /// How the singular part of ln ω moves.
+    fn singular(&self, moving: &Moving) -> Slope {
+        Slope { regular: self.system.function(&[0.0]), singular: moving.singular.clone() }
+    }
+
+    /// The singular part of a derivative at nodes and at impacts, beside a constant.
+    fn at_rows(&self, s: &Slope) -> Vec<f64> {
+        let constant = s.regular.constant;
+        let all = s.singulars(&self.system.nodes.points).into_iter().chain(s.singulars(&self.before));
+        all.map(|s| s + constant).collect()
+    }
+
+    /// The sums of 𝓖ψ and of its jumps under a known part of p̂′/ω, of which impacts miss what the `stretched` coordinate takes.
+    fn carried(&self, mut known: Vec<f64>, stretched: impl Fn(usize) -> f64) -> Vec<f64> {
+        (self.nodes()..known.len()).for_each(|i| known[i] -= stretched(i));
+        known.iter_mut().zip(&self.weights).for_each(|(known, weight)| *known *= weight);
+        weighted_sum(self.rates.as_ref(), &known)
+    }
+
+    /// The sums of 𝓖′ψ and of the derivative of its jumps under ω g: ψ after an impact changes as the velocity there does, by the speed
+    /// before it, and to second order by `bent` times the square of the speed.
+    fn moved(&self, moving: &Moving, g: &[f64], bent: impl Fn(usize) -> f64) -> Vec<f64> {
+        let masses: Vec<f64> = g.iter().zip(&self.weights).map(|(g, weight)| g * weight).collect();
+        let (inside, impacts) = masses.split_at(self.nodes());
+        let points = &self.system.nodes.points;
+        let locals = moving.operator.locals(points);
+        let mut sum = self.tested(points, |i| (&locals[i].drift[..], &locals[i].diffusion[..]), inside);
+        let change = |passage: &Passage| {
+            let (v, side) = (passage.before[1], usize::from(passage.before[1] > 0.0));
+            ([0.0, -v * moving.restitution[side]], [0.0, 0.0, 0.0, v * v * bent(side)])
+        };
+        let changes: Vec<([f64; 2], [f64; 4])> = self.passages.iter().map(change).collect();
+        add(&mut sum, &self.tested(&self.after, |i| (&changes[i].0[..], &changes[i].1[..]), impacts));
+        sum
+    }
+
+    /// Σ m G′ψ over some points with masses m, G′ with these drifts and diffusions.
+    fn tested<'l>(
+        &self,
+        points: &States,
+        local: impl Fn(usize) -> (&'l [f64], &'l [f64]) + Sync,
+        masses: &[f64],
+    ) -> Vec<f64> {
+        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), self.system.space.len() + 1));
+        sweep::tabulate_rates(&self.system.space, points, local, [values.as_mut(), images.as_mut()]);
+        self.system.functions.transform(images.as_mut());
+        let images: MatRef<'_, f64> = images.as_ref();
+        weighted_sum(images, masses)
+    }
+
+    /// The derivative beside a known part: A d′ = −(source). None where it is not finite.
+    fn solved(&self, s: Slope, source: &[f64]) -> Option<Derivative<'a>> {
+        let system = self.system;
         let [d, below] = [false, true].map(|below| {
             let columns = system.columns(below);
             let solved = self.factors[usize::from(below)].solve(Mat::from_fn(columns - 1, 1, |k, _| -source[k + 1]));
             std::iter::once(0.0).chain((0..columns - 1).map(|k| solved[(k, 0)])).collect::<Vec<f64>>()
         });
         let finite = d.iter().chain(&below).all(|d| d.is_finite());
-        finite.then(|| Derivative { system, s, d, below }.centred(&self.masses[..nodes]))
+        let density: Vec<f64> = self.weights[..self.nodes()].iter().zip(&self.ratio).map(|(w, u)| w * u).collect();
+        finite.then(|| Derivative { system, s, d, below }.centred(&density))
     }
+}
 
-    /// Σ m G′ψ over some points with masses m of a range, G′ with these drifts and diffusions.
-    fn tested<'l>(
-        &self,
-        points: &States,
-        local: impl Fn(usize) -> (&'l [f64], &'l [f64]) + Sync,
-        masses: std::ops::Range<usize>,
-    ) -> Vec<f64> {
-        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), self.system.space.len() + 1));
-        sweep::tabulate_rates(&self.system.space, points, local, [values.as_mut(), images.as_mut()]);
-        self.system.functions.transform(images.as_mut());
-        let images: MatRef<'_, f64> = images.as_ref();
-        weighted_sum(images, &self.masses[masses])
-    }
+fn add(sum: &mut [f64], part: &[f64]) {
+    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
 }

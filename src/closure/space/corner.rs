@@ -6,7 +6,7 @@ use crate::control_variates::planes::Form;
 use crate::numerics::Number;
 use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
-use num_dual::Dual64;
+use num_dual::HyperDual64;
 use serde::{Deserialize, Serialize};
 
 /// A rigid wall as the place of the singularity (0, 0) in u ≥ 0, the distance from it, and w = u′.
@@ -152,26 +152,49 @@ impl Corner {
     }
 }
 
-/// How the singular part of ln p next to a wall moves with a parameter, at a given distance from the wall and a given velocity.
+/// How the singular part S of ln p next to a wall moves with a parameter, or with two, at a given distance from the wall and a given
+/// velocity.
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct GrazingMotion {
     corner: Corner,
-    similarity: Option<Similarity<Dual64>>,
+    similarity: Option<Similarity<HyperDual64>>,
+    /// The part of S that is the derivative.
+    part: fn(HyperDual64) -> f64,
 }
 
 impl GrazingMotion {
-    /// The motion of a wall's singular part as its restitution and the noise intensity there move at these rates.
-    pub(in crate::closure) fn new(corner: &Corner, [restitution, intensity]: [f64; 2]) -> Self {
-        let r = Dual64::new(corner.wall.restitution(), restitution);
-        let similarity = Similarity::new(r, Dual64::new(corner.intensity, intensity));
-        let still = corner.similarity.is_none() || restitution == 0.0 && (intensity == 0.0 || !corner.grazes());
-        GrazingMotion { corner: corner.clone(), similarity: similarity.filter(|_| !still) }
+    /// The motion as the restitution and the noise intensity at the wall move at these rates.
+    pub(in crate::closure) fn new(corner: &Corner, rates: [f64; 2]) -> Self {
+        Self::of(corner, rates.map(|rate| [rate, 0.0, 0.0]), |s| s.eps1)
     }
 
-    /// ∂S/∂θ at a state.
+    /// ∂²S/∂θ∂φ, given the rates of restitution and intensity by θ, by φ, and by both.
+    pub(in crate::closure) fn second(corner: &Corner, rates: [[f64; 3]; 2]) -> Self {
+        Self::of(corner, rates, |s| s.eps1eps2)
+    }
+
+    fn of(corner: &Corner, rates: [[f64; 3]; 2], part: fn(HyperDual64) -> f64) -> Self {
+        let [restitution, intensity] = rates.map(|rates| rates.iter().any(|rate| *rate != 0.0));
+        let moves = corner.similarity.is_some() && (restitution || intensity && corner.grazes());
+        let moved = |at: f64, [k, l, both]: [f64; 3]| HyperDual64::new(at, k, l, both);
+        let similarity = || {
+            let restitution = moved(corner.wall.restitution(), rates[0]);
+            Similarity::new(restitution, moved(corner.intensity, rates[1]))
+        };
+        GrazingMotion { corner: corner.clone(), similarity: moves.then(similarity).flatten(), part }
+    }
+
+    /// The derivative of S at a state.
     pub(in crate::closure) fn value(&self, x: &[f64]) -> f64 {
         let [u, w] = self.corner.coordinates(x);
-        self.similarity.as_ref().map_or(0.0, |similarity| similarity.jet(u, w).value.eps)
+        self.similarity.as_ref().map_or(0.0, |similarity| (self.part)(similarity.jet(u, w).value))
+    }
+
+    /// Its slope in the wall's displacement.
+    pub(in crate::closure) fn slope(&self, x: &[f64]) -> f64 {
+        let [u, w] = self.corner.coordinates(x);
+        let slope = |similarity: &Similarity<HyperDual64>| (self.part)(similarity.jet(u, w).gradient[0]);
+        self.corner.side() * self.similarity.as_ref().map_or(0.0, slope)
     }
 }
 

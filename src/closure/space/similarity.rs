@@ -37,12 +37,18 @@ fn grazing_exponent(r: f64) -> Option<f64> {
     Some(g)
 }
 
-/// The same with its derivatives, by the function whose root it is.
+/// The same with its derivatives, by the function whose root it is: each step of Newton's method with the slope at the root adds
+/// one order of them.
 fn exponent_of<T: DualNum<Primitive = f64> + Copy>(r: T) -> Option<T> {
-    let g = grazing_exponent(r.re())?;
-    let (power, angle) = ((r.ln() * -(2.0 + 3.0 * g)).exp(), PI * (1.0 / 6.0 - g));
-    let slope = -3.0 * r.re().ln() * power.re() + 2.0 * PI * angle.cos();
-    Some(T::from(g) - (power - power.re()) / slope)
+    let root = grazing_exponent(r.re())?;
+    let sides = |g: T| [(r.ln() * -(g * 3.0 + 2.0)).exp(), (-g + 1.0 / 6.0) * PI];
+    let [power, angle] = sides(T::from(root)).map(|side| side.re());
+    let (slope, rest) = (-3.0 * r.re().ln() * power + 2.0 * PI * angle.cos(), power - 2.0 * angle.sin());
+    let step = |g: T| {
+        let [power, angle] = sides(g);
+        g - (power - angle.sin() * 2.0 - rest) / slope
+    };
+    Some(step(step(T::from(root))))
 }
 
 /// The similarity solution of grazing impacts, S(u, w) = ln p for w p_u = D p_ww and p(0, w) = r⁻² p(0, −w/r).

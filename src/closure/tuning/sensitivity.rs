@@ -12,9 +12,9 @@ pub(crate) const FALLS: f64 = 0.9;
 pub(crate) const DRAWS: usize = 1 << 16;
 /// On the pilot's states: the degrees of the functions.
 pub(crate) const DEGREES: [u32; 4] = [2, 4, 6, 8];
-/// The step of the differences that are the slope of an integrand, relative to the domain's width: the square of it and rounding over it
-/// are some 1e-10.
-pub(crate) const STEP: f64 = 1e-5;
+/// The steps of the differences that are the slope of an integrand and its bend, relative to the domain's width: the square of the first
+/// and rounding over it are some 1e-10, those of the second over its square 1e-8.
+pub(crate) const STEPS: [f64; 2] = [1e-5, 1e-4];
 /// and the logarithm of the ratio of errors above which two degrees less are taken.
 pub(crate) const NOISIER: f64 = 0.7;
 /// Nodes from a level to the edge of the domain.

@@ -103,7 +103,7 @@ impl ClosureDensity {
 
     fn moving_by(&self, name: &str, slope: Exponent) -> Sensitivity {
         let slope = Slope { regular: slope, singular: Vec::new() };
-        self.moving_with(vec![name.to_owned()], (slope, None), [Vec::new(), Vec::new()], None)
+        self.moving_with(vec![name.to_owned()], slope, [Vec::new(), Vec::new()], None)
     }
 
     /// States with weights that sum to about 1, on which integrals of the density are taken.

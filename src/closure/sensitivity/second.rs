@@ -1,0 +1,112 @@
+use super::carried::{Along, Carried};
+use super::moving::Moving;
+use super::slope::Slope;
+use super::tangent::Derivative;
+use super::{First, Linearised, Sensitivity, Solution};
+use crate::closure::density::ClosureDensity;
+use crate::error::Result;
+use crate::problem::Problem;
+use crate::states::States;
+
+/// A second derivative of q, the density in the coordinate in which walls stand still.
+struct Second<'a> {
+    /// ∂² ln q̃/∂θ∂φ.
+    slope: Slope,
+    first: [&'a First<'a>; 2],
+    /// That of the reference; none where the density is exact.
+    reference: Option<Derivative<'a>>,
+}
+
+impl ClosureDensity {
+    /// The second derivative in one state and in two.
+    pub(super) fn second_on_nodes(&self, problem: &Problem, parameters: [&str; 2]) -> Result<Sensitivity> {
+        let corners = self.exponent().space.corners();
+        let [k, l] = parameters.map(|parameter| Moving::new(problem, parameter, corners));
+        let moving = [&k?, &l?];
+        let both = Moving::second(problem, parameters, moving, corners)?;
+        let grazes = moving.into_iter().chain([&both]).any(Moving::grazes);
+        let system = self.system_of_order(grazes)?;
+        let linearised = self.linearised(problem, system.as_ref())?;
+        let [k, l] = moving.map(|moving| linearised.first(self, moving, grazes).ok_or(self.failed()));
+        let first = [&k?, &l?];
+        let mut found = linearised.second(self, (moving, &both), (first, grazes)).ok_or(self.failed())?;
+        found.slope.regular.constant -= self.centred(found.own(&self.nodes), 0).1;
+        let [own, reference, _] = found.relative(self, &self.nodes);
+        let stretch = moving.map(|moving| moving.shift[1]);
+        // The rate of impacts is that of q over the stretched length.
+        let impacts = self.impacts_along(|points| {
+            let [of_k, of_l] = first.map(|first| first.relative(self, points));
+            let [own, other, below] = found.relative(self, points);
+            let again = 2.0 * stretch[0] * stretch[1] - both.shift[1];
+            let over = |twice: Vec<f64>, j: usize| -> Vec<f64> {
+                let along = of_k[j].iter().zip(&of_l[j]);
+                let all = twice.iter().zip(along);
+                all.map(|(twice, (s_k, s_l))| twice - s_k * stretch[1] - s_l * stretch[0] + again).collect()
+            };
+            [over(own, 0), over(other, 1), over(below, 2)]
+        });
+        let whole = found.reference.as_ref().zip(found.of_references());
+        let whole = whole.map(|(reference, first)| reference.whole(Some(first)));
+        let s = first.map(|first| first.at_nodes.clone());
+        let along = [0, 1].map(|j| Along { slope: first[j].slope.clone(), shift: moving[j].shift });
+        let carried = Carried::second(both.shift, along, self, s);
+        let names = parameters.map(str::to_owned).to_vec();
+        let slope = found.slope.clone();
+        Ok(Sensitivity { carried, impacts, ..self.moving_with(names, slope, [own, reference], whole) })
+    }
+}
+
+impl<'a> Linearised<'a> {
+    /// The derivative along two motions, given those along each of them. None where it is not finite.
+    fn second(
+        &self,
+        density: &ClosureDensity,
+        (moving, both): ([&Moving; 2], &Moving),
+        (first, grazes): ([&'a First<'a>; 2], bool),
+    ) -> Option<Second<'a>> {
+        let moved = moving.map(|moving| &moving.operator);
+        let Linearised { newton, fitted } = self;
+        if let (Some(newton), false) = (newton, grazes) {
+            let regular = newton.second(moved, &both.operator, first.map(|first| &first.slope.regular))?;
+            return Some(Second { slope: Slope { regular, singular: Vec::new() }, first, reference: None });
+        }
+        let (fit, solution) = fitted.as_ref()?;
+        let of_references = [first[0].reference.as_ref()?, first[1].reference.as_ref()?];
+        let reference = match solution {
+            Solution::Smooth(tangent) => tangent.second(moved, &both.operator, of_references)?,
+            Solution::Walled(tangent) => tangent.second(moving, both, of_references)?,
+        };
+        let along = density.centred(reference.second_values(of_references, &density.nodes), 1).0;
+        let at = |k: usize| first.map(|first| &first.at_nodes[k][..]);
+        let [s_k, s_l] = at(1);
+        let curved: Vec<f64> = along.iter().zip(s_k.iter().zip(s_l)).map(|(along, (k, l))| along - k * l).collect();
+        let known = reference.s.singulars(&density.nodes);
+        let regular = fit.second(at(0), at(1), &curved, &known)?;
+        let slope = Slope { regular, singular: both.singular.clone() };
+        Some(Second { slope, first, reference: Some(reference) })
+    }
+}
+
+impl Second<'_> {
+    /// (∂²q/∂θ∂φ)/q at some points: of p̃, of the reference, and of the reference by the equations of the degree below.
+    fn relative(&self, density: &ClosureDensity, points: &States) -> [Vec<f64>; 3] {
+        let own = self.own(points);
+        let Some((reference, first)) = self.reference.as_ref().zip(self.of_references()) else {
+            return [own.clone(), own.clone(), own];
+        };
+        let of = |along: &Derivative<'_>| density.centred_at(|points| along.second_values(first, points), points);
+        [own, of(reference), of(&reference.by_lower_degree())]
+    }
+
+    /// That of p̃.
+    fn own(&self, points: &States) -> Vec<f64> {
+        let [k, l] = self.first.map(|first| first.slope.values(points));
+        let products = k.iter().zip(&l).map(|(k, l)| k * l);
+        self.slope.values(points).into_iter().zip(products).map(|(s, product)| s + product).collect()
+    }
+
+    fn of_references(&self) -> Option<[&Derivative<'_>; 2]> {
+        let [k, l] = self.first;
+        Some([k.reference.as_ref()?, l.reference.as_ref()?])
+    }
+}
