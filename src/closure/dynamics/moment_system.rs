@@ -10,6 +10,7 @@ use crate::closure::space::{Functions, Polynomials};
 use crate::closure::tuning;
 use crate::fokker_planck::Local;
 use crate::numerics::{combination, weighted_product, weighted_sum};
+use crate::problem::Symmetry;
 use crate::states::States;
 use faer::prelude::*;
 use faer::{Mat, MatRef, Scale};
@@ -42,28 +43,33 @@ pub(in crate::closure) struct MomentSystem {
 impl MomentSystem {
     /// The system of the highest degree without a growing mode. None where there is no such.
     pub(super) fn new(dynamics: &Dynamics) -> Option<Self> {
-        let (mut system, locals) = Self::with_rates(dynamics)?;
+        let (ladder, most) = dynamics.ladder();
+        let (mut system, locals) = Self::with_rates(dynamics, ladder, dynamics.nodes(most)?)?;
         let (matrix, ladder) = (&system.matrix, &mut system.ladder);
         while modes(matrix.get(1..*ladder.last()?, 1..*ladder.last()?), 0).is_none() {
             ladder.pop();
         }
-        (system.ladder.len() > 1).then(|| {
-            let residuals = system.weight.residuals(&system.nodes.points, |i| &locals[i]);
-            let smooth = dynamics.passages.is_empty() && dynamics.problem.impulses().is_empty();
-            if smooth { system.smoothed(&residuals) } else { system }
-        })
+        (system.ladder.len() > 1).then(|| system.smoothest(dynamics, &locals))
     }
 
-    /// The system of all degrees, for what does not move in time. None where its functions are linearly dependent.
+    /// The system of all degrees next to walls, for what does not move in time. None where its functions are linearly dependent.
     pub(in crate::closure) fn of_all_degrees(dynamics: &Dynamics) -> Option<Self> {
-        Some(Self::with_rates(dynamics)?.0)
+        let (ladder, most) = dynamics.ladder();
+        Some(Self::with_rates(dynamics, ladder, dynamics.nodes(most)?)?.0)
     }
 
-    /// The system of all degrees, with the operator at its nodes.
-    fn with_rates(dynamics: &Dynamics) -> Option<(Self, Vec<Local>)> {
+    /// The system of polynomials of a degree with a symmetry, and of two degrees less, on the nodes of the reference, for what does not
+    /// move in time. None where they are linearly dependent, or the reference has no such nodes.
+    pub(in crate::closure) fn of_degree(dynamics: &Dynamics, degree: u32, symmetry: &Symmetry) -> Option<Self> {
+        let ladder = dynamics.family.of_degrees([degree - 2, degree], symmetry)?;
+        let nodes = Nodes::tensor(&dynamics.domain, dynamics.rules().to_vec());
+        let (system, locals) = Self::with_rates(dynamics, ladder, nodes)?;
+        Some(system.smoothest(dynamics, &locals))
+    }
+
+    /// The system of nested spaces, with the operator at its nodes.
+    fn with_rates(dynamics: &Dynamics, ladder: Vec<Functions>, nodes: Nodes) -> Option<(Self, Vec<Local>)> {
         let Dynamics { problem, domain, passages, weight, .. } = dynamics;
-        let (ladder, most) = dynamics.ladder();
-        let nodes = dynamics.nodes(most)?;
         let space = ladder.last()?.clone();
         let log = weight.values(&nodes.points);
         let measure = tempered(&log, &nodes.weights, 1.0);
@@ -82,6 +88,15 @@ impl MomentSystem {
         let edge = vec![0.0; space.len() + 1];
         let system = MomentSystem { nodes, space, functions, measure, weight, matrix, edge, ladder };
         Some((system, locals))
+    }
+
+    /// The smoother of two expressions of the rates of the means under ω itself, where there are two.
+    fn smoothest(self, dynamics: &Dynamics, locals: &[Local]) -> Self {
+        if !dynamics.passages.is_empty() || !dynamics.problem.impulses().is_empty() {
+            return self;
+        }
+        let residuals = self.weight.residuals(&self.nodes.points, |i| &locals[i]);
+        self.smoothed(&residuals)
     }
 
     /// The same with the rates of the means under ω itself by its residual r, ∫ ω r ψ_k dx, if that makes the stationary density
@@ -189,13 +204,6 @@ impl MomentSystem {
     pub(super) fn highest_degree(&self) -> u32 {
         let all = self.space.polynomials().map_or(&[][..], Polynomials::exponents);
         all.iter().map(|alpha| alpha.iter().sum()).max().unwrap_or(0)
-    }
-
-    /// The system with functions up to a degree, and one below it.
-    pub(in crate::closure) fn up_to(&self, degree: u32) -> Self {
-        let most = self.columns_of_degree(degree);
-        let kept = self.ladder.iter().take_while(|columns| **columns <= most).count().max(2);
-        MomentSystem { ladder: self.ladder[..kept].to_vec(), ..self.clone() }
     }
 
     /// The columns of the highest stable degree, or of the one below it.

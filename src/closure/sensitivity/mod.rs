@@ -105,8 +105,9 @@ impl ClosureDensity {
         let corners = self.exponent().space.corners();
         let moving = parameters.iter().map(|parameter| Moving::new(problem, parameter, corners));
         let moving = moving.collect::<Result<Vec<_>>>()?;
-        let system = self.system_of_order(moving.iter().any(Moving::grazes))?;
-        let linearised = self.linearised(problem, system.as_ref())?;
+        let symmetry = moving.iter().fold(problem.symmetry(), |symmetry, moving| symmetry.and_of(&moving.operator));
+        let system = self.system_of_order(moving.iter().any(Moving::grazes), &symmetry)?;
+        let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
         let found: Vec<Option<First<'_>>> =
             moving.par_iter().map(|moving| linearised.first(self, moving, moving.grazes())).collect();
         let one = |((parameter, moving), found): ((&&str, &Moving), Option<First<'_>>)| {
@@ -162,22 +163,27 @@ impl ClosureDensity {
     }
 
     /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact, unless a
-    /// derivative `grazes`. The highest of all serve densities that move, and carry what the edge of the domain makes of the
-    /// derivative; next to walls it is farther away.
-    fn system_of_order(&self, grazes: bool) -> Result<Option<MomentSystem>> {
+    /// derivative `grazes`. Next to walls they are of all degrees.
+    fn system_of_order(&self, grazes: bool, symmetry: &Symmetry) -> Result<Option<MomentSystem>> {
         if matches!(self.candidates()[0].origin, Origin::Exact) && !grazes {
             return Ok(None);
         }
-        if !self.exponent().space.corners().is_empty() {
-            return MomentSystem::of_all_degrees(self.origin()?).map(Some).ok_or(self.failed());
-        }
-        let system = self.motion()?.1;
-        let excess = tuning::space::EXCESS[self.dimension() - 1];
-        let degree = self.provenance().order.unwrap_or(0) + excess;
-        Ok(Some(system.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
+        let dynamics = self.origin()?;
+        let system = if self.exponent().space.corners().is_empty() {
+            let degree = self.provenance().order.unwrap_or(0) + tuning::space::EXCESS[self.dimension() - 1];
+            MomentSystem::of_degree(dynamics, degree.max(tuning::sensitivity::LEAST_DEGREE), symmetry)
+        } else {
+            MomentSystem::of_all_degrees(dynamics)
+        };
+        system.map(Some).ok_or(self.failed())
     }
 
-    fn linearised<'a>(&'a self, problem: &Problem, system: Option<&'a MomentSystem>) -> Result<Linearised<'a>> {
+    fn linearised<'a>(
+        &'a self,
+        problem: &Problem,
+        system: Option<&'a MomentSystem>,
+        symmetry: &Symmetry,
+    ) -> Result<Linearised<'a>> {
         let (origin, walled) = (self.candidates()[0].origin, !problem.walls().is_empty());
         let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
         let dynamics = self.origin()?;
@@ -188,9 +194,9 @@ impl ClosureDensity {
             }
             Some(Solution::Smooth(Box::new(Tangent::new(problem, system)?)))
         };
-        let fitted = |system| Some((Fit::new(self, self.functions(), tails)?, solution(system)?));
+        let fitted = |system| Some((Fit::new(self, self.functions(symmetry), tails)?, solution(system)?));
         let newton = if matches!(origin, Origin::Exact) {
-            let newton = Newton::new(self, problem, self.functions(), dynamics.passages());
+            let newton = Newton::new(self, problem, self.functions(symmetry), dynamics.passages());
             Some(newton.ok_or(self.failed())?)
         } else {
             None
@@ -234,12 +240,12 @@ impl ClosureDensity {
         Sensitivity { density, parameters, slope, masses, whole, carried, impacts: None, on_states: None }
     }
 
-    /// All polynomials of the order: a parameter may break the symmetry that the density has. Next to walls it has none.
-    fn functions(&self) -> Functions {
+    /// The functions of the order with a symmetry, which a parameter may break that the density has. Next to walls it has none.
+    fn functions(&self, symmetry: &Symmetry) -> Functions {
         if !self.exponent().space.corners().is_empty() {
             return self.exponent().space.clone();
         }
-        Functions::Polynomials(self.polynomials(&Symmetry::none(self.dimension())))
+        Functions::Polynomials(self.polynomials(symmetry))
     }
 
     /// The polynomials of the order with a symmetry: the density's own, if it is the problem's.

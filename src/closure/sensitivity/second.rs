@@ -5,7 +5,7 @@ use super::tangent::Derivative;
 use super::{First, Linearised, Sensitivity, Solution};
 use crate::closure::density::ClosureDensity;
 use crate::error::Result;
-use crate::problem::Problem;
+use crate::problem::{Problem, Symmetry};
 use crate::states::States;
 
 /// A second derivative of q, the density in the coordinate in which walls stand still.
@@ -25,8 +25,10 @@ impl ClosureDensity {
         let moving = [&k?, &l?];
         let both = Moving::second(problem, parameters, moving, corners)?;
         let grazes = moving.into_iter().chain([&both]).any(Moving::grazes);
-        let system = self.system_of_order(grazes)?;
-        let linearised = self.linearised(problem, system.as_ref())?;
+        let operators = moving.into_iter().chain([&both]).map(|moving| &moving.operator);
+        let symmetry = operators.fold(problem.symmetry(), Symmetry::and_of);
+        let system = self.system_of_order(grazes, &symmetry)?;
+        let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
         let [k, l] = moving.map(|moving| linearised.first(self, moving, grazes).ok_or(self.failed()));
         let first = [&k?, &l?];
         let mut found = linearised.second(self, (moving, &both), (first, grazes)).ok_or(self.failed())?;

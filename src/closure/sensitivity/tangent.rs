@@ -1,14 +1,14 @@
 use super::answers::Whole;
 use super::slope::Slope;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::{locals, nodes};
+use crate::closure::discretisation::locals;
 use crate::closure::dynamics::MomentSystem;
 use crate::closure::projection::tempered;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
 use crate::closure::tuning;
 use crate::fokker_planck::{FokkerPlanck, Local};
-use crate::numerics::{combination, weighted_sum};
+use crate::numerics::weighted_sum;
 use crate::problem::Problem;
 use crate::states::States;
 use faer::Mat;
@@ -220,10 +220,8 @@ impl Derivative<'_> {
 
     /// s and Σ d′_l ψ_l/u at some points.
     fn parts(&self, points: &States) -> Vec<[f64; 2]> {
-        let mut values = nodes::values(&self.system.space, points);
-        self.system.functions.transform(values.as_mut());
         let stationary = self.system.stationary(false);
-        let [left, ratio] = [&self.d, &stationary].map(|d| combination(values.as_ref(), d));
+        let [left, ratio] = [&self.d, &stationary].map(|d| self.system.function(d).values(points));
         self.s.values(points).into_iter().zip(left.iter().zip(&ratio)).map(|(s, (left, u))| [s, left / u]).collect()
     }
 

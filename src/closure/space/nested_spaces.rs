@@ -103,6 +103,13 @@ impl SpaceFamily {
         }
     }
 
+    /// Polynomials of these degrees with a symmetry; none next to walls.
+    pub(in crate::closure) fn of_degrees(&self, degrees: [u32; 2], symmetry: &Symmetry) -> Option<Vec<Functions>> {
+        let SpaceFamily::Smooth(smooth) = self else { return None };
+        let smooth = Smooth { symmetry: symmetry.clone(), ..smooth.clone() };
+        Some(degrees.map(|degree| smooth.functions(degree)).to_vec())
+    }
+
     /// Whether there is nothing but polynomials.
     pub(in crate::closure) fn is_smooth(&self) -> bool {
         matches!(self, SpaceFamily::Smooth(_))
