@@ -7,7 +7,7 @@ use crate::polynomial::Polynomial;
 /// The derivative of a problem by a parameter θ.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
-    /// ∂f/∂θ and ∂B/∂θ at a fixed state.
+    /// ∂f/∂θ and ∂B/∂θ at a fixed state, and what impulses have.
     pub(crate) operator: FokkerPlanck,
     /// ∂b/∂θ and ∂r/∂θ of each wall.
     pub(crate) walls: Vec<[f64; 2]>,

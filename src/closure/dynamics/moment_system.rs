@@ -71,7 +71,7 @@ impl MomentSystem {
         let mut weight = weight.clone();
         weight.constant -= top + mass.ln();
         let locals = locals(problem, &nodes.points);
-        let impulses = problem.impulses();
+        let impulses = &problem.operator().impulse_terms();
         let generator = NodalGenerator { points: &nodes.points, locals: &locals, passages, impulses, domain };
         let table = Table::new(generator, &space, &measure)?;
         let impacts = passages.iter().map(|p| p.weight * weight.value(&p.before).exp());

@@ -74,7 +74,7 @@ impl ClosureDensity {
     /// The derivative by a parameter of the problem.
     ///
     /// # Errors
-    /// [`Error::NotServed`] under impulses, in three states and more, and for a density of a time; [`Error::NotKnown`] for a
+    /// [`Error::NotServed`] next to walls in three states and more, and for a density of a time; [`Error::NotKnown`] for a
     /// density from a document, and where the problem does not depend on the parameter in a known way; [`Error::NotAName`] if it
     /// has none of the name; [`Error::NotClosed`] where the linear system has no solution.
     ///
@@ -183,8 +183,7 @@ impl ClosureDensity {
         if !stationary || walled {
             return Err(NOT_SERVED);
         }
-        let problem = self.problem()?;
-        if problem.impulses().is_empty() { Ok(problem) } else { Err(NOT_SERVED) }
+        self.problem()
     }
 
     /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact, unless a
@@ -197,7 +196,13 @@ impl ClosureDensity {
         if !self.exponent().space.corners().is_empty() {
             return MomentSystem::of_all_degrees(self.origin()?).map(Some).ok_or(self.failed());
         }
-        let system = self.motion()?.1;
+        // What grows in time under impulses does not matter here.
+        let struck = !self.problem()?.impulses().is_empty();
+        let all = if struck { MomentSystem::of_all_degrees(self.origin()?) } else { None };
+        let system = match &all {
+            Some(system) => system,
+            None => self.motion()?.1,
+        };
         let excess = tuning::space::EXCESS[self.dimension() - 1];
         let degree = self.provenance().order.unwrap_or(0) + excess;
         Ok(Some(system.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
@@ -212,7 +217,7 @@ impl ClosureDensity {
                 let room = (dynamics.passages(), dynamics.domain());
                 return Some(Solution::Walled(Box::new(WalledTangent::new(problem, system, room)?)));
             }
-            Some(Solution::Smooth(Box::new(Tangent::new(problem, system)?)))
+            Some(Solution::Smooth(Box::new(Tangent::new(problem, system, dynamics.domain())?)))
         };
         let fitted = |system| Some((Fit::new(self, self.functions(), tails)?, solution(system)?));
         let newton = if matches!(origin, Origin::Exact) {
@@ -279,7 +284,7 @@ impl ClosureDensity {
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters under impulses, of a density that is not stationary, next to walls in three states and more, and \
+    what: "derivatives by parameters of a density that is not stationary, next to walls in three states and more, and \
            second ones next to walls or in three states and more",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };

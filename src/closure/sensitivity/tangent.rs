@@ -1,6 +1,8 @@
 use super::answers::Whole;
 use super::slope::Slope;
 use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::nodes::NodalGenerator;
+use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::discretisation::{locals, nodes};
 use crate::closure::dynamics::MomentSystem;
 use crate::closure::projection::tempered;
@@ -66,9 +68,16 @@ impl Jets {
 /// p̂′ = ω (u s + Σ d′_l ψ_l) with a polynomial s of a lower degree that stands for the derivative of ln ω: the weight moves along.
 /// With the weight fixed, what flows through the edge of the domain would be multiplied by the derivative itself and not by what
 /// s leaves of it. The part with s is tested in strong form, ∫ ψ_k L(ω u s) dx, which has no flux through the edge.
+///
+/// Impulses have no such form. Under them the moment equations themselves are those of a process that stays on the domain, ∫ ω u 𝓖ψ_k dx =
+/// 0, and all of their derivative is taken in that form: with the strong one for drift and noise alone the L¹ errors were 3 to 40 times
+/// as large.
 pub(super) struct Tangent<'a> {
     system: &'a MomentSystem,
-    own: Vec<Local>,
+    domain: &'a TrustDomain,
+    /// Whether impulses act.
+    struck: bool,
+    own: Nodal,
     log_weight: Jets,
     ratio: Jets,
     /// Those of the moment equations, without the constant, of the highest degree and of the one below it.
@@ -76,6 +85,14 @@ pub(super) struct Tangent<'a> {
     /// The functions of s, orthonormal under p̂^0.6, and that measure.
     lower: Orthonormal,
     measure: Vec<f64>,
+}
+
+/// An operator at the nodes.
+enum Nodal {
+    /// In strong form.
+    Strong(Vec<Local>),
+    /// The rates of ψ.
+    Weak(Mat<f64>),
 }
 
 /// p̂′/p̂ = s + Σ d′_l ψ_l/u.
@@ -89,7 +106,7 @@ pub(super) struct Derivative<'a> {
 
 impl<'a> Tangent<'a> {
     /// None where the functions are linearly dependent.
-    pub(super) fn new(problem: &Problem, system: &'a MomentSystem) -> Option<Self> {
+    pub(super) fn new(problem: &Problem, system: &'a MomentSystem, domain: &'a TrustDomain) -> Option<Self> {
         let points = &system.nodes.points;
         let ratio = Jets::of(&system.function(&system.stationary(false)), points);
         let factors = [false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu());
@@ -104,14 +121,15 @@ impl<'a> Tangent<'a> {
         let columns = system.columns_of_degree(tuning::sensitivity::DEGREE);
         let values = system.functions.values.get(..points.len(), ..columns).to_owned();
         let lower = Orthonormal::new(values, &measure)?;
-        let own = locals(problem, points);
-        Some(Tangent { system, own, log_weight: Jets::of(&system.weight, points), ratio, factors, lower, measure })
+        let struck = !problem.impulses().is_empty();
+        let own = nodal((system, domain), problem.operator(), locals(problem, points), struck);
+        let log_weight = Jets::of(&system.weight, points);
+        Some(Tangent { system, domain, struck, own, log_weight, ratio, factors, lower, measure })
     }
 
     /// The derivative along an operator's. None where it is not finite.
     pub(super) fn along(&self, moved: &FokkerPlanck) -> Option<Derivative<'a>> {
-        let moved = moved.locals(&self.system.nodes.points);
-        self.renewed(&self.strong(&moved, &self.ratio))
+        self.renewed(&self.tested(&self.nodal(moved), &self.ratio))
     }
 
     /// The derivative along two operators', given those along each of them and the operator's own second derivative: L p̂″ =
@@ -128,18 +146,18 @@ impl<'a> Tangent<'a> {
         let g = [0, 1].map(|k| self.ratio.times(&s[k]).plus(&left[k], 1.0));
         let both = self.ratio.times(&s[0]).times(&s[1]);
         let known = g[0].times(&s[1]).plus(&s[0].times(&g[1]), 1.0).plus(&both, -1.0);
-        let moved = moved.map(|moved| moved.locals(points));
+        let moved = moved.map(|moved| self.nodal(moved));
         let parts = [
-            self.strong(&moved[0], &g[1]),
-            self.strong(&moved[1], &g[0]),
-            self.strong(&twice.locals(points), &self.ratio),
-            self.strong(&self.own, &known),
+            self.tested(&moved[0], &g[1]),
+            self.tested(&moved[1], &g[0]),
+            self.tested(&self.nodal(twice), &self.ratio),
+            self.tested(&self.own, &known),
         ];
-        let fixed: Vec<f64> = (0..points.len()).map(|i| parts.iter().map(|part| part[i]).sum()).collect();
+        let fixed: Vec<f64> = (0..parts[0].len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect();
         self.renewed(&fixed)
     }
 
-    /// The solution for a source at the nodes, with a polynomial s that takes up as much of it as it can.
+    /// The solution for a source ∫ ψ_k L(ω g) dx, with a polynomial s that takes up as much of it as it can.
     fn renewed(&self, fixed: &[f64]) -> Option<Derivative<'a>> {
         let system = self.system;
         let mut best: Option<Derivative<'_>> = None;
@@ -147,9 +165,8 @@ impl<'a> Tangent<'a> {
         let mut s = system.function(&[0.0]);
         for _ in 0..tuning::sensitivity::RENEWALS {
             let jets = Jets::of(&s, &system.nodes.points);
-            let along = self.strong(&self.own, &self.ratio.times(&jets));
-            let source: Vec<f64> =
-                fixed.iter().zip(&along).zip(&system.measure).map(|((a, b), w)| w * (a + b)).collect();
+            let along = self.tested(&self.own, &self.ratio.times(&jets));
+            let source: Vec<f64> = fixed.iter().zip(&along).map(|(a, b)| a + b).collect();
             let [d, below] = [false, true].map(|below| self.solved(&source, below));
             let left = system.combined_of(&d);
             let size: f64 = left.iter().zip(&system.measure).map(|(c, w)| (c * w).abs()).sum();
@@ -166,6 +183,24 @@ impl<'a> Tangent<'a> {
         }
         let density: Vec<f64> = self.ratio.value.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
         best.map(|best| best.centred(&density))
+    }
+
+    /// An operator at the nodes.
+    fn nodal(&self, operator: &FokkerPlanck) -> Nodal {
+        nodal((self.system, self.domain), operator, operator.locals(&self.system.nodes.points), self.struck)
+    }
+
+    /// ∫ ψ_k L(ω g) dx.
+    fn tested(&self, operator: &Nodal, g: &Jets) -> Vec<f64> {
+        let measure = &self.system.measure;
+        let weighted = |of: &[f64]| of.iter().zip(measure).map(|(value, w)| value * w).collect::<Vec<f64>>();
+        match operator {
+            Nodal::Strong(locals) => {
+                let values = self.system.functions.values.get(..measure.len(), ..);
+                weighted_sum(values, &weighted(&self.strong(locals, g)))
+            }
+            Nodal::Weak(rates) => weighted_sum(rates.as_ref(), &weighted(&g.value)),
+        }
     }
 
     /// L(ω g)/ω at the nodes.
@@ -188,14 +223,30 @@ impl<'a> Tangent<'a> {
         (0..g.value.len()).map(at).collect()
     }
 
-    /// d′ of A d′ = −∫ ψ (source), the constant's 0.
+    /// d′ of A d′ = −source, the constant's 0.
     fn solved(&self, source: &[f64], below: bool) -> Vec<f64> {
         let columns = self.system.columns(below);
-        let values = self.system.functions.values.get(..source.len(), ..columns);
-        let tested = weighted_sum(values, source);
-        let solved = self.factors[usize::from(below)].solve(Mat::from_fn(columns - 1, 1, |k, _| -tested[k + 1]));
+        let solved = self.factors[usize::from(below)].solve(Mat::from_fn(columns - 1, 1, |k, _| -source[k + 1]));
         std::iter::once(0.0).chain((0..columns - 1).map(|k| solved[(k, 0)])).collect()
     }
+}
+
+/// An operator at the nodes, in the form that is right with impulses or without.
+fn nodal(
+    (system, domain): (&MomentSystem, &TrustDomain),
+    operator: &FokkerPlanck,
+    locals: Vec<Local>,
+    struck: bool,
+) -> Nodal {
+    if !struck {
+        return Nodal::Strong(locals);
+    }
+    let (points, impulses) = (&system.nodes.points, &operator.impulse_terms());
+    let generator = NodalGenerator { points, locals: &locals, passages: &[], impulses, domain };
+    let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len(), system.space.len() + 1));
+    generator.enter(&system.space, [values.as_mut(), rates.as_mut()]);
+    system.functions.transform(rates.as_mut());
+    Nodal::Weak(rates)
 }
 
 impl Derivative<'_> {
