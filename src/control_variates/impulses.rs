@@ -1,11 +1,11 @@
 //! The part of the generator that impulses make, as a matrix.
 
-use crate::fokker_planck::Impulse;
+use crate::fokker_planck::ImpulseTerm;
 use crate::numerics::legendre::recurrence;
 use crate::polynomial::Polynomial;
 use std::collections::HashMap;
 
-/// λ E\[ψ(x + H Y) − ψ(x)\] of products of Legendre polynomials as combinations of these products: for each its terms, by
+/// λ E\[ψ(x + H Y) − ψ(x)\], or its derivative by parameters, of products of Legendre polynomials as combinations of these products: for each its terms, by
 /// the place of the product in the list, where 0 is the constant.
 ///
 /// Impulses are jumps of the sampled states; their expectation has far less variance than the jumps themselves, and costs a few
@@ -15,20 +15,19 @@ pub(crate) type Images = Vec<Vec<(usize, f64)>>;
 /// The images of the products with these `exponents` on a box. None where H is not of first degree, whose images have higher
 /// degrees than the list.
 pub(crate) fn images(
-    impulses: &[Impulse],
+    terms: &[ImpulseTerm],
     (centre, half_width): (&[f64], &[f64]),
     exponents: &[Vec<u32>],
 ) -> Option<Images> {
     let n = centre.len();
     let on_box: Vec<Polynomial> = (0..n).map(|i| Polynomial::variable(n, i) * half_width[i] + centre[i]).collect();
-    let scaled = |impulse: &Impulse| {
-        let field = impulse.field().iter().zip(half_width);
-        Impulse::new(*impulse.jumps(), field.map(|(h, width)| h.compose(&on_box) * width.recip()).collect())
+    let on_scale = |field: &[Polynomial]| -> Vec<Polynomial> {
+        field.iter().zip(half_width).map(|(h, width)| h.compose(&on_box) * width.recip()).collect()
     };
-    if impulses.iter().flat_map(Impulse::field).any(|h| h.degree() > 1) {
+    if terms.iter().flat_map(ImpulseTerm::fields).any(|(_, h)| h.degree() > 1) {
         return None;
     }
-    let scaled: Vec<Impulse> = impulses.iter().map(scaled).collect();
+    let scaled: Vec<ImpulseTerm> = terms.iter().map(|term| term.with(1.0, on_scale)).collect();
     let highest = exponents.iter().flatten().copied().max().unwrap_or(0) as usize;
     let legendre = legendre(highest);
     let powers = powers(highest);
@@ -42,7 +41,7 @@ pub(crate) fn images(
             factor
         });
         let psi = factors.fold(Polynomial::constant(n, 1.0), |product, factor| product * factor);
-        let image = scaled.iter().fold(Polynomial::zero(n), |sum, impulse| sum + impulse.generator(&psi));
+        let image = scaled.iter().fold(Polynomial::zero(n), |sum, term| sum + term.generator(&psi));
         let mut found: HashMap<usize, f64> = HashMap::new();
         for (alpha, c) in image.terms() {
             let mut products = vec![(Vec::with_capacity(n), c)];

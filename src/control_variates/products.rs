@@ -1,7 +1,8 @@
 //! Products of Legendre polynomials, and of functions of a plane, at eight points at a time.
 
-use super::impulses::Images;
+use super::impulses::{Images, images};
 use super::planes::{PlaneLanes, Planes};
+use crate::fokker_planck::ImpulseTerm;
 use crate::numerics::legendre::recurrence;
 use std::collections::HashMap;
 
@@ -111,6 +112,21 @@ impl Products {
     /// The same with impulses in the images of its functions.
     pub(crate) fn struck(self, impulses: Images) -> Self {
         Products { impulses, ..self }
+    }
+
+    /// The images of its functions under impulses' terms; nothing without any. None where these images are no combinations of its
+    /// functions.
+    pub(crate) fn images(&self, terms: &[ImpulseTerm]) -> Option<Images> {
+        let exponents = |place: &usize| {
+            let (mut alpha, mut place) = (vec![0; self.dimension()], *place);
+            while let Some(step) = place.checked_sub(self.first()).map(|k| self.steps[k]) {
+                alpha[step.state] = step.degree as u32;
+                place = step.shorter;
+            }
+            alpha
+        };
+        let all: Vec<Vec<u32>> = self.places[1..].iter().map(exponents).collect();
+        if terms.is_empty() { Some(Vec::new()) } else { images(terms, (&self.centre, &self.half_width), &all) }
     }
 
     /// The place of the first product in the tree that follows a shorter one by a polynomial.
@@ -227,8 +243,14 @@ impl Products {
     /// The image of function k under the operator of the last [`Products::apply`], and under impulses.
     #[inline(always)]
     pub(crate) fn image(&self, scratch: &Scratch, k: usize) -> Lane {
+        self.image_under(&self.impulses, scratch, k)
+    }
+
+    /// The same under other impulses.
+    #[inline(always)]
+    pub(crate) fn image_under(&self, impulses: &Images, scratch: &Scratch, k: usize) -> Lane {
         let mut image = scratch.rates[self.places[k]];
-        for (place, c) in k.checked_sub(1).and_then(|k| self.impulses.get(k)).into_iter().flatten() {
+        for (place, c) in k.checked_sub(1).and_then(|k| impulses.get(k)).into_iter().flatten() {
             let value = self.value(scratch, *place);
             (0..LANES).for_each(|l| image[l] += c * value[l]);
         }

@@ -1,21 +1,22 @@
 use super::FokkerPlanck;
-use crate::polynomial::{Arena, Polynomial, Symbol};
-use crate::system::Jumps;
+use super::impulse_term::ImpulseTerm;
+use crate::polynomial::Polynomial;
+use crate::system::{Jumps, Parameter};
 
 /// Poisson impulses in an equation, x → x + H(x) Y.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Impulse {
-    jumps: Jumps,
+pub struct Impulse<P = f64> {
+    jumps: Jumps<P>,
     field: Vec<Polynomial>,
 }
 
-impl Impulse {
-    pub(crate) fn new(jumps: Jumps, field: Vec<Polynomial>) -> Self {
+impl<P: Parameter> Impulse<P> {
+    pub(crate) fn new(jumps: Jumps<P>, field: Vec<Polynomial>) -> Self {
         Impulse { jumps, field }
     }
 
     /// Their rate and the law of Y.
-    pub fn jumps(&self) -> &Jumps {
+    pub fn jumps(&self) -> &Jumps<P> {
         &self.jumps
     }
 
@@ -24,30 +25,17 @@ impl Impulse {
         &self.field
     }
 
+    /// The same with the values of its parameters alone.
+    pub(crate) fn real(&self) -> Impulse {
+        Impulse { jumps: self.jumps.each(|number| number.re()), field: self.field.clone() }
+    }
+}
+
+impl Impulse {
     /// H where it is the same at all states.
     pub(crate) fn direction(&self) -> Option<Vec<f64>> {
         let constant = self.field.iter().all(|h| h.degree() == 0);
         constant.then(|| self.field.iter().map(Polynomial::constant_term).collect())
-    }
-
-    /// λ E[ψ(x + H(x) Y) − ψ(x)], a polynomial.
-    pub(crate) fn generator(&self, statistic: &Polynomial) -> Polynomial {
-        let n = self.field.len();
-        // One more variable, which stands for Y.
-        let arena = Arena::new(n + 1);
-        let raised = |p: &Polynomial| {
-            let mut raised = Polynomial::zero(n + 1);
-            p.terms().for_each(|(alpha, c)| raised.add_term(&[alpha, &[0]].concat(), c));
-            raised
-        };
-        let size = Polynomial::variable(n + 1, n);
-        let moved = |i: usize| arena.symbol(Polynomial::variable(n + 1, i) + &raised(&self.field[i]) * &size);
-        let moved: Vec<Symbol<'_>> = (0..n).map(moved).collect();
-        let mut rate = Polynomial::zero(n);
-        for (alpha, c) in statistic.evaluate(&moved).polynomial(n + 1).terms() {
-            rate.add_term(&alpha[..n], self.jumps.rate() * c * self.jumps.amplitude().moment(alpha[n]));
-        }
-        rate - statistic * self.jumps.rate()
     }
 
     /// The same impulses in other coordinates, or in another unit of time.
@@ -57,9 +45,21 @@ impl Impulse {
 }
 
 impl FokkerPlanck {
-    /// The Poisson impulses.
+    /// The Poisson impulses. A derivative of an operator has none: λ E\[ψ(x + H Y) − ψ(x)\] depends on parameters by what impulses do
+    /// to slopes of ψ as well, which [`FokkerPlanck::generator`] contains.
     pub fn impulses(&self) -> &[Impulse] {
         &self.impulses
+    }
+
+    /// The terms of the generator that impulses make, in a derivative those of its own.
+    pub(crate) fn impulse_terms(&self) -> Vec<ImpulseTerm> {
+        self.impulses.iter().map(ImpulseTerm::of).chain(self.moved.iter().cloned()).collect()
+    }
+
+    /// What impulses add to the rate of change of the mean of `statistic`.
+    pub(crate) fn by_impulses(&self, statistic: &Polynomial) -> Polynomial {
+        let zero = Polynomial::zero(self.dimension());
+        self.impulse_terms().iter().fold(zero, |sum, term| sum + term.generator(statistic))
     }
 
     /// The operator without impulses whose drift and diffusion give means and mean squares the same rates of change:

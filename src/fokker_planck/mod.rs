@@ -10,11 +10,13 @@
 //! Gaussian moments, an equation to print. [`Local`] is the operator at one point, which dual numbers compute from the user's
 //! own definition; the equations at nodes are assembled from it.
 
+mod impulse_term;
 mod impulses;
 mod local;
 mod stretched;
 mod text;
 
+pub(crate) use impulse_term::{ImpulseTerm, Landing};
 pub use impulses::Impulse;
 pub(crate) use local::{Local, generator};
 
@@ -23,6 +25,7 @@ use crate::density::Frame;
 use crate::error::{Error, Result};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::Interpretation;
+use num_dual::HyperDual64;
 
 /// The Fokker-Planck operator as polynomials: the Itô drift f, the diffusion matrix B = G Gᵀ, and impulses.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +33,8 @@ pub struct FokkerPlanck {
     drift: Vec<Polynomial>,
     diffusion: Vec<Vec<Polynomial>>,
     impulses: Vec<Impulse>,
+    /// In a derivative of an operator that of the impulses' part.
+    moved: Vec<ImpulseTerm>,
 }
 
 /// Drift and noise are of this degree at most.
@@ -41,7 +46,7 @@ impl FokkerPlanck {
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::OutOfRange`] for a degree above 60,
-    /// [`Error::NoNoise`] if B and all H vanish identically.
+    /// [`Error::NoNoise`] if B and all H vanish identically; those of [`Jumps::new`](crate::Jumps::new).
     pub(crate) fn new(
         drift: &[Polynomial],
         columns: &[Vec<Polynomial>],
@@ -49,6 +54,7 @@ impl FokkerPlanck {
         impulses: Vec<Impulse>,
     ) -> Result<Self> {
         let n = drift.len();
+        impulses.iter().try_for_each(|impulse| impulse.jumps().checked().map(|_| ()))?;
         for i in 0..n {
             impulses.iter().try_for_each(|impulse| sound("impulses", i, &impulse.field()[i]))?;
             sound("drift", i, &drift[i])?;
@@ -68,7 +74,7 @@ impl FokkerPlanck {
             all_finite("drift", i, &drift[i])?;
             diffusion[i].iter().try_for_each(|entry| all_finite("squared noise", i, entry))?;
         }
-        let operator = FokkerPlanck { drift, diffusion, impulses };
+        let operator = FokkerPlanck { drift, diffusion, impulses, moved: Vec::new() };
         if (0..n).any(|i| operator.is_driven(i)) { Ok(operator) } else { Err(Error::NoNoise) }
     }
 
@@ -205,23 +211,23 @@ impl FokkerPlanck {
             drift: fields(&drift),
             diffusion: (0..n).map(|i| each(&|j| combined(j, &|q| half[i][q].clone()))).collect(),
             impulses: self.impulses_in(&in_z, &fields),
+            moved: self
+                .moved
+                .iter()
+                .map(|term| term.with(1.0, |h| fields(&h.iter().map(in_z).collect::<Vec<_>>())))
+                .collect(),
         }
     }
 
-    /// Of an operator whose last two states are parameters ε₁ and ε₂ the coefficient of powers of these.
-    pub(crate) fn coefficient(&self, powers: [u32; 2]) -> Self {
+    /// Of an operator whose last two states are parameters ε₁ and ε₂, and of its `impulses`, the coefficient of powers of these.
+    pub(crate) fn coefficient(&self, powers: [u32; 2], impulses: &[Impulse<HyperDual64>]) -> Self {
         let n = self.dimension() - 2;
-        let part = |p: &Polynomial| {
-            let mut part = Polynomial::zero(n);
-            for (alpha, c) in p.terms().filter(|(alpha, _)| alpha[n..] == powers) {
-                part.add_term(&alpha[..n], c);
-            }
-            part
-        };
+        let part = |p: &Polynomial| p.coefficient_of_last(powers);
         FokkerPlanck {
             drift: self.drift[..n].iter().map(part).collect(),
             diffusion: self.diffusion[..n].iter().map(|row| row[..n].iter().map(part).collect()).collect(),
             impulses: Vec::new(),
+            moved: impulses.iter().filter_map(|impulse| ImpulseTerm::derivative(impulse, powers)).collect(),
         }
     }
 
@@ -229,18 +235,19 @@ impl FokkerPlanck {
     pub(crate) fn zero(n: usize) -> Self {
         let zero = || Polynomial::zero(n);
         let diffusion = (0..n).map(|_| (0..n).map(|_| zero()).collect()).collect();
-        FokkerPlanck { drift: (0..n).map(|_| zero()).collect(), diffusion, impulses: Vec::new() }
+        FokkerPlanck { drift: (0..n).map(|_| zero()).collect(), diffusion, impulses: Vec::new(), moved: Vec::new() }
     }
 
     /// Whether drift, diffusion and impulses vanish.
     pub(crate) fn is_zero(&self) -> bool {
-        self.impulses.is_empty() && self.drift.iter().chain(self.diffusion.iter().flatten()).all(Polynomial::is_zero)
+        let struck = !self.impulses.is_empty() || !self.moved.is_empty();
+        !struck && self.drift.iter().chain(self.diffusion.iter().flatten()).all(Polynomial::is_zero)
     }
 
     /// Another drift, and the diffusion times `share`.
     pub(crate) fn with(&self, drift: Vec<Polynomial>, share: f64) -> Self {
         let diffusion = self.diffusion.iter().map(|row| row.iter().map(|b| b * share).collect()).collect();
-        FokkerPlanck { drift, diffusion, impulses: self.impulses.clone() }
+        FokkerPlanck { drift, diffusion, impulses: self.impulses.clone(), moved: self.moved.clone() }
     }
 
     /// The same operator for the time t/`unit`.
@@ -250,6 +257,7 @@ impl FokkerPlanck {
             drift: scaled(&self.drift),
             diffusion: self.diffusion.iter().map(scaled).collect(),
             impulses: self.impulses.iter().map(|impulse| impulse.with(unit, impulse.field().to_vec())).collect(),
+            moved: self.moved.iter().map(|term| term.with(unit, <[Polynomial]>::to_vec)).collect(),
         }
     }
 
@@ -267,6 +275,7 @@ impl FokkerPlanck {
             drift: (0..n).map(drift).collect(),
             diffusion: (0..n).map(|i| (0..n).map(|j| constant(i, j)).collect()).collect(),
             impulses: Vec::new(),
+            moved: Vec::new(),
         }
     }
 
@@ -291,7 +300,7 @@ impl FokkerPlanck {
                 rate = rate + &self.diffusion[i][j] * &slope.derivative(j) * 0.5;
             }
         }
-        self.impulses.iter().fold(rate, |rate, impulse| rate + impulse.generator(statistic))
+        rate + self.by_impulses(statistic)
     }
 }
 

@@ -11,6 +11,7 @@ impl FokkerPlanck {
             drift: sum(&self.drift, &other.drift),
             diffusion: self.diffusion.iter().zip(&other.diffusion).map(|(one, other)| sum(one, other)).collect(),
             impulses: Vec::new(),
+            moved: Vec::new(),
         }
     }
 
@@ -27,6 +28,7 @@ impl FokkerPlanck {
             drift: self.drift.iter().enumerate().map(|(i, f)| moved(f, own(i))).collect(),
             diffusion: self.diffusion.iter().enumerate().map(diffusion).collect(),
             impulses: Vec::new(),
+            moved: Vec::new(),
         }
     }
 }

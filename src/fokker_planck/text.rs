@@ -119,13 +119,16 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
     }
 
     /// λ (E[density before an impulse] − `own`) of each source, the density between two strings. Where H depends on the state the
-    /// transition is written.
+    /// transition is written. A derivative has the values of the parameters within its brackets.
     fn impulses(&self, f: &mut fmt::Formatter<'_>, [begin, end]: [&str; 2], own: &str) -> fmt::Result {
         let digits = f.precision();
         let (open, close, mean, to) =
             if self.latex { (r"\left(", r"\right)", r"\mathrm{E}", r"\to") } else { ("(", ")", "E", "->") };
-        for (j, impulse) in self.operator.impulses().iter().enumerate() {
-            let size = if self.operator.impulses().len() > 1 { format!("Y{}", j + 1) } else { "Y".to_owned() };
+        let whole = self.operator.impulses().iter().map(|impulse| (impulse.clone(), 0));
+        let all =
+            whole.chain(self.operator.moved.iter().map(|term| (term.impulse(), term.order()))).collect::<Vec<_>>();
+        for (j, (impulse, order)) in all.iter().enumerate() {
+            let size = if all.len() > 1 { format!("Y{}", j + 1) } else { "Y".to_owned() };
             let moved = |sign: char| {
                 let state = move |(i, h): (usize, &Polynomial)| match (h.is_zero(), h.degree(), h.constant_term()) {
                     (true, ..) => self.name(i).to_owned(),
@@ -135,14 +138,22 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                 impulse.field().iter().enumerate().map(state).collect::<Vec<String>>().join(", ")
             };
             let rate = self.polynomial(digits, &Polynomial::constant(self.states(), impulse.jumps().rate()));
-            write!(f, " + {rate} {open}{mean}[{begin}")?;
+            // Of a derivative what is to be differentiated.
+            let by = match (order, self.latex) {
+                (0, _) => ["", ""],
+                (1, false) => ["d/dtheta [", "]"],
+                (_, false) => ["d2/dtheta1dtheta2 [", "]"],
+                (1, true) => [r"\frac{\partial}{\partial \theta}\left[", r"\right]"],
+                (_, true) => [r"\frac{\partial^2}{\partial \theta_1\,\partial \theta_2}\left[", r"\right]"],
+            };
+            write!(f, " + {}{rate} {open}{mean}[{begin}", by[0])?;
             if impulse.direction().is_some() {
                 f.write_str(&moved('-'))?;
             } else {
                 let names: Vec<&str> = (0..self.states()).map(|i| self.name(i)).collect();
                 write!(f, "before {} {to} {}", names.join(", "), moved('+'))?;
             }
-            write!(f, "{end}] - {own}{close}")?;
+            write!(f, "{end}] - {own}{close}{}", by[1])?;
         }
         Ok(())
     }

@@ -250,6 +250,16 @@ impl Polynomial {
         self.evaluate(&inner).polynomial(states)
     }
 
+    /// The coefficient of powers of the last two variables, a polynomial in the others.
+    pub(crate) fn coefficient_of_last(&self, powers: [u32; 2]) -> Self {
+        let n = self.dimension - 2;
+        let mut part = Polynomial::zero(n);
+        for (alpha, c) in self.terms().filter(|(alpha, _)| alpha[n..] == powers) {
+            part.add_term(&alpha[..n], c);
+        }
+        part
+    }
+
     /// The largest absolute coefficient; 0 for the polynomial 0.
     pub fn max_coefficient(&self) -> f64 {
         self.coefficients.iter().fold(0.0, |a: f64, c| a.max(c.abs()))

@@ -14,18 +14,18 @@ use std::sync::Arc;
 
 /// A system as its polynomials, and what came with it.
 struct Definition {
-    equations: PolynomialForm,
+    equations: PolynomialForm<f64>,
     names: Vec<String>,
     parameters: Vec<(String, f64)>,
     family: Option<Box<dyn Family>>,
 }
 
 /// The equations of a system as polynomials.
-struct PolynomialForm {
-    drift: Vec<Polynomial>,
-    columns: Vec<Vec<Polynomial>>,
-    interpretation: Interpretation,
-    impulses: Vec<Impulse>,
+pub(super) struct PolynomialForm<P> {
+    pub(super) drift: Vec<Polynomial>,
+    pub(super) columns: Vec<Vec<Polynomial>>,
+    pub(super) interpretation: Interpretation,
+    pub(super) impulses: Vec<Impulse<P>>,
 }
 
 impl Problem {
@@ -114,7 +114,7 @@ fn parameters_of<T: Parametric<With<f64> = T>>(system: &T) -> Result<(Vec<(Strin
 }
 
 /// The equations of a system as polynomials in its states and `more` variables.
-fn fixed<P: Parameter, T, const N: usize, const M: usize>(system: &T, more: usize) -> PolynomialForm
+fn fixed<P: Parameter, T, const N: usize, const M: usize>(system: &T, more: usize) -> PolynomialForm<P>
 where
     T: PolynomialDrift<N, M, P>,
     for<'a> Symbol<'a>: Scalar<P>,
@@ -134,7 +134,7 @@ where
 }
 
 /// The same for a number of states at run time.
-fn any_size<P: Parameter, T: PolynomialSystem<P>>(system: &T, more: usize) -> Result<PolynomialForm>
+fn any_size<P: Parameter, T: PolynomialSystem<P>>(system: &T, more: usize) -> Result<PolynomialForm<P>>
 where
     for<'a> Symbol<'a>: Scalar<P>,
 {
@@ -166,9 +166,17 @@ fn padded<'a>(symbols: impl IntoIterator<Item = Symbol<'a>>, n: usize) -> Vec<Po
     all
 }
 
-impl PolynomialForm {
+impl<P: Parameter> PolynomialForm<P> {
     fn operator(&self) -> Result<FokkerPlanck> {
-        FokkerPlanck::new(&self.drift, &self.columns, self.interpretation, self.impulses.clone())
+        let impulses = self.impulses.iter().map(Impulse::real).collect();
+        FokkerPlanck::new(&self.drift, &self.columns, self.interpretation, impulses)
+    }
+}
+
+impl PolynomialForm<HyperDual64> {
+    /// With dual numbers for the parameters, without walls.
+    pub(super) fn lifted(self) -> Result<Lifted> {
+        Ok(Lifted { operator: self.operator()?, impulses: self.impulses, walls: Vec::new() })
     }
 }
 
@@ -185,7 +193,7 @@ where
     }
 
     fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
-        fixed(&self.0.with(&mut |name, present| value(name, present)), 2).operator().map(Lifted::open)
+        fixed(&self.0.with(&mut |name, present| value(name, present)), 2).lifted()
     }
 }
 
@@ -202,7 +210,7 @@ where
     }
 
     fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
-        any_size(&self.0.with(&mut |name, present| value(name, present)), 2)?.operator().map(Lifted::open)
+        any_size(&self.0.with(&mut |name, present| value(name, present)), 2)?.lifted()
     }
 }
 

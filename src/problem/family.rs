@@ -2,12 +2,9 @@
 
 use super::{Motion, Problem, Wall};
 use crate::error::{Error, Result};
-use crate::fokker_planck::FokkerPlanck;
+use crate::fokker_planck::{FokkerPlanck, Impulse};
 use crate::polynomial::is_real;
 use num_dual::HyperDual64;
-
-/// The step by which impulses are seen to depend on a parameter.
-const STEP: f64 = 1e-6;
 
 /// What makes the problems of a system for any values of its parameters.
 pub(super) trait Family: Send + Sync {
@@ -27,14 +24,16 @@ pub(super) trait Family: Send + Sync {
 pub(super) struct Lifted {
     /// ε₁ and ε₂ are two more states, which do not move.
     pub(super) operator: FokkerPlanck,
+    /// Those of the operator with the dual numbers of rates and laws.
+    pub(super) impulses: Vec<Impulse<HyperDual64>>,
     /// Offset and restitution of the walls that the definition itself contains.
     pub(super) walls: Vec<[HyperDual64; 2]>,
 }
 
 impl Lifted {
-    /// Without walls.
-    pub(super) fn open(operator: FokkerPlanck) -> Self {
-        Lifted { operator, walls: Vec::new() }
+    /// The coefficient of powers of ε₁ and ε₂ in the operator.
+    fn coefficient(&self, powers: [u32; 2]) -> FokkerPlanck {
+        self.operator.coefficient(powers, &self.impulses)
     }
 }
 
@@ -80,14 +79,15 @@ impl Problem {
     }
 
     /// The derivative of the Fokker-Planck operator by one parameter, ∂f/∂θ and ∂B/∂θ of the Itô drift f and of B = G Gᵀ, or by
-    /// two, which may be the same. It is exact: the definition runs on dual numbers.
+    /// two, which may be the same. It is exact: the definition runs on dual numbers. Of Poisson impulses it has ∂(λ E\[ψ(x + H Y) −
+    /// ψ(x)\])/∂θ, which its [`FokkerPlanck::generator`] contains.
     ///
     /// The stationary density's derivative p′ solves L p′ = −L′p with it.
     ///
     /// # Errors
     /// [`Error::NotAName`] if no parameter has the name, [`Error::OutOfRange`] unless there are one or two names; [`Error::NotKnown`]
     /// where the system is not [`Parametric`](crate::Parametric) and does not come from a text, or does not contain the
-    /// parameter; [`Error::NotServed`] for a parameter of impulses, or of walls, on which the operator does not act.
+    /// parameter; [`Error::NotServed`] for a parameter of walls, on which the operator does not act.
     ///
     /// ```
     /// use expoly::models::{Duffing, Solved};
@@ -116,11 +116,11 @@ impl Problem {
             let remedy = "take the derivative of a density: `Grid::sensitivities` or `ClosureDensity::sensitivity`";
             return Err(Error::NotServed { method, what, remedy });
         };
-        let zero = |powers: [u32; 2]| lifted.operator.coefficient(powers).is_zero();
+        let zero = |powers: [u32; 2]| lifted.coefficient(powers).is_zero();
         if zero([1, 0]) || second.is_some() && zero([0, 1]) {
             return Err(independent(if zero([1, 0]) { first } else { second.unwrap_or(first) }));
         }
-        Ok(lifted.operator.coefficient([1, u32::from(second.is_some())]))
+        Ok(lifted.coefficient([1, u32::from(second.is_some())]))
     }
 
     /// What of the problem moves with a parameter, whatever it is one of.
@@ -140,7 +140,7 @@ impl Problem {
             let follows = self.follows(family, i);
             *moved = [0, 1].map(|k| if follows[k] { numbers[k].eps1 } else { 0.0 });
         }
-        let operator = lifted.operator.coefficient([1, 0]);
+        let operator = lifted.coefficient([1, 0]);
         let fixed = operator.is_zero() && walls.iter().flatten().all(|rate| *rate == 0.0);
         if fixed { Err(independent(parameter)) } else { Ok(Motion { operator, walls }) }
     }
@@ -163,7 +163,7 @@ impl Problem {
             let follows = self.follows(family, i);
             *moved = [0, 1].map(|k| if follows[k] { numbers[k].eps1eps2 } else { 0.0 });
         }
-        Ok(Motion { operator: lifted.operator.coefficient([1, 1]), walls })
+        Ok(Motion { operator: lifted.coefficient([1, 1]), walls })
     }
 
     /// The system with dual numbers for one parameter, or for two, which may be the same.
@@ -172,17 +172,7 @@ impl Problem {
             let [first, second] = [Some(first), second].map(|by| f64::from(u8::from(by == Some(name))));
             HyperDual64::new(present, first, second, 0.0)
         };
-        let family = self.family()?;
-        let lifted = family.lifted(&seed)?;
-        // Impulses have no part in drift and diffusion, and no derivative here.
-        let beside = |name: &str, present: f64| {
-            if name == first || Some(name) == second { present + STEP * (1.0 + present.abs()) } else { present }
-        };
-        if !self.impulses().is_empty() && family.at(&beside)?.impulses() != self.impulses() {
-            let (method, what) = ("automatic differentiation", "derivatives by parameters of impulses");
-            return Err(Error::NotServed { method, what, remedy: "take differences of two problems" });
-        }
-        Ok(lifted)
+        self.family()?.lifted(&seed)
     }
 
     /// Which numbers of a wall, offset and restitution, are the definition's own.

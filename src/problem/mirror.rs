@@ -3,6 +3,7 @@ use super::text::Written;
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::{Polynomial, total_degree};
+use num_dual::HyperDual64;
 
 impl Problem {
     /// The same problem in a mirror, x → −x, with its walls: a wall below the motion is one above it there.
@@ -11,7 +12,7 @@ impl Problem {
         let noise = (0..n).map(|i| self.noise().iter().map(|column| turned(&column[i])).collect::<Result<_>>());
         let impulse = |impulse: &Impulse| {
             let field = impulse.field().iter().map(turned).collect::<Result<_>>()?;
-            Ok(Impulse::new(*impulse.jumps(), field))
+            Ok(Impulse::new(impulse.jumps().each(HyperDual64::from), field))
         };
         let system = Written {
             states: self.states().to_vec(),

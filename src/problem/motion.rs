@@ -7,7 +7,7 @@ use crate::polynomial::Polynomial;
 /// The derivative of a problem by a parameter θ, or the second one by two.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
-    /// ∂f/∂θ and ∂B/∂θ at a fixed state.
+    /// ∂f/∂θ and ∂B/∂θ at a fixed state, and what impulses have.
     pub(crate) operator: FokkerPlanck,
     /// ∂b/∂θ and ∂r/∂θ of each wall.
     pub(crate) walls: Vec<[f64; 2]>,
@@ -39,7 +39,9 @@ impl Motion {
     /// The motion of a problem of two states with walls on state 0 alone.
     pub(crate) fn on_plane(&self, problem: &Problem) -> PlaneMotion {
         let (shift, restitution) = self.of_walls(problem);
-        PlaneMotion { operator: self.operator.plus(&stretched(problem.operator(), shift)), shift, restitution }
+        let stretched = stretched(problem.operator(), shift);
+        let operator = stretched.map_or_else(|| self.operator.clone(), |stretched| self.operator.plus(&stretched));
+        PlaneMotion { operator, shift, restitution }
     }
 
     /// The second motion there, which this is at a fixed state, given the first ones.
@@ -52,7 +54,7 @@ impl Motion {
             stretched(&other.operator, one.shift),
             stretched(problem.operator(), bend),
         ];
-        let operator = parts.iter().fold(self.operator.clone(), |sum, part| sum.plus(part));
+        let operator = parts.iter().flatten().fold(self.operator.clone(), |sum, part| sum.plus(part));
         PlaneMotion { operator, shift, restitution }
     }
 
@@ -72,13 +74,10 @@ impl Motion {
     }
 }
 
-/// An operator as the coordinate of state 0 moves by η.
-fn stretched(operator: &FokkerPlanck, shift: [f64; 2]) -> FokkerPlanck {
-    if shift == [0.0; 2] {
-        return FokkerPlanck::zero(operator.dimension());
-    }
+/// An operator as the coordinate of state 0 moves by η; none where it does not.
+fn stretched(operator: &FokkerPlanck, shift: [f64; 2]) -> Option<FokkerPlanck> {
     let field = Polynomial::variable(operator.dimension(), 0) * shift[1] + shift[0];
-    operator.stretched(0, &field)
+    (shift != [0.0; 2]).then(|| operator.stretched(0, &field))
 }
 
 impl PlaneMotion {

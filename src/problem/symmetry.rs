@@ -1,4 +1,4 @@
-use crate::fokker_planck::{FokkerPlanck, Impulse};
+use crate::fokker_planck::{FokkerPlanck, ImpulseTerm};
 use crate::polynomial::Polynomial;
 
 /// The most states whose sign changes are searched one by one; beyond, only that of all states together.
@@ -29,22 +29,23 @@ impl Symmetry {
         } else {
             vec![vec![false; n], vec![true; n]]
         };
-        let struck = |flip: &[bool], impulse: &Impulse| {
-            let all = |turned: bool| (0..n).all(|i| turns(&impulse.field()[i], flip, flip[i] != turned));
-            all(false) || impulse.jumps().amplitude().is_symmetric() && all(true)
-        };
-        let kept = |flip: &Vec<bool>| operator.impulses().iter().all(|impulse| struck(flip, impulse));
-        Symmetry { changes: all.into_iter().filter(kept).collect() }.and_of(operator)
+        Symmetry { changes: all }.and_of(operator)
     }
 
-    /// Those that leave the drift and the diffusion of another operator as they are, too.
+    /// Those that leave another operator as it is, too.
     pub(crate) fn and_of(mut self, operator: &FokkerPlanck) -> Self {
         let n = operator.dimension();
+        let terms = operator.impulse_terms();
+        let struck = |flip: &[bool], term: &ImpulseTerm| {
+            let all = |turned: bool| term.fields().all(|(i, h)| turns(h, flip, flip[i] != turned));
+            all(false) || term.is_symmetric() && all(true)
+        };
         self.changes.retain(|flip| {
-            (0..n).all(|i| {
-                turns(&operator.drift()[i], flip, flip[i])
-                    && (0..n).all(|j| turns(&operator.diffusion()[i][j], flip, flip[i] != flip[j]))
-            })
+            terms.iter().all(|term| struck(flip, term))
+                && (0..n).all(|i| {
+                    turns(&operator.drift()[i], flip, flip[i])
+                        && (0..n).all(|j| turns(&operator.diffusion()[i][j], flip, flip[i] != flip[j]))
+                })
         });
         self
     }

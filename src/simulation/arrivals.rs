@@ -56,7 +56,7 @@ impl Sources {
             Source {
                 field: impulse.field().to_vec(),
                 direction: impulse.direction().map(listed),
-                amplitude: jumps.amplitude().scaled(amplitude),
+                amplitude: jumps.amplitude().each(|size| size * amplitude),
                 rate: jumps.rate(),
                 mean,
                 none: (-mean).exp(),

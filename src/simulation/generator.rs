@@ -63,7 +63,7 @@ impl ControlVariates {
         if problem.impulses().is_empty() {
             return ControlVariates { centre, half_width, exponents, impulses: Vec::new() };
         }
-        match impulses::images(problem.impulses(), (&centre, &half_width), &exponents) {
+        match impulses::images(&problem.operator().impulse_terms(), (&centre, &half_width), &exponents) {
             Some(impulses) => ControlVariates { centre, half_width, exponents, impulses },
             None => ControlVariates::default(),
         }

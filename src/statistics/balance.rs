@@ -2,7 +2,6 @@ use super::crossing_of;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
 
@@ -33,9 +32,8 @@ pub fn energy_balance(problem: &Problem, density: &dyn Density) -> Result<Estima
     };
     let v = &Polynomial::variable(problem.dimension(), velocity);
     let energy = v * v * 0.5;
-    let struck = |sum, impulse: &Impulse| sum + impulse.generator(&energy);
     let noise = &operator.diffusion()[velocity][velocity] * 0.5;
-    let injected = mean(&operator.impulses().iter().fold(noise, struck))?;
+    let injected = mean(&(noise + operator.by_impulses(&energy)))?;
     let drained = mean(&(v * &operator.drift()[velocity]))?;
     let mut lost = Estimate::new(0.0, 0.0);
     for wall in problem.walls().iter().filter(|wall| wall.state() == 0 || wall.other() == Some(0)) {

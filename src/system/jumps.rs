@@ -1,3 +1,4 @@
+use super::Parameter;
 use crate::checks::{finite, positive, require};
 use crate::error::Result;
 use crate::numerics::Rule;
@@ -7,7 +8,8 @@ use serde::{Deserialize, Serialize};
 /// unit time on average.
 ///
 /// A state under the impulses H dJ jumps from x to x + H(x) Y, H taken just before the impulse. Many small impulses of mean zero
-/// are a white noise of the intensity D = λ E\[Y²\]/2 ([`Jumps::intensity`]).
+/// are a white noise of the intensity D = λ E\[Y²\]/2 ([`Jumps::intensity`]). Rate and law may be parameters of a
+/// [`Parametric`](crate::Parametric) system, which names them as it does all others ([`Jumps::of`]).
 ///
 /// ```
 /// use expoly::{Amplitude, Jumps};
@@ -19,72 +21,110 @@ use serde::{Deserialize, Serialize};
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Jumps {
-    rate: f64,
-    amplitude: Amplitude,
+pub struct Jumps<P = f64> {
+    rate: P,
+    amplitude: Amplitude<P>,
 }
 
 /// The law of an impulse's amplitude Y.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Amplitude {
+pub enum Amplitude<P = f64> {
     /// The normal law.
     Normal {
         /// E Y.
-        mean: f64,
+        mean: P,
         /// The standard deviation.
-        deviation: f64,
+        deviation: P,
     },
     /// The exponential law of one sign, that of its mean.
     Exponential {
         /// E Y, which is not zero.
-        mean: f64,
+        mean: P,
     },
     /// Equal probability between two bounds.
     Uniform {
         /// The lower bound.
-        low: f64,
+        low: P,
         /// The upper bound.
-        high: f64,
+        high: P,
     },
     /// One of two numbers, either with the probability one half.
     TwoPoint {
         /// The one.
-        a: f64,
+        a: P,
         /// The other.
-        b: f64,
+        b: P,
     },
     /// The density exp(−|y − mean|/scale)/(2 scale).
     Laplace {
         /// E Y.
-        mean: f64,
+        mean: P,
         /// The mean of |Y − mean|.
-        scale: f64,
+        scale: P,
     },
 }
 
 /// The highest moment of an amplitude that is computed.
 const HIGHEST_MOMENT: u32 = 120;
 
-impl Jumps {
+impl<P: Parameter> Jumps<P> {
     /// Impulses at the mean rate λ per unit time.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless λ and the spread of the amplitude are finite and above zero (a
     /// normal or Laplace law may have no spread, but then a mean), and bounds rise.
-    pub fn new(rate: f64, amplitude: Amplitude) -> Result<Self> {
-        positive("rate of the impulses", rate, "it must be finite and above zero")?;
-        Ok(Jumps { rate, amplitude: amplitude.checked()? })
+    pub fn new(rate: P, amplitude: Amplitude<P>) -> Result<Self> {
+        Self::of(rate, amplitude).checked()
+    }
+
+    /// The same of parameters. Values without a meaning are refused where the system is used.
+    ///
+    /// ```
+    /// use expoly::{Amplitude, Intensity, Jumps, Oscillator, Parameter, Parametric, Problem, Scalar};
+    ///
+    /// struct Hail<P = f64> { damping: P, rate: P, size: P }
+    ///
+    /// impl<P: Parameter> Oscillator<P> for Hail<P> {
+    ///     fn force<S: Scalar<P>>(&self, x: S, v: S) -> S { v * self.damping + x }
+    ///     fn intensity(&self) -> Intensity<P> { Intensity::of(P::zero()) }
+    ///     fn jumps(&self) -> Vec<Jumps<P>> { vec![Jumps::of(self.rate, Amplitude::Exponential { mean: self.size })] }
+    /// }
+    ///
+    /// impl Parametric for Hail {
+    ///     type With<P: Parameter> = Hail<P>;
+    ///     fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Hail<P> {
+    ///         Hail { damping: of("c", self.damping), rate: of("lambda", self.rate), size: of("m", self.size) }
+    ///     }
+    /// }
+    ///
+    /// let problem = Problem::parametric(Hail { damping: 0.2, rate: 3.0, size: 0.5 })?;
+    /// // λ E[(v + Y)² − v²] = λ (2 v m + 2 m²), by m.
+    /// let v = expoly::Polynomial::variable(2, 1);
+    /// let by_size = problem.derivative(&["m"])?.generator(&(&v * &v));
+    /// assert_eq!(by_size.text(problem.states()).to_string(), "6 + 6 v");
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn of(rate: P, amplitude: Amplitude<P>) -> Self {
+        Jumps { rate, amplitude }
+    }
+
+    /// Refuses values without a meaning.
+    pub(crate) fn checked(self) -> Result<Self> {
+        positive("rate of the impulses", self.rate.re(), "it must be finite and above zero")?;
+        self.amplitude.each(|number| number.re()).checked()?;
+        Ok(self)
     }
 
     /// The same with amplitudes in the proportions of `shape`, scaled so that λ E\[Y²\] = 2D for the intensity `d`.
     ///
     /// # Errors
     /// As [`Jumps::new`]; also for an intensity that is not finite and positive.
-    pub fn with_intensity(rate: f64, shape: Amplitude, d: f64) -> Result<Self> {
-        positive("intensity D", d, "a noise strength must be finite and above zero")?;
+    pub fn with_intensity(rate: P, shape: Amplitude<P>, d: P) -> Result<Self> {
+        positive("intensity D", d.re(), "a noise strength must be finite and above zero")?;
         let own = Self::new(rate, shape)?;
-        Self::new(rate, own.amplitude.scaled((d / own.intensity()).sqrt()))
+        let factor = Parameter::sqrt(d / own.intensity());
+        Self::new(rate, own.amplitude.each(|number| number * factor))
     }
 
     /// The same, `factor` times as often.
@@ -92,18 +132,23 @@ impl Jumps {
         Jumps { rate: self.rate * factor, ..self }
     }
 
+    /// The same with a function of every number.
+    pub(crate) fn each<Q>(self, mut of: impl FnMut(P) -> Q) -> Jumps<Q> {
+        Jumps { rate: of(self.rate), amplitude: self.amplitude.each(of) }
+    }
+
     /// The mean number λ of impulses per unit time.
-    pub fn rate(&self) -> f64 {
+    pub fn rate(&self) -> P {
         self.rate
     }
 
     /// The law of the amplitudes.
-    pub fn amplitude(&self) -> Amplitude {
+    pub fn amplitude(&self) -> Amplitude<P> {
         self.amplitude
     }
 
     /// λ E\[Y²\]/2, the intensity of the white noise that many small impulses of mean zero become.
-    pub fn intensity(&self) -> f64 {
+    pub fn intensity(&self) -> P {
         self.rate * self.amplitude.moment(2) / 2.0
     }
 }
@@ -158,17 +203,17 @@ impl Amplitude {
             Amplitude::TwoPoint { a, b } => a == -b,
         }
     }
+}
 
-    /// The law of `factor` times Y.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+impl<P: Parameter> Amplitude<P> {
+    /// The law with a function of every number of it.
+    pub(crate) fn each<Q>(self, mut of: impl FnMut(P) -> Q) -> Amplitude<Q> {
         match self {
-            Amplitude::Normal { mean, deviation } => {
-                Amplitude::Normal { mean: mean * factor, deviation: deviation * factor }
-            }
-            Amplitude::Exponential { mean } => Amplitude::Exponential { mean: mean * factor },
-            Amplitude::Uniform { low, high } => Amplitude::Uniform { low: low * factor, high: high * factor },
-            Amplitude::TwoPoint { a, b } => Amplitude::TwoPoint { a: a * factor, b: b * factor },
-            Amplitude::Laplace { mean, scale } => Amplitude::Laplace { mean: mean * factor, scale: scale * factor },
+            Amplitude::Normal { mean, deviation } => Amplitude::Normal { mean: of(mean), deviation: of(deviation) },
+            Amplitude::Exponential { mean } => Amplitude::Exponential { mean: of(mean) },
+            Amplitude::Uniform { low, high } => Amplitude::Uniform { low: of(low), high: of(high) },
+            Amplitude::TwoPoint { a, b } => Amplitude::TwoPoint { a: of(a), b: of(b) },
+            Amplitude::Laplace { mean, scale } => Amplitude::Laplace { mean: of(mean), scale: of(scale) },
         }
     }
 
@@ -179,58 +224,46 @@ impl Amplitude {
     /// assert_eq!(Amplitude::Exponential { mean: -2.0 }.moment(3), -48.0); // 3! mean³
     /// assert_eq!(Amplitude::Normal { mean: 0.0, deviation: 2.0 }.moment(4), 48.0); // 3 deviation⁴
     /// ```
-    pub fn moment(&self, k: u32) -> f64 {
-        let power = |x: f64, k: u32| x.powi(k.min(HIGHEST_MOMENT) as i32);
+    pub fn moment(&self, k: u32) -> P {
+        let power = |x: P, k: u32| x.powi(k.min(HIGHEST_MOMENT) as i32);
+        let sum = |of: &dyn Fn(u32) -> P| (0..=k).fold(P::zero(), |sum, j| sum + of(j));
         // Σ C(k, j) mean^(k−j) E Z^j with a symmetric Z.
-        let about = |mean: f64, central: &dyn Fn(u32) -> f64| {
-            let mut binomial = 1.0;
-            (0..=k)
-                .map(|j| {
-                    let term = binomial * power(mean, k - j) * central(j);
-                    binomial *= f64::from(k - j) / f64::from(j + 1);
-                    term
-                })
-                .sum()
+        let about = |mean: P, central: &dyn Fn(u32) -> P| {
+            let binomial = |j: u32| (0..j).fold(1.0, |c, i| c * f64::from(k - i) / f64::from(i + 1));
+            sum(&|j| if j.is_multiple_of(2) { power(mean, k - j) * central(j) * binomial(j) } else { P::zero() })
         };
-        let even = |j: u32, moment: f64| if j.is_multiple_of(2) { moment } else { 0.0 };
         match *self {
             Amplitude::Normal { mean, deviation } => {
                 let double_factorial = |j: u32| (1..j).step_by(2).map(f64::from).product::<f64>();
-                about(mean, &|j| even(j, power(deviation, j) * double_factorial(j)))
+                about(mean, &|j| power(deviation, j) * double_factorial(j))
             }
-            Amplitude::Exponential { mean } => (1..=k).map(|j| f64::from(j) * mean).product(),
+            Amplitude::Exponential { mean } => (1..=k).fold(P::one(), |product, j| product * mean * f64::from(j)),
             // The mean of y^k over an interval, by products that do not cancel.
-            Amplitude::Uniform { low, high } => {
-                (0..=k).map(|j| power(low, j) * power(high, k - j)).sum::<f64>() / f64::from(k + 1)
-            }
+            Amplitude::Uniform { low, high } => sum(&|j| power(low, j) * power(high, k - j)) / f64::from(k + 1),
             Amplitude::TwoPoint { a, b } => (power(a, k) + power(b, k)) / 2.0,
             Amplitude::Laplace { mean, scale } => {
-                about(mean, &|j| even(j, (1..=j).map(|i| f64::from(i) * scale).product()))
+                about(mean, &|j| (1..=j).fold(P::one(), |product, i| product * scale * f64::from(i)))
             }
         }
     }
 
     /// A Gauss rule of `count` nodes, of `count` on each side for the Laplace law: Σ w g(y) = E g(Y), with Σ w = 1.
-    pub(crate) fn rule(&self, count: usize) -> Rule {
+    ///
+    /// The weights do not depend on the numbers of the law: y is a location and a multiple of a node of a standard law.
+    pub(crate) fn rule(&self, count: usize) -> Vec<(P, f64)> {
+        let on = |rule: Rule, y: &dyn Fn(f64) -> P, share: f64| -> Vec<(P, f64)> {
+            rule.iter().map(|(z, w)| (y(z), share * w)).collect()
+        };
         match *self {
-            Amplitude::Normal { mean, deviation } => {
-                let rule = Rule::hermite(count);
-                Rule { nodes: rule.nodes.iter().map(|z| mean + deviation * z).collect(), weights: rule.weights }
-            }
-            Amplitude::Exponential { mean } => {
-                let rule = Rule::laguerre(count);
-                Rule { nodes: rule.nodes.iter().map(|z| mean * z).collect(), weights: rule.weights }
-            }
+            Amplitude::Normal { mean, deviation } => on(Rule::hermite(count), &|z| mean + deviation * z, 1.0),
+            Amplitude::Exponential { mean } => on(Rule::laguerre(count), &|z| mean * z, 1.0),
             Amplitude::Uniform { low, high } => {
-                let rule = Rule::legendre(count).on(low, high);
-                Rule { weights: rule.weights.iter().map(|w| w / (high - low)).collect(), ..rule }
+                on(Rule::legendre(count), &|z| (low + high) / 2.0 + (high - low) * (z / 2.0), 0.5)
             }
-            Amplitude::TwoPoint { a, b } => Rule { nodes: vec![a, b], weights: vec![0.5, 0.5] },
+            Amplitude::TwoPoint { a, b } => vec![(a, 0.5), (b, 0.5)],
             Amplitude::Laplace { mean, scale } => {
-                let rule = Rule::laguerre(count);
-                let side = |sign: f64| rule.nodes.iter().map(move |z| mean + sign * scale * z);
-                let weights = rule.weights.iter().map(|w| w / 2.0);
-                Rule { nodes: side(-1.0).chain(side(1.0)).collect(), weights: weights.clone().chain(weights).collect() }
+                let side = |sign: f64| on(Rule::laguerre(count), &|z| mean + scale * (sign * z), 0.5);
+                [side(-1.0), side(1.0)].concat()
             }
         }
     }

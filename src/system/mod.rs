@@ -64,7 +64,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
     fn noise<S: Scalar<P>>(&self, x: [S; N]) -> [[S; M]; N];
 
     /// Independent sources of Poisson impulses, none by default: dX = f dt + G dW + Σ_j H_j(X₋) dJ_j.
-    fn jumps(&self) -> Vec<Jumps> {
+    fn jumps(&self) -> Vec<Jumps<P>> {
         Vec::new()
     }
 
@@ -127,7 +127,7 @@ pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {
     fn noise<S: Scalar<P>>(&self, x: &[S]) -> Vec<Vec<S>>;
 
     /// Independent sources of Poisson impulses, as in [`PolynomialDrift::jumps`].
-    fn jumps(&self) -> Vec<Jumps> {
+    fn jumps(&self) -> Vec<Jumps<P>> {
         Vec::new()
     }
 

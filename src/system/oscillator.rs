@@ -30,7 +30,7 @@ pub trait Oscillator<P: Parameter = f64>: Send + Sync {
     fn intensity(&self) -> Intensity<P>;
 
     /// Independent sources of Poisson impulses on the velocity, v → v + Y; none by default.
-    fn jumps(&self) -> Vec<Jumps> {
+    fn jumps(&self) -> Vec<Jumps<P>> {
         Vec::new()
     }
 }
@@ -51,7 +51,7 @@ macro_rules! oscillators {
                 [[S::zero()], [S::from(self.intensity().amplitude())]]
             }
 
-            fn jumps(&self) -> Vec<Jumps> {
+            fn jumps(&self) -> Vec<Jumps<$number>> {
                 Oscillator::<$number>::jumps(self)
             }
 

@@ -1,5 +1,6 @@
 //! The systems and solutions that several tests share.
 
+pub(crate) mod closing;
 pub(crate) mod elastic;
 pub(crate) mod moving;
 

@@ -107,6 +107,72 @@ fn texts_have_the_derivatives_of_the_model() -> Result<()> {
     Ok(())
 }
 
+/// Impulses of every law, with an H that depends on the state and on a parameter: what dual numbers give of 𝓖ψ against differences of
+/// 𝓖ψ itself, for monomials ψ up to degree 4, by each parameter and by all pairs; errors as above.
+#[test]
+fn impulses_have_the_derivatives_of_their_generator() -> Result<()> {
+    let laws = [
+        "normal = { mean = \"a\", deviation = \"b\" }",
+        "exponential = { mean = \"a*b\" }",
+        "uniform = { low = \"-a\", high = \"b\" }",
+        "two_point = { a = \"a\", b = \"-b\" }",
+        "laplace = { mean = \"a\", scale = \"b^2\" }",
+    ];
+    for law in laws {
+        let problem = Problem::from_toml(&format!(
+            "states = [\"x\", \"v\"]\n[parameters]\na = 0.3\nb = 0.5\nrho = 1.5\nh = 0.8\n[drift]\nx = \"v\"\nv = \"-h*v - x\"\n\
+             [impulse.j]\nrate = \"2*rho^2\"\namplitude = {{ {law} }}\nx = \"0.1*x\"\nv = \"h^2*(1 + 0.5*x)\"\n"
+        ))?;
+        let statistics = [[1, 0], [0, 1], [1, 1], [0, 2], [3, 0], [2, 2], [0, 4]]
+            .map(|powers| Polynomial::from_terms(2, [(&powers[..], 1.0)]).unwrap());
+        let apart = |operators: &[(f64, &FokkerPlanck)], statistic: &Polynomial| {
+            let terms = operators.iter().map(|(c, operator)| operator.generator(statistic) * *c);
+            terms.reduce(|sum, p| sum + p).unwrap().max_coefficient()
+        };
+        for first in ["a", "b", "rho", "h"] {
+            let at = |name: &str, share: f64| {
+                let value = problem.parameters().iter().find(|(other, _)| other == name).unwrap().1;
+                (problem.with_parameter(name, value * (1.0 + share)).unwrap(), share * value)
+            };
+            let derivative = problem.derivative(&[first])?;
+            let [(high, h), (low, _)] = [1e-4, -1e-4].map(|share| at(first, share));
+            for psi in &statistics {
+                let size = apart(&[(1.0, &derivative)], psi).max(1.0);
+                let off = apart(&[(1.0, &derivative), (-0.5 / h, high.operator()), (0.5 / h, low.operator())], psi);
+                assert!(off < 1e-7 * size, "{law} {first} {psi}: {off:e} of {size:e}");
+            }
+            for second in ["a", "b", "rho", "h"] {
+                let twice = problem.derivative(&[first, second])?;
+                let [(high, h), (low, _)] = [1e-3, -1e-3].map(|share| at(second, share));
+                let [high, low] = [high, low].map(|problem| problem.derivative(&[first]).unwrap());
+                for psi in &statistics {
+                    let size = apart(&[(1.0, &twice)], psi).max(1.0);
+                    let off = apart(&[(1.0, &twice), (-0.5 / h, &high), (0.5 / h, &low)], psi);
+                    assert!(off < 1e-4 * size, "{law} {first} {second} {psi}: {off:e} of {size:e}");
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Rates and laws without a meaning are refused where a system is used, and a derivative says what it is of.
+#[test]
+fn parameters_of_impulses_are_checked_and_shown() -> Result<()> {
+    let text = "states = [\"v\"]\n[parameters]\nrho = 2\ns = 0.5\n[drift]\nv = \"-v\"\n[impulse.j]\nrate = \"rho\"\n\
+                amplitude = { normal = { mean = 0, deviation = \"s\" } }\nv = 1\n";
+    let problem = Problem::from_toml(text)?;
+    for (name, value) in [("rho", 0.0), ("rho", -1.0), ("s", -0.1), ("s", 0.0), ("s", f64::INFINITY)] {
+        assert!(problem.with_parameter(name, value).is_err(), "{name} {value}");
+    }
+    let shown = |names: &[&str]| Ok(problem.derivative(names)?.text(problem.states()).to_string());
+    assert_eq!(shown(&["rho"])?, "0 = - d/dv[(0) p] + d/dtheta [2 (E[p(v - Y)] - p)]");
+    assert_eq!(shown(&["rho", "s"])?, "0 = - d/dv[(0) p] + d2/dtheta1dtheta2 [2 (E[p(v - Y)] - p)]");
+    assert!(problem.derivative(&["s"])?.impulses().is_empty());
+    assert_ne!(problem.derivative(&["s"])?, problem.derivative(&["rho"])?);
+    Ok(())
+}
+
 /// Walls have their parameters beside those of the equations, whatever these are.
 #[test]
 fn offsets_and_restitutions_are_parameters() -> Result<()> {
@@ -156,13 +222,14 @@ fn derivatives_that_are_not_known_are_refused() -> Result<()> {
     }
     // The equations do not contain the wall.
     assert!(matches!(text.derivative(&["gap"]), Err(Error::NotServed { .. })));
-    // Impulses have no part in drift and diffusion: a parameter of theirs is refused, and another one is not.
+    // Beside impulses the wall is refused as well, and what they do not contain is as without them.
     let struck = TEXT.replace(
         "[[wall]]",
         "[impulse.a]\nrate = 2\namplitude = { normal = { mean = 0, deviation = 0.3 } }\nv = \"mu\"\n[[wall]]",
     );
     let struck = Problem::from_toml(&struck)?;
-    assert!(matches!(struck.derivative(&["mu"]), Err(Error::NotServed { .. })));
+    assert!(matches!(struck.derivative(&["gap"]), Err(Error::NotServed { .. })));
+    assert_ne!(struck.derivative(&["mu"])?, text.derivative(&["mu"])?);
     assert_eq!(struck.derivative(&["c"])?, text.derivative(&["c"])?);
     // A saved problem has its parameters' values in the equations.
     let saved = Problem::from_toml(&text.to_toml()?)?;

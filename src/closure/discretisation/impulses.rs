@@ -4,14 +4,14 @@ use super::trust_domain::TrustDomain;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::{Functions, sweep};
 use crate::closure::tuning;
-use crate::fokker_planck::Impulse;
-use crate::numerics::Rule;
+use crate::fokker_planck::{Impulse, ImpulseTerm, Landing};
 use crate::problem::Problem;
 use crate::states::States;
-use crate::system::Amplitude;
+use crate::system::{Amplitude, Parameter};
 use faer::{Mat, MatMut, MatRef};
+use num_dual::HyperDual64;
 
-/// Adds λ E\[φ(x + H Y) − φ(x)\] at nodes to the rates of functions, whose `values` at the nodes are the constant's and then theirs.
+/// Adds λ E\[φ(x + H Y) − φ(x)\], or its derivative by parameters, at nodes to the rates of functions, whose `values` at the nodes are the constant's and then theirs.
 /// Impulses that would leave the domain are left out.
 ///
 /// Functions are polynomials that are of ordinary size on the domain alone, and grow fast beyond it: their exact expectation, by
@@ -19,32 +19,39 @@ use faer::{Mat, MatMut, MatRef};
 /// is cut off. With the impulses left out the equations are those of a process that stays on the domain; they are wrong by the
 /// mass that jumps out.
 pub(in crate::closure) fn add_rates(
-    impulses: &[Impulse],
+    terms: &[ImpulseTerm],
     domain: &TrustDomain,
     (space, points): (&Functions, &States),
     values: MatRef<'_, f64>,
     mut rates: MatMut<'_, f64>,
 ) {
-    for impulse in impulses {
-        let rate = impulse.jumps().rate();
-        let fields: Vec<Vec<f64>> =
-            points.iter().map(|x| impulse.field().iter().map(|h| h.evaluate(x)).collect()).collect();
-        for (y, w) in rule(&impulse.jumps().amplitude()).iter() {
-            let (mut rows, mut after) = (Vec::new(), States::new(points.dimension()));
+    for term in terms {
+        let fields: Vec<Vec<HyperDual64>> = points.iter().map(|x| term.field_at(x)).collect();
+        for (y, w) in rule(&term.jumps().amplitude()) {
+            let (mut rows, mut after, mut landings) = (Vec::new(), States::new(points.dimension()), Vec::new());
             for (row, (x, h)) in points.iter().zip(&fields).enumerate() {
-                let moved: Vec<f64> = x.iter().zip(h).map(|(x, h)| x + h * y).collect();
-                if domain.contains(&moved) {
+                let landing = term.landing(x, h, y);
+                if domain.contains(&landing.after) {
                     rows.push(row);
-                    after.push(&moved);
+                    after.push(&landing.after);
+                    landings.push(landing);
                 }
             }
             let mut table = Mat::zeros(after.len(), space.len() + 1);
-            sweep::tabulate(space, &after, table.as_mut());
+            let slopes = if term.is_plain() {
+                sweep::tabulate(space, &after, table.as_mut());
+                None
+            } else {
+                let mut slopes = Mat::zeros(after.len(), space.len() + 1);
+                let local = |k: usize| (&landings[k].drift[..], &landings[k].diffusion[..]);
+                sweep::tabulate_rates(space, &after, local, [table.as_mut(), slopes.as_mut()]);
+                Some(slopes)
+            };
             for column in 0..table.ncols() {
-                let (from, to) = (values.col(column), rates.as_mut().col_mut(column));
-                let mut to = to;
-                for (k, row) in rows.iter().enumerate() {
-                    to[*row] += rate * w * (table[(k, column)] - from[*row]);
+                let (from, mut to) = (values.col(column), rates.as_mut().col_mut(column));
+                for (k, (row, Landing { mass, .. })) in rows.iter().zip(&landings).enumerate() {
+                    let slope = slopes.as_ref().map_or(0.0, |slopes| slopes[(k, column)]);
+                    to[*row] += w * (mass * (table[(k, column)] - from[*row]) + slope);
                 }
             }
         }
@@ -52,7 +59,7 @@ pub(in crate::closure) fn add_rates(
 }
 
 /// The amplitudes at which impulses are taken.
-fn rule(amplitude: &Amplitude) -> Rule {
+fn rule<P: Parameter>(amplitude: &Amplitude<P>) -> Vec<(P, f64)> {
     amplitude.rule(match amplitude {
         Amplitude::Normal { .. } | Amplitude::Uniform { .. } | Amplitude::TwoPoint { .. } => {
             tuning::impulses::AMPLITUDES
@@ -73,7 +80,7 @@ pub(in crate::closure) fn ends(problem: &Problem, pilot: &Pilot) -> [Option<f64>
     [(lowest, -1.0), (highest, 1.0)].map(|(extreme, side)| {
         let away = |impulse: &Impulse| {
             let h = impulse.field()[0].evaluate(&[extreme]);
-            rule(&impulse.jumps().amplitude()).nodes.iter().all(|y| side * h * y < 0.0)
+            rule(&impulse.jumps().amplitude()).iter().all(|(y, _)| side * h * y < 0.0)
         };
         if !problem.impulses().iter().all(away) {
             return None;

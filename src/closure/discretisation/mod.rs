@@ -18,7 +18,7 @@ use super::pilot::Pilot;
 use super::space::Corner;
 use super::space::nested_spaces::{Smooth, SpaceFamily};
 use crate::closure::tuning;
-use crate::fokker_planck::{Impulse, Local};
+use crate::fokker_planck::{ImpulseTerm, Local};
 use crate::numerics::Rule;
 use crate::problem::Problem;
 use crate::states::States;
@@ -49,7 +49,7 @@ pub(super) struct Discretisation {
     pub(super) lines: Vec<Rule>,
     pub(super) passages: Vec<Passage>,
     /// Impulses, of which those that leave the domain are left out.
-    pub(super) impulses: Vec<Impulse>,
+    pub(super) impulses: Vec<ImpulseTerm>,
     /// The values at the nodes of the part of ln p that no function here can follow.
     pub(super) fixed: Vec<f64>,
     /// The first guess of ln p, with that part.
@@ -90,7 +90,7 @@ impl Discretisation {
         let (centre, half_width) = domain.box_around();
         let family = SpaceFamily::Smooth(Smooth { centre, half_width, ..family });
         let (lines, locals, fixed) = (lines(&domain), locals(problem, &nodes.points), vec![0.0; nodes.len()]);
-        let (passages, impulses, drop) = (Vec::new(), problem.impulses().to_vec(), tuning::domain::KEPT);
+        let (passages, impulses, drop) = (Vec::new(), problem.operator().impulse_terms(), tuning::domain::KEPT);
         Some(Discretisation { family, domain, nodes, locals, lines, passages, impulses, fixed, guess, drop })
     }
 

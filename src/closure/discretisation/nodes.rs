@@ -2,10 +2,10 @@ use super::trust_domain::TrustDomain;
 use super::{Passage, impulses};
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::{Functions, sweep};
-use crate::fokker_planck::{Impulse, Local};
+use crate::fokker_planck::{ImpulseTerm, Local};
 use crate::numerics::Rule;
 use crate::states::States;
-use faer::Mat;
+use faer::{Mat, MatMut};
 
 /// Points of the state space with weights: sums over them stand for integrals over the trust domain.
 #[derive(Clone, Debug)]
@@ -85,14 +85,23 @@ pub(in crate::closure) struct NodalGenerator<'a> {
     pub(in crate::closure) locals: &'a [Local],
     pub(in crate::closure) passages: &'a [Passage],
     /// Impulses, of which those that leave the domain are left out.
-    pub(in crate::closure) impulses: &'a [Impulse],
+    pub(in crate::closure) impulses: &'a [ImpulseTerm],
     pub(in crate::closure) domain: &'a TrustDomain,
+}
+
+impl NodalGenerator<'_> {
+    /// Fills tables with 1, φ₁ … φ_K at the points and their rates there, impacts left out.
+    pub(in crate::closure) fn enter(&self, space: &Functions, [mut values, mut rates]: [MatMut<'_, f64>; 2]) {
+        let local = |i: usize| (&self.locals[i].drift[..], &self.locals[i].diffusion[..]);
+        sweep::tabulate_rates(space, self.points, local, [values.as_mut(), rates.as_mut()]);
+        impulses::add_rates(self.impulses, self.domain, (space, self.points), values.as_ref(), rates);
+    }
 }
 
 impl Table {
     /// Tabulates functions, orthonormal under `measure`, under the generator. `None` where they are linearly dependent.
     pub(in crate::closure) fn new(generator: NodalGenerator<'_>, space: &Functions, measure: &[f64]) -> Option<Self> {
-        let NodalGenerator { points, locals, passages, impulses, domain } = generator;
+        let NodalGenerator { points, passages, .. } = generator;
         let ends = |end: fn(&Passage) -> &[f64; 2]| {
             let mut points = States::new(points.dimension());
             passages.iter().for_each(|passage| points.push(end(passage)));
@@ -100,11 +109,9 @@ impl Table {
         };
         let (before, mut after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
         let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len() + passages.len(), space.len() + 1));
-        let (mut inside, mut beyond) = values.as_mut().split_at_row_mut(points.len());
-        let (mut rates_inside, mut jumps) = rates.as_mut().split_at_row_mut(points.len());
-        let local = |i: usize| (&locals[i].drift[..], &locals[i].diffusion[..]);
-        sweep::tabulate_rates(space, points, local, [inside.as_mut(), rates_inside.as_mut()]);
-        impulses::add_rates(impulses, domain, (space, points), inside.as_ref(), rates_inside);
+        let (inside, mut beyond) = values.as_mut().split_at_row_mut(points.len());
+        let (rates_inside, mut jumps) = rates.as_mut().split_at_row_mut(points.len());
+        generator.enter(space, [inside, rates_inside]);
         beyond.copy_from(&before);
         jumps.copy_from(&after - &before);
         let functions = Orthonormal::new(values, measure)?;

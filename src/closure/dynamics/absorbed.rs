@@ -73,7 +73,7 @@ impl Absorbed {
         let (centre, half_width) = bounds.iter().map(|[low, high]| ((low + high) / 2.0, (high - low) / 2.0)).unzip();
         let smooth = Smooth::complete(centre, half_width);
         let space = smooth.functions(tuning::dynamics::SURVIVAL_DEGREES[0]);
-        let (impulses, locals) = (problem.impulses(), locals(problem, &nodes.points));
+        let (impulses, locals) = (&problem.operator().impulse_terms(), locals(problem, &nodes.points));
         let generator = NodalGenerator { points: &nodes.points, locals: &locals, passages: &[], impulses, domain };
         let measure = relative(&masses);
         let Table { functions, rates, .. } = Table::new(generator, &space, &measure).ok_or(NOT_CLOSED)?;

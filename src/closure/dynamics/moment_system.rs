@@ -38,6 +38,8 @@ pub(in crate::closure) struct MomentSystem {
     edge: Vec<f64>,
     /// The columns of all degrees up to the highest stable one, by rising degree; at least two.
     ladder: Vec<usize>,
+    /// The rates of ψ at the nodes and their jumps at impacts; nothing where the system is one in time.
+    pub(in crate::closure) rates: Mat<f64>,
 }
 
 impl MomentSystem {
@@ -45,6 +47,7 @@ impl MomentSystem {
     pub(super) fn new(dynamics: &Dynamics) -> Option<Self> {
         let (ladder, most) = dynamics.ladder();
         let (mut system, locals) = Self::with_rates(dynamics, ladder, dynamics.nodes(most)?)?;
+        system.rates = Mat::new();
         let (matrix, ladder) = (&system.matrix, &mut system.ladder);
         while modes(matrix.get(1..*ladder.last()?, 1..*ladder.last()?), 0).is_none() {
             ladder.pop();
@@ -77,7 +80,7 @@ impl MomentSystem {
         let mut weight = weight.clone();
         weight.constant -= top + mass.ln();
         let locals = locals(problem, &nodes.points);
-        let impulses = problem.impulses();
+        let impulses = &problem.operator().impulse_terms();
         let generator = NodalGenerator { points: &nodes.points, locals: &locals, passages, impulses, domain };
         let table = Table::new(generator, &space, &measure)?;
         let impacts = passages.iter().map(|p| p.weight * weight.value(&p.before).exp());
@@ -86,7 +89,8 @@ impl MomentSystem {
         let ladder: Vec<usize> = ladder.iter().map(|space| space.len() + 1).collect();
         let functions = table.functions;
         let edge = vec![0.0; space.len() + 1];
-        let system = MomentSystem { nodes, space, functions, measure, weight, matrix, edge, ladder };
+        let system =
+            MomentSystem { nodes, space, functions, measure, weight, matrix, edge, ladder, rates: table.rates };
         Some((system, locals))
     }
 

@@ -161,7 +161,8 @@ impl Calibration {
         let mut products = [&tested, functions].map(Products::of);
         if let (false, Some(tested)) = (problem.impulses().is_empty(), tested.polynomials()) {
             let sides = (tested.centre(), tested.half_width());
-            products[0] = products[0].clone().struck(images(problem.impulses(), sides, tested.exponents())?);
+            products[0] =
+                products[0].clone().struck(images(&problem.operator().impulse_terms(), sides, tested.exponents())?);
         }
         let [tests, count] = products.each_ref().map(|products| products.len() - 1);
         let contacts = problem.contacts();

@@ -92,7 +92,15 @@ impl Sensitivity {
         }
         let apart: f64 = self.at_fixed_states().map(|[own, other]| (own - other).abs()).sum();
         let doubt: f64 = self.whole.masses.iter().map(|[own, below]| (own - below).abs()).sum();
-        apart.hypot(doubt)
+        apart.hypot(doubt).hypot(self.beyond(&|_| 1.0))
+    }
+
+    /// ∫ |g ∂p/∂θ| dx beyond the domain under impulses, if it falls on outwards at the rate that it has at the edge: tails are heavier
+    /// there than under white noise, and the equations are those of a process that does not jump out.
+    fn beyond(&self, g: &dyn Fn(&[f64]) -> f64) -> f64 {
+        let struck = self.density.problem().is_ok_and(|problem| !problem.impulses().is_empty());
+        let log = |x: &[f64]| self.density.exponent().value(x) + (g(x) * self.at(x)).abs().ln();
+        if struck { self.density.content.domain.mass_beyond(log) } else { 0.0 }
     }
 
     /// Why the derivative should not be relied on, if there is a reason: the density's own, or its own estimated error.
@@ -149,7 +157,7 @@ impl Sensitivity {
             change += value * (own - below);
         }
         let apart = if self.whole.masses.is_empty() { 0.0 } else { (sum - whole).abs() };
-        let error = (sum - other).abs().max(apart).max(change.abs());
+        let error = (sum - other).abs().max(apart).max(change.abs()) + self.beyond(g);
         Estimate::new(sum, error + self.rounding() * square.sqrt())
     }
 

@@ -76,7 +76,7 @@ impl ClosureDensity {
     /// The derivative by a parameter of the problem.
     ///
     /// # Errors
-    /// [`Error::NotServed`] under impulses, in three states and more, and for a density of a time; [`Error::NotKnown`] for a
+    /// [`Error::NotServed`] next to walls in three states and more, and for a density of a time; [`Error::NotKnown`] for a
     /// density from a document, and where the problem does not depend on the parameter in a known way; [`Error::NotAName`] if it
     /// has none of the name; [`Error::NotClosed`] where the linear system has no solution.
     ///
@@ -158,8 +158,7 @@ impl ClosureDensity {
         if !stationary || walled {
             return Err(NOT_SERVED);
         }
-        let problem = self.problem()?;
-        if problem.impulses().is_empty() { Ok(problem) } else { Err(NOT_SERVED) }
+        self.problem()
     }
 
     /// The moment equations of as many degrees above the order as those of the reference; none where the density is exact, unless a
@@ -189,10 +188,9 @@ impl ClosureDensity {
         let dynamics = self.origin()?;
         let solution = |system: &'a MomentSystem| {
             if walled {
-                let room = (dynamics.passages(), dynamics.domain());
-                return Some(Solution::Walled(Box::new(WalledTangent::new(problem, system, room)?)));
+                return Some(Solution::Walled(Box::new(WalledTangent::new(system, dynamics.passages()))));
             }
-            Some(Solution::Smooth(Box::new(Tangent::new(problem, system)?)))
+            Some(Solution::Smooth(Box::new(Tangent::new(problem, system, dynamics.domain())?)))
         };
         let fitted = |system| Some((Fit::new(self, self.functions(symmetry), tails)?, solution(system)?));
         let newton = if matches!(origin, Origin::Exact) {
@@ -265,8 +263,8 @@ impl ClosureDensity {
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters under impulses, of a density that is not stationary, next to walls in three states and more, and \
-           second ones in three states and more",
+    what: "derivatives by parameters of a density that is not stationary, next to walls in three states and more, and second ones in \
+           three states and more",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 

@@ -1,17 +1,16 @@
 use super::Moving;
 use super::slope::Slope;
 use super::tangent::Derivative;
-use crate::closure::discretisation::nodes::{NodalGenerator, Table};
-use crate::closure::discretisation::trust_domain::TrustDomain;
-use crate::closure::discretisation::{Passage, locals};
+use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::Passage;
 use crate::closure::dynamics::MomentSystem;
 use crate::closure::space::sweep;
 use crate::numerics::{combination, weighted_sum};
-use crate::problem::Problem;
 use crate::states::States;
+use faer::Mat;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
-use faer::{Mat, MatRef};
+use std::sync::Arc;
 
 /// The solution p̂ = ω u of the moment equations next to walls, with all that its derivatives have in common.
 ///
@@ -24,40 +23,32 @@ use faer::{Mat, MatRef};
 pub(super) struct WalledTangent<'a> {
     system: &'a MomentSystem,
     passages: &'a [Passage],
-    /// Rates of ψ at the nodes, and its jumps at impacts.
-    rates: Mat<f64>,
     before: States,
     after: States,
     /// ω at the nodes, times the quadrature weights, and then at impacts, times their weights.
     weights: Vec<f64>,
-    /// u there.
+    /// u, as a function and there.
+    solution: Arc<Exponent>,
     ratio: Vec<f64>,
     /// Those of the moment equations, without the constant, of the highest degree and of the one below it.
     factors: [PartialPivLu<f64>; 2],
 }
 
 impl<'a> WalledTangent<'a> {
-    /// None where the functions are linearly dependent.
-    pub(super) fn new(
-        problem: &Problem,
-        system: &'a MomentSystem,
-        (passages, domain): (&'a [Passage], &TrustDomain),
-    ) -> Option<Self> {
-        let points = &system.nodes.points;
-        let locals = locals(problem, points);
-        let generator = NodalGenerator { points, locals: &locals, passages, impulses: &[], domain };
-        let Table { functions, rates, .. } = Table::new(generator, &system.space, &system.measure)?;
+    pub(super) fn new(system: &'a MomentSystem, passages: &'a [Passage]) -> Self {
         let ends = |end: fn(&Passage) -> &[f64; 2]| {
             let mut points = States::new(2);
             passages.iter().for_each(|passage| points.push(end(passage)));
             points
         };
         let (before, after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
-        let ratio = combination(functions.values.as_ref(), &system.stationary(false));
+        let stationary = system.stationary(false);
+        let ratio = combination(system.functions.values.as_ref(), &stationary);
         let impacts = passages.iter().zip(system.weight.values(&before)).map(|(p, log)| p.weight * log.exp());
         let weights = system.measure.iter().copied().chain(impacts).collect();
         let factors = [false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu());
-        Some(WalledTangent { system, passages, rates, before, after, weights, ratio, factors })
+        let solution = Arc::new(system.function(&stationary));
+        WalledTangent { system, passages, before, after, weights, solution, ratio, factors }
     }
 
     /// The derivative along a motion. None where it is not finite.
@@ -124,7 +115,7 @@ impl<'a> WalledTangent<'a> {
     fn carried(&self, mut known: Vec<f64>, stretched: impl Fn(usize) -> f64) -> Vec<f64> {
         (self.nodes()..known.len()).for_each(|i| known[i] -= stretched(i));
         known.iter_mut().zip(&self.weights).for_each(|(known, weight)| *known *= weight);
-        weighted_sum(self.rates.as_ref(), &known)
+        weighted_sum(self.system.rates.as_ref(), &known)
     }
 
     /// The sums of 𝓖′ψ and of the derivative of its jumps under ω g: ψ after an impact changes as the velocity there does, by the speed
@@ -132,15 +123,20 @@ impl<'a> WalledTangent<'a> {
     fn moved(&self, moving: &Moving, g: &[f64], bent: impl Fn(usize) -> f64) -> Vec<f64> {
         let masses: Vec<f64> = g.iter().zip(&self.weights).map(|(g, weight)| g * weight).collect();
         let (inside, impacts) = masses.split_at(self.nodes());
-        let points = &self.system.nodes.points;
-        let locals = moving.operator.locals(points);
-        let mut sum = self.tested(points, |i| (&locals[i].drift[..], &locals[i].diffusion[..]), inside);
+        let mut sum = vec![0.0; self.system.space.len() + 1];
+        if !moving.operator.is_zero() {
+            let points = &self.system.nodes.points;
+            let locals = moving.operator.locals(points);
+            add(&mut sum, &self.tested(points, |i| (&locals[i].drift[..], &locals[i].diffusion[..]), inside));
+        }
         let change = |passage: &Passage| {
             let (v, side) = (passage.before[1], usize::from(passage.before[1] > 0.0));
             ([0.0, -v * moving.restitution[side]], [0.0, 0.0, 0.0, v * v * bent(side)])
         };
         let changes: Vec<([f64; 2], [f64; 4])> = self.passages.iter().map(change).collect();
-        add(&mut sum, &self.tested(&self.after, |i| (&changes[i].0[..], &changes[i].1[..]), impacts));
+        if changes.iter().any(|(first, second)| first[1] != 0.0 || second[3] != 0.0) {
+            add(&mut sum, &self.tested(&self.after, |i| (&changes[i].0[..], &changes[i].1[..]), impacts));
+        }
         sum
     }
 
@@ -153,9 +149,10 @@ impl<'a> WalledTangent<'a> {
     ) -> Vec<f64> {
         let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), self.system.space.len() + 1));
         sweep::tabulate_rates(&self.system.space, points, local, [values.as_mut(), images.as_mut()]);
-        self.system.functions.transform(images.as_mut());
-        let images: MatRef<'_, f64> = images.as_ref();
-        weighted_sum(images, masses)
+        let sums = weighted_sum(images.as_ref(), masses);
+        let mut sums = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
+        self.system.functions.transform(sums.as_mut());
+        sums.row(0).iter().copied().collect()
     }
 
     /// The derivative beside a known part: A d′ = −(source). None where it is not finite.
@@ -168,7 +165,8 @@ impl<'a> WalledTangent<'a> {
         });
         let finite = d.iter().chain(&below).all(|d| d.is_finite());
         let density: Vec<f64> = self.weights[..self.nodes()].iter().zip(&self.ratio).map(|(w, u)| w * u).collect();
-        finite.then(|| Derivative { system, s, d, below }.centred(&density))
+        let solution = Arc::clone(&self.solution);
+        finite.then(|| Derivative { system, solution, s, d, below }.centred(&density))
     }
 }
 

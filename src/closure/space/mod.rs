@@ -53,6 +53,13 @@ impl Functions {
         }
     }
 
+    /// The first so many; all of them next to walls.
+    pub(super) fn first(&self, count: usize) -> Self {
+        let Functions::Polynomials(all) = self else { return self.clone() };
+        let exponents = all.exponents()[..count].to_vec();
+        Functions::Polynomials(Polynomials::new(all.centre().to_vec(), all.half_width().to_vec(), exponents))
+    }
+
     /// The number of states.
     pub(super) fn dimension(&self) -> usize {
         match self {

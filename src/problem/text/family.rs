@@ -1,7 +1,8 @@
 use super::read::{Document, Read};
 use crate::error::Result;
-use crate::fokker_planck::FokkerPlanck;
+use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
+use crate::problem::definition::PolynomialForm;
 use crate::problem::family::{Family, Lifted};
 use crate::problem::{Problem, Wall};
 use num_dual::HyperDual64;
@@ -41,15 +42,23 @@ impl Family for Text {
             let present = self.changed(name, found);
             present + (value(name, present.re) - present.re)
         };
-        let Read { mut written, walls, .. } = Document(&self.text).equations(&seeded, 2)?;
+        let Read { written, walls, .. } = Document(&self.text).equations(&seeded, 2)?;
         let n = written.states.len() + 2;
-        written.drift.resize(n, Polynomial::zero(n));
+        let padded = |entries: &mut dyn Iterator<Item = &Polynomial>| {
+            let mut all: Vec<Polynomial> = entries.cloned().collect();
+            all.resize(n, Polynomial::zero(n));
+            all
+        };
         let processes = written.noise.first().map_or(0, Vec::len);
-        written.noise.resize(n, vec![Polynomial::zero(n); processes]);
-        let columns: Vec<Vec<Polynomial>> =
-            (0..processes).map(|k| written.noise.iter().map(|row| row[k].clone()).collect()).collect();
-        let operator = FokkerPlanck::new(&written.drift, &columns, written.interpretation, Vec::new())?;
-        Ok(Lifted { operator, walls: walls.iter().map(|wall| wall.numbers).collect() })
+        let impulse =
+            |impulse: &Impulse<HyperDual64>| Impulse::new(*impulse.jumps(), padded(&mut impulse.field().iter()));
+        let form = PolynomialForm {
+            drift: padded(&mut written.drift.iter()),
+            columns: (0..processes).map(|k| padded(&mut written.noise.iter().map(|row| &row[k]))).collect(),
+            interpretation: written.interpretation,
+            impulses: written.impulses.iter().map(impulse).collect(),
+        };
+        Ok(Lifted { walls: walls.iter().map(|wall| wall.numbers).collect(), ..form.lifted()? })
     }
 
     fn walls(&self) -> &[Wall] {

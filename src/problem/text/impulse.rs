@@ -6,6 +6,7 @@ use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::problem::expression::Names;
 use crate::system::{Amplitude, Jumps};
+use num_dual::HyperDual64;
 use toml::de::DeTable;
 
 /// The remedy for a law that is none.
@@ -14,9 +15,15 @@ const LAWS: &str = "give one law: amplitude = { normal = { mean = 0, deviation =
 
 impl Document<'_> {
     /// The impulses of a table.
-    pub(super) fn impulse(self, name: &str, table: &DeTable<'_>, place: usize, names: &Names) -> Result<Impulse> {
+    pub(super) fn impulse(
+        self,
+        name: &str,
+        table: &DeTable<'_>,
+        place: usize,
+        names: &Names,
+    ) -> Result<Impulse<HyperDual64>> {
         let rate = match table.get("rate") {
-            Some(rate) => self.number(name, rate, names)?,
+            Some(rate) => self.dual(name, rate, &names.parameters)?,
             None => return self.wrong(place, name, "it has no rate; rate = 2.0 is two impulses per unit time"),
         };
         let amplitude = match table.get("amplitude") {
@@ -30,16 +37,16 @@ impl Document<'_> {
         Ok(Impulse::new(jumps, field))
     }
 
-    fn amplitude(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Amplitude> {
+    fn amplitude(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Amplitude<HyperDual64>> {
         let place = value.span().start;
         let laws = self.table(name, value)?;
         let (Some((law, numbers)), 1) = (laws.iter().next(), laws.len()) else { return self.wrong(place, name, LAWS) };
         let law = law.get_ref().as_ref();
         let numbers = self.table(law, numbers)?;
-        let all = |entries: &[&str]| -> Result<Vec<f64>> {
+        let all = |entries: &[&str]| -> Result<Vec<HyperDual64>> {
             self.known(numbers, law, entries)?;
             let number = |name: &&str| match numbers.get(*name) {
-                Some(value) => self.number(name, value, names),
+                Some(value) => self.dual(name, value, &names.parameters),
                 None => self.wrong(place, name, LAWS),
             };
             entries.iter().map(number).collect()

@@ -9,6 +9,7 @@ use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::scalar::Scalar;
 use crate::system::{Interpretation, Jumps, PolynomialSystem};
+use num_dual::HyperDual64;
 
 /// A system as its polynomials.
 pub(super) struct Written {
@@ -17,7 +18,8 @@ pub(super) struct Written {
     /// By rows.
     pub(super) noise: Vec<Vec<Polynomial>>,
     pub(super) interpretation: Interpretation,
-    pub(super) impulses: Vec<Impulse>,
+    /// With dual numbers where derivatives are wanted.
+    pub(super) impulses: Vec<Impulse<HyperDual64>>,
 }
 
 impl PolynomialSystem for Written {
@@ -38,7 +40,7 @@ impl PolynomialSystem for Written {
     }
 
     fn jumps(&self) -> Vec<Jumps> {
-        self.impulses.iter().map(|impulse| *impulse.jumps()).collect()
+        self.impulses.iter().map(|impulse| impulse.jumps().each(|number| number.re)).collect()
     }
 
     fn impulse<S: Scalar>(&self, source: usize, x: &[S]) -> Vec<S> {

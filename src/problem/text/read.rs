@@ -62,18 +62,23 @@ impl Document<'_> {
     }
 
     /// An expression without states.
-    fn dual(self, name: &str, value: &Entry<'_>, parameters: &[(String, HyperDual64)]) -> Result<HyperDual64> {
+    pub(super) fn dual(
+        self,
+        name: &str,
+        value: &Entry<'_>,
+        parameters: &[(String, HyperDual64)],
+    ) -> Result<HyperDual64> {
         let found = number(&self.text(name, value)?, parameters);
         found.or_else(|problem| self.wrong(value.span().start, name, problem))
     }
 
     /// The same where nothing is differentiated.
-    pub(super) fn number(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<f64> {
+    fn number(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<f64> {
         let found = self.dual(name, value, &names.parameters)?;
         if is_real(found) {
             return Ok(found.re);
         }
-        let what = "derivatives by parameters of impulses, and of masses that hit each other";
+        let what = "derivatives by parameters of masses that hit each other";
         Err(Error::NotServed { method: "automatic differentiation", what, remedy: "take differences of two problems" })
     }
 

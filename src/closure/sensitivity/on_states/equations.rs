@@ -64,10 +64,11 @@ impl Ground {
         let ground = |(degree, exponents): (u32, Vec<Vec<u32>>)| {
             let lower = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() + 2 <= degree).count();
             let products = Products::new(&Polynomials::new(centre.clone(), half_width.clone(), exponents));
-            Ground { symmetry: symmetry.clone(), products, lower, length }
+            let images = products.images(&problem.operator().impulse_terms())?;
+            Some(Ground { symmetry: symmetry.clone(), products: products.struck(images), lower, length })
         };
         let degrees = functions(problem, &symmetry, blocks);
-        Some(degrees.into_iter().rev().take(2).map(ground).collect())
+        degrees.into_iter().rev().take(2).map(ground).collect()
     }
 }
 
@@ -213,7 +214,8 @@ impl<'a> StateEquations<'a> {
 
     /// The derivatives along those of the operator, and the weights of all states. None where one is not finite.
     pub(super) fn derivatives(&self, operators: &[FokkerPlanck]) -> Option<(Vec<Masses>, Vec<f64>)> {
-        let moved: Vec<Moved> = operators.iter().map(Moved::new).collect();
+        let moved =
+            operators.iter().map(|operator| Moved::new(operator, self.walk.products)).collect::<Option<Vec<_>>>()?;
         let (walk, count) = (self.walk, self.walk.functions());
         let Galerkin { matrix, values, sources, weights } = self.sums(&moved);
         let weights: Vec<Mat<f64>> = weights.into_iter().map(|(_, weights)| weights).collect();

@@ -1,6 +1,7 @@
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::Sites;
 use crate::closure::tuning::pilot::TRAJECTORIES;
+use crate::control_variates::impulses::Images;
 use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::Polynomial;
@@ -22,25 +23,28 @@ pub(super) struct Walk<'a> {
     pub(super) used: usize,
 }
 
-/// The derivative of an operator by a parameter, f′ and B′.
+/// The derivative of an operator by a parameter, f′ and B′, and the images of functions under that of impulses.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
     drift: Vec<(usize, Polynomial)>,
     diffusion: Vec<(usize, Polynomial)>,
     coupled: Vec<usize>,
+    impulses: Images,
 }
 
 impl Moved {
-    pub(super) fn new(operator: &FokkerPlanck) -> Self {
+    /// None where the images under impulses are no combinations of the functions.
+    pub(super) fn new(operator: &FokkerPlanck, products: &Products) -> Option<Self> {
         let given = |entries: Vec<&Polynomial>| {
             entries.into_iter().cloned().enumerate().filter(|(_, entry)| !entry.is_zero()).collect()
         };
         let diffusion = operator.diffusion().iter().flatten().collect();
-        Moved {
+        Some(Moved {
             drift: given(operator.drift().iter().collect()),
             diffusion: given(diffusion),
             coupled: operator.coupled(),
-        }
+            impulses: products.images(&operator.impulse_terms())?,
+        })
     }
 }
 
@@ -129,6 +133,6 @@ impl<'a> Walk<'a> {
         }
         place.scratch.first.copy_from_slice(drift);
         self.products.apply(diffusion, &moved.coupled, &mut place.scratch);
-        self.enter(place, table, |scratch, k| self.products.image(scratch, k));
+        self.enter(place, table, |scratch, k| self.products.image_under(&moved.impulses, scratch, k));
     }
 }
