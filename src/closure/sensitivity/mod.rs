@@ -196,16 +196,20 @@ impl ClosureDensity {
         if !self.exponent().space.corners().is_empty() {
             return MomentSystem::of_all_degrees(self.origin()?).map(Some).ok_or(self.failed());
         }
-        // What grows in time under impulses does not matter here.
+        // What grows in time under impulses does not matter here, and high degrees ring: damping is bounded by the impulses' rate.
         let struck = !self.problem()?.impulses().is_empty();
         let all = if struck { MomentSystem::of_all_degrees(self.origin()?) } else { None };
         let system = match &all {
             Some(system) => system,
             None => self.motion()?.1,
         };
-        let excess = tuning::space::EXCESS[self.dimension() - 1];
+        let (least, excess) = if struck {
+            (tuning::sensitivity::LEAST_DEGREE_STRUCK, tuning::sensitivity::EXCESS_STRUCK[self.dimension() - 1])
+        } else {
+            (tuning::sensitivity::LEAST_DEGREE, tuning::space::EXCESS[self.dimension() - 1])
+        };
         let degree = self.provenance().order.unwrap_or(0) + excess;
-        Ok(Some(system.up_to(degree.max(tuning::sensitivity::LEAST_DEGREE))))
+        Ok(Some(system.up_to(degree.max(least))))
     }
 
     fn linearised<'a>(&'a self, problem: &Problem, system: Option<&'a MomentSystem>) -> Result<Linearised<'a>> {
