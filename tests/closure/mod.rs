@@ -12,6 +12,7 @@ mod robust;
 mod sensitivity;
 mod sensitivity_at_walls;
 mod sensitivity_in_many_states;
+mod sensitivity_under_impulses;
 mod survival;
 mod trajectories;
 mod walls;

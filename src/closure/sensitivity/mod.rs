@@ -169,8 +169,15 @@ impl ClosureDensity {
         }
         let dynamics = self.origin()?;
         let system = if self.exponent().space.corners().is_empty() {
-            let degree = self.provenance().order.unwrap_or(0) + tuning::space::EXCESS[self.dimension() - 1];
-            MomentSystem::of_degree(dynamics, degree.max(tuning::sensitivity::LEAST_DEGREE), symmetry)
+            // Under impulses high degrees ring: damping is bounded by the impulses' rate.
+            let struck = !dynamics.problem().impulses().is_empty();
+            let (least, excess) = if struck {
+                (tuning::sensitivity::LEAST_DEGREE_STRUCK, tuning::sensitivity::EXCESS_STRUCK)
+            } else {
+                (tuning::sensitivity::LEAST_DEGREE, tuning::space::EXCESS)
+            };
+            let degree = self.provenance().order.unwrap_or(0) + excess[self.dimension() - 1];
+            MomentSystem::of_degree(dynamics, degree.max(least), symmetry)
         } else {
             MomentSystem::of_all_degrees(dynamics)
         };

@@ -2,6 +2,11 @@
 
 /// The least degree of the moment equations.
 pub(crate) const LEAST_DEGREE: u32 = 14;
+/// The same under impulses,
+pub(crate) const LEAST_DEGREE_STRUCK: u32 = 12;
+/// and the degrees above the order there, by the number of states: high degrees ring. Gamma's law of shape 10 lost its derivatives at
+/// n = 8 by degree 16, and has them to 1e-3 by 12; for a Duffing oscillator at n = 6 the estimate is 4 times as large by 12 as by 14.
+pub(crate) const EXCESS_STRUCK: [u32; 2] = [4, 8];
 /// The degree of the polynomial that the derivative of the weight's logarithm is,
 pub(crate) const DEGREE: u32 = 12;
 /// how often it is renewed at most,

@@ -20,7 +20,7 @@ use crate::closure::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::fokker_planck::FokkerPlanck;
+use crate::fokker_planck::{FokkerPlanck, ImpulseTerm};
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
 use equations::{Ground, Masses, StateEquations};
@@ -51,6 +51,15 @@ impl ClosureDensity {
             parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
         if self.candidates()[0].origin == Origin::Exact {
             return self.exact_sensitivities(problem, parameters, &operators);
+        }
+        let curved = |operator: &FokkerPlanck| {
+            operator.impulse_terms().iter().flat_map(ImpulseTerm::fields).any(|(_, h)| h.degree() > 1)
+        };
+        if operators.iter().any(curved) {
+            let what = "derivatives by parameters of impulses that depend on the states by more than the first degree, in three \
+                        states and more";
+            let remedy = "take differences of two densities, at `Problem::with_parameter`";
+            return Err(Error::NotServed { method: "closure", what, remedy });
         }
         let reason = "the pilot's states are too few for the equations of the derivative: take more `pilot_states`";
         let few = || Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
