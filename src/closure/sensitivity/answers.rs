@@ -25,9 +25,11 @@ use std::sync::Arc;
 /// are some 2 to 12 times as large as those of the density relative to 1. Next to walls with r < 1 errors of moments, a few 1e-6,
 /// were up to 3 times these distances, and 8 times by the restitution: both solutions have the same singular functions.
 ///
-/// In three states and more means and exceedances are those of the pilot's states, with standard errors: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l with
-/// Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so that dE g/dθ = E\[g s\], whose error is the product of those of s and of
-/// the solution for g. Other answers are those of the exponential polynomial whose moments have these derivatives.
+/// In three states and more means and exceedances are those of the pilot's states, with standard errors: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l
+/// with Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so that dE g/dθ = E\[g s\], whose error is the product of those of
+/// s and of the solution for g. Second derivatives, of a few percent, are E\[g Σ d″_l ψ_l\] with the same matrix and E\[𝓖″ψ\] +
+/// E\[s_k 𝓖′_lψ\] + E\[s_l 𝓖′_kψ\] on the right. Other answers are those of the exponential polynomial whose moments have these
+/// derivatives.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     pub(super) density: ClosureDensity,
@@ -178,7 +180,8 @@ impl Sensitivity {
     /// The derivative of P(x_i > `level`) for a state i.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
+    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for
+    /// a level that is not finite.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
         if self.in_many_states() {
@@ -216,7 +219,8 @@ impl Sensitivity {
     /// The derivative of the mean rate at which the displacement crosses a level upwards.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) in one state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
+    /// [`Error::Dimension`](crate::Error::Dimension) in one state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that
+    /// is not finite.
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let [displacement, velocity] = Crossing::upward(finite("level", level)?).states(self.density.dimension())?;
         if self.in_many_states() {

@@ -119,7 +119,7 @@ impl ClosureDensity {
     /// The second derivative by two parameters, which may be the same.
     ///
     /// # Errors
-    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls and in three states and more.
+    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls.
     ///
     /// ```
     /// use expoly::{Closure, models::{Duffing, Solved}};
@@ -131,7 +131,10 @@ impl ClosureDensity {
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
         let problem = self.differentiable()?;
-        if !problem.walls().is_empty() || self.dimension() > 2 {
+        if self.dimension() > 2 {
+            return self.second_on_states(problem, parameters);
+        }
+        if !problem.walls().is_empty() {
             return Err(NOT_SERVED);
         }
         let system = self.system_of_order(false)?;
@@ -280,7 +283,7 @@ impl ClosureDensity {
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
     what: "derivatives by parameters under impulses, of a density that is not stationary, next to walls in three states and more, and \
-           second ones next to walls or in three states and more",
+           second ones next to walls",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 

@@ -1,11 +1,13 @@
 //! Derivatives where the pilot's states carry the density: no nodes are needed, nor a simulation for each parameter.
 //!
 //! - `walk`: functions and their images along the pilot's trajectories;
-//! - `equations`: the Galerkin equations there, their solutions, and means with standard errors;
+//! - `equations`: the Galerkin equations there, and their solutions;
+//! - `masses`: what these are on the states, and means with standard errors;
 //! - `fit`: the exponential polynomial's part.
 
 mod equations;
 mod fit;
+mod masses;
 mod walk;
 
 use super::Sensitivity;
@@ -23,8 +25,9 @@ use crate::estimate::Estimate;
 use crate::fokker_planck::FokkerPlanck;
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
-use equations::{Ground, Masses, StateEquations};
+use equations::{Ground, StateEquations};
 use fit::Likely;
+use masses::{Masses, doubt};
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
@@ -44,66 +47,151 @@ impl fmt::Debug for OnStates {
     }
 }
 
+/// Derivatives by the equations of the degree that serves them best, and the weights of the states.
+struct Found {
+    symmetry: Symmetry,
+    masses: Vec<Masses>,
+    weights: Vec<f64>,
+}
+
 impl ClosureDensity {
     /// The derivatives in three states and more.
     pub(super) fn sensitivities_on_states(&self, problem: &Problem, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
         let operators =
             parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
-        if self.candidates()[0].origin == Origin::Exact {
-            return self.exact_sensitivities(problem, parameters, &operators);
+        if self.is_exact() {
+            let symmetry = symmetry_of(problem, &operators);
+            let on_nodes = self.on_kept_nodes()?;
+            let newton = self.newton(&on_nodes, problem, &symmetry)?;
+            let one = |(name, operator)| Ok(self.moving_by(&[name], (self.exact_slope(&newton, operator)?, None)));
+            return parameters.iter().copied().zip(&operators).map(one).collect();
         }
-        let reason = "the pilot's states are too few for the equations of the derivative: take more `pilot_states`";
-        let few = || Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         let motion = self.origin()?;
-        let states = &motion.pilot().ok_or_else(few)?.states;
-        let ladder = Ground::ladder(motion, &operators).ok_or_else(few)?;
-        let of_degree = |ground: &Ground| StateEquations::new(ground, motion)?.derivatives(&operators);
-        let mut degrees = ladder.iter().filter_map(of_degree).map(|found| (doubt(states, &found.0), found));
-        let (highest, found) = degrees.next().ok_or_else(few)?;
-        // Where functions of the highest degree are all but dependent on each other in the equations, their noise is large.
-        let lower = degrees.next().filter(|(lower, _)| lower + tuning::sensitivity::NOISIER < highest);
-        let (found, weights) = lower.map_or(found, |(_, lower)| lower);
-        let symmetry = &ladder[0].symmetry;
-        let (points, masses) = self.carrying_nodes().ok_or(self.failed())?;
-        let likely = Likely::new(self.polynomials(symmetry), &points, &masses).ok_or(self.failed())?;
+        let noisier = tuning::sensitivity::NOISIER[0];
+        let Found { symmetry, masses, weights } =
+            self.on_states(motion, &operators, noisier, |equations| equations.first(&operators))?;
+        let states = self.pilot_states(motion)?;
+        let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
+        let likely = Likely::new(self.polynomials(&symmetry), &points, &measure).ok_or(self.failed())?;
         let one = |(name, masses): (&&str, Masses)| {
             let slope = likely.slope(states, &masses.own).ok_or(self.failed())?;
-            let own: Vec<f64> = slope.values(states).into_iter().zip(&weights).map(|(value, w)| value * w).collect();
-            let l1_estimate = distance(&own, &masses.own).hypot(self.l1_estimate() * size(&masses.own));
-            let symmetry = symmetry.clone();
-            let on_states = OnStates { motion: Arc::clone(motion), symmetry, masses, l1_estimate };
-            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(name, slope) })
+            let own = slope.values(states);
+            let on_states = self.carried_by(motion, &symmetry, masses, (&own, &weights));
+            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(&[name], (slope, None)) })
         };
-        parameters.iter().zip(found).map(one).collect()
+        parameters.iter().zip(masses).map(one).collect()
     }
 
-    /// Those of an exact density: its Galerkin equations hold on any nodes.
-    fn exact_sensitivities(
+    /// The second derivative by two parameters in three states and more.
+    pub(super) fn second_on_states(&self, problem: &Problem, parameters: [&str; 2]) -> Result<Sensitivity> {
+        let [k, l] = parameters.map(|parameter| problem.derivative(&[parameter]));
+        let operators = [k?, l?, problem.derivative(&parameters)?];
+        let [k, l, twice] = &operators;
+        if self.is_exact() {
+            let symmetry = symmetry_of(problem, &operators);
+            let on_nodes = self.on_kept_nodes()?;
+            let newton = self.newton(&on_nodes, problem, &symmetry)?;
+            let slopes = [self.exact_slope(&newton, k)?, self.exact_slope(&newton, l)?];
+            let mut slope = newton.second([k, l], twice, slopes.each_ref()).ok_or(self.failed())?;
+            slope.constant -= self.expectation(&|x| slope.value(x) + slopes[0].value(x) * slopes[1].value(x))?.value;
+            return Ok(self.moving_by(&parameters, (slope, Some(slopes))));
+        }
+        let motion = self.origin()?;
+        let solve = |equations: &StateEquations<'_>| {
+            let mut found = equations.first(&operators[..2])?;
+            found.push(equations.second([k, l], twice, [&found[0], &found[1]])?);
+            Some(found)
+        };
+        let noisier = tuning::sensitivity::NOISIER[1];
+        let Found { symmetry, mut masses, weights } = self.on_states(motion, &operators, noisier, solve)?;
+        let states = self.pilot_states(motion)?;
+        let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
+        let likely = Likely::new(self.polynomials(&symmetry), &points, &measure).ok_or(self.failed())?;
+        let second = masses.pop().ok_or(self.failed())?;
+        let [k, l] = [0, 1].map(|j| likely.slope(states, &masses[j].own).ok_or(self.failed()));
+        let slopes = [k?, l?];
+        let slope = likely.second(states, &second.own, slopes.each_ref()).ok_or(self.failed())?;
+        let [k, l] = slopes.each_ref().map(|slope| slope.values(states));
+        let own: Vec<f64> = slope.values(states).iter().zip(k.iter().zip(&l)).map(|(q, (k, l))| q + k * l).collect();
+        let on_states = self.carried_by(motion, &symmetry, second, (&own, &weights));
+        Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(&parameters, (slope, Some(slopes))) })
+    }
+
+    fn is_exact(&self) -> bool {
+        self.candidates()[0].origin == Origin::Exact
+    }
+
+    /// What the equations of the highest degree give along some derivatives of the operator, or those of two degrees less if the
+    /// highest are `noisier` than that: where functions are all but dependent on each other in the equations, their noise is large.
+    fn on_states(
         &self,
-        problem: &Problem,
-        parameters: &[&str],
+        motion: &Dynamics,
         operators: &[FokkerPlanck],
-    ) -> Result<Vec<Sensitivity>> {
-        let symmetry = operators.iter().fold(problem.symmetry(), Symmetry::and_of);
+        noisier: f64,
+        solve: impl Fn(&StateEquations<'_>) -> Option<Vec<Masses>>,
+    ) -> Result<Found> {
+        let states = self.pilot_states(motion)?;
+        let ladder = Ground::ladder(motion, operators).ok_or(self.too_few())?;
+        let of_degree = |ground: &Ground| {
+            let equations = StateEquations::new(ground, motion)?;
+            let masses = solve(&equations)?;
+            let found = Found { symmetry: ground.symmetry.clone(), masses, weights: equations.weights() };
+            Some((doubt(states, &found.masses), found))
+        };
+        let mut degrees = ladder.iter().filter_map(of_degree);
+        let (highest, found) = degrees.next().ok_or(self.too_few())?;
+        let lower = degrees.next().filter(|(lower, _)| lower + noisier < highest);
+        Ok(lower.map_or(found, |(_, lower)| lower))
+    }
+
+    fn pilot_states<'a>(&self, motion: &'a Dynamics) -> Result<&'a States> {
+        Ok(&motion.pilot().ok_or(self.too_few())?.states)
+    }
+
+    fn too_few(&self) -> Error {
+        let reason = "the pilot's states are too few for the equations of the derivative: take more `pilot_states`";
+        Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason }
+    }
+
+    /// A derivative on the pilot's states, with its distance from that of the exponential polynomial, given relative to the density.
+    fn carried_by(
+        &self,
+        motion: &Arc<Dynamics>,
+        symmetry: &Symmetry,
+        masses: Masses,
+        (own, weights): (&[f64], &[f64]),
+    ) -> OnStates {
+        let own: Vec<f64> = own.iter().zip(weights).map(|(value, w)| value * w).collect();
+        let l1_estimate = masses.distance(&own).hypot(self.l1_estimate() * masses.size());
+        OnStates { motion: Arc::clone(motion), symmetry: symmetry.clone(), masses, l1_estimate }
+    }
+
+    /// The same density on as many nodes as the equations of an exact one take: they hold on any.
+    fn on_kept_nodes(&self) -> Result<ClosureDensity> {
         let (states, mut masses) = self.carrying_nodes().ok_or(self.failed())?;
         let kept = states.len().min(tuning::sensitivity::DRAWS);
         masses.truncate(kept);
         let nodes = States::from_values(states.dimension(), states.values()[..kept * states.dimension()].to_vec());
         let masses = masses.into_iter().map(|mass| [mass; 2]).collect();
-        let on_nodes = ClosureDensity { nodes, masses, ..self.clone() };
-        let space = Functions::Polynomials(self.polynomials(&symmetry));
-        let newton = Newton::new(&on_nodes, problem, space, &[]).ok_or(self.failed())?;
-        let one = |(name, operator): (&&str, &FokkerPlanck)| {
-            let mut slope = newton.slope(operator).ok_or(self.failed())?;
-            slope.constant -= self.expectation(&|x| slope.value(x))?.value;
-            Ok(self.moving_by(name, slope))
-        };
-        parameters.iter().zip(operators).map(one).collect()
+        Ok(ClosureDensity { nodes, masses, ..self.clone() })
     }
 
-    fn moving_by(&self, name: &str, slope: Exponent) -> Sensitivity {
+    fn newton<'a>(&self, on_nodes: &'a ClosureDensity, problem: &Problem, symmetry: &Symmetry) -> Result<Newton<'a>> {
+        let space = Functions::Polynomials(self.polynomials(symmetry));
+        Newton::new(on_nodes, problem, space, &[]).ok_or(self.failed())
+    }
+
+    /// The derivative of ln p, with mean zero.
+    fn exact_slope(&self, newton: &Newton<'_>, operator: &FokkerPlanck) -> Result<Exponent> {
+        let mut slope = newton.slope(operator).ok_or(self.failed())?;
+        slope.constant -= self.expectation(&|x| slope.value(x))?.value;
+        Ok(slope)
+    }
+
+    fn moving_by(&self, names: &[&str], (slope, product): (Exponent, Option<[Exponent; 2]>)) -> Sensitivity {
         let slope = Slope { regular: slope, singular: Vec::new() };
-        self.moving_with(vec![name.to_owned()], (slope, None), [Vec::new(), Vec::new()], None)
+        let names = names.iter().map(|&name| name.to_owned()).collect();
+        self.moving_with(names, (slope, product), [Vec::new(), Vec::new()], None)
     }
 
     /// States with weights that sum to about 1, on which integrals of the density are taken.
@@ -118,49 +206,25 @@ impl ClosureDensity {
 impl OnStates {
     /// ∫ |∂p/∂θ| dx.
     pub(super) fn size(&self) -> f64 {
-        size(&self.masses.own)
+        self.masses.size()
     }
 
     /// ∫ of what the functions of the two highest degrees change.
     pub(super) fn change(&self) -> f64 {
-        distance(&self.masses.own, &self.masses.below)
+        self.masses.change()
     }
 
-    /// dE g/dθ, with the standard error of a jackknife over lots of trajectories (J. W. Tukey, 1958).
+    /// dE g/dθ, with its standard error.
     pub(super) fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         let Some(pilot) = self.motion.pilot() else { return Estimate::new(f64::NAN, f64::INFINITY) };
         // Every state stands for its mirror images too.
         let at = |x: &[f64]| self.symmetry.images(x).map(|image| g(&image)).sum::<f64>() / self.symmetry.count() as f64;
         let values: Vec<f64> = pilot.states.par_iter().map(at).collect();
-        let value = values.iter().zip(&self.masses.own).map(|(g, mass)| g * mass).sum();
-        Estimate::new(value, jackknife(&values, &self.masses))
+        Estimate::new(self.masses.mean(&values), self.masses.jackknife(&values))
     }
 }
 
-/// The mean logarithm of the standard errors of the derivatives of all mean squares.
-fn doubt(states: &States, found: &[Masses]) -> f64 {
-    let errors = (0..states.dimension()).flat_map(|i| {
-        let squares: Vec<f64> = states.iter().map(|x| x[i] * x[i]).collect();
-        found.iter().map(move |masses| jackknife(&squares, masses))
-    });
-    let errors: Vec<f64> = errors.collect();
-    errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / errors.len().max(1) as f64
-}
-
-/// The standard error of the derivative of a mean, given the values at the states, by what leaving out each lot changes.
-fn jackknife(values: &[f64], masses: &Masses) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let change =
-        |changes: &Vec<f32>| values.iter().zip(changes).map(|(g, mass)| (g - mean) * f64::from(*mass)).sum::<f64>();
-    let changes: Vec<f64> = masses.changes.par_iter().map(change).collect();
-    let count = changes.len() as f64;
-    ((count - 1.0) / count * changes.iter().map(|change| change * change).sum::<f64>()).sqrt()
-}
-
-fn distance(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(a, b)| (a - b).abs()).sum()
-}
-
-fn size(masses: &[f64]) -> f64 {
-    masses.iter().map(|mass| mass.abs()).sum()
+/// The symmetry that a problem and its derivatives have in common.
+fn symmetry_of(problem: &Problem, operators: &[FokkerPlanck]) -> Symmetry {
+    operators.iter().fold(problem.symmetry(), Symmetry::and_of)
 }

@@ -5,7 +5,7 @@ use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
-use faer::MatMut;
+use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -94,6 +94,16 @@ impl<'a> Walk<'a> {
             self.products.place(&place.sites.x, &mut place.scratch);
             visit(place);
         }
+    }
+
+    /// The functions and their images at all states of a trajectory, with a row for each.
+    pub(super) fn tables(&self, t: usize, place: &mut Place) -> [Mat<f64>; 2] {
+        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(self.used, self.functions()));
+        self.each(t, place, |place| {
+            self.enter_values(place, values.as_mut());
+            self.enter_images(place, images.as_mut());
+        });
+        [values, images]
     }
 
     /// Writes a value of each function into a row for each state.
