@@ -28,7 +28,9 @@ use std::sync::Arc;
 /// In three states and more means and exceedances are those of the pilot's states, with standard errors: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l
 /// with Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so that dE g/dθ = E\[g s\], whose error is the product of those of
 /// s and of the solution for g. Second derivatives, of a few percent, are E\[g Σ d″_l ψ_l\] with the same matrix and E\[𝓖″ψ\] +
-/// E\[s_k 𝓖′_lψ\] + E\[s_l 𝓖′_kψ\] on the right. Other answers are those of the exponential polynomial whose moments have these
+/// E\[s_k 𝓖′_lψ\] + E\[s_l 𝓖′_kψ\] on the right. Next to walls, where impacts of the rate ν take ψ₋ to ψ₊, ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\]
+/// joins the matrix and ν E\[∇ψ_k₊·∂x₊/∂r r′\] the right side; with the offset of a wall displacements move along by x_i′ = η_i(x_i),
+/// which adds E\[Σ η_i ∂_i g\]. Other answers are those of the exponential polynomial whose moments have these
 /// derivatives.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
@@ -83,7 +85,7 @@ impl Sensitivity {
     /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
     pub fn size(&self) -> f64 {
         match &self.on_states {
-            Some(states) => states.size(),
+            Some(states) => states.size,
             None if self.in_many_states() => self.under_density(&|x| self.at(x).abs()).value,
             None => self.at_fixed_states().map(|[own, _]| own.abs()).sum(),
         }
@@ -104,7 +106,7 @@ impl Sensitivity {
     pub fn warning(&self) -> Option<&str> {
         let large = self.l1_estimate() > tuning::UNRELIABLE * self.size().max(tuning::SOLVED);
         let own = large.then_some("the estimated error of the derivative is large: take a higher order");
-        let few = self.on_states.as_ref().is_some_and(|states| states.change() > tuning::UNRELIABLE * states.size());
+        let few = self.on_states.as_ref().is_some_and(|states| states.change() > tuning::UNRELIABLE * states.size);
         let few =
             few.then_some("the derivative still changes with the degree on the pilot's states: take more of them");
         self.density.warning().or(few).or(own)
@@ -114,7 +116,8 @@ impl Sensitivity {
     /// displacement: differences are its slope.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         if let Some(states) = &self.on_states {
-            return states.expectation(g);
+            let slope = |x: &[f64]| self.carried.slope(g, x, &self.steps(tuning::sensitivity::STEP));
+            return states.expectation(g, self.carried.moves().then_some(&slope));
         }
         if self.in_many_states() {
             return self.under_density(&|x| g(x) * self.at(x));
@@ -123,17 +126,15 @@ impl Sensitivity {
         if !self.carried.moves() {
             return still;
         }
-        let [low, high] = self.density.bounds()[0];
-        let step = tuning::sensitivity::STEP * (high - low);
-        let slope = |x: &[f64]| (g(&[x[0] + step, x[1]]) - g(&[x[0] - step, x[1]])) / (2.0 * step);
-        still.plus(self.carried_along(slope))
+        let steps = self.steps(tuning::sensitivity::STEP);
+        still.plus(self.carried_along(|x| self.carried.slope(g, x, &steps)))
     }
 
-    /// ∫ η ∂_x g p dx, by which a mean moves with the states.
+    /// ∫ η ∂_x g p dx, by which a mean moves with the states, given η ∂_x g.
     fn carried_along(&self, slope: impl Fn(&[f64]) -> f64) -> Estimate {
         let nodes = self.density.nodes.iter().zip(&self.density.masses);
         let [own, other] = nodes.fold([0.0; 2], |[own, other], (x, masses)| {
-            let value = self.carried.rate(x[0]) * slope(x);
+            let value = slope(x);
             [own + value * masses[0], other + value * masses[1]]
         });
         Estimate::new(own, own - other)
@@ -174,7 +175,8 @@ impl Sensitivity {
             return Ok(still);
         }
         let lower = [powers[0] - 1, powers[1]];
-        Ok(still.plus(self.carried_along(|x| f64::from(powers[0]) * power(x, &lower))))
+        let slope = |x: &[f64]| self.carried.rate(0, x[0]) * f64::from(powers[0]) * power(x, &lower);
+        Ok(still.plus(self.carried_along(slope)))
     }
 
     /// The derivative of P(x_i > `level`) for a state i.
@@ -185,7 +187,13 @@ impl Sensitivity {
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
         if self.in_many_states() {
-            return Ok(self.expectation(&|x| f64::from(u8::from(x[state] > level))));
+            let beyond = |x: &[f64]| f64::from(u8::from(x[state] > level));
+            let still = self.on_states.as_ref().map(|states| states.expectation(&beyond, None));
+            let still = still.unwrap_or_else(|| self.under_density(&|x| beyond(x) * self.at(x)));
+            let rate = self.carried.rate(state, level);
+            let through =
+                if rate == 0.0 { Estimate::exact(0.0) } else { self.density.marginal(state, level)?.scaled(rate) };
+            return Ok(still.plus(through));
         }
         let [low, high] = self.density.bounds()[state];
         if level <= low || level >= high {
@@ -196,7 +204,7 @@ impl Sensitivity {
         let beyond = sections.fold(Estimate::exact(0.0), Estimate::plus);
         // What is carried over the level by a wall that moves.
         if state == 0 && self.carried.moves() {
-            let through = self.carried.rate(level) * self.sum_over(0, level, |_| 1.0);
+            let through = self.carried.rate(0, level) * self.sum_over(0, level, |_| 1.0);
             return Ok(beyond.plus(self.shared(through)));
         }
         Ok(beyond)
@@ -252,11 +260,23 @@ impl Sensitivity {
         self.density.expectation(g).unwrap_or(Estimate::new(f64::NAN, f64::INFINITY))
     }
 
-    /// ∫ g ∂p/∂θ dx over all states but one, in three states and more.
+    /// ∫ g ∂p/∂θ dx over all states but one, in three states and more. What walls carry along is −∂_x (η ∫ g p dx), whatever of the
+    /// other states moves.
     fn drawn(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Result<Estimate> {
         let found = self.density.section(state, x, |x| g(x) * self.at(x))?;
-        let shared = self.shared(found.value);
-        Ok(Estimate::new(found.value, found.error.hypot(shared.error)))
+        let step = self.steps(tuning::sensitivity::WIDE_STEP)[state];
+        let through = |x: f64| -> Result<f64> {
+            let rate = self.carried.rate(state, x);
+            Ok(if rate == 0.0 { 0.0 } else { rate * self.density.section(state, x, &g)?.value })
+        };
+        let carried = (through(x - step)? - through(x + step)?) / (2.0 * step);
+        let shared = self.shared(found.value.abs() + carried.abs());
+        Ok(Estimate::new(found.value + carried, found.error.hypot(shared.error)))
+    }
+
+    /// A share of the domain's width in each state.
+    fn steps(&self, share: f64) -> Vec<f64> {
+        self.density.bounds().iter().map(|[low, high]| share * (high - low)).collect()
     }
 
     /// (∂p/∂θ)/p in the coordinate in which walls stand still.

@@ -3,11 +3,11 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::space::Jet;
 use crate::closure::space::sweep::{self, Differentiable};
 
-/// What ∂ ln p/∂θ has at fixed states beside that in the coordinate that moves with the walls by η: −η′ − η ∂_x ln p.
+/// What ∂ ln p/∂θ has at fixed states beside that in the coordinates that move with the walls: −Σ_i (η_i′ + η_i ∂_i ln p).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Carried {
-    /// η = [0] + [1] x.
-    shift: [f64; 2],
+    /// η_i = [0] + [1] x_i of each state that moves.
+    shift: Vec<(usize, [f64; 2])>,
     /// That part at the density's nodes, of p̃ and of the reference; none where nothing moves.
     pub(super) at_nodes: Vec<[f64; 2]>,
 }
@@ -17,22 +17,50 @@ impl Carried {
         if shift == [0.0; 2] {
             return Carried::default();
         }
+        let shift = vec![(0, shift)];
         let slopes = sweep::at_jets(density.exponent(), &density.nodes, |_, gradient, _| gradient[0]);
         let reference = &density.content.reference;
         let of_reference = reference.as_ref().map_or_else(|| slopes.clone(), |found| found.slopes(&density.nodes, 0));
-        let part = |(x, slopes): (&[f64], [f64; 2])| slopes.map(|s| -shift[1] - (shift[0] + shift[1] * x[0]) * s);
         let slopes = slopes.into_iter().zip(of_reference).map(<[f64; 2]>::from);
-        Carried { shift, at_nodes: density.nodes.iter().zip(slopes).map(part).collect() }
+        let mut carried = Carried { shift, at_nodes: Vec::new() };
+        let part = |(x, slopes): (&[f64], [f64; 2])| slopes.map(|slope| carried.along(x, &[slope]));
+        carried.at_nodes = density.nodes.iter().zip(slopes).map(part).collect();
+        carried
+    }
+
+    /// In any number of states, with no nodes.
+    pub(super) fn of_states(shift: &[[f64; 2]]) -> Self {
+        let moving = shift.iter().copied().enumerate().filter(|(_, rates)| *rates != [0.0; 2]);
+        Carried { shift: moving.collect(), at_nodes: Vec::new() }
     }
 
     /// Whether anything moves.
     pub(super) fn moves(&self) -> bool {
-        !self.at_nodes.is_empty()
+        !self.shift.is_empty()
     }
 
-    /// η.
-    pub(super) fn rate(&self, x: f64) -> f64 {
-        self.shift[0] + self.shift[1] * x
+    /// η of a state where that is x.
+    pub(super) fn rate(&self, state: usize, x: f64) -> f64 {
+        let own = self.shift.iter().find(|(moving, _)| *moving == state);
+        own.map_or(0.0, |(_, [rate, slope])| rate + slope * x)
+    }
+
+    /// Σ η_i ∂_i g by differences of these steps in the states.
+    pub(super) fn slope(&self, g: &dyn Fn(&[f64]) -> f64, x: &[f64], steps: &[f64]) -> f64 {
+        let along = |(i, [rate, slope]): &(usize, [f64; 2])| {
+            let mut at = x.to_vec();
+            let [above, below] = [steps[*i], -steps[*i]].map(|step| {
+                at[*i] = x[*i] + step;
+                g(&at)
+            });
+            (rate + slope * x[*i]) * (above - below) / (2.0 * steps[*i])
+        };
+        self.shift.iter().map(along).sum()
+    }
+
+    /// That part where ln p has these slopes.
+    fn along(&self, x: &[f64], gradient: &[f64]) -> f64 {
+        -self.shift.iter().map(|(i, [_, slope])| slope + self.rate(*i, x[*i]) * gradient[*i]).sum::<f64>()
     }
 
     /// That part of p̃'s at a state.
@@ -40,8 +68,8 @@ impl Carried {
         if !self.moves() {
             return 0.0;
         }
-        let mut jet = Jet::zero(2);
+        let mut jet = Jet::zero(x.len());
         log.jet(x, &mut jet);
-        -self.shift[1] - self.rate(x[0]) * jet.gradient[0]
+        self.along(x, &jet.gradient)
     }
 }

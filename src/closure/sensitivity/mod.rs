@@ -74,9 +74,10 @@ impl ClosureDensity {
     /// The derivative by a parameter of the problem.
     ///
     /// # Errors
-    /// [`Error::NotServed`] under impulses, in three states and more, and for a density of a time; [`Error::NotKnown`] for a
-    /// density from a document, and where the problem does not depend on the parameter in a known way; [`Error::NotAName`] if it
-    /// has none of the name; [`Error::NotClosed`] where the linear system has no solution.
+    /// [`Error::NotServed`] under impulses, for a density of a time, and in three states and more by the offset of a wall with
+    /// which no displacement can move while the other walls stay; [`Error::NotKnown`] for a density from a document, and where the
+    /// problem does not depend on the parameter in a known way; [`Error::NotAName`] if it has none of the name;
+    /// [`Error::NotClosed`] where the linear system has no solution.
     ///
     /// ```
     /// use expoly::{Closure, Density, models::{Duffing, Solved}};
@@ -131,11 +132,11 @@ impl ClosureDensity {
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
         let problem = self.differentiable()?;
-        if self.dimension() > 2 {
-            return self.second_on_states(problem, parameters);
-        }
         if !problem.walls().is_empty() {
             return Err(NOT_SERVED);
+        }
+        if self.dimension() > 2 {
+            return self.second_on_states(problem, parameters);
         }
         let system = self.system_of_order(false)?;
         let linearised = self.linearised(problem, system.as_ref())?;
@@ -182,8 +183,7 @@ impl ClosureDensity {
             Origin::MaximumLikelihood => !on_panels && self.content.indication.is_some(),
             _ => false,
         };
-        let walled = self.dimension() > 2 && !self.content.impacts.is_empty();
-        if !stationary || walled {
+        if !stationary {
             return Err(NOT_SERVED);
         }
         let problem = self.problem()?;
@@ -282,8 +282,7 @@ impl ClosureDensity {
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters under impulses, of a density that is not stationary, next to walls in three states and more, and \
-           second ones next to walls",
+    what: "derivatives by parameters under impulses, of a density that is not stationary, and second ones next to walls",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 

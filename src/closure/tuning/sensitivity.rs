@@ -19,5 +19,7 @@ pub(crate) const NOISIER: [f64; 2] = [0.7, 1.5];
 /// The step of the differences that are the slope of an integrand, relative to the domain's width: the square of it and rounding
 /// over it are some 1e-10.
 pub(crate) const STEP: f64 = 1e-5;
+/// The same for sections of a density, which are sums over draws: the square of it is some tenths of a percent.
+pub(crate) const WIDE_STEP: f64 = 5e-3;
 /// Nodes from a level to the edge of the domain.
 pub(crate) const TAIL_NODES: usize = 80;

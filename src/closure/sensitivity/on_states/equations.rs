@@ -6,9 +6,8 @@ use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::products::Products;
 use crate::control_variates::regression;
-use crate::fokker_planck::FokkerPlanck;
 use crate::numerics::add_gram;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
@@ -21,10 +20,12 @@ const SETS: usize = 1 + LOTS;
 /// ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l: E_p′\[𝓖ψ\] = −E_p\[𝓖′ψ\] for every ψ. Second derivatives p″ = p Σ d″_l ψ_l have the same matrix, and
 /// E\[𝓖″ψ\] + E\[s_k 𝓖′_l ψ\] + E\[s_l 𝓖′_k ψ\] in the place of g.
 ///
-/// Means are under weights of the states that make all means of 𝓖ψ zero, one for each block of consecutive states.
+/// Means are under weights of the states that make all means of 𝓖ψ zero, one for each block of consecutive states. Next to walls
+/// the impacts have rows of their own beside the states: A gets ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\], and g what a parameter changes in the
+/// jumps.
 pub(super) struct StateEquations<'a> {
     walk: Walk<'a>,
-    /// The weights of the states of each trajectory, and what leaving out each lot changes in them.
+    /// The weights of the rows of each trajectory, and what leaving out each lot changes in them.
     weights: Vec<Mat<f64>>,
     /// Σ w ψ under these.
     values: Mat<f64>,
@@ -44,6 +45,7 @@ pub(super) enum Measure<'m> {
 pub(super) struct Ground {
     pub(super) symmetry: Symmetry,
     products: Products,
+    contacts: Vec<Contact>,
     lower: usize,
     length: usize,
 }
@@ -51,11 +53,14 @@ pub(super) struct Ground {
 impl Ground {
     /// The functions of the two highest degrees for which there are enough states, the highest first; none where the pilot carries
     /// no density.
-    pub(super) fn ladder(motion: &Dynamics, operators: &[FokkerPlanck]) -> Option<Vec<Self>> {
+    pub(super) fn ladder(motion: &Dynamics, along: &[StillMotion]) -> Option<Vec<Self>> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
-        let symmetry = super::symmetry_of(problem, operators);
+        let symmetry = super::symmetry_of(problem, along);
         let least = tuning::calibration::LEAST_BLOCKS;
-        let length = (pilot.slowness(&symmetry).ceil() as usize).min((pilot.samples() / least).max(1));
+        let contacts = problem.contacts();
+        let shortest = if contacts.is_empty() { 1 } else { tuning::calibration::LENGTH_AT_WALLS };
+        let longest = (pilot.samples() / least).max(1);
+        let length = (pilot.slowness(&symmetry).ceil() as usize).max(shortest).min(longest);
         let blocks = pilot.samples() / length * TRAJECTORIES;
         let (centre, _) = pilot.spread(&symmetry);
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
@@ -63,7 +68,7 @@ impl Ground {
         let ground = |(degree, exponents): (u32, Vec<Vec<u32>>)| {
             let lower = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() + 2 <= degree).count();
             let products = Products::new(&Polynomials::new(centre.clone(), half_width.clone(), exponents));
-            Ground { symmetry: symmetry.clone(), products, lower, length }
+            Ground { symmetry: symmetry.clone(), products, contacts: contacts.clone(), lower, length }
         };
         let degrees = functions(problem, &symmetry, blocks);
         Some(degrees.into_iter().rev().take(2).map(ground).collect())
@@ -118,20 +123,17 @@ struct Calibration {
     lambda: Mat<f64>,
     levels: Vec<f64>,
     counts: Vec<f64>,
-    /// States of a block.
-    length: usize,
 }
 
 impl Calibration {
     /// None where the states lie on a surface.
-    fn new(walk: Walk<'_>, length: usize) -> Option<Self> {
+    fn new(walk: &Walk<'_>) -> Option<Self> {
         let count = walk.functions();
         let lots = walk.lots(
             || Moments::zero(count),
             |sums, [_, t], place| {
-                let mut images = Mat::zeros(walk.used, count);
-                walk.each(t, place, |place| walk.enter_images(place, images.as_mut()));
-                let table = block_means(images.as_ref(), length);
+                let [_, images] = walk.tables(t, place);
+                let table = block_means(walk, images.as_ref(), &walk.blocks(t));
                 add_gram(sums.square.as_mut(), table.as_ref());
                 (0..count).for_each(|k| sums.sum[k] += table.col(k).iter().sum::<f64>());
                 sums.blocks += table.nrows() as f64;
@@ -148,22 +150,24 @@ impl Calibration {
             let (found, level) = moments.calibration()?;
             lambda.col_mut(set).copy_from(found.col(0));
             levels.push(level);
-            counts.push(moments.blocks * length as f64);
+            counts.push(moments.blocks * walk.length as f64);
         }
-        Some(Calibration { lambda, levels, counts, length })
+        Some(Calibration { lambda, levels, counts })
     }
 
-    /// The weights of a trajectory's states, and what leaving out each lot changes in them.
-    fn weights(&self, images: MatRef<'_, f64>, lot: usize) -> Mat<f64> {
-        let taken = block_means(images, self.length) * &self.lambda;
+    /// The weights of a trajectory's rows, and what leaving out each lot changes in them.
+    fn weights(&self, walk: &Walk<'_>, images: MatRef<'_, f64>, [lot, t]: [usize; 2]) -> Mat<f64> {
+        let blocks = walk.blocks(t);
+        let taken = block_means(walk, images, &blocks) * &self.lambda;
         let weight = |block: usize, set: usize| (self.levels[set] - taken[(block, set)]) / self.counts[set];
         Mat::from_fn(images.nrows(), SETS, |row, set| {
-            let block = row / self.length;
-            match set {
-                0 => weight(block, 0),
-                _ if set == lot + 1 => -weight(block, 0),
-                _ => weight(block, set) - weight(block, 0),
-            }
+            let (block, share) = blocks[row];
+            share
+                * match set {
+                    0 => weight(block, 0),
+                    _ if set == lot + 1 => -weight(block, 0),
+                    _ => weight(block, set) - weight(block, 0),
+                }
         })
     }
 }
@@ -179,17 +183,19 @@ impl<'a> StateEquations<'a> {
     /// None where the states lie on a surface.
     pub(super) fn new(ground: &'a Ground, motion: &'a Dynamics) -> Option<Self> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
-        let used = pilot.samples() / ground.length * ground.length;
-        let walk = Walk { problem, pilot, products: &ground.products, used };
-        let calibration = Calibration::new(walk, ground.length)?;
+        let (length, contacts) = (ground.length, &ground.contacts[..]);
+        let used = pilot.samples() / length * length;
+        let walk = Walk { problem, pilot, products: &ground.products, contacts, used, length };
+        let calibration = Calibration::new(&walk)?;
         let count = walk.functions();
         let zero = || Sums { matrix: Mat::zeros(count, count), values: Mat::zeros(count, SETS), weights: Vec::new() };
         let lots = walk.lots(zero, |sums, [lot, t], place| {
             let [values, images] = walk.tables(t, place);
-            let weights = calibration.weights(images.as_ref(), lot);
-            let weighted = Mat::from_fn(walk.used, count, |row, k| weights[(row, 0)] * values[(row, k)]);
+            let weights = calibration.weights(&walk, images.as_ref(), [lot, t]);
+            let weighted = Mat::from_fn(values.nrows(), count, |row, k| weights[(row, 0)] * values[(row, k)]);
             add_product(&mut sums.matrix, &images, &weighted);
-            add_product(&mut sums.values, &values, &weights);
+            let of_states = weights.get(..walk.used, ..).to_owned();
+            add_product(&mut sums.values, &values.get(..walk.used, ..).to_owned(), &of_states);
             sums.weights.push((t, weights));
         });
         let mut all = zero();
@@ -204,44 +210,34 @@ impl<'a> StateEquations<'a> {
         Some(StateEquations { walk, weights, values: all.values, factors, lower: ground.lower })
     }
 
-    /// The weights of all states.
-    pub(super) fn weights(&self) -> Vec<f64> {
-        let mut all = vec![0.0; self.walk.pilot.states.len()];
-        for (t, weights) in self.weights.iter().enumerate() {
-            let rows = &mut all[self.walk.first(t)..][..weights.nrows()];
-            rows.iter_mut().enumerate().for_each(|(row, w)| *w = weights[(row, 0)]);
-        }
-        all
+    /// The density itself.
+    pub(super) fn density(&self) -> Masses {
+        let parts = (0..self.weights.len()).map(|t| (t, self.measure(Measure::Density, t)));
+        Masses::gathered(&self.walk, parts.collect())
     }
 
-    /// The first derivatives along those of the operator. None where one is not finite.
-    pub(super) fn first(&self, operators: &[FokkerPlanck]) -> Option<Vec<Masses>> {
-        operators.iter().map(|operator| self.solved(self.tested(&[(operator, Measure::Density)]))).collect()
+    /// The first derivatives along some motions. None where one is not finite.
+    pub(super) fn first(&self, along: &[StillMotion]) -> Option<Vec<Masses>> {
+        along.iter().map(|motion| self.solved(self.tested(&[(motion, Measure::Density)]))).collect()
     }
 
-    /// The second derivative along those of the operator by two parameters and by both, given the first. None where it is not finite.
-    pub(super) fn second(
-        &self,
-        [k, l]: [&FokkerPlanck; 2],
-        twice: &FokkerPlanck,
-        along: [&Masses; 2],
-    ) -> Option<Masses> {
+    /// The second derivative along motions by two parameters and by both, given the first. None where it is not finite.
+    pub(super) fn second(&self, [k, l]: [&StillMotion; 2], twice: &StillMotion, along: [&Masses; 2]) -> Option<Masses> {
         let [by_k, by_l] = along.map(Measure::Derivative);
         self.solved(self.tested(&[(k, by_l), (l, by_k), (twice, Measure::Density)]))
     }
 
-    /// Σ m 𝓖′ψ over the states, 𝓖′ with the derivative of an operator and m the masses of a measure, its changes, and its own by
+    /// Σ m 𝓖′ψ over all rows, 𝓖′ with the derivative of an operator and m the masses of a measure, its changes, and its own by
     /// the functions of two degrees less.
-    fn tested(&self, terms: &[(&FokkerPlanck, Measure<'_>)]) -> Mat<f64> {
+    fn tested(&self, terms: &[(&StillMotion, Measure<'_>)]) -> Mat<f64> {
         let (walk, count) = (self.walk, self.walk.functions());
         let terms: Vec<(Moved, Measure<'_>)> =
-            terms.iter().map(|(operator, measure)| (Moved::new(operator), *measure)).collect();
+            terms.iter().map(|(motion, measure)| (Moved::new(motion, walk.contacts), *measure)).collect();
         let lots = walk.lots(
             || Mat::zeros(count, COLUMNS),
             |sums, [_, t], place| {
                 for (moved, measure) in &terms {
-                    let mut table = Mat::zeros(walk.used, count);
-                    walk.each(t, place, |place| walk.enter_moved(moved, place, table.as_mut()));
+                    let table = walk.moved(moved, t, place);
                     add_product(sums, &table, &self.measure(*measure, t));
                 }
             },
@@ -249,7 +245,7 @@ impl<'a> StateEquations<'a> {
         lots.into_iter().fold(Mat::zeros(count, COLUMNS), |sum, lot| sum + lot)
     }
 
-    /// The masses of a measure on the states of a trajectory.
+    /// The masses of a measure in the rows of a trajectory.
     fn measure(&self, measure: Measure<'_>, t: usize) -> Mat<f64> {
         let weights = &self.weights[t];
         match measure {
@@ -285,7 +281,7 @@ impl<'a> StateEquations<'a> {
             |sum, [_, t], place| {
                 let [values, images] = walk.tables(t, place);
                 let s = values * solved;
-                let products = Mat::from_fn(walk.used, count, |row, k| images[(row, k)] * s[(row, 0)]);
+                let products = Mat::from_fn(images.nrows(), count, |row, k| images[(row, k)] * s[(row, 0)]);
                 add_product(sum, &products, &self.weights[t]);
             },
         );
@@ -303,9 +299,8 @@ impl<'a> StateEquations<'a> {
         });
         let means: Vec<f64> = means.collect();
         let lots = walk.lots(Vec::new, |parts, [_, t], place| {
-            let mut table = Mat::<f64>::zeros(walk.used, walk.functions());
-            walk.each(t, place, |place| walk.enter_values(place, table.as_mut()));
-            parts.push((t, product(self.weights[t].as_ref(), (table * solved).as_ref(), &means)));
+            let [values, _] = walk.tables(t, place);
+            parts.push((t, product(self.weights[t].as_ref(), (values * solved).as_ref(), &means)));
         });
         Masses::gathered(&walk, lots.into_iter().flatten().collect())
     }
@@ -316,12 +311,12 @@ fn add_product(sum: &mut Mat<f64>, a: &Mat<f64>, b: &Mat<f64>) {
     matmul(sum.as_mut(), Accum::Add, a.transpose(), b.as_ref(), 1.0, Par::Seq);
 }
 
-/// The means over blocks of rows.
-fn block_means(table: MatRef<'_, f64>, length: usize) -> Mat<f64> {
-    let mut means = Mat::zeros(table.nrows() / length, table.ncols());
+/// The means over blocks of rows, each with what it counts for.
+fn block_means(walk: &Walk<'_>, table: MatRef<'_, f64>, blocks: &[(usize, f64)]) -> Mat<f64> {
+    let mut means = Mat::zeros(walk.used / walk.length, table.ncols());
     for k in 0..table.ncols() {
-        for row in 0..table.nrows() {
-            means[(row / length, k)] += table[(row, k)] / length as f64;
+        for (row, (block, share)) in blocks.iter().enumerate() {
+            means[(*block, k)] += share * table[(row, k)] / walk.length as f64;
         }
     }
     means

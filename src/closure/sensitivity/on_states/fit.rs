@@ -1,5 +1,5 @@
 use crate::closure::density::exponent::Exponent;
-use crate::closure::space::{Functions, Polynomials};
+use crate::closure::space::Functions;
 use crate::control_variates::products::{LANES, Products};
 use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
 use crate::states::States;
@@ -13,7 +13,7 @@ const STRETCH: usize = 4096;
 /// The most likely exponential polynomial, linearised: E_p̃ φ = E φ for its functions φ, so that Cov_p̃(φ) c′ = dE φ/dθ. Once more,
 /// Cov_p̃(φ) c″ = d²E φ/dθ² − Cov_p̃(φ, Q′_k Q′_l).
 pub(super) struct Likely<'a> {
-    space: Polynomials,
+    space: Functions,
     products: Products,
     /// p̃ by its masses on nodes or draws.
     points: &'a States,
@@ -24,8 +24,8 @@ pub(super) struct Likely<'a> {
 
 impl<'a> Likely<'a> {
     /// None where the functions are linearly dependent on the points.
-    pub(super) fn new(space: Polynomials, points: &'a States, masses: &'a [f64]) -> Option<Self> {
-        let products = Products::new(&space);
+    pub(super) fn new(space: Functions, points: &'a States, masses: &'a [f64]) -> Option<Self> {
+        let products = Products::of(&space);
         let count = space.len();
         // The constant's column makes the means.
         let parts = points.par_chunks(STRETCH).zip(masses.par_chunks(STRETCH)).map(|(x, masses)| {
@@ -73,7 +73,7 @@ impl<'a> Likely<'a> {
         let coefficients: Vec<f64> = self.covariance.solve(source).col(0).iter().copied().collect();
         let constant = moved[0] - coefficients.iter().zip(&self.means).map(|(c, mean)| c * mean).sum::<f64>();
         let finite = constant.is_finite() && coefficients.iter().all(|c| c.is_finite());
-        let space = Functions::Polynomials(self.space.clone());
+        let space = self.space.clone();
         finite.then_some(Exponent { known: Vec::new(), space, constant, coefficients })
     }
 }

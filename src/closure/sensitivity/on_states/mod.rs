@@ -11,6 +11,7 @@ mod masses;
 mod walk;
 
 use super::Sensitivity;
+use super::carried::Carried;
 use super::exact::Newton;
 use super::slope::Slope;
 use crate::closure::candidates::Origin;
@@ -19,24 +20,31 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::dynamics::Dynamics;
 use crate::closure::space::Functions;
 use crate::closure::tuning;
-use crate::density::Density;
+use crate::density::{CountedImpacts, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::fokker_planck::FokkerPlanck;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::{Problem, StillMotion, Symmetry};
 use crate::states::States;
 use equations::{Ground, StateEquations};
 use fit::Likely;
-use masses::{Masses, doubt};
+use masses::{Masses, doubt, jackknife};
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 
-/// The derivative of a density that the pilot's states carry.
+/// A function of the state that is averaged.
+type Integrand<'a> = dyn Fn(&[f64]) -> f64 + Sync + 'a;
+
+/// The derivative of a density that the pilot's states carry, in the coordinates in which walls stand still.
 pub(super) struct OnStates {
     motion: Arc<Dynamics>,
     symmetry: Symmetry,
     masses: Masses,
+    /// The density itself, where walls move.
+    density: Option<Arc<Masses>>,
+    /// ∫ |∂p/∂θ| dx.
+    pub(super) size: f64,
     /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx.
     pub(super) l1_estimate: f64,
 }
@@ -51,46 +59,52 @@ impl fmt::Debug for OnStates {
 struct Found {
     symmetry: Symmetry,
     masses: Vec<Masses>,
-    weights: Vec<f64>,
+    density: Arc<Masses>,
 }
 
 impl ClosureDensity {
     /// The derivatives in three states and more.
     pub(super) fn sensitivities_on_states(&self, problem: &Problem, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
-        let operators =
-            parameters.iter().map(|parameter| problem.derivative(&[parameter])).collect::<Result<Vec<_>>>()?;
-        if self.is_exact() {
-            let symmetry = symmetry_of(problem, &operators);
+        let along: Vec<StillMotion> =
+            parameters.iter().map(|parameter| problem.motion(parameter)?.still(problem)).collect::<Result<_>>()?;
+        if self.is_exact() && problem.walls().is_empty() {
+            let symmetry = symmetry_of(problem, &along);
             let on_nodes = self.on_kept_nodes()?;
             let newton = self.newton(&on_nodes, problem, &symmetry)?;
-            let one = |(name, operator)| Ok(self.moving_by(&[name], (self.exact_slope(&newton, operator)?, None)));
-            return parameters.iter().copied().zip(&operators).map(one).collect();
+            let one = |(name, motion): (&&str, &StillMotion)| {
+                Ok(self.moving_by(&[name], (self.exact_slope(&newton, &motion.operator)?, None)))
+            };
+            return parameters.iter().zip(&along).map(one).collect();
         }
         let motion = self.origin()?;
         let noisier = tuning::sensitivity::NOISIER[0];
-        let Found { symmetry, masses, weights } =
-            self.on_states(motion, &operators, noisier, |equations| equations.first(&operators))?;
+        let Found { symmetry, masses, density } =
+            self.on_states(motion, &along, noisier, |equations| equations.first(&along))?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
-        let likely = Likely::new(self.polynomials(&symmetry), &points, &measure).ok_or(self.failed())?;
-        let one = |(name, masses): (&&str, Masses)| {
-            let slope = likely.slope(states, &masses.own).ok_or(self.failed())?;
+        let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
+        let one = |((name, moving), masses): ((&&str, &StillMotion), Masses)| {
+            let slope = likely.slope(states, masses.own()).ok_or(self.failed())?;
             let own = slope.values(states);
-            let on_states = self.carried_by(motion, &symmetry, masses, (&own, &weights));
-            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(&[name], (slope, None)) })
+            let carried = Carried::of_states(&moving.shift);
+            let impacts = self.impacts_on_states(problem, moving, &masses);
+            let on_states = self.carried_by((motion, &symmetry), masses, &own, (&density, &carried));
+            let found = self.moving_by(&[name], (slope, None));
+            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), carried, impacts, ..found })
         };
-        parameters.iter().zip(masses).map(one).collect()
+        parameters.iter().zip(&along).zip(masses).map(one).collect()
     }
 
     /// The second derivative by two parameters in three states and more.
     pub(super) fn second_on_states(&self, problem: &Problem, parameters: [&str; 2]) -> Result<Sensitivity> {
         let [k, l] = parameters.map(|parameter| problem.derivative(&[parameter]));
-        let operators = [k?, l?, problem.derivative(&parameters)?];
-        let [k, l, twice] = &operators;
+        let along = [k?, l?, problem.derivative(&parameters)?].map(StillMotion::open);
+        let [k, l, twice] = &along;
         if self.is_exact() {
-            let symmetry = symmetry_of(problem, &operators);
+            let symmetry = symmetry_of(problem, &along);
             let on_nodes = self.on_kept_nodes()?;
             let newton = self.newton(&on_nodes, problem, &symmetry)?;
+            let [k, l, twice] = along.each_ref().map(|motion| &motion.operator);
             let slopes = [self.exact_slope(&newton, k)?, self.exact_slope(&newton, l)?];
             let mut slope = newton.second([k, l], twice, slopes.each_ref()).ok_or(self.failed())?;
             slope.constant -= self.expectation(&|x| slope.value(x) + slopes[0].value(x) * slopes[1].value(x))?.value;
@@ -98,22 +112,22 @@ impl ClosureDensity {
         }
         let motion = self.origin()?;
         let solve = |equations: &StateEquations<'_>| {
-            let mut found = equations.first(&operators[..2])?;
+            let mut found = equations.first(&along[..2])?;
             found.push(equations.second([k, l], twice, [&found[0], &found[1]])?);
             Some(found)
         };
         let noisier = tuning::sensitivity::NOISIER[1];
-        let Found { symmetry, mut masses, weights } = self.on_states(motion, &operators, noisier, solve)?;
+        let Found { symmetry, mut masses, density } = self.on_states(motion, &along, noisier, solve)?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
-        let likely = Likely::new(self.polynomials(&symmetry), &points, &measure).ok_or(self.failed())?;
+        let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
         let second = masses.pop().ok_or(self.failed())?;
-        let [k, l] = [0, 1].map(|j| likely.slope(states, &masses[j].own).ok_or(self.failed()));
+        let [k, l] = [0, 1].map(|j| likely.slope(states, masses[j].own()).ok_or(self.failed()));
         let slopes = [k?, l?];
-        let slope = likely.second(states, &second.own, slopes.each_ref()).ok_or(self.failed())?;
+        let slope = likely.second(states, second.own(), slopes.each_ref()).ok_or(self.failed())?;
         let [k, l] = slopes.each_ref().map(|slope| slope.values(states));
         let own: Vec<f64> = slope.values(states).iter().zip(k.iter().zip(&l)).map(|(q, (k, l))| q + k * l).collect();
-        let on_states = self.carried_by(motion, &symmetry, second, (&own, &weights));
+        let on_states = self.carried_by((motion, &symmetry), second, &own, (&density, &Carried::default()));
         Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(&parameters, (slope, Some(slopes))) })
     }
 
@@ -126,16 +140,16 @@ impl ClosureDensity {
     fn on_states(
         &self,
         motion: &Dynamics,
-        operators: &[FokkerPlanck],
+        along: &[StillMotion],
         noisier: f64,
         solve: impl Fn(&StateEquations<'_>) -> Option<Vec<Masses>>,
     ) -> Result<Found> {
         let states = self.pilot_states(motion)?;
-        let ladder = Ground::ladder(motion, operators).ok_or(self.too_few())?;
+        let ladder = Ground::ladder(motion, along).ok_or(self.too_few())?;
         let of_degree = |ground: &Ground| {
             let equations = StateEquations::new(ground, motion)?;
             let masses = solve(&equations)?;
-            let found = Found { symmetry: ground.symmetry.clone(), masses, weights: equations.weights() };
+            let found = Found { symmetry: ground.symmetry.clone(), masses, density: Arc::new(equations.density()) };
             Some((doubt(states, &found.masses), found))
         };
         let mut degrees = ladder.iter().filter_map(of_degree);
@@ -156,14 +170,41 @@ impl ClosureDensity {
     /// A derivative on the pilot's states, with its distance from that of the exponential polynomial, given relative to the density.
     fn carried_by(
         &self,
-        motion: &Arc<Dynamics>,
-        symmetry: &Symmetry,
+        (motion, symmetry): (&Arc<Dynamics>, &Symmetry),
         masses: Masses,
-        (own, weights): (&[f64], &[f64]),
+        own: &[f64],
+        (density, carried): (&Arc<Masses>, &Carried),
     ) -> OnStates {
-        let own: Vec<f64> = own.iter().zip(weights).map(|(value, w)| value * w).collect();
-        let l1_estimate = masses.distance(&own).hypot(self.l1_estimate() * masses.size());
-        OnStates { motion: Arc::clone(motion), symmetry: symmetry.clone(), masses, l1_estimate }
+        let own: Vec<f64> = own.iter().zip(density.own()).map(|(value, w)| value * w).collect();
+        let size = match motion.pilot().filter(|_| carried.moves()) {
+            Some(pilot) => {
+                let fixed = pilot.states.iter().map(|x| carried.value(self.exponent(), x)).zip(density.own());
+                masses.distance(&fixed.map(|(value, w)| -value * w).collect::<Vec<_>>())
+            }
+            None => masses.size(),
+        };
+        let l1_estimate = masses.distance(&own).hypot(self.l1_estimate() * size);
+        let density = carried.moves().then(|| Arc::clone(density));
+        OnStates { motion: Arc::clone(motion), symmetry: symmetry.clone(), masses, density, size, l1_estimate }
+    }
+
+    /// The derivative of the impact rate, wherever walls move: the rate of impacts in the coordinates in which they stand still,
+    /// less that by which these stretch.
+    fn impacts_on_states(&self, problem: &Problem, along: &StillMotion, masses: &Masses) -> Option<Estimate> {
+        let stretched = problem.walls().iter().enumerate().map(|(wall, state)| {
+            let slope = along.shift[state.state()][1];
+            self.impact_flux(&[wall], 1).filter(|_| slope != 0.0).map(|rate| rate.scaled(-slope))
+        });
+        let still = (!problem.walls().is_empty()).then(|| masses.impact_rate())?;
+        Some(stretched.flatten().fold(still, Estimate::plus))
+    }
+
+    /// The functions of Q with a symmetry; next to walls its own ones.
+    fn functions_with(&self, symmetry: &Symmetry) -> Functions {
+        if self.exponent().space.corners().is_empty() {
+            return Functions::Polynomials(self.polynomials(symmetry));
+        }
+        self.exponent().space.clone()
     }
 
     /// The same density on as many nodes as the equations of an exact one take: they hold on any.
@@ -204,27 +245,32 @@ impl ClosureDensity {
 }
 
 impl OnStates {
-    /// ∫ |∂p/∂θ| dx.
-    pub(super) fn size(&self) -> f64 {
-        self.masses.size()
-    }
-
     /// ∫ of what the functions of the two highest degrees change.
     pub(super) fn change(&self) -> f64 {
         self.masses.change()
     }
 
-    /// dE g/dθ, with its standard error.
-    pub(super) fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
+    /// dE g/dθ, with its standard error, given Σ η_i ∂_i g where states move with walls.
+    pub(super) fn expectation(&self, g: &Integrand<'_>, slope: Option<&Integrand<'_>>) -> Estimate {
         let Some(pilot) = self.motion.pilot() else { return Estimate::new(f64::NAN, f64::INFINITY) };
         // Every state stands for its mirror images too.
-        let at = |x: &[f64]| self.symmetry.images(x).map(|image| g(&image)).sum::<f64>() / self.symmetry.count() as f64;
-        let values: Vec<f64> = pilot.states.par_iter().map(at).collect();
-        Estimate::new(self.masses.mean(&values), self.masses.jackknife(&values))
+        let count = self.symmetry.count() as f64;
+        let values = |g: &Integrand<'_>| -> Vec<f64> {
+            let at = |x: &[f64]| self.symmetry.images(x).map(|image| g(&image)).sum::<f64>() / count;
+            pilot.states.par_iter().map(at).collect()
+        };
+        let own = values(g);
+        let (mut value, mut changes) = (self.masses.mean(&own), self.masses.changes(&own));
+        if let (Some(density), Some(slope)) = (&self.density, slope) {
+            let along = values(slope);
+            value += density.mean(&along);
+            changes.iter_mut().zip(density.changes(&along)).for_each(|(change, along)| *change += along);
+        }
+        Estimate::new(value, jackknife(&changes))
     }
 }
 
 /// The symmetry that a problem and its derivatives have in common.
-fn symmetry_of(problem: &Problem, operators: &[FokkerPlanck]) -> Symmetry {
-    operators.iter().fold(problem.symmetry(), Symmetry::and_of)
+fn symmetry_of(problem: &Problem, along: &[StillMotion]) -> Symmetry {
+    along.iter().fold(problem.symmetry(), |symmetry, motion| symmetry.and_of(&motion.operator))
 }
