@@ -93,16 +93,11 @@ impl Sampled {
         Ok(self.moving(content, copula))
     }
 
-    /// A stationary density, with what questions of time are answered by where there are no walls.
+    /// A stationary density, with what questions of time and of parameters are answered by.
     fn moving(&self, content: Content, copula: Copula) -> ClosureDensity {
         let Sampled { problem, pilot, seed, rare, .. } = self;
-        let weight = content.exponent.clone();
-        let density = ClosureDensity::new(content);
-        if problem.walls().is_empty() {
-            density.moving(Dynamics::carried(problem, (pilot, copula), weight, *seed, *rare))
-        } else {
-            density
-        }
+        let dynamics = Dynamics::carried(problem, (pilot, copula), content.exponent.clone(), *seed, *rare);
+        ClosureDensity::new(content).moving(dynamics)
     }
 
     /// The closure of an order at a time of which the pilot's states are draws, by their means and those of moment equations.

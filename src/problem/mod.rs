@@ -29,7 +29,7 @@ pub(crate) use field::{Field, LANES, Lane};
 pub(crate) use flow::{Kicks, Nearness, Strike, near};
 pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use modulated_moments::ModulatedMoments;
-pub(crate) use motion::{Motion, PlaneMotion};
+pub(crate) use motion::{Motion, PlaneMotion, StillMotion};
 pub(crate) use room::reflect;
 pub(crate) use symmetry::Symmetry;
 pub(crate) use time_scales::{TimeScales, two_digits};

@@ -1,22 +1,26 @@
 //! Derivatives by parameters in three and four states, on the pilot's states, against common random numbers.
 //!
 //! - `filter`: x″ + c x′ + 0.3 x′³ + x + μ x³ = z, z′ = −a z + ξ;
+//! - `filter-above`: the same above a wall of r = 0.8 at x = −0.3;
 //! - `chain`: two masses, x₁″ + c₁ x₁′ + 0.3 x₁′³ + x₁ + x₁³ + 0.5 (x₁ − x₂) = ξ, and x₂″ + c₂ x₂′ + 0.3 x₂′³ + x₂ + μ₂ x₂³ +
-//!   0.5 (x₂ − x₁) = 0 without noise of its own.
+//!   0.5 (x₂ − x₁) = 0 without noise of its own;
+//! - `chain-above`: the same above a wall of r = 0.8 at x₁ = −0.5.
 //!
-//! E[ξ(t)ξ(t+τ)] = 2D δ(τ). For each parameter and answer: the mean over the seeds with its standard error, the spread between
-//! the seeds over the mean stated error, and the differences of simulations of the same seeds at parameters 2 % apart.
+//! E[ξ(t)ξ(t+τ)] = 2D δ(τ). For each parameter and answer: the mean over the seeds with its standard error, the root
+//! mean square of the deviations of single seeds over their stated errors, and the differences of simulations of the same seeds at
+//! parameters 2 % apart.
 
 use crate::Outcome;
 use clap::{Args, ValueEnum};
-use expoly::{Closure, Density, Estimate, Problem, Result, Simulation};
+use expoly::statistics::Impacts;
+use expoly::{Closure, Density, Error, Estimate, Problem, Result, Sensitivity, SimulatedDensity, Simulation};
 use std::time::Instant;
 
 /// Derivatives in three and four states.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Options {
     /// Systems, separated by commas
-    #[arg(long, value_delimiter = ',', default_value = "filter,chain")]
+    #[arg(long, value_delimiter = ',', default_value = "filter,filter-above,chain,chain-above")]
     systems: Vec<System>,
     /// Order of the closure
     #[arg(long, default_value_t = 4)]
@@ -35,7 +39,9 @@ pub(crate) struct Options {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum System {
     Filter,
+    FilterAbove,
     Chain,
+    ChainAbove,
 }
 
 const FILTER: &str = r#"
@@ -69,22 +75,42 @@ v2 = "-c2*v2 - 0.3*v2^3 - 1.5*x2 - mu2*x2^3 + 0.5*x1"
 v1 = "sqrt(2*D)"
 "#;
 
+const FILTER_WALL: &str = r#"
+[[wall]]
+state = "x"
+above = -0.3
+restitution = 0.8
+"#;
+
+const CHAIN_WALL: &str = r#"
+[[wall]]
+state = "x1"
+above = -0.5
+restitution = 0.8
+"#;
+
 /// Half the relative distance of two simulations.
 const STEP: f64 = 0.02;
 
 impl System {
     fn problem(self) -> Result<Problem> {
-        Problem::from_toml(match self {
-            System::Filter => FILTER,
-            System::Chain => CHAIN,
+        Problem::from_toml(&match self {
+            System::Filter => FILTER.to_owned(),
+            System::FilterAbove => [FILTER, FILTER_WALL].concat(),
+            System::Chain => CHAIN.to_owned(),
+            System::ChainAbove => [CHAIN, CHAIN_WALL].concat(),
         })
     }
 
     /// The mean squares of displacement and of a velocity, and E x⁴.
     fn moments(self) -> [(&'static str, Vec<u32>); 3] {
         match self {
-            System::Filter => [("E x2", vec![2, 0, 0]), ("E v2", vec![0, 2, 0]), ("E x4", vec![4, 0, 0])],
-            System::Chain => [("E x1^2", vec![2, 0, 0, 0]), ("E x2^2", vec![0, 0, 2, 0]), ("E x1^4", vec![4, 0, 0, 0])],
+            System::Filter | System::FilterAbove => {
+                [("E x2", vec![2, 0, 0]), ("E v2", vec![0, 2, 0]), ("E x4", vec![4, 0, 0])]
+            }
+            System::Chain | System::ChainAbove => {
+                [("E x1^2", vec![2, 0, 0, 0]), ("E x2^2", vec![0, 0, 2, 0]), ("E x1^4", vec![4, 0, 0, 0])]
+            }
         }
     }
 }
@@ -124,7 +150,11 @@ fn table(system: System, options: &Options) -> Result<()> {
             }
         }
         let of = |(_, powers): &(&str, Vec<u32>)| all.iter().map(|one| one.moment(powers)).collect::<Result<Vec<_>>>();
-        found.push(system.moments().iter().map(of).collect::<Result<_>>()?);
+        let mut answers = system.moments().iter().map(of).collect::<Result<Vec<_>>>()?;
+        if !problem.walls().is_empty() {
+            answers.push(all.iter().filter_map(Sensitivity::impact_rate).collect());
+        }
+        found.push(answers);
     }
     let mean = |seconds: f64| seconds / options.seeds as f64;
     println!(
@@ -135,12 +165,14 @@ fn table(system: System, options: &Options) -> Result<()> {
     );
     for (j, name) in names.iter().enumerate() {
         let differences = differences(system, &problem, (name, problem.parameters()[j].1), options)?;
-        for (i, (answer, _)) in system.moments().iter().enumerate() {
+        let answers = system.moments().into_iter().map(|(answer, _)| answer).chain(["rate"]);
+        for (i, answer) in answers.take(found[0].len()).enumerate() {
             let values: Vec<f64> = found.iter().map(|seed| seed[i][j].value).collect();
-            let stated = found.iter().map(|seed| seed[i][j].error).sum::<f64>() / options.seeds as f64;
             let [value, deviation] = spread(&values);
+            let squares: f64 = found.iter().map(|seed| ((seed[i][j].value - value) / seed[i][j].error).powi(2)).sum();
+            let ratio = (squares / (options.seeds as f64 - 1.0).max(1.0)).sqrt();
             let own = deviation / (options.seeds as f64).sqrt();
-            print!("d {answer:6} / d {name:3} {value:9.5} ± {own:.5}, spread/stated {:.2}", deviation / stated);
+            print!("d {answer:6} / d {name:21} {value:9.5} ± {own:.5}, spread/stated {ratio:.2}");
             if let Some(differences) = &differences {
                 let [truth, deviation] = spread(&differences[i]);
                 let error = deviation / (differences[i].len() as f64).sqrt();
@@ -165,7 +197,7 @@ fn differences(
     if options.samples == 0 {
         return Ok(None);
     }
-    let mut all = vec![Vec::new(); system.moments().len()];
+    let mut all = vec![Vec::new(); system.moments().len() + 1];
     for seed in 0..options.seeds {
         let [above, below] = [1.0, -1.0].map(|sign| {
             let problem = problem.with_parameter(name, value * (1.0 + sign * STEP))?;
@@ -174,6 +206,10 @@ fn differences(
         let (above, below) = (above?, below?);
         for (list, (_, powers)) in all.iter_mut().zip(system.moments()) {
             list.push((above.moment(&powers)?.value - below.moment(&powers)?.value) / (2.0 * STEP * value));
+        }
+        if !problem.walls().is_empty() {
+            let rate = |density: &SimulatedDensity| Ok::<f64, Error>(Impacts::new(density, problem)?.rate().value);
+            all[system.moments().len()].push((rate(&above)? - rate(&below)?) / (2.0 * STEP * value));
         }
     }
     Ok(Some(all))

@@ -87,7 +87,7 @@ impl Dynamics {
         }
     }
 
-    /// The same where the pilot's states carry the density `weight`, away from walls.
+    /// The same where the pilot's states carry the density `weight`. Next to walls there are questions of parameters alone.
     pub(super) fn carried(
         problem: &Problem,
         (pilot, copula): (&Pilot, Copula),
@@ -182,8 +182,8 @@ impl ClosureDensity {
 
     /// What the closure is made from, and its moment equations.
     pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
-        served(self.dimension(), self.exponent().space.corners().len())?;
         let dynamics = self.origin()?;
+        served(self.dimension(), dynamics.problem.walls().len())?;
         let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
         let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         Ok((dynamics, dynamics.system().ok_or(refusal)?))

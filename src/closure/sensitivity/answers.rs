@@ -26,9 +26,13 @@ use std::sync::Arc;
 /// impulses both are those of a process that does not jump out of the domain, and errors of second moments, some 0.4 % of them at n = 8,
 /// were up to 4 times the estimated ones, which have the part of ∂p/∂θ that lies beyond.
 ///
-/// In three states and more means and exceedances are those of the pilot's states, with standard errors: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l with
-/// Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so that dE g/dθ = E\[g s\], whose error is the product of those of s and of
-/// the solution for g. Other answers are those of the exponential polynomial whose moments have these derivatives.
+/// In three states and more means and exceedances are those of the pilot's states, with standard errors: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l
+/// with Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so that dE g/dθ = E\[g s\], whose error is the product of those of
+/// s and of the solution for g. Second derivatives, of a few percent, are E\[g Σ d″_l ψ_l\] with the same matrix and E\[𝓖″ψ\] +
+/// E\[s_k 𝓖′_lψ\] + E\[s_l 𝓖′_kψ\] on the right. Next to walls, where impacts of the rate ν take ψ₋ to ψ₊, ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\]
+/// joins the matrix and ν E\[∇ψ_k₊·∂x₊/∂r r′\] the right side; with the offset of a wall displacements move along by x_i′ = η_i(x_i),
+/// which adds E\[Σ η_i ∂_i g\]. Other answers are those of the exponential polynomial whose moments have these
+/// derivatives.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     pub(super) density: ClosureDensity,
@@ -73,14 +77,16 @@ impl Sensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
     pub fn relative(&self, x: &[f64]) -> Result<f64> {
         point(x, self.density.dimension())?;
-        Ok(self.at(x) + self.carried.value(self.density.exponent(), x))
+        let exponent = self.density.exponent();
+        let displaced = self.on_states.as_ref().map_or(0.0, |states| states.displaced.value(exponent, x));
+        Ok(self.at(x) + self.carried.value(exponent, x) + displaced)
     }
 
     /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the nodes: ∂p/∂x ~ u^(g − 1)
     /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3; by two offsets it is so for every r < 1. Moments, tails and rates are finite all the same.
     pub fn size(&self) -> f64 {
         match &self.on_states {
-            Some(states) => states.size(),
+            Some(states) => states.size,
             None if self.in_many_states() => self.under_density(&|x| self.at(x).abs()).value,
             None => self.at_fixed_states().map(|[own, _]| own.abs()).sum(),
         }
@@ -109,7 +115,7 @@ impl Sensitivity {
     pub fn warning(&self) -> Option<&str> {
         let large = self.l1_estimate() > tuning::UNRELIABLE * self.size().max(tuning::SOLVED);
         let own = large.then_some("the estimated error of the derivative is large: take a higher order");
-        let few = self.on_states.as_ref().is_some_and(|states| states.change() > tuning::UNRELIABLE * states.size());
+        let few = self.on_states.as_ref().is_some_and(|states| states.change() > tuning::UNRELIABLE * states.size);
         let few =
             few.then_some("the derivative still changes with the degree on the pilot's states: take more of them");
         self.density.warning().or(few).or(own)
@@ -119,7 +125,9 @@ impl Sensitivity {
     /// displacement: differences are its slope.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         if let Some(states) = &self.on_states {
-            return states.expectation(g);
+            let steps = self.steps(tuning::sensitivity::STEPS[0]);
+            let slope = |x: &[f64]| states.displaced.slope(g, x, &steps);
+            return states.expectation(g, states.displaced.moves().then_some(&slope));
         }
         if self.in_many_states() {
             return self.under_density(&|x| g(x) * self.at(x));
@@ -128,8 +136,7 @@ impl Sensitivity {
         if !self.carried.moves() {
             return still;
         }
-        let [low, high] = self.density.bounds()[0];
-        let [first, second] = tuning::sensitivity::STEPS.map(|step| step * (high - low));
+        let [first, second] = tuning::sensitivity::STEPS.map(|share| self.steps(share)[0]);
         let at = |x: &[f64], step: f64| g(&[x[0] + step, x[1]]);
         let slopes = |x: &[f64]| {
             let bend = if self.parameters.len() > 1 {
@@ -185,11 +192,18 @@ impl Sensitivity {
     /// The derivative of P(x_i > `level`) for a state i.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
+    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for
+    /// a level that is not finite.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
         if self.in_many_states() {
-            return Ok(self.expectation(&|x| f64::from(u8::from(x[state] > level))));
+            let beyond = |x: &[f64]| f64::from(u8::from(x[state] > level));
+            let still = self.on_states.as_ref().map(|states| states.expectation(&beyond, None));
+            let still = still.unwrap_or_else(|| self.under_density(&|x| beyond(x) * self.at(x)));
+            let rate = self.displaced(state, level);
+            let through =
+                if rate == 0.0 { Estimate::exact(0.0) } else { self.density.marginal(state, level)?.scaled(rate) };
+            return Ok(still.plus(through));
         }
         let [low, high] = self.density.bounds()[state];
         if level <= low || level >= high {
@@ -223,7 +237,8 @@ impl Sensitivity {
     /// The derivative of the mean rate at which the displacement crosses a level upwards.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) in one state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
+    /// [`Error::Dimension`](crate::Error::Dimension) in one state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that
+    /// is not finite.
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let [displacement, velocity] = Crossing::upward(finite("level", level)?).states(self.density.dimension())?;
         if self.in_many_states() {
@@ -255,11 +270,28 @@ impl Sensitivity {
         self.density.expectation(g).unwrap_or(Estimate::new(f64::NAN, f64::INFINITY))
     }
 
-    /// ∫ g ∂p/∂θ dx over all states but one, in three states and more.
+    /// ∫ g ∂p/∂θ dx over all states but one, in three states and more. What walls carry along is −∂_x (η ∫ g p dx), whatever of the
+    /// other states moves.
     fn drawn(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Result<Estimate> {
         let found = self.density.section(state, x, |x| g(x) * self.at(x))?;
-        let shared = self.shared(found.value);
-        Ok(Estimate::new(found.value, found.error.hypot(shared.error)))
+        let step = self.steps(tuning::sensitivity::WIDE_STEP)[state];
+        let through = |x: f64| -> Result<f64> {
+            let rate = self.displaced(state, x);
+            Ok(if rate == 0.0 { 0.0 } else { rate * self.density.section(state, x, &g)?.value })
+        };
+        let carried = (through(x - step)? - through(x + step)?) / (2.0 * step);
+        let shared = self.shared(found.value.abs() + carried.abs());
+        Ok(Estimate::new(found.value + carried, found.error.hypot(shared.error)))
+    }
+
+    /// The rate at which walls carry a state along, in three states and more.
+    fn displaced(&self, state: usize, x: f64) -> f64 {
+        self.on_states.as_ref().map_or(0.0, |states| states.displaced.rate(state, x))
+    }
+
+    /// A share of the domain's width in each state.
+    fn steps(&self, share: f64) -> Vec<f64> {
+        self.density.bounds().iter().map(|[low, high]| share * (high - low)).collect()
     }
 
     /// (∂p/∂θ)/p in the coordinate in which walls stand still.

@@ -76,9 +76,10 @@ impl ClosureDensity {
     /// The derivative by a parameter of the problem.
     ///
     /// # Errors
-    /// [`Error::NotServed`] next to walls in three states and more, and for a density of a time; [`Error::NotKnown`] for a
-    /// density from a document, and where the problem does not depend on the parameter in a known way; [`Error::NotAName`] if it
-    /// has none of the name; [`Error::NotClosed`] where the linear system has no solution.
+    /// [`Error::NotServed`] for a density of a time, and in three states and more by the offset of a wall with
+    /// which no displacement can move while the other walls stay; [`Error::NotKnown`] for a density from a document, and where the
+    /// problem does not depend on the parameter in a known way; [`Error::NotAName`] if it has none of the name;
+    /// [`Error::NotClosed`] where the linear system has no solution.
     ///
     /// ```
     /// use expoly::{Closure, Density, models::{Duffing, Solved}};
@@ -128,7 +129,7 @@ impl ClosureDensity {
     /// The second derivative by two parameters, which may be the same.
     ///
     /// # Errors
-    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] in three states and more.
+    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls in three states and more.
     ///
     /// ```
     /// use expoly::{Closure, models::{Duffing, Solved}};
@@ -140,10 +141,10 @@ impl ClosureDensity {
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
         let problem = self.differentiable()?;
-        if self.dimension() > 2 {
-            return Err(NOT_SERVED);
+        if self.dimension() <= 2 {
+            return self.second_on_nodes(problem, parameters);
         }
-        self.second_on_nodes(problem, parameters)
+        if problem.walls().is_empty() { self.second_on_states(problem, parameters) } else { Err(NOT_SERVED) }
     }
 
     /// The problem, if derivatives of its density are served.
@@ -154,8 +155,7 @@ impl ClosureDensity {
             Origin::MaximumLikelihood => !on_panels && self.content.indication.is_some(),
             _ => false,
         };
-        let walled = self.dimension() > 2 && !self.content.impacts.is_empty();
-        if !stationary || walled {
+        if !stationary {
             return Err(NOT_SERVED);
         }
         self.problem()
@@ -172,9 +172,9 @@ impl ClosureDensity {
             // Under impulses high degrees ring: damping is bounded by the impulses' rate.
             let struck = !dynamics.problem().impulses().is_empty();
             let (least, excess) = if struck {
-                (tuning::sensitivity::LEAST_DEGREE_STRUCK, tuning::sensitivity::EXCESS_STRUCK)
+                (tuning::sensitivity::LEAST_DEGREE_STRUCK, &tuning::sensitivity::EXCESS_STRUCK[..])
             } else {
-                (tuning::sensitivity::LEAST_DEGREE, tuning::space::EXCESS)
+                (tuning::sensitivity::LEAST_DEGREE, &tuning::space::EXCESS[..])
             };
             let degree = self.provenance().order.unwrap_or(0) + excess[self.dimension() - 1];
             MomentSystem::of_degree(dynamics, degree.max(least), symmetry)
@@ -270,8 +270,7 @@ impl ClosureDensity {
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters of a density that is not stationary, next to walls in three states and more, and second ones in \
-           three states and more",
+    what: "derivatives by parameters of a density that is not stationary, and second ones next to walls in three states and more",
     remedy: "take differences of two densities, at `Problem::with_parameter`",
 };
 

@@ -1,3 +1,4 @@
+use super::masses::{BELOW, COLUMNS, Masses, product};
 use super::walk::{LOTS, Moved, Walk};
 use crate::closure::dynamics::Dynamics;
 use crate::closure::space::Polynomials;
@@ -5,10 +6,10 @@ use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::products::Products;
 use crate::control_variates::regression;
-use crate::fokker_planck::FokkerPlanck;
 use crate::numerics::add_gram;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 use faer::{Accum, Mat, MatRef, Par};
 
@@ -16,35 +17,35 @@ use faer::{Accum, Mat, MatRef, Par};
 const SETS: usize = 1 + LOTS;
 
 /// The Galerkin equations for derivatives on the pilot's states, A d′ = −g with A_kl = E\[ψ_l 𝓖ψ_k\] and g_k = E\[𝓖′ψ_k\], so that
-/// ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l: E_p′\[𝓖ψ\] = −E_p\[𝓖′ψ\] for every ψ.
+/// ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l: E_p′\[𝓖ψ\] = −E_p\[𝓖′ψ\] for every ψ. Second derivatives p″ = p Σ d″_l ψ_l have the same matrix, and
+/// E\[𝓖″ψ\] + E\[s_k 𝓖′_l ψ\] + E\[s_l 𝓖′_k ψ\] in the place of g.
 ///
-/// Means are under weights of the states that make all means of 𝓖ψ zero, one for each block of consecutive states.
+/// Means are under weights of the states that make all means of 𝓖ψ zero, one for each block of consecutive states. Next to walls
+/// the impacts have rows of their own beside the states: A gets ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\], and g what a parameter changes in the
+/// jumps.
 pub(super) struct StateEquations<'a> {
     walk: Walk<'a>,
-    /// The number of functions two degrees below the highest.
+    /// The weights of the rows of each trajectory, and what leaving out each lot changes in them.
+    weights: Vec<Mat<f64>>,
+    /// Σ w ψ under these.
+    values: Mat<f64>,
+    /// Those of A, and of its part for the functions of two degrees less.
+    factors: [PartialPivLu<f64>; 2],
     lower: usize,
-    /// States of a block.
-    length: usize,
-    /// λ and 1 + λ·E𝓖ψ of all states, and of those without each lot: the weight of a block is that less its λ·𝓖ψ, over the number
-    /// of states.
-    lambda: Mat<f64>,
-    levels: Vec<f64>,
-    counts: Vec<f64>,
 }
 
-/// The derivative of the density as masses w s on the states, s with the mean zero.
-pub(super) struct Masses {
-    pub(super) own: Vec<f64>,
-    /// By the functions of two degrees less.
-    pub(super) below: Vec<f64>,
-    /// What leaving out each lot changes, to first order.
-    pub(super) changes: Vec<Vec<f32>>,
+/// A measure under which the image of ψ under the derivative of a generator is averaged.
+#[derive(Clone, Copy)]
+pub(super) enum Measure<'m> {
+    Density,
+    Derivative(&'m Masses),
 }
 
 /// What the equations are made on.
 pub(super) struct Ground {
     pub(super) symmetry: Symmetry,
     products: Products,
+    contacts: Vec<Contact>,
     lower: usize,
     length: usize,
 }
@@ -52,11 +53,14 @@ pub(super) struct Ground {
 impl Ground {
     /// The functions of the two highest degrees for which there are enough states, the highest first; none where the pilot carries
     /// no density.
-    pub(super) fn ladder(motion: &Dynamics, operators: &[FokkerPlanck]) -> Option<Vec<Self>> {
+    pub(super) fn ladder(motion: &Dynamics, along: &[StillMotion]) -> Option<Vec<Self>> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
-        let symmetry = operators.iter().fold(problem.symmetry(), Symmetry::and_of);
+        let symmetry = super::symmetry_of(problem, along);
         let least = tuning::calibration::LEAST_BLOCKS;
-        let length = (pilot.slowness(&symmetry).ceil() as usize).min((pilot.samples() / least).max(1));
+        let contacts = problem.contacts();
+        let shortest = if contacts.is_empty() { 1 } else { tuning::calibration::LENGTH_AT_WALLS };
+        let longest = (pilot.samples() / least).max(1);
+        let length = (pilot.slowness(&symmetry).ceil() as usize).max(shortest).min(longest);
         let blocks = pilot.samples() / length * TRAJECTORIES;
         let (centre, _) = pilot.spread(&symmetry);
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
@@ -65,7 +69,8 @@ impl Ground {
             let lower = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() + 2 <= degree).count();
             let products = Products::new(&Polynomials::new(centre.clone(), half_width.clone(), exponents));
             let images = products.images(&problem.operator().impulse_terms())?;
-            Some(Ground { symmetry: symmetry.clone(), products: products.struck(images), lower, length })
+            let (products, contacts) = (products.struck(images), contacts.clone());
+            Some(Ground { symmetry: symmetry.clone(), products, contacts, lower, length })
         };
         let degrees = functions(problem, &symmetry, blocks);
         degrees.into_iter().rev().take(2).map(ground).collect()
@@ -113,29 +118,24 @@ impl Moments {
     }
 }
 
-/// Sums over a lot: A = Σ w 𝓖ψ ψᵀ under the weights of all states; Σ w ψ, and g = Σ w 𝓖′ψ for each derivative, under the weights of
-/// each set; and these weights, block by block of each trajectory.
-struct Galerkin {
-    matrix: Mat<f64>,
-    values: Mat<f64>,
-    sources: Vec<Mat<f64>>,
-    weights: Vec<(usize, Mat<f64>)>,
+/// The weights that make all means of 𝓖ψ zero.
+struct Calibration {
+    /// λ and 1 + λ·E𝓖ψ of all states, and of those without each lot: the weight of a block is that less its λ·𝓖ψ, over the number
+    /// of states.
+    lambda: Mat<f64>,
+    levels: Vec<f64>,
+    counts: Vec<f64>,
 }
 
-impl<'a> StateEquations<'a> {
+impl Calibration {
     /// None where the states lie on a surface.
-    pub(super) fn new(ground: &'a Ground, motion: &'a Dynamics) -> Option<Self> {
-        let (problem, pilot) = (motion.problem(), motion.pilot()?);
-        let length = ground.length;
-        let used = pilot.samples() / length * length;
-        let walk = Walk { problem, pilot, products: &ground.products, used };
+    fn new(walk: &Walk<'_>) -> Option<Self> {
         let count = walk.functions();
         let lots = walk.lots(
             || Moments::zero(count),
             |sums, [_, t], place| {
-                let mut images = Mat::zeros(used, count);
-                walk.each(t, place, |place| walk.enter_images(place, images.as_mut()));
-                let table = block_means(images.as_ref(), length);
+                let [_, images] = walk.tables(t, place);
+                let table = block_means(walk, images.as_ref(), &walk.blocks(t));
                 add_gram(sums.square.as_mut(), table.as_ref());
                 (0..count).for_each(|k| sums.sum[k] += table.col(k).iter().sum::<f64>());
                 sums.blocks += table.nrows() as f64;
@@ -152,159 +152,174 @@ impl<'a> StateEquations<'a> {
             let (found, level) = moments.calibration()?;
             lambda.col_mut(set).copy_from(found.col(0));
             levels.push(level);
-            counts.push(moments.blocks * length as f64);
+            counts.push(moments.blocks * walk.length as f64);
         }
-        Some(StateEquations { walk, lower: ground.lower, length, lambda, levels, counts })
+        Some(Calibration { lambda, levels, counts })
     }
 
-    /// The weights of blocks of a lot, and what leaving out each lot changes in them.
-    fn weights(&self, images: MatRef<'_, f64>, lot: usize) -> Mat<f64> {
-        let taken = block_means(images, self.length) * &self.lambda;
+    /// The weights of a trajectory's rows, and what leaving out each lot changes in them.
+    fn weights(&self, walk: &Walk<'_>, images: MatRef<'_, f64>, [lot, t]: [usize; 2]) -> Mat<f64> {
+        let blocks = walk.blocks(t);
+        let taken = block_means(walk, images, &blocks) * &self.lambda;
         let weight = |block: usize, set: usize| (self.levels[set] - taken[(block, set)]) / self.counts[set];
-        Mat::from_fn(taken.nrows(), SETS, |block, set| match set {
-            0 => weight(block, 0),
-            _ if set == lot + 1 => -weight(block, 0),
-            _ => weight(block, set) - weight(block, 0),
+        Mat::from_fn(images.nrows(), SETS, |row, set| {
+            let (block, share) = blocks[row];
+            share
+                * match set {
+                    0 => weight(block, 0),
+                    _ if set == lot + 1 => -weight(block, 0),
+                    _ => weight(block, set) - weight(block, 0),
+                }
         })
     }
+}
 
-    fn sums(&self, moved: &[Moved]) -> Galerkin {
-        let (walk, count) = (self.walk, self.walk.functions());
-        let zero = || Galerkin {
-            matrix: Mat::zeros(count, count),
-            values: Mat::zeros(count, SETS),
-            sources: vec![Mat::zeros(count, SETS); moved.len()],
-            weights: Vec::new(),
-        };
+/// Sums over a lot: A = Σ w 𝓖ψ ψᵀ under the weights of all states, Σ w ψ under the weights of each set, and these weights.
+struct Sums {
+    matrix: Mat<f64>,
+    values: Mat<f64>,
+    weights: Vec<(usize, Mat<f64>)>,
+}
+
+impl<'a> StateEquations<'a> {
+    /// None where the states lie on a surface.
+    pub(super) fn new(ground: &'a Ground, motion: &'a Dynamics) -> Option<Self> {
+        let (problem, pilot) = (motion.problem(), motion.pilot()?);
+        let (length, contacts) = (ground.length, &ground.contacts[..]);
+        let used = pilot.samples() / length * length;
+        let walk = Walk { problem, pilot, products: &ground.products, contacts, used, length };
+        let calibration = Calibration::new(&walk)?;
+        let count = walk.functions();
+        let zero = || Sums { matrix: Mat::zeros(count, count), values: Mat::zeros(count, SETS), weights: Vec::new() };
         let lots = walk.lots(zero, |sums, [lot, t], place| {
-            let [mut values, mut images] = [(); 2].map(|()| Mat::<f64>::zeros(walk.used, count));
-            let mut along: Vec<Mat<f64>> = moved.iter().map(|_| Mat::zeros(walk.used, count)).collect();
-            walk.each(t, place, |place| {
-                walk.enter_values(place, values.as_mut());
-                walk.enter_images(place, images.as_mut());
-                for (moved, table) in moved.iter().zip(&mut along) {
-                    walk.enter_moved(moved, place, table.as_mut());
-                }
-            });
-            let weights = self.weights(images.as_ref(), lot);
-            let weighted = Mat::from_fn(walk.used, count, |row, k| weights[(row / self.length, 0)] * values[(row, k)]);
-            matmul(sums.matrix.as_mut(), Accum::Add, images.transpose(), weighted.as_ref(), 1.0, Par::Seq);
-            self.add_by_sets(&mut sums.values, values.as_ref(), &weights);
-            for (sum, table) in sums.sources.iter_mut().zip(&along) {
-                self.add_by_sets(sum, table.as_ref(), &weights);
-            }
+            let [values, images] = walk.tables(t, place);
+            let weights = calibration.weights(&walk, images.as_ref(), [lot, t]);
+            let weighted = Mat::from_fn(values.nrows(), count, |row, k| weights[(row, 0)] * values[(row, k)]);
+            add_product(&mut sums.matrix, &images, &weighted);
+            let of_states = weights.get(..walk.used, ..).to_owned();
+            add_product(&mut sums.values, &values.get(..walk.used, ..).to_owned(), &of_states);
             sums.weights.push((t, weights));
         });
         let mut all = zero();
         for lot in lots {
             all.matrix += &lot.matrix;
             all.values += &lot.values;
-            all.sources.iter_mut().zip(&lot.sources).for_each(|(sum, part)| *sum += part);
             all.weights.extend(lot.weights);
         }
         all.weights.sort_by_key(|(t, _)| *t);
-        all
+        let weights = all.weights.into_iter().map(|(_, weights)| weights).collect();
+        let factors = [count, ground.lower].map(|size| all.matrix.get(..size, ..size).partial_piv_lu());
+        Some(StateEquations { walk, weights, values: all.values, factors, lower: ground.lower })
     }
 
-    /// Adds the sums of a table's rows under the weights of each set.
-    fn add_by_sets(&self, sums: &mut Mat<f64>, table: MatRef<'_, f64>, weights: &Mat<f64>) {
-        let blocks = block_means(table, self.length);
-        matmul(sums.as_mut(), Accum::Add, blocks.transpose(), weights.as_ref(), self.length as f64, Par::Seq);
+    /// The density itself.
+    pub(super) fn density(&self) -> Masses {
+        let parts = (0..self.weights.len()).map(|t| (t, self.measure(Measure::Density, t)));
+        Masses::gathered(&self.walk, parts.collect())
     }
 
-    /// The derivatives along those of the operator, and the weights of all states. None where one is not finite.
-    pub(super) fn derivatives(&self, operators: &[FokkerPlanck]) -> Option<(Vec<Masses>, Vec<f64>)> {
+    /// The first derivatives along some motions. None where one is not finite.
+    pub(super) fn first(&self, along: &[StillMotion]) -> Option<Vec<Masses>> {
+        along.iter().map(|motion| self.solved(self.tested(&[(motion, Measure::Density)])?)).collect()
+    }
+
+    /// The second derivative along motions by two parameters and by both, given the first. None where it is not finite.
+    pub(super) fn second(&self, [k, l]: [&StillMotion; 2], twice: &StillMotion, along: [&Masses; 2]) -> Option<Masses> {
+        let [by_k, by_l] = along.map(Measure::Derivative);
+        self.solved(self.tested(&[(k, by_l), (l, by_k), (twice, Measure::Density)])?)
+    }
+
+    /// Σ m 𝓖′ψ over all rows, 𝓖′ with the derivative of an operator and m the masses of a measure, its changes, and its own by
+    /// the functions of two degrees less. None where the images under impulses are no combinations of the functions.
+    fn tested(&self, terms: &[(&StillMotion, Measure<'_>)]) -> Option<Mat<f64>> {
+        let (walk, count) = (self.walk, self.walk.functions());
         let moved =
-            operators.iter().map(|operator| Moved::new(operator, self.walk.products)).collect::<Option<Vec<_>>>()?;
-        let (walk, count) = (self.walk, self.walk.functions());
-        let Galerkin { matrix, values, sources, weights } = self.sums(&moved);
-        let weights: Vec<Mat<f64>> = weights.into_iter().map(|(_, weights)| weights).collect();
-        let factors = matrix.partial_piv_lu();
-        let below = matrix.get(..self.lower, ..self.lower).partial_piv_lu();
-        let all: Vec<Mat<f64>> = sources.iter().map(|g| -factors.solve(g.get(.., ..1))).collect();
-        let residuals = self.residuals(&all, sources.clone(), &weights);
-        // d′, its changes with the weights, and d′ by the functions of two degrees less.
-        let solved = all.iter().zip(&residuals).zip(&sources).map(|((d, residual), g)| {
-            let steps = factors.solve(residual);
-            let lower = below.solve(g.get(..self.lower, ..1));
-            Mat::from_fn(count, SETS + 1, |k, column| match column {
-                0 => d[(k, 0)],
-                SETS if k < self.lower => -lower[(k, 0)],
-                SETS => 0.0,
-                _ => -steps[(k, column)],
-            })
-        });
-        let solved: Vec<Mat<f64>> = solved.collect();
-        let finite = solved.iter().all(|solved| solved.col_iter().all(|col| col.iter().all(|d| d.is_finite())));
-        let mut of_states = vec![0.0; walk.pilot.states.len()];
-        for (t, weights) in weights.iter().enumerate() {
-            let rows = &mut of_states[walk.first(t)..][..walk.used];
-            rows.iter_mut().enumerate().for_each(|(row, w)| *w = weights[(row / self.length, 0)]);
-        }
-        let masses = solved.iter().map(|solved| self.masses(solved, &values, &weights)).collect();
-        finite.then_some((masses, of_states))
+            |(motion, measure): &(&StillMotion, _)| Some((Moved::new(motion, walk.contacts, walk.products)?, *measure));
+        let terms: Vec<(Moved, Measure<'_>)> = terms.iter().map(moved).collect::<Option<_>>()?;
+        let lots = walk.lots(
+            || Mat::zeros(count, COLUMNS),
+            |sums, [_, t], place| {
+                for (moved, measure) in &terms {
+                    let table = walk.moved(moved, t, place);
+                    add_product(sums, &table, &self.measure(*measure, t));
+                }
+            },
+        );
+        Some(lots.into_iter().fold(Mat::zeros(count, COLUMNS), |sum, lot| sum + lot))
     }
 
-    /// The change of A d′ + g with the weights of each set, from that of g.
-    fn residuals(&self, solved: &[Mat<f64>], sources: Vec<Mat<f64>>, weights: &[Mat<f64>]) -> Vec<Mat<f64>> {
-        let (walk, count) = (self.walk, self.walk.functions());
-        let zero = || vec![Mat::zeros(count, SETS); solved.len()];
-        let lots = walk.lots(zero, |sums, [_, t], place| {
-            let [mut values, mut images] = [(); 2].map(|()| Mat::<f64>::zeros(walk.used, count));
-            walk.each(t, place, |place| {
-                walk.enter_values(place, values.as_mut());
-                walk.enter_images(place, images.as_mut());
-            });
-            for (sum, d) in sums.iter_mut().zip(solved) {
-                let s = &values * d;
-                let products = Mat::from_fn(walk.used, count, |row, k| images[(row, k)] * s[(row, 0)]);
-                self.add_by_sets(sum, products.as_ref(), &weights[t]);
-            }
-        });
-        lots.into_iter().fold(sources, |mut sums, lot| {
-            sums.iter_mut().zip(&lot).for_each(|(sum, part)| *sum += part);
-            sums
-        })
+    /// The masses of a measure in the rows of a trajectory.
+    fn measure(&self, measure: Measure<'_>, t: usize) -> Mat<f64> {
+        let weights = &self.weights[t];
+        match measure {
+            Measure::Density => Mat::from_fn(weights.nrows(), COLUMNS, |row, column| {
+                weights[(row, if column == BELOW { 0 } else { column })]
+            }),
+            Measure::Derivative(masses) => masses.of(&self.walk, t),
+        }
     }
 
-    fn masses(&self, solved: &Mat<f64>, values: &Mat<f64>, weights: &[Mat<f64>]) -> Masses {
-        let (walk, count) = (self.walk, self.walk.functions());
-        let mean = |column: usize| -> f64 { (0..count).map(|k| solved[(k, column)] * values[(k, 0)]).sum() };
-        let means: Vec<f64> = (0..=SETS).map(mean).collect();
-        let lots = walk.lots(Vec::new, |paths, [_, t], place| {
-            let mut table = Mat::<f64>::zeros(walk.used, count);
-            walk.each(t, place, |place| walk.enter_values(place, table.as_mut()));
-            let along = table * solved;
-            let weight = |row: usize, set: usize| weights[t][(row / self.length, set)];
-            let moved = |row: usize, column: usize| along[(row, column)] - means[column];
-            let [own, below] = [0, SETS]
-                .map(|column| (0..walk.used).map(|row| weight(row, 0) * moved(row, column)).collect::<Vec<f64>>());
-            let change = |set: usize| {
-                let at = |row: usize| weight(row, set) * moved(row, 0) + weight(row, 0) * moved(row, set);
-                (0..walk.used).map(|row| at(row) as f32).collect()
-            };
-            let changes: Vec<Vec<f32>> = (1..SETS).map(change).collect();
-            paths.push((t, own, below, changes));
+    /// The derivative with A d = −g, given g, its changes, and its own by the functions of two degrees less. None where it is not
+    /// finite.
+    fn solved(&self, sources: Mat<f64>) -> Option<Masses> {
+        let [factors, below] = &self.factors;
+        let own = -factors.solve(sources.get(.., ..1));
+        let lower = below.solve(sources.get(..self.lower, BELOW..));
+        let steps = factors.solve(self.residuals(&own, &sources));
+        let solved = Mat::from_fn(self.walk.functions(), COLUMNS, |k, column| match column {
+            0 => own[(k, 0)],
+            BELOW if k < self.lower => -lower[(k, 0)],
+            BELOW => 0.0,
+            _ => -steps[(k, column)],
         });
-        let states = walk.pilot.states.len();
-        let mut all =
-            Masses { own: vec![0.0; states], below: vec![0.0; states], changes: vec![vec![0.0; states]; SETS - 1] };
-        for (t, own, below, changes) in lots.into_iter().flatten() {
-            let place = walk.first(t)..walk.first(t) + walk.used;
-            all.own[place.clone()].copy_from_slice(&own);
-            all.below[place.clone()].copy_from_slice(&below);
-            all.changes.iter_mut().zip(changes).for_each(|(all, own)| all[place.clone()].copy_from_slice(&own));
-        }
-        all
+        let finite = solved.col_iter().all(|col| col.iter().all(|d| d.is_finite()));
+        finite.then(|| self.masses(&solved))
+    }
+
+    /// The change of A d + g with the weights of each set, from that of g.
+    fn residuals(&self, solved: &Mat<f64>, sources: &Mat<f64>) -> Mat<f64> {
+        let (walk, count) = (self.walk, self.walk.functions());
+        let lots = walk.lots(
+            || Mat::zeros(count, SETS),
+            |sum, [_, t], place| {
+                let [values, images] = walk.tables(t, place);
+                let s = values * solved;
+                let products = Mat::from_fn(images.nrows(), count, |row, k| images[(row, k)] * s[(row, 0)]);
+                add_product(sum, &products, &self.weights[t]);
+            },
+        );
+        lots.into_iter().fold(sources.get(.., ..SETS).to_owned(), |sum, lot| sum + lot)
+    }
+
+    fn masses(&self, solved: &Mat<f64>) -> Masses {
+        let walk = self.walk;
+        let along = |column: usize, set: usize| -> f64 {
+            (0..walk.functions()).map(|k| solved[(k, column)] * self.values[(k, set)]).sum()
+        };
+        let means = (0..COLUMNS).map(|column| match column {
+            0 | BELOW => along(column, 0),
+            _ => along(column, 0) + along(0, column),
+        });
+        let means: Vec<f64> = means.collect();
+        let lots = walk.lots(Vec::new, |parts, [_, t], place| {
+            let [values, _] = walk.tables(t, place);
+            parts.push((t, product(self.weights[t].as_ref(), (values * solved).as_ref(), &means)));
+        });
+        Masses::gathered(&walk, lots.into_iter().flatten().collect())
     }
 }
 
-/// The means over blocks of rows.
-fn block_means(table: MatRef<'_, f64>, length: usize) -> Mat<f64> {
-    let mut means = Mat::zeros(table.nrows() / length, table.ncols());
+/// Adds AᵀB to a sum.
+fn add_product(sum: &mut Mat<f64>, a: &Mat<f64>, b: &Mat<f64>) {
+    matmul(sum.as_mut(), Accum::Add, a.transpose(), b.as_ref(), 1.0, Par::Seq);
+}
+
+/// The means over blocks of rows, each with what it counts for.
+fn block_means(walk: &Walk<'_>, table: MatRef<'_, f64>, blocks: &[(usize, f64)]) -> Mat<f64> {
+    let mut means = Mat::zeros(walk.used / walk.length, table.ncols());
     for k in 0..table.ncols() {
-        for row in 0..table.nrows() {
-            means[(row / length, k)] += table[(row, k)] / length as f64;
+        for (row, (block, share)) in blocks.iter().enumerate() {
+            means[(*block, k)] += share * table[(row, k)] / walk.length as f64;
         }
     }
     means

@@ -1,5 +1,5 @@
 use crate::closure::density::exponent::Exponent;
-use crate::closure::space::{Functions, Polynomials};
+use crate::closure::space::Functions;
 use crate::control_variates::products::{LANES, Products};
 use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
 use crate::states::States;
@@ -10,18 +10,22 @@ use rayon::prelude::*;
 /// States whose functions are tabulated together.
 const STRETCH: usize = 4096;
 
-/// The most likely exponential polynomial, linearised: E_p̃ φ = E φ for its functions φ, so that Cov_p̃(φ) c′ = dE φ/dθ.
-pub(super) struct Likely {
-    space: Polynomials,
+/// The most likely exponential polynomial, linearised: E_p̃ φ = E φ for its functions φ, so that Cov_p̃(φ) c′ = dE φ/dθ. Once more,
+/// Cov_p̃(φ) c″ = d²E φ/dθ² − Cov_p̃(φ, Q′_k Q′_l).
+pub(super) struct Likely<'a> {
+    space: Functions,
     products: Products,
+    /// p̃ by its masses on nodes or draws.
+    points: &'a States,
+    masses: &'a [f64],
     means: Vec<f64>,
     covariance: Llt<f64>,
 }
 
-impl Likely {
-    /// Under p̃ by its masses on nodes or draws. None where the functions are linearly dependent there.
-    pub(super) fn new(space: Polynomials, points: &States, masses: &[f64]) -> Option<Self> {
-        let products = Products::new(&space);
+impl<'a> Likely<'a> {
+    /// None where the functions are linearly dependent on the points.
+    pub(super) fn new(space: Functions, points: &'a States, masses: &'a [f64]) -> Option<Self> {
+        let products = Products::of(&space);
         let count = space.len();
         // The constant's column makes the means.
         let parts = points.par_chunks(STRETCH).zip(masses.par_chunks(STRETCH)).map(|(x, masses)| {
@@ -34,22 +38,42 @@ impl Likely {
         let whole = gram[(0, 0)];
         let means: Vec<f64> = (1..=count).map(|k| gram[(k, 0)] / whole).collect();
         let covariance = Mat::from_fn(count, count, |k, l| gram[(k + 1, l + 1)] / whole - means[k] * means[l]);
-        Some(Likely { space, products, means, covariance: definite(covariance)? })
+        Some(Likely { space, products, points, masses, means, covariance: definite(covariance)? })
     }
 
     /// Q′ from the derivative's masses on states. None where it is not finite.
     pub(super) fn slope(&self, states: &States, masses: &[f64]) -> Option<Exponent> {
-        let count = self.space.len();
+        self.fitted(self.sums(states, masses))
+    }
+
+    /// Q″ from the second derivative's, given Q′ by both parameters, with E_p̃\[Q″ + Q′_k Q′_l\] = 0. None where it is not finite.
+    pub(super) fn second(&self, states: &States, masses: &[f64], slopes: [&Exponent; 2]) -> Option<Exponent> {
+        let [k, l] = slopes.map(|slope| slope.values(self.points));
+        let whole: f64 = self.masses.iter().sum();
+        let product = k.iter().zip(&l).zip(self.masses).map(|((k, l), mass)| k * l * mass / whole);
+        let own = self.sums(self.points, &product.collect::<Vec<_>>());
+        let mut moved = self.sums(states, masses);
+        moved.iter_mut().zip(&own).for_each(|(sum, own)| *sum -= own);
+        self.fitted(moved)
+    }
+
+    /// The sums of the constant and of the functions over masses on states.
+    fn sums(&self, states: &States, masses: &[f64]) -> Vec<f64> {
         let parts = states
             .par_chunks(STRETCH)
             .zip(masses.par_chunks(STRETCH))
             .map(|(x, masses)| weighted_sum(table(&self.products, states.dimension(), x).as_ref(), masses));
         let parts: Vec<Vec<f64>> = parts.collect();
-        let moved = Mat::from_fn(count, 1, |k, _| parts.iter().map(|part| part[k + 1]).sum::<f64>());
-        let coefficients: Vec<f64> = self.covariance.solve(moved).col(0).iter().copied().collect();
-        let constant = -coefficients.iter().zip(&self.means).map(|(c, mean)| c * mean).sum::<f64>();
+        (0..=self.space.len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect()
+    }
+
+    /// The function whose product with p̃ has these sums with the constant and the functions.
+    fn fitted(&self, moved: Vec<f64>) -> Option<Exponent> {
+        let source = Mat::from_fn(self.space.len(), 1, |k, _| moved[k + 1] - self.means[k] * moved[0]);
+        let coefficients: Vec<f64> = self.covariance.solve(source).col(0).iter().copied().collect();
+        let constant = moved[0] - coefficients.iter().zip(&self.means).map(|(c, mean)| c * mean).sum::<f64>();
         let finite = constant.is_finite() && coefficients.iter().all(|c| c.is_finite());
-        let space = Functions::Polynomials(self.space.clone());
+        let space = self.space.clone();
         finite.then_some(Exponent { known: Vec::new(), space, constant, coefficients })
     }
 }

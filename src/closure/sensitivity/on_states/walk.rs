@@ -3,10 +3,10 @@ use crate::closure::samples::Sites;
 use crate::closure::tuning::pilot::TRAJECTORIES;
 use crate::control_variates::impulses::Images;
 use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
-use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::Polynomial;
-use crate::problem::Problem;
-use faer::MatMut;
+use crate::problem::{Contact, Problem, StillMotion};
+use crate::simulation::{Collisions, Impact};
+use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -14,27 +14,36 @@ use std::ops::Range;
 pub(super) const LOTS: usize = 32;
 
 /// The pilot's trajectories with functions ψ on them, eight states at a time.
+///
+/// Tables have a row for each state of a trajectory, and after them one for each impact before these, where Gψ is the jump ψ₊ − ψ₋:
+/// Σ E\[𝓖ψ\] + ν E\[ψ₊ − ψ₋\] = 0, the sum over walls.
 #[derive(Clone, Copy)]
 pub(super) struct Walk<'a> {
     pub(super) problem: &'a Problem,
     pub(super) pilot: &'a Pilot,
     pub(super) products: &'a Products,
+    pub(super) contacts: &'a [Contact],
     /// The states of a trajectory that are used, a whole number of blocks.
     pub(super) used: usize,
+    /// The states of a block.
+    pub(super) length: usize,
 }
 
-/// The derivative of an operator by a parameter, f′ and B′, and the images of functions under that of impulses.
+/// The derivative of an operator by a parameter, f′ and B′, and the images of functions under that of impulses; and of impacts, r′ and the
+/// slope η′ of the shift at each wall.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
     drift: Vec<(usize, Polynomial)>,
     diffusion: Vec<(usize, Polynomial)>,
     coupled: Vec<usize>,
     impulses: Images,
+    walls: Vec<[f64; 2]>,
 }
 
 impl Moved {
     /// None where the images under impulses are no combinations of the functions.
-    pub(super) fn new(operator: &FokkerPlanck, products: &Products) -> Option<Self> {
+    pub(super) fn new(motion: &StillMotion, contacts: &[Contact], products: &Products) -> Option<Self> {
+        let operator = &motion.operator;
         let given = |entries: Vec<&Polynomial>| {
             entries.into_iter().cloned().enumerate().filter(|(_, entry)| !entry.is_zero()).collect()
         };
@@ -44,6 +53,11 @@ impl Moved {
             diffusion: given(diffusion),
             coupled: operator.coupled(),
             impulses: products.images(&operator.impulse_terms())?,
+            walls: contacts
+                .iter()
+                .zip(&motion.restitution)
+                .map(|(contact, rate)| [*rate, motion.shift[contact.wall.state()][1]])
+                .collect(),
         })
     }
 }
@@ -53,6 +67,8 @@ pub(super) struct Place {
     sites: Sites,
     scratch: Scratch,
     moved: [Vec<Lane>; 2],
+    /// The states before and after eight impacts.
+    ends: [Vec<Lane>; 2],
     pub(super) rows: Range<usize>,
 }
 
@@ -67,6 +83,38 @@ impl<'a> Walk<'a> {
         t * self.pilot.samples()
     }
 
+    /// The impacts before the states of a trajectory that are used.
+    fn impacts(&self, t: usize) -> Range<usize> {
+        let (first, impacts) = (self.first(t), &self.pilot.collisions.impacts);
+        let before = |place: usize| impacts.partition_point(|impact| impact.next < place);
+        before(first)..before(first + self.used)
+    }
+
+    /// The rows of a trajectory.
+    pub(super) fn rows(&self, t: usize) -> usize {
+        self.used + self.impacts(t).len()
+    }
+
+    /// The places of its rows in a list of all states and, after them, all impacts.
+    pub(super) fn places(&self, t: usize) -> impl Iterator<Item = usize> {
+        let (first, states) = (self.first(t), self.pilot.states.len());
+        (first..first + self.used).chain(self.impacts(t).map(move |impact| states + impact))
+    }
+
+    /// The length of such a list.
+    pub(super) fn all(&self) -> usize {
+        self.pilot.states.len() + self.pilot.collisions.impacts.len()
+    }
+
+    /// The block of each row, and what it counts for: a state for 1, and an impact for the rate of one within the interval of a
+    /// state.
+    pub(super) fn blocks(&self, t: usize) -> Vec<(usize, f64)> {
+        let (first, rate) = (self.first(t), self.pilot.interval.recip());
+        let place = |impact: usize| self.pilot.collisions.impacts[impact].next - first;
+        let of_impacts = self.impacts(t).map(|impact| (place(impact) / self.length, rate));
+        (0..self.used).map(|row| (row / self.length, 1.0)).chain(of_impacts).collect()
+    }
+
     /// The results of all lots, each of which visits its trajectories one by one, by the numbers of the lot and the trajectory.
     pub(super) fn lots<T: Send>(
         &self,
@@ -79,6 +127,7 @@ impl<'a> Walk<'a> {
                 sites: Sites::new(self.problem, &[]),
                 scratch: self.products.scratch(),
                 moved: [vec![ZERO; n], vec![ZERO; n * n]],
+                ends: [vec![ZERO; n], vec![ZERO; n]],
                 rows: 0..0,
             };
             let mut result = zero();
@@ -97,6 +146,88 @@ impl<'a> Walk<'a> {
             place.sites.place(self.problem, &self.pilot.states.values()[begin..end]);
             self.products.place(&place.sites.x, &mut place.scratch);
             visit(place);
+        }
+    }
+
+    /// The functions and their images in all rows of a trajectory.
+    pub(super) fn tables(&self, t: usize, place: &mut Place) -> [Mat<f64>; 2] {
+        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(self.rows(t), self.functions()));
+        self.each(t, place, |place| {
+            self.enter_values(place, values.as_mut());
+            self.enter_images(place, images.as_mut());
+        });
+        self.each_impacts(t, place, |place, _| {
+            self.enter_end(0, place, values.as_mut());
+            self.enter_end(1, place, images.as_mut());
+            subtract(images.as_mut(), values.as_ref(), place.rows.clone());
+        });
+        [values, images]
+    }
+
+    /// The images under the derivative of the generator in all rows of a trajectory.
+    pub(super) fn moved(&self, moved: &Moved, t: usize, place: &mut Place) -> Mat<f64> {
+        let mut table = Mat::zeros(self.rows(t), self.functions());
+        self.each(t, place, |place| self.enter_moved(moved, place, table.as_mut()));
+        if moved.walls.iter().any(|rates| *rates != [0.0; 2]) {
+            self.each_impacts(t, place, |place, impacts| self.enter_struck(moved, impacts, place, table.as_mut()));
+        }
+        table
+    }
+
+    /// Visits the impacts of a trajectory, eight at a time.
+    fn each_impacts(&self, t: usize, place: &mut Place, mut visit: impl FnMut(&mut Place, &[Impact])) {
+        let Collisions { impacts, states } = &self.pilot.collisions;
+        let all = self.impacts(t);
+        let mut x = vec![0.0; self.problem.dimension()];
+        for begin in all.clone().step_by(LANES) {
+            let end = (begin + LANES).min(all.end);
+            place.rows = self.used + begin - all.start..self.used + end - all.start;
+            for l in 0..LANES {
+                let impact = (begin + l).min(end - 1);
+                let contact = &self.contacts[impacts[impact].wall];
+                x.copy_from_slice(states.state(impact));
+                place.ends[0].iter_mut().zip(&x).for_each(|(lane, x)| lane[l] = *x);
+                contact.strike(contact.wall.restitution(), &mut x);
+                place.ends[1].iter_mut().zip(&x).for_each(|(lane, x)| lane[l] = *x);
+            }
+            visit(place, &impacts[begin..end]);
+        }
+    }
+
+    /// The values of the functions before impacts, or after them.
+    fn enter_end(&self, end: usize, place: &mut Place, table: MatMut<'_, f64>) {
+        self.products.place_values(&place.ends[end], &mut place.scratch);
+        self.enter(place, table, |scratch, k| self.products.value(scratch, k));
+    }
+
+    /// How jumps move: ψ₊ as the velocities there do, by r′ ∂x₊/∂r; and by −η′ their rate, as the time of a stretched coordinate.
+    fn enter_struck(&self, moved: &Moved, impacts: &[Impact], place: &mut Place, mut table: MatMut<'_, f64>) {
+        let [drift, diffusion] = &mut place.moved;
+        drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZERO);
+        let mut stretching = ZERO;
+        for (l, impact) in impacts.iter().enumerate() {
+            let [restitution, slope] = moved.walls[impact.wall];
+            let before: Vec<f64> = place.ends[0].iter().map(|lane| lane[l]).collect();
+            // The velocities after an impact are linear in r.
+            let [elastic, lost] = [1.0, 0.0].map(|r| {
+                let mut x = before.clone();
+                self.contacts[impact.wall].strike(r, &mut x);
+                x
+            });
+            drift.iter_mut().zip(elastic.iter().zip(&lost)).for_each(|(lane, (x, y))| lane[l] = restitution * (x - y));
+            stretching[l] = slope;
+        }
+        self.products.place(&place.ends[1], &mut place.scratch);
+        place.scratch.first.copy_from_slice(drift);
+        self.products.apply(diffusion, &[], &mut place.scratch);
+        self.enter(place, table.as_mut(), |scratch, k| {
+            let (image, value) = (self.products.image(scratch, k), self.products.value(scratch, k));
+            std::array::from_fn(|l| image[l] - stretching[l] * value[l])
+        });
+        self.products.place_values(&place.ends[0], &mut place.scratch);
+        for k in 0..self.functions() {
+            let value = self.products.value(&place.scratch, k + 1);
+            place.rows.clone().enumerate().for_each(|(l, row)| table[(row, k)] += stretching[l] * value[l]);
         }
     }
 
@@ -134,5 +265,12 @@ impl<'a> Walk<'a> {
         place.scratch.first.copy_from_slice(drift);
         self.products.apply(diffusion, &moved.coupled, &mut place.scratch);
         self.enter(place, table, |scratch, k| self.products.image_under(&moved.impulses, scratch, k));
+    }
+}
+
+/// Takes some rows of one table off those of another.
+fn subtract(mut table: MatMut<'_, f64>, other: MatRef<'_, f64>, rows: Range<usize>) {
+    for k in 0..table.ncols() {
+        rows.clone().for_each(|row| table[(row, k)] -= other[(row, k)]);
     }
 }
