@@ -14,7 +14,7 @@ use expoly::models::DuffingVanDerPol;
 use expoly::statistics::Marginal;
 use expoly::{Closure, ClosureDensity, Density, Estimate, Grid, Problem, Sensitivity, Wall};
 use std::{path::PathBuf, process::ExitCode};
-use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
+use support::figure::{Band, Panel, Scale, Style, View, between, curve, values, write_figure};
 
 /// Elasticities of the answers, and tangents to them.
 #[derive(Clone, Debug, Parser)]
@@ -51,38 +51,65 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     println!("P(x > {level:.4}) = {rare}, L1 {:.1e} by the closure's own estimate", density.l1_estimate());
     println!("percent of each answer for a percent of a parameter:");
     println!("  parameter            E x^2                 E v^2              P(x > {} s)", options.level);
+    let mut bars: Vec<Vec<f64>> = Vec::new();
     for ((name, value), found) in problem.parameters().iter().zip(&found) {
         let of = |powers: [u32; 2]| -> expoly::Result<Estimate> {
             Ok(elasticity(*value, found.moment(&powers)?, density.moment(&powers)?.value))
         };
         let tail = elasticity(*value, found.exceedance(0, level)?, rare.value);
-        let bar = "#".repeat((4.0 * tail.value.abs()).round() as usize);
-        let [x, v] = [of([2, 0])?, of([0, 2])?].map(|e| e.to_string());
-        println!("  {name:6} = {value:4}  {x:>20}  {v:>20}  {:>20}  {bar}", tail.to_string());
+        let all = [of([2, 0])?, of([0, 2])?, tail];
+        bars.push(all.iter().map(|elasticity| elasticity.value).collect());
+        let [x, v, tail] = all.map(|elasticity| elasticity.to_string());
+        println!("  {name:6} = {value:4}  {x:>20}  {v:>20}  {tail:>20}");
     }
 
-    let views =
-        [marginals(&problem, &density, &found)?, tangents(&closure, &problem, &found, level)?].map(View::Curves);
+    let wall = Wall::above(-0.5 * density.variance(0)?.value.sqrt(), 0.8)?;
+    let (walled, impacts) = next_to_a_wall(&problem.clone().with_wall(wall)?, &closure)?;
+    let walled: Vec<&str> = walled.iter().map(String::as_str).collect();
+    let views = [
+        bar_chart("answer: 1 E x², 2 E v², 3 exceedance", &names, &bars),
+        tangents(&closure, &problem, &found, level)?,
+        marginals(&problem, &density, &found)?,
+        bar_chart("impact rate: 1 by the closure, 2 by a grid", &walled, &impacts),
+    ];
     let caption = format!(
         "x″ + (α + β x²) x′ + k x + μ x³ = ξ, α = 0.1, β = 0.3, k = 1, μ = 0.3, D = 0.3, E[ξ(t)ξ(t+τ)] = 2D δ(τ); closure of \
-         order {}, seed 0. Left: θ ∂p(x)/∂θ. Right: P(x > {level:.4}) with one parameter times a factor, and tangents.",
-        options.order
+         order {}, seed 0. Above: percent of each answer for a percent of a parameter, the last of them P(x > {level:.4}), and that with \
+         one parameter times a factor, and tangents. Below: θ ∂p(x)/∂θ; and above a wall at {:.4} with r = 0.8 the same percents of \
+         the impact rate.",
+        options.order,
+        wall.offset()
     );
-    next_to_a_wall(&problem.clone().with_wall(Wall::above(-0.5 * density.variance(0)?.value.sqrt(), 0.8)?)?, &closure)?;
-
     let path = options.out.join("sensitivities.svg");
-    write_figure(&path, &caption, 2, &views)?;
+    write_figure(&path, &caption, 2, &views.map(View::Curves))?;
     println!("figure: {}", path.display());
     Ok(())
 }
 
-/// The elasticities of the impact rate, by the closure and by the grid, those by the wall's own parameters among them.
-fn next_to_a_wall(problem: &Problem, closure: &Closure) -> expoly::Result<()> {
+/// A bar for each parameter and answer, side by side at the numbers of the answers.
+fn bar_chart(answers: &str, names: &[&str], bars: &[Vec<f64>]) -> Panel {
+    let width = 0.8 / names.len() as f64;
+    let band = |(k, answer, value): (usize, usize, f64)| {
+        let begin = answer as f64 + 0.6 + width * k as f64;
+        let points = [0.1, 0.9].map(|part| [begin + part * width, value.min(0.0), value.max(0.0)]);
+        let label = if answer == 0 { names[k].trim_start_matches("x.above.").to_owned() } else { String::new() };
+        Band { label, colour: k + 1, points: points.into() }
+    };
+    let all = bars.iter().enumerate().flat_map(|(k, bars)| bars.iter().enumerate().map(move |(i, v)| (k, i, *v)));
+    let bands = all.map(band).collect();
+    let count = bars.first().map_or(0, Vec::len) as f64;
+    let zero = curve("", Style::Solid, 0, &[[0.5, 0.0], [count + 0.5, 0.0]]);
+    Panel { bands, ..Panel::new([answers, "percent per percent"], Scale::Linear, vec![zero]) }
+}
+
+/// The elasticities of the impact rate, by the closure and by the grid, those by the wall's own parameters among them, with their names.
+fn next_to_a_wall(problem: &Problem, closure: &Closure) -> expoly::Result<(Vec<String>, Vec<Vec<f64>>)> {
+    let (mut bars, mut shown) = (Vec::new(), Vec::new());
     let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
     let density = closure.solve(problem)?;
     let found = density.sensitivities(&names)?;
     let (truth, truths) = Grid::new().degree(5).sensitivities(problem, &names)?;
-    let (Some(rate), Some(true_rate)) = (density.impact_rate(), truth.impact_rate()) else { return Ok(()) };
+    let (Some(rate), Some(true_rate)) = (density.impact_rate(), truth.impact_rate()) else { return Ok((shown, bars)) };
     println!(
         "above a wall, {rate} impacts per unit time, by the grid {true_rate}; percent for a percent of a parameter:"
     );
@@ -90,8 +117,10 @@ fn next_to_a_wall(problem: &Problem, closure: &Closure) -> expoly::Result<()> {
         let (Some(own), Some(other)) = (found.impact_rate(), truth.impact_rate()) else { continue };
         let [own, other] = [elasticity(*value, own, rate.value), elasticity(*value, other, true_rate.value)];
         println!("  {name:19} = {value:7.4}  {:>20}  by the grid {:>20}", own.to_string(), other.to_string());
+        shown.push(name.clone());
+        bars.push(vec![own.value, other.value]);
     }
-    Ok(())
+    Ok((shown, bars))
 }
 
 /// θ ∂p/∂θ of the displacement's marginal density for each parameter.
