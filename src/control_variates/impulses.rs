@@ -103,6 +103,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
     use crate::control_variates::products::{LANES, Lane, Products};
+    use crate::fokker_planck::Impulse;
     use crate::polynomial::monomials;
     use crate::system::{Amplitude, Jumps};
 
@@ -121,7 +122,7 @@ mod tests {
         let mut exponents = monomials(2, 8);
         exponents.retain(|alpha| alpha.iter().any(|power| *power > 0));
         let (centre, half_width) = ([0.4, -0.2], [2.0, 3.0]);
-        let found = images(&impulses, (&centre, &half_width), &exponents).unwrap();
+        let found = images(&impulses.each_ref().map(ImpulseTerm::of), (&centre, &half_width), &exponents).unwrap();
         let products = Products::on_box(&centre, &half_width, &exponents);
         let values = |x: [f64; 2]| {
             let mut scratch = products.scratch();
@@ -133,7 +134,7 @@ mod tests {
             let own = values(x);
             let mut exact = vec![0.0; own.len()];
             for impulse in &impulses {
-                for (y, w) in impulse.jumps().amplitude().rule(6).iter() {
+                for (y, w) in impulse.jumps().amplitude().rule(6) {
                     let h = impulse.field();
                     let after = values([x[0] + h[0].evaluate(&x) * y, x[1] + h[1].evaluate(&x) * y]);
                     (0..own.len()).for_each(|k| exact[k] += 1.7 * w * (after[k] - own[k]));
@@ -146,6 +147,6 @@ mod tests {
             }
         }
         let square = Impulse::new(jumps(Amplitude::TwoPoint { a: 0.1, b: 0.2 }), vec![&x * &x, Polynomial::zero(2)]);
-        assert!(images(&[square], (&centre, &half_width), &exponents).is_none());
+        assert!(images(&[ImpulseTerm::of(&square)], (&centre, &half_width), &exponents).is_none());
     }
 }

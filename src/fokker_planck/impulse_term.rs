@@ -43,7 +43,7 @@ fn part(number: HyperDual64, [first, second]: [u32; 2]) -> f64 {
 
 impl ImpulseTerm {
     /// The generator of impulses itself.
-    pub(super) fn of(impulse: &Impulse) -> Self {
+    pub(crate) fn of(impulse: &Impulse) -> Self {
         let zero = || impulse.field().iter().map(|h| Polynomial::zero(h.dimension())).collect();
         let jumps = impulse.jumps().each(HyperDual64::from);
         ImpulseTerm { jumps, field: [impulse.field().to_vec(), zero(), zero(), zero()], powers: [0; 2] }

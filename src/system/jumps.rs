@@ -68,17 +68,30 @@ pub enum Amplitude<P = f64> {
 /// The highest moment of an amplitude that is computed.
 const HIGHEST_MOMENT: u32 = 120;
 
-impl<P: Parameter> Jumps<P> {
+impl Jumps {
     /// Impulses at the mean rate λ per unit time.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless λ and the spread of the amplitude are finite and above zero (a
     /// normal or Laplace law may have no spread, but then a mean), and bounds rise.
-    pub fn new(rate: P, amplitude: Amplitude<P>) -> Result<Self> {
+    pub fn new(rate: f64, amplitude: Amplitude) -> Result<Self> {
         Self::of(rate, amplitude).checked()
     }
 
-    /// The same of parameters. Values without a meaning are refused where the system is used.
+    /// The same with amplitudes in the proportions of `shape`, scaled so that λ E\[Y²\] = 2D for the intensity `d`.
+    ///
+    /// # Errors
+    /// As [`Jumps::new`]; also for an intensity that is not finite and positive.
+    pub fn with_intensity(rate: f64, shape: Amplitude, d: f64) -> Result<Self> {
+        positive("intensity D", d, "a noise strength must be finite and above zero")?;
+        let own = Self::new(rate, shape)?;
+        let factor = (d / own.intensity()).sqrt();
+        Self::new(rate, own.amplitude.each(|number| number * factor))
+    }
+}
+
+impl<P: Parameter> Jumps<P> {
+    /// Impulses whose numbers are parameters. Values without a meaning are refused where the system is used.
     ///
     /// ```
     /// use expoly::{Amplitude, Intensity, Jumps, Oscillator, Parameter, Parametric, Problem, Scalar};
@@ -114,17 +127,6 @@ impl<P: Parameter> Jumps<P> {
         positive("rate of the impulses", self.rate.re(), "it must be finite and above zero")?;
         self.amplitude.each(|number| number.re()).checked()?;
         Ok(self)
-    }
-
-    /// The same with amplitudes in the proportions of `shape`, scaled so that λ E\[Y²\] = 2D for the intensity `d`.
-    ///
-    /// # Errors
-    /// As [`Jumps::new`]; also for an intensity that is not finite and positive.
-    pub fn with_intensity(rate: P, shape: Amplitude<P>, d: P) -> Result<Self> {
-        positive("intensity D", d.re(), "a noise strength must be finite and above zero")?;
-        let own = Self::new(rate, shape)?;
-        let factor = Parameter::sqrt(d / own.intensity());
-        Self::new(rate, own.amplitude.each(|number| number * factor))
     }
 
     /// The same, `factor` times as often.

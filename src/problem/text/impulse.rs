@@ -33,7 +33,7 @@ impl Document<'_> {
         let field = self.by_state(table, (name, &["rate", "amplitude"]), names)?;
         let zero = || Polynomial::zero(names.variables());
         let field = field.into_iter().map(|entry| entry.unwrap_or_else(zero)).collect();
-        let jumps = Jumps::new(rate, amplitude).or_else(|error| self.wrong(place, name, error.to_string()))?;
+        let jumps = Jumps::of(rate, amplitude).checked().or_else(|error| self.wrong(place, name, error.to_string()))?;
         Ok(Impulse::new(jumps, field))
     }
 
