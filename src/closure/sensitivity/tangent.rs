@@ -71,8 +71,8 @@ impl Jets {
 /// s leaves of it. The part with s is tested in strong form, ∫ ψ_k L(ω u s) dx, which has no flux through the edge.
 ///
 /// Impulses have no such form. Under them the moment equations themselves are those of a process that stays on the domain, ∫ ω u 𝓖ψ_k dx =
-/// 0, and all of their derivative is taken in that form: with the strong one for drift and noise alone the L¹ errors were 3 to 40 times
-/// as large.
+/// 0, and all of their derivative is taken in that form: with the strong one for drift and noise alone the estimates of the L¹ error were 1.1
+/// to 10 times as large, and by damping and stiffness at n = 8 some hundred times.
 pub(super) struct Tangent<'a> {
     system: &'a MomentSystem,
     domain: &'a TrustDomain,
