@@ -20,7 +20,7 @@ pub(crate) const DEGREES: [u32; 4] = [2, 4, 6, 8];
 /// and the logarithm of the ratio of errors above which two degrees less are taken, for first derivatives and for second ones. The
 /// degree of p″/p is twice that of p′/p: with 0.7 second derivatives of a chain's mean squares were off by 1 %, three of their
 /// standard errors.
-pub(crate) const NOISIER: [f64; 2] = [0.7, 1.5];
+pub(crate) const NOISIER: [f64; 2] = [0.7, 1.0];
 /// The steps of the differences that are the slope of an integrand and its bend, relative to the domain's width: the square of the first
 /// and rounding over it are some 1e-10, those of the second over its square 1e-8.
 pub(crate) const STEPS: [f64; 2] = [1e-5, 1e-4];
