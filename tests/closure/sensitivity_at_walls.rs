@@ -48,11 +48,13 @@ fn derivatives_of_exact_densities_next_to_elastic_walls_are_exact() -> Result<()
 #[test]
 fn second_derivatives_of_exact_densities_next_to_elastic_walls_are_exact() -> Result<()> {
     let parameters = [0.2, 1.0, 0.3, 0.2];
-    for walls in [[Some(-0.5), None], [None, Some(0.8)], [Some(-0.6), Some(0.9)]] {
+    let cases: [([Option<f64>; 2], &[u32]); 3] =
+        [([Some(-0.5), None], &[4, 6, 8]), ([None, Some(0.8)], &[4]), ([Some(-0.6), Some(0.9)], &[4])];
+    for (walls, orders) in cases {
         let elastic = Elastic { parameters, walls };
         let problem = elastic.problem()?;
         let names = Elastic::names(&problem);
-        for order in [4, 6, 8] {
+        for &order in orders {
             let density = Closure::new(order).solve(&problem)?;
             for pair in (0..names.len()).flat_map(|k| (k..names.len()).map(move |l| [k, l])) {
                 let pair = pair.map(|k| names[k]);
