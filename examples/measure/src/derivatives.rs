@@ -1,7 +1,7 @@
 //! Derivatives by parameters in three and four states, on the pilot's states, against common random numbers.
 //!
 //! - `filter`: x″ + c x′ + 0.3 x′³ + x + μ x³ = z, z′ = −a z + ξ;
-//! - `filter-above`: the same above a wall of r = 0.8 at x = −0.3;
+//! - `filter-above`: the same with white noise beside it, above a wall of r = 0.8 at x = −0.3;
 //! - `chain`: two masses, x₁″ + c₁ x₁′ + 0.3 x₁′³ + x₁ + x₁³ + 0.5 (x₁ − x₂) = ξ, and x₂″ + c₂ x₂′ + 0.3 x₂′³ + x₂ + μ₂ x₂³ +
 //!   0.5 (x₂ − x₁) = 0 without noise of its own;
 //! - `chain-above`: the same above a wall of r = 0.8 at x₁ = −0.5.
@@ -76,6 +76,8 @@ v1 = "sqrt(2*D)"
 "#;
 
 const FILTER_WALL: &str = r#"
+[noise.u]
+v = 0.4
 [[wall]]
 state = "x"
 above = -0.3

@@ -25,7 +25,8 @@ use std::sync::Arc;
 /// are some 2 to 12 times as large as those of the density relative to 1. Next to walls with r < 1 errors of moments, a few 1e-6,
 /// were up to 3 times these distances, and 8 times by the restitution: both solutions have the same singular functions.
 ///
-/// In three states and more means and exceedances are those of the pilot's states, with standard errors: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l
+/// In three states and more means and exceedances are those of the pilot's states, with standard errors, to which exceedances add the
+/// distance from those of p̃′: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l
 /// with Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so that dE g/dθ = E\[g s\], whose error is the product of those of
 /// s and of the solution for g. Second derivatives, of a few percent, are E\[g Σ d″_l ψ_l\] with the same matrix and E\[𝓖″ψ\] +
 /// E\[s_k 𝓖′_lψ\] + E\[s_l 𝓖′_kψ\] on the right. Next to walls, where impacts of the rate ν take ψ₋ to ψ₊, ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\]
@@ -188,8 +189,12 @@ impl Sensitivity {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
         if self.in_many_states() {
             let beyond = |x: &[f64]| f64::from(u8::from(x[state] > level));
-            let still = self.on_states.as_ref().map(|states| states.expectation(&beyond, None));
-            let still = still.unwrap_or_else(|| self.under_density(&|x| beyond(x) * self.at(x)));
+            let own = self.under_density(&|x| beyond(x) * self.at(x));
+            // No polynomial of a low degree follows a step: the distance from p̃′ is an error beside that of chance.
+            let still = self.on_states.as_ref().map_or(own, |states| {
+                let found = states.expectation(&beyond, None);
+                Estimate::new(found.value, found.error.hypot(found.value - own.value))
+            });
             let rate = self.carried.rate(state, level);
             let through =
                 if rate == 0.0 { Estimate::exact(0.0) } else { self.density.marginal(state, level)?.scaled(rate) };

@@ -15,7 +15,7 @@ pub(crate) const DEGREES: [u32; 4] = [2, 4, 6, 8];
 /// and the logarithm of the ratio of errors above which two degrees less are taken, for first derivatives and for second ones. The
 /// degree of p″/p is twice that of p′/p: with 0.7 second derivatives of a chain's mean squares were off by 1 %, three of their
 /// standard errors.
-pub(crate) const NOISIER: [f64; 2] = [0.7, 1.5];
+pub(crate) const NOISIER: [f64; 2] = [0.7, 1.0];
 /// The step of the differences that are the slope of an integrand, relative to the domain's width: the square of it and rounding
 /// over it are some 1e-10.
 pub(crate) const STEP: f64 = 1e-5;
