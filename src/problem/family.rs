@@ -134,15 +134,10 @@ impl Problem {
             walls[wall][number] = 1.0;
             return Ok(Motion { operator: FokkerPlanck::zero(self.dimension()), walls });
         }
-        let family = self.family()?;
         let lifted = self.lifted(parameter, None)?;
-        for (i, (moved, numbers)) in walls.iter_mut().zip(&lifted.walls).enumerate() {
-            let follows = self.follows(family, i);
-            *moved = [0, 1].map(|k| if follows[k] { numbers[k].eps1 } else { 0.0 });
-        }
-        let operator = lifted.coefficient([1, 0]);
-        let fixed = operator.is_zero() && walls.iter().flatten().all(|rate| *rate == 0.0);
-        if fixed { Err(independent(parameter)) } else { Ok(Motion { operator, walls }) }
+        let motion = self.moved(&lifted, [1, 0], |number| number.eps1)?;
+        let fixed = motion.operator.is_zero() && motion.walls.iter().flatten().all(|rate| *rate == 0.0);
+        if fixed { Err(independent(parameter)) } else { Ok(motion) }
     }
 
     /// The second derivative by two parameters, which may be the same.
@@ -150,20 +145,26 @@ impl Problem {
     /// # Errors
     /// As [`Problem::motion`].
     pub(crate) fn second_motion(&self, [first, second]: [&str; 2]) -> Result<Motion> {
-        let still =
-            || Motion { operator: FokkerPlanck::zero(self.dimension()), walls: vec![[0.0; 2]; self.walls.len()] };
         for name in [first, second] {
             if self.number_of_wall(self.index_of_parameter(name)?).is_some() {
-                return Ok(still());
+                // The numbers of a wall are linear in themselves, and in no other parameter.
+                let operator = FokkerPlanck::zero(self.dimension());
+                return Ok(Motion { operator, walls: vec![[0.0; 2]; self.walls.len()] });
             }
         }
-        let (family, lifted) = (self.family()?, self.lifted(first, Some(second))?);
-        let mut walls = still().walls;
-        for (i, (moved, numbers)) in walls.iter_mut().zip(&lifted.walls).enumerate() {
-            let follows = self.follows(family, i);
-            *moved = [0, 1].map(|k| if follows[k] { numbers[k].eps1eps2 } else { 0.0 });
-        }
-        Ok(Motion { operator: lifted.coefficient([1, 1]), walls })
+        self.moved(&self.lifted(first, Some(second))?, [1, 1], |number| number.eps1eps2)
+    }
+
+    /// A derivative of the definition: the coefficient of powers in the operator, and that part of the walls' own numbers.
+    fn moved(&self, lifted: &Lifted, powers: [u32; 2], part: fn(HyperDual64) -> f64) -> Result<Motion> {
+        let family = self.family()?;
+        let rates = |wall: usize| {
+            let numbers = lifted.walls.get(wall);
+            let follows = self.follows(family, wall);
+            numbers.map_or([0.0; 2], |numbers| [0, 1].map(|k| if follows[k] { part(numbers[k]) } else { 0.0 }))
+        };
+        let walls = (0..self.walls.len()).map(rates).collect();
+        Ok(Motion { operator: lifted.coefficient(powers), walls })
     }
 
     /// The system with dual numbers for one parameter, or for two, which may be the same.

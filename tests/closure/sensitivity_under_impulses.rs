@@ -125,8 +125,8 @@ fn every_oscillator_has_the_energy_and_the_spring_of_its_impulses() -> Result<()
     Ok(())
 }
 
-/// The distance of derivatives at n = 4 from those at n = 8, relative to p, is at most a quarter above what they say, and above half of
-/// it (measured are 0.92 to 1.01 of the estimate, 0.80 by the deviation, and 0.66 by μ, whose two degrees of the equations lie far apart).
+/// The distance of derivatives at n = 4 from those at n = 8, relative to p, is what they say, to a quarter (measured 0.95 to 1.01 of the
+/// estimate).
 #[test]
 fn errors_of_derivatives_under_impulses_are_known() -> Result<()> {
     let problem = struck(0.3, 0.0, 0.0)?;
@@ -139,7 +139,7 @@ fn errors_of_derivatives_under_impulses_are_known() -> Result<()> {
         };
         let (distance, estimate) = (high.expectation(&apart)?.value, low_found.l1_estimate());
         println!("{}: {distance:.2e}, estimate {estimate:.2e}", low_found.parameters()[0]);
-        assert!((0.5..1.25).contains(&(distance / estimate)), "{distance:e} and {estimate:e}");
+        assert!((0.75..1.25).contains(&(distance / estimate)), "{distance:e} and {estimate:e}");
     }
     Ok(())
 }

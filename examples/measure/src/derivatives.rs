@@ -6,9 +6,8 @@
 //!   0.5 (x₂ − x₁) = 0 without noise of its own;
 //! - `chain-above`: the same above a wall of r = 0.8 at x₁ = −0.5.
 //!
-//! E[ξ(t)ξ(t+τ)] = 2D δ(τ). For each parameter and answer: the mean over the seeds with its standard error, the root
-//! mean square of the deviations of single seeds over their stated errors, and the differences of simulations of the same seeds at
-//! parameters 2 % apart.
+//! E[ξ(t)ξ(t+τ)] = 2D δ(τ). For each parameter and answer: the mean over the seeds with its standard error, the spread between
+//! the seeds over the mean stated error, and the differences of simulations of the same seeds at parameters 2 % apart.
 
 use crate::Outcome;
 use clap::{Args, ValueEnum};
@@ -171,10 +170,9 @@ fn table(system: System, options: &Options) -> Result<()> {
         for (i, answer) in answers.take(found[0].len()).enumerate() {
             let values: Vec<f64> = found.iter().map(|seed| seed[i][j].value).collect();
             let [value, deviation] = spread(&values);
-            let squares: f64 = found.iter().map(|seed| ((seed[i][j].value - value) / seed[i][j].error).powi(2)).sum();
-            let ratio = (squares / (options.seeds as f64 - 1.0).max(1.0)).sqrt();
+            let stated = found.iter().map(|seed| seed[i][j].error).sum::<f64>() / options.seeds as f64;
             let own = deviation / (options.seeds as f64).sqrt();
-            print!("d {answer:6} / d {name:21} {value:9.5} ± {own:.5}, spread/stated {ratio:.2}");
+            print!("d {answer:6} / d {name:21} {value:9.5} ± {own:.5}, spread/stated {:.2}", deviation / stated);
             if let Some(differences) = &differences {
                 let [truth, deviation] = spread(&differences[i]);
                 let error = deviation / (differences[i].len() as f64).sqrt();

@@ -61,11 +61,16 @@ impl MomentSystem {
         Some(Self::with_rates(dynamics, ladder, dynamics.nodes(most)?)?.0)
     }
 
-    /// The system of polynomials of a degree with a symmetry, and of two degrees less, on the nodes of the reference, for what does not
-    /// move in time. None where they are linearly dependent, or the reference has no such nodes.
+    /// The system of polynomials of a degree with a symmetry, and of two degrees less, for what does not move in time: on the nodes of
+    /// the reference, or under impulses, whose rates end at the edge of the domain, on more. None next to walls, and where the
+    /// functions are linearly dependent.
     pub(in crate::closure) fn of_degree(dynamics: &Dynamics, degree: u32, symmetry: &Symmetry) -> Option<Self> {
         let ladder = dynamics.family.of_degrees([degree - 2, degree], symmetry)?;
-        let nodes = Nodes::tensor(&dynamics.domain, dynamics.rules().to_vec());
+        let nodes = if dynamics.problem.impulses().is_empty() {
+            Nodes::tensor(&dynamics.domain, dynamics.rules().to_vec())
+        } else {
+            dynamics.nodes(tuning::dynamics::MOST_ENTRIES)?
+        };
         let (system, locals) = Self::with_rates(dynamics, ladder, nodes)?;
         Some(system.smoothest(dynamics, &locals))
     }

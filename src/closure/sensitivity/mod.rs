@@ -5,7 +5,7 @@
 //!
 //! - `moving`: what of a problem moves with a parameter, walls among it;
 //! - `exact`: of an exact density, from its Galerkin equations;
-//! - `tangent`: of the solution of the moment equations, under a weight that moves along; `walled`: the same next to walls, where
+//! - `factors`: of the moment equations; `tangent`: of the solution of the moment equations, under a weight that moves along; `walled`: the same next to walls, where
 //!   the singular part of the weight does;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
@@ -17,6 +17,7 @@ mod answers;
 mod carried;
 mod derived;
 mod exact;
+mod factors;
 mod impacts;
 mod moving;
 mod on_states;

@@ -1,4 +1,5 @@
 use super::answers::Whole;
+use super::factors::Factors;
 use super::slope::Slope;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::locals;
@@ -14,8 +15,6 @@ use crate::numerics::{combination, weighted_product, weighted_sum};
 use crate::problem::Problem;
 use crate::states::States;
 use faer::Mat;
-use faer::linalg::solvers::PartialPivLu;
-use faer::prelude::*;
 use std::sync::Arc;
 
 /// A function at the nodes, with its derivatives.
@@ -83,8 +82,7 @@ pub(super) struct Tangent<'a> {
     /// u, as a function and at the nodes.
     solution: Arc<Exponent>,
     ratio: Jets,
-    /// Those of the moment equations, without the constant, of the highest degree and of the one below it.
-    factors: [PartialPivLu<f64>; 2],
+    factors: Factors,
     /// The functions χ of s, orthonormal under p̂^0.6,
     lower: Orthonormal,
     /// ∫ ψ_k L(ω u χ_j) dx, by which s enters the equations,
@@ -118,7 +116,7 @@ impl<'a> Tangent<'a> {
         let points = &system.nodes.points;
         let solution = Arc::new(system.function(&system.stationary(false)));
         let ratio = Jets::of(&solution, points);
-        let factors = [false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu());
+        let factors = Factors::new(system);
         let log_weight = Jets::of(&system.weight, points);
         let logs: Vec<f64> =
             log_weight.value.iter().zip(&ratio.value).map(|(log, u)| log + u.max(f64::MIN_POSITIVE).ln()).collect();
@@ -213,7 +211,7 @@ impl<'a> Tangent<'a> {
         for _ in 0..tuning::sensitivity::RENEWALS {
             let along = combination(self.entering.as_ref(), &s);
             let source: Vec<f64> = fixed.iter().zip(&along).map(|(a, b)| a + b).collect();
-            let [d, below] = [false, true].map(|below| self.solved(&source, below));
+            let [d, below] = self.factors.solved(&source);
             let size = d.iter().map(|d| d * d).sum::<f64>();
             if size.is_nan() || size >= tuning::sensitivity::FALLS.powi(2) * least {
                 break;
@@ -277,13 +275,6 @@ impl<'a> Tangent<'a> {
             sum
         };
         (0..g.value.len()).map(at).collect()
-    }
-
-    /// d′ of A d′ = −source, the constant's 0.
-    fn solved(&self, source: &[f64], below: bool) -> Vec<f64> {
-        let columns = self.system.columns(below);
-        let solved = self.factors[usize::from(below)].solve(Mat::from_fn(columns - 1, 1, |k, _| -source[k + 1]));
-        std::iter::once(0.0).chain((0..columns - 1).map(|k| solved[(k, 0)])).collect()
     }
 }
 

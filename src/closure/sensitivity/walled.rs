@@ -1,4 +1,5 @@
 use super::Moving;
+use super::factors::Factors;
 use super::slope::Slope;
 use super::tangent::Derivative;
 use crate::closure::density::exponent::Exponent;
@@ -8,8 +9,6 @@ use crate::closure::space::sweep;
 use crate::numerics::{combination, weighted_sum};
 use crate::states::States;
 use faer::Mat;
-use faer::linalg::solvers::PartialPivLu;
-use faer::prelude::*;
 use std::sync::Arc;
 
 /// The solution p̂ = ω u of the moment equations next to walls, with all that its derivatives have in common.
@@ -30,8 +29,7 @@ pub(super) struct WalledTangent<'a> {
     /// u, as a function and there.
     solution: Arc<Exponent>,
     ratio: Vec<f64>,
-    /// Those of the moment equations, without the constant, of the highest degree and of the one below it.
-    factors: [PartialPivLu<f64>; 2],
+    factors: Factors,
 }
 
 impl<'a> WalledTangent<'a> {
@@ -46,7 +44,7 @@ impl<'a> WalledTangent<'a> {
         let ratio = combination(system.functions.values.as_ref(), &stationary);
         let impacts = passages.iter().zip(system.weight.values(&before)).map(|(p, log)| p.weight * log.exp());
         let weights = system.measure.iter().copied().chain(impacts).collect();
-        let factors = [false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu());
+        let factors = Factors::new(system);
         let solution = Arc::new(system.function(&stationary));
         WalledTangent { system, passages, before, after, weights, solution, ratio, factors }
     }
@@ -158,11 +156,7 @@ impl<'a> WalledTangent<'a> {
     /// The derivative beside a known part: A d′ = −(source). None where it is not finite.
     fn solved(&self, s: Slope, source: &[f64]) -> Option<Derivative<'a>> {
         let system = self.system;
-        let [d, below] = [false, true].map(|below| {
-            let columns = system.columns(below);
-            let solved = self.factors[usize::from(below)].solve(Mat::from_fn(columns - 1, 1, |k, _| -source[k + 1]));
-            std::iter::once(0.0).chain((0..columns - 1).map(|k| solved[(k, 0)])).collect::<Vec<f64>>()
-        });
+        let [d, below] = self.factors.solved(source);
         let finite = d.iter().chain(&below).all(|d| d.is_finite());
         let density: Vec<f64> = self.weights[..self.nodes()].iter().zip(&self.ratio).map(|(w, u)| w * u).collect();
         let solution = Arc::clone(&self.solution);
