@@ -110,11 +110,13 @@ fn exact_densities_have_exact_second_derivatives() -> Result<()> {
     Ok(())
 }
 
-/// At order 2 the same second derivatives are found on the pilot's states. Of twelve answers, which share the states' noise, the
-/// mean square deviation is 1 ± 0.6 or somewhat more in units of their standard errors.
+/// At order 2 the same second derivatives are found on the pilot's states, more of them than by default, by which one seed in three
+/// has errors several times too large. Of twelve answers, which share the states' noise, the mean square deviation is 1 ± 0.6 or
+/// somewhat more in units of their standard errors.
 #[test]
 fn second_derivatives_on_states_are_within_their_errors() -> Result<()> {
-    let (exact, density) = (Closure::new(4).solve(&chain())?, Closure::new(2).solve(&chain())?);
+    let exact = Closure::new(4).solve(&chain())?;
+    let density = Closure::new(2).pilot_states(1 << 17).solve(&chain())?;
     let mut squares = Vec::new();
     for pair in [["k", "k"], ["k", "T"], ["T", "T"], ["mu", "kappa"]] {
         let (found, exact) = (density.second_sensitivity(pair)?, exact.second_sensitivity(pair)?);
@@ -183,11 +185,16 @@ fn above_elastic([k, mu, kappa, temperature, b]: [f64; 5]) -> [f64; 5] {
 
 const OFFSET: &str = "x1.above.offset";
 
+/// On an eighth of the states that are taken next to walls by default.
+fn next_to_walls() -> Closure {
+    Closure::new(4).pilot_states(100_000)
+}
+
 /// Above an elastic wall differences of the closed form are the truth, to 1e-7. Of 25 answers, which share the states' noise, the
 /// mean square deviation is 1 ± 0.5 or so in units of their standard errors.
 #[test]
 fn derivatives_above_an_elastic_wall_are_within_their_errors() -> Result<()> {
-    let density = Closure::new(4).solve(&chain().with_wall(Wall::above(-0.5, 1.0)?)?)?;
+    let density = next_to_walls().solve(&chain().with_wall(Wall::above(-0.5, 1.0)?)?)?;
     let names = ["k", "mu", "kappa", "T", OFFSET];
     let mut squares = Vec::new();
     for (j, by) in density.sensitivities(&names)?.iter().enumerate() {
@@ -220,7 +227,7 @@ fn derivatives_next_to_lossy_walls_have_the_right_units() -> Result<()> {
     let alone = chain().with_wall(Wall::above(-0.5, 0.8)?)?;
     let bodies = chain().with_wall(Wall::above(-0.5, 0.8)?.between([0, 2], [1.0, 0.5])?)?;
     for (problem, offset) in [(alone, OFFSET), (bodies, "x1-x2.above.offset")] {
-        let density = Closure::new(4).solve(&problem)?;
+        let density = next_to_walls().solve(&problem)?;
         let names = ["k", "mu", "kappa", "T", "c1", "c2", offset];
         let values = [1.0, 0.5, 0.5, TEMPERATURE, 0.2, 0.4, -0.5];
         // The powers of length and of time in each parameter.
@@ -267,7 +274,7 @@ v = 0.4
 #[test]
 fn derivatives_by_a_wall_behind_a_filter_are_slopes() -> Result<()> {
     let problem = Problem::from_toml(COLOURED)?;
-    let at = |offset: f64, r: f64| Closure::new(4).solve(&problem.clone().with_wall(Wall::above(offset, r)?)?);
+    let at = |offset: f64, r: f64| next_to_walls().solve(&problem.clone().with_wall(Wall::above(offset, r)?)?);
     let names = ["x.above.offset", "x.above.restitution"];
     let found = at(-0.3, 0.8)?.sensitivities(&names)?;
     let steps = [(at(-0.25, 0.8)?, at(-0.35, 0.8)?), (at(-0.3, 0.85)?, at(-0.3, 0.75)?)];
@@ -287,7 +294,7 @@ fn what_is_not_served_is_refused() -> Result<()> {
     let density = Closure::new(2).solve(&chain())?;
     assert!(matches!(density.second_sensitivity(["k", "no such"]), Err(Error::NotAName { .. })));
     assert!(matches!(density.sensitivity("no such"), Err(Error::NotAName { .. })));
-    let walled = Closure::new(4).solve(&chain().with_wall(Wall::above(-0.5, 0.9)?)?)?;
+    let walled = Closure::new(2).pilot_states(1 << 14).solve(&chain().with_wall(Wall::above(-0.5, 0.9)?)?)?;
     assert!(matches!(walled.second_sensitivity(["k", "T"]), Err(Error::NotServed { .. })));
     assert!(matches!(walled.sensitivity("no such"), Err(Error::NotAName { .. })));
     Ok(())

@@ -110,10 +110,8 @@ impl ClosureDensity {
         let symmetry = moving.iter().fold(problem.symmetry(), |symmetry, moving| symmetry.and_of(&moving.operator));
         let system = self.system_of_order(moving.iter().any(Moving::grazes), &symmetry)?;
         let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
-        let found: Vec<Option<First<'_>>> =
-            moving.par_iter().map(|moving| linearised.first(self, moving, moving.grazes())).collect();
-        let one = |((parameter, moving), found): ((&&str, &Moving), Option<First<'_>>)| {
-            let found = found.ok_or(self.failed())?;
+        let one = |(parameter, moving): (&&str, &Moving)| {
+            let found = linearised.first(self, moving, moving.grazes()).ok_or(self.failed())?;
             // The rate of impacts is that of the density over the stretched length.
             let impacts = self.impacts_along(|points| {
                 let over = |along: Vec<f64>| along.into_iter().map(|s| s - moving.shift[1]).collect();
@@ -124,7 +122,9 @@ impl ClosureDensity {
             let found = self.moving_with(vec![(*parameter).to_owned()], slope, at_nodes, whole);
             Ok(Sensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
         };
-        parameters.iter().zip(&moving).zip(found).map(one).collect()
+        // The first error is that of the first parameter.
+        let found: Vec<Result<Sensitivity>> = parameters.par_iter().zip(&moving).map(one).collect();
+        found.into_iter().collect()
     }
 
     /// The second derivative by two parameters, which may be the same.

@@ -134,8 +134,7 @@ impl Calibration {
         let lots = walk.lots(
             || Moments::zero(count),
             |sums, [_, t], place| {
-                let [_, images] = walk.tables(t, place);
-                let table = block_means(walk, images.as_ref(), &walk.blocks(t));
+                let table = block_means(walk, walk.images(t, place).as_ref(), &walk.blocks(t));
                 add_gram(sums.square.as_mut(), table.as_ref());
                 (0..count).for_each(|k| sums.sum[k] += table.col(k).iter().sum::<f64>());
                 sums.blocks += table.nrows() as f64;
@@ -192,7 +191,7 @@ impl<'a> StateEquations<'a> {
         let count = walk.functions();
         let zero = || Sums { matrix: Mat::zeros(count, count), values: Mat::zeros(count, SETS), weights: Vec::new() };
         let lots = walk.lots(zero, |sums, [lot, t], place| {
-            let [values, images] = walk.tables(t, place);
+            let (values, images) = (walk.values(t, place), walk.images(t, place));
             let weights = calibration.weights(&walk, images.as_ref(), [lot, t]);
             let weighted = Mat::from_fn(values.nrows(), count, |row, k| weights[(row, 0)] * values[(row, k)]);
             add_product(&mut sums.matrix, &images, &weighted);
@@ -220,13 +219,14 @@ impl<'a> StateEquations<'a> {
 
     /// The first derivatives along some motions. None where one is not finite.
     pub(super) fn first(&self, along: &[StillMotion]) -> Option<Vec<Masses>> {
-        along.iter().map(|motion| self.solved(self.tested(&[(motion, Measure::Density)])?)).collect()
+        let tested = along.iter().map(|motion| self.tested(&[(motion, Measure::Density)]));
+        self.solved(&tested.collect::<Option<Vec<_>>>()?)
     }
 
     /// The second derivative along motions by two parameters and by both, given the first. None where it is not finite.
     pub(super) fn second(&self, [k, l]: [&StillMotion; 2], twice: &StillMotion, along: [&Masses; 2]) -> Option<Masses> {
         let [by_k, by_l] = along.map(Measure::Derivative);
-        self.solved(self.tested(&[(k, by_l), (l, by_k), (twice, Measure::Density)])?)
+        self.solved(&[self.tested(&[(k, by_l), (l, by_k), (twice, Measure::Density)])?])?.pop()
     }
 
     /// Σ m 𝓖′ψ over all rows, 𝓖′ with the derivative of an operator and m the masses of a measure, its changes, and its own by
@@ -259,36 +259,43 @@ impl<'a> StateEquations<'a> {
         }
     }
 
-    /// The derivative with A d = −g, given g, its changes, and its own by the functions of two degrees less. None where it is not
-    /// finite.
-    fn solved(&self, sources: Mat<f64>) -> Option<Masses> {
+    /// The derivatives with A d = −g, given each g, its changes, and its own by the functions of two degrees less. None where one is
+    /// not finite.
+    fn solved(&self, sources: &[Mat<f64>]) -> Option<Vec<Masses>> {
         let [factors, below] = &self.factors;
-        let own = -factors.solve(sources.get(.., ..1));
-        let lower = below.solve(sources.get(..self.lower, BELOW..));
-        let steps = factors.solve(self.residuals(&own, &sources));
-        let solved = Mat::from_fn(self.walk.functions(), COLUMNS, |k, column| match column {
-            0 => own[(k, 0)],
-            BELOW if k < self.lower => -lower[(k, 0)],
-            BELOW => 0.0,
-            _ => -steps[(k, column)],
-        });
-        let finite = solved.col_iter().all(|col| col.iter().all(|d| d.is_finite()));
-        finite.then(|| self.masses(&solved))
+        let own: Vec<Mat<f64>> = sources.iter().map(|g| -factors.solve(g.get(.., ..1))).collect();
+        let solved = |(g, (own, residual)): (&Mat<f64>, (&Mat<f64>, Mat<f64>))| {
+            let lower = below.solve(g.get(..self.lower, BELOW..));
+            let steps = factors.solve(residual);
+            let d = Mat::from_fn(self.walk.functions(), COLUMNS, |k, column| match column {
+                0 => own[(k, 0)],
+                BELOW if k < self.lower => -lower[(k, 0)],
+                BELOW => 0.0,
+                _ => -steps[(k, column)],
+            });
+            let finite = d.col_iter().all(|col| col.iter().all(|d| d.is_finite()));
+            finite.then(|| self.masses(&d))
+        };
+        sources.iter().zip(own.iter().zip(self.residuals(&own, sources))).map(solved).collect()
     }
 
-    /// The change of A d + g with the weights of each set, from that of g.
-    fn residuals(&self, solved: &Mat<f64>, sources: &Mat<f64>) -> Mat<f64> {
+    /// The change of each A d + g with the weights of each set, from that of g.
+    fn residuals(&self, solved: &[Mat<f64>], sources: &[Mat<f64>]) -> Vec<Mat<f64>> {
         let (walk, count) = (self.walk, self.walk.functions());
-        let lots = walk.lots(
-            || Mat::zeros(count, SETS),
-            |sum, [_, t], place| {
-                let [values, images] = walk.tables(t, place);
-                let s = values * solved;
+        let zero = || vec![Mat::zeros(count, SETS); solved.len()];
+        let lots = walk.lots(zero, |sums, [_, t], place| {
+            let (values, images) = (walk.values(t, place), walk.images(t, place));
+            for (sum, solved) in sums.iter_mut().zip(solved) {
+                let s = &values * solved;
                 let products = Mat::from_fn(images.nrows(), count, |row, k| images[(row, k)] * s[(row, 0)]);
                 add_product(sum, &products, &self.weights[t]);
-            },
-        );
-        lots.into_iter().fold(sources.get(.., ..SETS).to_owned(), |sum, lot| sum + lot)
+            }
+        });
+        let mut residuals: Vec<Mat<f64>> = sources.iter().map(|g| g.get(.., ..SETS).to_owned()).collect();
+        for lot in lots {
+            residuals.iter_mut().zip(&lot).for_each(|(sum, part)| *sum += part);
+        }
+        residuals
     }
 
     fn masses(&self, solved: &Mat<f64>) -> Masses {
@@ -302,8 +309,8 @@ impl<'a> StateEquations<'a> {
         });
         let means: Vec<f64> = means.collect();
         let lots = walk.lots(Vec::new, |parts, [_, t], place| {
-            let [values, _] = walk.tables(t, place);
-            parts.push((t, product(self.weights[t].as_ref(), (values * solved).as_ref(), &means)));
+            let along = walk.values(t, place) * solved;
+            parts.push((t, product(self.weights[t].as_ref(), along.as_ref(), &means)));
         });
         Masses::gathered(&walk, lots.into_iter().flatten().collect())
     }

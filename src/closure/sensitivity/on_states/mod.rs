@@ -81,9 +81,8 @@ impl ClosureDensity {
             return parameters.iter().zip(&along).map(one).collect();
         }
         let motion = self.origin()?;
-        let noisier = tuning::sensitivity::NOISIER[0];
         let Found { symmetry, masses, density } =
-            self.on_states(motion, &along, noisier, |equations| equations.first(&along))?;
+            self.on_states(motion, &along, |equations| equations.first(&along))?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
         let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
@@ -120,8 +119,7 @@ impl ClosureDensity {
             found.push(equations.second([k, l], twice, [&found[0], &found[1]])?);
             Some(found)
         };
-        let noisier = tuning::sensitivity::NOISIER[1];
-        let Found { symmetry, mut masses, density } = self.on_states(motion, &along, noisier, solve)?;
+        let Found { symmetry, mut masses, density } = self.on_states(motion, &along, solve)?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
         let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
@@ -140,12 +138,11 @@ impl ClosureDensity {
     }
 
     /// What the equations of the highest degree give along some derivatives of the operator, or those of two degrees less if the
-    /// highest are `noisier` than that: where functions are all but dependent on each other in the equations, their noise is large.
+    /// highest are [noisier](tuning::sensitivity::NOISIER) than that: where functions are all but dependent on each other in the equations, their noise is large.
     fn on_states(
         &self,
         motion: &Dynamics,
         along: &[StillMotion],
-        noisier: f64,
         solve: impl Fn(&StateEquations<'_>) -> Option<Vec<Masses>>,
     ) -> Result<Found> {
         let curved = |motion: &StillMotion| {
@@ -167,7 +164,7 @@ impl ClosureDensity {
         };
         let mut degrees = ladder.iter().filter_map(of_degree);
         let (highest, found) = degrees.next().ok_or(self.too_few())?;
-        let lower = degrees.next().filter(|(lower, _)| lower + noisier < highest);
+        let lower = degrees.next().filter(|(lower, _)| lower + tuning::sensitivity::NOISIER < highest);
         Ok(lower.map_or(found, |(_, lower)| lower))
     }
 

@@ -6,7 +6,7 @@ use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::polynomial::Polynomial;
 use crate::problem::{Contact, Problem, StillMotion};
 use crate::simulation::{Collisions, Impact};
-use faer::{Mat, MatMut, MatRef};
+use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -149,19 +149,24 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The functions and their images in all rows of a trajectory.
-    pub(super) fn tables(&self, t: usize, place: &mut Place) -> [Mat<f64>; 2] {
-        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(self.rows(t), self.functions()));
-        self.each(t, place, |place| {
-            self.enter_values(place, values.as_mut());
-            self.enter_images(place, images.as_mut());
-        });
+    /// The functions in all rows of a trajectory.
+    pub(super) fn values(&self, t: usize, place: &mut Place) -> Mat<f64> {
+        let mut table = Mat::zeros(self.rows(t), self.functions());
+        self.each(t, place, |place| self.enter_values(place, table.as_mut()));
         self.each_impacts(t, place, |place, _| {
-            self.enter_end(0, place, values.as_mut());
-            self.enter_end(1, place, images.as_mut());
-            subtract(images.as_mut(), values.as_ref(), place.rows.clone());
+            self.products.place_values(&place.ends[0], &mut place.scratch);
+            self.enter_values(place, table.as_mut());
         });
-        [values, images]
+        table
+    }
+
+    /// Their images in all rows of a trajectory.
+    pub(super) fn images(&self, t: usize, place: &mut Place) -> Mat<f64> {
+        let mut table = Mat::zeros(self.rows(t), self.functions());
+        self.each(t, place, |place| self.enter_images(place, table.as_mut()));
+        let mut after = vec![ZERO; self.products.len()];
+        self.each_impacts(t, place, |place, _| self.enter_jumps(place, &mut after, table.as_mut()));
+        table
     }
 
     /// The images under the derivative of the generator in all rows of a trajectory.
@@ -194,10 +199,15 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The values of the functions before impacts, or after them.
-    fn enter_end(&self, end: usize, place: &mut Place, table: MatMut<'_, f64>) {
-        self.products.place_values(&place.ends[end], &mut place.scratch);
-        self.enter(place, table, |scratch, k| self.products.value(scratch, k));
+    /// The jumps of the functions at impacts, with room for their values after these.
+    fn enter_jumps(&self, place: &mut Place, after: &mut [Lane], table: MatMut<'_, f64>) {
+        self.products.place_values(&place.ends[1], &mut place.scratch);
+        after.iter_mut().enumerate().for_each(|(k, lane)| *lane = self.products.value(&place.scratch, k));
+        self.products.place_values(&place.ends[0], &mut place.scratch);
+        self.enter(place, table, |scratch, k| {
+            let before = self.products.value(scratch, k);
+            std::array::from_fn(|l| after[k][l] - before[l])
+        });
     }
 
     /// How jumps move: ψ₊ as the velocities there do, by r′ ∂x₊/∂r; and by −η′ their rate, as the time of a stretched coordinate.
@@ -240,19 +250,19 @@ impl<'a> Walk<'a> {
     }
 
     /// The values of the functions.
-    pub(super) fn enter_values(&self, place: &Place, table: MatMut<'_, f64>) {
+    fn enter_values(&self, place: &Place, table: MatMut<'_, f64>) {
         self.enter(place, table, |scratch, k| self.products.value(scratch, k));
     }
 
     /// Their images under the generator.
-    pub(super) fn enter_images(&self, place: &mut Place, table: MatMut<'_, f64>) {
+    fn enter_images(&self, place: &mut Place, table: MatMut<'_, f64>) {
         place.scratch.first.copy_from_slice(&place.sites.drift);
         self.products.apply(&place.sites.diffusion, &place.sites.coupled, &mut place.scratch);
         self.enter(place, table, |scratch, k| self.products.image(scratch, k));
     }
 
     /// The images under the derivative of the generator.
-    pub(super) fn enter_moved(&self, moved: &Moved, place: &mut Place, table: MatMut<'_, f64>) {
+    fn enter_moved(&self, moved: &Moved, place: &mut Place, table: MatMut<'_, f64>) {
         let n = self.problem.dimension();
         let mut x = vec![0.0; n];
         let [drift, diffusion] = &mut place.moved;
@@ -265,12 +275,5 @@ impl<'a> Walk<'a> {
         place.scratch.first.copy_from_slice(drift);
         self.products.apply(diffusion, &moved.coupled, &mut place.scratch);
         self.enter(place, table, |scratch, k| self.products.image_under(&moved.impulses, scratch, k));
-    }
-}
-
-/// Takes some rows of one table off those of another.
-fn subtract(mut table: MatMut<'_, f64>, other: MatRef<'_, f64>, rows: Range<usize>) {
-    for k in 0..table.ncols() {
-        rows.clone().for_each(|row| table[(row, k)] -= other[(row, k)]);
     }
 }
