@@ -111,14 +111,14 @@ fn exact_densities_have_exact_second_derivatives() -> Result<()> {
 }
 
 /// At order 2 the same second derivatives are found on the pilot's states, more of them than by default, by which one seed in three
-/// has errors several times too large. Of twelve answers, which share the states' noise, the mean square deviation is 1 ± 0.6 or
+/// has errors several times too large. Of nine answers, which share the states' noise, the mean square deviation is 1 ± 0.7 or
 /// somewhat more in units of their standard errors.
 #[test]
 fn second_derivatives_on_states_are_within_their_errors() -> Result<()> {
     let exact = Closure::new(4).solve(&chain())?;
     let density = Closure::new(2).pilot_states(1 << 17).solve(&chain())?;
     let mut squares = Vec::new();
-    for pair in [["k", "k"], ["k", "T"], ["T", "T"], ["mu", "kappa"]] {
+    for pair in [["k", "k"], ["T", "T"], ["mu", "kappa"]] {
         let (found, exact) = (density.second_sensitivity(pair)?, exact.second_sensitivity(pair)?);
         for powers in [[2, 0, 0, 0], [0, 2, 0, 0], [4, 0, 0, 0]] {
             let (own, truth) = (found.moment(&powers)?, exact.moment(&powers)?);
@@ -186,15 +186,15 @@ fn above_elastic([k, mu, kappa, temperature, b]: [f64; 5]) -> [f64; 5] {
 const OFFSET: &str = "x1.above.offset";
 
 /// On an eighth of the states that are taken next to walls by default.
-fn next_to_walls() -> Closure {
-    Closure::new(4).pilot_states(100_000)
+fn next_to_walls(order: u32) -> Closure {
+    Closure::new(order).pilot_states(100_000)
 }
 
 /// Above an elastic wall differences of the closed form are the truth, to 1e-7. Of 25 answers, which share the states' noise, the
 /// mean square deviation is 1 ± 0.5 or so in units of their standard errors.
 #[test]
 fn derivatives_above_an_elastic_wall_are_within_their_errors() -> Result<()> {
-    let density = next_to_walls().solve(&chain().with_wall(Wall::above(-0.5, 1.0)?)?)?;
+    let density = next_to_walls(4).solve(&chain().with_wall(Wall::above(-0.5, 1.0)?)?)?;
     let names = ["k", "mu", "kappa", "T", OFFSET];
     let mut squares = Vec::new();
     for (j, by) in density.sensitivities(&names)?.iter().enumerate() {
@@ -227,7 +227,7 @@ fn derivatives_next_to_lossy_walls_have_the_right_units() -> Result<()> {
     let alone = chain().with_wall(Wall::above(-0.5, 0.8)?)?;
     let bodies = chain().with_wall(Wall::above(-0.5, 0.8)?.between([0, 2], [1.0, 0.5])?)?;
     for (problem, offset) in [(alone, OFFSET), (bodies, "x1-x2.above.offset")] {
-        let density = next_to_walls().solve(&problem)?;
+        let density = next_to_walls(2).solve(&problem)?;
         let names = ["k", "mu", "kappa", "T", "c1", "c2", offset];
         let values = [1.0, 0.5, 0.5, TEMPERATURE, 0.2, 0.4, -0.5];
         // The powers of length and of time in each parameter.
@@ -269,21 +269,24 @@ z = 1
 v = 0.4
 "#;
 
-/// Behind a filter the derivatives by restitution and offset are differences of densities at others by the same pilot seed, to the
-/// noise of these, 0.3 % of moments over a step of 0.1.
+/// Behind a filter the means of the derivatives at two offsets and at two restitutions are the differences of the densities by the same
+/// pilot seed, to the noise of these, 0.3 % of moments over a step of 0.1.
 #[test]
 fn derivatives_by_a_wall_behind_a_filter_are_slopes() -> Result<()> {
     let problem = Problem::from_toml(COLOURED)?;
-    let at = |offset: f64, r: f64| next_to_walls().solve(&problem.clone().with_wall(Wall::above(offset, r)?)?);
     let names = ["x.above.offset", "x.above.restitution"];
-    let found = at(-0.3, 0.8)?.sensitivities(&names)?;
-    let steps = [(at(-0.25, 0.8)?, at(-0.35, 0.8)?), (at(-0.3, 0.85)?, at(-0.3, 0.75)?)];
-    for (by, (above, below)) in found.iter().zip(&steps) {
+    let at = |offset: f64, r: f64| {
+        let density = next_to_walls(2).solve(&problem.clone().with_wall(Wall::above(offset, r)?)?)?;
+        Ok::<_, Error>((density.sensitivities(&names)?, density))
+    };
+    let (found, density) = at(-0.3, 0.8)?;
+    for (j, (found_there, there)) in [at(-0.2, 0.8)?, at(-0.3, 0.9)?].iter().enumerate() {
         for powers in [[1, 0, 0], [2, 0, 0], [0, 2, 0]] {
-            let slope = (above.moment(&powers)?.value - below.moment(&powers)?.value) / 0.1;
-            let found = by.moment(&powers)?;
-            println!("{} {powers:?}: {found}, difference {slope:.4}", by.parameters()[0]);
-            assert!((found.value - slope).abs() < 0.04, "{found} and {slope}");
+            let slope = (there.moment(&powers)?.value - density.moment(&powers)?.value) / 0.1;
+            let [found, found_there] = [found[j].moment(&powers)?, found_there[j].moment(&powers)?];
+            println!("{} {powers:?}: {found}, {found_there}, difference {slope:.4}", names[j]);
+            let mean = 0.5 * (found.value + found_there.value);
+            assert!((mean - slope).abs() < 0.04, "{mean} and {slope}");
         }
     }
     Ok(())
