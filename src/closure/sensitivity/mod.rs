@@ -127,7 +127,8 @@ impl ClosureDensity {
         found.into_iter().collect()
     }
 
-    /// The second derivative by two parameters, which may be the same.
+    /// The second derivative by two parameters, which may be the same. In three states and more a seed in three has standard errors that
+    /// are several times too large; more [`pilot_states`](crate::Closure::pilot_states) help.
     ///
     /// # Errors
     /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls in three states and more.
