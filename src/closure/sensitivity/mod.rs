@@ -5,8 +5,9 @@
 //!
 //! - `moving`: what of a problem moves with a parameter, walls among it;
 //! - `exact`: of an exact density, from its Galerkin equations;
-//! - `factors`: of the moment equations; `tangent`: of the solution of the moment equations, under a weight that moves along; `walled`: the same next to walls, where
-//!   the singular part of the weight does;
+//! - `factors`: of the moment equations;
+//! - `tangent`: of their solution, under a weight that moves along; `walled`: the same next to walls, where the singular part of the
+//!   weight does;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
 //! - `second`: the second one, by either way;
@@ -127,8 +128,8 @@ impl ClosureDensity {
         found.into_iter().collect()
     }
 
-    /// The second derivative by two parameters, which may be the same. In three states and more a seed in three has standard errors that
-    /// are several times too large; more [`pilot_states`](crate::Closure::pilot_states) help.
+    /// The second derivative by two parameters, which may be the same. In three states and more its standard errors can be several times
+    /// too large; more [`pilot_states`](crate::Closure::pilot_states) help.
     ///
     /// # Errors
     /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls in three states and more.
