@@ -1,5 +1,5 @@
 //! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, least
-//! squares, maxima of concave functions, exponentials of many numbers and of matrices, functions at several points at once.
+//! squares, maxima of concave functions, exponentials of many numbers and of matrices, sixth roots, functions at several points at once.
 
 mod ascent;
 mod definite;
@@ -13,6 +13,7 @@ mod propagation;
 mod quadrature;
 mod resolvent;
 mod runge_kutta;
+mod sixth_root;
 mod tall;
 
 pub(crate) use ascent::{Concave, Search, Summit};
@@ -26,4 +27,5 @@ pub(crate) use propagation::propagated;
 pub(crate) use quadrature::Rule;
 pub(crate) use resolvent::Resolvent;
 pub(crate) use runge_kutta::runge_kutta;
+pub(crate) use sixth_root::sixth_root;
 pub(crate) use tall::{combination, divide_by_triangle, stretches, triangle, weighted_product, weighted_sum};

@@ -35,7 +35,7 @@ impl PlaneFunctions for Kinks {
         let radius = self.radius(x);
         for (function, kink) in functions.iter_mut().zip(&self.kinks) {
             let PlaneJet { value, gradient: [u, w], hessian: [[uu, uw], [_, ww]] } = radius.jet(kink);
-            *function = [value, u, w, uu, uw, ww].map(|part| part.0);
+            *function = [value.0, u.0, w.0, uu.0, uw.0, ww.0];
         }
     }
 }

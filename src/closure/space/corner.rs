@@ -3,7 +3,7 @@
 use super::degrees::HIGHEST;
 use super::{Jet, PlaneJet, Similarity};
 use crate::control_variates::planes::Form;
-use crate::numerics::Number;
+use crate::numerics::{Number, sixth_root};
 use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
 use num_dual::HyperDual64;
@@ -263,13 +263,13 @@ impl<T: Number> Radius<T> {
         let (w2, ku) = (w * w, u * kappa);
         let w4 = w2 * w2;
         let b = w4 * w2 + ku * ku + SMALLEST;
-        let a = b.map(|b| b.powf(1.0 / 6.0));
+        let [a, inverse] = sixth_root(b);
         let over = T::everywhere(1.0) / b;
         Radius {
             u: powers(u, highest[0]),
             w: powers(w, highest[1]),
             a: powers(a, highest[2]),
-            inverse: powers(T::everywhere(1.0) / a, highest[3]),
+            inverse: powers(inverse, highest[3]),
             unit,
             slope: [u * (2.0 * kappa * kappa) * over, w4 * w * 6.0 * over],
             bend: [over * (2.0 * kappa * kappa), w4 * 30.0 * over],
@@ -294,7 +294,7 @@ impl<T: Number> Radius<T> {
         let radial = self.radial(power);
         let first = radial * s;
         let second = first * (s - 1.0);
-        let [du, dw] = self.slope.map(|slope| first * slope);
+        let (du, dw) = (first * self.slope[0], first * self.slope[1]);
         let duu = second * self.slope[0] * self.slope[0] + first * self.bend[0];
         let dww = second * self.slope[1] * self.slope[1] + first * self.bend[1];
         let duw = second * self.slope[0] * self.slope[1];

@@ -213,10 +213,12 @@ impl<T: Number> PlaneJet<T> {
     pub(super) fn from_points(at: impl Fn(usize) -> PlaneJet<f64>) -> Self {
         let mut jets = [PlaneJet::ZERO; EIGHT];
         (0..T::POINTS).for_each(|point| jets[point] = at(point));
+        let slope = |i: usize| T::from_points(|point| jets[point].gradient[i]);
+        let bend = |i: usize, j: usize| T::from_points(|point| jets[point].hessian[i][j]);
         PlaneJet {
             value: T::from_points(|point| jets[point].value),
-            gradient: [0, 1].map(|i| T::from_points(|point| jets[point].gradient[i])),
-            hessian: [0, 1].map(|i| [0, 1].map(|j| T::from_points(|point| jets[point].hessian[i][j]))),
+            gradient: [slope(0), slope(1)],
+            hessian: [[bend(0, 0), bend(0, 1)], [bend(1, 0), bend(1, 1)]],
         }
     }
 }

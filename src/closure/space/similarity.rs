@@ -9,6 +9,8 @@ pub(crate) const STEPS: usize = 60;
 const EDGE: f64 = STEPS as f64 / PER_UNIT as f64;
 /// Terms of a Taylor series, used up to one step away: the last one is below 1e-18 of the first.
 pub(crate) const TAYLOR: usize = 20;
+/// Those used up to half a step away, with the same last one.
+const NEAREST: usize = 16;
 /// Terms of the asymptotic series: the last one is below 1e-17 of the first from the edge on.
 const ASYMPTOTIC: usize = 24;
 /// A smaller velocity counts as 0, so that no power of it underflows.
@@ -66,6 +68,8 @@ pub(crate) struct Similarity<T = f64> {
     pub(crate) scale: T,
     /// ln k and k′/k at the table's points, from −EDGE up.
     pub(crate) table: Vec<[T; 2]>,
+    /// The Taylor coefficients of k/k(z) there.
+    series: Vec<[T; NEAREST]>,
     /// The coefficients (−g)_n (1/3 − g)_n/n! of the asymptotic series in −z⁻³.
     pub(crate) expansion: [T; ASYMPTOTIC],
     /// The limits of ln k − 3g ln|z| for z → −∞ and z → ∞.
@@ -91,13 +95,18 @@ impl<T: DualNum<Primitive = f64> + Copy> Similarity<T> {
         // The wall's condition is the ratio of the two limits.
         let limits = [-(exponent * 3.0 + 2.0) * r.ln(), T::from(0.0)];
         let table = vec![[T::from(0.0); 2]; 2 * STEPS + 1];
-        let mut similarity = Similarity { exponent, scale: intensity * 9.0, table, expansion, limits };
+        let mut similarity =
+            Similarity { exponent, scale: intensity * 9.0, table, series: Vec::new(), expansion, limits };
         // From z = ∞ downwards every other solution decays faster, so that errors die out; below 0 all but one do.
         similarity.table[2 * STEPS] = similarity.outer(EDGE);
         for i in (0..2 * STEPS).rev() {
-            let [log, slope, _] = similarity.taylor(i + 1, T::from(-1.0 / PER_UNIT as f64));
-            similarity.table[i] = [log, slope];
+            let [log, slope] = similarity.table[i + 1];
+            let coefficients: [T; TAYLOR] = similarity.coefficients(point(i + 1), slope);
+            let [change, slope, _] = log_of_series(&coefficients, T::from(-1.0 / PER_UNIT as f64));
+            similarity.table[i] = [log + change, slope];
         }
+        let slopes = similarity.table.iter().enumerate();
+        similarity.series = slopes.map(|(i, [_, slope])| similarity.coefficients(point(i), *slope)).collect();
         Some(similarity)
     }
 
@@ -105,7 +114,7 @@ impl<T: DualNum<Primitive = f64> + Copy> Similarity<T> {
     pub(super) fn jet(&self, u: f64, w: f64) -> PlaneJet<T> {
         // At the singular point itself a large value, not an infinite one.
         let u = if w.abs() < CLOSEST { u.max(f64::MIN_POSITIVE) } else { u.max(0.0) };
-        if w.abs() > EDGE * (self.scale.re() * u).cbrt() { self.far(u, w) } else { self.near(u, w) }
+        if w.abs().powi(3) > EDGE.powi(3) * self.scale.re() * u { self.far(u, w) } else { self.near(u, w) }
     }
 
     /// S where ln k comes from the table.
@@ -113,7 +122,8 @@ impl<T: DualNum<Primitive = f64> + Copy> Similarity<T> {
         let (g, length) = (self.exponent, (self.scale * u).cbrt());
         let z = -(length.recip() * w);
         let nearest = ((z.re() + EDGE) * PER_UNIT as f64).round().clamp(0.0, 2.0 * STEPS as f64) as usize;
-        let [log, slope, bend] = self.taylor(nearest, z - point(nearest));
+        let [change, slope, bend] = log_of_series(&self.series[nearest], z - point(nearest));
+        let log = self.table[nearest][0] + change;
         let (z_u, z_w) = (-z / (3.0 * u), -length.recip());
         let mixed = bend * z_u * z_w + slope / (length * (3.0 * u));
         PlaneJet {
@@ -156,19 +166,18 @@ impl<T: DualNum<Primitive = f64> + Copy> Similarity<T> {
         [log, slope * sign, bend]
     }
 
-    /// ln k and its derivatives at a distance from a point of the table, by the Taylor series that the equation gives.
-    fn taylor(&self, nearest: usize, distance: T) -> [T; 3] {
-        let (g, z, [log, slope]) = (self.exponent, point(nearest), self.table[nearest]);
-        let mut c = [T::from(0.0); TAYLOR];
+    /// The Taylor coefficients of k around z over its value there, by its logarithmic slope there and the equation.
+    fn coefficients<const N: usize>(&self, z: f64, slope: T) -> [T; N] {
+        let g = self.exponent;
+        let mut c = [T::from(0.0); N];
         (c[0], c[1]) = (T::from(1.0), slope);
-        for n in 0..TAYLOR - 2 {
+        for n in 0..N - 2 {
             let m = n as f64;
             let before = if n > 0 { (-g * 9.0 + 3.0 * (m - 1.0)) * c[n - 1] } else { T::from(0.0) };
             let sum = c[n + 1] * (3.0 * z * z * (m + 1.0)) + (-g * 9.0 + 6.0 * m) * c[n] * z + before;
             c[n + 2] = sum / ((m + 1.0) * (m + 2.0));
         }
-        let [change, slope, bend] = log_of_series(&c, distance);
-        [log + change, slope, bend]
+        c
     }
 }
 
