@@ -267,22 +267,3 @@ fn of_use(density: ClosureDensity, order: u32) -> Result<ClosureDensity> {
         "it has nothing in common with the density: take more of the pilot's states, another order, or the grid";
     if density.l1_estimate() < FARTHEST { Ok(density) } else { Err(Error::NotClosed { order, reason }) }
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop")]
-    use super::*;
-    use crate::models::Duffing;
-
-    /// Below a wall the density is that above one, in a mirror, as far as the orders' own errors allow: trajectories that
-    /// differ by rounding part soon.
-    #[test]
-    fn a_wall_above_the_motion_is_served_as_one_below() {
-        let duffing = Problem::of(Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap()).unwrap();
-        let [lower, upper] = [Wall::above(0.1, 0.6), Wall::below(-0.1, 0.6)]
-            .map(|wall| Closure::new(4).solve(&duffing.clone().with_wall(wall.unwrap()).unwrap()).unwrap());
-        let [below, above] = [&lower, &upper].map(|density| density.impact_rate().unwrap());
-        assert!(below.error < 0.01 && (below.value - above.value).abs() < below.error + above.error, "{below} {above}");
-        assert!((lower.l1_estimate() / upper.l1_estimate() - 1.0).abs() < 0.1 && upper.warning().is_none());
-    }
-}

@@ -117,6 +117,9 @@ impl Products {
     /// The images of its functions under impulses' terms; nothing without any. None where these images are no combinations of its
     /// functions.
     pub(crate) fn images(&self, terms: &[ImpulseTerm]) -> Option<Images> {
+        if terms.is_empty() {
+            return Some(Vec::new());
+        }
         let exponents = |place: &usize| {
             let (mut alpha, mut place) = (vec![0; self.dimension()], *place);
             while let Some(step) = place.checked_sub(self.first()).map(|k| self.steps[k]) {
@@ -126,7 +129,7 @@ impl Products {
             alpha
         };
         let all: Vec<Vec<u32>> = self.places[1..].iter().map(exponents).collect();
-        if terms.is_empty() { Some(Vec::new()) } else { images(terms, (&self.centre, &self.half_width), &all) }
+        images(terms, (&self.centre, &self.half_width), &all)
     }
 
     /// The place of the first product in the tree that follows a shorter one by a polynomial.

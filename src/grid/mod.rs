@@ -244,35 +244,3 @@ impl Grid {
         Ok((degree, cells))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::density::Density;
-    use crate::models::{Duffing, Solved};
-
-    /// A symmetric oscillator below a wall is the mirror image of the one above it: to the error of the two meshes.
-    #[test]
-    fn below_a_wall_is_the_mirror_image_of_above() -> Result<()> {
-        let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
-        let solve =
-            |wall: Wall| Grid::new().degree(3).cells([6, 8]).grazing(0.05).solve(&duffing.clone().with_wall(wall)?);
-        let (above, below) = (solve(Wall::above(-0.3, 0.8)?)?, solve(Wall::below(0.3, 0.8)?)?);
-        for (x, v) in [(0.0, 0.4), (1.0, -0.7), (0.2, 1.5)] {
-            let (one, other) = (above.pdf(&[x, v])?, below.pdf(&[-x, -v])?);
-            assert!((one.value - other.value).abs() < 2e-3, "{one} {other}");
-        }
-        let rates = [above.impact_rate(), below.impact_rate()].map(|rate| rate.map_or(f64::NAN, |rate| rate.value));
-        assert!((rates[0] - rates[1]).abs() < 2e-3, "{rates:?}");
-        Ok(())
-    }
-
-    #[test]
-    fn what_is_not_served_is_refused() -> Result<()> {
-        let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
-        let elsewhere =
-            Grid::new().domain([[-1.0, 1.0], [-5.0, 5.0]]).solve(&duffing.with_wall(Wall::above(2.0, 1.0)?)?);
-        assert!(matches!(elsewhere, Err(Error::OutOfRange { .. })), "{elsewhere:?}");
-        Ok(())
-    }
-}

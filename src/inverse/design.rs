@@ -229,14 +229,16 @@ impl<'a> Design<'a> {
     /// The second derivatives of ln A; none where they are not served.
     fn curvature(&self, density: &ClosureDensity, answer: f64, slope: &DVector<f64>) -> Result<Option<DMatrix<f64>>> {
         let count = self.names.len();
+        let places: Vec<[usize; 2]> = (0..count).flat_map(|k| (0..=k).map(move |l| [k, l])).collect();
+        let pairs: Vec<[&str; 2]> = places.iter().map(|pair| pair.map(|k| self.names[k].as_str())).collect();
+        let second = match density.second_sensitivities(&pairs) {
+            Ok(second) => second,
+            Err(Error::NotServed { .. }) => return Ok(None),
+            Err(error) => return Err(error),
+        };
         let mut curvature = DMatrix::zeros(count, count);
-        for (k, l) in (0..count).flat_map(|k| (0..=k).map(move |l| (k, l))) {
-            let second = match density.second_sensitivity([&self.names[k], &self.names[l]]) {
-                Ok(second) => self.demand.slope(&second)?,
-                Err(Error::NotServed { .. }) => return Ok(None),
-                Err(error) => return Err(error),
-            };
-            let value = second / answer - slope[k] * slope[l];
+        for ([k, l], second) in places.into_iter().zip(second) {
+            let value = self.demand.slope(&second)? / answer - slope[k] * slope[l];
             (curvature[(k, l)], curvature[(l, k)]) = (value, value);
         }
         Ok(Some(curvature))

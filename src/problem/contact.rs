@@ -2,6 +2,7 @@
 
 use super::{LANES, Lane, Problem, Wall};
 use crate::error::{Error, Result};
+use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::Polynomial;
 
 /// A wall by the gap g = ±(y_i − y_j − b) ≥ 0 between motion and wall, y_j = 0 for a single displacement.
@@ -230,8 +231,8 @@ impl Problem {
     }
 
     /// B_ww where the motion rests on a wall, and its largest coefficient anywhere.
-    fn noise_of_rate(&self, contact: &Contact) -> (Polynomial, f64) {
-        let b = |i: usize, j: usize| &self.operator().diffusion()[i][j];
+    fn noise_of_rate(&self, contact: &Contact, operator: &FokkerPlanck) -> (Polynomial, f64) {
+        let b = |i: usize, j: usize| &operator.diffusion()[i][j];
         let first = contact.first.1;
         let power = match contact.second {
             None => b(first, first).clone(),
@@ -242,16 +243,21 @@ impl Problem {
 
     /// Whether B_ww vanishes wherever the motion rests on a wall.
     fn is_noiseless_at(&self, contact: &Contact) -> bool {
-        let (at_rest, scale) = self.noise_of_rate(contact);
+        let (at_rest, scale) = self.noise_of_rate(contact, self.operator());
         largest(&at_rest) <= NOTHING * scale
     }
 
     /// ½ B_ww where the motion rests on a wall. None where it depends on the state.
     pub(crate) fn intensity_at(&self, contact: &Contact) -> Option<f64> {
-        let (at_rest, scale) = self.noise_of_rate(contact);
+        let (at_rest, scale) = self.noise_of_rate(contact, self.operator());
         let intensity = at_rest.constant_term();
         let varying = &at_rest + &Polynomial::constant(self.dimension(), -intensity);
         (largest(&varying) <= NOTHING * scale).then_some(if contact.noiseless { 0.0 } else { intensity / 2.0 })
+    }
+
+    /// The constant part of ½ ∂B_ww/∂θ where the motion rests on a wall, of the derivative of an operator.
+    pub(crate) fn intensity_rate_at(&self, contact: &Contact, derivative: &FokkerPlanck) -> f64 {
+        self.noise_of_rate(contact, derivative).0.constant_term() / 2.0
     }
 
     /// The wall below the motion and the one above it, for a method of one displacement (state 0) and its velocity (state 1).

@@ -70,9 +70,11 @@ fn merged(table: &Path) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::{Duffing, Solved};
+    use crate::provenance::Provenance;
     use crate::simulation::processes::threads::among;
-    use crate::study::Case;
-    use crate::{Closure, models::Duffing, models::Solved};
+    use crate::study::{Answer, Case};
+    use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     const VALUES: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
@@ -146,8 +148,13 @@ mod tests {
         let path = scratch("orders");
         let study = || {
             let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2).unwrap();
-            let case = Case::new("Duffing", duffing.problem().unwrap(), move |_| duffing.exact())
-                .method("classical", |problem, order| Closure::classical(order).solve(problem));
+            let case = Case::new("Duffing", duffing.problem().unwrap(), move |_| duffing.exact()).method(
+                "another spring",
+                |_, order| {
+                    let density = Duffing::new(0.2, 1.0, 0.3 + 1.0 / f64::from(order), 0.2)?.exact()?;
+                    Ok(Answer { provenance: Provenance::default(), density: Some(Arc::new(density)), solution: None })
+                },
+            );
             OrderStudy::new(&[2, 4, 6]).case(case).file(&path)
         };
         let timeless = |table: Result<OrderTable>| {

@@ -3,7 +3,7 @@
 use crate::common::*;
 use expoly::models::Solved;
 use expoly::statistics::energy_balance;
-use expoly::{Density, Grid, Wall};
+use expoly::{Density, Error, Grid, Wall};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use support::walls;
@@ -200,4 +200,27 @@ fn between_walls(lower: Wall, upper: Wall) -> [(f64, f64); 4] {
         let spread = means.iter().map(|m| (m[k] - mean).powi(2)).sum::<f64>();
         (mean, (spread / f64::from(batches * (batches - 1))).sqrt())
     })
+}
+
+/// A symmetric oscillator below a wall is the mirror image of the one above it: to the error of the two meshes.
+#[test]
+fn below_a_wall_is_the_mirror_image_of_above() {
+    let solve = |wall: Wall| {
+        let problem = problem(duffing()).with_wall(wall).unwrap();
+        Grid::new().degree(3).cells([6, 8]).grazing(0.05).solve(&problem).unwrap()
+    };
+    let (above, below) = (solve(Wall::above(-0.3, 0.8).unwrap()), solve(Wall::below(0.3, 0.8).unwrap()));
+    for (x, v) in [(0.0, 0.4), (1.0, -0.7), (0.2, 1.5)] {
+        let [one, other] = [above.pdf(&[x, v]).unwrap(), below.pdf(&[-x, -v]).unwrap()];
+        assert!((one.value - other.value).abs() < 2e-3, "{one} {other}");
+    }
+    let [one, other] = [&above, &below].map(|density| density.impact_rate().unwrap().value);
+    assert!((one - other).abs() < 2e-3, "{one} {other}");
+}
+
+#[test]
+fn a_wall_beyond_the_domain_is_refused() {
+    let walled = problem(duffing()).with_wall(Wall::above(2.0, 1.0).unwrap()).unwrap();
+    let elsewhere = Grid::new().domain([[-1.0, 1.0], [-5.0, 5.0]]).solve(&walled);
+    assert!(matches!(elsewhere, Err(Error::OutOfRange { .. })), "{elsewhere:?}");
 }

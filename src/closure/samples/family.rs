@@ -15,6 +15,18 @@ pub(in crate::closure) struct Family {
     corners: Vec<Corner>,
 }
 
+/// The singularities at all walls, in what the pilot's states reach. None where the noise on the rate of a gap depends on the state at
+/// rest on the wall.
+pub(in crate::closure) fn corners(problem: &Problem, pilot: &Pilot) -> Option<Vec<Corner>> {
+    let corner = |contact: &Contact| {
+        let gaps = pilot.states.iter().map(|x| contact.gap(x)).fold(0.0, f64::max);
+        let rates = pilot.states.iter().map(|x| contact.rate(x).abs()).fold(0.0, f64::max);
+        let velocities = contact.velocities().collect();
+        Some(Corner::new(contact.wall, velocities, problem.intensity_at(contact)?, [gaps, rates]))
+    };
+    problem.contacts().iter().map(corner).collect()
+}
+
 impl Family {
     /// On a box that holds the pilot's states. None where the noise on the rate of a gap depends on the state at rest on the wall.
     pub(in crate::closure) fn new(
@@ -26,13 +38,7 @@ impl Family {
         let (centre, _) = pilot.spread(symmetry);
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
         let half_width = (0..centre.len()).map(farthest).collect();
-        let corner = |contact: &Contact| {
-            let gaps = pilot.states.iter().map(|x| contact.gap(x)).fold(0.0, f64::max);
-            let rates = pilot.states.iter().map(|x| contact.rate(x).abs()).fold(0.0, f64::max);
-            let velocities = contact.velocities().collect();
-            Some(Corner::new(contact.wall, velocities, problem.intensity_at(contact)?, [gaps, rates]))
-        };
-        let corners = problem.contacts().iter().map(corner).collect::<Option<_>>()?;
+        let corners = corners(problem, pilot)?;
         Some(Family { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width, corners })
     }
 

@@ -31,7 +31,7 @@ mod walls;
 
 pub(crate) use copula::Copula;
 pub(in crate::closure) use equations::Sites;
-pub(in crate::closure) use family::Family;
+pub(in crate::closure) use family::{Family, corners};
 pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
 pub(in crate::closure) use means::MeansFrom;

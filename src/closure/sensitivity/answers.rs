@@ -32,8 +32,10 @@ use std::sync::Arc;
 /// s and of the solution for g. Second derivatives, of a few percent, are E\[g Σ d″_l ψ_l\] with the same matrix and E\[𝓖″ψ\] +
 /// E\[s_k 𝓖′_lψ\] + E\[s_l 𝓖′_kψ\] on the right. Next to walls, where impacts of the rate ν take ψ₋ to ψ₊, ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\]
 /// joins the matrix and ν E\[∇ψ_k₊·∂x₊/∂r r′\] the right side; with the offset of a wall displacements move along by x_i′ = η_i(x_i),
-/// which adds E\[Σ η_i ∂_i g\]. Other answers are those of the exponential polynomial whose moments have these
-/// derivatives.
+/// which adds E\[Σ η_i ∂_i g\]; and s has beside the polynomials how the singular part of ln p moves with r and with the noise at the
+/// wall. Of the impact rate the slow impacts are known less well than means: what the two highest degrees of ψ change is a part of
+/// its error, and was half of it by r = 0.8 behind a filter. Other answers are those of the exponential polynomial whose moments have
+/// these derivatives.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     pub(super) density: ClosureDensity,

@@ -65,6 +65,34 @@ enum Solution<'a> {
     Walled(Box<WalledTangent<'a>>),
 }
 
+/// Pairs of parameters by which second derivatives are asked for.
+struct Pairs<'a> {
+    /// Each parameter once.
+    names: Vec<&'a str>,
+    /// Where the parameters of each pair are among these.
+    places: Vec<[usize; 2]>,
+}
+
+impl<'a> Pairs<'a> {
+    fn new(pairs: &[[&'a str; 2]]) -> Self {
+        let mut names = Vec::new();
+        let mut place = |name: &'a str| {
+            let known = names.iter().position(|other| *other == name);
+            known.unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            })
+        };
+        let places = pairs.iter().map(|pair| pair.map(&mut place)).collect();
+        Pairs { names, places }
+    }
+
+    /// The names of a pair.
+    fn names(&self, places: [usize; 2]) -> [&'a str; 2] {
+        places.map(|place| self.names[place])
+    }
+}
+
 /// A first derivative.
 struct First<'a> {
     slope: Slope,
@@ -143,11 +171,19 @@ impl ClosureDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
-        let problem = self.differentiable()?;
+        Ok(self.second_sensitivities(&[parameters])?.remove(0))
+    }
+
+    /// The second derivatives by several pairs of parameters, with what they have in common made once: their first derivatives, too.
+    ///
+    /// # Errors
+    /// As [`ClosureDensity::second_sensitivity`].
+    pub fn second_sensitivities(&self, pairs: &[[&str; 2]]) -> Result<Vec<Sensitivity>> {
+        let (problem, pairs) = (self.differentiable()?, Pairs::new(pairs));
         if self.dimension() <= 2 {
-            return self.second_on_nodes(problem, parameters);
+            return self.second_on_nodes(problem, &pairs);
         }
-        if problem.walls().is_empty() { self.second_on_states(problem, parameters) } else { Err(NOT_SERVED) }
+        if problem.walls().is_empty() { self.second_on_states(problem, &pairs) } else { Err(NOT_SERVED) }
     }
 
     /// The problem, if derivatives of its density are served.

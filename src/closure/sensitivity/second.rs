@@ -2,11 +2,12 @@ use super::carried::{Along, Carried};
 use super::moving::Moving;
 use super::slope::Slope;
 use super::tangent::Derivative;
-use super::{First, Linearised, Sensitivity, Solution};
+use super::{First, Linearised, Pairs, Sensitivity, Solution};
 use crate::closure::density::ClosureDensity;
 use crate::error::Result;
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
+use rayon::prelude::*;
 
 /// A second derivative of q, the density in the coordinate in which walls stand still.
 struct Second<'a> {
@@ -18,20 +19,42 @@ struct Second<'a> {
 }
 
 impl ClosureDensity {
-    /// The second derivative in one state and in two.
-    pub(super) fn second_on_nodes(&self, problem: &Problem, parameters: [&str; 2]) -> Result<Sensitivity> {
+    /// The second derivatives in one state and in two.
+    pub(super) fn second_on_nodes(&self, problem: &Problem, pairs: &Pairs<'_>) -> Result<Vec<Sensitivity>> {
         let corners = self.exponent().space.corners();
-        let [k, l] = parameters.map(|parameter| Moving::new(problem, parameter, corners));
-        let moving = [&k?, &l?];
-        let both = Moving::second(problem, parameters, moving, corners)?;
-        let grazes = moving.into_iter().chain([&both]).any(Moving::grazes);
-        let operators = moving.into_iter().chain([&both]).map(|moving| &moving.operator);
+        let moving = pairs.names.iter().map(|name| Moving::new(problem, name, corners)).collect::<Result<Vec<_>>>()?;
+        let twice = |places: &[usize; 2]| {
+            let both = Moving::second(problem, pairs.names(*places), places.map(|place| &moving[place]), corners)?;
+            let grazes = places.iter().map(|place| &moving[*place]).chain([&both]).any(Moving::grazes);
+            Ok((both, grazes))
+        };
+        let twice = pairs.places.iter().map(twice).collect::<Result<Vec<_>>>()?;
+        let operators = moving.iter().chain(twice.iter().map(|(both, _)| both)).map(|moving| &moving.operator);
         let symmetry = operators.fold(problem.symmetry(), Symmetry::and_of);
-        let system = self.system_of_order(grazes, &symmetry)?;
+        let system = self.system_of_order(twice.iter().any(|(_, grazes)| *grazes), &symmetry)?;
         let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
-        let [k, l] = moving.map(|moving| linearised.first(self, moving, grazes).ok_or(self.failed()));
-        let first = [&k?, &l?];
-        let mut found = linearised.second(self, (moving, &both), (first, grazes)).ok_or(self.failed())?;
+        // The first derivatives that pairs take which graze, and those of the others.
+        let first = |grazes: bool| {
+            let taken =
+                |place| pairs.places.iter().zip(&twice).any(|(pair, at)| at.1 == grazes && pair.contains(&place));
+            let one = |place| taken(place).then(|| linearised.first(self, &moving[place], grazes)).flatten();
+            (0..moving.len()).into_par_iter().map(one).collect::<Vec<_>>()
+        };
+        let first = [first(false), first(true)];
+        let one = |(places, (both, grazes)): (&[usize; 2], &(Moving, bool))| {
+            let [k, l] = places.map(|place| first[usize::from(*grazes)][place].as_ref().ok_or(self.failed()));
+            let (first, moving) = ([k?, l?], places.map(|place| &moving[place]));
+            let second = linearised.second(self, (moving, both), (first, *grazes)).ok_or(self.failed())?;
+            Ok(self.moving_twice(pairs.names(*places), (moving, both), second))
+        };
+        // The first error is that of the first pair.
+        let found: Vec<Result<Sensitivity>> = pairs.places.par_iter().zip(&twice).map(one).collect();
+        found.into_iter().collect()
+    }
+
+    /// The second derivative of the density from that of q.
+    fn moving_twice(&self, names: [&str; 2], moving: ([&Moving; 2], &Moving), mut found: Second<'_>) -> Sensitivity {
+        let ((moving, both), first) = (moving, found.first);
         found.slope.regular.constant -= self.centred(found.own(&self.nodes), 0).1;
         let [own, reference, _] = found.relative(self, &self.nodes);
         let stretch = moving.map(|moving| moving.shift[1]);
@@ -52,9 +75,9 @@ impl ClosureDensity {
         let s = first.map(|first| first.at_nodes.clone());
         let along = [0, 1].map(|j| Along { slope: first[j].slope.clone(), shift: moving[j].shift });
         let carried = Carried::second(both.shift, along, self, s);
-        let names = parameters.map(str::to_owned).to_vec();
+        let names = names.map(str::to_owned).to_vec();
         let slope = found.slope.clone();
-        Ok(Sensitivity { carried, impacts, ..self.moving_with(names, slope, [own, reference], whole) })
+        Sensitivity { carried, impacts, ..self.moving_with(names, slope, [own, reference], whole) }
     }
 }
 

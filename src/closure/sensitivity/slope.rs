@@ -11,6 +11,12 @@ pub(super) struct Slope {
     pub(super) singular: Vec<GrazingMotion>,
 }
 
+impl From<Exponent> for Slope {
+    fn from(regular: Exponent) -> Self {
+        Slope { regular, singular: Vec::new() }
+    }
+}
+
 impl Slope {
     pub(super) fn value(&self, x: &[f64]) -> f64 {
         self.regular.value(x) + self.singular(x)

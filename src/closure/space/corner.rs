@@ -184,6 +184,11 @@ impl GrazingMotion {
         GrazingMotion { corner: corner.clone(), similarity: moves.then(similarity).flatten(), part }
     }
 
+    /// Whether S moves at all.
+    pub(in crate::closure) fn moves(&self) -> bool {
+        self.similarity.is_some()
+    }
+
     /// The derivative of S at a state.
     pub(in crate::closure) fn value(&self, x: &[f64]) -> f64 {
         let [u, w] = self.corner.coordinates(x);

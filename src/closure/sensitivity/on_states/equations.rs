@@ -1,8 +1,8 @@
 use super::masses::{BELOW, COLUMNS, Masses, product};
 use super::walk::{LOTS, Moved, Walk};
 use crate::closure::dynamics::Dynamics;
-use crate::closure::space::Polynomials;
 use crate::closure::space::degrees::Degrees;
+use crate::closure::space::{GrazingMotion, Polynomials};
 use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::products::Products;
 use crate::control_variates::regression;
@@ -32,6 +32,12 @@ pub(super) struct StateEquations<'a> {
     /// Those of A, and of its part for the functions of two degrees less.
     factors: [PartialPivLu<f64>; 2],
     lower: usize,
+}
+
+/// The g of a derivative with its [`COLUMNS`], and what of s is known, in the rows of each trajectory.
+struct Source {
+    g: Mat<f64>,
+    known: Option<Vec<Vec<f64>>>,
 }
 
 /// A measure under which the image of ψ under the derivative of a generator is averaged.
@@ -217,16 +223,28 @@ impl<'a> StateEquations<'a> {
         Masses::gathered(&self.walk, parts.collect())
     }
 
-    /// The first derivatives along some motions. None where one is not finite.
-    pub(super) fn first(&self, along: &[StillMotion]) -> Option<Vec<Masses>> {
-        let tested = along.iter().map(|motion| self.tested(&[(motion, Measure::Density)]));
-        self.solved(&tested.collect::<Option<Vec<_>>>()?)
+    /// The first derivatives along some motions, each with what moves in the singular parts next to walls, which no polynomial
+    /// follows: s = S′ + Σ d′_l ψ_l, and g has E\[S′ 𝓖ψ\] too. None where one is not finite.
+    pub(super) fn first<'m>(
+        &self,
+        along: impl Iterator<Item = (&'m StillMotion, &'m [GrazingMotion])>,
+    ) -> Option<Vec<Masses>> {
+        let source = |(motion, grazing): (&StillMotion, &[GrazingMotion])| {
+            let g = self.tested(&[(motion, Measure::Density)])?;
+            if grazing.is_empty() {
+                return Some(Source { g, known: None });
+            }
+            let known = self.known(grazing);
+            Some(Source { g: g + self.carried(&known), known: Some(known) })
+        };
+        self.solved(&along.map(source).collect::<Option<Vec<_>>>()?)
     }
 
     /// The second derivative along motions by two parameters and by both, given the first. None where it is not finite.
     pub(super) fn second(&self, [k, l]: [&StillMotion; 2], twice: &StillMotion, along: [&Masses; 2]) -> Option<Masses> {
         let [by_k, by_l] = along.map(Measure::Derivative);
-        self.solved(&[self.tested(&[(k, by_l), (l, by_k), (twice, Measure::Density)])?])?.pop()
+        let g = self.tested(&[(k, by_l), (l, by_k), (twice, Measure::Density)])?;
+        self.solved(&[Source { g, known: None }])?.pop()
     }
 
     /// Σ m 𝓖′ψ over all rows, 𝓖′ with the derivative of an operator and m the masses of a measure, its changes, and its own by
@@ -248,6 +266,31 @@ impl<'a> StateEquations<'a> {
         Some(lots.into_iter().fold(Mat::zeros(count, COLUMNS), |sum, lot| sum + lot))
     }
 
+    /// What moves in the singular parts, in the rows of each trajectory.
+    fn known(&self, grazing: &[GrazingMotion]) -> Vec<Vec<f64>> {
+        let value = |x: &[f64]| grazing.iter().map(|motion| motion.value(x)).sum();
+        let lots = self.walk.lots(Vec::new, |parts, [_, t], _| parts.push((t, self.walk.at_rows(t, value))));
+        let mut parts: Vec<(usize, Vec<f64>)> = lots.into_iter().flatten().collect();
+        parts.sort_by_key(|(t, _)| *t);
+        parts.into_iter().map(|(_, values)| values).collect()
+    }
+
+    /// Σ w S′ 𝓖ψ over all rows, and its changes.
+    fn carried(&self, known: &[Vec<f64>]) -> Mat<f64> {
+        let (walk, count) = (self.walk, self.walk.functions());
+        let lots = walk.lots(
+            || Mat::zeros(count, COLUMNS),
+            |sums, [_, t], place| {
+                let mut measure = self.measure(Measure::Density, t);
+                for (mut row, value) in measure.row_iter_mut().zip(&known[t]) {
+                    row *= Scale(*value);
+                }
+                add_product(sums, &walk.images(t, place), &measure);
+            },
+        );
+        lots.into_iter().fold(Mat::zeros(count, COLUMNS), |sum, lot| sum + lot)
+    }
+
     /// The masses of a measure in the rows of a trajectory.
     fn measure(&self, measure: Measure<'_>, t: usize) -> Mat<f64> {
         let weights = &self.weights[t];
@@ -261,11 +304,11 @@ impl<'a> StateEquations<'a> {
 
     /// The derivatives with A d = −g, given each g, its changes, and its own by the functions of two degrees less. None where one is
     /// not finite.
-    fn solved(&self, sources: &[Mat<f64>]) -> Option<Vec<Masses>> {
+    fn solved(&self, sources: &[Source]) -> Option<Vec<Masses>> {
         let [factors, below] = &self.factors;
-        let own: Vec<Mat<f64>> = sources.iter().map(|g| -factors.solve(g.get(.., ..1))).collect();
-        let solved = |(g, (own, residual)): (&Mat<f64>, (&Mat<f64>, Mat<f64>))| {
-            let lower = below.solve(g.get(..self.lower, BELOW..));
+        let own: Vec<Mat<f64>> = sources.iter().map(|source| -factors.solve(source.g.get(.., ..1))).collect();
+        let solved = |(source, (own, residual)): (&Source, (&Mat<f64>, Mat<f64>))| {
+            let lower = below.solve(source.g.get(..self.lower, BELOW..));
             let steps = factors.solve(residual);
             let d = Mat::from_fn(self.walk.functions(), COLUMNS, |k, column| match column {
                 0 => own[(k, 0)],
@@ -274,13 +317,13 @@ impl<'a> StateEquations<'a> {
                 _ => -steps[(k, column)],
             });
             let finite = d.col_iter().all(|col| col.iter().all(|d| d.is_finite()));
-            finite.then(|| self.masses(&d))
+            finite.then(|| self.masses(&d, source.known.as_deref()))
         };
         sources.iter().zip(own.iter().zip(self.residuals(&own, sources))).map(solved).collect()
     }
 
     /// The change of each A d + g with the weights of each set, from that of g.
-    fn residuals(&self, solved: &[Mat<f64>], sources: &[Mat<f64>]) -> Vec<Mat<f64>> {
+    fn residuals(&self, solved: &[Mat<f64>], sources: &[Source]) -> Vec<Mat<f64>> {
         let (walk, count) = (self.walk, self.walk.functions());
         let zero = || vec![Mat::zeros(count, SETS); solved.len()];
         let lots = walk.lots(zero, |sums, [_, t], place| {
@@ -291,25 +334,37 @@ impl<'a> StateEquations<'a> {
                 add_product(sum, &products, &self.weights[t]);
             }
         });
-        let mut residuals: Vec<Mat<f64>> = sources.iter().map(|g| g.get(.., ..SETS).to_owned()).collect();
+        let mut residuals: Vec<Mat<f64>> = sources.iter().map(|source| source.g.get(.., ..SETS).to_owned()).collect();
         for lot in lots {
             residuals.iter_mut().zip(&lot).for_each(|(sum, part)| *sum += part);
         }
         residuals
     }
 
-    fn masses(&self, solved: &Mat<f64>) -> Masses {
+    /// The masses of s = Σ d_l ψ_l for each column, and of what is known beside.
+    fn masses(&self, solved: &Mat<f64>, known: Option<&[Vec<f64>]>) -> Masses {
         let walk = self.walk;
+        // Of what is known, under the weights of each set.
+        let mut apart = vec![0.0; SETS];
+        for (weights, known) in self.weights.iter().zip(known.into_iter().flatten()) {
+            for (row, value) in known.iter().take(walk.used).enumerate() {
+                apart.iter_mut().enumerate().for_each(|(set, sum)| *sum += weights[(row, set)] * value);
+            }
+        }
         let along = |column: usize, set: usize| -> f64 {
             (0..walk.functions()).map(|k| solved[(k, column)] * self.values[(k, set)]).sum()
         };
         let means = (0..COLUMNS).map(|column| match column {
-            0 | BELOW => along(column, 0),
-            _ => along(column, 0) + along(0, column),
+            0 | BELOW => along(column, 0) + apart[0],
+            _ => along(column, 0) + along(0, column) + apart[column],
         });
         let means: Vec<f64> = means.collect();
         let lots = walk.lots(Vec::new, |parts, [_, t], place| {
-            let along = walk.values(t, place) * solved;
+            let mut along = walk.values(t, place) * solved;
+            for (row, value) in known.map_or(&[][..], |known| &known[t]).iter().enumerate() {
+                along[(row, 0)] += value;
+                along[(row, BELOW)] += value;
+            }
             parts.push((t, product(self.weights[t].as_ref(), along.as_ref(), &means)));
         });
         Masses::gathered(&walk, lots.into_iter().flatten().collect())

@@ -1,5 +1,6 @@
 use crate::closure::density::exponent::Exponent;
-use crate::closure::space::Functions;
+use crate::closure::sensitivity::slope::Slope;
+use crate::closure::space::{Functions, GrazingMotion};
 use crate::control_variates::products::{LANES, Products};
 use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
 use crate::states::States;
@@ -41,20 +42,31 @@ impl<'a> Likely<'a> {
         Some(Likely { space, products, points, masses, means, covariance: definite(covariance)? })
     }
 
-    /// Q′ from the derivative's masses on states. None where it is not finite.
-    pub(super) fn slope(&self, states: &States, masses: &[f64]) -> Option<Exponent> {
-        self.fitted(self.sums(states, masses))
+    /// ∂ ln p̃/∂θ from the derivative's masses on states, given what moves in the singular parts next to walls:
+    /// Cov_p̃(φ) c′ = dE φ/dθ − Cov_p̃(φ, S′). None where it is not finite.
+    pub(super) fn slope(&self, states: &States, masses: &[f64], singular: Vec<GrazingMotion>) -> Option<Slope> {
+        let mut moved = self.sums(states, masses);
+        if !singular.is_empty() {
+            let value = |x: &[f64]| singular.iter().map(|motion| motion.value(x)).sum();
+            self.take(&mut moved, self.points.par_iter().map(value).collect());
+        }
+        Some(Slope { regular: self.fitted(moved)?, singular })
     }
 
     /// Q″ from the second derivative's, given Q′ by both parameters, with E_p̃\[Q″ + Q′_k Q′_l\] = 0. None where it is not finite.
-    pub(super) fn second(&self, states: &States, masses: &[f64], slopes: [&Exponent; 2]) -> Option<Exponent> {
+    pub(super) fn second(&self, states: &States, masses: &[f64], slopes: [&Slope; 2]) -> Option<Exponent> {
         let [k, l] = slopes.map(|slope| slope.values(self.points));
-        let whole: f64 = self.masses.iter().sum();
-        let product = k.iter().zip(&l).zip(self.masses).map(|((k, l), mass)| k * l * mass / whole);
-        let own = self.sums(self.points, &product.collect::<Vec<_>>());
         let mut moved = self.sums(states, masses);
-        moved.iter_mut().zip(&own).for_each(|(sum, own)| *sum -= own);
+        self.take(&mut moved, k.iter().zip(&l).map(|(k, l)| k * l).collect());
         self.fitted(moved)
+    }
+
+    /// Takes the means of a function's products with the constant and the functions, given its values at the points.
+    fn take(&self, moved: &mut [f64], values: Vec<f64>) {
+        let whole: f64 = self.masses.iter().sum();
+        let product = values.iter().zip(self.masses).map(|(value, mass)| value * mass / whole);
+        let own = self.sums(self.points, &product.collect::<Vec<_>>());
+        moved.iter_mut().zip(&own).for_each(|(sum, own)| *sum -= own);
     }
 
     /// The sums of the constant and of the functions over masses on states.

@@ -78,11 +78,13 @@ impl Masses {
         self.changes.par_iter().map(change).collect()
     }
 
-    /// The derivative of the mean number of impacts per unit time, at a fixed time, with its standard error.
+    /// The derivative of the mean number of impacts per unit time, at a fixed time. Impacts at small speeds are known less well than
+    /// means, so that what the functions of the two highest degrees change is a part of the error.
     pub(super) fn impact_rate(&self) -> Estimate {
         let change = |changes: &Vec<f32>| changes[self.states..].iter().map(|mass| f64::from(*mass)).sum::<f64>();
         let changes: Vec<f64> = self.changes.iter().map(change).collect();
-        Estimate::new(self.own[self.states..].iter().sum(), jackknife(&changes))
+        let [own, below] = [&self.own, &self.below].map(|masses| masses[self.states..].iter().sum::<f64>());
+        Estimate::new(own, jackknife(&changes).hypot(own - below))
     }
 }
 

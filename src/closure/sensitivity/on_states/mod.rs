@@ -11,21 +11,22 @@ mod fit;
 mod masses;
 mod walk;
 
-use super::Sensitivity;
 use super::carried::{Along, Carried};
 use super::exact::Newton;
 use super::slope::Slope;
+use super::{Pairs, Sensitivity};
 use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::dynamics::Dynamics;
-use crate::closure::space::Functions;
+use crate::closure::samples;
+use crate::closure::space::{Corner, Functions, GrazingMotion};
 use crate::closure::tuning;
 use crate::density::{CountedImpacts, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::fokker_planck::{FokkerPlanck, ImpulseTerm};
-use crate::problem::{Problem, StillMotion, Symmetry};
+use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use crate::states::States;
 use displaced::Displaced;
 use equations::{Ground, StateEquations};
@@ -76,18 +77,20 @@ impl ClosureDensity {
             let on_nodes = self.on_kept_nodes()?;
             let newton = self.newton(&on_nodes, problem, &symmetry)?;
             let one = |(name, motion): (&&str, &StillMotion)| {
-                Ok(self.moving_by(&[name], (self.exact_slope(&newton, &motion.operator)?, None)))
+                Ok(self.moving_by(&[name], (self.exact_slope(&newton, &motion.operator)?.into(), None)))
             };
             return parameters.iter().zip(&along).map(one).collect();
         }
         let motion = self.origin()?;
+        let grazing = self.grazing(motion, &along)?;
+        let moving = || along.iter().zip(grazing.iter().map(Vec::as_slice));
         let Found { symmetry, masses, density } =
-            self.on_states(motion, &along, |equations| equations.first(&along))?;
+            self.on_states(motion, &along, |equations| equations.first(moving()))?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
         let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
-        let one = |((name, moving), masses): ((&&str, &StillMotion), Masses)| {
-            let slope = likely.slope(states, masses.own()).ok_or(self.failed())?;
+        let one = |((name, (moving, grazing)), masses): ((&&str, (&StillMotion, &[GrazingMotion])), Masses)| {
+            let slope = likely.slope(states, masses.own(), grazing.to_vec()).ok_or(self.failed())?;
             let own = slope.values(states);
             let displaced = Displaced::new(&moving.shift);
             let impacts = self.impacts_on_states(problem, moving, &masses);
@@ -95,42 +98,77 @@ impl ClosureDensity {
             let found = self.moving_by(&[name], (slope, None));
             Ok(Sensitivity { on_states: Some(Arc::new(on_states)), impacts, ..found })
         };
-        parameters.iter().zip(&along).zip(masses).map(one).collect()
+        parameters.iter().zip(moving()).zip(masses).map(one).collect()
     }
 
-    /// The second derivative by two parameters in three states and more.
-    pub(super) fn second_on_states(&self, problem: &Problem, parameters: [&str; 2]) -> Result<Sensitivity> {
-        let [k, l] = parameters.map(|parameter| problem.derivative(&[parameter]));
-        let along = [k?, l?, problem.derivative(&parameters)?].map(StillMotion::open);
-        let [k, l, twice] = &along;
+    /// The second derivatives in three states and more.
+    pub(super) fn second_on_states(&self, problem: &Problem, pairs: &Pairs<'_>) -> Result<Vec<Sensitivity>> {
+        let first = pairs.names.iter().map(|name| problem.derivative(&[name]));
+        let twice = pairs.places.iter().map(|places| problem.derivative(&pairs.names(*places)));
+        let along = first.chain(twice).map(|operator| Ok(StillMotion::open(operator?))).collect::<Result<Vec<_>>>()?;
+        let (count, symmetry) = (pairs.names.len(), symmetry_of(problem, &along));
+        let twice = &along[count..];
         if self.is_exact() {
-            let symmetry = symmetry_of(problem, &along);
             let on_nodes = self.on_kept_nodes()?;
             let newton = self.newton(&on_nodes, problem, &symmetry)?;
-            let [k, l, twice] = along.each_ref().map(|motion| &motion.operator);
-            let slopes = [self.exact_slope(&newton, k)?, self.exact_slope(&newton, l)?];
-            let mut slope = newton.second([k, l], twice, slopes.each_ref()).ok_or(self.failed())?;
-            slope.constant -= self.expectation(&|x| slope.value(x) + slopes[0].value(x) * slopes[1].value(x))?.value;
-            return Ok(self.moving_by(&parameters, (slope, Some(slopes))));
+            let first = along[..count].iter().map(|motion| self.exact_slope(&newton, &motion.operator));
+            let first = first.collect::<Result<Vec<_>>>()?;
+            let one = |(places, twice): (&[usize; 2], &StillMotion)| {
+                let slopes = places.map(|place| &first[place]);
+                let moved = places.map(|place| &along[place].operator);
+                let mut slope = newton.second(moved, &twice.operator, slopes).ok_or(self.failed())?;
+                slope.constant -=
+                    self.expectation(&|x| slope.value(x) + slopes[0].value(x) * slopes[1].value(x))?.value;
+                let first = slopes.map(|slope| slope.clone().into());
+                Ok(self.moving_by(&pairs.names(*places), (slope.into(), Some(first))))
+            };
+            return pairs.places.iter().zip(twice).map(one).collect();
         }
         let motion = self.origin()?;
         let solve = |equations: &StateEquations<'_>| {
-            let mut found = equations.first(&along[..2])?;
-            found.push(equations.second([k, l], twice, [&found[0], &found[1]])?);
+            let mut found = equations.first(along[..count].iter().map(|motion| (motion, &[][..])))?;
+            for (places, twice) in pairs.places.iter().zip(twice) {
+                let motions = places.map(|place| &along[place]);
+                found.push(equations.second(motions, twice, places.map(|place| &found[place]))?);
+            }
             Some(found)
         };
         let Found { symmetry, mut masses, density } = self.on_states(motion, &along, solve)?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
         let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
-        let second = masses.pop().ok_or(self.failed())?;
-        let [k, l] = [0, 1].map(|j| likely.slope(states, masses[j].own()).ok_or(self.failed()));
-        let slopes = [k?, l?];
-        let slope = likely.second(states, second.own(), slopes.each_ref()).ok_or(self.failed())?;
-        let [k, l] = slopes.each_ref().map(|slope| slope.values(states));
-        let own: Vec<f64> = slope.values(states).iter().zip(k.iter().zip(&l)).map(|(q, (k, l))| q + k * l).collect();
-        let on_states = self.carried_by((motion, &symmetry), second, &own, (&density, Displaced::new(&[])));
-        Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..self.moving_by(&parameters, (slope, Some(slopes))) })
+        let second = masses.split_off(count);
+        let first = masses.iter().map(|masses| likely.slope(states, masses.own(), Vec::new()).ok_or(self.failed()));
+        let first = first.collect::<Result<Vec<_>>>()?;
+        let values: Vec<Vec<f64>> = first.iter().map(|slope| slope.values(states)).collect();
+        let one = |(places, second): (&[usize; 2], Masses)| {
+            let slopes = places.map(|place| &first[place]);
+            let slope = likely.second(states, second.own(), slopes).ok_or(self.failed())?;
+            let [k, l] = places.map(|place| &values[place]);
+            let own: Vec<f64> = slope.values(states).iter().zip(k.iter().zip(l)).map(|(q, (k, l))| q + k * l).collect();
+            let on_states = self.carried_by((motion, &symmetry), second, &own, (&density, Displaced::new(&[])));
+            let found = self.moving_by(&pairs.names(*places), (slope.into(), Some(slopes.map(Slope::clone))));
+            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..found })
+        };
+        pairs.places.iter().zip(second).map(one).collect()
+    }
+
+    /// What moves in the singular parts next to walls along some motions.
+    fn grazing(&self, motion: &Dynamics, along: &[StillMotion]) -> Result<Vec<Vec<GrazingMotion>>> {
+        let (problem, pilot) = (motion.problem(), motion.pilot().ok_or(self.too_few())?);
+        let corners = samples::corners(problem, pilot).ok_or(self.failed())?;
+        let contacts = problem.contacts();
+        let one = |motion: &StillMotion| {
+            let at = |((contact, corner), restitution): ((&Contact, &Corner), &f64)| {
+                // As the coordinate stretches, the noise does more.
+                let stretched = motion.shift[contact.wall.state()][1] * corner.intensity();
+                let noise = problem.intensity_rate_at(contact, &motion.operator) + stretched;
+                GrazingMotion::new(corner, [*restitution, noise])
+            };
+            let all = contacts.iter().zip(&corners).zip(&motion.restitution).map(at);
+            all.filter(GrazingMotion::moves).collect()
+        };
+        Ok(along.iter().map(one).collect())
     }
 
     fn is_exact(&self) -> bool {
@@ -241,14 +279,13 @@ impl ClosureDensity {
     }
 
     /// The derivative of ln p̃, by two parameters with the first ones.
-    fn moving_by(&self, names: &[&str], (slope, first): (Exponent, Option<[Exponent; 2]>)) -> Sensitivity {
-        let of = |regular: Exponent| Slope { regular, singular: Vec::new() };
+    fn moving_by(&self, names: &[&str], (slope, first): (Slope, Option<[Slope; 2]>)) -> Sensitivity {
         let names = names.iter().map(|&name| name.to_owned()).collect();
-        let along = first.map(|first| first.map(|regular| Along { slope: of(regular), shift: [0.0; 2] }));
+        let along = first.map(|first| first.map(|slope| Along { slope, shift: [0.0; 2] }));
         let nothing = || [Vec::new(), Vec::new()];
         let carried = |along| Carried::second([0.0; 2], along, self, [nothing(), nothing()]);
         let carried = along.map_or_else(Carried::default, carried);
-        Sensitivity { carried, ..self.moving_with(names, of(slope), nothing(), None) }
+        Sensitivity { carried, ..self.moving_with(names, slope, nothing(), None) }
     }
 
     /// States with weights that sum to about 1, on which integrals of the density are taken.

@@ -149,6 +149,13 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// A function of the state in all rows of a trajectory.
+    pub(super) fn at_rows(&self, t: usize, value: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+        let first = self.first(t);
+        let states = (first..first + self.used).map(|place| self.pilot.states.state(place));
+        states.chain(self.impacts(t).map(|impact| self.pilot.collisions.states.state(impact))).map(value).collect()
+    }
+
     /// The functions in all rows of a trajectory.
     pub(super) fn values(&self, t: usize, place: &mut Place) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
