@@ -39,6 +39,7 @@ use super::space::{Functions, Polynomials};
 use super::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
+use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::monomials;
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
@@ -138,7 +139,8 @@ impl ClosureDensity {
         let moving = moving.collect::<Result<Vec<_>>>()?;
         let symmetry = moving.iter().fold(problem.symmetry(), |symmetry, moving| symmetry.and_of(&moving.operator));
         let system = self.system_of_order(moving.iter().any(Moving::grazes), &symmetry)?;
-        let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
+        let operators = moving.iter().map(|moving| &moving.operator);
+        let linearised = self.linearised(problem, system.as_ref(), &symmetry, operators)?;
         let one = |(parameter, moving): (&&str, &Moving)| {
             let found = linearised.first(self, moving, moving.grazes()).ok_or(self.failed())?;
             // The rate of impacts is that of the density over the stretched length.
@@ -223,18 +225,24 @@ impl ClosureDensity {
         system.map(Some).ok_or(self.failed())
     }
 
-    fn linearised<'a>(
+    /// What derivatives along motions with these derivatives of the operator have in common.
+    fn linearised<'a, 'o>(
         &'a self,
         problem: &Problem,
         system: Option<&'a MomentSystem>,
         symmetry: &Symmetry,
+        operators: impl Iterator<Item = &'o FokkerPlanck> + Clone,
     ) -> Result<Linearised<'a>> {
         let (origin, walled) = (self.candidates()[0].origin, !problem.walls().is_empty());
         let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
         let dynamics = self.origin()?;
         let solution = |system: &'a MomentSystem| {
             if walled {
-                return Some(Solution::Walled(Box::new(WalledTangent::new(system, dynamics.passages()))));
+                return Some(Solution::Walled(Box::new(WalledTangent::new(
+                    system,
+                    dynamics.passages(),
+                    operators.clone(),
+                ))));
             }
             Some(Solution::Smooth(Box::new(Tangent::new(problem, system, dynamics.domain())?)))
         };

@@ -30,9 +30,9 @@ impl ClosureDensity {
         };
         let twice = pairs.places.iter().map(twice).collect::<Result<Vec<_>>>()?;
         let operators = moving.iter().chain(twice.iter().map(|(both, _)| both)).map(|moving| &moving.operator);
-        let symmetry = operators.fold(problem.symmetry(), Symmetry::and_of);
+        let symmetry = operators.clone().fold(problem.symmetry(), Symmetry::and_of);
         let system = self.system_of_order(twice.iter().any(|(_, grazes)| *grazes), &symmetry)?;
-        let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
+        let linearised = self.linearised(problem, system.as_ref(), &symmetry, operators)?;
         // The first derivatives that pairs take which graze, and those of the others.
         let first = |grazes: bool| {
             let taken =

@@ -6,7 +6,9 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::Passage;
 use crate::closure::dynamics::MomentSystem;
 use crate::closure::space::sweep;
+use crate::fokker_planck::FokkerPlanck;
 use crate::numerics::{combination, weighted_sum};
+use crate::polynomial::Polynomial;
 use crate::states::States;
 use faer::Mat;
 use std::sync::Arc;
@@ -30,10 +32,17 @@ pub(super) struct WalledTangent<'a> {
     solution: Arc<Exponent>,
     ratio: Vec<f64>,
     factors: Factors,
+    /// The [derivatives](derivatives) of ψ at the nodes that some motion takes.
+    derivatives: [Option<Mat<f64>>; ENTRIES],
 }
 
 impl<'a> WalledTangent<'a> {
-    pub(super) fn new(system: &'a MomentSystem, passages: &'a [Passage]) -> Self {
+    /// For motions with these derivatives of the operator.
+    pub(super) fn new<'o>(
+        system: &'a MomentSystem,
+        passages: &'a [Passage],
+        operators: impl Iterator<Item = &'o FokkerPlanck> + Clone,
+    ) -> Self {
         let ends = |end: fn(&Passage) -> &[f64; 2]| {
             let mut points = States::new(2);
             passages.iter().for_each(|passage| points.push(end(passage)));
@@ -46,7 +55,9 @@ impl<'a> WalledTangent<'a> {
         let weights = system.measure.iter().copied().chain(impacts).collect();
         let factors = Factors::new(system);
         let solution = Arc::new(system.function(&stationary));
-        WalledTangent { system, passages, before, after, weights, solution, ratio, factors }
+        let taken = |k| operators.clone().any(|moved| !entry(moved, k).is_zero());
+        let derivatives = std::array::from_fn(|k| taken(k).then(|| derivatives(system, k)));
+        WalledTangent { system, passages, before, after, weights, solution, ratio, factors, derivatives }
     }
 
     /// The derivative along a motion. None where it is not finite.
@@ -122,10 +133,22 @@ impl<'a> WalledTangent<'a> {
         let masses: Vec<f64> = g.iter().zip(&self.weights).map(|(g, weight)| g * weight).collect();
         let (inside, impacts) = masses.split_at(self.nodes());
         let mut sum = vec![0.0; self.system.space.len() + 1];
-        if !moving.operator.is_zero() {
-            let points = &self.system.nodes.points;
-            let locals = moving.operator.locals(points);
-            add(&mut sum, &self.tested(points, |i| (&locals[i].drift[..], &locals[i].diffusion[..]), inside));
+        for (k, known) in self.derivatives.iter().enumerate() {
+            let entry = entry(&moving.operator, k);
+            if entry.is_zero() {
+                continue;
+            }
+            let made;
+            let table = match known {
+                Some(table) => table,
+                None => {
+                    made = derivatives(self.system, k);
+                    &made
+                }
+            };
+            let points = self.system.nodes.points.iter().zip(inside);
+            let masses: Vec<f64> = points.map(|(x, mass)| entry.evaluate(x) * mass).collect();
+            add(&mut sum, &weighted_sum(table.as_ref(), &masses));
         }
         let change = |passage: &Passage| {
             let (v, side) = (passage.before[1], usize::from(passage.before[1] > 0.0));
@@ -133,22 +156,10 @@ impl<'a> WalledTangent<'a> {
         };
         let changes: Vec<([f64; 2], [f64; 4])> = self.passages.iter().map(change).collect();
         if changes.iter().any(|(first, second)| first[1] != 0.0 || second[3] != 0.0) {
-            add(&mut sum, &self.tested(&self.after, |i| (&changes[i].0[..], &changes[i].1[..]), impacts));
+            let local = |i: usize| (&changes[i].0[..], &changes[i].1[..]);
+            add(&mut sum, &weighted_sum(rates(self.system, &self.after, local).as_ref(), impacts));
         }
-        sum
-    }
-
-    /// Σ m G′ψ over some points with masses m, G′ with these drifts and diffusions.
-    fn tested<'l>(
-        &self,
-        points: &States,
-        local: impl Fn(usize) -> (&'l [f64], &'l [f64]) + Sync,
-        masses: &[f64],
-    ) -> Vec<f64> {
-        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), self.system.space.len() + 1));
-        sweep::tabulate_rates(&self.system.space, points, local, [values.as_mut(), images.as_mut()]);
-        let sums = weighted_sum(images.as_ref(), masses);
-        let mut sums = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
+        let mut sums = Mat::from_fn(1, sum.len(), |_, k| sum[k]);
         self.system.functions.transform(sums.as_mut());
         sums.row(0).iter().copied().collect()
     }
@@ -162,6 +173,30 @@ impl<'a> WalledTangent<'a> {
         let solution = Arc::clone(&self.solution);
         finite.then(|| Derivative { system, solution, s, d, below }.centred(&density))
     }
+}
+
+/// The entries of f′ and, after them, those of B′.
+const ENTRIES: usize = 6;
+
+fn entry(moved: &FokkerPlanck, k: usize) -> &Polynomial {
+    if k < 2 { &moved.drift()[k] } else { &moved.diffusion()[(k - 2) / 2][k % 2] }
+}
+
+/// What an entry multiplies in G′ψ at the nodes: ∂_iψ or ½ ∂_i∂_jψ.
+fn derivatives(system: &MomentSystem, entry: usize) -> Mat<f64> {
+    let one: [f64; ENTRIES] = std::array::from_fn(|k| if k == entry { 1.0 } else { 0.0 });
+    rates(system, &system.nodes.points, |_| one.split_at(2))
+}
+
+/// f·∇ψ + ½ B:∇∇ψ of all functions at some points, with the drift and the diffusion at each of them.
+fn rates<'l>(
+    system: &MomentSystem,
+    points: &States,
+    local: impl Fn(usize) -> (&'l [f64], &'l [f64]) + Sync,
+) -> Mat<f64> {
+    let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len(), system.space.len() + 1));
+    sweep::tabulate_rates(&system.space, points, local, [values.as_mut(), rates.as_mut()]);
+    rates
 }
 
 fn add(sum: &mut [f64], part: &[f64]) {
