@@ -35,7 +35,7 @@ fn modulated_noise_agrees_with_a_grid() {
     let strong = problem(Duffing::new(0.2, 1.0, 0.3, 0.66).unwrap());
     let envelope = Envelope::exponentials(2.32 / 1.82, 0.09, 1.49).unwrap();
     let (start, times) = (normal([0.0, 0.0], 0.2), [4.0, 8.0]);
-    let grid = Grid::new().degree(5).cells([10, 10]).solve(&strong).unwrap();
+    let grid = Grid::new().degree(6).cells([12, 12]).solve(&strong).unwrap();
     let truth = grid.modulated_transient(&envelope, &start, &times, 1e-3).unwrap();
     let found = Closure::new(6).modulated_transient(&strong, &envelope, &start, &times).unwrap();
     for ((found, truth), best) in found.iter().zip(&truth).zip([3.0e-3, 4.2e-3]) {

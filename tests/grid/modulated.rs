@@ -32,7 +32,7 @@ fn moments_follow_their_own_equations() {
         let all = envelopes();
         let (smooth, steps) = all.split_at(2);
         for envelope in if a == 0.0 { smooth } else { steps } {
-            for found in density.modulated_transient(envelope, &start, &[1.0], 1e-5).unwrap() {
+            for found in density.modulated_transient(envelope, &start, &[2.0], 1e-5).unwrap() {
                 let truth = system.moments(envelope, moments, found.time);
                 for (powers, truth) in POWERS.iter().zip(truth) {
                     let moment = found.moment(powers).unwrap();
@@ -108,13 +108,13 @@ fn constant_envelopes_have_their_own_stationary_densities() {
 fn survival_of_an_earthquake_agrees_with_a_simulation() {
     const PATHS: usize = 20_000;
     const STEP: f64 = 0.02;
-    let (level, times) = (1.2, [3.0, 6.0, 12.0]);
+    let (level, times) = (1.2, [5.0, 10.0, 20.0]);
     let density = Grid::new().degree(5).grazing(1e-2).solve(&problem(crate::common::duffing())).unwrap();
     let envelope = Envelope::exponentials(1.3, 0.09, 1.49).unwrap();
     let survival = density.survival([-level, level]).unwrap();
     let found = survival.modulated_probability(&envelope, &Start::Point(vec![0.0, 0.0]), &times, 1e-3).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let steps = (12.0 / STEP).round() as usize;
+    let steps = (20.0 / STEP).round() as usize;
     let kicks: Vec<f64> = (0..steps).map(|n| envelope.value(STEP * (n as f64 + 0.5)) * (0.4 * STEP).sqrt()).collect();
     let mut survived = [0_usize; 3];
     for _ in 0..PATHS {

@@ -49,6 +49,7 @@ use exact::Newton;
 use moving::Moving;
 use projected::Fit;
 use rayon::prelude::*;
+use second::Pairs;
 use slope::Slope;
 use tangent::{Derivative, Tangent};
 use walled::WalledTangent;
@@ -64,34 +65,6 @@ struct Linearised<'a> {
 enum Solution<'a> {
     Smooth(Box<Tangent<'a>>),
     Walled(Box<WalledTangent<'a>>),
-}
-
-/// Pairs of parameters by which second derivatives are asked for.
-struct Pairs<'a> {
-    /// Each parameter once.
-    names: Vec<&'a str>,
-    /// Where the parameters of each pair are among these.
-    places: Vec<[usize; 2]>,
-}
-
-impl<'a> Pairs<'a> {
-    fn new(pairs: &[[&'a str; 2]]) -> Self {
-        let mut names = Vec::new();
-        let mut place = |name: &'a str| {
-            let known = names.iter().position(|other| *other == name);
-            known.unwrap_or_else(|| {
-                names.push(name);
-                names.len() - 1
-            })
-        };
-        let places = pairs.iter().map(|pair| pair.map(&mut place)).collect();
-        Pairs { names, places }
-    }
-
-    /// The names of a pair.
-    fn names(&self, places: [usize; 2]) -> [&'a str; 2] {
-        places.map(|place| self.names[place])
-    }
 }
 
 /// A first derivative.

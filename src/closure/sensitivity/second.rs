@@ -2,12 +2,40 @@ use super::carried::{Along, Carried};
 use super::moving::Moving;
 use super::slope::Slope;
 use super::tangent::Derivative;
-use super::{First, Linearised, Pairs, Sensitivity, Solution};
+use super::{First, Linearised, Sensitivity, Solution};
 use crate::closure::density::ClosureDensity;
 use crate::error::Result;
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
 use rayon::prelude::*;
+
+/// Pairs of parameters by which second derivatives are asked for.
+pub(super) struct Pairs<'a> {
+    /// Each parameter once.
+    pub(super) names: Vec<&'a str>,
+    /// Where the parameters of each pair are among these.
+    pub(super) places: Vec<[usize; 2]>,
+}
+
+impl<'a> Pairs<'a> {
+    pub(super) fn new(pairs: &[[&'a str; 2]]) -> Self {
+        let mut names = Vec::new();
+        let mut place = |name: &'a str| {
+            let known = names.iter().position(|other| *other == name);
+            known.unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            })
+        };
+        let places = pairs.iter().map(|pair| pair.map(&mut place)).collect();
+        Pairs { names, places }
+    }
+
+    /// The names of a pair.
+    pub(super) fn names(&self, places: [usize; 2]) -> [&'a str; 2] {
+        places.map(|place| self.names[place])
+    }
+}
 
 /// A second derivative of q, the density in the coordinate in which walls stand still.
 struct Second<'a> {

@@ -32,7 +32,7 @@ pub(super) struct WalledTangent<'a> {
     solution: Arc<Exponent>,
     ratio: Vec<f64>,
     factors: Factors,
-    /// The [derivatives](derivatives) of ψ at the nodes that some motion takes.
+    /// The [`derivatives`] of ψ at the nodes that some motion takes.
     derivatives: [Option<Mat<f64>>; ENTRIES],
 }
 

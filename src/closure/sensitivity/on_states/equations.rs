@@ -1,20 +1,16 @@
 use super::masses::{BELOW, COLUMNS, Masses, product};
-use super::walk::{LOTS, Moved, Walk};
+use super::walk::{Moved, Walk};
+use super::weights::{Calibration, SETS};
 use crate::closure::dynamics::Dynamics;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{GrazingMotion, Polynomials};
 use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::products::Products;
-use crate::control_variates::regression;
-use crate::numerics::add_gram;
 use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
-use faer::{Accum, Mat, MatRef, Par};
-
-/// The weights of all states, and what leaving out each lot changes in them.
-const SETS: usize = 1 + LOTS;
+use faer::{Accum, Mat, Par};
 
 /// The Galerkin equations for derivatives on the pilot's states, A d′ = −g with A_kl = E\[ψ_l 𝓖ψ_k\] and g_k = E\[𝓖′ψ_k\], so that
 /// ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l: E_p′\[𝓖ψ\] = −E_p\[𝓖′ψ\] for every ψ. Second derivatives p″ = p Σ d″_l ψ_l have the same matrix, and
@@ -93,90 +89,6 @@ fn functions(problem: &Problem, symmetry: &Symmetry, blocks: usize) -> Vec<(u32,
         found.len() * tuning::calibration::BLOCKS_EACH <= blocks && found.len() <= tuning::space::MOST
     };
     tuning::sensitivity::DEGREES.into_iter().map(exponents).take_while(fits).collect()
-}
-
-/// Sums of 𝓖ψ over blocks, and the lower triangle of that of their products.
-#[derive(Clone)]
-struct Moments {
-    blocks: f64,
-    sum: Vec<f64>,
-    square: Mat<f64>,
-}
-
-impl Moments {
-    fn zero(count: usize) -> Self {
-        Moments { blocks: 0.0, sum: vec![0.0; count], square: Mat::zeros(count, count) }
-    }
-
-    fn add(&mut self, other: &Moments, sign: f64) {
-        self.blocks += sign * other.blocks;
-        self.sum.iter_mut().zip(&other.sum).for_each(|(sum, part)| *sum += sign * part);
-        self.square += Scale(sign) * &other.square;
-    }
-
-    /// The weights that make the mean of 𝓖ψ zero: λ = Cov(𝓖ψ)⁻¹ E𝓖ψ and 1 + λ·E𝓖ψ.
-    fn calibration(&self) -> Option<(Mat<f64>, f64)> {
-        let mean: Vec<f64> = self.sum.iter().map(|sum| sum / self.blocks).collect();
-        let covariance = |k: usize, l: usize| self.square[(k, l)] / self.blocks - mean[k] * mean[l];
-        let lambda = regression([mean.len(), 1], covariance, |k, _| mean[k])?;
-        let level = 1.0 + mean.iter().enumerate().map(|(k, r)| r * lambda[(k, 0)]).sum::<f64>();
-        Some((lambda, level))
-    }
-}
-
-/// The weights that make all means of 𝓖ψ zero.
-struct Calibration {
-    /// λ and 1 + λ·E𝓖ψ of all states, and of those without each lot: the weight of a block is that less its λ·𝓖ψ, over the number
-    /// of states.
-    lambda: Mat<f64>,
-    levels: Vec<f64>,
-    counts: Vec<f64>,
-}
-
-impl Calibration {
-    /// None where the states lie on a surface.
-    fn new(walk: &Walk<'_>) -> Option<Self> {
-        let count = walk.functions();
-        let lots = walk.lots(
-            || Moments::zero(count),
-            |sums, [_, t], place| {
-                let table = block_means(walk, walk.images(t, place).as_ref(), &walk.blocks(t));
-                add_gram(sums.square.as_mut(), table.as_ref());
-                (0..count).for_each(|k| sums.sum[k] += table.col(k).iter().sum::<f64>());
-                sums.blocks += table.nrows() as f64;
-            },
-        );
-        let mut all = Moments::zero(count);
-        lots.iter().for_each(|lot| all.add(lot, 1.0));
-        let (mut lambda, mut levels, mut counts) = (Mat::zeros(count, SETS), Vec::new(), Vec::new());
-        for set in 0..SETS {
-            let mut moments = all.clone();
-            if let Some(lot) = set.checked_sub(1) {
-                moments.add(&lots[lot], -1.0);
-            }
-            let (found, level) = moments.calibration()?;
-            lambda.col_mut(set).copy_from(found.col(0));
-            levels.push(level);
-            counts.push(moments.blocks * walk.length as f64);
-        }
-        Some(Calibration { lambda, levels, counts })
-    }
-
-    /// The weights of a trajectory's rows, and what leaving out each lot changes in them.
-    fn weights(&self, walk: &Walk<'_>, images: MatRef<'_, f64>, [lot, t]: [usize; 2]) -> Mat<f64> {
-        let blocks = walk.blocks(t);
-        let taken = block_means(walk, images, &blocks) * &self.lambda;
-        let weight = |block: usize, set: usize| (self.levels[set] - taken[(block, set)]) / self.counts[set];
-        Mat::from_fn(images.nrows(), SETS, |row, set| {
-            let (block, share) = blocks[row];
-            share
-                * match set {
-                    0 => weight(block, 0),
-                    _ if set == lot + 1 => -weight(block, 0),
-                    _ => weight(block, set) - weight(block, 0),
-                }
-        })
-    }
 }
 
 /// Sums over a lot: A = Σ w 𝓖ψ ψᵀ under the weights of all states, Σ w ψ under the weights of each set, and these weights.
@@ -374,15 +286,4 @@ impl<'a> StateEquations<'a> {
 /// Adds AᵀB to a sum.
 fn add_product(sum: &mut Mat<f64>, a: &Mat<f64>, b: &Mat<f64>) {
     matmul(sum.as_mut(), Accum::Add, a.transpose(), b.as_ref(), 1.0, Par::Seq);
-}
-
-/// The means over blocks of rows, each with what it counts for.
-fn block_means(walk: &Walk<'_>, table: MatRef<'_, f64>, blocks: &[(usize, f64)]) -> Mat<f64> {
-    let mut means = Mat::zeros(walk.used / walk.length, table.ncols());
-    for k in 0..table.ncols() {
-        for (row, (block, share)) in blocks.iter().enumerate() {
-            means[(*block, k)] += share * table[(row, k)] / walk.length as f64;
-        }
-    }
-    means
 }

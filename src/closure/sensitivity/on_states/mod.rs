@@ -1,6 +1,7 @@
 //! Derivatives where the pilot's states carry the density: no nodes are needed, nor a simulation for each parameter.
 //!
 //! - `walk`: functions and their images along the pilot's trajectories;
+//! - `weights`: those of the states under which all means of images are zero;
 //! - `equations`: the Galerkin equations there, and their solutions;
 //! - `masses`: what these are on the states, and means with standard errors;
 //! - `fit`: the exponential polynomial's part; `displaced`: how displacements move with walls.
@@ -10,11 +11,13 @@ mod equations;
 mod fit;
 mod masses;
 mod walk;
+mod weights;
 
+use super::Sensitivity;
 use super::carried::{Along, Carried};
 use super::exact::Newton;
+use super::second::Pairs;
 use super::slope::Slope;
-use super::{Pairs, Sensitivity};
 use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
