@@ -10,12 +10,12 @@
 //! the mass matrix is the identity: ∂p/∂t = −K p.
 
 use super::blocks::{Blocks, without_rounding};
-use super::dissection::elimination_order;
+use super::condensation::{Condensation, Factors};
 use super::face::Face;
 use super::flux::{Flux, Part};
 use super::legendre::Table;
 use super::space::{Side, Space};
-use super::sparse::{Factors, Ordering, SparseMatrix, united};
+use super::sparse::{SparseMatrix, united};
 use super::wall::Rebound;
 use crate::envelope::Envelope;
 use crate::error::Result;
@@ -26,12 +26,8 @@ use nalgebra::DMatrix;
 
 /// Blocks in a column of K: those of an element and of the four next to it.
 const NEIGHBOURS: usize = 5;
-/// Entries take so many numbers together: by columns, by rows, shifted, each with its index.
-const COPIES: f64 = 6.0;
-
-/// Both factors with their workspace, relative to the bound on the entries of one: as the peak memory of solutions with 10 000
-/// to 70 000 unknowns was measured, in the open and next to walls.
-const FACTORS: f64 = 3.2;
+/// The numbers that an entry of a matrix by columns takes: itself and its row.
+const BY_COLUMNS: f64 = 2.0;
 
 const FEWER: &str = "take fewer cells or a lower degree, or raise `memory_limit`";
 
@@ -41,16 +37,15 @@ pub(super) struct Discretisation {
     /// K.
     pub(super) matrix: SparseMatrix,
     /// For the factors of every matrix with the pattern of K.
-    pub(super) ordering: Ordering,
+    pub(super) condensation: Condensation,
 }
 
 impl Discretisation {
     /// # Errors
     /// [`Error::TooMuchMemory`](crate::Error::TooMuchMemory) if the matrix or its factors would not keep to the limit.
     pub(super) fn new(problem: &Problem, space: &Space, memory: MemoryLimit) -> Result<Self> {
-        let blocks = (space.elements() * NEIGHBOURS) as f64;
-        memory.holds("the matrix of the grid", COPIES * blocks * (space.block() as f64).powi(2), FEWER)?;
-        Self::of(assemble(problem, space, Part::Whole), space, memory)
+        memory.holds("the matrix of the grid", entries(space), FEWER)?;
+        Self::of(problem, assemble(problem, space, Part::Whole), space, memory)
     }
 
     /// The part of the operator that is there without noise, with the noise's.
@@ -63,22 +58,24 @@ impl Discretisation {
         envelope: &'e Envelope,
         memory: MemoryLimit,
     ) -> Result<(Self, Modulation<'e>)> {
-        let blocks = (space.elements() * NEIGHBOURS) as f64;
-        memory.holds("the matrix of the grid", 2.0 * COPIES * blocks * (space.block() as f64).powi(2), FEWER)?;
+        memory.holds("the matrix of the grid", 2.0 * entries(space), FEWER)?;
         let parts = [Part::Drift, Part::Noise].map(|part| assemble(problem, space, part));
         let [drift, noise] = united(parts);
-        Ok((Self::of(drift, space, memory)?, Modulation { noise, envelope }))
+        Ok((Self::of(problem, drift, space, memory)?, Modulation { noise, envelope }))
     }
 
-    fn of(matrix: SparseMatrix, space: &Space, memory: MemoryLimit) -> Result<Self> {
-        let ordering = Ordering::new(&matrix, &elimination_order(space, &matrix))?;
-        memory.holds("the factors of the grid's matrix", FACTORS * ordering.bound, FEWER)?;
-        Ok(Discretisation { matrix, ordering })
+    fn of(problem: &Problem, matrix: SparseMatrix, space: &Space, memory: MemoryLimit) -> Result<Self> {
+        let diffusion = problem.operator().diffusion();
+        let condensation = Condensation::new(space, &matrix, [0, 1].map(|state| !diffusion[state][state].is_zero()));
+        // The matrix, and the shifted one that is factored.
+        let entries = 2.0 * BY_COLUMNS * matrix.values.len() as f64;
+        memory.holds("the factors of the grid's matrix", entries + condensation.numbers(space.elements()), FEWER)?;
+        Ok(Discretisation { matrix, condensation })
     }
 
     /// The factors of K + `shift`·I.
-    pub(super) fn shifted(&self, shift: f64) -> Result<Factors> {
-        self.ordering.factorise(&self.matrix.shifted(shift))
+    pub(super) fn shifted(&self, shift: f64) -> Factors<'_> {
+        self.condensation.factorise(&self.matrix.shifted(shift))
     }
 }
 
@@ -92,6 +89,11 @@ pub(super) struct Modulation<'a> {
 /// The derivative of K on a mesh that stands still, or moves with the walls.
 pub(super) fn derivative(problem: &Problem, space: &Space, motion: &PlaneMotion) -> SparseMatrix {
     assemble(problem, space, Part::Moved(motion))
+}
+
+/// The numbers that the matrix takes at most while it is made of dense blocks.
+fn entries(space: &Space) -> f64 {
+    (1.0 + BY_COLUMNS) * (space.elements() * NEIGHBOURS) as f64 * (space.block() as f64).powi(2)
 }
 
 /// The matrix K on `space`, or a part of it.

@@ -1,7 +1,7 @@
 //! Steps in time for ∂p/∂t = −K(t) p.
 
 use super::assembly::{Discretisation, Modulation};
-use super::sparse::Factors;
+use super::condensation::Factors;
 use crate::envelope::Piece;
 use crate::error::{Error, Result};
 use crate::grid::tuning;
@@ -47,7 +47,7 @@ pub(super) struct March<'a> {
     modulation: Option<&'a Modulation<'a>>,
     tolerance: f64,
     /// The step and the squared envelope that the factors belong to.
-    prepared: Option<([f64; 2], Factors)>,
+    prepared: Option<([f64; 2], Factors<'a>)>,
     step: f64,
     pub(super) time: f64,
     pub(super) p: Vec<f64>,
@@ -123,7 +123,7 @@ impl<'a> March<'a> {
         let same = |old: [f64; 2]| (old[0] - step).abs() <= 1e-9 * step && old[1] == strength;
         let fresh = match self.prepared.take() {
             Some((old, factors)) if same(old) => (old, factors),
-            _ => ([step, strength], self.factors((GAMMA * step).recip(), strength)?),
+            _ => ([step, strength], self.factors((GAMMA * step).recip(), strength)),
         };
         let ([step, _], factors) = self.prepared.insert(fresh);
         let step = *step;
@@ -155,14 +155,14 @@ impl<'a> March<'a> {
     }
 
     /// The factors of K + `diagonal` where the squared envelope is `strength`.
-    fn factors(&self, diagonal: f64, strength: f64) -> Result<Factors> {
+    fn factors(&self, diagonal: f64, strength: f64) -> Factors<'a> {
         match self.modulation {
             None => self.operator.shifted(diagonal),
             Some(modulation) => {
                 let mut matrix = self.operator.matrix.shifted(diagonal);
                 // Both have one pattern.
                 add(&mut matrix.values, strength, &modulation.noise.values);
-                self.operator.ordering.factorise(&matrix)
+                self.operator.condensation.factorise(&matrix)
             }
         }
     }

@@ -3,7 +3,9 @@
 //! - `legendre`, `space`, `mesh`: polynomials, elements, mesh lines;
 //! - `flux`: the operator at a point; `blocks`, `assembly`, `face`, `wall`: the matrix: volumes, faces between elements,
 //!   rebounds;
-//! - `sparse`, `dissection`: LU factors; `stationary`: the null vector of the matrix;
+//! - `sparse`: the matrix by entries; `dissection`: the order of elimination; `condensation`, `elimination`, `panel`: LU factors of
+//!   the unknowns within elements, of those at faces, and of a group of them;
+//! - `stationary`: the null vector of the matrix;
 //! - `domain`: where the density is; `layout`: its elements; `solver`: domain, mesh and two degrees for an error estimate;
 //! - `field`, `density`: the piecewise polynomial, and the density made of it; `sensitivity`: its derivatives by parameters;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same matrix;
@@ -11,9 +13,11 @@
 
 mod assembly;
 mod blocks;
+mod condensation;
 mod density;
 mod dissection;
 mod domain;
+mod elimination;
 mod face;
 mod field;
 mod flux;
@@ -22,6 +26,7 @@ mod layout;
 mod legendre;
 mod march;
 mod mesh;
+mod panel;
 mod relaxation;
 mod sensitivity;
 mod solver;
@@ -130,7 +135,7 @@ impl Grid {
     }
 
     /// The memory that matrix and factors may take, 8 GiB by default. They are estimated before they are allocated: 50 000
-    /// unknowns take 2 to 3 GiB.
+    /// unknowns take half a gibibyte to one.
     pub fn memory_limit(self, gibibytes: f64) -> Self {
         Grid { memory: MemoryLimit::gibibytes(gibibytes), ..self }
     }

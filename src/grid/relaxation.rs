@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// The `count` slowest of the eigenvalues of K next to zero, by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
 /// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ.
 pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Result<Vec<Relaxation>> {
-    let factors = operator.shifted(shift)?;
+    let factors = operator.shifted(shift);
     let size = operator.matrix.size;
     let krylov = tuning::march::KRYLOV.min(size);
     // Any vector with a part in every slow mode serves; this one has no symmetry of a mesh.

@@ -1,9 +1,10 @@
 //! The null vector of the matrix: the stationary density.
 
 use super::assembly::{Discretisation, derivative};
+use super::condensation::Factors;
 use super::field::Field;
 use super::space::Space;
-use super::sparse::{Factors, SparseMatrix};
+use super::sparse::SparseMatrix;
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
 use crate::problem::{PlaneMotion, Problem};
@@ -37,12 +38,12 @@ pub(super) fn solve(
     memory: MemoryLimit,
     motions: &[PlaneMotion],
 ) -> Result<Stationary> {
-    let Discretisation { matrix, ordering } = Discretisation::new(problem, space, memory)?;
+    let Discretisation { matrix, condensation } = Discretisation::new(problem, space, memory)?;
     let k = pin * space.block();
     let alpha = matrix.magnitude().min(diagonal_scale(&matrix, k));
     let mut pinned = matrix.clone();
     pinned.add_to_diagonal(k, alpha);
-    let factors = ordering.factorise(&pinned)?;
+    let factors = condensation.factorise(&pinned);
     let mut right = vec![0.0; matrix.size];
     right[k] = alpha;
     let p = refined(&pinned, &factors, &right)?;
@@ -71,7 +72,7 @@ pub(super) fn solve(
 }
 
 /// The solution of A x = `right` with one step of iterative refinement: a pin where the density is low would cost digits.
-fn refined(matrix: &SparseMatrix, factors: &Factors, right: &[f64]) -> Result<Vec<f64>> {
+fn refined(matrix: &SparseMatrix, factors: &Factors<'_>, right: &[f64]) -> Result<Vec<f64>> {
     let mut x = factors.solve(right)?;
     let product = matrix.apply(&x);
     let defect: Vec<f64> = right.iter().zip(&product).map(|(b, a)| b - a).collect();

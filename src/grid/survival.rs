@@ -150,7 +150,7 @@ impl Survival {
         let [fine, coarse] = self.both(|space, stationary| {
             let field = initial.field(stationary, space)?;
             let before = initial.time * field.mass();
-            let spent = self.operator(space)?.shifted(0.0)?.solve(&field.coefficients)?;
+            let spent = self.operator(space)?.shifted(0.0).solve(&field.coefficients)?;
             Ok(before + Field { space: space.clone(), coefficients: spent }.mass())
         })?;
         Ok(Estimate::new(fine, (fine - coarse).abs() + fine * fine * self.leak()))
