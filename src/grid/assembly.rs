@@ -45,7 +45,7 @@ impl Discretisation {
     /// [`Error::TooMuchMemory`](crate::Error::TooMuchMemory) if the matrix or its factors would not keep to the limit.
     pub(super) fn new(problem: &Problem, space: &Space, memory: MemoryLimit) -> Result<Self> {
         memory.holds("the matrix of the grid", entries(space), FEWER)?;
-        Self::of(problem, assemble(problem, space, Part::Whole), space, memory)
+        Self::of(problem, assemble(problem, space, Part::Whole), 2.0, space, memory)
     }
 
     /// The part of the operator that is there without noise, with the noise's.
@@ -61,14 +61,14 @@ impl Discretisation {
         memory.holds("the matrix of the grid", 2.0 * entries(space), FEWER)?;
         let parts = [Part::Drift, Part::Noise].map(|part| assemble(problem, space, part));
         let [drift, noise] = united(parts);
-        Ok((Self::of(problem, drift, space, memory)?, Modulation { noise, envelope }))
+        Ok((Self::of(problem, drift, 3.0, space, memory)?, Modulation { noise, envelope }))
     }
 
-    fn of(problem: &Problem, matrix: SparseMatrix, space: &Space, memory: MemoryLimit) -> Result<Self> {
+    /// With so many matrices of its pattern in memory as it is factored: itself, the shifted one, and modulated noise.
+    fn of(problem: &Problem, matrix: SparseMatrix, matrices: f64, space: &Space, memory: MemoryLimit) -> Result<Self> {
         let diffusion = problem.operator().diffusion();
         let condensation = Condensation::new(space, &matrix, [0, 1].map(|state| !diffusion[state][state].is_zero()));
-        // The matrix, and the shifted one that is factored.
-        let entries = 2.0 * BY_COLUMNS * matrix.values.len() as f64;
+        let entries = matrices * BY_COLUMNS * matrix.values.len() as f64;
         memory.holds("the factors of the grid's matrix", entries + condensation.numbers(space.elements()), FEWER)?;
         Ok(Discretisation { matrix, condensation })
     }
