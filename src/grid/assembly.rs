@@ -9,7 +9,7 @@
 //! Marini, 2002, doi:10.1137/S0036142901384162). Every integral of a polynomial is exact. The basis is orthonormal, so that
 //! the mass matrix is the identity: ∂p/∂t = −K p.
 
-use super::blocks::{Blocks, without_rounding};
+use super::blocks::{Blocks, NEIGHBOURS, without_rounding};
 use super::condensation::{Condensation, Factors};
 use super::face::Face;
 use super::flux::{Flux, Part};
@@ -24,8 +24,6 @@ use crate::numerics::Rule;
 use crate::problem::{PlaneMotion, Problem};
 use nalgebra::DMatrix;
 
-/// Blocks in a column of K: those of an element and of the four next to it.
-const NEIGHBOURS: usize = 5;
 /// The numbers that an entry of a matrix by columns takes: itself and its row.
 const BY_COLUMNS: f64 = 2.0;
 

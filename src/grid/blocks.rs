@@ -4,6 +4,9 @@ use super::sparse::SparseMatrix;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
+/// Blocks in a column of the matrix: those of an element and of the four next to it.
+pub(super) const NEIGHBOURS: usize = 5;
+
 /// Blocks of the matrix by (column element, row element), in the order of a matrix by columns.
 #[derive(Debug, Default)]
 pub(super) struct Blocks(BTreeMap<(usize, usize), DMatrix<f64>>);
