@@ -159,7 +159,7 @@ mod tests {
         Discretisation::new(&problem, &space, MemoryLimit::default()).unwrap()
     }
 
-    /// Condition numbers are below 1e5 here: the errors are of rounding times such a number.
+    /// Rounding, which grows with the degree: up to 4e-13 at degree 7.
     #[test]
     fn factors_solve_what_they_were_made_of() {
         let (one, both) = (["", "0"], ["- x", "0.3"]);
@@ -171,8 +171,7 @@ mod tests {
                 let x: Vec<f64> = (0..matrix.size).map(|k| (k as f64 * 0.618_034).fract() - 0.5).collect();
                 let solved = discretisation.shifted(0.3).solve(&matrix.apply(&x)).unwrap();
                 let error = solved.iter().zip(&x).fold(0.0, |a: f64, (s, x)| a.max((s - x).abs()));
-                println!("degree {degree}: {error:.1e}");
-                assert!(error < 1e-10, "degree {degree}: {error:e}");
+                assert!(error < 2e-12, "degree {degree}: {error:e}");
             }
         }
     }
