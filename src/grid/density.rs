@@ -14,13 +14,17 @@ const HIGHEST_POWER: u32 = 200;
 
 /// The stationary density on a grid: a piecewise polynomial.
 ///
-/// Every value carries the difference to the solution of one degree less on the same mesh as its error. Values may be
-/// negative within their error; nothing is clipped, and the negative mass is in the provenance.
+/// Every value carries the difference to the solution of one degree less on the same mesh as its error, and what it changes
+/// with the place at which the probability that leaks through the domain's edges comes back: between wells that mix as slowly as
+/// it leaks, that decides how much is in each. Values may be negative within their error; nothing is clipped, and the negative
+/// mass is in the provenance.
 #[derive(Clone)]
 pub struct GridDensity {
     pub(super) fine: Field,
     /// The solution of one degree less.
     pub(super) coarse: Field,
+    /// What changes if the probability that leaks comes back elsewhere.
+    pub(super) returned: Field,
     pub(super) problem: Problem,
     pub(super) domain: [[f64; 2]; 2],
     /// The largest |p| at the domain's open edges, relative to the peak.
@@ -43,8 +47,8 @@ impl GridDensity {
         &self.provenance
     }
 
-    /// The joint L¹ distance to the solution of one degree less on the same mesh. It is the error of the lower degree, and
-    /// with it an upper bound in practice.
+    /// The joint L¹ distance to the solution of one degree less on the same mesh, and to that with the leak elsewhere. The first
+    /// is the error of the lower degree, and with it an upper bound in practice.
     pub fn l1_estimate(&self) -> f64 {
         self.provenance.l1_estimate.unwrap_or(f64::INFINITY)
     }
@@ -101,10 +105,14 @@ impl GridDensity {
         SAFETY * beyond
     }
 
-    /// A statistic with its difference between the two degrees.
+    /// By the higher degree, by the lower one, and the change by the leak.
+    pub(super) fn solutions(&self) -> [&Field; 3] {
+        [&self.fine, &self.coarse, &self.returned]
+    }
+
+    /// A linear statistic with its error.
     fn estimate(&self, statistic: impl Fn(&Field) -> f64) -> Estimate {
-        let value = statistic(&self.fine);
-        Estimate::new(value, value - statistic(&self.coarse))
+        estimate(|k| statistic(self.solutions()[k]))
     }
 }
 
@@ -146,7 +154,7 @@ impl Density for GridDensity {
         }))
     }
 
-    /// The raw moment; its error is the difference of the two degrees and an estimate of the part beyond the domain.
+    /// The raw moment; its error has an estimate of the part beyond the domain.
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) unless there are two powers,
@@ -172,6 +180,13 @@ impl Density for GridDensity {
         moderate(power)?;
         Ok(self.passing(crossing, power))
     }
+}
+
+/// A linear statistic of the [solutions](GridDensity::solutions): its difference between the two degrees and its change by the
+/// leak are its error.
+pub(super) fn estimate(statistic: impl Fn(usize) -> f64) -> Estimate {
+    let value = statistic(0);
+    Estimate::new(value, (value - statistic(1)).abs() + statistic(2).abs())
 }
 
 pub(super) const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];

@@ -27,6 +27,13 @@ impl Field {
         field
     }
 
+    /// ∫ |p| dx.
+    pub(super) fn size(&self) -> f64 {
+        let mut sum = 0.0;
+        self.for_each_node(self.space.rule(0), |_, weight, p| sum += weight * p.abs());
+        sum
+    }
+
     fn block(&self, element: usize) -> &[f64] {
         let size = self.space.block();
         &self.coefficients[element * size..(element + 1) * size]

@@ -205,8 +205,8 @@ impl Grid {
         problem.walls_of_plane("grid")
     }
 
-    /// The density, and its derivatives along some motions by the two degrees.
-    fn solved(&self, problem: &Problem, motions: &[PlaneMotion]) -> Result<(GridDensity, Vec<[Field; 2]>)> {
+    /// The density, and its derivatives along some motions in the order of [`GridDensity::solutions`].
+    fn solved(&self, problem: &Problem, motions: &[PlaneMotion]) -> Result<(GridDensity, Vec<[Field; 3]>)> {
         let begin = Instant::now();
         let walls = self.served(problem)?;
         self.memory.check()?;

@@ -1,6 +1,6 @@
 //! The derivative of a density on a grid by a parameter.
 
-use super::density::{EVERYWHERE, GridDensity, flux, integral, moderate, plane, unresolved};
+use super::density::{EVERYWHERE, GridDensity, estimate, flux, integral, moderate, plane, unresolved};
 use super::domain::Profile;
 use super::field::Field;
 use super::legendre::Table;
@@ -17,16 +17,16 @@ use std::fmt;
 /// The derivative ∂p/∂θ of a density on a grid by a parameter θ, and of every answer that it gives.
 ///
 /// It is a piecewise polynomial on the mesh of the density, and every value carries the difference to the derivative of the
-/// solution of one degree less as its error.
+/// solution of one degree less as its error, and that by the place to which leaking probability comes back.
 #[derive(Clone)]
 pub struct GridSensitivity {
     density: GridDensity,
     parameter: String,
     motion: PlaneMotion,
-    /// The derivatives by both degrees in the coordinate in which walls stand still, ∂q/∂θ,
-    moving: [Field; 2],
+    /// The derivatives of all [solutions](GridDensity::solutions) in the coordinate in which walls stand still, ∂q/∂θ,
+    moving: [Field; 3],
     /// and at fixed states, ∂q/∂θ − ∂_x(η q).
-    fixed: [Field; 2],
+    fixed: [Field; 3],
 }
 
 impl fmt::Debug for GridSensitivity {
@@ -40,9 +40,9 @@ impl fmt::Debug for GridSensitivity {
 }
 
 impl GridSensitivity {
-    pub(super) fn new(density: &GridDensity, parameter: &str, motion: PlaneMotion, moving: [Field; 2]) -> Self {
-        let fixed = [0, 1].map(|k| {
-            let p = [&density.fine, &density.coarse][k];
+    pub(super) fn new(density: &GridDensity, parameter: &str, motion: PlaneMotion, moving: [Field; 3]) -> Self {
+        let fixed = [0, 1, 2].map(|k| {
+            let p = density.solutions()[k];
             if motion.moves() { carried(p, &moving[k], &motion) } else { moving[k].clone() }
         });
         GridSensitivity { density: density.clone(), parameter: parameter.to_owned(), motion, moving, fixed }
@@ -64,7 +64,7 @@ impl GridSensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) unless it has two coordinates.
     pub fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         let x = plane(x)?;
-        Ok(self.between(|k| self.fixed[k].value(&x)))
+        Ok(estimate(|k| self.fixed[k].value(&x)))
     }
 
     /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ. It is not a number outside the domain.
@@ -79,20 +79,18 @@ impl GridSensitivity {
     /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the smallest cell: ∂p/∂x ~ u^(g − 1)
     /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
     pub fn size(&self) -> f64 {
-        let (mut sum, field) = (0.0, &self.fixed[0]);
-        field.for_each_node(field.space.rule(0), |_, weight, p| sum += weight * p.abs());
-        sum
+        self.fixed[0].size()
     }
 
-    /// The L¹ distance to the derivative of the solution of one degree less. It is to be compared with
-    /// [`GridSensitivity::size`].
+    /// The L¹ distance to the derivative of the solution of one degree less, and to that with the leak elsewhere. It is to be
+    /// compared with [`GridSensitivity::size`].
     pub fn l1_estimate(&self) -> f64 {
-        difference(&self.fixed[0], &self.fixed[1])
+        difference(&self.fixed[0], &self.fixed[1]) + self.fixed[2].size()
     }
 
     /// dE g/dθ for a continuous g, over the elements' Gauss nodes; exact for polynomials of moderate degree.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
-        self.between(|k| {
+        estimate(|k| {
             let (mut sum, field) = (0.0, &self.fixed[k]);
             field.for_each_node(field.space.rule(4), |x, weight, p| sum += weight * p * g(&x));
             sum + if self.motion.moves() { self.crossed(k, g) } else { 0.0 }
@@ -109,8 +107,8 @@ impl GridSensitivity {
         let powers @ [first, second] = [moderate(powers[0])?, moderate(powers[1])?];
         // With the walls states move: dE g = ∫ g ∂q + ∫ η ∂_x g q.
         let carried = |x: f64| self.motion.rate(x) * f64::from(first) * x.powi(first.saturating_sub(1) as i32);
-        let moment = self.between(|k| {
-            let (moving, p) = (&self.moving[k], [&self.density.fine, &self.density.coarse][k]);
+        let moment = estimate(|k| {
+            let (moving, p) = (&self.moving[k], self.density.solutions()[k]);
             let own = moving.weights(0, first as usize, EVERYWHERE, |x| x.powi(first as i32));
             let along = p.weights(0, first as usize, EVERYWHERE, carried);
             let other = moving.weights(1, second as usize, EVERYWHERE, |v| v.powi(second as i32));
@@ -126,8 +124,8 @@ impl GridSensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, 2)?;
-        Ok(self.between(|k| {
-            let (moving, p) = (&self.moving[k], [&self.density.fine, &self.density.coarse][k]);
+        Ok(estimate(|k| {
+            let (moving, p) = (&self.moving[k], self.density.solutions()[k]);
             let above = moving.weights(state, 0, [level, f64::INFINITY], |_| 1.0);
             let all = moving.weights(1 - state, 0, EVERYWHERE, |_| 1.0);
             let through = if state == 0 && self.motion.moves() {
@@ -146,7 +144,7 @@ impl GridSensitivity {
     pub fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         coordinate("the state of a marginal", state, x, 2)?;
         // Over the displacement the integral follows the walls.
-        Ok(self.between(|k| {
+        Ok(estimate(|k| {
             let field = if state == 0 { &self.fixed[k] } else { &self.moving[k] };
             integral(field, state, &field.point(state, x), &field.weights(1 - state, 0, EVERYWHERE, |_| 1.0))
         }))
@@ -158,34 +156,27 @@ impl GridSensitivity {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let crossing = Crossing::upward(finite("level", level)?);
-        Ok(self.between(|k| flux(&self.fixed[k], crossing, 1)))
+        Ok(estimate(|k| flux(&self.fixed[k], crossing, 1)))
     }
 
     /// The derivative of the mean number of impacts per unit time, at all walls together, wherever they move; none without a
     /// wall. At a wall with r < 1 its error contains that of the smallest cell.
     pub fn impact_rate(&self) -> Option<Estimate> {
         // At the walls themselves p = q over dx/dξ.
-        let [fine, coarse] = [0, 1].map(|k| {
+        let all = [0, 1, 2].map(|k| {
             let mut field = self.moving[k].clone();
-            let p = [&self.density.fine, &self.density.coarse][k];
+            let p = self.density.solutions()[k];
             field.coefficients.iter_mut().zip(&p.coefficients).for_each(|(s, p)| *s -= self.motion.shift[1] * p);
             field
         });
         let rate = |crossing: Crossing| {
             let side = usize::from(crossing.upward);
             let grazed =
-                matches!(fine.space.sides[side], Side::Wall(r) if r < 1.0) || self.motion.restitution[side] != 0.0;
-            let value = flux(&fine, crossing, 1);
-            let error = (value - flux(&coarse, crossing, 1)).abs();
-            Estimate::new(value, error + if grazed { unresolved(&fine, crossing, 1) } else { 0.0 })
+                matches!(all[0].space.sides[side], Side::Wall(r) if r < 1.0) || self.motion.restitution[side] != 0.0;
+            let rate = estimate(|k| flux(&all[k], crossing, 1));
+            Estimate::new(rate.value, rate.error + if grazed { unresolved(&all[0], crossing, 1) } else { 0.0 })
         };
         self.density.impacts().map(rate).reduce(Estimate::plus)
-    }
-
-    /// An answer by the higher degree, with its difference between the two.
-    fn between(&self, answer: impl Fn(usize) -> f64) -> Estimate {
-        let value = answer(0);
-        Estimate::new(value, value - answer(1))
     }
 
     /// The largest |∂p/∂θ| at the domain's open edges, relative to the peak of p.
@@ -202,7 +193,7 @@ impl GridSensitivity {
 
     /// What moves through the ends of the elements: Σ ∫ η g q dv, at the upper end of each less at its lower one.
     fn crossed(&self, k: usize, g: &dyn Fn(&[f64]) -> f64) -> f64 {
-        let p = [&self.density.fine, &self.density.coarse][k];
+        let p = self.density.solutions()[k];
         let position = &p.space.axes[0];
         let mut sum = 0.0;
         for (cell, ends) in position.lines.windows(2).enumerate() {

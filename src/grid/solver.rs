@@ -27,8 +27,8 @@ pub(super) struct Solver<'a> {
 }
 
 impl Solver<'_> {
-    /// The density, and its derivatives by the two degrees.
-    pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<(GridDensity, Vec<[Field; 2]>)> {
+    /// The density, and its derivatives in the order of [`GridDensity::solutions`].
+    pub(super) fn run(&self, start: Domain, adjust: bool) -> Result<(GridDensity, Vec<[Field; 3]>)> {
         let memory = self.grid.memory;
         let mut domain = self.between_walls(start);
         for [low, high] in domain {
@@ -64,7 +64,8 @@ impl Solver<'_> {
         let derivatives = [&mut fine, &mut coarse].map(|solution| std::mem::take(&mut solution.derivatives));
         let density = self.density(fine, coarse.field, domain)?;
         let [fine, coarse] = derivatives;
-        Ok((density, fine.into_iter().zip(coarse).map(<[Field; 2]>::from).collect()))
+        let all = fine.into_iter().zip(coarse).map(|([fine, returned], [coarse, _])| [fine, coarse, returned]);
+        Ok((density, all.collect()))
     }
 
     /// The domain with the walls as its limits.
@@ -139,7 +140,7 @@ impl Solver<'_> {
     }
 
     fn density(&self, fine: stationary::Stationary, coarse: Field, domain: Domain) -> Result<GridDensity> {
-        let stationary::Stationary { field, leak, residual, nonzeros, .. } = fine;
+        let stationary::Stationary { field, returned, leak, residual, nonzeros, .. } = fine;
         let error = difference(&field, &coarse);
         let edge_level = self.edge_level(&field, domain, self.grid.edge_level.max(error.min(tuning::domain::CUT)))?;
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
@@ -160,7 +161,7 @@ impl Solver<'_> {
             edge_level: Some(edge_level),
             leak: Some(leak),
             residual: Some(residual),
-            l1_estimate: Some(error),
+            l1_estimate: Some(error + returned.size()),
             most_negative: Some(least / peak),
             negative_mass: Some(negative_mass),
             warning: self.walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned()),
@@ -169,6 +170,7 @@ impl Solver<'_> {
         Ok(GridDensity {
             fine: field,
             coarse,
+            returned,
             problem: self.problem.clone(),
             domain,
             edge_level,
@@ -187,7 +189,5 @@ pub(super) fn difference(fine: &Field, coarse: &Field) -> f64 {
             row.iter_mut().zip(lower).for_each(|(p, q)| *p -= q);
         }
     }
-    let mut sum = 0.0;
-    gap.for_each_node(gap.space.rule(0), |_, weight, p| sum += weight * p.abs());
-    sum
+    gap.size()
 }
