@@ -132,6 +132,11 @@ impl Products {
         images(terms, (&self.centre, &self.half_width), &all)
     }
 
+    /// The part of the images of functions 1, 2, … that impulses make; empty without any.
+    pub(crate) fn impulses(&self) -> &Images {
+        &self.impulses
+    }
+
     /// The place of the first product in the tree that follows a shorter one by a polynomial.
     fn first(&self) -> usize {
         1 + self.planes.len()

@@ -2,6 +2,7 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::space::sweep::{self, Differentiable};
 use crate::closure::space::{GrazingMotion, Jet};
 use crate::states::States;
+use rayon::prelude::*;
 
 /// The derivative of ln p by a parameter, in the coordinate in which walls stand still: a function, and what the singular parts
 /// next to walls contribute, which no function of the space can follow.
@@ -29,7 +30,7 @@ impl Slope {
 
     /// The part next to walls.
     pub(super) fn singulars(&self, points: &States) -> Vec<f64> {
-        points.iter().map(|x| self.singular(x)).collect()
+        points.par_iter().map(|x| self.singular(x)).collect()
     }
 
     fn singular(&self, x: &[f64]) -> f64 {

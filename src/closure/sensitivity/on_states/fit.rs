@@ -1,3 +1,4 @@
+use super::rows::Values;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::sensitivity::slope::Slope;
 use crate::closure::space::{Functions, GrazingMotion};
@@ -6,6 +7,7 @@ use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
 use crate::states::States;
 use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
+use pulp::Arch;
 use rayon::prelude::*;
 
 /// States whose functions are tabulated together.
@@ -94,17 +96,14 @@ impl<'a> Likely<'a> {
 fn table(products: &Products, n: usize, x: &[f64]) -> Mat<f64> {
     let count = x.len() / n;
     let mut table = Mat::zeros(count, products.len());
-    let mut scratch = products.scratch();
+    let (arch, mut scratch) = (Arch::new(), products.scratch());
     let mut lanes = vec![[0.0; LANES]; n];
     for at in (0..count).step_by(LANES) {
         for (i, lane) in lanes.iter_mut().enumerate() {
             *lane = std::array::from_fn(|l| x[(at + l).min(count - 1) * n + i]);
         }
-        products.place_values(&lanes, &mut scratch);
-        for k in 0..products.len() {
-            let values = products.value(&scratch, k);
-            (at..count.min(at + LANES)).zip(values).for_each(|(row, value)| table[(row, k)] = value);
-        }
+        let (rows, scratch, table) = (&(at..count.min(at + LANES)), &mut scratch, table.as_mut());
+        arch.dispatch(Values { products, first: 0, x: &lanes, scratch, rows, table });
     }
     table
 }

@@ -24,13 +24,17 @@ impl Masses {
         let nothing = || vec![0.0; walk.all()];
         let changes = vec![vec![0.0; walk.all()]; LOTS];
         let mut all = Masses { own: nothing(), below: nothing(), changes, states: walk.pilot.states.len() };
-        for (t, part) in parts {
-            for (row, place) in walk.places(t).enumerate() {
+        for (t, part) in &parts {
+            for (row, place) in walk.places(*t).enumerate() {
                 all.own[place] = part[(row, 0)];
                 all.below[place] = part[(row, BELOW)];
-                all.changes.iter_mut().zip(1..).for_each(|(change, set)| change[place] = part[(row, set)] as f32);
             }
         }
+        all.changes.par_iter_mut().zip(1..COLUMNS).for_each(|(change, set)| {
+            for (t, part) in &parts {
+                walk.places(*t).zip(part.col(set).iter()).for_each(|(place, value)| change[place] = *value as f32);
+            }
+        });
         all
     }
 

@@ -1,6 +1,6 @@
 //! Derivatives where the pilot's states carry the density: no nodes are needed, nor a simulation for each parameter.
 //!
-//! - `walk`: functions and their images along the pilot's trajectories;
+//! - `walk`: functions and their images along the pilot's trajectories; `rows`: eight states of these at a time;
 //! - `weights`: those of the states under which all means of images are zero;
 //! - `equations`: the Galerkin equations there, and their solutions;
 //! - `masses`: what these are on the states, and means with standard errors;
@@ -10,6 +10,7 @@ mod displaced;
 mod equations;
 mod fit;
 mod masses;
+mod rows;
 mod walk;
 mod weights;
 
@@ -229,8 +230,8 @@ impl ClosureDensity {
         let own: Vec<f64> = own.iter().zip(density.own()).map(|(value, w)| value * w).collect();
         let size = match motion.pilot().filter(|_| displaced.moves()) {
             Some(pilot) => {
-                let fixed = pilot.states.iter().map(|x| displaced.value(self.exponent(), x)).zip(density.own());
-                masses.distance(&fixed.map(|(value, w)| -value * w).collect::<Vec<_>>())
+                let fixed = |(x, w): (&[f64], &f64)| -displaced.value(self.exponent(), x) * w;
+                masses.distance(&pilot.states.par_iter().zip(density.own()).map(fixed).collect::<Vec<_>>())
             }
             None => masses.size(),
         };

@@ -1,12 +1,14 @@
+use super::rows::{Images, Values, enter};
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::Sites;
 use crate::closure::tuning::pilot::TRAJECTORIES;
-use crate::control_variates::impulses::Images;
+use crate::control_variates::impulses;
 use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::polynomial::Polynomial;
 use crate::problem::{Contact, Problem, StillMotion};
 use crate::simulation::{Collisions, Impact};
 use faer::{Mat, MatMut};
+use pulp::Arch;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -36,7 +38,7 @@ pub(super) struct Moved {
     drift: Vec<(usize, Polynomial)>,
     diffusion: Vec<(usize, Polynomial)>,
     coupled: Vec<usize>,
-    impulses: Images,
+    impulses: impulses::Images,
     walls: Vec<[f64; 2]>,
 }
 
@@ -64,6 +66,8 @@ impl Moved {
 
 /// Room for the functions at eight states, and which of a trajectory's states these are.
 pub(super) struct Place {
+    arch: Arch,
+    x: Vec<Lane>,
     sites: Sites,
     scratch: Scratch,
     moved: [Vec<Lane>; 2],
@@ -124,6 +128,8 @@ impl<'a> Walk<'a> {
         let lot = |lot: usize| {
             let n = self.problem.dimension();
             let mut place = Place {
+                arch: Arch::new(),
+                x: vec![ZERO; n],
                 sites: Sites::new(self.problem, &[]),
                 scratch: self.products.scratch(),
                 moved: [vec![ZERO; n], vec![ZERO; n * n]],
@@ -137,14 +143,14 @@ impl<'a> Walk<'a> {
         (0..LOTS).into_par_iter().map(lot).collect()
     }
 
-    /// Visits the states of a trajectory, with the functions placed there.
-    pub(super) fn each(&self, t: usize, place: &mut Place, mut visit: impl FnMut(&mut Place)) {
-        let n = self.problem.dimension();
+    /// Visits the states of a trajectory, eight at a time.
+    fn each(&self, t: usize, place: &mut Place, mut visit: impl FnMut(&mut Place)) {
         for at in (0..self.used).step_by(LANES) {
             place.rows = at..(at + LANES).min(self.used);
-            let [begin, end] = [at, place.rows.end].map(|row| (self.first(t) + row) * n);
-            place.sites.place(self.problem, &self.pilot.states.values()[begin..end]);
-            self.products.place(&place.sites.x, &mut place.scratch);
+            for l in 0..LANES {
+                let x = self.pilot.states.state(self.first(t) + (at + l).min(place.rows.end - 1));
+                place.x.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);
+            }
             visit(place);
         }
     }
@@ -159,10 +165,20 @@ impl<'a> Walk<'a> {
     /// The functions in all rows of a trajectory.
     pub(super) fn values(&self, t: usize, place: &mut Place) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
-        self.each(t, place, |place| self.enter_values(place, table.as_mut()));
+        self.each(t, place, |place| {
+            let Place { x, scratch, rows, arch, .. } = place;
+            arch.dispatch(Values { products: self.products, first: 1, x, scratch, rows, table: table.as_mut() });
+        });
         self.each_impacts(t, place, |place, _| {
-            self.products.place_values(&place.ends[0], &mut place.scratch);
-            self.enter_values(place, table.as_mut());
+            let Place { ends: [before, _], scratch, rows, arch, .. } = place;
+            arch.dispatch(Values {
+                products: self.products,
+                first: 1,
+                x: before,
+                scratch,
+                rows,
+                table: table.as_mut(),
+            });
         });
         table
     }
@@ -170,7 +186,7 @@ impl<'a> Walk<'a> {
     /// Their images in all rows of a trajectory.
     pub(super) fn images(&self, t: usize, place: &mut Place) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
-        self.each(t, place, |place| self.enter_images(place, table.as_mut()));
+        self.each(t, place, |place| self.enter_images(t, place, table.as_mut()));
         let mut after = vec![ZERO; self.products.len()];
         self.each_impacts(t, place, |place, _| self.enter_jumps(place, &mut after, table.as_mut()));
         table
@@ -211,9 +227,9 @@ impl<'a> Walk<'a> {
         self.products.place_values(&place.ends[1], &mut place.scratch);
         after.iter_mut().enumerate().for_each(|(k, lane)| *lane = self.products.value(&place.scratch, k));
         self.products.place_values(&place.ends[0], &mut place.scratch);
-        self.enter(place, table, |scratch, k| {
-            let before = self.products.value(scratch, k);
-            std::array::from_fn(|l| after[k][l] - before[l])
+        enter(&place.rows, table, |k| {
+            let before = self.products.value(&place.scratch, 1 + k);
+            std::array::from_fn(|l| after[1 + k][l] - before[l])
         });
     }
 
@@ -237,7 +253,8 @@ impl<'a> Walk<'a> {
         self.products.place(&place.ends[1], &mut place.scratch);
         place.scratch.first.copy_from_slice(drift);
         self.products.apply(diffusion, &[], &mut place.scratch);
-        self.enter(place, table.as_mut(), |scratch, k| {
+        enter(&place.rows, table.as_mut(), |k| {
+            let (scratch, k) = (&place.scratch, 1 + k);
             let (image, value) = (self.products.image(scratch, k), self.products.value(scratch, k));
             std::array::from_fn(|l| image[l] - stretching[l] * value[l])
         });
@@ -248,39 +265,28 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Writes a value of each function into a row for each state.
-    fn enter(&self, place: &Place, mut table: MatMut<'_, f64>, of: impl Fn(&Scratch, usize) -> Lane) {
-        for k in 0..self.functions() {
-            let lane = of(&place.scratch, k + 1);
-            place.rows.clone().zip(lane).for_each(|(row, value)| table[(row, k)] = value);
-        }
-    }
-
-    /// The values of the functions.
-    fn enter_values(&self, place: &Place, table: MatMut<'_, f64>) {
-        self.enter(place, table, |scratch, k| self.products.value(scratch, k));
-    }
-
     /// Their images under the generator.
-    fn enter_images(&self, place: &mut Place, table: MatMut<'_, f64>) {
-        place.scratch.first.copy_from_slice(&place.sites.drift);
-        self.products.apply(&place.sites.diffusion, &place.sites.coupled, &mut place.scratch);
-        self.enter(place, table, |scratch, k| self.products.image(scratch, k));
+    fn enter_images(&self, t: usize, place: &mut Place, table: MatMut<'_, f64>) {
+        let Place { x, sites, scratch, rows, arch, .. } = place;
+        let [begin, end] = [rows.start, rows.end].map(|row| (self.first(t) + row) * x.len());
+        sites.place(self.problem, &self.pilot.states.values()[begin..end]);
+        scratch.first.copy_from_slice(&sites.drift);
+        let operator = (&sites.diffusion[..], &sites.coupled[..], self.products.impulses());
+        arch.dispatch(Images { products: self.products, x, operator, scratch, rows, table });
     }
 
     /// The images under the derivative of the generator.
     fn enter_moved(&self, moved: &Moved, place: &mut Place, table: MatMut<'_, f64>) {
-        let n = self.problem.dimension();
-        let mut x = vec![0.0; n];
-        let [drift, diffusion] = &mut place.moved;
+        let Place { x, scratch, rows, arch, moved: [drift, diffusion], .. } = place;
         drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZERO);
+        let mut state = vec![0.0; x.len()];
         for l in 0..LANES {
-            x.iter_mut().zip(&place.sites.x).for_each(|(x, lane)| *x = lane[l]);
-            moved.drift.iter().for_each(|(i, f)| drift[*i][l] = f.evaluate(&x));
-            moved.diffusion.iter().for_each(|(ij, b)| diffusion[*ij][l] = b.evaluate(&x));
+            state.iter_mut().zip(x.iter()).for_each(|(x, lane)| *x = lane[l]);
+            moved.drift.iter().for_each(|(i, f)| drift[*i][l] = f.evaluate(&state));
+            moved.diffusion.iter().for_each(|(ij, b)| diffusion[*ij][l] = b.evaluate(&state));
         }
-        place.scratch.first.copy_from_slice(drift);
-        self.products.apply(diffusion, &moved.coupled, &mut place.scratch);
-        self.enter(place, table, |scratch, k| self.products.image_under(&moved.impulses, scratch, k));
+        scratch.first.copy_from_slice(drift);
+        let operator = (&diffusion[..], &moved.coupled[..], &moved.impulses);
+        arch.dispatch(Images { products: self.products, x, operator, scratch, rows, table });
     }
 }

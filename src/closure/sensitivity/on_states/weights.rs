@@ -93,9 +93,9 @@ impl Calibration {
 /// The means over blocks of rows, each with what it counts for.
 fn block_means(walk: &Walk<'_>, table: MatRef<'_, f64>, blocks: &[(usize, f64)]) -> Mat<f64> {
     let mut means = Mat::zeros(walk.used / walk.length, table.ncols());
-    for k in 0..table.ncols() {
-        for (row, (block, share)) in blocks.iter().enumerate() {
-            means[(*block, k)] += share * table[(row, k)] / walk.length as f64;
+    for (mut mean, column) in means.col_iter_mut().zip(table.col_iter()) {
+        for ((block, share), value) in blocks.iter().zip(column.iter()) {
+            mean[*block] += share * value / walk.length as f64;
         }
     }
     means
