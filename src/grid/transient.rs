@@ -99,7 +99,8 @@ impl GridDensity {
         let all = times.iter().zip(fine?).zip(coarse?);
         all.map(|((time, (fine, steps)), (coarse, _))| {
             let mut density = self.clone();
-            density.provenance.l1_estimate = Some(difference(&fine, &coarse));
+            // What a leak moves between wells grows with time to that of the stationary density.
+            density.provenance.l1_estimate = Some(difference(&fine, &coarse) + density.returned.size());
             (density.fine, density.coarse) = (fine, coarse);
             if envelope.is_some() {
                 density.require_inside()?;
