@@ -1,4 +1,4 @@
-use super::rows::Values;
+use super::rows::Rows;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::sensitivity::slope::Slope;
 use crate::closure::space::{Functions, GrazingMotion};
@@ -103,7 +103,7 @@ fn table(products: &Products, n: usize, x: &[f64]) -> Mat<f64> {
             *lane = std::array::from_fn(|l| x[(at + l).min(count - 1) * n + i]);
         }
         let (rows, scratch, table) = (&(at..count.min(at + LANES)), &mut scratch, table.as_mut());
-        arch.dispatch(Values { products, first: 0, x: &lanes, scratch, rows, table });
+        arch.dispatch(Rows { products, first: 0, x: &lanes, operator: None, scratch, rows, table });
     }
     table
 }

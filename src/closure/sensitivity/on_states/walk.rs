@@ -1,8 +1,8 @@
-use super::rows::{Images, Values, enter};
+use super::rows::{Operator, Rows, enter};
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::Sites;
 use crate::closure::tuning::pilot::TRAJECTORIES;
-use crate::control_variates::impulses;
+use crate::control_variates::impulses::Images;
 use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::polynomial::Polynomial;
 use crate::problem::{Contact, Problem, StillMotion};
@@ -38,7 +38,7 @@ pub(super) struct Moved {
     drift: Vec<(usize, Polynomial)>,
     diffusion: Vec<(usize, Polynomial)>,
     coupled: Vec<usize>,
-    impulses: impulses::Images,
+    impulses: Images,
     walls: Vec<[f64; 2]>,
 }
 
@@ -167,18 +167,11 @@ impl<'a> Walk<'a> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
         self.each(t, place, |place| {
             let Place { x, scratch, rows, arch, .. } = place;
-            arch.dispatch(Values { products: self.products, first: 1, x, scratch, rows, table: table.as_mut() });
+            self.enter_rows(*arch, x, None, (scratch, rows), table.as_mut());
         });
         self.each_impacts(t, place, |place, _| {
             let Place { ends: [before, _], scratch, rows, arch, .. } = place;
-            arch.dispatch(Values {
-                products: self.products,
-                first: 1,
-                x: before,
-                scratch,
-                rows,
-                table: table.as_mut(),
-            });
+            self.enter_rows(*arch, before, None, (scratch, rows), table.as_mut());
         });
         table
     }
@@ -272,7 +265,7 @@ impl<'a> Walk<'a> {
         sites.place(self.problem, &self.pilot.states.values()[begin..end]);
         scratch.first.copy_from_slice(&sites.drift);
         let operator = (&sites.diffusion[..], &sites.coupled[..], self.products.impulses());
-        arch.dispatch(Images { products: self.products, x, operator, scratch, rows, table });
+        self.enter_rows(*arch, x, Some(operator), (scratch, rows), table);
     }
 
     /// The images under the derivative of the generator.
@@ -287,6 +280,18 @@ impl<'a> Walk<'a> {
         }
         scratch.first.copy_from_slice(drift);
         let operator = (&diffusion[..], &moved.coupled[..], &moved.impulses);
-        arch.dispatch(Images { products: self.products, x, operator, scratch, rows, table });
+        self.enter_rows(*arch, x, Some(operator), (scratch, rows), table);
+    }
+
+    /// All functions but the constant at eight states, or their images.
+    fn enter_rows(
+        &self,
+        arch: Arch,
+        x: &[Lane],
+        operator: Option<Operator<'_>>,
+        (scratch, rows): (&mut Scratch, &Range<usize>),
+        table: MatMut<'_, f64>,
+    ) {
+        arch.dispatch(Rows { products: self.products, first: 1, x, operator, scratch, rows, table });
     }
 }
