@@ -33,7 +33,7 @@ fn run() -> Result<()> {
     let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?.problem()?;
 
     let closure = Closure::new(8).solve(&cubic)?;
-    let grid = Grid::new().degree(6).solve(&cubic)?;
+    let grid = Grid::new().accuracy(1e-5).solve(&cubic)?;
     for (name, density) in [("closure", &closure as &dyn Density), ("grid", &grid)] {
         let group = answers(values(name, density, &cubic)?, density);
         group.task("20 000 draws", || samples(density, STATES, 1)).run()?;

@@ -39,7 +39,7 @@ fn square(alpha: f64, near: Option<&ClosureDensity>) -> Result<(Vec<f64>, Closur
 
 fn run(one: &ThreadPool) -> Result<()> {
     let known = |name, problem: Problem| -> Result<Known> {
-        let truth = Grid::new().degree(4).solve(&problem)?;
+        let truth = Grid::new().accuracy(1e-4).solve(&problem)?;
         Ok((name, problem, truth))
     };
     let systems = [

@@ -23,9 +23,9 @@ struct Options {
     /// Order of the closure to begin at
     #[arg(long, default_value_t = 8)]
     order: u32,
-    /// Degree of the grid that checks the optimum; none leaves it out
-    #[arg(long, default_value_t = 8)]
-    degree: usize,
+    /// L¹ accuracy of the grid that checks the optimum; 0 leaves it out
+    #[arg(long, default_value = "1e-6")]
+    accuracy: f64,
 }
 
 const DUFFING: &str = r#"
@@ -90,9 +90,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         if !(found.converged() && found.is_accurate()) {
             println!("  not converged to the accuracy");
         }
-        if options.degree > 0 {
-            let grid = Grid::new().degree(options.degree).solve(found.problem())?;
-            println!("  P by a grid of degree {} {}", options.degree, Marginal::new(&grid, 0)?.exceedance(level)?);
+        if options.accuracy > 0.0 {
+            let grid = Grid::new().accuracy(options.accuracy).solve(found.problem())?;
+            println!("  P by a grid {}", Marginal::new(&grid, 0)?.exceedance(level)?);
         }
     }
     Ok(())

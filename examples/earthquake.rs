@@ -32,9 +32,9 @@ struct Options {
     /// Order of the closure
     #[arg(long, default_value_t = 6)]
     order: u32,
-    /// Degree of the grid
-    #[arg(long, default_value_t = 6)]
-    degree: usize,
+    /// L¹ accuracy of the grid
+    #[arg(long, default_value = "1e-5")]
+    accuracy: f64,
     /// Folder for the figure and its numbers
     #[arg(long, default_value = "out/earthquake")]
     out: PathBuf,
@@ -50,7 +50,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let amplitude = Envelope::exponentials(1.0, slow, fast)?.peak().recip();
     let envelope = Envelope::exponentials(amplitude, slow, fast)?;
     // The mesh is that of the stationary density under the strongest noise.
-    let stationary = Grid::new().degree(options.degree).solve(&problem)?;
+    let stationary = Grid::new().accuracy(options.accuracy).solve(&problem)?;
     let (rest, level) = (Start::Point(vec![0.0, 0.0]), options.level);
     // In the first two units of time the density is too narrow for the mesh.
     let times: Vec<f64> = (0..).map(|k| 2.0 + INTERVAL * f64::from(k)).take_while(|t| *t <= options.duration).collect();
@@ -113,8 +113,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let views = [panel("intensity of the noise, and E x² [L²]", strengths), panel("probability", fates)];
     let caption = format!(
         "x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ from rest, D = 0.2, e = a (e^(−{slow}t) − e^(−{fast}t)) of peak 1; |x| < {level} survives. \
-         Grid of degree {}, closure of order {}.",
-        options.degree, options.order
+         Grid of L¹ accuracy {:e}, closure of order {}.",
+        options.accuracy, options.order
     );
     write_figure(&options.out.join("survival.svg"), &caption, 2, &views)?;
     println!("figure: {}", options.out.join("survival.svg").display());

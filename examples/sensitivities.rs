@@ -108,7 +108,8 @@ fn next_to_a_wall(problem: &Problem, closure: &Closure) -> expoly::Result<(Vec<S
     let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
     let density = closure.solve(problem)?;
     let found = density.sensitivities(&names)?;
-    let (truth, truths) = Grid::new().degree(5).sensitivities(problem, &names)?;
+    let truth = Grid::new().accuracy(1e-5).solve(problem)?;
+    let truths = truth.sensitivities(&names)?;
     let (Some(rate), Some(true_rate)) = (density.impact_rate(), truth.impact_rate()) else { return Ok((shown, bars)) };
     println!(
         "above a wall, {rate} impacts per unit time, by the grid {true_rate}; percent for a percent of a parameter:"

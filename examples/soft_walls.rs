@@ -24,9 +24,9 @@ struct Options {
     /// Powers m of the soft walls, odd, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "5,9,15,25")]
     powers: Vec<u32>,
-    /// Degree of the grids
-    #[arg(long, default_value_t = 7)]
-    degree: usize,
+    /// L¹ accuracy of the grids
+    #[arg(long, default_value = "1e-5")]
+    accuracy: f64,
     /// Folder for the figure and its numbers
     #[arg(long, default_value = "out/soft_walls")]
     out: PathBuf,
@@ -64,13 +64,12 @@ fn exponent(rows: &[Row], k: usize) -> Option<f64> {
     Some((near / far).ln() / (stiffer / softer).ln())
 }
 
-/// The grid's density between soft walls: cells along the displacement as the walls are steep.
+/// The grid's density between soft walls, on a domain that ends within them.
 fn solve(soft: &SoftWalls, options: &Options, power: u32, energy: f64) -> expoly::Result<GridDensity> {
     let half = (WALLS[1] - WALLS[0]) / 2.0;
     let reach = half * ((HIGHEST / energy).powf(0.5 / f64::from(power)) - 1.0);
     let domain = [[WALLS[0] - reach, WALLS[1] + reach], [-FASTEST, FASTEST]];
-    let grid = Grid::new().degree(options.degree).cells([8 + 3 * power as usize / 2, 10]);
-    grid.domain(domain).edge_level(1e-6).solve(&soft.problem()?)
+    Grid::new().accuracy(options.accuracy).domain(domain).solve(&soft.problem()?)
 }
 
 /// ∫ |p − q| dy, with the kinks at the walls between the parts, and with the L¹ errors of both grids.
@@ -94,7 +93,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     println!("{:>6}{:>6}{:>14}{:>22}{:>22}{:>22}", names[0], names[1], names[2], names[3], names[4], names[5]);
     for (colour, &r) in options.restitutions.iter().enumerate() {
         let rigid = SoftWalls::new(duffing, WALLS, r, 3, 1.0)?.rigid()?;
-        let rigid = Grid::new().degree(5).grazing(3e-3).solve(&rigid)?;
+        let rigid = Grid::new().accuracy(options.accuracy).solve(&rigid)?;
         let truth = [rigid.moment(&[2, 0])?, rigid.moment(&[0, 2])?];
         let energy = ENERGY * truth[1].value;
         let places = between([WALLS[0] - 0.4, 1.5], 191);
@@ -132,8 +131,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     }
     let caption = format!(
         "y″ + 0.2 y′ + y + 0.3 y³ + U′ + γ y′ = ξ, D = 0.2, E[ξ(t)ξ(t+τ)] = 2D δ(τ), U = e s²ᵐ, e = 0.561 E v², s = ±1 at {} and {}; \
-         K = U″ there. Grids of degree {}; rigid walls: degree 5.",
-        WALLS[0], WALLS[1], options.degree
+         K = U″ there. Grids of L¹ accuracy {:e}.",
+        WALLS[0], WALLS[1], options.accuracy
     );
     write_figure(&options.out.join("stiffness.svg"), &caption, 2, &views)?;
     println!("figure: {}", options.out.join("stiffness.svg").display());

@@ -39,9 +39,9 @@ struct Options {
     /// Windows of 100 units of time on each of 1000 trajectories, in which first passages are counted; 0 for none
     #[arg(long, default_value_t = 8)]
     windows: usize,
-    /// Degree of the grid
-    #[arg(long, default_value_t = 6)]
-    degree: usize,
+    /// L¹ accuracy of the grid
+    #[arg(long, default_value = "1e-6")]
+    accuracy: f64,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -102,7 +102,7 @@ fn report(density: &ClosureDensity, simulated: Option<Tails>, duration: f64) -> 
 
 /// The probability that a level is not passed, by the grid, by the closure, by counting and under Poisson's assumption.
 fn survivals(problem: &Problem, closed: &ClosureDensity, options: &Options) -> Result<(), Error> {
-    let density = Grid::new().degree(options.degree).solve(problem)?;
+    let density = Grid::new().accuracy(options.accuracy).solve(problem)?;
     let crossings = Crossings::new(&density, [0, 1])?;
     let deviation = density.variance(0)?.value.sqrt();
     for share in [2.0, 3.0] {

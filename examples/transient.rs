@@ -27,9 +27,9 @@ struct Options {
     /// Trajectories of the simulations
     #[arg(long, default_value_t = 102_400)]
     trajectories: usize,
-    /// Degree of the grid
-    #[arg(long, default_value_t = 8)]
-    degree: usize,
+    /// L¹ accuracy of the grid
+    #[arg(long, default_value = "1e-6")]
+    accuracy: f64,
     /// Folder for the figure and its numbers
     #[arg(long, default_value = "out/transient")]
     out: PathBuf,
@@ -57,7 +57,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
 
     let [first, last] = [options.times.first(), options.times.last()].map(|time| time.copied().unwrap_or(1.0));
     let many: Vec<f64> = (0..=60).map(|k| first + (last - first) * f64::from(k) / 60.0).collect();
-    let grid = Grid::new().degree(options.degree).solve(&problem)?;
+    let grid = Grid::new().accuracy(options.accuracy).solve(&problem)?;
     let (closed, on_grid) =
         (closure.transient(&problem, &start, &options.times)?, grid.transient(&start, &options.times, 1e-4)?);
     let (x, places) = (between([-2.6, 2.6], 131), between([-2.3, 2.3], 24));
@@ -118,9 +118,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let curves = vec![curve("closure", Style::Solid, 1, &lines[2]), curve("the slowest mode", Style::Dotted, 0, &fall)];
     views.push(View::Curves(Panel::new(["time t [T]", "L¹ distance from p(x, v, ∞)"], Scale::Logarithmic, curves)));
     let caption = format!(
-        "x″ + 0.5 x′ − x + x³ = ξ, D = 0.3, E[ξ(t)ξ(t+τ)] = 2D δ(τ), from x = 1, x′ = 0. Closure of order {}; grid of degree {}; \
+        "x″ + 0.5 x′ − x + x³ = ξ, D = 0.3, E[ξ(t)ξ(t+τ)] = 2D δ(τ), from x = 1, x′ = 0. Closure of order {}; grid of L¹ accuracy {:e}; \
          {} trajectories, seed 1, one standard error.",
-        options.order, options.degree, options.trajectories
+        options.order, options.accuracy, options.trajectories
     );
     write_figure(&options.out.join("transient.svg"), &caption, 3, &views)?;
     println!("figure: {}", options.out.join("transient.svg").display());

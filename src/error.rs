@@ -269,14 +269,22 @@ pub enum Error {
         /// The number of unknowns.
         unknowns: usize,
     },
-    /// Much of the solution on a grid is below zero.
+    /// A grid has ended with an error as large as the density.
     #[error(
-        "the solution on the grid is below zero with a mass of {mass:.2}: it is no density; take more cells or a higher \
-         degree, and check that the noise reaches every state"
+        "the grid does not resolve the density: its estimate of the error in L1 is {estimate:.1e}{}{reason}",
+        if reason.is_empty() { "; check that the noise reaches every state" } else { "; " }
     )]
-    Negative {
-        /// ∫ max(−p, 0) dx, where ∫ p dx = 1.
-        mass: f64,
+    NotResolved {
+        /// The estimate of ∫ |p̃ − p| dx.
+        estimate: f64,
+        /// What stands in the way.
+        reason: String,
+    },
+    /// The caller stopped a grid.
+    #[error("the grid was cancelled by its progress callback after {rounds} linear systems")]
+    GridCancelled {
+        /// How many it had solved.
+        rounds: usize,
     },
     /// A text is no closed form that this library wrote, or is damaged.
     #[error("this is no closed form to load: {problem}; restore it from a copy, or solve anew and save it again")]

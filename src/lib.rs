@@ -13,7 +13,7 @@
 //! | What lies in the far tail? | [`Splitting`] |
 //! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`Closure::modulated_transient`], [`ClosureDensity::relaxation`]; [`GridDensity::transient`], [`Envelope`] |
 //! | How likely, how often, how soon? | [`statistics`]; [`Survival`] and [`ClosureSurvival`] without Poisson's assumption |
-//! | Which parameter matters, and how much? | [`ClosureDensity::sensitivity`], [`Grid::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
+//! | Which parameter matters, and how much? | [`ClosureDensity::sensitivity`], [`GridDensity::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
 //! | Which parameters do measurements have, or does a demand need? | [`inverse`] |
 //! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
 //! | Which order is enough, what depends on a parameter? | [`study`] |
@@ -62,7 +62,7 @@ pub use envelope::Envelope;
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, Impulse};
-pub use grid::{Grid, GridDensity, GridSensitivity, Survival};
+pub use grid::{Grid, GridDensity, GridProgress, GridSensitivity, Survival};
 pub use polynomial::{Gaussian, Polynomial};
 pub use problem::{Problem, Wall};
 pub use provenance::{Provenance, Stopped};

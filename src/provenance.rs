@@ -96,15 +96,15 @@ pub struct Provenance {
     /// The limit that ended a simulation.
     pub stopped: Option<Stopped>,
 
-    /// The cells of a grid along each state.
-    pub cells: Option<[usize; 2]>,
+    /// The cells of a grid.
+    pub cells: Option<usize>,
     /// The degree of the polynomials within a cell.
     pub degree: Option<usize>,
     /// The entries of the matrix that are not zero.
     pub nonzeros: Option<usize>,
     /// The limits of each state, lower and upper.
     pub domain: Option<Vec<[f64; 2]>>,
-    /// The largest density at an open edge of the domain, relative to the peak.
+    /// The largest density at an open edge of the domain, relative to the peak of a normal density with the same ∫ p² dx.
     #[serde(with = "number::option")]
     pub edge_level: Option<f64>,
     /// The probability that leaves the domain per unit time.
@@ -130,6 +130,8 @@ pub struct Provenance {
     /// The time over which a replica's statistics were taken.
     pub duration: Option<f64>,
 
+    /// The seconds of a grid's pilot, among the seconds in all.
+    pub pilot_seconds: Option<f64>,
     /// The wall-clock time in seconds; of a resumed run, all its sessions; of merged parts, their sum.
     pub seconds: f64,
 }

@@ -112,8 +112,7 @@ pub struct Relaxation {
     pub rate: f64,
     /// Its circular frequency, not negative; modes with a frequency are pairs, of which one is listed.
     pub frequency: f64,
-    /// The change of rate and frequency against a smaller system: on a grid against a smaller Krylov space, which is the error of
-    /// the eigenvalue of the discrete operator and not of the discretisation; of a closure against a lower degree.
+    /// The change of rate and frequency against those of a lower degree, on a grid or of a closure.
     pub error: f64,
 }
 

@@ -31,7 +31,7 @@ fn json_is_one_object_with_the_promised_fields() {
     let arguments = ["--json", "--offset", "-0.5", "--restitution", "0.95", "--order", "4", "--basis", "folded"];
     let output = run(
         "vibro_impact",
-        &[&arguments[..], &["--samples", "50000", "--seed", "7", "--degree", "4", "--at", "-0.4,0.5"]].concat(),
+        &[&arguments[..], &["--samples", "50000", "--seed", "7", "--accuracy", "1e-4", "--at", "-0.4,0.5"]].concat(),
     );
     assert!(output.status.success());
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -131,7 +131,7 @@ fn wrong_options_name_the_value_on_standard_error() {
         (&["--restitution", "0"], "0 < r ≤ 1"),
         (&["--intensity", "-0.2"], "-0.2"),
         (&["--damping", "nan"], "NaN"),
-        (&["--damping", "-0.3"], "no stationary density"),
+        (&["--damping", "-0.3", "--restitution", "1"], "no stationary density"),
         (&["--order", "0"], "order"),
         (&["--order", "11"], "11"),
         (&["--order", "0", "--basis", "folded"], "order"),
@@ -140,9 +140,8 @@ fn wrong_options_name_the_value_on_standard_error() {
         (&["--weight", "heavy"], "heavy"),
         (&["--method", "simulation", "--samples", "0"], "samples"),
         (&["--at", "0.1,inf"], "inf"),
-        (&["--method", "grid", "--degree", "0"], "degree"),
-        (&["--method", "grid", "--cells", "0", "8"], "cells"),
-        (&["--method", "grid", "--degree", "4", "--domain", "0", "0.5", "-6", "6"], "0.5"),
+        (&["--method", "grid", "--accuracy", "0"], "accuracy"),
+        (&["--method", "grid", "--accuracy", "1e-2", "--domain", "0", "-0.5", "-6", "6"], "-0.5"),
     ] {
         // Where the option is not about samples there are few of them.
         let few = if arguments.contains(&"--samples") { &[][..] } else { &["--samples", "1000"] };
@@ -162,8 +161,10 @@ fn an_output_folder_that_cannot_be_written_is_named() {
     let blocked = folder.join("file");
     std::fs::write(&blocked, "in the way").unwrap();
     let out = blocked.join("deeper");
-    let output =
-        run("vibro_impact", &["--samples", "2000", "--degree", "3", "--out", out.to_str().unwrap(), "--order", "2"]);
+    let output = run(
+        "vibro_impact",
+        &["--samples", "2000", "--accuracy", "1e-2", "--out", out.to_str().unwrap(), "--order", "2"],
+    );
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(!output.status.success() && message.contains("cannot write"), "{message}");
     assert!(message.contains(blocked.to_str().unwrap()), "{message}");
@@ -176,7 +177,18 @@ fn a_run_leaves_its_figure_and_the_numbers_behind_it() {
     let out = scratch("figures");
     let output = run(
         "vibro_impact",
-        &["--samples", "20000", "--degree", "4", "--offset", "0.2", "--order", "2", "--out", out.to_str().unwrap()],
+        &[
+            "--samples",
+            "20000",
+            "--accuracy",
+            "1e-3",
+            "--offset",
+            "0.2",
+            "--order",
+            "2",
+            "--out",
+            out.to_str().unwrap(),
+        ],
     );
     assert!(output.status.success());
     let mut names: Vec<String> =
@@ -244,7 +256,7 @@ fn an_order_study_has_one_row_an_order() {
 /// Where the literature's closure has no root, the robust one has a density, and both rows stand beside each other.
 #[test]
 fn an_order_study_sets_the_classical_closure_beside_the_robust_one() {
-    let options = ["--model", "van_der_pol", "--orders", "6", "--weight", "density", "--seed", "2", "--degree", "8"];
+    let options = ["--model", "van_der_pol", "--orders", "6", "--weight", "density", "--seed", "2"];
     let answer = order_study(&options);
     let [robust, classical] = answer["rows"].as_array().unwrap().as_slice() else { panic!("{answer}") };
     assert!(robust["l1"].as_f64().unwrap() < 0.1 && robust["seed"] == 2, "{robust}");

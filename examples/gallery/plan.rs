@@ -28,6 +28,6 @@ impl Plan {
     }
 
     pub(crate) fn grid(&self) -> Grid {
-        if self.quick { Grid::new().degree(5) } else { Grid::new() }
+        if self.quick { Grid::new().accuracy(1e-4) } else { Grid::new() }
     }
 }

@@ -128,12 +128,11 @@ fn caption(study: &Study, drawn: &[Drawn]) -> String {
         }
     }
     if let Some((density, _)) = &study.gridded {
-        let (cells, degree) = (density.provenance().cells.unwrap_or_default(), density.provenance().degree);
+        let provenance = density.provenance();
         caption += &format!(
-            "\nGrid: {} × {} cells of degree {}, estimated joint L¹ error {:.0e}.",
-            cells[0],
-            cells[1],
-            shown(degree),
+            "\nGrid: {} cells of degree {}, estimated joint L¹ error {:.0e}.",
+            shown(provenance.cells),
+            shown(provenance.degree),
             density.l1_estimate()
         );
     }

@@ -46,12 +46,9 @@ pub(crate) struct Options {
     /// Samples of each simulation
     #[arg(long, default_value_t = 4_000_000)]
     pub(crate) samples: usize,
-    /// Degree of the grid's polynomials [default: the library's]
-    #[arg(long)]
-    pub(crate) degree: Option<usize>,
-    /// The grid's cells along displacement and velocity, besides the layers at the wall [default: the library's]
-    #[arg(long, num_args = 2, value_names = ["Y", "V"])]
-    pub(crate) cells: Option<Vec<usize>>,
+    /// L¹ accuracy of the grid
+    #[arg(long, default_value = "1e-6")]
+    pub(crate) accuracy: f64,
     /// The grid's limits of displacement and velocity [default: found by a pilot simulation]
     #[arg(long, num_args = 4, value_names = ["Y_LOW", "Y_HIGH", "V_LOW", "V_HIGH"], allow_negative_numbers = true)]
     pub(crate) domain: Option<Vec<f64>>,

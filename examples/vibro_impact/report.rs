@@ -128,15 +128,16 @@ fn simulation(study: &Study, at: &[f64]) -> Outcome<Option<Object>> {
     Ok(Some(object))
 }
 
-/// The closure's field names, and how good the solution is: `error_estimate` is the joint L¹ distance to one degree less.
+/// The closure's field names, and how good the solution is: `error_estimate` is that of the joint L¹ distance.
 fn grid(study: &Study, at: &[f64]) -> Outcome<Option<Object>> {
     let Some((density, of)) = &study.gridded else { return Ok(None) };
     let provenance = density.provenance();
     let pdf = at.iter().map(|y| density.marginal(0, *y)).collect::<expoly::Result<Vec<_>>>()?;
     let mut object = statistics(of, &pdf, value)?;
     object.insert("degree".into(), provenance.degree.into());
-    object.insert("cells".into(), to_value(provenance.cells)?);
+    object.insert("cells".into(), provenance.cells.into());
     object.insert("unknowns".into(), provenance.unknowns.into());
+    object.insert("iterations".into(), provenance.iterations.into());
     for (name, number) in [("error_estimate", density.l1_estimate()), ("seconds", provenance.seconds)] {
         object.insert(name.into(), to_value(Number::new(name, number))?);
     }

@@ -142,10 +142,7 @@ fn gridded(
     if !options.method.includes(Method::Grid) {
         return Ok(None);
     }
-    let mut grid = options.degree.map_or(Grid::new(), |degree| Grid::new().degree(degree));
-    if let Some(&[along, across]) = options.cells.as_deref() {
-        grid = grid.cells([along, across]);
-    }
+    let mut grid = Grid::new().accuracy(options.accuracy);
     if let Some(&[low, high, slowest, fastest]) = options.domain.as_deref() {
         grid = grid.domain([[low, high], [slowest, fastest]]);
     }

@@ -1,36 +1,38 @@
-use super::Grid;
-use super::field::Field;
-use super::space::Side;
+use super::field::{Along, EVERYWHERE, Field};
+use super::kept::Kept;
 use crate::checks::{coordinate, dimension, point, require};
 use crate::density::{Crossing, Density};
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::problem::Problem;
 use crate::provenance::Provenance;
 use std::fmt;
+use std::sync::Arc;
 
 /// The highest power of a state that is integrated: a rule for it has a hundred nodes on every cell.
 const HIGHEST_POWER: u32 = 200;
 
-/// The stationary density on a grid: a piecewise polynomial.
+/// The stationary density on a grid, or one in time: a piecewise polynomial.
 ///
 /// Every value carries the difference to the solution of one degree less on the same mesh as its error, and what it changes
 /// with the place at which the probability that leaks through the domain's edges comes back: between wells that mix as slowly as
 /// it leaks, that decides how much is in each. Values may be negative within their error; nothing is clipped, and the negative
 /// mass is in the provenance.
+///
+/// The mesh, the operator on it and its factors are kept, so that a further question (derivatives, a transient, relaxation) costs
+/// no more than its own right sides or steps.
 #[derive(Clone)]
 pub struct GridDensity {
     pub(super) fine: Field,
     /// The solution of one degree less.
     pub(super) coarse: Field,
-    /// What changes if the probability that leaks comes back elsewhere.
-    pub(super) returned: Field,
-    pub(super) problem: Problem,
-    pub(super) domain: [[f64; 2]; 2],
-    /// The largest |p| at the domain's open edges, relative to the peak.
-    pub(super) edge_level: f64,
-    /// The options of the solution.
-    pub(super) grid: Grid,
+    /// What changes if the probability that leaks comes back elsewhere, and with the shares of wells that are not known exactly.
+    pub(super) changes: Vec<Field>,
+    /// The open sides of the domain with the largest |p| there, where they lose more than rounding does.
+    pub(super) edges: Vec<(usize, usize, f64)>,
+    /// Whether the mesh is fine at all grazing points, also of walls that take no energy.
+    pub(super) graded: bool,
+    /// What the stationary density was solved with.
+    pub(super) kept: Arc<Kept>,
     pub(super) provenance: Provenance,
 }
 
@@ -47,126 +49,95 @@ impl GridDensity {
         &self.provenance
     }
 
-    /// The joint L¹ distance to the solution of one degree less on the same mesh, and to that with the leak elsewhere. The first
-    /// is the error of the lower degree, and with it an upper bound in practice.
+    /// The joint L¹ distance to the solution of one degree less on the same mesh, and to that with the leak and the shares of wells
+    /// as they may be. The first is the error of the lower degree, and with it an upper bound in practice.
     pub fn l1_estimate(&self) -> f64 {
         self.provenance.l1_estimate.unwrap_or(f64::INFINITY)
     }
 
     /// Impacts per unit time, at all walls together; none without a wall.
     pub fn impact_rate(&self) -> Option<Estimate> {
-        self.impacts().map(|crossing| self.passing(crossing, 1)).reduce(Estimate::plus)
-    }
-
-    /// The impacts on each wall.
-    pub(super) fn impacts(&self) -> impl Iterator<Item = Crossing> {
-        let walls = self.walls().into_iter().enumerate();
-        walls.filter_map(|(side, offset)| Some(Crossing { upward: side == 1, ..Crossing::upward(offset?) }))
-    }
-
-    /// Where the walls are, below the motion and above it.
-    pub(super) fn walls(&self) -> [Option<f64>; 2] {
-        [0, 1].map(|side| matches!(self.fine.space.sides[side], Side::Wall(_)).then_some(self.domain[0][side]))
+        self.fine.mesh.impacts().map(|(crossing, ..)| self.passing(crossing, 1)).reduce(Estimate::plus)
     }
 
     /// A flux moment with its error.
     fn passing(&self, crossing: Crossing, power: u32) -> Estimate {
         let flux = self.estimate(|field| flux(field, crossing, power));
-        let lossy = |side: usize| matches!(self.fine.space.sides[side], Side::Wall(restitution) if restitution < 1.0);
-        let grazed = (0..2).any(|side| lossy(side) && self.domain[0][side] == crossing.level);
-        let unresolved = if grazed { unresolved(&self.fine, crossing, power) } else { 0.0 };
+        let lossy = self.fine.mesh.impacts().any(|(impact, _, r)| impact.level == crossing.level && r < 1.0);
+        let unresolved = if lossy { unresolved(&self.fine, crossing, power) } else { 0.0 };
         Estimate::new(flux.value, flux.error + unresolved)
     }
 
-    /// A rough estimate of the mean of |x₁^p₁ x₂^p₂| beyond the open edges: the edges' level times the peak of the marginal,
-    /// falling as a normal density does there. For high powers it exceeds the difference of the two degrees.
-    pub(super) fn beyond(&self, powers: [u32; 2], level: f64) -> f64 {
+    /// A rough estimate of the mean of |x₁^p₁ x₂^p₂| beyond some edges: the level at each times the peak of the marginal, falling as a
+    /// normal density does there. For high powers it exceeds the difference of the two degrees.
+    pub(super) fn beyond(&self, powers: &[u32], edges: &[(usize, usize, f64)]) -> f64 {
         const SAFETY: f64 = 3.0;
-        let field = &self.fine;
-        let level = level.clamp(f64::MIN_POSITIVE, 0.1);
-        let walls = self.walls();
-        let moment = |state: usize, power: u32| {
-            let size = |x: f64| x.abs().powi(power as i32);
-            let all = field.weights(1 - state, 0, EVERYWHERE, |_| 1.0);
-            let own = field.weights(state, power as usize, EVERYWHERE, size);
-            integral(field, state, &own, &all)
-        };
-        let mut beyond = 0.0;
-        for (state, limits) in self.domain.iter().enumerate() {
+        let (field, domain) = (&self.fine, self.fine.mesh.domain());
+        let moment =
+            |state: usize, power: u32| of_one(field, state, &|x: f64| x.abs().powi(power as i32), power as usize);
+        let beyond = |&(state, side, level): &(usize, usize, f64)| {
+            let (level, [low, high]) = (level.clamp(f64::MIN_POSITIVE, 0.5), domain[state]);
             let peak = 1.0 / (std::f64::consts::TAU * (moment(state, 2) - moment(state, 1).powi(2)).abs()).sqrt();
-            let decay = (limits[1] - limits[0]) / (4.0 * -level.ln());
-            for (side, edge) in limits.iter().enumerate() {
-                if state == 1 || walls[side].is_none() {
-                    let edge = edge.abs().powi(powers[state] as i32);
-                    beyond += level * peak * decay * edge * moment(1 - state, powers[1 - state]);
-                }
-            }
-        }
-        SAFETY * beyond
-    }
-
-    /// By the higher degree, by the lower one, and the change by the leak.
-    pub(super) fn solutions(&self) -> [&Field; 3] {
-        [&self.fine, &self.coarse, &self.returned]
+            let decay = (high - low) / (4.0 * -level.ln());
+            let others = (0..powers.len()).filter(|other| *other != state);
+            let others: f64 = others.map(|other| moment(other, powers[other])).product();
+            level * peak * decay * domain[state][side].abs().powi(powers[state] as i32) * others
+        };
+        SAFETY * edges.iter().map(beyond).sum::<f64>()
     }
 
     /// A linear statistic with its error.
     fn estimate(&self, statistic: impl Fn(&Field) -> f64) -> Estimate {
-        estimate(|k| statistic(self.solutions()[k]))
+        estimate([&self.fine, &self.coarse], &self.changes, statistic)
+    }
+
+    fn states(&self) -> usize {
+        self.fine.shape.states
     }
 }
 
 impl Density for GridDensity {
     fn dimension(&self) -> usize {
-        2
+        self.states()
     }
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        let x = plane(x)?;
-        Ok(self.estimate(|field| field.value(&x)))
+        point(x, self.states())?;
+        Ok(self.estimate(|field| field.value(x)))
     }
 
     /// ln p; −∞ outside the domain and where p is not positive.
     fn log_pdf(&self, x: &[f64]) -> Result<f64> {
-        let p = self.fine.value(&plane(x)?);
+        point(x, self.states())?;
+        let p = self.fine.value(x);
         Ok(if p > 0.0 { p.ln() } else { f64::NEG_INFINITY })
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        let state = coordinate("the state of a marginal", state, x, 2)?;
-        Ok(self.estimate(|field| {
-            let (at, over) = (field.point(state, x), field.weights(1 - state, 0, EVERYWHERE, |_| 1.0));
-            integral(field, state, &at, &over)
-        }))
+        let state = coordinate("the state of a marginal", state, x, self.states())?;
+        Ok(self.estimate(|field| field.integral(&at(field, state, x))))
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
-        self.domain.to_vec()
+        self.fine.mesh.domain()
     }
 
-    /// E[g(X)] over the elements' Gauss nodes; exact for polynomials of moderate degree.
+    /// E[g(X)] over the cells' Gauss nodes; exact for polynomials of moderate degree.
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
-        let rule = self.fine.space.rule(4);
-        Ok(self.estimate(|field| {
-            let mut sum = 0.0;
-            field.for_each_node(rule.clone(), |x, weight, p| sum += weight * p * g(&x));
-            sum
-        }))
+        let rule = self.fine.shape.rule(4);
+        Ok(self.estimate(|field| field.sum_over_nodes(&rule, |x, p| if p == 0.0 { 0.0 } else { p * g(x) })))
     }
 
     /// The raw moment; its error has an estimate of the part beyond the domain.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) unless there are two powers,
+    /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state,
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        dimension("the powers of a moment", powers.len(), 2)?;
-        let powers = [moderate(powers[0])?, moderate(powers[1])?];
-        let moment = self.estimate(|field| {
-            let [a, b] = [0, 1].map(|s| field.weights(s, powers[s] as usize, EVERYWHERE, |x| x.powi(powers[s] as i32)));
-            field.integrate([&a, &b])
-        });
-        Ok(Estimate::new(moment.value, moment.error + self.beyond(powers, self.edge_level)))
+        dimension("the powers of a moment", powers.len(), self.states())?;
+        powers.iter().try_for_each(|power| moderate(*power).map(|_| ()))?;
+        let moment = self.estimate(|field| raw_moment(field, powers));
+        Ok(Estimate::new(moment.value, moment.error + self.beyond(powers, &self.edges)))
     }
 
     /// The flux moment of one state's passages with the other as velocity. At a wall with r < 1 its error contains that of the
@@ -176,24 +147,17 @@ impl Density for GridDensity {
     /// [`Error::Dimension`](crate::Error::Dimension) for states that do not exist or are the same,
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        crossing.states(2)?;
+        crossing.states(self.states())?;
         moderate(power)?;
         Ok(self.passing(crossing, power))
     }
 }
 
-/// A linear statistic of the [solutions](GridDensity::solutions): its difference between the two degrees and its change by the
-/// leak are its error.
-pub(super) fn estimate(statistic: impl Fn(usize) -> f64) -> Estimate {
-    let value = statistic(0);
-    Estimate::new(value, (value - statistic(1)).abs() + statistic(2).abs())
-}
-
-pub(super) const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
-
-pub(super) fn plane(x: &[f64]) -> Result<[f64; 2]> {
-    point(x, 2)?;
-    Ok([x[0], x[1]])
+/// A linear statistic of the solutions of two degrees: their difference, and what the changes make of it, are its error.
+pub(super) fn estimate([fine, coarse]: [&Field; 2], changes: &[Field], statistic: impl Fn(&Field) -> f64) -> Estimate {
+    let value = statistic(fine);
+    let changed: f64 = changes.iter().map(|change| statistic(change).abs()).sum();
+    Estimate::new(value, (value - statistic(coarse)).abs() + changed)
 }
 
 pub(super) fn moderate(power: u32) -> Result<u32> {
@@ -201,34 +165,71 @@ pub(super) fn moderate(power: u32) -> Result<u32> {
     require(power <= HIGHEST_POWER, "power of a moment", f64::from(power), remedy).map(|_| power)
 }
 
-/// ∫ g(x_state) h(x_other) p dx from the integrals of g and h with the basis.
-pub(super) fn integral(field: &Field, state: usize, own: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
-    if state == 0 { field.integrate([own, other]) } else { field.integrate([other, own]) }
+/// All other states integrated out, one at a place.
+pub(super) fn at(field: &Field, state: usize, x: f64) -> Vec<Along<'static>> {
+    (0..field.shape.states).map(|axis| if axis == state { Along::At(x) } else { Along::All }).collect()
+}
+
+/// ∫ g(x_state) p dx.
+pub(super) fn of_one(field: &Field, state: usize, g: &(dyn Fn(f64) -> f64 + Sync), degree: usize) -> f64 {
+    let along = |axis: usize| if axis == state { Along::Function(g, degree, EVERYWHERE) } else { Along::All };
+    field.integral(&(0..field.shape.states).map(along).collect::<Vec<_>>())
+}
+
+/// ∫ Π x_i^p_i p dx.
+pub(super) fn raw_moment(field: &Field, powers: &[u32]) -> f64 {
+    let functions: Vec<Box<dyn Fn(f64) -> f64 + Sync>> = powers
+        .iter()
+        .map(|power| {
+            Box::new({
+                let power = *power as i32;
+                move |x: f64| x.powi(power)
+            }) as Box<_>
+        })
+        .collect();
+    let along = functions.iter().zip(powers).map(|(g, power)| match power {
+        0 => Along::All,
+        _ => Along::Function(&**g, *power as usize, EVERYWHERE),
+    });
+    field.integral(&along.collect::<Vec<_>>())
 }
 
 /// How far the flux within the smallest cell is off next to a lossy wall. There the density is a power of the velocity, so that
 /// the fluxes of layers form a geometric series; by the second and the third one the first one is the sum of all below. It is
 /// doubled, since the error reaches the second layer: the true one was a quarter to a half of this for r from 0.5 to 0.8.
 pub(super) fn unresolved(field: &Field, crossing: Crossing, power: u32) -> f64 {
-    let lines = &field.space.axes[1].lines;
-    let zero = lines.partition_point(|w| *w < 0.0);
-    let line = |k: usize| {
-        let at = if crossing.upward { Some(zero + k) } else { zero.checked_sub(k) };
-        at.and_then(|at| lines.get(at).copied())
+    let mesh = &field.mesh;
+    let mut lines: Vec<f64> = mesh
+        .crossed(0, crossing.level)
+        .iter()
+        .flat_map(|cell| [mesh.cells[*cell].lower[1], mesh.cells[*cell].upper(1)])
+        .filter(|v| if crossing.upward { *v >= 0.0 } else { *v <= 0.0 })
+        .collect();
+    lines.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    lines.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * b.abs());
+    let layer = |k: usize| {
+        let (Some(inner), Some(outer)) = (lines.get(k), lines.get(k + 1)) else { return 0.0 };
+        let range = [inner.min(*outer), inner.max(*outer)];
+        let size = |v: f64| v.abs().powi(power as i32);
+        field.integral(&[Along::At(crossing.level), Along::Function(&size, power as usize, range)])
     };
-    let at = field.point(0, crossing.level);
-    let [first, second, third] = [0, 1, 2].map(|k| {
-        let (Some(inner), Some(outer)) = (line(k), line(k + 1)) else { return 0.0 };
-        let range = [inner.min(outer), inner.max(outer)];
-        integral(field, 0, &at, &field.weights(1, power as usize, range, |v| v.abs().powi(power as i32)))
-    });
+    let [first, second, third] = [0, 1, 2].map(layer);
     let ratio = third / second;
     2.0 * if ratio > 1.0 { (first - second / (ratio - 1.0)).abs() } else { first.abs() }
 }
 
+/// ∫ |v|^power p(level, v) dv over the velocities of one sign.
 pub(super) fn flux(field: &Field, crossing: Crossing, power: u32) -> f64 {
-    let (at, sign) = (field.point(crossing.displacement, crossing.level), if crossing.upward { 1.0 } else { -1.0 });
     let range = if crossing.upward { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
-    let over = field.weights(crossing.velocity, power as usize, range, |v| (sign * v).powi(power as i32));
-    integral(field, crossing.displacement, &at, &over)
+    let size = |v: f64| v.abs().powi(power as i32);
+    let along = |axis: usize| {
+        if axis == crossing.displacement {
+            Along::At(crossing.level)
+        } else if axis == crossing.velocity {
+            Along::Function(&size, power as usize, range)
+        } else {
+            Along::All
+        }
+    };
+    field.integral(&(0..field.shape.states).map(along).collect::<Vec<_>>())
 }

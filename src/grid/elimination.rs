@@ -1,24 +1,29 @@
-//! LU factors of block matrices by fronts: the multifrontal method (I. S. Duff and J. K. Reid, 1983,
-//! doi:10.1145/356044.356047).
+//! LU factors by fronts: the multifrontal method (I. S. Duff and J. K. Reid, 1983, doi:10.1145/356044.356047).
 //!
-//! The dissection of the mesh is a tree of fronts. Each has elements of its own, and a boundary: what these and the elements of the
-//! parts below are coupled with outside. Its dense matrix is the sum of the blocks that couple the own elements and of what the parts
-//! leave to it; what it leaves goes to the front above. Pivots are chosen among the rows of a front's own elements, so that factors
-//! fill where those of the coupled elements do, whatever the pivots. That is safe here: probability gets out of every group of
-//! elements in the end. What it costs in digits shows in the residual that every stationary solution carries.
+//! A cell's own unknowns are eliminated first, which is static condensation (R. J. Guyan, 1965, doi:10.2514/3.2874): a matrix of its
+//! faces is left. The dissection of the mesh is a tree of fronts: the matrix of each is the sum of what its halves leave, its own
+//! faces are eliminated, and what it leaves goes to the front above. Pivots are chosen among a front's own rows, so that factors fill
+//! where coupled faces do, whatever the pivots. That is safe here: probability gets out of every piece in the end.
+//!
+//! No probability is lost within a piece, so that the columns of what it leaves sum to zero. Rounding breaks that by 1e-12, which
+//! would decide how much is in each of two wells that exchange as little: the sums are restored.
 
-use super::dissection::Front;
+use super::dissection::{Front, Parts};
+use super::forms::Matrices;
 use super::panel::Panel;
 use faer::Mat;
 
-/// Parts with fewer elements than this together are not worth tasks of their own.
+/// Pieces with fewer cells than this together are not worth tasks of their own.
 const TASK: usize = 16;
 
-/// A matrix of square blocks of one size, by columns of blocks: the row of each block, rising, and the block.
-#[derive(Debug)]
-pub(super) struct BlockMatrix {
-    pub(super) block: usize,
-    pub(super) columns: Vec<Vec<(usize, Mat<f64>)>>,
+/// The linear system of a mesh: what it takes from each cell.
+pub(super) trait Cells: Sync {
+    /// The matrices of a cell, and whether probability neither gets lost in it nor comes from nowhere.
+    fn matrices(&self, cell: usize) -> (Matrices, bool);
+    /// The weight of the rate at which probability passes a face in that of its first function: √length.
+    fn weight(&self, face: usize) -> f64;
+    /// Unknowns at a face.
+    fn face(&self) -> usize;
 }
 
 /// The factors of a front and of all below it.
@@ -28,74 +33,138 @@ pub(super) struct Factored {
     panel: Panel,
 }
 
+/// What a front leaves to its boundary, and whether its columns sum to zero.
+struct Left {
+    matrix: Mat<f64>,
+    closed: bool,
+}
+
 impl Factored {
-    /// The factors of a matrix that couples no elements but those that the dissection was made for.
-    pub(super) fn new(front: &Front, matrix: &BlockMatrix) -> Self {
-        factored(front, matrix).0
+    pub(super) fn new(front: &Front, cells: &impl Cells) -> Self {
+        factored(front, cells).0
     }
 
-    /// Solves for `x`, the right side before, of `block` unknowns per element.
-    pub(super) fn solve(&self, front: &Front, block: usize, x: &mut [f64]) {
-        self.eliminate(front, block, x);
-        self.substitute(front, block, x);
+    /// Solves for the unknowns of all cells, right sides before, and for those at faces, `size` at each.
+    pub(super) fn solve(&self, front: &Front, size: usize, inner: &mut [Vec<f64>], faces: &mut [f64]) {
+        self.eliminate(front, size, inner, faces);
+        self.substitute(front, size, inner, faces);
     }
 
-    /// Eliminates the own unknowns in their places of `x`, after those of the parts; what is left to the boundary.
-    fn eliminate(&self, front: &Front, block: usize, x: &mut [f64]) -> Vec<f64> {
-        let mut sum = gathered(&front.own, block, x);
-        sum.resize((front.own.len() + front.boundary.len()) * block, 0.0);
-        for (part, factored) in front.parts.iter().zip(&self.parts) {
-            let left = factored.eliminate(part, block, x);
-            for (place, left) in part.places.iter().zip(left.chunks_exact(block)) {
-                sum[place * block..][..block].iter_mut().zip(left).for_each(|(s, l)| *s += l);
+    /// Eliminates the own unknowns in their places, after those of the parts; what is left to the boundary.
+    fn eliminate(&self, front: &Front, size: usize, inner: &mut [Vec<f64>], faces: &mut [f64]) -> Vec<f64> {
+        let boundary = front.boundary.len() * size;
+        match &front.parts {
+            Parts::Cell(cell) => {
+                let mut left = vec![0.0; boundary];
+                inner[*cell] = self.panel.eliminated(&inner[*cell], &mut left);
+                left
+            }
+            Parts::Halves(parts) => {
+                let mut sum = gathered(&front.own, size, faces);
+                sum.resize(sum.len() + boundary, 0.0);
+                for ((part, places), factored) in parts.iter().zip(&self.parts) {
+                    let left = factored.eliminate(part, size, inner, faces);
+                    for (place, left) in places.iter().zip(left.chunks_exact(size)) {
+                        sum[place * size..][..size].iter_mut().zip(left).for_each(|(s, l)| *s += l);
+                    }
+                }
+                let mut left = sum.split_off(front.own.len() * size);
+                scatter(&front.own, size, &self.panel.eliminated(&sum, &mut left), faces);
+                left
             }
         }
-        let mut left = sum.split_off(front.own.len() * block);
-        scatter(&front.own, block, &self.panel.eliminated(&sum, &mut left), x);
-        left
     }
 
-    /// Puts the own unknowns in their places of `x`, and then those of the parts.
-    fn substitute(&self, front: &Front, block: usize, x: &mut [f64]) {
-        let [own, boundary] = [&front.own, &front.boundary].map(|elements| gathered(elements, block, x));
-        scatter(&front.own, block, &self.panel.substituted(own, &boundary), x);
-        front.parts.iter().zip(&self.parts).for_each(|(part, factored)| factored.substitute(part, block, x));
+    /// Puts the own unknowns in their places, and then those of the parts.
+    fn substitute(&self, front: &Front, size: usize, inner: &mut [Vec<f64>], faces: &mut [f64]) {
+        let boundary = gathered(&front.boundary, size, faces);
+        match &front.parts {
+            Parts::Cell(cell) => inner[*cell] = self.panel.substituted(std::mem::take(&mut inner[*cell]), &boundary),
+            Parts::Halves(parts) => {
+                let own = gathered(&front.own, size, faces);
+                scatter(&front.own, size, &self.panel.substituted(own, &boundary), faces);
+                for ((part, _), factored) in parts.iter().zip(&self.parts) {
+                    factored.substitute(part, size, inner, faces);
+                }
+            }
+        }
     }
 }
 
-fn gathered(elements: &[usize], block: usize, x: &[f64]) -> Vec<f64> {
-    elements.iter().flat_map(|element| &x[element * block..][..block]).copied().collect()
+fn gathered(faces: &[usize], size: usize, x: &[f64]) -> Vec<f64> {
+    faces.iter().flat_map(|face| &x[face * size..][..size]).copied().collect()
 }
 
-fn scatter(elements: &[usize], block: usize, values: &[f64], x: &mut [f64]) {
-    for (element, values) in elements.iter().zip(values.chunks_exact(block)) {
-        x[element * block..][..block].copy_from_slice(values);
+fn scatter(faces: &[usize], size: usize, values: &[f64], x: &mut [f64]) {
+    for (face, values) in faces.iter().zip(values.chunks_exact(size)) {
+        x[face * size..][..size].copy_from_slice(values);
     }
 }
 
 /// The factors of a front and of all below it, and what it leaves to its boundary.
-fn factored(front: &Front, matrix: &BlockMatrix) -> (Factored, Mat<f64>) {
-    let below = |part: &Front| factored(part, matrix);
-    let parts = match &front.parts[..] {
-        [first, second] if front.below > TASK => {
-            let (first, second) = rayon::join(|| below(first), || below(second));
-            vec![first, second]
+fn factored(front: &Front, cells: &impl Cells) -> (Factored, Left) {
+    let size = cells.face();
+    let (parts, panel, mut left) = match &front.parts {
+        Parts::Cell(cell) => condensed(*cell, front, cells),
+        Parts::Halves(parts) => {
+            let below = |k: usize| factored(&parts[k].0, cells);
+            let [first, second] =
+                if front.cells > TASK { rayon::join(|| below(0), || below(1)).into() } else { [below(0), below(1)] };
+            let (own, boundary) = (front.own.len() * size, front.boundary.len() * size);
+            let zeros = |rows: usize, columns: usize| Mat::zeros(rows, columns);
+            let mut sum = Sum {
+                size,
+                own: front.own.len(),
+                lower: zeros(own + boundary, own),
+                upper: zeros(own, boundary),
+                following: zeros(boundary, boundary),
+            };
+            let closed = first.1.closed && second.1.closed;
+            sum.add(&parts[0].1, first.1.matrix);
+            sum.add(&parts[1].1, second.1.matrix);
+            let panel = Panel::new(sum.lower, sum.upper, &mut sum.following);
+            (vec![first.0, second.0], panel, Left { matrix: sum.following, closed })
         }
-        parts => parts.iter().map(below).collect(),
     };
-    let mut sum = Sum::of(front, matrix);
-    let add = |(part, (factored, left)): (&Front, (Factored, Mat<f64>))| {
-        sum.add(&part.places, &left);
-        factored
-    };
-    let parts = front.parts.iter().zip(parts).map(add).collect();
-    let panel = Panel::new(sum.lower, sum.upper, &mut sum.following);
-    (Factored { parts, panel }, sum.following)
+    if left.closed {
+        let weights: Vec<f64> = front.boundary.iter().map(|face| cells.weight(*face)).collect();
+        restore(&mut left.matrix, &weights, size);
+    }
+    (Factored { parts, panel }, left)
 }
 
-/// The matrix of a front, the own elements first: F₁₁ with F₂₁ below it, F₁₂ and F₂₂.
+/// The factors of a cell's own unknowns, and what they leave to its faces.
+fn condensed(cell: usize, front: &Front, cells: &impl Cells) -> (Vec<Factored>, Panel, Left) {
+    let (Matrices { inner, inflow, outflow, faces }, closed) = cells.matrices(cell);
+    let (block, size) = (inner.nrows(), cells.face());
+    let all = outflow.nrows();
+    let mut lower = Mat::zeros(block + all, block);
+    lower.as_mut().subrows_mut(0, block).copy_from(&inner);
+    lower.as_mut().subrows_mut(block, all).copy_from(&outflow);
+    let mut following = Mat::zeros(all, all);
+    for (k, face) in faces.iter().enumerate() {
+        following.as_mut().submatrix_mut(k * size, k * size, size, size).copy_from(face);
+    }
+    debug_assert_eq!(all, front.boundary.len() * size);
+    let panel = Panel::new(lower, inflow, &mut following);
+    (Vec::new(), panel, Left { matrix: following, closed })
+}
+
+/// Takes from each column what its sum is off zero, in proportion to the weights: w S = 0 with w the weights at the first functions
+/// of the faces.
+fn restore(matrix: &mut Mat<f64>, weights: &[f64], size: usize) {
+    let square: f64 = weights.iter().map(|w| w * w).sum();
+    for j in 0..matrix.ncols() {
+        let column = matrix.col_as_slice_mut(j);
+        let firsts = || (0..weights.len()).map(|face| face * size);
+        let sum: f64 = firsts().zip(weights).map(|(at, w)| w * column[at]).sum();
+        firsts().zip(weights).for_each(|(at, w)| column[at] -= sum * w / square);
+    }
+}
+
+/// The matrix of a front, the own faces first: F₁₁ with F₂₁ below it, F₁₂ and F₂₂.
 struct Sum {
-    block: usize,
+    size: usize,
     own: usize,
     lower: Mat<f64>,
     upper: Mat<f64>,
@@ -103,43 +172,24 @@ struct Sum {
 }
 
 impl Sum {
-    /// The blocks that couple own elements with each other and with the boundary. Those within the boundary are those of the
-    /// fronts above.
-    fn of(front: &Front, matrix: &BlockMatrix) -> Self {
-        let (block, own, boundary) = (matrix.block, front.own.len(), front.boundary.len());
-        let zeros = |rows: usize, columns: usize| Mat::zeros(rows * block, columns * block);
-        let (lower, upper) = (zeros(own + boundary, own), zeros(own, boundary));
-        let mut sum = Sum { block, own, lower, upper, following: zeros(boundary, boundary) };
-        for (place, element) in front.own.iter().chain(&front.boundary).enumerate() {
-            for (row, entries) in &matrix.columns[*element] {
-                if let Some(row) = front.place(*row).filter(|row| place < own || *row < own) {
-                    for j in 0..block {
-                        sum.entries(row, place, j).copy_from_slice(entries.col_as_slice(j));
-                    }
-                }
-            }
-        }
-        sum
-    }
-
-    /// Adds what a part leaves to elements at `places`.
-    fn add(&mut self, places: &[usize], left: &Mat<f64>) {
-        let block = self.block;
+    /// Adds what a part leaves to faces at `places`.
+    fn add(&mut self, places: &[usize], left: Mat<f64>) {
+        let size = self.size;
         for column in 0..left.ncols() {
-            for (row, entries) in places.iter().zip(left.col_as_slice(column).chunks_exact(block)) {
-                let target = self.entries(*row, places[column / block], column % block);
+            for (row, entries) in places.iter().zip(left.col_as_slice(column).chunks_exact(size)) {
+                let target = self.entries(*row, places[column / size], column % size);
                 target.iter_mut().zip(entries).for_each(|(t, e)| *t += e);
             }
         }
     }
 
-    /// The rows of one element in column `j` of another.
+    /// The rows of one face in column `j` of another.
     fn entries(&mut self, row: usize, column: usize, j: usize) -> &mut [f64] {
         let (part, row, column) = match (row.checked_sub(self.own), column.checked_sub(self.own)) {
             (_, None) => (&mut self.lower, row, column),
             (None, Some(column)) => (&mut self.upper, row, column),
             (Some(row), Some(column)) => (&mut self.following, row, column),
         };
-        &mut part.col_as_slice_mut(column * self.block + j)[row * self.block..][..self.block]
+        &mut part.col_as_slice_mut(column * self.size + j)[row * self.size..][..self.size]
     }
 }

@@ -1,108 +1,320 @@
 //! A piecewise polynomial: its values and integrals.
 
 use super::legendre::Table;
-use super::space::Space;
+use super::mesh::Mesh;
+use super::shape::{MOST, Place, Shape, contracted, transformed};
+use super::tree::Cell;
 use crate::numerics::Rule;
+use rayon::prelude::*;
+use std::sync::Arc;
 
-/// The coefficients of a density on its elements.
+/// The coefficients of a density on its cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
-    pub(super) space: Space,
+    pub(super) mesh: Arc<Mesh>,
+    pub(super) shape: Shape,
     pub(super) coefficients: Vec<f64>,
 }
 
+/// The factor that an integrand has in one state.
+pub(super) enum Along<'a> {
+    /// 1 everywhere.
+    All,
+    /// A function within a range, by a rule that would integrate a polynomial of the degree.
+    Function(&'a (dyn Fn(f64) -> f64 + Sync), usize, [f64; 2]),
+    /// The state is at a place.
+    At(f64),
+}
+
+pub(super) const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+impl Along<'_> {
+    /// ∫ g φ_k over a cell, for each k.
+    fn weights(&self, mesh: &Mesh, shape: Shape, cell: &Cell, axis: usize) -> Vec<f64> {
+        let origin = mesh.origin[axis];
+        match *self {
+            Along::All => {
+                let mut weights = vec![0.0; shape.modes(axis)];
+                weights[0] = cell.width[axis].sqrt();
+                weights
+            }
+            Along::At(x) => {
+                let [values, _] = cell.basis(axis, shape.degree, x - origin);
+                values
+            }
+            Along::Function(g, degree, range) => {
+                let mut sums = vec![0.0; shape.modes(axis)];
+                let (low, high) = (cell.lower[axis].max(range[0] - origin), cell.upper(axis).min(range[1] - origin));
+                if low < high {
+                    for (u, weight) in shape.rule(degree).on(low, high).iter() {
+                        let factor = weight * g(u + origin);
+                        let [values, _] = cell.basis(axis, shape.degree, u);
+                        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
+                    }
+                }
+                sums
+            }
+        }
+    }
+}
+
 impl Field {
+    pub(super) fn zero(mesh: &Arc<Mesh>, shape: Shape) -> Self {
+        Field { mesh: Arc::clone(mesh), shape, coefficients: vec![0.0; mesh.cells.len() * shape.block()] }
+    }
+
     /// The L² projection of a function.
-    pub(super) fn projected(space: &Space, g: impl Fn([f64; 2]) -> f64) -> Self {
-        let table = Table::new(space.degree, space.rule(8));
-        let mut field = Field { space: space.clone(), coefficients: vec![0.0; space.unknowns()] };
-        for (element, block) in field.coefficients.chunks_exact_mut(space.block()).enumerate() {
-            for (x, weight, [a, b]) in space.nodes(element, &table) {
-                let value = weight * g(x) / space.root_area(element);
-                for (row, a) in block.chunks_exact_mut(b.len()).zip(a) {
-                    row.iter_mut().zip(b).for_each(|(c, b)| *c += value * a * b);
+    pub(super) fn projected(mesh: &Arc<Mesh>, shape: Shape, g: impl Fn(&[f64]) -> f64 + Sync) -> Self {
+        let mut field = Field::zero(mesh, shape);
+        let tables = shape.tables(&shape.rule(8));
+        field.coefficients.par_chunks_exact_mut(shape.block()).zip(&mesh.cells).for_each(|(block, cell)| {
+            let mut x = [0.0; MOST];
+            let values: Vec<f64> = nodes(cell, &tables)
+                .map(|(u, _)| {
+                    (0..MOST).for_each(|axis| x[axis] = mesh.origin[axis] + u[axis]);
+                    g(&x[..shape.states])
+                })
+                .collect();
+            block.copy_from_slice(&weighed(&values, cell, shape, &tables));
+        });
+        field
+    }
+
+    /// The L² projection onto the cells of another mesh, with functions of another shape.
+    pub(super) fn carried(&self, mesh: &Arc<Mesh>, shape: Shape) -> Self {
+        if *mesh == self.mesh {
+            return self.with_shape(shape);
+        }
+        let mut field = Field::zero(mesh, shape);
+        let tables = shape.tables(&Rule::legendre(self.shape.degree.max(shape.degree) + 1));
+        field.coefficients.par_chunks_exact_mut(shape.block()).zip(&mesh.cells).for_each(|(block, cell)| {
+            for piece in self.mesh.pieces(cell, &mesh.origin) {
+                let values: Vec<f64> = nodes(&piece, &tables)
+                    .map(|(u, _)| {
+                        let x: Place = std::array::from_fn(|axis| mesh.origin[axis] + u[axis]);
+                        self.value(&x[..shape.states])
+                    })
+                    .collect();
+                // The nodes of the piece with the functions of the cell.
+                let own = tables_on(&piece, cell, shape, &tables);
+                add_multiple(block, 1.0, &weighed_by(&values, &piece, cell, shape, &own));
+            }
+        });
+        field
+    }
+
+    /// The same with functions of another degree on the same cells.
+    pub(super) fn with_shape(&self, shape: Shape) -> Self {
+        let mut field = Field::zero(&self.mesh, shape);
+        if shape == self.shape {
+            return self.clone();
+        }
+        for (to, from) in field.coefficients.chunks_exact_mut(shape.block()).zip(self.blocks()) {
+            for (function, value) in from.iter().enumerate() {
+                let degrees = self.shape.degrees(function);
+                if (0..shape.states).all(|axis| degrees[axis] <= shape.degree) {
+                    to[(0..shape.states).map(|axis| degrees[axis] * shape.stride(axis)).sum::<usize>()] = *value;
                 }
             }
         }
         field
     }
 
-    /// ∫ |p| dx.
-    pub(super) fn size(&self) -> f64 {
-        let mut sum = 0.0;
-        self.for_each_node(self.space.rule(0), |_, weight, p| sum += weight * p.abs());
+    /// The sum with a multiple of another of the same cells, of the same or a lower degree.
+    pub(super) fn plus(&self, factor: f64, other: &Field) -> Self {
+        let mut sum = self.clone();
+        add_multiple(&mut sum.coefficients, factor, &other.with_shape(self.shape).coefficients);
         sum
     }
 
-    fn block(&self, element: usize) -> &[f64] {
-        let size = self.space.block();
-        &self.coefficients[element * size..(element + 1) * size]
+    /// ∫ |p| dx.
+    pub(super) fn size(&self) -> f64 {
+        self.sum_over_nodes(&self.shape.rule(2), |_, p| p.abs())
+    }
+
+    pub(super) fn blocks(&self) -> std::slice::ChunksExact<'_, f64> {
+        self.coefficients.chunks_exact(self.shape.block())
+    }
+
+    fn block(&self, cell: usize) -> &[f64] {
+        let size = self.shape.block();
+        &self.coefficients[cell * size..(cell + 1) * size]
     }
 
     /// The value at a state; 0 outside the domain.
-    pub(super) fn value(&self, x: &[f64; 2]) -> f64 {
-        let u: [f64; 2] = std::array::from_fn(|i| x[i] - self.space.axes[i].origin);
-        let cells = [0, 1].map(|i| self.space.axes[i].locate(u[i]));
-        let [Some(i), Some(j)] = cells else { return 0.0 };
-        let [a, b] = [(0, i), (1, j)].map(|(s, cell)| self.space.axes[s].basis(cell, self.space.degree, u[s]).0);
-        self.contract(self.space.element(i, j), &a, &b)
+    pub(super) fn value(&self, x: &[f64]) -> f64 {
+        self.mesh.locate(x).map_or(0.0, |cell| {
+            let along = |axis: usize| Along::At(x[axis]).weights(&self.mesh, self.shape, &self.mesh.cells[cell], axis);
+            let bases: Vec<Vec<f64>> = (0..self.shape.states).map(along).collect();
+            contracted(self.block(cell), &bases.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        })
     }
 
-    fn contract(&self, element: usize, a: &[f64], b: &[f64]) -> f64 {
-        let rows = self.block(element).chunks_exact(b.len());
-        rows.zip(a).map(|(row, a)| a * row.iter().zip(b).map(|(c, b)| c * b).sum::<f64>()).sum()
+    /// ∫ Π g_i(x_i) p dx.
+    pub(super) fn integral(&self, factors: &[Along<'_>]) -> f64 {
+        let at = factors.iter().enumerate().find_map(|(axis, factor)| match factor {
+            Along::At(x) => Some((axis, *x)),
+            _ => None,
+        });
+        let cells: Vec<usize> = match at {
+            Some((axis, x)) => self.mesh.crossed(axis, x),
+            None => (0..self.mesh.cells.len()).collect(),
+        };
+        let part = |cell: &usize| {
+            let along = |(axis, factor): (usize, &Along<'_>)| {
+                factor.weights(&self.mesh, self.shape, &self.mesh.cells[*cell], axis)
+            };
+            let weights: Vec<Vec<f64>> = factors.iter().enumerate().map(along).collect();
+            contracted(self.block(*cell), &weights.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        };
+        cells.iter().map(part).sum()
     }
 
-    /// ∫ g₀(x₀) g₁(x₁) p dx from the integrals ∫ g φ of every cell of both axes.
-    pub(super) fn integrate(&self, weights: [&[Vec<f64>]; 2]) -> f64 {
-        let mut sum = 0.0;
-        for (i, a) in weights[0].iter().enumerate().filter(|(_, a)| !a.is_empty()) {
-            for (j, b) in weights[1].iter().enumerate().filter(|(_, b)| !b.is_empty()) {
-                sum += self.contract(self.space.element(i, j), a, b);
-            }
+    /// The nodes of a rule in a cell, with their weights and the values there.
+    pub(super) fn on_nodes(&self, cell: usize, tables: &[Table; MOST]) -> impl Iterator<Item = (Place, f64, f64)> {
+        let (own, origin) = (self.mesh.cells[cell], self.mesh.origin);
+        let mut sizes: [usize; MOST] = std::array::from_fn(|axis| self.shape.modes(axis));
+        let mut values = self.block(cell).to_vec();
+        for (axis, table) in tables.iter().enumerate() {
+            values = transformed(&values, &mut sizes, axis, &table.values);
         }
-        sum
+        let scale = own.root_volume().recip();
+        let nodes: Vec<(Place, f64)> = nodes(&own, tables).collect();
+        nodes.into_iter().zip(values).map(move |((u, weight), value)| {
+            (std::array::from_fn(|axis| origin[axis] + u[axis]), weight, scale * value)
+        })
     }
 
-    /// ∫ g φ_k du for every cell of the axis of `state`, over `range`; `extra` is the degree of g.
-    pub(super) fn weights(&self, state: usize, extra: usize, range: [f64; 2], g: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-        let axis = &self.space.axes[state];
-        let rule = self.space.rule(extra);
-        let range = range.map(|x| x - axis.origin);
-        (0..axis.cells())
-            .map(|cell| axis.project(cell, self.space.degree, &rule, range, |u| g(u + axis.origin)))
-            .collect()
-    }
-
-    /// φ_k at x for the cell that holds it, nothing for all other cells.
-    pub(super) fn point(&self, state: usize, x: f64) -> Vec<Vec<f64>> {
-        let axis = &self.space.axes[state];
-        let u = x - axis.origin;
-        let mut weights = vec![Vec::new(); axis.cells()];
-        if let Some(cell) = axis.locate(u) {
-            weights[cell] = axis.basis(cell, self.space.degree, u).0;
+    /// Calls `visit` with every node of a rule: the state, the weight and the value there.
+    pub(super) fn for_each_node(&self, rule: &Rule, mut visit: impl FnMut(&[f64], f64, f64)) {
+        let tables = self.shape.tables(rule);
+        for cell in 0..self.mesh.cells.len() {
+            self.on_nodes(cell, &tables).for_each(|(x, weight, p)| visit(&x[..self.shape.states], weight, p));
         }
-        weights
     }
 
-    /// Calls `visit` with every quadrature node: the state, the weight and the value there.
-    pub(super) fn for_each_node(&self, rule: Rule, mut visit: impl FnMut([f64; 2], f64, f64)) {
-        let table = Table::new(self.space.degree, rule);
-        for element in 0..self.space.elements() {
-            for (x, weight, [a, b]) in self.space.nodes(element, &table) {
-                visit(x, weight, self.contract(element, a, b) / self.space.root_area(element));
-            }
-        }
+    /// The sum of g(x, p) over the nodes of a rule with their weights.
+    pub(super) fn sum_over_nodes(&self, rule: &Rule, g: impl Fn(&[f64], f64) -> f64 + Sync) -> f64 {
+        let tables = self.shape.tables(rule);
+        let states = self.shape.states;
+        let part = |cell: usize| -> f64 {
+            self.on_nodes(cell, &tables).map(|(x, weight, p)| weight * g(&x[..states], p)).sum()
+        };
+        // In the order of the cells, so that threads do not change the sum.
+        (0..self.mesh.cells.len()).into_par_iter().map(part).collect::<Vec<f64>>().iter().sum()
+    }
+
+    /// The peak of a normal density with the same ∫ p² dx: a source in a single cell has none of it.
+    pub(super) fn level(&self) -> f64 {
+        let square: f64 = self.coefficients.iter().map(|c| c * c).sum();
+        square * 2.0_f64.powf(self.shape.states as f64 / 2.0)
+    }
+
+    /// The largest |p| next to the open sides of the domain, each relative to the [level](Field::level).
+    pub(super) fn at_edges(&self) -> Vec<(usize, usize, f64)> {
+        let (mesh, level) = (&self.mesh, self.level());
+        let sides = (0..mesh.states()).flat_map(|axis| [(axis, 0), (axis, 1)]);
+        let open = sides.filter(|(axis, side)| mesh.open(*axis, *side));
+        open.map(|(axis, side)| (axis, side, self.at_side(axis, side) / level)).collect()
+    }
+
+    /// The largest |p| next to a side of the domain.
+    fn at_side(&self, axis: usize, side: usize) -> f64 {
+        let tables = self.shape.tables(&self.shape.rule(0));
+        let limit = self.mesh.domain()[axis][side];
+        let near = |cell: usize| {
+            let reach = self.mesh.cells[cell].width[axis] / (self.shape.degree as f64 + 1.0);
+            let own = self.on_nodes(cell, &tables).filter(move |(x, ..)| (x[axis] - limit).abs() < reach);
+            own.fold(0.0, |a: f64, (.., p)| a.max(p.abs()))
+        };
+        self.mesh.at_side(axis, side).map(near).fold(0.0, f64::max)
     }
 
     /// The integral over everything.
     pub(super) fn mass(&self) -> f64 {
-        (0..self.space.elements()).map(|e| self.space.root_area(e) * self.block(e)[0]).sum()
+        self.blocks().zip(&self.mesh.cells).map(|(block, cell)| cell.root_volume() * block[0]).sum()
     }
 
-    /// The element with the highest mean density.
-    pub(super) fn peak_element(&self) -> usize {
-        let mean = |e: &usize| self.block(*e)[0] / self.space.root_area(*e);
-        (0..self.space.elements()).max_by(|a, b| mean(a).total_cmp(&mean(b))).unwrap_or(0)
+    /// The mean density of a cell.
+    pub(super) fn mean(&self, cell: usize) -> f64 {
+        self.block(cell)[0] / self.mesh.cells[cell].root_volume()
     }
+
+    /// The cell with the highest mean density.
+    pub(super) fn peak(&self) -> usize {
+        let cells = 0..self.mesh.cells.len();
+        cells.max_by(|a, b| self.mean(*a).total_cmp(&self.mean(*b))).unwrap_or(0)
+    }
+
+    /// The size of each cell's part of the highest degree along each state, √volume times its norm; at least `share` of that of the
+    /// degree below, since the highest one may vanish by accident.
+    pub(super) fn highest(&self, share: f64) -> Vec<Place> {
+        let degree = self.shape.degree;
+        let of = |(block, cell): (&[f64], &Cell)| {
+            std::array::from_fn(|axis| {
+                let part = |k: usize| -> f64 {
+                    let own = block.iter().enumerate().filter(|(c, _)| self.shape.degrees(*c)[axis] == k);
+                    cell.root_volume() * own.map(|(_, c)| c * c).sum::<f64>().sqrt()
+                };
+                if axis < self.shape.states { part(degree).max(share * part(degree - 1)) } else { 0.0 }
+            })
+        };
+        self.blocks().zip(&self.mesh.cells).map(of).collect()
+    }
+}
+
+/// The nodes of a cell, as distances from the mesh's origin, with their weights.
+pub(super) fn nodes(cell: &Cell, tables: &[Table; MOST]) -> impl Iterator<Item = (Place, f64)> {
+    let sizes = tables.each_ref().map(Table::len);
+    let volume: f64 = cell.width.iter().product();
+    (0..sizes.iter().product()).map(move |k| {
+        let node: [usize; MOST] =
+            std::array::from_fn(|axis| k / sizes[axis + 1..].iter().product::<usize>() % sizes[axis]);
+        let place = std::array::from_fn(|axis| cell.at(axis, tables[axis].nodes[node[axis]]));
+        (place, volume * (0..MOST).map(|axis| tables[axis].weights[node[axis]]).product::<f64>())
+    })
+}
+
+/// The coefficients of a function by its values at the nodes of a cell.
+fn weighed(values: &[f64], cell: &Cell, shape: Shape, tables: &[Table; MOST]) -> Vec<f64> {
+    let rows = |table: &Table, modes: usize| -> Vec<Vec<f64>> {
+        (0..modes).map(|k| (0..table.len()).map(|node| table.weighted(node, k)).collect()).collect()
+    };
+    let rows: Vec<_> = tables.iter().enumerate().map(|(axis, table)| rows(table, shape.modes(axis))).collect();
+    weighed_by(values, cell, cell, shape, &rows)
+}
+
+/// Weights times the functions of `cell` at the nodes of a `piece` of it, by axis, function and node.
+fn tables_on(piece: &Cell, cell: &Cell, shape: Shape, tables: &[Table; MOST]) -> Vec<Vec<Vec<f64>>> {
+    let along = |(axis, table): (usize, &Table)| {
+        let at = |node: usize| {
+            super::legendre::reference(shape.modes(axis) - 1, cell.xi(axis, piece.at(axis, table.nodes[node]))).0
+        };
+        let values: Vec<Vec<f64>> = (0..table.len()).map(at).collect();
+        (0..shape.modes(axis)).map(|k| values.iter().zip(&table.weights).map(|(v, w)| v[k] * w).collect()).collect()
+    };
+    tables.iter().enumerate().map(along).collect()
+}
+
+/// ∫ over a piece of a function by its values with the functions of a cell, by their weighted values at the nodes.
+fn weighed_by(values: &[f64], piece: &Cell, cell: &Cell, shape: Shape, rows: &[Vec<Vec<f64>>]) -> Vec<f64> {
+    let mut sizes: [usize; MOST] = std::array::from_fn(|axis| rows[axis][0].len());
+    let mut sums = values.to_vec();
+    for axis in 0..MOST {
+        debug_assert_eq!(rows[axis].len(), shape.modes(axis));
+        sums = transformed(&sums, &mut sizes, axis, &rows[axis]);
+    }
+    let scale = piece.root_volume().powi(2) / cell.root_volume();
+    sums.iter_mut().for_each(|sum| *sum *= scale);
+    sums
+}
+
+/// Adds a multiple of a list to another.
+pub(super) fn add_multiple(sum: &mut [f64], factor: f64, term: &[f64]) {
+    sum.iter_mut().zip(term).for_each(|(s, t)| *s += factor * t);
+}
+
+/// ∫ |p − q| dx for two degrees on one mesh.
+pub(super) fn difference(fine: &Field, coarse: &Field) -> f64 {
+    fine.plus(-1.0, coarse).size()
 }

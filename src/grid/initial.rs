@@ -2,7 +2,8 @@
 
 use super::density::GridDensity;
 use super::field::Field;
-use super::space::{Side, Space};
+use super::mesh::{Mesh, Side};
+use super::shape::Shape;
 use crate::checks::require;
 use crate::density::{Density, Frame};
 use crate::envelope::Envelope;
@@ -32,27 +33,27 @@ enum Law {
 }
 
 impl GridDensity {
-    /// The start at the time at which it is wide enough for `space`.
-    pub(super) fn initial(&self, start: &Start, space: &Space, envelope: Option<&Envelope>) -> Result<Initial> {
-        start.check(2)?;
+    /// The start at the time at which it is wide enough for a mesh.
+    pub(super) fn initial(&self, start: &Start, mesh: &Mesh, envelope: Option<&Envelope>) -> Result<Initial> {
+        let states = mesh.states();
+        start.check(states)?;
         let at_once = |law| Ok(Initial { time: 0.0, law });
         let x = match start {
             Start::Stationary => return at_once(Law::Stationary),
             Start::Gaussian(gaussian) => return at_once(Law::Gaussian(gaussian.clone())),
             Start::Density(density) => return at_once(Law::Density(Arc::clone(density))),
-            Start::Point(x) => [x[0], x[1]],
+            Start::Point(x) => x.clone(),
         };
-        let least: [f64; 2] = std::array::from_fn(|i| {
-            let axis = &space.axes[i];
-            let cell = axis.locate(x[i] - axis.origin).unwrap_or(0);
-            tuning::mesh::RESOLVED * axis.width(cell) / space.degree as f64
-        });
-        let wide = |g: &Gaussian| (0..2).all(|i| g.covariance[(i, i)].sqrt() >= least[i]);
+        let cell = mesh.cells[mesh.locate(&x).unwrap_or(0)];
+        let degree = self.fine.shape.degree as f64;
+        let least: Vec<f64> = (0..states).map(|axis| tuning::mesh::RESOLVED * cell.width[axis] / degree).collect();
+        let wide = |g: &Gaussian| (0..states).all(|i| g.covariance[(i, i)].sqrt() >= least[i]);
         // From far below the time in which noise crosses a cell, by steps that grow by a tenth, anew at each step of the noise.
-        let operator = self.problem.operator();
-        let strength = (0..2).map(|i| operator.diffusion()[i][i].evaluate(&x)).fold(f64::MIN_POSITIVE, f64::max);
-        let first = 1e-4 * least[1].powi(2) / strength;
-        let mut narrow = Narrow::new(&self.problem, envelope, x);
+        let problem = &self.kept.problem;
+        let operator = problem.operator();
+        let strength = (0..states).map(|i| operator.diffusion()[i][i].evaluate(&x)).fold(f64::MIN_POSITIVE, f64::max);
+        let first = 1e-4 * least[states - 1].powi(2) / strength;
+        let mut narrow = Narrow::new(problem, envelope, &x);
         let mut step = first;
         for _ in 0..800 {
             step = if narrow.advance(step) { first } else { 1.1 * step };
@@ -66,23 +67,22 @@ impl GridDensity {
 }
 
 impl Initial {
-    /// The density on `space`; of the stationary density, `stationary` is the solution of the same degree.
+    /// The density on a mesh; of the stationary density, `stationary` is the solution of the same degree.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if a start is too narrow for the mesh, or reaches beyond a wall or an edge.
-    pub(super) fn field(&self, stationary: &Field, space: &Space) -> Result<Field> {
+    pub(super) fn field(&self, stationary: &Field, mesh: &Arc<Mesh>, shape: Shape) -> Result<Field> {
         let (field, expected) = match &self.law {
             Law::Stationary => {
-                let same = stationary.space == *space;
-                return Ok(if same { stationary.clone() } else { Field::projected(space, |x| stationary.value(&x)) });
+                return Ok(stationary.carried(mesh, shape));
             }
-            Law::Gaussian(gaussian) => (Field::projected(space, normal(gaussian)?), inside(gaussian, space)),
+            Law::Gaussian(gaussian) => (Field::projected(mesh, shape, normal(gaussian)?), inside(gaussian, mesh)),
             Law::Density(density) => {
                 // What is not known makes a mass that is refused.
-                let value = |x: [f64; 2]| density.log_pdf(&x).map_or(f64::NAN, f64::exp);
-                let field = Field::projected(space, value);
+                let value = |x: &[f64]| density.log_pdf(x).map_or(f64::NAN, f64::exp);
+                let field = Field::projected(mesh, shape, value);
                 // Between levels, what lies beyond them is not known.
-                let expected = if space.sides.contains(&Side::Level) { field.mass().clamp(0.0, 1.0) } else { 1.0 };
+                let expected = if mesh.sides.contains(&Side::Level) { field.mass().clamp(0.0, 1.0) } else { 1.0 };
                 (field, expected)
             }
         };
@@ -94,26 +94,28 @@ impl Initial {
 }
 
 /// The values of a normal density.
-fn normal(gaussian: &Gaussian) -> Result<impl Fn([f64; 2]) -> f64 + Sync> {
+fn normal(gaussian: &Gaussian) -> Result<impl Fn(&[f64]) -> f64 + Sync> {
     let frame = Frame::new(gaussian)?;
-    let volume = (TAU.ln() + frame.log_volume()).exp();
-    Ok(move |x: [f64; 2]| {
+    let states = gaussian.mean.len();
+    let volume = (TAU.ln() * states as f64 / 2.0 + frame.log_volume()).exp();
+    Ok(move |x: &[f64]| {
         let (origin, inverse) = (frame.origin(), frame.inverse());
-        let [dx, dy] = [x[0] - origin[0], x[1] - origin[1]];
-        let [a, b] = [inverse[(0, 0)] * dx, inverse[(1, 0)] * dx + inverse[(1, 1)] * dy];
-        (-(a * a + b * b) / 2.0).exp() / volume
+        // The inverse of the scale is lower triangular.
+        let coordinate = |i: usize| (0..=i).map(|j| inverse[(i, j)] * (x[j] - origin[j])).sum::<f64>();
+        let square: f64 = (0..states).map(|i| coordinate(i).powi(2)).sum();
+        (-square / 2.0).exp() / volume
     })
 }
 
 /// The probability of a Gaussian between the levels that absorb.
-fn inside(gaussian: &Gaussian, space: &Space) -> f64 {
+fn inside(gaussian: &Gaussian, mesh: &Mesh) -> f64 {
     const REACH: f64 = 9.0;
     let (mean, deviation) = (gaussian.mean[0], gaussian.covariance[(0, 0)].sqrt());
-    let limit = |side: usize, u: f64| {
-        let z = (space.axes[0].origin + u - mean) / deviation;
-        if space.sides[side] == Side::Level { z.clamp(-REACH, REACH) } else { (2.0 * side as f64 - 1.0) * REACH }
+    let limit = |side: usize| {
+        let z = (mesh.domain()[0][side] - mean) / deviation;
+        if mesh.sides[side] == Side::Level { z.clamp(-REACH, REACH) } else { (2.0 * side as f64 - 1.0) * REACH }
     };
-    let (low, high) = (limit(0, space.axes[0].low()), limit(1, space.axes[0].high()));
+    let (low, high) = (limit(0), limit(1));
     let rule = Rule::legendre(64);
     rule.on(low, high).iter().map(|(z, weight)| weight * (-z * z / 2.0).exp()).sum::<f64>() / TAU.sqrt()
 }
@@ -129,8 +131,8 @@ struct Narrow<'a> {
 }
 
 impl<'a> Narrow<'a> {
-    fn new(problem: &'a Problem, envelope: Option<&'a Envelope>, x: [f64; 2]) -> Self {
-        let point = Gaussian { mean: DVector::from_column_slice(&x), covariance: DMatrix::zeros(2, 2) };
+    fn new(problem: &'a Problem, envelope: Option<&'a Envelope>, x: &[f64]) -> Self {
+        let point = Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(x.len(), x.len()) };
         let moments = envelope.map(|_| ModulatedMoments::new(problem));
         Narrow { problem, envelope, gaussian: point.clone(), point, moments, time: 0.0 }
     }

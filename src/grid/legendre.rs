@@ -1,4 +1,4 @@
-//! Legendre polynomials, orthonormal on each interval of an axis.
+//! Legendre polynomials, orthonormal on the reference interval.
 
 use crate::numerics::{Rule, legendre};
 
@@ -43,103 +43,23 @@ impl Table {
     }
 }
 
-/// The mesh lines of one state, as distances from an origin.
-///
-/// Next to a wall elements are so small that their widths would be lost in the coordinate itself; distances from the wall
-/// keep them.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Axis {
-    pub(super) origin: f64,
-    pub(super) lines: Vec<f64>,
-}
-
-impl Axis {
-    pub(super) fn cells(&self) -> usize {
-        self.lines.len() - 1
-    }
-
-    pub(super) fn width(&self, cell: usize) -> f64 {
-        self.lines[cell + 1] - self.lines[cell]
-    }
-
-    /// The place ξ of the reference interval in `cell`.
-    pub(super) fn place(&self, cell: usize, xi: f64) -> f64 {
-        self.lines[cell] + self.width(cell) / 2.0 * (xi + 1.0)
-    }
-
-    pub(super) fn low(&self) -> f64 {
-        self.lines[0]
-    }
-
-    pub(super) fn high(&self) -> f64 {
-        self.lines[self.cells()]
-    }
-
-    /// The cell that holds `u`, a distance from the origin; the upper one on a line. None outside.
-    pub(super) fn locate(&self, u: f64) -> Option<usize> {
-        if !(u >= self.low() && u <= self.high()) {
-            return None;
-        }
-        Some(self.lines.partition_point(|line| *line <= u).clamp(1, self.cells()) - 1)
-    }
-
-    /// The basis of `cell` and its derivative at `u`: orthonormal with respect to du.
-    pub(super) fn basis(&self, cell: usize, degree: usize, u: f64) -> (Vec<f64>, Vec<f64>) {
-        let width = self.width(cell);
-        let xi = 2.0 * (u - self.lines[cell]) / width - 1.0;
-        let (mut p, mut slope) = reference(degree, xi);
-        let scale = width.sqrt().recip();
-        p.iter_mut().for_each(|p| *p *= scale);
-        slope.iter_mut().for_each(|s| *s *= scale * 2.0 / width);
-        (p, slope)
-    }
-
-    /// ∫ g(u) φ_k(u) du over the part of `cell` within [`from`, `to`], for each k.
-    pub(super) fn project(
-        &self,
-        cell: usize,
-        degree: usize,
-        rule: &Rule,
-        [from, to]: [f64; 2],
-        g: impl Fn(f64) -> f64,
-    ) -> Vec<f64> {
-        let mut sums = vec![0.0; degree + 1];
-        let (low, high) = (self.lines[cell].max(from), self.lines[cell + 1].min(to));
-        if low < high {
-            for (u, weight) in rule.on(low, high).iter() {
-                let factor = weight * g(u);
-                for (sum, p) in sums.iter_mut().zip(self.basis(cell, degree, u).0) {
-                    *sum += factor * p;
-                }
-            }
-        }
-        sums
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Rounding of a few hundred terms of size one.
+    /// Rounding of a few hundred terms of size one; central differences are off by h² times the third derivative, below 1e5 here.
     #[test]
     fn the_basis_is_orthonormal_and_its_slopes_are_its_derivatives() {
-        let axis = Axis { origin: 0.0, lines: vec![-1.0, 0.3, 2.0] };
-        let rule = Rule::legendre(12);
-        for cell in 0..2 {
-            for k in 0..=8 {
-                let sums = axis.project(cell, 8, &rule, [-1.0, 2.0], |u| axis.basis(cell, 8, u).0[k]);
-                for (l, sum) in sums.iter().enumerate() {
-                    assert!((sum - f64::from(k == l)).abs() < 1e-13);
-                }
+        let table = Table::new(8, Rule::legendre(12));
+        for k in 0..=8 {
+            for l in 0..=8 {
+                let sum: f64 = (0..table.len()).map(|node| table.weighted(node, k) * table.values[node][l]).sum();
+                assert!((sum - f64::from(u8::from(k == l))).abs() < 1e-13);
             }
-            let (u, h) = (axis.lines[cell] + 0.4, 1e-6);
-            let (up, down) = (axis.basis(cell, 8, u + h).0, axis.basis(cell, 8, u - h).0);
-            for (k, slope) in axis.basis(cell, 8, u).1.iter().enumerate() {
-                // Central differences are off by h² times the third derivative, below 1e5 here.
-                assert!(((up[k] - down[k]) / (2.0 * h) - slope).abs() < 1e-6 * (1.0 + slope.abs()));
-            }
+            let (xi, h) = (0.37, 1e-6);
+            let [up, down] = [xi + h, xi - h].map(|xi| reference(8, xi).0[k]);
+            let slope = reference(8, xi).1[k];
+            assert!(((up - down) / (2.0 * h) - slope).abs() < 1e-6 * (1.0 + slope.abs()));
         }
-        assert_eq!((axis.locate(0.3), axis.locate(2.0), axis.locate(2.1)), (Some(1), Some(1), None));
     }
 }

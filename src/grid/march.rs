@@ -1,8 +1,8 @@
 //! Steps in time for ∂p/∂t = −K(t) p.
 
-use super::assembly::{Discretisation, Modulation};
-use super::condensation::Factors;
-use crate::envelope::Piece;
+use super::field::add_multiple as add;
+use super::operator::{Factors, Operator, Regular, Traces};
+use crate::envelope::{Envelope, Piece};
 use crate::error::{Error, Result};
 use crate::grid::tuning;
 
@@ -40,14 +40,61 @@ const PLACES: [f64; 6] = [0.0, 0.386, 0.21, 0.63, 1.0, 1.0];
 /// γ_i, the weights of the change of K.
 const CHANGES: [f64; 6] = [0.25, -0.1043, 0.1035, -0.036_2, 0.0, 0.0];
 
+/// Noise that is modulated: the part of K that is in proportion to its intensity.
+#[derive(Debug)]
+pub(super) struct Modulation<'a> {
+    pub(super) noise: Operator,
+    pub(super) envelope: &'a Envelope,
+}
+
+/// K at a time: an operator, and the part that is in proportion to the noise with its factor.
+struct Now<'a> {
+    operator: &'a Operator,
+    more: Option<(f64, &'a Operator)>,
+    traces: Traces,
+}
+
+impl<'a> Now<'a> {
+    fn new(operator: &'a Operator, more: Option<(f64, &'a Operator)>) -> Self {
+        Now { operator, more, traces: operator.traces(more) }
+    }
+
+    fn balance(&self, p: &[f64], faces: &[f64]) -> [Vec<f64>; 2] {
+        let mut sum = self.operator.balance(p, faces);
+        if let Some((factor, part)) = self.more {
+            let more = part.balance(p, faces);
+            sum.iter_mut().zip(&more).for_each(|(sum, more)| add(sum, factor, more));
+        }
+        sum
+    }
+
+    /// K p, and the unknowns of faces that belong to p.
+    fn applied(&self, p: &[f64]) -> [Vec<f64>; 2] {
+        let [_, without] = self.balance(p, &vec![0.0; self.operator.at_faces()]);
+        let faces = self.traces.solved(without);
+        let [applied, _] = self.balance(p, &faces);
+        [applied, faces]
+    }
+
+    /// The derivative of K p by the factor of a part of K.
+    fn changed(&self, part: &Operator, p: &[f64]) -> Vec<f64> {
+        let [_, faces] = self.applied(p);
+        let [mut changed, at_faces] = part.balance(p, &faces);
+        let faces = self.traces.solved(at_faces);
+        let [through, _] = self.balance(&vec![0.0; p.len()], &faces);
+        add(&mut changed, 1.0, &through);
+        changed
+    }
+}
+
 /// The state of a march.
 #[derive(Debug)]
 pub(super) struct March<'a> {
-    operator: &'a Discretisation,
+    operator: &'a Operator,
     modulation: Option<&'a Modulation<'a>>,
     tolerance: f64,
     /// The step and the squared envelope that the factors belong to.
-    prepared: Option<([f64; 2], Factors<'a>)>,
+    prepared: Option<([f64; 2], Factors)>,
     step: f64,
     pub(super) time: f64,
     pub(super) p: Vec<f64>,
@@ -59,7 +106,7 @@ pub(super) struct March<'a> {
 
 impl<'a> March<'a> {
     /// Begins at `time` with the coefficients `p`; `step` is tried first. Each step may err by `tolerance`, relative to ‖p‖.
-    pub(super) fn new(operator: &'a Discretisation, (time, p): (f64, Vec<f64>), step: f64, tolerance: f64) -> Self {
+    pub(super) fn new(operator: &'a Operator, (time, p): (f64, Vec<f64>), step: f64, tolerance: f64) -> Self {
         let (prepared, modulation, difference) = (None, None, vec![0.0; p.len()]);
         March { operator, modulation, tolerance, prepared, step, time, p, error: 0.0, difference }
     }
@@ -125,9 +172,13 @@ impl<'a> March<'a> {
             Some((old, factors)) if same(old) => (old, factors),
             _ => ([step, strength], self.factors((GAMMA * step).recip(), strength)),
         };
-        let ([step, _], factors) = self.prepared.insert(fresh);
+        let ([step, _], factors) = &fresh;
         let step = *step;
-        let change = self.modulation.filter(|_| growth != 0.0).map(|modulation| modulation.noise.apply(&self.p));
+        let at =
+            |strength: f64| Now::new(self.operator, self.modulation.map(|modulation| (strength, &modulation.noise)));
+        let (mut now, mut known) = (at(strength), strength);
+        let change =
+            self.modulation.filter(|_| growth != 0.0).map(|modulation| now.changed(&modulation.noise, &self.p));
         let mut parts: Vec<Vec<f64>> = Vec::with_capacity(MIXED.len());
         let mut stage = self.p.clone();
         for (i, (mixed, place)) in MIXED.iter().zip(PLACES).enumerate() {
@@ -138,39 +189,28 @@ impl<'a> March<'a> {
                 }
                 None => add(&mut stage, 1.0, &parts[i - 1]),
             }
-            let mut right = self.operator.matrix.apply(&stage);
-            if let Some(modulation) = self.modulation {
-                add(&mut right, squared(self.time + place * step)[0], &modulation.noise.apply(&stage));
+            let here = squared(self.time + place * step)[0];
+            if here != known {
+                (now, known) = (at(here), here);
             }
+            let [mut right, _] = now.applied(&stage);
             if let Some(change) = &change {
                 add(&mut right, CHANGES[i] * step * growth, change);
             }
             right.iter_mut().for_each(|r| *r = -*r);
             mixed.iter().zip(&parts).for_each(|(c, part)| add(&mut right, c / step, part));
-            parts.push(factors.solve(&right)?);
+            parts.push(factors.solve(&right, None)?.inner);
         }
         let difference = parts.pop().unwrap_or_default();
         add(&mut stage, 1.0, &difference);
+        self.prepared = Some(fresh);
         Ok((stage, difference))
     }
 
     /// The factors of K + `diagonal` where the squared envelope is `strength`.
-    fn factors(&self, diagonal: f64, strength: f64) -> Factors<'a> {
-        match self.modulation {
-            None => self.operator.shifted(diagonal),
-            Some(modulation) => {
-                let mut matrix = self.operator.matrix.shifted(diagonal);
-                // Both have one pattern.
-                add(&mut matrix.values, strength, &modulation.noise.values);
-                self.operator.condensation.factorise(&matrix)
-            }
-        }
-    }
-}
-
-fn add(sum: &mut [f64], factor: f64, term: &[f64]) {
-    if factor != 0.0 {
-        sum.iter_mut().zip(term).for_each(|(s, t)| *s += factor * t);
+    fn factors(&self, diagonal: f64, strength: f64) -> Factors {
+        let more = self.modulation.map(|modulation| (strength, &modulation.noise));
+        self.operator.factors_with(more, Regular::Shift(diagonal))
     }
 }
 

@@ -1,73 +1,277 @@
-//! Mesh lines: equal cells, and layers towards the point at which a trajectory grazes a wall.
+//! Cells and the faces between them.
+//!
+//! Where cells of different sizes meet, the side of the larger one is cut into sub-faces. A wall joins what leaves with a speed to
+//! what comes back with r times that: its sub-faces are common parts of intervals of the speed before the impact, and are faces
+//! between two cells as any others, so that walls need no matching lines and lose no probability.
 
-use crate::grid::tuning;
+use super::shape::{MOST, Place};
+use super::tree::{Cell, Tree};
+use crate::density::Crossing;
 
-/// `cells` equal cells from `low` to `high`; with `through` inside, a line goes through it and both parts have equal cells.
-pub(super) fn equal(low: f64, high: f64, cells: usize, through: Option<f64>) -> Vec<f64> {
-    let stretch = |from: f64, to: f64, n: usize| (0..n).map(move |k| from + (to - from) * k as f64 / n as f64);
-    match through.filter(|t| low < *t && *t < high && cells > 1) {
-        None => stretch(low, high, cells).chain([high]).collect(),
-        Some(t) => {
-            let below = ((cells as f64 * (t - low) / (high - low)).round() as usize).clamp(1, cells - 1);
-            stretch(low, t, below).chain(stretch(t, high, cells - below)).chain([high]).collect()
+/// The condition at one side of the domain along state 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Side {
+    /// Probability that is carried out is lost; none comes in.
+    Open,
+    /// A level: the same on purpose, and the density is 0 there where noise acts across.
+    Level,
+    /// A wall with restitution r: probability that leaves with velocity −w/r comes back with velocity w.
+    Wall(f64),
+}
+
+/// What a cell's part of a face is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Role {
+    /// A face to the next cell.
+    Inner,
+    /// An open side of the domain.
+    Open,
+    /// A level.
+    Level,
+    /// The side of a wall where probability hits it; the velocity is the factor times the speed before the impact.
+    Hits(f64),
+    /// That where it comes back.
+    Returns(f64),
+}
+
+/// A part of a cell's side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Segment {
+    pub(super) axis: usize,
+    /// Whether it is the upper side of the cell along the axis.
+    pub(super) upper: bool,
+    pub(super) role: Role,
+    /// The face, where there is one.
+    pub(super) face: Option<usize>,
+    /// The extent along the other axes: of coordinates, or of the speed before the impact.
+    pub(super) extent: Cell,
+}
+
+/// A mesh: cells, and their segments, those with faces by rising face.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mesh {
+    /// What distances are measured from.
+    pub(super) origin: Place,
+    pub(super) tree: Tree,
+    pub(super) sides: [Side; 2],
+    /// The node of each cell.
+    leaves: Vec<usize>,
+    /// The cell of each node that is one.
+    numbers: Vec<usize>,
+    pub(super) cells: Vec<Cell>,
+    pub(super) segments: Vec<Vec<Segment>>,
+    /// The two cells of each face.
+    pub(super) faces: Vec<[usize; 2]>,
+    /// √length of each face: the coefficient of the constant function 1 in its first function.
+    root_lengths: Vec<f64>,
+}
+
+impl Mesh {
+    /// The cells of a tree. At walls of state 0 a line must go through the velocity 0.
+    pub(super) fn new(origin: Place, tree: Tree, sides: [Side; 2]) -> Self {
+        let leaves = tree.leaves();
+        let cells: Vec<Cell> = leaves.iter().map(|leaf| tree.cell(*leaf)).collect();
+        let mut numbers = vec![0; leaves.last().map_or(0, |leaf| leaf + 1)];
+        leaves.iter().enumerate().for_each(|(cell, leaf)| numbers[*leaf] = cell);
+        let segments = vec![Vec::new(); cells.len()];
+        let mut mesh = Mesh {
+            origin,
+            sides,
+            leaves,
+            numbers,
+            cells,
+            segments,
+            faces: Vec::new(),
+            root_lengths: Vec::new(),
+            tree: tree.clone(),
+        };
+        tree.for_each_face(|axis, low, high| {
+            let [low, high] = [low, high].map(|leaf| mesh.numbers[leaf]);
+            let mut extent = mesh.cells[low];
+            for along in (0..MOST).filter(|along| *along != axis) {
+                // One covers the other.
+                let narrower = if mesh.cells[high].width[along] < extent.width[along] { high } else { low };
+                extent.lower[along] = mesh.cells[narrower].lower[along];
+                extent.width[along] = mesh.cells[narrower].width[along];
+            }
+            mesh.join(axis, extent, [(low, true, Role::Inner), (high, false, Role::Inner)]);
+        });
+        for axis in 0..tree.states {
+            for (side, condition) in mesh.sides.into_iter().enumerate() {
+                let at_side: Vec<usize> = mesh.at_side(axis, side).collect();
+                match condition {
+                    Side::Wall(restitution) if axis == 0 => mesh.wall(side, restitution, &at_side),
+                    _ => {
+                        let role = if axis == 0 && condition == Side::Level { Role::Level } else { Role::Open };
+                        for cell in at_side {
+                            let extent = mesh.cells[cell];
+                            let edge = Segment { axis, upper: side == 1, role, face: None, extent };
+                            mesh.segments[cell].push(edge);
+                        }
+                    }
+                }
+            }
+        }
+        mesh
+    }
+
+    fn join(&mut self, axis: usize, extent: Cell, sides: [(usize, bool, Role); 2]) {
+        let face = Some(self.faces.len());
+        self.faces.push(sides.map(|(cell, ..)| cell));
+        let length: f64 = (0..MOST).filter(|along| *along != axis).map(|along| extent.width[along]).product();
+        self.root_lengths.push(length.sqrt());
+        for (cell, upper, role) in sides {
+            self.segments[cell].push(Segment { axis, upper, role, face, extent });
         }
     }
-}
 
-/// Lines from 0 to `length`: the first cell has the width `first`, every next layer reaches `growth` times as far out, until
-/// cells are `widest`; from there on they are equal.
-pub(super) fn layered(length: f64, widest: f64, first: f64, growth: f64) -> Vec<f64> {
-    let mut lines = vec![0.0];
-    let (mut last, mut x) = (0.0, first.min(widest));
-    while x < length && x - last < widest {
-        lines.push(x);
-        (last, x) = (x, x * growth);
+    /// The faces of a wall at the lower or upper side of state 0, by the speed before the impact.
+    fn wall(&mut self, side: usize, restitution: f64, cells: &[usize]) {
+        let sign = if side == 1 { 1.0 } else { -1.0 };
+        let speeds = |cell: usize, factor: f64| {
+            let Cell { lower, width } = self.cells[cell];
+            let ends = [lower[1] / factor, (lower[1] + width[1]) / factor];
+            [ends[0].min(ends[1]), ends[0].max(ends[1]), width[1] / factor.abs()]
+        };
+        let [before, after] = [sign, -sign * restitution].map(|factor| {
+            let mut all: Vec<_> = cells.iter().map(|cell| (speeds(*cell, factor), *cell)).collect();
+            all.retain(|([low, high, _], _)| low + high > 0.0);
+            all.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+            all
+        });
+        let (mut i, mut j) = (0, 0);
+        let mut found = Vec::new();
+        while let (Some((out, hit)), Some((back, returned))) = (before.get(i), after.get(j)) {
+            let (low, high) = (out[0].max(back[0]), out[1].min(back[1]));
+            // Widths are kept where one covers the other.
+            let whole = if out[2] <= back[2] { out } else { back };
+            let width = if low == whole[0] && high == whole[1] { whole[2] } else { high - low };
+            // Lines that are the same but for rounding leave nothing between them.
+            if width > 1e-13 * high {
+                found.push(([low, width], *hit, *returned));
+            }
+            if out[1] <= back[1] { i += 1 } else { j += 1 }
+        }
+        for ([low, width], hit, returned) in found {
+            let mut extent = Cell { lower: [0.0; MOST], width: [1.0; MOST] };
+            (extent.lower[1], extent.width[1]) = (low, width);
+            let (hits, returns) = (Role::Hits(sign), Role::Returns(-sign * restitution));
+            self.join(0, extent, [(hit, side == 1, hits), (returned, side == 1, returns)]);
+        }
+        // What no cell on the other side has is lost.
+        self.unmatched(side, sign, restitution, &before.iter().map(|(_, cell)| *cell).collect::<Vec<_>>());
     }
-    // Not wider than `widest` either: the first of the equal cells reaches no farther than a layer would.
-    let cells = ((length - last) / widest).ceil().max(1.0) as usize;
-    lines.extend((1..=cells).map(|k| last + (length - last) * k as f64 / cells as f64));
-    lines
-}
 
-/// The lines of both axes near a grazing point: `speed` is the width of the first cell along the velocity, and `diffusion`
-/// is D. Since u ~ w³/9D, displacement layers grow with the cube and start at its scale.
-pub(super) struct Grazing {
-    pub(super) speed: f64,
-    pub(super) diffusion: f64,
-}
-
-impl Grazing {
-    /// Distances from the wall.
-    pub(super) fn position(&self, length: f64, widest: f64) -> Vec<f64> {
-        // Cells of less than 1e-12 of the domain would lose their widths to rounding.
-        let first = (self.speed.powi(3) / (9.0 * self.diffusion)).max(1e-12 * length);
-        layered(length, widest, first, tuning::mesh::POSITION_GROWTH)
+    /// The fastest impacts, which come back beyond the domain or have no cell to come back to.
+    fn unmatched(&mut self, side: usize, sign: f64, restitution: f64, before: &[usize]) {
+        let root = self.tree.root();
+        let fastest = if side == 1 { -root.lower[1] } else { root.upper(1) } / restitution;
+        for &cell in before {
+            let Cell { lower, width } = self.cells[cell];
+            let high = (sign * lower[1]).max(sign * (lower[1] + width[1]));
+            let low = (high - width[1]).max(fastest);
+            if high - low > 1e-13 * high {
+                let mut extent = Cell { lower: [0.0; MOST], width: [1.0; MOST] };
+                (extent.lower[1], extent.width[1]) = (low, high - low);
+                let (axis, upper) = (0, side == 1);
+                self.segments[cell].push(Segment { axis, upper, role: Role::Hits(sign), face: None, extent });
+            }
+        }
     }
 
-    /// Speeds of one sign.
-    pub(super) fn velocity(&self, length: f64, widest: f64) -> Vec<f64> {
-        layered(length, widest, self.speed, tuning::mesh::VELOCITY_GROWTH)
+    pub(super) fn states(&self) -> usize {
+        self.tree.states
     }
-}
 
-/// Lines on both sides of 0 from lines of either sign.
-pub(super) fn mirrored(negative: &[f64], positive: &[f64]) -> Vec<f64> {
-    negative.iter().rev().map(|w| -w).chain(positive.iter().skip(1).copied()).collect()
+    /// The cell that holds a state.
+    pub(super) fn locate(&self, x: &[f64]) -> Option<usize> {
+        let u: Vec<f64> = x.iter().zip(&self.origin).map(|(x, origin)| x - origin).collect();
+        self.tree.locate(&u).map(|leaf| self.numbers[leaf])
+    }
+
+    pub(super) fn root_length(&self, face: usize) -> f64 {
+        self.root_lengths[face]
+    }
+
+    /// The cells that a state's place goes through; of two that meet there the upper one.
+    pub(super) fn crossed(&self, axis: usize, x: f64) -> Vec<usize> {
+        self.tree.crossed(axis, x - self.origin[axis]).into_iter().map(|leaf| self.numbers[leaf]).collect()
+    }
+
+    /// The parts of a box, given by distances from another origin, that lie in one cell each.
+    pub(super) fn pieces(&self, part: &Cell, origin: &Place) -> Vec<Cell> {
+        let shift: Place = std::array::from_fn(|axis| origin[axis] - self.origin[axis]);
+        let mut moved = *part;
+        (0..MOST).for_each(|axis| moved.lower[axis] += shift[axis]);
+        let mut pieces = self.tree.pieces(&moved);
+        pieces.iter_mut().for_each(|piece| (0..MOST).for_each(|axis| piece.lower[axis] -= shift[axis]));
+        pieces
+    }
+
+    /// The node of a cell in the tree.
+    pub(super) fn leaf(&self, cell: usize) -> usize {
+        self.leaves[cell]
+    }
+
+    /// The limits of each state.
+    pub(super) fn domain(&self) -> Vec<[f64; 2]> {
+        let root = self.tree.root();
+        (0..self.states()).map(|axis| [root.lower[axis], root.upper(axis)].map(|u| self.origin[axis] + u)).collect()
+    }
+
+    /// Whether a side of the domain is one that density may be cut off at.
+    pub(super) fn open(&self, axis: usize, side: usize) -> bool {
+        axis > 0 || self.sides[side] == Side::Open
+    }
+
+    /// The cells at a side of the domain.
+    pub(super) fn at_side(&self, axis: usize, side: usize) -> impl Iterator<Item = usize> {
+        self.tree.at_side(axis, side).into_iter().map(|leaf| self.numbers[leaf])
+    }
+
+    /// The volume of all cells.
+    pub(super) fn volume(&self) -> f64 {
+        self.tree.root().width.iter().product()
+    }
+
+    /// The impacts on each wall, with its restitution.
+    pub(super) fn impacts(&self) -> impl Iterator<Item = (Crossing, usize, f64)> {
+        let offsets = self.domain()[0];
+        (0..2).filter_map(move |side| match self.sides[side] {
+            Side::Wall(r) => Some((Crossing { upward: side == 1, ..Crossing::upward(offsets[side]) }, side, r)),
+            _ => None,
+        })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Every impact comes back once: the parts of both sides cover all speeds up to the fastest that both have.
     #[test]
-    fn lines_rise_and_end_where_they_should() {
-        let lines = equal(-1.0, 3.0, 8, Some(0.0));
-        assert!(lines.contains(&0.0) && lines.len() == 9 && lines[8] == 3.0);
-        let graze = Grazing { speed: 1e-3, diffusion: 0.2 };
-        for lines in [graze.position(4.0, 0.5), graze.velocity(5.0, 0.6)] {
-            assert!(lines.windows(2).all(|pair| pair[0] < pair[1]));
-            assert!((lines[0], lines[lines.len() - 1]).0 == 0.0 && (lines[lines.len() - 1] - lines[0]) > 3.9);
+    fn faces_of_walls_cover_the_speeds_on_both_sides() {
+        for (r, sides) in [(0.7, [true, false]), (1.0, [false, true]), (0.31, [true, true])] {
+            let mut tree = Tree::new(&[vec![0.0, 4.0], vec![-5.0, 0.0, 4.0]]);
+            for point in [[0.0, 0.1], [0.0, -0.2], [4.0, 0.01], [0.1, 3.0], [3.9, 0.6], [0.0, -0.01]] {
+                let leaf = tree.locate(&point).unwrap();
+                let part = tree.halve(leaf, 1);
+                tree.halve(part + 1, 0);
+            }
+            let mesh = Mesh::new([0.0; 2], tree, sides.map(|wall| if wall { Side::Wall(r) } else { Side::Open }));
+            for (side, _) in sides.iter().enumerate().filter(|(_, wall)| **wall) {
+                let (fastest, most) = if side == 0 { (5.0, 4.0 / r) } else { (4.0, 5.0 / r) };
+                let sums = |hits: bool| -> f64 {
+                    let all = mesh.segments.iter().flatten().filter(|s| s.upper == (side == 1) && s.face.is_some());
+                    let of = all.filter(|s| {
+                        if hits { matches!(s.role, Role::Hits(_)) } else { matches!(s.role, Role::Returns(_)) }
+                    });
+                    of.map(|s| s.extent.width[1]).sum()
+                };
+                for hits in [true, false] {
+                    assert!((sums(hits) - f64::min(fastest, most)).abs() < 1e-14 * fastest, "{r} {side} {hits}");
+                }
+            }
         }
-        assert_eq!(mirrored(&[0.0, 2.0], &[0.0, 1.0]), [-2.0, 0.0, 1.0]);
     }
 }

@@ -1,42 +1,41 @@
-//! High-order discontinuous Galerkin solution of the Fokker-Planck equation of two states.
+//! High-order discontinuous Galerkin solution of the Fokker-Planck equation of one state or two.
 //!
-//! - `legendre`, `space`, `mesh`: polynomials, elements, mesh lines;
-//! - `flux`: the operator at a point; `blocks`, `assembly`, `face`, `wall`: the matrix: volumes, faces between elements,
-//!   rebounds;
-//! - `sparse`: the matrix by entries; `dissection`: the order of elimination; `condensation`, `elimination`, `panel`: LU factors of
-//!   the unknowns within elements, of those at faces, and of a group of them;
-//! - `stationary`: the null vector of the matrix;
-//! - `domain`: where the density is; `layout`: its elements; `solver`: domain, mesh and two degrees for an error estimate;
-//! - `field`, `density`: the piecewise polynomial, and the density made of it; `sensitivity`: its derivatives by parameters;
-//! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same matrix;
-//! - `initial`, `transient`: a start on the mesh and p(x, t); `survival`: the part of it that has passed no level.
+//! - `legendre`, `shape`: polynomials, and their products on a cell;
+//! - `tree`, `mesh`: cells as leaves of a tree, and the faces between them;
+//! - `flux`: the operator at a point; `forms`: the matrices of a cell and its faces; `operator`: those of all cells, and K + s;
+//! - `dissection`: the order of elimination; `elimination`, `panel`: LU factors of the unknowns of cells, of faces, of a group;
+//! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, with wells that hardly mix;
+//!   `refinement`: from a mesh to the answer;
+//! - `field`, `density`, `kept`: the piecewise polynomial, the density made of it, and what further questions need;
+//!   `sensitivity`: its derivatives by parameters;
+//! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same operator;
+//! - `initial`, `transient`: a start on a mesh and p(x, t); `survival`: the part of it that has passed no level.
 
-mod assembly;
-mod blocks;
-mod condensation;
 mod density;
 mod dissection;
-mod domain;
 mod elimination;
-mod face;
 mod field;
 mod flux;
+mod forms;
 mod initial;
-mod layout;
+mod kept;
 mod legendre;
+mod line;
 mod march;
 mod mesh;
+mod operator;
 mod panel;
+mod pilot;
+mod refinement;
 mod relaxation;
 mod sensitivity;
-mod solver;
-mod space;
-mod sparse;
+mod shape;
+mod start;
 mod stationary;
 mod survival;
 mod transient;
+mod tree;
 mod tuning;
-mod wall;
 
 pub use density::GridDensity;
 pub use sensitivity::GridSensitivity;
@@ -45,49 +44,76 @@ pub use survival::Survival;
 use crate::checks::{finite, positive, require};
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
-use crate::problem::{PlaneMotion, Problem, Wall};
-use field::Field;
-use solver::Solver;
+use crate::problem::{COLLAPSE, Problem, Wall};
+use crate::provenance::Provenance;
+use field::difference;
+use kept::Kept;
+use line::Line;
+use mesh::Side;
+use operator::Layout;
+use pilot::Pilot;
+use refinement::{Pair, resolve};
+use start::Ground;
+use stationary::Question;
+use stationary::Stationary;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
-/// A discontinuous Galerkin method: tensor Legendre polynomials on a rectangular mesh, for problems of two states.
+/// A discontinuous Galerkin method that refines its mesh until the density is as accurate as it is asked to be, for problems of one
+/// state or two.
 ///
-/// 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p) is solved with upwind advection and the symmetric interior penalty for diffusion. For
-/// a smooth density the error falls exponentially with the degree.
+/// 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p) is solved in hybridised form, with upwind advection and an interior penalty for diffusion, on
+/// cells that are halved along either state where the solution is not resolved.
 ///
 /// ```
 /// use expoly::{Density, Grid, models::{Duffing, Solved}};
 /// let density = Grid::new().solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
 /// let second = density.moment(&[2, 0])?;
 /// assert!((second.value - 0.661714969204).abs() < 1e-7);
-/// assert!(second.error < 1e-9 && density.l1_estimate() < 1e-7);
+/// assert!(density.l1_estimate() < 1e-6);
 /// # Ok::<(), expoly::Error>(())
 /// ```
 ///
-/// # Reference
-/// B. Cockburn and C.-W. Shu, Runge-Kutta discontinuous Galerkin methods for convection-dominated problems, Journal of
-/// Scientific Computing 16 (2001) 173-261, doi:10.1023/A:1012873910884.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// # References
+/// B. Cockburn, J. Gopalakrishnan and R. Lazarov, Unified hybridization of discontinuous Galerkin, mixed, and continuous Galerkin
+/// methods for second order elliptic problems, SIAM Journal on Numerical Analysis 47 (2009) 1319-1365, doi:10.1137/070706616.
+#[derive(Clone)]
 #[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Grid {
+    accuracy: f64,
     degree: Option<usize>,
-    cells: Option<[usize; 2]>,
-    domain: Option<[[f64; 2]; 2]>,
-    edge_level: f64,
-    grazing: f64,
+    domain: Option<Vec<[f64; 2]>>,
     memory: MemoryLimit,
+    progress: Option<Callback>,
+}
+
+type Callback = Arc<dyn Fn(GridProgress) -> ControlFlow<()> + Send + Sync>;
+
+/// How far a grid has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridProgress {
+    /// Linear systems that have been solved.
+    pub rounds: usize,
+    /// Cells of the last one.
+    pub cells: usize,
+    /// What is left in the highest degree: a rough measure of the error in L¹, by which cells are refined.
+    pub indicator: f64,
+    /// The L¹ distance between the solutions of two degrees, where the last mesh has been solved for both.
+    pub estimate: Option<f64>,
 }
 
 impl Default for Grid {
     fn default() -> Self {
-        Grid {
-            degree: None,
-            cells: None,
-            domain: None,
-            edge_level: 1e-10,
-            grazing: 1e-3,
-            memory: MemoryLimit::default(),
-        }
+        Grid { accuracy: 1e-6, degree: None, domain: None, memory: MemoryLimit::default(), progress: None }
+    }
+}
+
+impl std::fmt::Debug for Grid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Grid { accuracy, degree, domain, memory, .. } = self;
+        let options = (accuracy, degree, domain, memory);
+        f.debug_tuple("Grid").field(&options).finish()
     }
 }
 
@@ -97,107 +123,76 @@ impl Grid {
         Self::default()
     }
 
-    /// The polynomials' degree in each state, 10 by default, 7 above a wall with r < 1; from 2 to 24.
+    /// The L¹ distance ∫ |p − p̃| dx that the density should have from the exact one at most: 1e-6 by default, from 1e-11 to 0.1. The
+    /// mesh is refined until the estimate is below.
+    pub fn accuracy(self, l1: f64) -> Self {
+        Grid { accuracy: l1, ..self }
+    }
+
+    /// The polynomials' degree in each state, from 2 to 24. By default 6 for accuracies down to 3e-6 and next to walls with r < 1, 8
+    /// below.
     pub fn degree(self, degree: usize) -> Self {
         Grid { degree: Some(degree), ..self }
     }
 
-    /// Cells along each state, [9, 10] by default, [8, 10] above a wall with r < 1; from 2 to 1000. Layers towards a
-    /// grazing point come on top.
-    pub fn cells(self, cells: [usize; 2]) -> Self {
-        Grid { cells: Some(cells), ..self }
+    /// Lower and upper limit of each state. By default the limits are four times as far from the middle as the states of a short
+    /// simulation, and farther where the density does not end there. A limit at a wall is replaced by the wall.
+    pub fn domain(self, domain: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        Grid { domain: Some(domain.into_iter().collect()), ..self }
     }
 
-    /// Lower and upper limit of each state. By default they are where the density has fallen to
-    /// [`Grid::edge_level`]. A limit at a wall is replaced by the wall.
-    pub fn domain(self, domain: [[f64; 2]; 2]) -> Self {
-        Grid { domain: Some(domain), ..self }
-    }
-
-    /// The largest density at the domain's edge, relative to its peak: 1e-10 by default.
-    ///
-    /// A level up to the estimated L¹ error, and at most 1e-3, is accepted too: on a coarse mesh it is the error itself. A
-    /// density with a power tail may end there; [`Provenance::edge_level`](crate::Provenance::edge_level) is the level
-    /// reached. The part beyond is missing from moments, about 3e-10 of E x² and 3e-8 of E x⁶ for a Gaussian; an estimate of
-    /// it is part of their errors.
-    pub fn edge_level(self, level: f64) -> Self {
-        Grid { edge_level: level, ..self }
-    }
-
-    /// The smallest cell along the velocity next to a wall with r < 1, relative to the velocity's standard deviation, 1e-3
-    /// by default.
-    ///
-    /// At the point (b, 0), where trajectories graze the wall, the density is singular. The error of impact rates
-    /// falls with a power of this number, 2 for r near 1, 1.5 for r = 0.7 and 1 for r = 0.5, that of moments faster. The error
-    /// that an impact rate carries contains it.
-    pub fn grazing(self, smallest: f64) -> Self {
-        Grid { grazing: smallest, ..self }
-    }
-
-    /// The memory that matrix and factors may take, 8 GiB by default. They are estimated before they are allocated: 50 000
-    /// unknowns take half a gibibyte to one.
+    /// The memory that matrices and factors may take, 8 GiB by default. They are estimated before they are allocated: a thousand
+    /// cells of degree 8 take a quarter of a gibibyte. Where it ends before the accuracy is reached, the density has what was
+    /// reached as its estimate, and a warning.
     pub fn memory_limit(self, gibibytes: f64) -> Self {
         Grid { memory: MemoryLimit::gibibytes(gibibytes), ..self }
     }
 
-    /// The stationary density of a problem of two states: on the whole plane, or where the walls of a displacement leave
-    /// it, below, above or on both sides, each with its own restitution.
+    /// A callback that is called after each linear system; it stops the grid by `Break`.
+    pub fn progress(self, callback: impl Fn(GridProgress) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
+        Grid { progress: Some(Arc::new(callback)), ..self }
+    }
+
+    /// The stationary density of a problem of one state or two: on the whole line or plane, or where the walls of a displacement
+    /// leave it, below, above or on both sides, each with its own restitution.
+    ///
+    /// A run that does not reach the accuracy returns what it has, with its estimate and a warning.
     ///
     /// # Errors
     /// - [`Error::NotServed`]: a problem of another number of states, a wall on state 1, or impulses;
     /// - [`Error::OutOfRange`]: an option without a meaning;
-    /// - [`Error::Exploded`], [`Error::DomainCut`]: the density does not end within any domain that was tried, or
-    ///   within the one given: the drift has no stationary density, or the domain is too small;
+    /// - [`Error::Exploded`]: the drift does not bring trajectories back;
     /// - [`Error::Unreached`]: a state that no noise reaches; [`Error::Rests`]: a wall that trajectories come to rest on;
     /// - [`Error::SingularSystem`]: more than one density is stationary, or none;
-    /// - [`Error::Negative`]: a tenth of the solution is below zero, since the mesh does not resolve the density;
-    /// - [`Error::TooMuchMemory`]: a mesh beyond [`Grid::memory_limit`].
+    /// - [`Error::NotResolved`]: an estimate of order 1, with its reason;
+    /// - [`Error::TooMuchMemory`]: already the first mesh is beyond [`Grid::memory_limit`];
+    /// - [`Error::GridCancelled`]: the progress callback returned `Break`.
     ///
     /// ```
     /// use expoly::{Density, Grid, Wall, models::{Duffing, Solved}};
     /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
-    /// let density = Grid::new().degree(4).solve(&duffing.with_wall(Wall::above(0.0, 0.9)?)?)?;
-    /// assert!((density.moment(&[1, 0])?.value - 0.58490541).abs() < 1e-4);    // 1e-8 by the default degree
+    /// let density = Grid::new().accuracy(1e-4).solve(&duffing.with_wall(Wall::above(0.0, 0.9)?)?)?;
+    /// assert!((density.moment(&[1, 0])?.value - 0.58490541).abs() < 1e-5);
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn solve(&self, problem: &Problem) -> Result<GridDensity> {
-        Ok(self.solved(problem, &[])?.0)
-    }
-
-    /// The stationary density, and its derivatives by some parameters of the problem ([`Problem::parameters`]), those of walls
-    /// among them.
-    ///
-    /// The derivative p′ solves L p′ = −L′p with the integral 0: each takes the matrix of L′ and one solution with the factors that
-    /// the density has made. Upwind sides and the mesh are held, and the mesh moves with a wall whose offset is the parameter, so
-    /// that the result is the derivative of the discrete solution itself. At r = 1 the one by r is that towards r < 1.
-    ///
-    /// # Errors
-    /// As [`Grid::solve`]; [`Error::NotAName`] for a name that no parameter has, [`Error::NotKnown`] and [`Error::NotServed`] where
-    /// the problem has no derivative by it.
-    ///
-    /// ```
-    /// use expoly::{Grid, Wall, models::{Duffing, Solved}};
-    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(-0.5, 1.0)?)?;
-    /// let (density, by) = Grid::new().degree(6).sensitivities(&problem, &["D", "x.above.offset"])?;
-    /// // p = C exp(−(c/D) H) where the wall leaves room: E v² = D/c.
-    /// assert!((by[0].moment(&[0, 2])?.value - 5.0).abs() < 1e-3 && by[1].moment(&[0, 2])?.value.abs() < 1e-3);
-    /// assert!(by[1].moment(&[1, 0])?.value > 0.0 && density.impact_rate() == by[1].density().impact_rate());
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn sensitivities(&self, problem: &Problem, parameters: &[&str]) -> Result<(GridDensity, Vec<GridSensitivity>)> {
-        self.served(problem)?;
-        let motion = |name: &&str| Ok(problem.motion(name)?.on_plane(problem));
-        let motions: Vec<PlaneMotion> = parameters.iter().map(motion).collect::<Result<_>>()?;
-        let (density, derivatives) = self.solved(problem, &motions)?;
-        let all = parameters.iter().zip(motions).zip(derivatives);
-        let found = all.map(|((name, motion), moved)| GridSensitivity::new(&density, name, motion, moved)).collect();
-        Ok((density, found))
+        let begin = Instant::now();
+        let walls = self.served(problem)?;
+        self.validate(problem)?;
+        problem.operator().require_reached(&[])?;
+        let pilot = Pilot::new(problem)?;
+        let lossy = walls.map(|wall| wall.is_some_and(|wall| wall.restitution() < 1.0));
+        let piloted = begin.elapsed().as_secs_f64();
+        let mut density = self.resolved(problem, walls, pilot, lossy)?;
+        density.provenance.pilot_seconds = Some(piloted);
+        density.provenance.seconds = begin.elapsed().as_secs_f64();
+        Ok(density)
     }
 
     /// The walls of a problem that is served.
     fn served(&self, problem: &Problem) -> Result<[Option<Wall>; 2]> {
-        if problem.dimension() != 2 {
-            let (what, remedy) = ("a problem of other than two states", "take the closure or the simulation");
+        if !(1..=shape::MOST).contains(&problem.dimension()) {
+            let (what, remedy) = ("a problem of more than two states", "take the closure or the simulation");
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
         problem.require_no_impulses("grid")?;
@@ -205,47 +200,175 @@ impl Grid {
         problem.walls_of_plane("grid")
     }
 
-    /// The density, and its derivatives along some motions in the order of [`GridDensity::solutions`].
-    fn solved(&self, problem: &Problem, motions: &[PlaneMotion]) -> Result<(GridDensity, Vec<[Field; 3]>)> {
-        let begin = Instant::now();
-        let walls = self.served(problem)?;
-        self.memory.check()?;
-        let mut solver = Solver { grid: self, degree: 0, cells: [0; 2], problem, walls, motions };
-        (solver.degree, solver.cells) = self.validate([0, 1].iter().any(|side| solver.grazed(*side)))?;
-        problem.operator().require_reached(&[])?;
-        let (start, adjust) = match self.domain {
-            Some(domain) => (domain, false),
-            None => (domain::pilot(problem, walls)?, true),
+    /// The density on a mesh that is fine next to the speed 0 at some sides of state 0.
+    fn resolved(
+        &self,
+        problem: &Problem,
+        walls: [Option<Wall>; 2],
+        pilot: Pilot,
+        grazed: [bool; 2],
+    ) -> Result<GridDensity> {
+        if problem.dimension() == 1 && self.domain.is_none() {
+            return self.on_a_line(problem, pilot);
+        }
+        let degree = self.degree_for(grazed != [false, false]);
+        let sides = walls.map(|wall| wall.map_or(Side::Open, |wall| Side::Wall(wall.restitution())));
+        let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
+        let rounds = std::cell::Cell::new(0);
+        let mut report = |mut progress: GridProgress| {
+            progress.rounds += rounds.get();
+            let stop = self.progress.as_ref().is_some_and(|callback| callback(progress).is_break());
+            if stop { Err(Error::GridCancelled { rounds: progress.rounds }) } else { Ok(()) }
         };
-        let (mut density, derivatives) = solver.run(start, adjust)?;
-        density.provenance.seconds = begin.elapsed().as_secs_f64();
-        Ok((density, derivatives))
+        let mut doubled = 0;
+        loop {
+            let mut domain =
+                self.domain.clone().unwrap_or_else(|| start::domain(&pilot, problem.dimension(), doubled, [None; 2]));
+            let limits = walls.map(|wall| wall.map(|wall| wall.offset()));
+            (0..2).for_each(|side| domain[0][side] = limits[side].unwrap_or(domain[0][side]));
+            for [low, high] in &domain {
+                positive(
+                    "side of the domain",
+                    high - low,
+                    "give lower and upper limits in this order, around the walls",
+                )?;
+            }
+            let ground = Ground { problem, pilot: &pilot, domain, sides, grazed };
+            let pair = resolve(question, ground.mesh(), (degree, self.accuracy), pilot.peak(), &mut report)?;
+            let cut = pair.fine.leak.at_edges() && pair.fine.returned().size() > tuning::domain::SHARE * self.accuracy;
+            let fixed = self.domain.is_some() || doubled == tuning::domain::DOUBLINGS;
+            rounds.set(rounds.get() + pair.rounds);
+            if !cut || fixed || pair.exhausted {
+                return self.density(problem, walls, pilot.clone(), pair, (rounds.get(), cut));
+            }
+            doubled += 1;
+        }
     }
 
-    /// Degree and cells, by default those of a mesh with grazing points or of one without.
-    fn resolution(&self, grazed: bool) -> (usize, [usize; 2]) {
-        // There are many layers at a grazing point: cheaper elements are better.
-        let (degree, cells) = if grazed { (7, [8, 10]) } else { (10, [9, 10]) };
-        (self.degree.unwrap_or(degree), self.cells.unwrap_or(cells))
+    /// The density of one state in closed form, on a mesh that holds it to rounding.
+    fn on_a_line(&self, problem: &Problem, pilot: Pilot) -> Result<GridDensity> {
+        let degree = self.degree.unwrap_or(tuning::line::DEGREE);
+        let peak = pilot.peak();
+        let line = Line::new(problem, peak[0], pilot.deviation(0))?;
+        let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
+        let exact = line.resolved(degree);
+        let layout = Layout::new(exact.mesh.as_ref().clone());
+        let solved = |degree: usize, field: field::Field| -> Result<Stationary> {
+            let mut solution = stationary::solve(question, &layout, degree, std::slice::from_ref(&peak))?;
+            // Both degrees have the closed form in place of the solution.
+            solution.replace(field);
+            Ok(solution)
+        };
+        let fine = solved(degree, exact.clone())?;
+        let coarse = solved(degree - 1, exact.with_shape(shape::Shape { states: 1, degree: degree - 1 }))?;
+        let estimate = difference(&fine.field, &coarse.field);
+        let pair = Pair { fine, coarse, estimate, rounds: 2, exhausted: false };
+        self.density(problem, [None; 2], pilot, pair, (2, false))
     }
 
-    /// Degree and cells, once every option has a meaning.
-    fn validate(&self, grazed: bool) -> Result<(usize, [usize; 2])> {
-        let (degree, cells) = self.resolution(grazed);
+    fn density(
+        &self,
+        problem: &Problem,
+        walls: [Option<Wall>; 2],
+        pilot: Pilot,
+        Pair { fine, coarse, estimate, exhausted, .. }: Pair,
+        (rounds, cut): (usize, bool),
+    ) -> Result<GridDensity> {
+        let field = fine.field.clone();
+        let mut changes = fine.shares.clone();
+        changes.push(fine.returned());
+        let changed: f64 = changes.iter().map(field::Field::size).sum();
+        let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
+        field.for_each_node(&field.shape.rule(0), |_, weight, p| {
+            (peak, least) = (peak.max(p), least.min(p));
+            negative_mass += weight * (-p).max(0.0);
+        });
+        let mesh = &field.mesh;
+        let mut edges = field.at_edges();
+        let edge_level = edges.iter().map(|(.., level)| *level).fold(0.0, f64::max);
+        let l1_estimate = estimate + changed;
+        let warning = if !fine.determined {
+            Some(format!(
+                "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
+                fine.places().len()
+            ))
+        } else if cut {
+            Some(format!(
+                "the domain loses {:.1e} per unit time at its edges, where the density is {edge_level:.1e} of its peak: its tails are heavy",
+                fine.leak.lost
+            ))
+        } else if exhausted {
+            Some(format!(
+                "the mesh has {} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: the density is too narrow for the memory; raise `memory_limit`",
+                mesh.cells.len()
+            ))
+        } else {
+            walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
+        };
+        if fine.determined && (l1_estimate.is_nan() || l1_estimate >= tuning::refinement::HOPELESS) {
+            return Err(Error::NotResolved { estimate: l1_estimate, reason: warning.unwrap_or_default() });
+        }
+        let provenance = Provenance {
+            method: "grid".into(),
+            cells: Some(mesh.cells.len()),
+            degree: Some(field.shape.degree),
+            unknowns: Some(fine.operator.unknowns()),
+            iterations: Some(rounds),
+            nonzeros: Some(fine.operator.numbers()),
+            domain: Some(mesh.domain()),
+            edge_level: Some(edge_level),
+            leak: Some(fine.leak.lost),
+            residual: Some(fine.residual),
+            l1_estimate: Some(l1_estimate),
+            most_negative: Some(least / peak),
+            negative_mass: Some(negative_mass),
+            warning,
+            ..Provenance::default()
+        };
+        edges.retain(|_| fine.leak.at_edges());
+        let coarse_field = coarse.field.clone();
+        let kept = Kept { problem: problem.clone(), walls, grid: self.clone(), pilot, solutions: [fine, coarse] };
+        let mut density = GridDensity {
+            fine: field,
+            coarse: coarse_field,
+            changes,
+            edges,
+            graded: false,
+            kept: Arc::new(kept),
+            provenance,
+        };
+        // What lies beyond the edges is not within the domain.
+        density.provenance.l1_estimate =
+            Some(l1_estimate + density.beyond(&vec![0; problem.dimension()], &density.edges));
+        Ok(density)
+    }
+
+    fn degree_for(&self, grazed: bool) -> usize {
+        let by_accuracy = tuning::mesh::DEGREES.iter().find(|(least, _)| self.accuracy >= *least);
+        let smooth = by_accuracy.map_or(tuning::mesh::GRAZED_DEGREE, |(_, degree)| *degree);
+        self.degree.unwrap_or(if grazed { tuning::mesh::GRAZED_DEGREE } else { smooth })
+    }
+
+    /// Refuses options without a meaning.
+    fn validate(&self, problem: &Problem) -> Result<()> {
+        self.memory.check()?;
+        let degree = self.degree.unwrap_or(2);
         require((2..=24).contains(&degree), "degree of the grid", degree as f64, "it must lie between 2 and 24")?;
-        for cells in cells {
-            let remedy = "take between 2 and 1000 along each state";
-            require((2..=1000).contains(&cells), "number of cells", cells as f64, remedy)?;
+        let sound = (1e-11..=0.1).contains(&self.accuracy);
+        require(
+            sound,
+            "accuracy of the grid",
+            self.accuracy,
+            "it is a distance in L¹: it must lie between 1e-11 and 0.1",
+        )?;
+        if let Some(domain) = &self.domain {
+            crate::checks::dimension("the domain of the grid", domain.len(), problem.dimension())?;
         }
-        let share = "it is a share and must lie between 0 and 1, both excluded";
-        for (name, value) in [("edge level", self.edge_level), ("smallest cell at a grazing point", self.grazing)] {
-            require(value > 0.0 && value < 1.0, name, value, share)?;
-        }
-        for [low, high] in self.domain.into_iter().flatten() {
-            finite("limit of the domain", low)?;
-            finite("limit of the domain", high)?;
+        for [low, high] in self.domain.iter().flatten() {
+            finite("limit of the domain", *low)?;
+            finite("limit of the domain", *high)?;
             positive("side of the domain", high - low, "give lower and upper limits in this order")?;
         }
-        Ok((degree, cells))
+        Ok(())
     }
 }

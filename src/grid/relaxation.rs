@@ -1,24 +1,24 @@
 //! The slowest relaxation rates: the spectrum next to zero.
 
-use super::assembly::Discretisation;
+use super::operator::{Operator, Regular};
 use crate::error::Result;
 use crate::grid::tuning;
 use crate::numerics::eigenvalues;
 use crate::transient::Relaxation;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// The `count` slowest of the eigenvalues of K next to zero, by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
+/// The eigenvalues of an operator next to zero, by rate and frequency ≥ 0: by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
 /// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ.
-pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Result<Vec<Relaxation>> {
-    let factors = operator.shifted(shift);
-    let size = operator.matrix.size;
+fn spectrum(operator: &Operator, shift: f64) -> Result<Vec<[f64; 2]>> {
+    let factors = operator.factors(Regular::Shift(shift));
+    let size = operator.unknowns();
     let krylov = tuning::march::KRYLOV.min(size);
     // Any vector with a part in every slow mode serves; this one has no symmetry of a mesh.
     let start = DVector::from_fn(size, |i, _| ((i as f64 + 1.0) * 0.754_877_666).fract() - 0.5);
     let mut basis = vec![&start / start.norm()];
     let mut hessenberg = DMatrix::<f64>::zeros(krylov, krylov);
     for k in 0..krylov {
-        let mut next = DVector::from_vec(factors.solve(basis[k].as_slice())?);
+        let mut next = DVector::from_vec(factors.solve(basis[k].as_slice(), None)?.inner);
         // Twice is enough to keep the basis orthogonal to rounding.
         for _ in 0..2 {
             for (j, q) in basis.iter().enumerate() {
@@ -29,14 +29,22 @@ pub(super) fn slowest(operator: &Discretisation, shift: f64, count: usize) -> Re
         }
         let norm = next.norm();
         if k + 1 == krylov || norm < 1e-14 * hessenberg.column(k).norm() {
-            let used = k + 1;
-            let smaller = rates(&hessenberg, tuning::march::SMALLER.min(used * 3 / 4), shift);
-            return Ok(Relaxation::slowest(rates(&hessenberg, used, shift), &smaller, count));
+            return Ok(rates(&hessenberg, k + 1, shift));
         }
         hessenberg[(k + 1, k)] = norm;
         basis.push(next / norm);
     }
     Ok(Vec::new())
+}
+
+/// The `count` slowest modes of two degrees. Where there is next to no density the operator has eigenvalues that are those of the mesh
+/// alone: only what both degrees have counts, and the distance is its error.
+pub(super) fn slowest([fine, coarse]: [&Operator; 2], shift: f64, count: usize) -> Result<Vec<Relaxation>> {
+    let (fine, coarse) = rayon::join(|| spectrum(fine, shift), || spectrum(coarse, shift));
+    let (mut fine, coarse) = (fine?, coarse?);
+    let apart = |a: &[f64; 2]| coarse.iter().map(|b| (a[0] - b[0]).hypot(a[1] - b[1])).fold(f64::INFINITY, f64::min);
+    fine.retain(|mode| apart(mode) <= tuning::march::SAME * mode[0].hypot(mode[1]).max(shift));
+    Ok(Relaxation::slowest(fine, &coarse, count))
 }
 
 /// The eigenvalues μ of the leading block.

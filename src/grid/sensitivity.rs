@@ -1,17 +1,16 @@
 //! The derivative of a density on a grid by a parameter.
 
-use super::density::{EVERYWHERE, GridDensity, estimate, flux, integral, moderate, plane, unresolved};
-use super::domain::Profile;
-use super::field::Field;
+use super::density::{GridDensity, at, estimate, flux, moderate, raw_moment, unresolved};
+use super::field::{Along, EVERYWHERE, Field, difference};
+use super::kept::Kept;
 use super::legendre::Table;
-use super::solver::difference;
-use super::space::Side;
-use crate::checks::{coordinate, dimension, finite};
+use super::mesh::{Mesh, Role};
+use super::shape::transformed;
+use crate::checks::{coordinate, dimension, finite, point};
 use crate::density::Crossing;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::problem::PlaneMotion;
-use nalgebra::DMatrix;
 use std::fmt;
 
 /// The derivative ∂p/∂θ of a density on a grid by a parameter θ, and of every answer that it gives.
@@ -23,10 +22,12 @@ pub struct GridSensitivity {
     density: GridDensity,
     parameter: String,
     motion: PlaneMotion,
-    /// The derivatives of all [solutions](GridDensity::solutions) in the coordinate in which walls stand still, ∂q/∂θ,
-    moving: [Field; 3],
-    /// and at fixed states, ∂q/∂θ − ∂_x(η q).
-    fixed: [Field; 3],
+    /// The derivatives of both solutions in the coordinate in which walls stand still, ∂q/∂θ,
+    moving: [Field; 2],
+    /// and at fixed states, ∂q/∂θ − ∂_x(η q); likewise what changes in them with the leak.
+    fixed: [Field; 2],
+    moving_changes: Vec<Field>,
+    changes: Vec<Field>,
 }
 
 impl fmt::Debug for GridSensitivity {
@@ -40,12 +41,34 @@ impl fmt::Debug for GridSensitivity {
 }
 
 impl GridSensitivity {
-    pub(super) fn new(density: &GridDensity, parameter: &str, motion: PlaneMotion, moving: [Field; 3]) -> Self {
-        let fixed = [0, 1, 2].map(|k| {
-            let p = density.solutions()[k];
-            if motion.moves() { carried(p, &moving[k], &motion) } else { moving[k].clone() }
-        });
-        GridSensitivity { density: density.clone(), parameter: parameter.to_owned(), motion, moving, fixed }
+    fn new(density: &GridDensity, parameter: &str, motion: PlaneMotion, [fine, coarse]: [[Field; 2]; 2]) -> Self {
+        let [[fine, change], [coarse, _]] = [fine, coarse];
+        let fixed =
+            |p: &Field, moving: &Field| if motion.moves() { carried(p, moving, &motion) } else { moving.clone() };
+        let returned = density.changes.last().map(|returned| fixed(returned, &change));
+        GridSensitivity {
+            fixed: [fixed(&density.fine, &fine), fixed(&density.coarse, &coarse)],
+            changes: returned.into_iter().collect(),
+            moving: [fine, coarse],
+            moving_changes: vec![change],
+            density: density.clone(),
+            parameter: parameter.to_owned(),
+            motion,
+        }
+    }
+
+    /// A statistic of the derivatives in one of the coordinates.
+    fn of_fixed(&self, statistic: impl Fn(&Field) -> f64) -> Estimate {
+        estimate(self.fixed.each_ref(), &self.changes, statistic)
+    }
+
+    /// A statistic of ∂q/∂θ with the density that it belongs to.
+    fn of_moving(&self, statistic: impl Fn(&Field, &Field) -> f64) -> Estimate {
+        let density = [&self.density.fine, &self.density.coarse];
+        let [value, other] = [0, 1].map(|k| statistic(&self.moving[k], density[k]));
+        let returned = self.density.changes.last().into_iter();
+        let changed: f64 = self.moving_changes.iter().zip(returned).map(|(moving, p)| statistic(moving, p).abs()).sum();
+        Estimate::new(value, (value - other).abs() + changed)
     }
 
     /// The name of the parameter.
@@ -63,8 +86,12 @@ impl GridSensitivity {
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) unless it has two coordinates.
     pub fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        let x = plane(x)?;
-        Ok(estimate(|k| self.fixed[k].value(&x)))
+        point(x, self.states())?;
+        Ok(self.of_fixed(|field| field.value(x)))
+    }
+
+    fn states(&self) -> usize {
+        self.fixed[0].shape.states
     }
 
     /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ. It is not a number outside the domain.
@@ -72,8 +99,8 @@ impl GridSensitivity {
     /// # Errors
     /// As [`GridSensitivity::pdf`].
     pub fn relative(&self, x: &[f64]) -> Result<f64> {
-        let x = plane(x)?;
-        Ok(self.fixed[0].value(&x) / self.density.fine.value(&x))
+        point(x, self.states())?;
+        Ok(self.fixed[0].value(x) / self.density.fine.value(x))
     }
 
     /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the smallest cell: ∂p/∂x ~ u^(g − 1)
@@ -85,36 +112,42 @@ impl GridSensitivity {
     /// The L¹ distance to the derivative of the solution of one degree less, and to that with the leak elsewhere. It is to be
     /// compared with [`GridSensitivity::size`].
     pub fn l1_estimate(&self) -> f64 {
-        difference(&self.fixed[0], &self.fixed[1]) + self.fixed[2].size()
+        difference(&self.fixed[0], &self.fixed[1]) + self.changes.iter().map(Field::size).sum::<f64>()
     }
 
-    /// dE g/dθ for a continuous g, over the elements' Gauss nodes; exact for polynomials of moderate degree.
+    /// dE g/dθ for a continuous g, over the cells' Gauss nodes; exact for polynomials of moderate degree.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
-        estimate(|k| {
-            let (mut sum, field) = (0.0, &self.fixed[k]);
-            field.for_each_node(field.space.rule(4), |x, weight, p| sum += weight * p * g(&x));
-            sum + if self.motion.moves() { self.crossed(k, g) } else { 0.0 }
+        self.of_moving(|moving, p| {
+            let fixed = if self.motion.moves() { carried(p, moving, &self.motion) } else { moving.clone() };
+            let inner = fixed.sum_over_nodes(&fixed.shape.rule(4), |x, p| p * g(x));
+            inner + if self.motion.moves() { crossed(p, &self.motion, g) } else { 0.0 }
         })
     }
 
     /// The derivative of a raw moment; its error has an estimate of the part beyond the domain.
     ///
     /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) unless there are two powers,
+    /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state,
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        dimension("the powers of a moment", powers.len(), 2)?;
-        let powers @ [first, second] = [moderate(powers[0])?, moderate(powers[1])?];
+        dimension("the powers of a moment", powers.len(), self.states())?;
+        powers.iter().try_for_each(|power| moderate(*power).map(|_| ()))?;
         // With the walls states move: dE g = ∫ g ∂q + ∫ η ∂_x g q.
-        let carried = |x: f64| self.motion.rate(x) * f64::from(first) * x.powi(first.saturating_sub(1) as i32);
-        let moment = estimate(|k| {
-            let (moving, p) = (&self.moving[k], self.density.solutions()[k]);
-            let own = moving.weights(0, first as usize, EVERYWHERE, |x| x.powi(first as i32));
-            let along = p.weights(0, first as usize, EVERYWHERE, carried);
-            let other = moving.weights(1, second as usize, EVERYWHERE, |v| v.powi(second as i32));
-            moving.integrate([&own, &other]) + p.integrate([&along, &other])
+        let first = powers[0];
+        let along = |x: f64| self.motion.rate(x) * f64::from(first) * x.powi(first.saturating_sub(1) as i32);
+        let moment = self.of_moving(|moving, p| {
+            let mut carried = 0.0;
+            if self.motion.moves() && first > 0 {
+                let other = |v: f64| v.powi(powers[1] as i32);
+                let factors = [
+                    Along::Function(&along, first as usize, EVERYWHERE),
+                    Along::Function(&other, powers[1] as usize, EVERYWHERE),
+                ];
+                carried = p.integral(&factors);
+            }
+            raw_moment(moving, powers) + carried
         });
-        let error = moment.error + self.density.beyond(powers, self.edge_level());
+        let error = moment.error + self.density.beyond(powers, &self.density.edges);
         Ok(Estimate::new(moment.value, error))
     }
 
@@ -123,17 +156,19 @@ impl GridSensitivity {
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
-        coordinate("the state of an exceedance", state, level, 2)?;
-        Ok(estimate(|k| {
-            let (moving, p) = (&self.moving[k], self.density.solutions()[k]);
-            let above = moving.weights(state, 0, [level, f64::INFINITY], |_| 1.0);
-            let all = moving.weights(1 - state, 0, EVERYWHERE, |_| 1.0);
+        coordinate("the state of an exceedance", state, level, self.states())?;
+        Ok(self.of_moving(|moving, p| {
+            let one = |_: f64| 1.0;
+            let along = |axis: usize| {
+                if axis == state { Along::Function(&one, 0, [level, f64::INFINITY]) } else { Along::All }
+            };
+            let above = moving.integral(&(0..self.states()).map(along).collect::<Vec<_>>());
             let through = if state == 0 && self.motion.moves() {
-                self.motion.rate(level) * integral(p, 0, &p.point(0, level), &all)
+                self.motion.rate(level) * p.integral(&at(p, 0, level))
             } else {
                 0.0
             };
-            integral(moving, state, &above, &all) + through
+            above + through
         }))
     }
 
@@ -142,12 +177,13 @@ impl GridSensitivity {
     /// # Errors
     /// As [`GridSensitivity::exceedance`].
     pub fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        coordinate("the state of a marginal", state, x, 2)?;
+        coordinate("the state of a marginal", state, x, self.states())?;
         // Over the displacement the integral follows the walls.
-        Ok(estimate(|k| {
-            let field = if state == 0 { &self.fixed[k] } else { &self.moving[k] };
-            integral(field, state, &field.point(state, x), &field.weights(1 - state, 0, EVERYWHERE, |_| 1.0))
-        }))
+        Ok(if state == 0 {
+            self.of_fixed(|field| field.integral(&at(field, state, x)))
+        } else {
+            self.of_moving(|moving, _| moving.integral(&at(moving, state, x)))
+        })
     }
 
     /// The derivative of the mean rate at which the displacement crosses a level upwards.
@@ -156,83 +192,162 @@ impl GridSensitivity {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let crossing = Crossing::upward(finite("level", level)?);
-        Ok(estimate(|k| flux(&self.fixed[k], crossing, 1)))
+        crossing.states(self.states())?;
+        Ok(self.of_fixed(|field| flux(field, crossing, 1)))
     }
 
     /// The derivative of the mean number of impacts per unit time, at all walls together, wherever they move; none without a
     /// wall. At a wall with r < 1 its error contains that of the smallest cell.
     pub fn impact_rate(&self) -> Option<Estimate> {
         // At the walls themselves p = q over dx/dξ.
-        let all = [0, 1, 2].map(|k| {
-            let mut field = self.moving[k].clone();
-            let p = self.density.solutions()[k];
-            field.coefficients.iter_mut().zip(&p.coefficients).for_each(|(s, p)| *s -= self.motion.shift[1] * p);
-            field
-        });
-        let rate = |crossing: Crossing| {
-            let side = usize::from(crossing.upward);
-            let grazed =
-                matches!(all[0].space.sides[side], Side::Wall(r) if r < 1.0) || self.motion.restitution[side] != 0.0;
-            let rate = estimate(|k| flux(&all[k], crossing, 1));
-            Estimate::new(rate.value, rate.error + if grazed { unresolved(&all[0], crossing, 1) } else { 0.0 })
+        let at_wall = |moving: &Field, p: &Field| moving.plus(-self.motion.shift[1], p);
+        let rate = |(crossing, side, r): (Crossing, usize, f64)| {
+            let rate = self.of_moving(|moving, p| flux(&at_wall(moving, p), crossing, 1));
+            let grazed = r < 1.0 || self.motion.restitution[side] != 0.0;
+            let own = at_wall(&self.moving[0], &self.density.fine);
+            Estimate::new(rate.value, rate.error + if grazed { unresolved(&own, crossing, 1) } else { 0.0 })
         };
-        self.density.impacts().map(rate).reduce(Estimate::plus)
-    }
-
-    /// The largest |∂p/∂θ| at the domain's open edges, relative to the peak of p.
-    fn edge_level(&self) -> f64 {
-        let mut level = 0.0_f64;
-        for state in 0..2 {
-            let (own, of_density) = (Profile::new(&self.moving[0], state), Profile::new(&self.density.fine, state));
-            for side in (0..2).filter(|side| state == 1 || self.density.walls()[*side].is_none()) {
-                level = level.max(own.edge(side) * own.peak / of_density.peak);
-            }
-        }
-        level
-    }
-
-    /// What moves through the ends of the elements: Σ ∫ η g q dv, at the upper end of each less at its lower one.
-    fn crossed(&self, k: usize, g: &dyn Fn(&[f64]) -> f64) -> f64 {
-        let p = self.density.solutions()[k];
-        let position = &p.space.axes[0];
-        let mut sum = 0.0;
-        for (cell, ends) in position.lines.windows(2).enumerate() {
-            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
-                let x = position.origin + end;
-                let mut trace = vec![Vec::new(); position.cells()];
-                trace[cell] = position.basis(cell, p.space.degree, *end).0;
-                let over = p.weights(1, 8, EVERYWHERE, |v| g(&[x, v]));
-                sum += sign * self.motion.rate(x) * p.integrate([&trace, &over]);
-            }
-        }
-        sum
+        self.density.fine.mesh.impacts().map(rate).reduce(Estimate::plus)
     }
 }
 
-/// ∂q/∂θ − ∂_x(η q): with a linear η a polynomial of the same degrees on every element.
+impl GridDensity {
+    /// The derivatives of the stationary density by some parameters of the problem
+    /// ([`Problem::parameters`](crate::Problem::parameters)), those of walls among them.
+    ///
+    /// The derivative p′ solves L p′ = −L′p with the integral 0: each takes the matrix of L′ and one solution with the factors that
+    /// the density has made. Upwind sides and the mesh are held, and the mesh moves with a wall whose offset is the parameter, so
+    /// that the result is the derivative of the discrete solution itself. At r = 1 the one by r is that towards r < 1, and next to
+    /// such a wall the density is solved anew on a mesh that is fine at the grazing point.
+    ///
+    /// # Errors
+    /// [`Error::NotAName`](crate::Error::NotAName) for a name that no parameter has, [`Error::NotKnown`](crate::Error::NotKnown) and
+    /// [`Error::NotServed`](crate::Error::NotServed) where the problem has no derivative by it.
+    ///
+    /// ```
+    /// use expoly::{Grid, Wall, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(-0.5, 1.0)?)?;
+    /// let density = Grid::new().accuracy(1e-5).solve(&problem)?;
+    /// let by = density.sensitivities(&["D", "x.above.offset"])?;
+    /// // p = C exp(−(c/D) H) where the wall leaves room: E v² = D/c.
+    /// assert!((by[0].moment(&[0, 2])?.value - 5.0).abs() < 1e-3 && by[1].moment(&[0, 2])?.value.abs() < 1e-3);
+    /// assert!(by[1].moment(&[1, 0])?.value > 0.0);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<GridSensitivity>> {
+        let Kept { problem, walls, grid, pilot, .. } = &*self.kept;
+        let motion = |name: &&str| Ok(problem.motion(name)?.on_plane(problem));
+        let motions: Vec<PlaneMotion> = parameters.iter().map(motion).collect::<Result<_>>()?;
+        let lossy = walls.map(|wall| wall.is_some_and(|wall| wall.restitution() < 1.0));
+        let grazed = [0, 1].map(|side| lossy[side] || motions.iter().any(|motion| motion.restitution[side] != 0.0));
+        if grazed != lossy && !self.graded {
+            let mut density = grid.resolved(problem, *walls, pilot.clone(), grazed)?;
+            density.graded = true;
+            return density.sensitivities(parameters);
+        }
+        let of = |(name, motion): (&&str, PlaneMotion)| {
+            let solved = |k: usize| {
+                let solution = &self.kept.solutions[k];
+                let derivative = solution.operator.derivative(problem, &motion);
+                let more = rebound(&solution.field, &motion);
+                solution.moved(&derivative, &more)
+            };
+            Ok(GridSensitivity::new(self, name, motion.clone(), [solved(0)?, solved(1)?]))
+        };
+        parameters.iter().zip(motions.clone()).map(of).collect()
+    }
+}
+
+/// What the derivative by the restitution adds to K′p. With the speed s before the impact the inflow is ∫ s φ(r s) p(−s) ds, so that
+/// test functions are differentiated, and what crosses from one cell after the impact into the next one as r falls.
+fn rebound(p: &Field, motion: &PlaneMotion) -> Vec<f64> {
+    let (mesh, shape) = (&p.mesh, p.shape);
+    let mut source = vec![0.0; p.coefficients.len()];
+    for (_, side, restitution) in mesh.impacts().filter(|(_, side, _)| motion.restitution[*side] != 0.0) {
+        let sign = if side == 1 { 1.0 } else { -1.0 };
+        let wall = if side == 1 { mesh.tree.root().upper(0) } else { mesh.tree.root().lower[0] };
+        let rate = motion.restitution[side];
+        for cell in mesh.at_side(0, side) {
+            let own = mesh.cells[cell];
+            // After the impact velocities have the other sign.
+            if -sign * own.centre(1) < 0.0 {
+                continue;
+            }
+            let [across, _] = own.basis(0, shape.degree, wall);
+            let mut enter = |along: &[f64], factor: f64| {
+                for (i, a) in across.iter().enumerate() {
+                    for (j, b) in along.iter().enumerate() {
+                        source[cell * shape.block() + i * shape.modes(1) + j] -= rate * factor * a * b;
+                    }
+                }
+            };
+            for segment in mesh.segments[cell].iter().filter(|s| s.axis == 0 && matches!(s.role, Role::Returns(_))) {
+                let rule = shape.rule(2);
+                let (low, high) = (segment.extent.lower[1], segment.extent.upper(1));
+                for (s, weight) in rule.on(low, high).iter() {
+                    let [_, slopes] = own.basis(1, shape.degree, -sign * restitution * s);
+                    enter(&slopes, -sign * weight * s * s * trace(mesh, p, side, sign * s));
+                }
+            }
+            // As r rises, the cell ends at a lower speed before the impact, and begins at a lower one.
+            let ends = [own.lower[1], own.upper(1)];
+            let (slow, fast) = if side == 0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
+            for (w, gain) in [(fast, -1.0), (slow, 1.0)] {
+                let s = w.abs() / restitution;
+                if w != 0.0 {
+                    let [values, _] = own.basis(1, shape.degree, w);
+                    // Where two lines meet the derivative is that towards a smaller r, to which speeds are higher.
+                    let beyond = sign * s * (1.0 + 1e-12);
+                    enter(&values, gain * w * w / restitution.powi(3) * trace(mesh, p, side, beyond));
+                }
+            }
+        }
+    }
+    source
+}
+
+/// The density at a wall with a velocity.
+fn trace(mesh: &Mesh, p: &Field, side: usize, v: f64) -> f64 {
+    p.value(&[mesh.domain()[0][side], mesh.origin[1] + v])
+}
+
+/// What moves through the ends of the cells: Σ ∫ η g q dv, at the upper end of each less at its lower one.
+fn crossed(p: &Field, motion: &PlaneMotion, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> f64 {
+    let (mesh, shape) = (&p.mesh, p.shape);
+    let mut sum = 0.0;
+    for (cell, block) in mesh.cells.iter().zip(p.blocks()) {
+        for (end, sign) in [(cell.lower[0], -1.0), (cell.upper(0), 1.0)] {
+            let [across, _] = cell.basis(0, shape.degree, end);
+            let x = mesh.origin[0] + end;
+            for (u, weight) in shape.rule(8).on(cell.lower[1], cell.upper(1)).iter() {
+                let [along, _] = cell.basis(1, shape.degree, u);
+                let value = super::shape::contracted(block, &[&across, &along]);
+                sum += sign * weight * motion.rate(x) * value * g(&[x, mesh.origin[1] + u]);
+            }
+        }
+    }
+    sum
+}
+
+/// ∂q/∂θ − ∂_x(η q): with a linear η a polynomial of the same degrees on every cell.
 fn carried(p: &Field, moving: &Field, motion: &PlaneMotion) -> Field {
-    let (space, mut fixed) = (&p.space, moving.clone());
-    let (axis, modes) = (&space.axes[0], space.modes());
-    let table = Table::new(space.degree, space.rule(1));
-    for cell in 0..axis.cells() {
+    let (mesh, shape, mut fixed) = (&p.mesh, p.shape, moving.clone());
+    let modes = shape.modes(0);
+    let table = Table::new(shape.degree, shape.rule(1));
+    for (number, (cell, own)) in mesh.cells.iter().zip(p.blocks()).enumerate() {
         // ∫ φ_k ∂_x(η φ_l) dx.
-        let mut along: DMatrix<f64> = DMatrix::zeros(modes, modes);
+        let mut along = vec![vec![0.0; modes]; modes];
         for (node, xi) in table.nodes.iter().enumerate() {
-            let (rate, slope) = (motion.rate(axis.origin + axis.place(cell, *xi)), 2.0 / axis.width(cell));
+            let (rate, slope) = (motion.rate(mesh.origin[0] + cell.at(0, *xi)), 2.0 / cell.width[0]);
             for l in 0..modes {
                 let image = rate * slope * table.slopes[node][l] + motion.shift[1] * table.values[node][l];
-                (0..modes).for_each(|k| along[(k, l)] += table.weighted(node, k) * image);
+                (0..modes).for_each(|k| along[k][l] += table.weighted(node, k) * image);
             }
         }
-        for row in 0..space.axes[1].cells() {
-            let first = space.element(cell, row) * space.block();
-            let block = first..first + space.block();
-            let own = DMatrix::from_row_slice(modes, modes, &p.coefficients[block.clone()]);
-            let change = &along * own;
-            for (i, value) in fixed.coefficients[block].iter_mut().enumerate() {
-                *value -= change[(i / modes, i % modes)];
-            }
-        }
+        let mut sizes = std::array::from_fn(|axis| shape.modes(axis));
+        let change = transformed(own, &mut sizes, 0, &along);
+        let block = number * shape.block();
+        fixed.coefficients[block..block + shape.block()].iter_mut().zip(change).for_each(|(c, d)| *c -= d);
     }
     fixed
 }

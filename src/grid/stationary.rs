@@ -1,111 +1,478 @@
-//! The null vector of the matrix: the stationary density.
+//! The null vector of the operator: the stationary density.
+//!
+//! The columns of K sum to the flux out of the domain, which is next to zero: K is singular. A source of strength α (1 − p_k) at the
+//! first function of a cell k, the pin, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and
+//! nothing to the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
+//!
+//! Wells that exchange next to nothing have a pin each. With α p at all pins eliminated, u_i is the density that comes from pin i, and
+//! M_ji what of it arrives at pin j: p = Σ c_i u_i with c = M c, a Markov chain of the wells (W. K. Grassmann, M. I. Taksar and
+//! D. P. Heyman, 1985, doi:10.1287/opre.33.5.1107). M has rounding errors of 1e-13: where wells exchange less, their shares are not
+//! determined.
 
-use super::assembly::{Discretisation, derivative};
-use super::condensation::Factors;
 use super::field::Field;
-use super::space::Space;
-use super::sparse::SparseMatrix;
+use super::flux::Part;
+use super::operator::{Factors, Layout, Operator, Regular, Solution};
 use crate::error::{Error, Result};
+use crate::grid::tuning::wells as tuning;
 use crate::memory::MemoryLimit;
-use crate::problem::{PlaneMotion, Problem};
+use crate::problem::{Problem, Symmetry};
+use crate::states::States;
+use nalgebra::{DMatrix, DVector};
 
-/// A stationary density with its leak and its residual.
-#[derive(Clone, Debug)]
+/// What a stationary density is solved for.
+#[derive(Clone, Copy)]
+pub(super) struct Question<'a> {
+    pub(super) problem: &'a Problem,
+    /// States of trajectories, by which wells have shares where equations do not determine them.
+    pub(super) states: &'a States,
+    pub(super) memory: MemoryLimit,
+    /// Changes of less than this, in L¹, do not matter.
+    pub(super) target: f64,
+}
+
+/// A stationary density, with the factors that made it.
+#[derive(Debug)]
 pub(super) struct Stationary {
+    pub(super) operator: Operator,
+    factors: Factors,
+    pins: Vec<Pin>,
     pub(super) field: Field,
-    /// What it could change if the lost probability came back elsewhere.
-    pub(super) returned: Field,
-    /// The probability that leaves the domain per unit time.
-    pub(super) leak: f64,
-    /// The largest |K p| relative to the largest |K| |p|: rounding.
+    /// Its unknowns at faces.
+    faces: Vec<f64>,
+    /// The field if a unit of probability per unit time came back everywhere alike, and not at the pins; without mass.
+    elsewhere: Solution,
+    /// The probability that leaves the domain per unit time, at least what rounding hides of it.
+    pub(super) leak: Leak,
+    /// The largest |K p| relative to the largest |K| |p| of the cells: rounding.
     pub(super) residual: f64,
-    /// Entries of K.
-    pub(super) nonzeros: usize,
-    /// Its derivatives along some motions, each with that of `returned`.
-    pub(super) derivatives: Vec<[Field; 2]>,
+    /// What is changed by shares of wells that are not known exactly.
+    pub(super) shares: Vec<Field>,
+    /// Whether the equations determine the shares of all wells.
+    pub(super) determined: bool,
 }
 
-/// Solves K p = 0 with total mass 1.
-///
-/// The columns of K sum to the flux out of the domain, which is next to zero: K is singular. A source of strength α (1 − p_k)
-/// in element k, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and nothing to
-/// the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
-/// Its strength is the multiplier that a border would have had. `pin` is k, an element in which there is mass.
-///
-/// Where the lost probability comes back is arbitrary, and between wells that mix as slowly as it is lost it decides what is in
-/// each. Twice the change if it came back everywhere alike, K y = (1/area − δ_k) × the loss, is a part of the error: between two
-/// wells of like size half of the loss then returns to each, and no return changes more than the whole to either. For those of
-/// Duffing's oscillator, D = 0.006 to 0.02, it is 1.2 to 6 times the error of E x.
-///
-/// The derivative along a motion solves K p′ = −K′p with total mass 0, by the same factors.
-pub(super) fn solve(
-    problem: &Problem,
-    space: &Space,
-    pin: usize,
-    memory: MemoryLimit,
-    motions: &[PlaneMotion],
-) -> Result<Stationary> {
-    let Discretisation { matrix, condensation } = Discretisation::new(problem, space, memory)?;
-    let k = pin * space.block();
-    let alpha = matrix.magnitude().min(diagonal_scale(&matrix, k));
-    let mut pinned = matrix.clone();
-    pinned.add_to_diagonal(k, alpha);
-    let factors = condensation.factorise(&pinned);
-    let mut right = vec![0.0; matrix.size];
-    right[k] = alpha;
-    let p = refined(&pinned, &factors, &right)?;
+/// A loss per unit time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leak {
+    pub(super) lost: f64,
+    /// What rounding may hide.
+    pub(super) rounding: f64,
+}
 
-    let mut field = Field { space: space.clone(), coefficients: p };
-    let (mass, root_area) = (field.mass(), space.root_area(pin));
-    let lost: f64 = alpha * (1.0 - field.coefficients[k]) * root_area / mass;
-    field.coefficients.iter_mut().for_each(|p| *p /= mass);
-    if !field.coefficients.iter().all(|p| p.is_finite()) {
-        return Err(Error::SingularSystem { unknowns: matrix.size });
+impl Leak {
+    fn bound(self) -> f64 {
+        self.lost.abs().max(self.rounding)
     }
-    let mut product = matrix.apply(&field.coefficients);
-    product[k] -= lost / root_area;
-    let largest = |x: &[f64]| x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-    let residual = largest(&product) / (matrix.magnitude() * largest(&field.coefficients));
-    // The part without mass, and the mass.
-    let balanced = |coefficients: Vec<f64>| {
-        let mut change = Field { space: space.clone(), coefficients };
-        let mass = change.mass();
-        change.coefficients.iter_mut().zip(&field.coefficients).for_each(|(s, p)| *s -= mass * p);
-        (change, mass)
-    };
-    let area: f64 = (0..space.elements()).map(|element| space.root_area(element).powi(2)).sum();
-    // The source of what is lost everywhere in the place of the pin, twice.
-    let elsewhere = |lost: f64| {
-        let mut right = vec![0.0; matrix.size];
-        (0..space.elements()).for_each(|e| right[e * space.block()] = 2.0 * lost * space.root_area(e) / area);
-        right[k] -= 2.0 * lost / root_area;
-        right
-    };
-    let (returned, _) = balanced(factors.solve(&elsewhere(lost))?);
-    let moved = |motion: &PlaneMotion| {
-        let source = derivative(problem, space, motion);
-        let right: Vec<f64> = source.apply(&field.coefficients).iter().map(|s| -s).collect();
-        let solution = refined(&pinned, &factors, &right)?;
-        let lost_by_it = -alpha * solution[k] * root_area;
-        let (moved, mass) = balanced(solution);
-        let mut right = elsewhere(lost_by_it - mass * lost);
-        right.iter_mut().zip(source.apply(&returned.coefficients)).for_each(|(right, source)| *right -= source);
-        Ok([moved, balanced(factors.solve(&right)?).0])
-    };
-    let derivatives = motions.iter().map(moved).collect::<Result<_>>()?;
-    Ok(Stationary { field, returned, leak: lost, residual, nonzeros: matrix.values.len(), derivatives })
+
+    /// Whether the domain's edges lose more than rounding does.
+    pub(super) fn at_edges(self) -> bool {
+        self.lost.abs() > tuning::HIDDEN * self.rounding
+    }
 }
 
-/// The solution of A x = `right` with one step of iterative refinement: a pin where the density is low would cost digits.
-fn refined(matrix: &SparseMatrix, factors: &Factors<'_>, right: &[f64]) -> Result<Vec<f64>> {
-    let mut x = factors.solve(right)?;
-    let product = matrix.apply(&x);
-    let defect: Vec<f64> = right.iter().zip(&product).map(|(b, a)| b - a).collect();
-    x.iter_mut().zip(factors.solve(&defect)?).for_each(|(x, d)| *x += d);
-    Ok(x)
+/// A pin, and the density that comes from it.
+#[derive(Clone, Debug)]
+struct Pin {
+    cell: usize,
+    alpha: f64,
+    from: Solution,
 }
 
-fn diagonal_scale(matrix: &SparseMatrix, k: usize) -> f64 {
-    let column = matrix.columns[k]..matrix.columns[k + 1];
-    column.map(|n| matrix.values[n].abs()).fold(f64::MIN_POSITIVE, f64::max)
+/// Solves K p = 0 with total mass 1, with pins at some places and where they turn out to be needed.
+pub(super) fn solve(question: Question<'_>, layout: &Layout, degree: usize, places: &[Vec<f64>]) -> Result<Stationary> {
+    let operator = Operator::new(question.problem, layout, degree, Part::Whole, question.memory)?;
+    let mut cells: Vec<usize> = places.iter().filter_map(|place| layout.mesh.locate(place)).collect();
+    cells.dedup();
+    if cells.is_empty() {
+        cells.push(layout.mesh.cells.len() / 2);
+    }
+    loop {
+        let pinned = Pinned::new(&operator, &cells)?;
+        let elsewhere = pinned.elsewhere(&operator)?;
+        let field = Field { coefficients: elsewhere.inner, ..Field::zero(&layout.mesh, operator.shape) };
+        let next = furthest(&field);
+        let rounding = tuning::ROUNDING * pinned.rate(&operator);
+        let matters = rounding * field.size() > (tuning::SHARE * question.target).max(tuning::APART);
+        if !matters || cells.contains(&next) || cells.len() == tuning::MOST {
+            let elsewhere = Solution { inner: field.coefficients, faces: elsewhere.faces };
+            return pinned.solved(question, operator, elsewhere);
+        }
+        cells.push(next);
+    }
+}
+
+/// The cell in which a field is farthest from zero, in the mean.
+fn furthest(field: &Field) -> usize {
+    let cells = 0..field.mesh.cells.len();
+    cells.max_by(|a, b| field.mean(*a).abs().total_cmp(&field.mean(*b).abs())).unwrap_or(0)
+}
+
+/// The factors with pins, and what comes from each.
+struct Pinned {
+    factors: Factors,
+    pins: Vec<Pin>,
+}
+
+impl Pinned {
+    fn new(operator: &Operator, cells: &[usize]) -> Result<Self> {
+        let scale = |cell: usize| {
+            let column = operator.cells[cell].inner.col_as_slice(0);
+            column.iter().fold(f64::MIN_POSITIVE, |a: f64, b| a.max(b.abs()))
+        };
+        let at: Vec<(usize, f64)> = cells.iter().map(|cell| (*cell, scale(*cell))).collect();
+        let factors = operator.factors(Regular::Pins(&at));
+        let block = operator.shape.block();
+        let pin = |&(cell, alpha): &(usize, f64)| {
+            let mut right = vec![0.0; operator.unknowns()];
+            right[cell * block] = alpha;
+            Ok(Pin { cell, alpha, from: factors.solve(&right, None)? })
+        };
+        let pins = at.iter().map(pin).collect::<Result<_>>()?;
+        Ok(Pinned { factors, pins })
+    }
+
+    /// The largest rate at which probability passes through a pin, if all of a well's were there.
+    fn rate(&self, operator: &Operator) -> f64 {
+        let of = |pin: &Pin| {
+            let field =
+                Field { coefficients: pin.from.inner.clone(), ..Field::zero(&operator.layout.mesh, operator.shape) };
+            pin.alpha * operator.layout.mesh.cells[pin.cell].root_volume() / field.mass().abs()
+        };
+        self.pins.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// What comes of a unit of probability per unit time that comes in everywhere alike and goes out at the pins, without what is
+    /// there at the pins.
+    fn elsewhere(&self, operator: &Operator) -> Result<Solution> {
+        let (mesh, block) = (&operator.layout.mesh, operator.shape.block());
+        let mut right = vec![0.0; operator.unknowns()];
+        let volume = mesh.volume();
+        mesh.cells.iter().enumerate().for_each(|(cell, own)| right[cell * block] = own.root_volume() / volume);
+        let mut solution = self.factors.solve(&right, None)?;
+        let at_pins: Vec<f64> = self.pins.iter().map(|pin| solution.inner[pin.cell * block]).collect();
+        for (pin, at) in self.pins.iter().zip(at_pins) {
+            solution.add(-at, &pin.from);
+        }
+        Ok(solution)
+    }
+
+    fn solved(self, question: Question<'_>, operator: Operator, mut elsewhere: Solution) -> Result<Stationary> {
+        let Pinned { factors, pins } = self;
+        let (layout, block) = (operator.layout.clone(), operator.shape.block());
+        let mesh = &layout.mesh;
+        let field =
+            |solution: &Solution| Field { coefficients: solution.inner.clone(), ..Field::zero(mesh, operator.shape) };
+        let wells = Wells::new(&pins, block, &pins.iter().map(|pin| field(&pin.from)).collect::<Vec<_>>(), question);
+        let mut p = Solution { inner: vec![0.0; operator.unknowns()], faces: vec![0.0; pins[0].from.faces.len()] };
+        pins.iter().zip(&wells.parts).for_each(|(pin, part)| p.add(*part, &pin.from));
+        let mass = field(&p).mass();
+        p.scale(mass.recip());
+        if !p.inner.iter().all(|p| p.is_finite()) {
+            return Err(Error::SingularSystem { unknowns: operator.unknowns() });
+        }
+        let through = |pin: &Pin| pin.alpha * mesh.cells[pin.cell].root_volume();
+        let lost = |(pin, part): (&Pin, &f64)| through(pin) * (part / mass - p.inner[pin.cell * block]);
+        let lost: f64 = pins.iter().zip(&wells.parts).map(lost).sum();
+        let passing: f64 = pins.iter().map(|pin| through(pin) * p.inner[pin.cell * block].abs()).sum();
+        let [mut balance, at_faces] = operator.balance(&p.inner, &p.faces);
+        pins.iter().zip(&wells.parts).for_each(|(pin, part)| {
+            balance[pin.cell * block] -= pin.alpha * (part / mass - p.inner[pin.cell * block]);
+        });
+        let largest = |x: &[f64]| x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+        let magnitude = operator.cells.iter().map(|cell| cell.inner.norm_max()).fold(0.0, f64::max);
+        let residual = largest(&balance).max(largest(&at_faces)) / (magnitude * largest(&p.inner));
+        let between = field(&elsewhere).mass();
+        elsewhere.add(-between, &p);
+        let stationary = field(&p);
+        let shares = wells.changes.iter().map(|parts| {
+            let mut change = Field::zero(mesh, operator.shape);
+            pins.iter().zip(parts).for_each(|(pin, part)| change = change.plus(*part, &field(&pin.from)));
+            let mass = change.mass();
+            change.plus(-mass, &stationary)
+        });
+        let (shares, determined) = (shares.collect(), wells.determined);
+        let leak = Leak { lost, rounding: tuning::ROUNDING * passing };
+        Ok(Stationary {
+            field: stationary,
+            faces: p.faces,
+            operator,
+            factors,
+            pins,
+            elsewhere,
+            leak,
+            residual,
+            shares,
+            determined,
+        })
+    }
+}
+
+impl Stationary {
+    /// What could change if the lost probability came back elsewhere.
+    ///
+    /// Where it comes back is arbitrary, and between wells that mix as slowly as it is lost it decides what is in each. Twice the
+    /// change if it came back everywhere alike holds it: between two wells of like size half of the loss then returns to each, and
+    /// no return changes more than the whole to either. For those of Duffing's oscillator, D = 0.006 to 0.02, it is 1.2 to 6 times
+    /// the error of E x.
+    pub(super) fn returned(&self) -> Field {
+        let scale = 2.0 * self.leak.bound();
+        let coefficients = self.elsewhere.inner.iter().map(|c| scale * c).collect();
+        Field { coefficients, ..self.field.clone() }
+    }
+
+    /// Takes a density that is known in closed form in the place of the solution, on the same mesh.
+    pub(super) fn replace(&mut self, exact: Field) {
+        let mesh = &self.operator.layout.mesh;
+        self.field = Field { coefficients: exact.coefficients, ..Field::zero(mesh, self.operator.shape) };
+        self.faces = self
+            .operator
+            .traces(None)
+            .solved(self.operator.balance(&self.field.coefficients, &vec![0.0; self.faces.len()])[1].clone());
+        (self.leak, self.shares, self.determined) = (Leak { lost: 0.0, rounding: 0.0 }, Vec::new(), true);
+    }
+
+    /// The solution of K q = −`derivative` p without mass, and what changes in it if lost probability comes back elsewhere.
+    ///
+    /// # Errors
+    /// [`Error::SingularSystem`] if it is not finite.
+    pub(super) fn moved(&self, derivative: &Operator, more: &[f64]) -> Result<[Field; 2]> {
+        let balanced = |solution: Solution| {
+            let change = Field { coefficients: solution.inner, ..self.field.clone() };
+            let mass = change.mass();
+            change.plus(-mass, &self.field)
+        };
+        let source = |inner: &[f64], faces: &[f64]| {
+            let [mut right, mut at_faces] = derivative.balance(inner, faces);
+            right.iter_mut().for_each(|r| *r = -*r);
+            at_faces.iter_mut().for_each(|r| *r = -*r);
+            [right, at_faces]
+        };
+        let [mut right, at_faces] = source(&self.field.coefficients, &self.faces);
+        right.iter_mut().zip(more).for_each(|(r, m)| *r -= m);
+        let mut solution = self.factors.solve(&right, Some(at_faces))?;
+        let block = self.operator.shape.block();
+        let mesh = &self.operator.layout.mesh;
+        let lost = |solution: &Solution| -> f64 {
+            let through = |pin: &Pin| pin.alpha * mesh.cells[pin.cell].root_volume();
+            self.pins.iter().map(|pin| -through(pin) * solution.inner[pin.cell * block]).sum()
+        };
+        let lost = lost(&solution);
+        self.share_out(&mut solution)?;
+        let moved = balanced(solution);
+        let scale = 2.0 * self.leak.bound();
+        let [mut right, mut at_faces] = source(&self.elsewhere.inner, &self.elsewhere.faces);
+        right.iter_mut().chain(&mut at_faces).for_each(|r| *r *= scale);
+        let mut returned = self.factors.solve(&right, Some(at_faces))?;
+        returned.add(2.0 * lost, &self.elsewhere);
+        Ok([moved, balanced(returned)])
+    }
+
+    /// Adds what comes from the pins, where there are several, so that nothing stays behind at any: Σ_j (δ_ij − M_ij) d_j is what has
+    /// gone at pin i.
+    fn share_out(&self, solution: &mut Solution) -> Result<()> {
+        let (count, block) = (self.pins.len(), self.operator.shape.block());
+        if count == 1 {
+            return Ok(());
+        }
+        if !self.determined {
+            let remedy = "the wells exchange less than rounding hides: take the derivative with one well alone within `Grid::domain`";
+            return Err(Error::NotKnown { what: "derivatives of the shares of wells".into(), remedy });
+        }
+        let at = |from: &Solution, i: usize| from.inner[self.pins[i].cell * block];
+        // What leaves one pin for the others, so that small rates are not differences.
+        let chain = DMatrix::from_fn(count, count, |i, j| {
+            let out: f64 = (0..count).filter(|k| *k != j).map(|k| at(&self.pins[j].from, k)).sum();
+            if i == j { out } else { -at(&self.pins[j].from, i) }
+        });
+        let gone = DVector::from_fn(count, |i, _| at(solution, i));
+        let even = gone.mean();
+        let least = 1e-6 * chain.amax();
+        let found = chain.svd(true, true).solve(&gone.add_scalar(-even), least);
+        let singular = Error::SingularSystem { unknowns: self.operator.unknowns() };
+        for (pin, part) in self.pins.iter().zip(found.map_err(|_| singular)?.iter()) {
+            solution.add(*part, &pin.from);
+        }
+        Ok(())
+    }
+
+    /// The places of the pins, as states, the one in the highest density first.
+    pub(super) fn places(&self) -> Vec<Vec<f64>> {
+        let mesh = &self.operator.layout.mesh;
+        let place = |cell: usize| -> Vec<f64> {
+            (0..mesh.states()).map(|axis| mesh.origin[axis] + mesh.cells[cell].centre(axis)).collect()
+        };
+        match &self.pins[..] {
+            [_] => vec![place(self.field.peak())],
+            // In each well where what comes from its pin is densest.
+            pins => pins
+                .iter()
+                .map(|pin| {
+                    let from = Field { coefficients: pin.from.inner.clone(), ..self.field.clone() };
+                    place(from.peak())
+                })
+                .collect(),
+        }
+    }
+}
+
+impl Solution {
+    fn add(&mut self, factor: f64, other: &Solution) {
+        super::field::add_multiple(&mut self.inner, factor, &other.inner);
+        super::field::add_multiple(&mut self.faces, factor, &other.faces);
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.inner.iter_mut().chain(&mut self.faces).for_each(|x| *x *= factor);
+    }
+}
+
+/// The shares of the wells.
+struct Wells {
+    /// The factor of what comes from each pin.
+    parts: Vec<f64>,
+    /// Changes of these that cannot be excluded, where masses are 1.
+    changes: Vec<Vec<f64>>,
+    determined: bool,
+}
+
+impl Wells {
+    fn new(pins: &[Pin], block: usize, fields: &[Field], question: Question<'_>) -> Self {
+        let count = pins.len();
+        if count == 1 {
+            return Wells { parts: vec![1.0], changes: Vec::new(), determined: true };
+        }
+        let arrives = DMatrix::from_fn(count, count, |i, j| pins[j].from.inner[pins[i].cell * block].max(0.0));
+        // The loss on the way from each pin, at least what rounding hides.
+        let lost: Vec<f64> = (0..count)
+            .map(|j| {
+                let sum: f64 = (0..count).map(|i| pins[j].from.inner[pins[i].cell * block]).sum();
+                (1.0 - sum).abs().max(tuning::ROUNDING)
+            })
+            .collect();
+        let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
+        let shares = |arrives: &DMatrix<f64>| {
+            let parts = stationary_chain(arrives);
+            let sum: f64 = parts.iter().zip(&masses).map(|(part, mass)| part * mass).sum();
+            DVector::from_iterator(count, parts.iter().zip(&masses).map(|(part, mass)| part * mass / sum))
+        };
+        let known = shares(&arrives);
+        // What each of the rates may be off by, in turn.
+        let mut changes: Vec<DVector<f64>> = Vec::new();
+        let mut uncertain = 0.0_f64;
+        for j in 0..count {
+            for i in (0..count).filter(|i| *i != j) {
+                let mut other = arrives.clone();
+                other[(i, j)] += lost[j];
+                let change = shares(&other) - &known;
+                uncertain = uncertain.max(change.amax());
+                changes.push(change);
+            }
+        }
+        let determined = uncertain < tuning::UNDETERMINED;
+        let (mut shares, mut changes) = (known, changes);
+        if !determined {
+            shares = counted(fields, question.states);
+            changes = (0..count)
+                .map(|i| {
+                    // All may be in one well, or none.
+                    let unit = DVector::from_fn(count, |j, _| f64::from(u8::from(i == j)));
+                    (unit - &shares) / count as f64 * 2.0
+                })
+                .collect();
+        }
+        let symmetry = question.problem.symmetry();
+        let images = images(&symmetry, pins, fields);
+        let averaged = |shares: &DVector<f64>| {
+            images.iter().fold(shares.clone(), |shares, image| {
+                DVector::from_fn(count, |i, _| (shares[i] + shares[image[i]]) / 2.0)
+            })
+        };
+        let (shares, changes): (_, Vec<_>) = (averaged(&shares), changes.iter().map(averaged).collect());
+        let parts = |shares: &DVector<f64>| shares.iter().zip(&masses).map(|(share, mass)| share / mass).collect();
+        let changes: Vec<_> = changes.iter().filter(|change| change.amax() > 1e-14).collect();
+        Wells {
+            parts: parts(&shares),
+            determined: determined || changes.is_empty(),
+            changes: changes.into_iter().map(parts).collect(),
+        }
+    }
+}
+
+/// The stationary shares of a Markov chain by its transitions from j to i ≠ j, without subtractions.
+fn stationary_chain(arrives: &DMatrix<f64>) -> Vec<f64> {
+    let count = arrives.nrows();
+    let mut rates = arrives.clone();
+    for k in (1..count).rev() {
+        let out: f64 = (0..k).map(|i| rates[(i, k)]).sum();
+        for j in 0..k {
+            let factor = rates[(k, j)] / out.max(f64::MIN_POSITIVE);
+            rates[(k, j)] = factor;
+            for i in (0..k).filter(|i| *i != j) {
+                let more = rates[(i, k)] * factor;
+                rates[(i, j)] += more;
+            }
+        }
+    }
+    let mut parts = vec![1.0; count];
+    for k in 1..count {
+        parts[k] = (0..k).map(|j| rates[(k, j)] * parts[j]).sum();
+    }
+    parts
+}
+
+/// The shares of states that lie where each field is the largest of all.
+fn counted(fields: &[Field], states: &States) -> DVector<f64> {
+    let mut counts = DVector::from_element(fields.len(), 0.0);
+    let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
+    for x in states {
+        let value = |k: &usize| fields[*k].value(x) / masses[*k];
+        if let Some(k) = (0..fields.len()).max_by(|a, b| value(a).total_cmp(&value(b))) {
+            counts[k] += 1.0;
+        }
+    }
+    let sum = counts.sum();
+    if sum > 0.0 { counts / sum } else { DVector::from_element(fields.len(), 1.0 / fields.len() as f64) }
+}
+
+/// For each sign change of states that leaves the problem as it is, the wells that become each other.
+fn images(symmetry: &Symmetry, pins: &[Pin], fields: &[Field]) -> Vec<Vec<usize>> {
+    let mesh = &fields[0].mesh;
+    let domain = mesh.domain();
+    let place = |cell: usize| -> Vec<f64> {
+        (0..mesh.states()).map(|axis| mesh.origin[axis] + mesh.cells[cell].centre(axis)).collect()
+    };
+    let peaks: Vec<Vec<f64>> = fields.iter().map(|field| place(field.peak())).collect();
+    let image = |flip: &Vec<bool>| -> Option<Vec<usize>> {
+        let nearest = |i: usize| {
+            let distance = |j: &usize| -> f64 {
+                let along = |axis: usize| {
+                    let turned = if flip[axis] { -peaks[i][axis] } else { peaks[i][axis] };
+                    ((turned - peaks[*j][axis]) / (domain[axis][1] - domain[axis][0])).powi(2)
+                };
+                (0..mesh.states()).map(along).sum()
+            };
+            (0..pins.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(i)
+        };
+        let image: Vec<usize> = (0..pins.len()).map(nearest).collect();
+        let back = (0..pins.len()).all(|i| image[image[i]] == i);
+        (back && (0..pins.len()).any(|i| image[i] != i)).then_some(image)
+    };
+    symmetry.changes().iter().filter_map(image).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: p₁ : p₂ : p₃ of a chain of three with unlike rates.
+    #[test]
+    fn chains_have_their_stationary_shares() {
+        let arrives = DMatrix::from_row_slice(3, 3, &[0.0, 0.2, 1e-15, 0.1, 0.0, 3e-15, 1e-16, 2e-16, 0.0]);
+        let shares = stationary_chain(&arrives);
+        for i in 0..3 {
+            let into: f64 = (0..3).filter(|j| *j != i).map(|j| arrives[(i, j)] * shares[j]).sum();
+            let out: f64 = (0..3).filter(|j| *j != i).map(|j| arrives[(j, i)] * shares[i]).sum();
+            assert!((into / out - 1.0).abs() < 1e-14);
+        }
+    }
 }

@@ -1,19 +1,24 @@
 //! First passages: the part of a density that has passed no level.
 
-use super::assembly::Discretisation;
 use super::density::GridDensity;
 use super::field::Field;
+use super::flux::Part;
 use super::initial::Initial;
-use super::layout::Layout;
+use super::mesh::Side;
+use super::operator::{Layout, Operator, Regular};
+use super::refinement::{indicator, refined};
 use super::relaxation::slowest;
-use super::space::{Side, Space};
+use super::start::Ground;
 use super::transient::{Plan, Steps};
 use crate::checks::{positive, require};
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
+use crate::grid::kept::Kept;
 use crate::grid::tuning;
+use crate::problem::{Problem, TimeScales};
 use crate::transient::{Start, check_times};
+use std::sync::Arc;
 
 /// The survival of a displacement that must pass no level: P(T > t) for the time T of its first passage, without Poisson's
 /// assumption that passages are independent of each other.
@@ -28,15 +33,16 @@ use crate::transient::{Start, check_times};
 pub struct Survival {
     stationary: GridDensity,
     within: [f64; 2],
-    /// The elements of two degrees between the levels.
-    spaces: [Space; 2],
+    /// The operators of two degrees between the levels.
+    operators: Arc<[Operator; 2]>,
 }
 
 impl GridDensity {
     /// The survival of the displacement `within` a lower and an upper level; an infinite one is none. Walls between the levels
     /// stay; a level beyond the domain's edge is never passed, but for what leaks there.
     ///
-    /// The mesh is finer towards the points (level, 0), where trajectories graze a level, by [`Grid::grazing`](crate::Grid::grazing).
+    /// The mesh is finer towards the points (level, 0), where trajectories graze a level, and where the time spent between the levels
+    /// is not resolved.
     ///
     /// # Errors
     /// [`Error::NotADisplacement`] unless the second state is the velocity of the first; [`Error::OutOfRange`] for levels that
@@ -44,7 +50,7 @@ impl GridDensity {
     ///
     /// ```
     /// use expoly::{Grid, Start, models::{Duffing, Solved}};
-    /// let density = Grid::new().degree(5).grazing(1e-2).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
+    /// let density = Grid::new().accuracy(1e-4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
     /// let below = density.survival([f64::NEG_INFINITY, 1.6269])?; // 2σ
     /// let found = below.probability(&Start::Stationary, &[0.0, 20.0], 1e-3)?;
     /// assert!((found[0].value - 0.98122).abs() < 1e-4 && (found[1].value - 0.60285).abs() < 1e-4);
@@ -52,7 +58,7 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn survival(&self, within: [f64; 2]) -> Result<Survival> {
-        if self.problem.velocity_of(0) != Some(1) {
+        if self.fine.shape.states == 2 && self.kept.problem.velocity_of(0) != Some(1) {
             return Err(Error::NotADisplacement { state: 0 });
         }
         let [low, high] = within;
@@ -64,31 +70,49 @@ impl GridDensity {
             (high - low).min(f64::MAX),
             "give a lower and an upper level in this order",
         )?;
-        let mut domain = self.domain;
-        let whole = domain[0][1] - domain[0][0];
+        let mut domain = self.fine.mesh.domain();
         let absorbs = [low > domain[0][0], high < domain[0][1]];
         (0..2).filter(|&side| absorbs[side]).for_each(|side| domain[0][side] = within[side]);
         let width = domain[0][1] - domain[0][0];
         let remedy = "the levels leave the density no room: it lies beyond them";
         require(width > 0.0, "room between the levels in the domain", width, remedy)?;
 
-        let walls = self.problem.walls_of_plane("grid")?;
+        let walls = self.kept.walls;
         let lossy = [0, 1].map(|side| !absorbs[side] && walls[side].is_some_and(|wall| wall.restitution() < 1.0));
-        let coarser = if lossy == [false, false] { tuning::mesh::LEVEL } else { 1.0 };
-        let layout = Layout {
-            problem: &self.problem,
-            walls: [0, 1].map(|side| walls[side].filter(|_| !absorbs[side])),
-            grazed: [0, 1].map(|side| absorbs[side] || lossy[side]),
-            grazing: (coarser * self.grid.grazing).min(1.0),
-        };
-        let (degree, [columns, rows]) = self.grid.resolution(true);
-        // As wide as they were, but for those of a narrow strip.
-        let columns = ((columns as f64 * width / whole).ceil() as usize).max(tuning::mesh::FEWEST);
-        let mut fine = layout.space(domain, degree, [columns, rows]);
-        (0..2).filter(|&side| absorbs[side]).for_each(|side| fine.sides[side] = Side::Level);
-        let coarse = Space { degree: degree - 1, ..fine.clone() };
-        Ok(Survival { stationary: self.clone(), within, spaces: [fine, coarse] })
+        let sides = [0, 1].map(|side| match walls[side] {
+            _ if absorbs[side] => Side::Level,
+            Some(wall) => Side::Wall(wall.restitution()),
+            None => Side::Open,
+        });
+        let grazed = [0, 1].map(|side| absorbs[side] || lossy[side]);
+        let Kept { problem, pilot, grid, .. } = &*self.kept;
+        let ground = Ground { problem, pilot, domain, sides, grazed };
+        let degree = grid.degree_for(true);
+        let mut layout = Layout::new(ground.mesh());
+        // What starts as the stationary density and leaves through the levels, per unit of its mass.
+        for _ in 0..tuning::refinement::ROUNDS {
+            let operator = Operator::new(problem, &layout, degree, Part::Whole, grid.memory)?;
+            let start = self.fine.carried(&layout.mesh, operator.shape);
+            let shift = 1.0 / pilot_time(problem)?;
+            let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.inner;
+            let scaled = spent.iter().map(|s| s * shift).collect();
+            let field = Field { coefficients: scaled, ..start };
+            let aim = grid.accuracy;
+            let next = if indicator(&field) <= aim { None } else { refined(&field, aim) };
+            match next.map(Layout::new) {
+                Some(finer) if finer.fits(operator.shape, grid.memory).is_ok() => layout = finer,
+                _ => break,
+            }
+        }
+        let of = |degree: usize| Operator::new(problem, &layout, degree, Part::Whole, grid.memory);
+        let operators = Arc::new([of(degree)?, of(degree - 1)?]);
+        Ok(Survival { stationary: self.clone(), within, operators })
     }
+}
+
+/// The time in which a problem forgets its start.
+fn pilot_time(problem: &Problem) -> Result<f64> {
+    Ok(TimeScales::of(problem)?.memory())
 }
 
 impl Survival {
@@ -99,7 +123,7 @@ impl Survival {
 
     /// The coefficients of the density on the mesh.
     pub fn unknowns(&self) -> usize {
-        self.spaces[0].unknowns()
+        self.operators[0].unknowns()
     }
 
     /// P(T > t) at rising `times` t ≥ 0 after `start`. Of the stationary density, or of a Gaussian, the part beyond the
@@ -132,13 +156,10 @@ impl Survival {
     /// # Errors
     /// [`Error::SingularSystem`] if nothing leaves through the levels.
     pub fn rate(&self) -> Result<Estimate> {
-        let slowest = |space: &Space| {
-            let modes = slowest(&self.operator(space)?, 0.0, 1)?;
-            let singular = Error::SingularSystem { unknowns: space.unknowns() };
-            modes.first().map(|mode| Estimate::new(mode.rate, mode.error)).ok_or(singular)
-        };
-        let [fine, coarse] = self.both(|space, _| slowest(space))?;
-        Ok(Estimate::new(fine.value, (fine.value - coarse.value).abs() + fine.error + self.leak()))
+        let [fine, coarse] = &*self.operators;
+        let modes = slowest([fine, coarse], 0.0, 1)?;
+        let singular = Error::SingularSystem { unknowns: fine.unknowns() };
+        modes.first().map(|mode| Estimate::new(mode.rate, mode.error + self.leak())).ok_or(singular)
     }
 
     /// The mean time to the first passage, E T = ∫ P(T > t) dt.
@@ -147,11 +168,11 @@ impl Survival {
     /// As [`GridDensity::transient`]; [`Error::SingularSystem`] if nothing leaves through the levels.
     pub fn mean_time(&self, start: &Start) -> Result<Estimate> {
         let initial = self.initial(start, None)?;
-        let [fine, coarse] = self.both(|space, stationary| {
-            let field = initial.field(stationary, space)?;
+        let [fine, coarse] = self.both(|operator, stationary| {
+            let field = initial.field(stationary, &operator.layout.mesh, operator.shape)?;
             let before = initial.time * field.mass();
-            let spent = self.operator(space)?.shifted(0.0).solve(&field.coefficients)?;
-            Ok(before + Field { space: space.clone(), coefficients: spent }.mass())
+            let spent = operator.factors(Regular::Shift(0.0)).solve(&field.coefficients, None)?.inner;
+            Ok(before + Field { coefficients: spent, ..field }.mass())
         })?;
         Ok(Estimate::new(fine, (fine - coarse).abs() + fine * fine * self.leak()))
     }
@@ -168,10 +189,10 @@ impl Survival {
         let initial = self.initial(start, envelope)?;
         let early = times.partition_point(|time| *time <= initial.time);
         let plan = Plan::new(envelope, &times[early..], tolerance)?;
-        let [fine, coarse] = self.both(|space, stationary| {
-            let field = initial.field(stationary, space)?;
+        let [fine, coarse] = self.both(|operator, stationary| {
+            let field = initial.field(stationary, &operator.layout.mesh, operator.shape)?;
             let start = (field.mass(), Steps { error: 0.0, mass: 0.0 });
-            let marched = self.stationary.marched(&plan, initial.time, field)?;
+            let marched = self.stationary.marched(&plan, initial.time, field, &operator.layout, Some(operator))?;
             let later = marched.into_iter().map(|(field, steps)| (field.mass(), steps));
             Ok(std::iter::repeat_n(start, early).chain(later).collect::<Vec<_>>())
         })?;
@@ -183,11 +204,7 @@ impl Survival {
     }
 
     fn initial(&self, start: &Start, envelope: Option<&Envelope>) -> Result<Initial> {
-        self.stationary.initial(start, &self.spaces[0], envelope)
-    }
-
-    fn operator(&self, space: &Space) -> Result<Discretisation> {
-        Discretisation::new(&self.stationary.problem, space, self.stationary.grid.memory)
+        self.stationary.initial(start, &self.operators[0].layout.mesh, envelope)
     }
 
     /// The probability that leaves through the domain's edges per unit time.
@@ -195,9 +212,9 @@ impl Survival {
         self.stationary.provenance.leak.unwrap_or(0.0).abs()
     }
 
-    /// An answer for each of the two degrees, from the elements and the stationary density of that degree.
-    fn both<T: Send>(&self, answer: impl Fn(&Space, &Field) -> Result<T> + Sync) -> Result<[T; 2]> {
-        let [fine, coarse] = &self.spaces;
+    /// An answer for each of the two degrees, from the operator and the stationary density of that degree.
+    fn both<T: Send>(&self, answer: impl Fn(&Operator, &Field) -> Result<T> + Sync) -> Result<[T; 2]> {
+        let [fine, coarse] = &*self.operators;
         let (fine, coarse) =
             rayon::join(|| answer(fine, &self.stationary.fine), || answer(coarse, &self.stationary.coarse));
         Ok([fine?, coarse?])

@@ -1,13 +1,11 @@
 //! Transient densities p(x, t) on the mesh of the stationary one, and the rates at which transients die.
 
-use super::assembly::Discretisation;
 use super::density::GridDensity;
-use super::domain::Profile;
-use super::field::Field;
-use super::march::March;
+use super::field::{Field, difference};
+use super::flux::Part;
+use super::march::{March, Modulation};
+use super::operator::{Layout, Operator};
 use super::relaxation::slowest;
-use super::solver::difference;
-use super::space::Side;
 use crate::checks::positive;
 use crate::density::Density;
 use crate::envelope::Envelope;
@@ -17,7 +15,8 @@ use crate::transient::{Relaxation, Start, Transient, check_times};
 
 impl GridDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
-    /// the leak. They are chosen among the 2`count` eigenvalues nearest to zero.
+    /// the leak. They are chosen among the 2`count` eigenvalues nearest to zero
+    /// that both degrees have.
     ///
     /// A transient lasts as long as the second one: it has fallen to a thousandth after 7/rate. A bistable system's second
     /// rate is the rate at which its wells mix.
@@ -35,14 +34,17 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
-        let operator = Discretisation::new(&self.problem, &self.fine.space, self.grid.memory)?;
         // The growth of a state's variance by the noise per unit time over twice its second moment: a rate of the right size.
         let rate = |state: usize| -> Result<f64> {
-            let injected = &self.problem.operator().diffusion()[state][state];
+            let injected = &self.kept.problem.operator().diffusion()[state][state];
             Ok(self.expectation(&|x| injected.evaluate(x))?.value / 2.0 / self.variance(state)?.value)
         };
-        let shift = rate(0)?.max(rate(1)?).max(f64::MIN_POSITIVE);
-        slowest(&operator, shift / 4.0, count)
+        let mut shift = f64::MIN_POSITIVE;
+        for state in 0..self.fine.shape.states {
+            shift = shift.max(rate(state)?);
+        }
+        let [fine, coarse] = &self.kept.solutions;
+        slowest([&fine.operator, &coarse.operator], shift / 4.0, count)
     }
 
     /// The densities at rising `times` after `start`, by a Rosenbrock method of order 4 that is stable for every step. Each
@@ -89,18 +91,22 @@ impl GridDensity {
         times: &[f64],
         tolerance: f64,
     ) -> Result<Vec<Transient<Self>>> {
-        let initial = self.initial(start, &self.fine.space, envelope)?;
-        let remedy = "before that time the density is too narrow for the mesh: take more cells or a later time";
+        let initial = self.initial(start, &self.fine.mesh, envelope)?;
+        let remedy = "before that time the density is too narrow for the mesh: take a later time or a finer accuracy";
         check_times(times, initial.time, remedy)?;
         let plan = Plan::new(envelope, times, tolerance)?;
-        let march =
-            |stationary: &Field| self.marched(&plan, initial.time, initial.field(stationary, &stationary.space)?);
+        let march = |stationary: &Field| {
+            let start = initial.field(stationary, &stationary.mesh, stationary.shape)?;
+            let layout = &self.kept.solutions[0].operator.layout;
+            let of = self.kept.solutions.iter().map(|solution| &solution.operator).find(|own| own.shape == start.shape);
+            self.marched(&plan, initial.time, start, layout, of)
+        };
         let (fine, coarse) = rayon::join(|| march(&self.fine), || march(&self.coarse));
         let all = times.iter().zip(fine?).zip(coarse?);
         all.map(|((time, (fine, steps)), (coarse, _))| {
             let mut density = self.clone();
             // What a leak moves between wells grows with time to that of the stationary density.
-            density.provenance.l1_estimate = Some(difference(&fine, &coarse) + density.returned.size());
+            density.provenance.l1_estimate = Some(difference(&fine, &coarse) + self.changed());
             (density.fine, density.coarse) = (fine, coarse);
             if envelope.is_some() {
                 density.require_inside()?;
@@ -110,22 +116,39 @@ impl GridDensity {
         .collect()
     }
 
-    /// The solutions at all times on the space of `start`, each with its steps so far.
-    pub(super) fn marched(&self, plan: &Plan<'_>, begin: f64, start: Field) -> Result<Vec<(Field, Steps)>> {
-        let memory = self.grid.memory;
-        let space = start.space;
-        let (operator, modulation) = match plan.envelope {
-            None => (Discretisation::new(&self.problem, &space, memory)?, None),
-            Some(envelope) => {
-                let (operator, modulation) = Discretisation::modulated(&self.problem, &space, envelope, memory)?;
-                (operator, Some(modulation))
+    /// The size of what changes with leaks and shares.
+    pub(super) fn changed(&self) -> f64 {
+        self.changes.iter().map(Field::size).sum()
+    }
+
+    /// The solutions at all times on the mesh of `start`, each with its steps so far; `known` is the operator there, if there is one.
+    pub(super) fn marched(
+        &self,
+        plan: &Plan<'_>,
+        begin: f64,
+        start: Field,
+        layout: &Layout,
+        known: Option<&Operator>,
+    ) -> Result<Vec<(Field, Steps)>> {
+        let (memory, degree, problem) = (self.kept.grid.memory, start.shape.degree, &self.kept.problem);
+        let made;
+        let part = |part: Part<'_>| Operator::new(problem, layout, degree, part, memory);
+        let (operator, modulation) = match (plan.envelope, known) {
+            (None, Some(known)) => (known, None),
+            (None, None) => {
+                made = part(Part::Whole)?;
+                (&made, None)
+            }
+            (Some(envelope), _) => {
+                made = part(Part::Drift)?;
+                (&made, Some(Modulation { noise: part(Part::Noise)?, envelope }))
             }
         };
         let span = plan.times.last().copied().unwrap_or(begin) - begin;
         let first = span / tuning::march::FIRST;
-        let mut march =
-            March::new(&operator, (begin, start.coefficients), first, plan.tolerance).modulated(modulation.as_ref());
-        let field = |coefficients: &Vec<f64>| Field { space: space.clone(), coefficients: coefficients.clone() };
+        let mut march = March::new(operator, (begin, start.coefficients.clone()), first, plan.tolerance)
+            .modulated(modulation.as_ref());
+        let field = |coefficients: &Vec<f64>| Field { coefficients: coefficients.clone(), ..start.clone() };
         let mut fields = Vec::new();
         for time in plan.times {
             march.advance(*time)?;
@@ -137,17 +160,13 @@ impl GridDensity {
     /// Refuses a density that the domain cuts, and enters the level at its edges.
     fn require_inside(&mut self) -> Result<()> {
         let accepted = tuning::domain::CUT;
-        self.edge_level = 0.0;
-        for (state, side) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            if state == 1 || self.fine.space.sides[side] == Side::Open {
-                let level = Profile::new(&self.fine, state).edge(side);
-                if level.is_nan() || level > accepted {
-                    return Err(Error::DomainCut { state, edge: self.domain[state][side], level, accepted });
-                }
-                self.edge_level = self.edge_level.max(level);
+        self.edges = self.fine.at_edges();
+        for &(state, side, level) in &self.edges {
+            if level.is_nan() || level > accepted {
+                return Err(Error::DomainCut { state, edge: self.fine.mesh.domain()[state][side], level, accepted });
             }
         }
-        self.provenance.edge_level = Some(self.edge_level);
+        self.provenance.edge_level = Some(self.edges.iter().map(|(.., level)| *level).fold(0.0, f64::max));
         Ok(())
     }
 }

@@ -2,43 +2,122 @@
 
 /// The domain.
 pub(super) mod domain {
-    /// A pilot resolves densities down to about 1e-5 of the peak. A Gaussian falls to 1e-10 at 1.6 times the distance.
-    pub(crate) const WIDENING: f64 = 1.6;
-    /// The first share of the peak from which a fall is continued; a coarse solution resolves it well.
-    pub(crate) const NEAR: f64 = 1e-2;
-    /// The second one, to which the same applies.
-    pub(crate) const FAR: f64 = 1e-4;
-    /// The factor beyond the limit by the continued fall: a few percent more.
-    pub(crate) const SAFETY: f64 = 1.04;
-    /// The degree of the solutions by which the domain is adjusted, independent of the final one.
-    pub(crate) const TRIAL_DEGREE: usize = 5;
-    /// Their cells: cheap, and fine enough for a narrow ridge in a domain that is still too wide.
-    pub(crate) const TRIAL_CELLS: [usize; 2] = [14, 14];
-    /// How often a domain is adjusted before the search is given up.
-    pub(crate) const ATTEMPTS: usize = 6;
-    /// A density of this size at the edge, relative to the peak, is cut off and not merely badly resolved.
+    /// Its sides over the distances of the pilot's outermost states from their middle. A Gaussian has fallen to 1e-60 there; from 2
+    /// to 8 the number of cells changes by a fifth, since far cells are wide.
+    pub(crate) const WIDENING: f64 = 4.0;
+    /// A density of this size at the edge, relative to the peak, is cut off.
     pub(crate) const CUT: f64 = 1e-3;
-    /// A solution with a larger mass below zero does not resolve its density.
-    pub(crate) const NEGATIVE: f64 = 0.1;
+    /// How often a domain that loses too much is doubled.
+    pub(crate) const DOUBLINGS: usize = 2;
+    /// The share of the accuracy that what is lost at the edges may change.
+    pub(crate) const SHARE: f64 = 0.2;
+}
+
+/// The pilot.
+pub(super) mod pilot {
+    pub(crate) const TRAJECTORIES: usize = 64;
+    /// States of the main run. With 20 000 to 100 000 the meshes that follow have as many cells.
+    pub(crate) const STATES: usize = 20_480;
+    /// Trajectories of the run from farther starts,
+    pub(crate) const SCATTERED: usize = 8;
+    /// with so many states each.
+    pub(crate) const EACH: usize = 200;
+    /// The deviation of farther starts, over the distance of the outermost state of the main run from the middle.
+    pub(crate) const FARTHER: f64 = 5.0;
+    /// The time step and the time between states, in the shortest of the system's times: the pilot finds where the density is, not
+    /// what it is.
+    pub(crate) const STEP: f64 = 0.4;
+    pub(crate) const INTERVAL: f64 = 4.0;
+    /// Trajectories whose median distance from the middle grows by so much from the first quarter to the last do not come back.
+    pub(crate) const GROWING: f64 = 5.0;
+    /// How often a time step with which trajectories explode is halved.
+    pub(crate) const HALVINGS: usize = 6;
 }
 
 /// The mesh.
 pub(super) mod mesh {
-    /// The ratio between the distances from the wall to which a layer and the one below it reach. Above a wall with r = 0.7 the
-    /// L¹ estimate is 2.3e-5, 3.3e-5 and 1.2e-4 for 4, 5 and 7, with 43, 39 and 36 thousand unknowns.
-    pub(crate) const POSITION_GROWTH: f64 = 5.0;
-    /// The same ratio along the velocity. Since the density near the grazing point is a power of u times a function of w³/9Du,
-    /// the cube root of the ratio of positions would match; somewhat more costs little: the estimate is 2.7e-5, 3.3e-5 and
-    /// 5.2e-5 for 2, 2.3 and 2.6, with 45, 39 and 37 thousand unknowns.
-    pub(crate) const VELOCITY_GROWTH: f64 = 2.3;
-    /// The smallest cell at a level over that at a wall: next to a level that absorbs, the density falls as the square root of
-    /// the speed. For Duffing's oscillator below 2σ the rate is off by 3e-8 relative with cells of 1e-1 σ, and by 3e-9 with those
-    /// of 1e-2 σ and of 1e-3 σ, where degree 7 takes 21 and 36 thousand unknowns.
-    pub(crate) const LEVEL: f64 = 10.0;
-    /// The fewest equal cells between two levels.
-    pub(crate) const FEWEST: usize = 4;
+    /// Halvings along each state before any state of the pilot counts.
+    pub(crate) const HALVINGS: usize = 2;
+    /// A cell is divided if it is wider than so many standard deviations of the states in it. A cell that they fill evenly is
+    /// √12 = 3.46 wide; with 4 smooth densities take three times the cells, with 12 one solution more.
+    pub(crate) const WIDE: f64 = 6.0;
+    /// Cells with fewer states are not divided.
+    pub(crate) const FEW: usize = 20;
+    /// The smallest cell along the velocity at a wall with r < 1, in standard deviations of the velocity. The density is singular
+    /// at the grazing point: the error of impact rates falls with a power of this number, 2 for r near 1, 1.5 for r = 0.7 and 1 for
+    /// r = 0.5, that of moments faster.
+    pub(crate) const GRAZING: f64 = 1e-3;
+    /// The same at a level: next to it the density falls as the square root of the speed. For Duffing's oscillator below 2σ the rate
+    /// is off by 3e-8 relative with cells of 1e-1 σ, and by 3e-9 with those of 1e-2 σ and of 1e-3 σ.
+    pub(crate) const LEVEL: f64 = 1e-2;
+    /// Cells next to a grazing point are graded up to this speed, in standard deviations.
+    pub(crate) const GRADED: f64 = 1.5;
+    /// Their width over s³/9D, the distance from the wall over which the density at a speed s changes.
+    pub(crate) const LAYER: f64 = 4.0;
+    /// The narrowest cell over the domain: less would lose its width to rounding.
+    pub(crate) const NARROWEST: f64 = 1e-12;
+    /// A cell is at most so many times as long along a common face as its neighbour there. With 2 meshes at grazing points have half
+    /// as many cells more, with 8 and 16 they take more rounds.
+    pub(crate) const RATIO: f64 = 4.0;
     /// The smallest standard deviation that a mesh holds, in units of a cell's width over the degree.
     pub(crate) const RESOLVED: f64 = 1.25;
+    /// The degree for accuracies that are not finer than the first number; for finer ones the next.
+    pub(crate) const DEGREES: [(f64, usize); 3] = [(3e-6, 6), (3e-8, 8), (0.0, 10)];
+    /// That next to a lossy wall or a level, where the density is not smooth.
+    pub(crate) const GRAZED_DEGREE: usize = 6;
+}
+
+/// One state.
+pub(super) mod line {
+    /// Nodes of the rule for the exponent over a step.
+    pub(crate) const NODES: usize = 20;
+    /// A step over the deviation of the pilot's states,
+    pub(crate) const STEP: f64 = 0.1;
+    /// and what it grows by with the distance from where the steps began.
+    pub(crate) const GROWTH: f64 = 0.5;
+    /// The most steps to one side: with the growth they reach over a hundred powers of ten.
+    pub(crate) const STEPS: usize = 4000;
+    /// ln p falls by so much below its highest value before the density counts as ended: 1e-26.
+    pub(crate) const DEPTH: f64 = 60.0;
+    /// What is left in the highest degree of all cells together, where a mesh counts as fine enough.
+    pub(crate) const RESOLVED: f64 = 1e-13;
+    /// The degree, where none is given.
+    pub(crate) const DEGREE: usize = 10;
+}
+
+/// The refinement.
+pub(super) mod refinement {
+    /// A cell is divided along one state alone if its indicator along the other is below this share of it.
+    pub(crate) const ALONE: f64 = 0.1;
+    /// The share of the part of the last degree but one that counts as the last one at least: about what one degree gains where the
+    /// density is resolved.
+    pub(crate) const BELOW: f64 = 0.1;
+    /// After a test by two degrees failed, the aim is this part of what would be expected to suffice,
+    pub(crate) const CAUTION: f64 = 0.5;
+    /// but at least this part of the one before.
+    pub(crate) const LEAST: f64 = 0.02;
+    /// An estimate of this size is no estimate of a density.
+    pub(crate) const HOPELESS: f64 = 0.5;
+    /// Meshes of so many cells resolve something: those from the pilot's states begin with hundreds of cells and an indicator below 1.
+    pub(crate) const BEGUN: usize = 5000;
+    /// The most solutions; each takes a fifth of the error or less.
+    pub(crate) const ROUNDS: usize = 40;
+}
+
+/// Several wells.
+pub(super) mod wells {
+    /// What rounding makes of what comes from one pin at another, where 1 is all of it: measured between 4e-15 and 1e-13.
+    pub(crate) const ROUNDING: f64 = 1e-13;
+    /// A leak above so many times what rounding hides is one at the edges.
+    pub(crate) const HIDDEN: f64 = 10.0;
+    /// The share of the accuracy that rounding may change before a well gets a pin of its own.
+    pub(crate) const SHARE: f64 = 0.1;
+    /// What rounding may change in any case: of a single well it is 1e-12 to 1e-10, which is part of the estimate.
+    pub(crate) const APART: f64 = 1e-9;
+    /// The most pins.
+    pub(crate) const MOST: usize = 12;
+    /// Shares that may be off by more are not determined.
+    pub(crate) const UNDETERMINED: f64 = 0.1;
 }
 
 /// Steps of time, and the rates at which they decay.
@@ -54,6 +133,6 @@ pub(super) mod march {
     /// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
     /// known to rounding.
     pub(crate) const KRYLOV: usize = 80;
-    /// The smaller space whose eigenvalues estimate the error of the larger one's.
-    pub(crate) const SMALLER: usize = 60;
+    /// Eigenvalues of two degrees are the same mode if they are no farther apart, in units of their size.
+    pub(crate) const SAME: f64 = 2e-2;
 }

@@ -113,7 +113,8 @@ impl Problem {
         let lifted = if of_walls { None } else { Some(self.lifted(first, second)?) };
         let Some(lifted) = lifted.filter(|lifted| lifted.walls.iter().flatten().all(|number| is_real(*number))) else {
             let (method, what) = ("a derivative of the equations", "a parameter of walls, which are none of them");
-            let remedy = "take the derivative of a density: `Grid::sensitivities` or `ClosureDensity::sensitivity`";
+            let remedy =
+                "take the derivative of a density: `GridDensity::sensitivities` or `ClosureDensity::sensitivity`";
             return Err(Error::NotServed { method, what, remedy });
         };
         let zero = |powers: [u32; 2]| lifted.coefficient(powers).is_zero();

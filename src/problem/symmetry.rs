@@ -56,6 +56,11 @@ impl Symmetry {
         self
     }
 
+    /// The changes, the first of which flips none: whether each flips a state.
+    pub(crate) fn changes(&self) -> &[Vec<bool>] {
+        &self.changes
+    }
+
     /// Whether a monomial is the same at all mirror images.
     pub(crate) fn keeps(&self, alpha: &[u32]) -> bool {
         self.changes.iter().all(|flip| !odd(flip, alpha))

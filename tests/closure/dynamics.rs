@@ -73,9 +73,9 @@ fn densities_spread_as_on_a_grid() {
         (van_der_pol(), rest, [[-5.0, 5.0], [-6.5, 6.5]], vec![(2.0, 1.2e-3), (4.0, 2.0e-2)]),
     ];
     // The early densities of the second case are narrow for a mesh.
-    for ((problem, start, domain, best), degree) in cases.into_iter().zip([6, 7, 6]) {
+    for ((problem, start, domain, best), accuracy) in cases.into_iter().zip([1e-5, 1e-6, 1e-5]) {
         let times: Vec<f64> = best.iter().map(|(time, _)| *time).collect();
-        let grid = Grid::new().degree(degree).cells([11, 12]).domain(domain).edge_level(1e-6);
+        let grid = Grid::new().accuracy(accuracy).domain(domain);
         let truth = grid.solve(&problem).unwrap().transient(start, &times, 3e-4).unwrap();
         let found = Closure::new(6).transient(&problem, start, &times).unwrap();
         for ((found, truth), (time, best)) in found.iter().zip(&truth).zip(best) {
@@ -104,7 +104,7 @@ fn walls_are_met_in_time() {
         let problem = duffing_above(-0.5, restitution);
         let start = normal([1.0, 0.0], 0.2);
         let times = [4.0];
-        let stationary = Grid::new().degree(4).grazing(1e-2).solve(&problem).unwrap();
+        let stationary = Grid::new().accuracy(1e-4).solve(&problem).unwrap();
         let truth = stationary.transient(&start, &times, 1e-3).unwrap();
         for (found, truth) in Closure::new(6).transient(&problem, &start, &times).unwrap().iter().zip(&truth) {
             let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());

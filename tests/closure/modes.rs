@@ -3,7 +3,7 @@
 use crate::common::moving::{two_wells, van_der_pol};
 use crate::common::*;
 use expoly::models::Linear;
-use expoly::{Closure, Grid, Result, Simulation};
+use expoly::{Closure, Grid, Relaxation, Result, Simulation};
 use nalgebra::matrix;
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
     let modes = Closure::new(4).solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap().relaxation(6).unwrap();
     let frequency = 0.9375_f64.sqrt();
     for (rate, times) in [(0.0, 0.0), (0.25, 1.0), (0.5, 0.0), (0.5, 2.0), (0.75, 1.0)] {
-        let near = |m: &&expoly::Relaxation| (m.rate - rate).hypot(m.frequency - times * frequency) < 1e-10;
+        let near = |m: &&Relaxation| (m.rate - rate).hypot(m.frequency - times * frequency) < 1e-10;
         let mode = modes.iter().find(near).unwrap();
         println!("{mode:?}");
         assert!(mode.error < 1e-10, "{mode:?}");
@@ -24,7 +24,7 @@ fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
     assert!((0..5).all(|n| (filter[n].rate - n as f64).abs() < 1e-10 && filter[n].frequency == 0.0), "{filter:?}");
 }
 
-/// The slowest modes of four systems agree with the grid's to four digits, and within their own error by a factor of ten,
+/// The slowest modes of four systems are among the grid's to four digits, and within their own error by a factor of ten,
 /// which compares two degrees. An elastic wall makes ridges of the modes with a frequency, of which polynomials hold two
 /// digits.
 #[test]
@@ -36,11 +36,13 @@ fn relaxation_rates_agree_with_those_of_a_grid() {
         ("Duffing above a wall", duffing_above(-0.5, 0.8), 3),
     ];
     for (name, problem, count) in cases {
-        // On this mesh the rates are right to 1e-6.
-        let truth = Grid::new().degree(6).grazing(5e-3).solve(&problem).unwrap().relaxation(count + 1).unwrap();
+        // At an accuracy of 1e-6 the rates are right to 1e-6.
+        let truth = Grid::new().solve(&problem).unwrap().relaxation(2 * count + 2).unwrap();
         let found = Closure::new(6).solve(&problem).unwrap().relaxation(count + 1).unwrap();
-        for (found, truth) in found.iter().zip(&truth).skip(1) {
-            let apart = (found.rate - truth.rate).hypot(found.frequency - truth.frequency);
+        for found in found.iter().skip(1) {
+            let from = |truth: &Relaxation| (found.rate - truth.rate).hypot(found.frequency - truth.frequency);
+            let truth = truth.iter().min_by(|a, b| from(a).total_cmp(&from(b))).unwrap();
+            let apart = from(truth);
             println!("{name}: {:.8} {:.8}, {apart:.1e} off, {:.1e}", found.rate, found.frequency, found.error);
             assert!(apart < 2e-4 * found.rate.hypot(found.frequency), "{name}: {found:?} and {truth:?}");
             assert!(apart < 10.0 * found.error + 1e-6, "{name}: {found:?} and {truth:?}");

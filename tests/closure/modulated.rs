@@ -35,7 +35,7 @@ fn modulated_noise_agrees_with_a_grid() {
     let strong = problem(Duffing::new(0.2, 1.0, 0.3, 0.66).unwrap());
     let envelope = Envelope::exponentials(2.32 / 1.82, 0.09, 1.49).unwrap();
     let (start, times) = (normal([0.0, 0.0], 0.2), [4.0, 8.0]);
-    let grid = Grid::new().degree(6).cells([12, 12]).solve(&strong).unwrap();
+    let grid = Grid::new().accuracy(1e-5).solve(&strong).unwrap();
     let truth = grid.modulated_transient(&envelope, &start, &times, 1e-3).unwrap();
     let found = Closure::new(6).modulated_transient(&strong, &envelope, &start, &times).unwrap();
     for ((found, truth), best) in found.iter().zip(&truth).zip([3.0e-3, 4.2e-3]) {
@@ -64,20 +64,20 @@ fn modulated_noise_agrees_with_a_grid() {
     assert!(apart < 1e-4);
 }
 
-/// Above an elastic wall, against the grid: the error is as estimated. Measured are 1.0e-2 and 1e-3 at most beside the mesh's own.
+/// Above an elastic wall, against the grid, whose own error is a hundredth of that: the error is 0.8 to 1.3 times what is estimated.
 #[test]
 fn a_wall_is_met_under_noise_that_fades() {
     let walled = problem(Duffing::new(0.2, 1.0, 0.3, 0.4).unwrap()).with_wall(Wall::above(-0.5, 1.0).unwrap()).unwrap();
     let envelope = Envelope::exponentials(1.3, 0.09, 1.49).unwrap();
     let (start, times) = (normal([0.7, 0.0], 0.17), [6.0, 12.0]);
-    let grid = Grid::new().degree(5).grazing(1e-2).solve(&walled).unwrap();
-    let truth = grid.modulated_transient(&envelope, &start, &times, 1e-3).unwrap();
+    let grid = Grid::new().accuracy(1e-5).solve(&walled).unwrap();
+    let truth = grid.modulated_transient(&envelope, &start, &times, 1e-4).unwrap();
     let found = Closure::new(4).modulated_transient(&walled, &envelope, &start, &times).unwrap();
     for (found, truth) in found.iter().zip(&truth) {
         let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
         let mesh = truth.density.l1_estimate();
         println!("t = {}: {distance:.1e}, estimate {estimate:.1e}, mesh {mesh:.1e}", found.time);
-        assert!(distance < 1.2 * estimate + mesh && estimate < 1.2 * distance + mesh, "{distance:e} and {estimate:e}");
+        assert!(distance < 1.3 * estimate + mesh && estimate < 1.3 * distance + mesh, "{distance:e} and {estimate:e}");
         assert!(distance < 2e-2, "{distance:e}");
     }
 }

@@ -175,13 +175,13 @@ v = "sqrt(2*D)"
 #[test]
 fn derivatives_without_a_closed_form_have_their_estimated_errors() -> Result<()> {
     let problem = Problem::from_toml(CUBIC)?;
-    let middle = Grid::new().degree(7).cells([9, 10]).solve(&problem)?.moment(&[2, 0])?.value;
+    let middle = Grid::new().accuracy(1e-7).solve(&problem)?.moment(&[2, 0])?.value;
     let densities = [4, 6, 8].map(|order| Closure::new(order).solve(&problem).unwrap());
     for name in ["e", "D", "mu"] {
         let h = 0.015;
         let grids = [-2.0, -1.0, 1.0, 2.0].map(|k| {
             let moved = problem.with_parameter(name, 0.3 + k * h).unwrap();
-            Grid::new().degree(7).cells([9, 10]).solve(&moved).unwrap()
+            Grid::new().accuracy(1e-7).solve(&moved).unwrap()
         });
         let of = |answer: &dyn Fn(&dyn Density) -> f64| {
             let answers = grids.each_ref().map(|grid| answer(grid));

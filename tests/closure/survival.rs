@@ -34,7 +34,7 @@ fn survival_agrees_with_a_grid() {
     for (name, problem, most) in
         [("Duffing", problem(crate::common::duffing()), 0.03), ("two wells", wells, 0.03), ("van der Pol", cycle, 0.2)]
     {
-        let grid = Grid::new().degree(4).grazing(2e-2).solve(&problem).unwrap();
+        let grid = Grid::new().accuracy(1e-4).solve(&problem).unwrap();
         let density = Closure::new(6).solve(&problem).unwrap();
         let sigma = grid.variance(0).unwrap().value.sqrt();
         for share in [[-NONE, 1.0], [-NONE, 2.0], [-2.0, 2.0], [-1.0, 1.5]] {

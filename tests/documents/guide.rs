@@ -28,7 +28,7 @@ fn the_grid_beside_another_tool() {
     let duffing = Duffing::new(strength, 1.0, 1.0, strength).unwrap();
     let density = Grid::new().solve(&problem(duffing)).unwrap();
     let distance = compare::l1(&density, &duffing.exact().unwrap()).unwrap().value;
-    found.number(&guide.number("elements of degree 10, on which it is "), distance, 0.0);
+    found.number(&guide.number("cells that are halved where it is needed: by default it is "), distance, 0.0);
     found.number(&guide.number("with an estimate of it, "), density.l1_estimate(), 0.0);
     found.finish(2);
 }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// The stationary density on the grid, solved once for all tests.
 fn solved(a: f64) -> Arc<GridDensity> {
     static SOLVED: Shared<u64, GridDensity> = Shared::new();
-    let grid = Grid::new().degree(7).cells([10, 10]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
+    let grid = Grid::new().accuracy(1e-7).domain([[-6.5, 6.5], [-6.5, 6.5]]);
     SOLVED.get(a.to_bits(), || grid.solve(&problem(Noisy { a })).unwrap())
 }
 
@@ -68,7 +68,7 @@ fn a_point_starts_under_noise_that_rises() {
 /// times smaller gives an error a tenth as large at most.
 #[test]
 fn a_smaller_tolerance_gives_a_smaller_error() {
-    let grid = Grid::new().degree(4).cells([8, 8]).domain([[-6.5, 6.5], [-6.5, 6.5]]).edge_level(1e-6);
+    let grid = Grid::new().accuracy(1e-3).domain([[-6.5, 6.5], [-6.5, 6.5]]);
     let stationary = grid.solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap();
     let envelope = &envelopes()[0];
     let at = |tolerance: f64| {
@@ -109,7 +109,7 @@ fn survival_of_an_earthquake_agrees_with_a_simulation() {
     const PATHS: usize = 20_000;
     const STEP: f64 = 0.02;
     let (level, times) = (1.2, [5.0, 10.0, 20.0]);
-    let density = Grid::new().degree(5).grazing(1e-2).solve(&problem(crate::common::duffing())).unwrap();
+    let density = Grid::new().accuracy(1e-5).solve(&problem(crate::common::duffing())).unwrap();
     let envelope = Envelope::exponentials(1.3, 0.09, 1.49).unwrap();
     let survival = density.survival([-level, level]).unwrap();
     let found = survival.modulated_probability(&envelope, &Start::Point(vec![0.0, 0.0]), &times, 1e-3).unwrap();

@@ -17,9 +17,8 @@ fn solved(restitution: f64, power: u32) -> Arc<GridDensity> {
     static SOLVED: Shared<(u64, u32), GridDensity> = Shared::new();
     SOLVED.get((restitution.to_bits(), power), || {
         let reach = 1.5 * ((16.0 / ENERGY).powf(0.5 / f64::from(power)) - 1.0);
-        let grid = Grid::new().degree(7).cells([8 + 3 * power as usize / 2, 10]).edge_level(1e-6);
         let domain = [[ENDS[0] - reach, ENDS[1] + reach], [-5.8, 5.8]];
-        grid.domain(domain).solve(&soft(restitution, power).problem().unwrap()).unwrap()
+        Grid::new().accuracy(1e-5).domain(domain).solve(&soft(restitution, power).problem().unwrap()).unwrap()
     })
 }
 
@@ -77,7 +76,7 @@ fn soft_walls_approach_rigid_ones() {
         let density = solved(restitution, power);
         static RIGID: Shared<u64, GridDensity> = Shared::new();
         let rigid = RIGID.get(restitution.to_bits(), || {
-            Grid::new().degree(5).grazing(1e-2).solve(&soft(restitution, power).rigid().unwrap()).unwrap()
+            Grid::new().accuracy(1e-4).solve(&soft(restitution, power).rigid().unwrap()).unwrap()
         });
         let [low, high] = density.bounds()[0];
         let part = |range| compare::marginal_l1(&*density, &*rigid, 0, range).unwrap().value;

@@ -65,7 +65,7 @@ fn a_text_and_a_model_ask_for_the_same_answers() -> Result<()> {
     agree("closure", &closures[0], &closures[1], 1e-6);
     let classical = [&text, &model].map(|problem| Closure::classical(4).solve(problem).unwrap().density().unwrap());
     agree("classical closure", &classical[0], &classical[1], 0.0);
-    let grids = [&text, &model].map(|problem| Grid::new().degree(5).solve(problem).unwrap());
+    let grids = [&text, &model].map(|problem| Grid::new().solve(problem).unwrap());
     agree("grid", &grids[0], &grids[1], 1e-6);
     let simulated = [&text, &model].map(|problem| Simulation::new().samples(50_000).run(problem).unwrap());
     agree("simulation", &simulated[0], &simulated[1], 1e-6);

@@ -61,7 +61,7 @@ fn a_closure_is_the_same_in_all_units() -> Result<()> {
 
 #[test]
 fn a_grid_is_the_same_in_all_units() -> Result<()> {
-    let grid = |problem: &Problem, _| Ok(Box::new(Grid::new().degree(4).solve(problem)?) as Box<dyn Density>);
+    let grid = |problem: &Problem, _| Ok(Box::new(Grid::new().accuracy(1e-4).solve(problem)?) as Box<dyn Density>);
     let change = change(&grid, false)?;
     println!("grid: {change:.1e}");
     assert!(change < 1e-12, "{change}");

@@ -21,9 +21,9 @@ pub(crate) struct Options {
     /// Orders of the closure
     #[arg(long, value_delimiter = ',', default_value = "4,6,8")]
     orders: Vec<u32>,
-    /// Degree of the grid
-    #[arg(long, default_value_t = 6)]
-    degree: usize,
+    /// L¹ accuracy of the grid
+    #[arg(long, default_value = "1e-6")]
+    accuracy: f64,
     /// The step of central differences; none leaves them out
     #[arg(long, default_value_t = 0.0)]
     step: f64,
@@ -63,8 +63,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     for (&b, &r) in options.wall.iter().flat_map(|b| options.restitutions.iter().map(move |r| (b, r))) {
         let problem = duffing.clone().with_wall(Wall::above(b, r)?)?;
-        let grid = Grid::new().degree(options.degree);
-        let (_, by) = grid.sensitivities(&problem, &NAMES)?;
+        let grid = Grid::new().accuracy(options.accuracy);
+        let by = grid.solve(&problem)?.sensitivities(&NAMES)?;
         let truth = |by: &expoly::GridSensitivity| {
             answers(|powers| Ok(by.moment(powers)?.value), by.impact_rate().map(|rate| rate.value))
         };

@@ -13,6 +13,7 @@ mod derivatives;
 mod derivatives_at_walls;
 mod draw;
 mod fuzz;
+mod grid_cases;
 mod grid_convergence;
 mod grid_walls;
 mod identification;
@@ -47,6 +48,8 @@ enum Question {
     DerivativesAtWalls(derivatives_at_walls::Options),
     /// Does any input make the library panic, hang, or return a value that is no number?
     Fuzz(fuzz::Options),
+    /// Does the grid resolve by itself what people bring, and is its estimate right?
+    GridCases(grid_cases::Options),
     /// How accurate is the grid, and what does accuracy cost?
     GridConvergence(grid_convergence::Options),
     /// How accurate is the grid above a wall that takes energy?
@@ -87,6 +90,7 @@ fn main() -> ExitCode {
         Question::Derivatives(options) => derivatives::run(&options),
         Question::DerivativesAtWalls(options) => derivatives_at_walls::run(&options),
         Question::Fuzz(options) => fuzz::run(&options),
+        Question::GridCases(options) => grid_cases::run(&options),
         Question::GridConvergence(options) => grid_convergence::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),
         Question::Identification(options) => identification::run(&options),

@@ -79,7 +79,7 @@ fn orders(
     let cubic = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
     let cases = [
         Case::new("Duffing", duffing.problem()?, move |_| duffing.exact()),
-        Case::new("cubic damping", cubic, |problem| Grid::new().degree(4).solve(problem)),
+        Case::new("cubic damping", cubic, |problem| Grid::new().accuracy(1e-4).solve(problem)),
     ];
     let methods = |case: Case<'static>| {
         case.method("robust", |problem, order| Closure::new(order).solve(problem))

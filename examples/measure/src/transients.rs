@@ -21,9 +21,9 @@ pub(crate) struct Options {
     /// Times, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "0.5,1,2,4,8,16,32")]
     times: Vec<f64>,
-    /// Degree of the grid
-    #[arg(long, default_value_t = 8)]
-    degree: usize,
+    /// L¹ accuracy of the grid
+    #[arg(long, default_value = "1e-6")]
+    accuracy: f64,
     /// Only the systems whose names contain this
     #[arg(long, default_value = "")]
     only: String,
@@ -70,8 +70,10 @@ pub(crate) fn run(options: &Options) -> Outcome {
         }
         let start =
             Start::Gaussian(Gaussian { mean: dvector![start, 0.0], covariance: dmatrix![0.04, 0.0; 0.0, 0.04] });
-        let grid = Grid::new().degree(options.degree).cells([13, 13]).grazing(5e-3);
-        let grid = domain.map_or(grid, |domain| grid.domain(domain).edge_level(1e-4));
+        let mut grid = Grid::new().accuracy(options.accuracy);
+        if let Some(domain) = domain {
+            grid = grid.domain(domain);
+        }
         let stationary = grid.solve(&problem)?;
         let truth = match &envelope {
             None => stationary.transient(&start, times, 1e-4)?,

@@ -21,9 +21,9 @@ pub struct Setup {
     /// What the orders are compared with [default: the exact density where one is known, else the grid]
     #[arg(long, value_enum)]
     pub reference: Option<Reference>,
-    /// Degree of the grid [default: the library's]
-    #[arg(long)]
-    pub degree: Option<usize>,
+    /// L¹ accuracy of the grid
+    #[arg(long, default_value = "1e-6")]
+    pub accuracy: f64,
     /// Samples of the simulation
     #[arg(long, default_value_t = 4_000_000)]
     pub samples: usize,
@@ -124,7 +124,7 @@ impl Setup {
             (Some(Reference::Simulation), _) => {
                 Simulation::new().samples(self.samples).seed(self.seed).run(problem)?.into()
             }
-            _ => self.degree.map_or(Grid::new(), |degree| Grid::new().degree(degree)).solve(problem)?.into(),
+            _ => Grid::new().accuracy(self.accuracy).solve(problem)?.into(),
         })
     }
 }

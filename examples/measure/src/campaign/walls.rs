@@ -14,10 +14,8 @@ use std::time::Instant;
 /// The marginal of Y is compared at so many points, down to this share of its peak.
 const POINTS: usize = 400;
 const TAIL: f64 = 1e-5;
-/// What lies outside a domain that ends there is far below all errors here, and the fewer cells do more within.
-const EDGE: f64 = 1e-7;
-/// The degree of the grid that judges what the default one does not.
-const FINER: usize = 8;
+/// The L¹ accuracy of the grid that judges what the default one does not.
+const FINER: f64 = 1e-7;
 /// A larger L¹ error should come with a warning or an estimate of its size.
 const BAD: f64 = 1e-2;
 /// At higher orders the literature's closure has a root above few walls.
@@ -98,7 +96,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
 /// The grid's density; the errors of the literature's closure are printed beside it.
 fn truth(_: usize, problem: &Problem) -> Result<GridDensity, String> {
-    let truth = Grid::new().edge_level(EDGE).solve(problem).map_err(|error| error.to_string())?;
+    let truth = Grid::new().solve(problem).map_err(|error| error.to_string())?;
     let shown = [Basis::Classical, Basis::Folded].map(|basis| {
         let l1 = classical(basis, problem, &truth).unwrap_or_else(|error| error.to_string());
         format!("{basis} {l1}")
@@ -130,7 +128,7 @@ fn row(place: Place, problem: &Problem, truth: &GridDensity) -> expoly::Result<A
         return Ok(row);
     }
     // It may be the grid that is off.
-    let finer = Grid::new().edge_level(EDGE).degree(FINER).solve(problem)?;
+    let finer = Grid::new().accuracy(FINER).solve(problem)?;
     compared(place, &density, &finer, seconds)
 }
 

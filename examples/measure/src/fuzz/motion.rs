@@ -103,8 +103,9 @@ pub(super) fn of_grid(probe: &mut Probe, density: &GridDensity) {
         Probe::may_take_longer(3.0);
         density.transient(&start, &times, tolerance)
     });
+    let none = vec![0; density.dimension()];
     for transient in transients.unwrap_or_default() {
-        probe.value("mass in time", 0.5, || Ok(transient.density.moment(&[0, 0])?.value));
+        probe.value("mass in time", 0.5, || Ok(transient.density.moment(&none)?.value));
     }
     let within = levels(&mut probe.draw);
     let Some(survival) = probe.ask("survival", || density.survival(within)) else { return };

@@ -249,11 +249,11 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
         4 | 5 => {
             let mut grid = Grid::new();
             if !usual {
-                grid = grid.degree(2 + draw.below(4)).cells([2 + draw.below(7), 2 + draw.below(7)]).grazing(0.05);
+                grid = grid.degree(2 + draw.below(4)).accuracy(draw.log_within(1e-4, 0.1));
             }
             if draw.with(0.1) {
-                let [a, b] = [0; 2].map(|_| [-coefficient(draw, 1.0), coefficient(draw, 1.0).abs()]);
-                grid = grid.domain([a, b]);
+                let limits = (0..n).map(|_| [-coefficient(draw, 1.0), coefficient(draw, 1.0).abs()]);
+                grid = grid.domain(limits);
             }
             let density = probe.ask(&format!("{grid:?}"), || grid.solve(problem))?;
             probe.show(&format!("{:?}", density.provenance()));

@@ -1,0 +1,377 @@
+//! The matrices of a cell: hybridised discontinuous Galerkin forms of a Fokker-Planck operator.
+//!
+//! The equation is a balance of fluxes, 0 = ∇·J with J = F p − A∇p, F = f − ½∇·B and A = ½B. A cell has a polynomial u, and each face
+//! a polynomial λ, the only one that cells on both sides share (B. Cockburn, J. Gopalakrishnan and R. Lazarov, 2009,
+//! doi:10.1137/070706616). For all tests w of a cell and μ of a face,
+//!
+//! −∫ (F u − A∇u)·∇w + Σ_faces ∫ [(F·n)⁺ u + (F·n)⁻ λ − n·A∇u + τ(u − λ)] w − ∫ (n·A∇w)(u − λ) = 0,
+//!
+//! −Σ_sides ∫ [(F·n)⁺ u + (F·n)⁻ λ − n·A∇u + τ(u − λ)] μ = 0,
+//!
+//! with (·)⁺ and (·)⁻ the positive and the negative part at each node, and τ = 2(p+1)² (n·A n)/h, h the cell's own width across the
+//! face. Where nothing diffuses across a face λ is what comes from upwind. An open side lets out (F·n)⁺ u and no diffusive flux; at a
+//! level λ = 0. Every integral of a polynomial is exact, and the bases are orthonormal: with the flux of λ's equation inserted,
+//! ∂p/∂t = −K p.
+
+use super::flux::{Flux, Part, Value};
+use super::legendre::{Table, reference};
+use super::mesh::{Mesh, Role, Segment};
+use super::shape::{MOST, Place, Shape};
+use crate::fokker_planck::Local;
+use crate::numerics::Rule;
+use crate::problem::{PlaneMotion, Problem};
+use faer::Mat;
+
+/// Twice the penalty that the inverse inequality of polynomials requires.
+const PENALTY: f64 = 2.0;
+
+/// The matrices of a cell and its faces, which follow each other in the order of the cell's segments.
+#[derive(Clone, Debug)]
+pub(super) struct Matrices {
+    /// Tests in rows and trial functions in columns: w by u,
+    pub(super) inner: Mat<f64>,
+    /// w by λ,
+    pub(super) inflow: Mat<f64>,
+    /// μ by u,
+    pub(super) outflow: Mat<f64>,
+    /// and μ by λ: this side's part of one block for each face.
+    pub(super) faces: Vec<Mat<f64>>,
+}
+
+impl Matrices {
+    /// Adds `factor` times those of another part of the operator.
+    pub(super) fn add(&mut self, factor: f64, other: &Self) {
+        let sum = |a: &mut Mat<f64>, b: &Mat<f64>| *a += faer::Scale(factor) * b;
+        sum(&mut self.inner, &other.inner);
+        sum(&mut self.inflow, &other.inflow);
+        sum(&mut self.outflow, &other.outflow);
+        self.faces.iter_mut().zip(&other.faces).for_each(|(a, b)| sum(a, b));
+    }
+
+    /// The numbers in them.
+    pub(super) fn numbers(&self) -> f64 {
+        let of = |m: &Mat<f64>| (m.nrows() * m.ncols()) as f64;
+        of(&self.inner) + of(&self.inflow) + of(&self.outflow) + self.faces.iter().map(of).sum::<f64>()
+    }
+}
+
+/// What the matrices of all cells of one degree have in common.
+pub(super) struct Forms<'a> {
+    shape: Shape,
+    flux: Flux<'a>,
+    /// What a wall's fluxes are multiplied by.
+    at_walls: f64,
+    products: Vec<Product>,
+    /// Nodes of the functions in J.
+    series: Table,
+    /// Nodes of a face along one axis, and the basis of the face there.
+    face: Table,
+    along: [Vec<usize>; MOST],
+}
+
+/// The integral of one of the functions in J, a product of Legendre polynomials, with all pairs of functions of a cell.
+struct Product {
+    /// The term among those of the flux.
+    term: usize,
+    degrees: [usize; MOST],
+    /// Those that do not vanish, by their places in a matrix by columns.
+    entries: Vec<(u32, f64)>,
+}
+
+impl<'a> Forms<'a> {
+    pub(super) fn new(problem: &'a Problem, origin: Place, shape: Shape, part: Part<'a>) -> Self {
+        let flux = Flux::new(problem, origin, part);
+        let at_walls = match part {
+            Part::Whole | Part::Drift => 1.0,
+            Part::Noise => 0.0,
+            // In the coordinate that moves, the velocity is v over dx/dξ.
+            Part::Moved(PlaneMotion { shift, .. }) => -shift[1],
+        };
+        let series = Table::new(flux.degree, Rule::legendre(flux.degree + 1));
+        let face = Table::new(shape.degree, shape.rule(flux.degree));
+        let along = std::array::from_fn(|axis| if axis < shape.states { shape.along(axis) } else { Vec::new() });
+        let products = products(shape, &flux);
+        Forms { shape, flux, at_walls, products, series, face, along }
+    }
+
+    /// The matrices of one cell.
+    pub(super) fn matrices(&self, mesh: &Mesh, cell: usize) -> Matrices {
+        let segments = &mesh.segments[cell];
+        let (block, face) = (self.shape.block(), self.shape.face());
+        let faces = segments.iter().filter(|segment| segment.face.is_some()).count();
+        let [inflow, outflow] = [[block, faces * face], [faces * face, block]].map(|[m, n]| Mat::zeros(m, n));
+        let mut matrices =
+            Matrices { inner: Mat::zeros(block, block), inflow, outflow, faces: Vec::with_capacity(faces) };
+        let mut local = self.flux.local();
+        self.volume(mesh, cell, &mut local, &mut matrices.inner);
+        for segment in segments {
+            self.segment(mesh, cell, segment, &mut local, &mut matrices);
+        }
+        matrices
+    }
+
+    /// −∫ J·∇w. The functions in J are polynomials: as many Gauss nodes as they have coefficients along each state give their
+    /// Legendre series on the cell, and the integrals of three Legendre polynomials are the same on all cells.
+    fn volume(&self, mesh: &Mesh, number: usize, local: &mut Local, inner: &mut Mat<f64>) {
+        let (cell, states) = (mesh.cells[number], self.shape.states);
+        let nodes = self.series.len();
+        let count = nodes.pow(states as u32);
+        let node = |k: usize, axis: usize| k / nodes.pow((states - 1 - axis) as u32) % nodes;
+        let values: Vec<Value> = (0..count)
+            .map(|k| {
+                let u = std::array::from_fn(|axis| {
+                    if axis < states { cell.at(axis, self.series.nodes[node(k, axis)]) } else { 0.0 }
+                });
+                self.flux.at(u, local)
+            })
+            .collect();
+        for Product { term, degrees, entries } in &self.products {
+            let term = &self.flux.terms[*term];
+            let weighted = |k: usize| -> f64 {
+                (0..states).map(|axis| self.series.weighted(node(k, axis), degrees[axis])).product()
+            };
+            let coefficient: f64 = values.iter().enumerate().map(|(k, value)| weighted(k) * term.of(value)).sum();
+            let slope = |axis: usize| 2.0 / cell.width[axis];
+            let factor = match term.differentiated {
+                None => -slope(term.tested),
+                Some(state) => slope(term.tested) * slope(state),
+            };
+            let factor = factor * coefficient;
+            if factor != 0.0 {
+                let block = self.shape.block();
+                for column in entries.chunk_by(|a, b| a.0 as usize / block == b.0 as usize / block) {
+                    let first = column[0].0 as usize / block;
+                    let target = inner.col_as_slice_mut(first);
+                    column.iter().for_each(|(place, value)| target[*place as usize - first * block] += factor * value);
+                }
+            }
+        }
+    }
+
+    /// Adds a part of the boundary.
+    fn segment(&self, mesh: &Mesh, number: usize, segment: &Segment, local: &mut Local, matrices: &mut Matrices) {
+        let (cell, axis, degree) = (mesh.cells[number], segment.axis, self.shape.degree);
+        let sign = if segment.upper { 1.0 } else { -1.0 };
+        let modes = self.shape.modes(axis);
+        // Across: values and outward slopes of the basis at the side.
+        let (mut values, mut slopes) = reference(degree, sign);
+        let scale = cell.width[axis].sqrt().recip();
+        values.iter_mut().for_each(|value| *value *= scale);
+        slopes.iter_mut().for_each(|slope| *slope *= sign * scale * 2.0 / cell.width[axis]);
+
+        let along = Along::new(self, &cell, segment);
+        let place = if segment.upper { cell.upper(axis) } else { cell.lower[axis] };
+        let penalty = PENALTY * (degree as f64 + 1.0).powi(2) / cell.width[axis];
+        let mut fluxes = Vec::with_capacity(along.nodes.len());
+        for node in &along.nodes {
+            let mut u = node.place;
+            u[axis] = place;
+            fluxes.push(match segment.role {
+                // The measure is that of the speed before the impact, and so is the flux through the wall.
+                Role::Hits(_) => At { out: self.at_walls * node.speed, ..At::default() },
+                Role::Returns(_) => At { enters: -self.at_walls * node.speed, ..At::default() },
+                _ => {
+                    let value = self.flux.at(u, local);
+                    let [advection, carrying] = [value.advection, value.carrying].map(|f| sign * f[axis]);
+                    let normal = value.diffusion[axis][axis];
+                    let [out, enters] = [carrying > 0.0, carrying < 0.0].map(|is| if is { advection } else { 0.0 });
+                    At { out, enters, normal, tangential: value.diffusion[axis].map(|a| sign * a) }
+                }
+            });
+        }
+        let trace = matches!(segment.role, Role::Inner | Role::Level);
+        let diffuses = trace && fluxes.iter().any(|at| at.normal != 0.0);
+        let skewed: Vec<usize> = self.shape.others(axis).collect();
+        let skewed =
+            || skewed.iter().copied().filter(|other| trace && fluxes.iter().any(|at| at.tangential[*other] != 0.0));
+        let own = &along.own;
+        let sum = |f: &dyn Fn(&At) -> f64, rows: &[Vec<f64>], columns: &[Vec<f64>]| {
+            let mut sum = Mat::<f64>::zeros(rows[0].len(), columns[0].len());
+            for ((node, at), (row, column)) in along.nodes.iter().zip(&fluxes).zip(rows.iter().zip(columns)) {
+                let factor = node.weight * f(at);
+                if factor != 0.0 {
+                    for (l, c) in column.iter().enumerate() {
+                        sum.col_as_slice_mut(l).iter_mut().zip(row).for_each(|(s, r)| *s += factor * c * r);
+                    }
+                }
+            }
+            sum
+        };
+        let stride = self.shape.stride(axis);
+        let place = |i: usize, j: usize| i * stride + self.along[axis][j];
+        let functions = self.along[axis].len();
+
+        // w by u.
+        let leaving =
+            if trace { sum(&|at| at.out + penalty * at.normal, own, own) } else { sum(&|at| at.out, own, own) };
+        let normal = diffuses.then(|| sum(&|at| at.normal, own, own));
+        let slanted: Vec<Mat<f64>> =
+            skewed().map(|other| sum(&|at| at.tangential[other], own, &along.slopes[other])).collect();
+        for k in 0..modes {
+            for l in 0..functions {
+                let target = matrices.inner.col_as_slice_mut(place(k, l));
+                for i in 0..modes {
+                    let (both, crossed) = (values[i] * values[k], values[i] * slopes[k] + slopes[i] * values[k]);
+                    for j in 0..functions {
+                        let mut entry = both * leaving[(j, l)];
+                        if let Some(normal) = &normal {
+                            entry -= crossed * normal[(j, l)];
+                        }
+                        for slanted in &slanted {
+                            entry -= both * (slanted[(j, l)] + slanted[(l, j)]);
+                        }
+                        target[place(i, j)] += entry;
+                    }
+                }
+            }
+        }
+        if segment.face.is_none() {
+            return;
+        }
+        let shared = &along.shared;
+        let first = matrices.faces.len() * functions;
+        // w by λ and μ by u.
+        let entering = sum(&|at| at.enters - penalty * at.normal, own, shared);
+        let leaving = sum(&|at| at.out + penalty * at.normal, own, shared);
+        let normal = diffuses.then(|| sum(&|at| at.normal, own, shared));
+        let slanted: Vec<Mat<f64>> =
+            skewed().map(|other| sum(&|at| at.tangential[other], &along.slopes[other], shared)).collect();
+        for l in 0..functions {
+            for i in 0..modes {
+                for j in 0..functions {
+                    let diffused = normal.as_ref().map_or(0.0, |normal| slopes[i] * normal[(j, l)])
+                        + values[i] * slanted.iter().map(|slanted| slanted[(j, l)]).sum::<f64>();
+                    matrices.inflow[(place(i, j), first + l)] = values[i] * entering[(j, l)] + diffused;
+                    matrices.outflow[(first + l, place(i, j))] = diffused - values[i] * leaving[(j, l)];
+                }
+            }
+        }
+        matrices.faces.push(sum(&|at| penalty * at.normal - at.enters, shared, shared));
+    }
+}
+
+/// Fluxes through a side at a node, with its outward normal.
+#[derive(Clone, Copy, Debug, Default)]
+struct At {
+    /// (F·n)⁺
+    out: f64,
+    /// (F·n)⁻
+    enters: f64,
+    /// n·A n
+    normal: f64,
+    /// n·A
+    tangential: Place,
+}
+
+/// A node of a segment.
+struct Node {
+    /// Its coordinates along the segment.
+    place: Place,
+    /// The speed before an impact.
+    speed: f64,
+    weight: f64,
+}
+
+/// A segment's nodes, and the functions of the cell and of the face there.
+struct Along {
+    nodes: Vec<Node>,
+    /// The cell's functions along the side, by node,
+    own: Vec<Vec<f64>>,
+    /// their slopes along each of the axes,
+    slopes: [Vec<Vec<f64>>; MOST],
+    /// and the functions of the face.
+    shared: Vec<Vec<f64>>,
+}
+
+impl Along {
+    fn new(forms: &Forms<'_>, cell: &super::tree::Cell, segment: &Segment) -> Self {
+        let (shape, table, extent) = (forms.shape, &forms.face, &segment.extent);
+        let mut along = Along {
+            nodes: vec![Node { place: [0.0; MOST], speed: 0.0, weight: 1.0 }],
+            own: vec![vec![1.0]],
+            slopes: [(); MOST].map(|()| vec![vec![1.0]]),
+            shared: vec![vec![1.0]],
+        };
+        let times = |left: &[Vec<f64>], right: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            let product = |a: &Vec<f64>, b: &Vec<f64>| a.iter().flat_map(|a| b.iter().map(move |b| a * b)).collect();
+            left.iter().flat_map(|a| right.iter().map(move |b| product(a, b))).collect()
+        };
+        for other in shape.others(segment.axis) {
+            let factor = match segment.role {
+                Role::Hits(factor) | Role::Returns(factor) => factor,
+                _ => 1.0,
+            };
+            let places = || table.nodes.iter().map(|t| extent.at(other, *t));
+            let (values, slopes): (Vec<_>, Vec<_>) = places()
+                .map(|s| {
+                    let [values, slopes] = cell.basis(other, shape.degree, factor * s);
+                    (values, slopes)
+                })
+                .unzip();
+            let scale = extent.width[other].sqrt().recip();
+            let shared: Vec<Vec<f64>> =
+                table.values.iter().map(|values| values.iter().map(|value| scale * value).collect()).collect();
+            let step = |node: &Node, s: f64, weight: f64| {
+                let mut place = node.place;
+                place[other] = factor * s;
+                Node { place, speed: s, weight: node.weight * weight * extent.width[other] }
+            };
+            let nodes = &along.nodes;
+            let more = nodes.iter().flat_map(|node| places().zip(&table.weights).map(move |(s, w)| step(node, s, *w)));
+            along.nodes = more.collect();
+            for axis in 0..MOST {
+                let factor = if axis == other { &slopes } else { &values };
+                along.slopes[axis] = times(&along.slopes[axis], factor);
+            }
+            along.own = times(&along.own, &values);
+            along.shared = times(&along.shared, &shared);
+        }
+        along
+    }
+}
+
+/// The integrals of all products of Legendre polynomials that occur in the flux, ∫ Π P_a φ^(′) φ^(′) on the reference cell.
+fn products(shape: Shape, flux: &Flux<'_>) -> Vec<Product> {
+    let (degree, highest) = (shape.degree, flux.degree);
+    let table = Table::new(degree.max(highest), shape.rule(highest));
+    let matrix = |a: usize, test_slope: bool, trial_slope: bool| {
+        let pick = |node: usize, slope: bool| if slope { &table.slopes[node] } else { &table.values[node] };
+        let mut matrix = Mat::from_fn(degree + 1, degree + 1, |k, l| -> f64 {
+            let term = |n: usize| table.weighted(n, a) * pick(n, test_slope)[k] * pick(n, trial_slope)[l];
+            (0..table.len()).map(term).sum()
+        });
+        // Products of Legendre polynomials are orthogonal to those of higher degree; what is left is rounding.
+        let least = 64.0 * f64::EPSILON * matrix.norm_max();
+        for l in 0..=degree {
+            for entry in matrix.col_as_slice_mut(l).iter_mut().filter(|entry| entry.abs() <= least) {
+                *entry = 0.0;
+            }
+        }
+        matrix
+    };
+    let of_degree = |a: usize| [false, true].map(|test| [false, true].map(|trial| matrix(a, test, trial)));
+    let matrices: Vec<[[Mat<f64>; 2]; 2]> = (0..=highest).map(of_degree).collect();
+    let block = shape.block();
+    let product = |term: usize, degrees: [usize; MOST]| {
+        let flux = &flux.terms[term];
+        let along = |axis: usize| {
+            let [test, trial] = [flux.tested == axis, flux.differentiated == Some(axis)].map(usize::from);
+            &matrices[degrees[axis]][test][trial]
+        };
+        let mut entries = Vec::new();
+        for column in 0..block {
+            let trial = shape.degrees(column);
+            for row in 0..block {
+                let test = shape.degrees(row);
+                let value: f64 = (0..shape.states).map(|axis| along(axis)[(test[axis], trial[axis])]).product();
+                if value != 0.0 {
+                    entries.push(((column * block + row) as u32, value));
+                }
+            }
+        }
+        Product { term, degrees, entries }
+    };
+    let all =
+        flux.terms.iter().enumerate().flat_map(|(term, of)| of.degrees.iter().map(move |degrees| (term, *degrees)));
+    all.map(|(term, degrees)| product(term, degrees)).collect()
+}

@@ -1,0 +1,129 @@
+//! One state without impulses: p = (C/B) exp(∫ 2f/B dx), without a flux of probability.
+
+use super::field::Field;
+use super::mesh::{Mesh, Side};
+use super::refinement::refined;
+use super::shape::{MOST, Shape};
+use super::tree::Tree;
+use crate::error::{Error, Result};
+use crate::grid::tuning::{line as tuning, refinement};
+use crate::numerics::{Rule, eigenvalues};
+use crate::polynomial::Polynomial;
+use crate::problem::Problem;
+use nalgebra::DMatrix;
+use std::sync::Arc;
+
+/// The logarithm of an unnormalised density.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    drift: Polynomial,
+    diffusion: Polynomial,
+    rule: Rule,
+    /// Places, rising, and ∫ 2f/B up to them.
+    steps: Vec<[f64; 2]>,
+}
+
+impl Line {
+    /// Of a problem of one state, as far as the density reaches from a place `inside` it.
+    ///
+    /// # Errors
+    /// [`Error::NotResolved`] where the density does not fall.
+    pub(super) fn new(problem: &Problem, inside: f64, scale: f64) -> Result<Self> {
+        let operator = problem.operator();
+        let (drift, diffusion) = (operator.drift()[0].clone(), operator.diffusion()[0][0].clone());
+        let zeros = zeros(&diffusion);
+        let mut line = Line { drift, diffusion, rule: Rule::legendre(tuning::NODES), steps: vec![[inside, 0.0]] };
+        for side in [-1.0, 1.0] {
+            // Where the noise vanishes nothing passes.
+            let end = zeros.iter().filter(|zero| side * (**zero - inside) > 0.0).copied();
+            let end = end.min_by(|a, b| (a - inside).abs().total_cmp(&(b - inside).abs()));
+            line.extend(side, scale, end)?;
+        }
+        line.steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        Ok(line)
+    }
+
+    /// Goes on to one side until next to nothing is left.
+    fn extend(&mut self, side: f64, scale: f64, end: Option<f64>) -> Result<()> {
+        let [start, mut sum] = self.steps[0];
+        let (mut x, mut highest) = (start, self.log(start, 0.0));
+        for _ in 0..tuning::STEPS {
+            let length = tuning::STEP * (scale + tuning::GROWTH * (x - start).abs());
+            let length = end.map_or(length, |end| length.min((end - x).abs() / 2.0));
+            let next = x + side * length;
+            sum += self.integral(x, next);
+            x = next;
+            self.steps.push([x, sum]);
+            let log = self.log(x, sum);
+            highest = highest.max(log);
+            let left = end.map_or((x - start).abs(), |end| (end - x).abs());
+            if log + left.ln() < highest + scale.ln() - tuning::DEPTH {
+                return Ok(());
+            }
+        }
+        let towards = if side > 0.0 { "above" } else { "below" };
+        let reason = format!("p = (C/B) exp(∫ 2f/B dx) does not end {towards} {start:.3}: it cannot be normalised");
+        Err(Error::NotResolved { estimate: f64::INFINITY, reason })
+    }
+
+    fn integral(&self, from: f64, to: f64) -> f64 {
+        let rate = |x: f64| 2.0 * self.drift.evaluate(&[x]) / self.diffusion.evaluate(&[x]);
+        self.rule.on(from, to).iter().map(|(x, weight)| weight * rate(x)).sum()
+    }
+
+    fn log(&self, x: f64, sum: f64) -> f64 {
+        sum - self.diffusion.evaluate(&[x]).ln()
+    }
+
+    /// ln p but for a constant.
+    fn value(&self, x: f64) -> f64 {
+        let next = self.steps.partition_point(|[at, _]| *at <= x).clamp(1, self.steps.len()) - 1;
+        let [at, sum] = self.steps[next];
+        self.log(x, sum + self.integral(at, x))
+    }
+
+    /// The limits, and the density on a mesh that resolves it to rounding.
+    pub(super) fn resolved(&self, degree: usize) -> Field {
+        let (low, high) = (self.steps[0][0], self.steps[self.steps.len() - 1][0]);
+        let highest = self.steps.iter().map(|[x, sum]| self.log(*x, *sum)).fold(f64::NEG_INFINITY, f64::max);
+        let mut tree = Tree::new(&[vec![low, high]]);
+        for _ in 0..crate::grid::tuning::mesh::HALVINGS {
+            tree.leaves().iter().for_each(|leaf| {
+                tree.halve(*leaf, 0);
+            });
+        }
+        let mut mesh = Mesh::new([0.0; MOST], tree, [Side::Open; 2]);
+        let shape = Shape { states: 1, degree };
+        for _ in 0..refinement::ROUNDS {
+            let field = self.normalised(mesh, shape, highest);
+            match refined(&field, tuning::RESOLVED) {
+                Some(finer) => mesh = finer,
+                None => return field,
+            }
+        }
+        self.normalised(mesh, shape, highest)
+    }
+
+    fn normalised(&self, mesh: Mesh, shape: Shape, highest: f64) -> Field {
+        let mut field = Field::projected(&Arc::new(mesh), shape, |x| (self.value(x[0]) - highest).exp());
+        let mass = field.mass();
+        field.coefficients.iter_mut().for_each(|c| *c /= mass);
+        field
+    }
+}
+
+/// The real zeros of a polynomial of one state.
+fn zeros(p: &Polynomial) -> Vec<f64> {
+    let degree = p.degree() as usize;
+    let leading = p.coefficient(&[degree as u32]);
+    if degree == 0 {
+        return Vec::new();
+    }
+    let companion = DMatrix::from_fn(degree, degree, |i, j| {
+        if j + 1 == degree { -p.coefficient(&[i as u32]) / leading } else { f64::from(u8::from(i == j + 1)) }
+    });
+    let all = eigenvalues(companion).unwrap_or_default();
+    let size = all.iter().map(|zero| zero.norm()).fold(0.0, f64::max);
+    // B is a square or a sum of squares: its real zeros are double, and rounding parts them by its root.
+    all.iter().filter(|zero| zero.im.abs() <= 1e-6 * size.max(f64::MIN_POSITIVE)).map(|zero| zero.re).collect()
+}

@@ -1,0 +1,294 @@
+//! The discretised operator, ∂p/∂t = −K p: the matrices of all cells, and the factors of K + s.
+
+use super::dissection::Front;
+use super::elimination::{Cells, Factored};
+use super::field::add_multiple;
+use super::flux::Part;
+use super::forms::{Forms, Matrices};
+use super::mesh::{Mesh, Role};
+use super::shape::Shape;
+use crate::error::{Error, Result};
+use crate::memory::MemoryLimit;
+use crate::problem::{PlaneMotion, Problem};
+use faer::linalg::solvers::Solve;
+use faer::{ColMut, ColRef, Mat};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+const FEWER: &str = "ask for less accuracy, or raise `memory_limit`";
+
+/// A mesh with the order in which it is eliminated: what operators of all degrees on it share.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    pub(super) mesh: Arc<Mesh>,
+    pub(super) front: Arc<Front>,
+}
+
+impl Layout {
+    pub(super) fn new(mesh: Mesh) -> Self {
+        let front = Front::whole(&mesh);
+        Layout { mesh: Arc::new(mesh), front: Arc::new(front) }
+    }
+
+    /// The numbers that matrices and factors of a degree take.
+    fn numbers(&self, shape: Shape) -> f64 {
+        let (block, face) = (shape.block() as f64, shape.face() as f64);
+        let cell = |segments: &Vec<super::mesh::Segment>| {
+            let faces = segments.iter().filter(|segment| segment.face.is_some()).count() as f64 * face;
+            // Matrices and factors: the cell's own block, and those towards its faces.
+            2.0 * (block * block + 2.0 * block * faces) + faces * face
+        };
+        self.mesh.segments.iter().map(cell).sum::<f64>() + self.front.numbers(face).most
+    }
+
+    /// Refuses a degree whose matrices and factors would not keep to the limit.
+    pub(super) fn fits(&self, shape: Shape, memory: MemoryLimit) -> Result<()> {
+        memory.holds("the factors of the grid's matrix", self.numbers(shape), FEWER)
+    }
+}
+
+/// An operator on a mesh, or a part of it.
+#[derive(Clone, Debug)]
+pub(super) struct Operator {
+    pub(super) layout: Layout,
+    pub(super) shape: Shape,
+    pub(super) cells: Vec<Matrices>,
+}
+
+/// What makes a matrix regular.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Regular<'a> {
+    /// The shift s of K + s.
+    Shift(f64),
+    /// Cells with what is added to the diagonal at their first function.
+    Pins(&'a [(usize, f64)]),
+}
+
+impl Operator {
+    /// # Errors
+    /// [`Error::TooMuchMemory`] if matrices and factors would not keep to the limit.
+    pub(super) fn new(
+        problem: &Problem,
+        layout: &Layout,
+        degree: usize,
+        part: Part<'_>,
+        memory: MemoryLimit,
+    ) -> Result<Self> {
+        let shape = Shape { states: layout.mesh.states(), degree };
+        layout.fits(shape, memory)?;
+        Ok(Operator::part(problem, layout, shape, part))
+    }
+
+    fn part(problem: &Problem, layout: &Layout, shape: Shape, part: Part<'_>) -> Self {
+        let mesh = &layout.mesh;
+        let forms = Forms::new(problem, mesh.origin, shape, part);
+        let cells = (0..mesh.cells.len()).into_par_iter().map(|cell| forms.matrices(mesh, cell)).collect();
+        Operator { layout: layout.clone(), shape, cells }
+    }
+
+    /// The derivative of the operator along a motion, on a mesh that stands still or moves with the walls.
+    pub(super) fn derivative(&self, problem: &Problem, motion: &PlaneMotion) -> Self {
+        Operator::part(problem, &self.layout, self.shape, Part::Moved(motion))
+    }
+
+    pub(super) fn unknowns(&self) -> usize {
+        self.cells.len() * self.shape.block()
+    }
+
+    /// Unknowns of all faces.
+    pub(super) fn at_faces(&self) -> usize {
+        self.layout.mesh.faces.len() * self.shape.face()
+    }
+
+    /// The numbers that are stored.
+    pub(super) fn numbers(&self) -> usize {
+        self.cells.iter().map(Matrices::numbers).sum::<f64>() as usize
+    }
+
+    pub(super) fn factors(&self, regular: Regular<'_>) -> Factors {
+        self.factors_with(None, regular)
+    }
+
+    /// The factors of K and `factor` times another part.
+    pub(super) fn factors_with(&self, more: Option<(f64, &Self)>, regular: Regular<'_>) -> Factors {
+        let free = self.between(more).iter().map(|block| block.norm_max() == 0.0).collect();
+        let factored = Factored::new(&self.layout.front, &Regularised { operator: self, more, regular, free });
+        Factors {
+            front: Arc::clone(&self.layout.front),
+            faces: self.layout.mesh.faces.len(),
+            shape: self.shape,
+            factored,
+        }
+    }
+
+    /// The places of a cell's faces among all faces' unknowns, in their order.
+    fn faces(&self, cell: usize) -> impl Iterator<Item = usize> + '_ {
+        let size = self.shape.face();
+        self.layout.mesh.segments[cell].iter().filter_map(move |segment| segment.face.map(|face| face * size))
+    }
+
+    /// What the unknowns of cells and faces make of the equations of cells and of faces.
+    pub(super) fn balance(&self, u: &[f64], faces: &[f64]) -> [Vec<f64>; 2] {
+        let (block, size) = (self.shape.block(), self.shape.face());
+        let parts: Vec<[Vec<f64>; 2]> = self
+            .cells
+            .par_iter()
+            .zip(u.par_chunks_exact(block))
+            .enumerate()
+            .map(|(cell, (matrices, u))| {
+                let own: Vec<f64> = self.faces(cell).flat_map(|at| &faces[at..at + size]).copied().collect();
+                let mut inner = product(&matrices.inner, u);
+                add_multiple(&mut inner, 1.0, &product(&matrices.inflow, &own));
+                let mut outer = product(&matrices.outflow, u);
+                for (k, block) in matrices.faces.iter().enumerate() {
+                    add_multiple(
+                        &mut outer[k * size..(k + 1) * size],
+                        1.0,
+                        &product(block, &own[k * size..(k + 1) * size]),
+                    );
+                }
+                [inner, outer]
+            })
+            .collect();
+        let mut sums = vec![0.0; faces.len()];
+        let mut inner = Vec::with_capacity(u.len());
+        for (cell, [own, outer]) in parts.iter().enumerate() {
+            inner.extend_from_slice(own);
+            for (at, outer) in self.faces(cell).zip(outer.chunks_exact(size)) {
+                add_multiple(&mut sums[at..at + size], 1.0, outer);
+            }
+        }
+        [inner, sums]
+    }
+
+    /// μ by λ of each face, from both sides. Where nothing passes it is 0, and λ without a meaning.
+    fn between(&self, more: Option<(f64, &Self)>) -> Vec<Mat<f64>> {
+        let size = self.shape.face();
+        let mut blocks = vec![Mat::zeros(size, size); self.layout.mesh.faces.len()];
+        for (factor, part) in [(1.0, self)].into_iter().chain(more) {
+            for (cell, matrices) in part.cells.iter().enumerate() {
+                self.faces(cell)
+                    .zip(&matrices.faces)
+                    .for_each(|(at, block)| blocks[at / size] += faer::Scale(factor) * block);
+            }
+        }
+        blocks
+    }
+
+    /// What gives the unknowns of faces from those of cells.
+    pub(super) fn traces(&self, more: Option<(f64, &Self)>) -> Traces {
+        let regular = |block: Mat<f64>| {
+            if block.norm_max() == 0.0 { Mat::identity(block.nrows(), block.ncols()) } else { block }
+        };
+        Traces(self.between(more).into_par_iter().map(|block| regular(block).partial_piv_lu()).collect())
+    }
+}
+
+/// What gives the unknowns of faces from the equations of faces.
+#[derive(Debug)]
+pub(super) struct Traces(Vec<faer::linalg::solvers::PartialPivLu<f64>>);
+
+impl Traces {
+    /// The λ with which the equations of faces hold, whose part without λ is given.
+    pub(super) fn solved(&self, mut without: Vec<f64>) -> Vec<f64> {
+        let size = without.len() / self.0.len().max(1);
+        without.par_chunks_exact_mut(size.max(1)).zip(&self.0).for_each(|(part, factors)| {
+            part.iter_mut().for_each(|value| *value = -*value);
+            factors.solve_in_place(ColMut::from_slice_mut(part));
+        });
+        without
+    }
+}
+
+fn product(matrix: &Mat<f64>, x: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; matrix.nrows()];
+    let column = ColMut::from_slice_mut(&mut out);
+    faer::linalg::matmul::matmul(
+        column.as_mat_mut(),
+        faer::Accum::Replace,
+        matrix,
+        ColRef::from_slice(x).as_mat(),
+        1.0,
+        faer::Par::Seq,
+    );
+    out
+}
+
+/// An operator with what makes it regular.
+struct Regularised<'a> {
+    operator: &'a Operator,
+    more: Option<(f64, &'a Operator)>,
+    regular: Regular<'a>,
+    /// The faces that nothing passes.
+    free: Vec<bool>,
+}
+
+impl Cells for Regularised<'_> {
+    fn matrices(&self, cell: usize) -> (Matrices, bool) {
+        let mut matrices = self.operator.cells[cell].clone();
+        if let Some((factor, part)) = self.more {
+            matrices.add(factor, &part.cells[cell]);
+        }
+        let mut closed =
+            self.operator.layout.mesh.segments[cell].iter().all(|s| !matches!(s.role, Role::Open | Role::Level));
+        closed = closed && self.operator.layout.mesh.segments[cell].iter().all(|s| s.face.is_some());
+        match self.regular {
+            Regular::Shift(shift) => {
+                (0..matrices.inner.nrows()).for_each(|k| matrices.inner[(k, k)] += shift);
+                closed = closed && shift == 0.0;
+            }
+            Regular::Pins(pins) => {
+                for (_, alpha) in pins.iter().filter(|(pinned, _)| *pinned == cell) {
+                    matrices.inner[(0, 0)] += alpha;
+                    closed = false;
+                }
+            }
+        }
+        let size = self.operator.shape.face();
+        for (at, block) in self.operator.faces(cell).zip(&mut matrices.faces).filter(|(at, _)| self.free[at / size]) {
+            debug_assert_eq!(at % size, 0);
+            *block = Mat::identity(size, size);
+        }
+        (matrices, closed)
+    }
+
+    fn weight(&self, face: usize) -> f64 {
+        self.operator.layout.mesh.root_length(face)
+    }
+
+    fn face(&self) -> usize {
+        self.operator.shape.face()
+    }
+}
+
+/// LU factors of a regular matrix.
+#[derive(Debug)]
+pub(super) struct Factors {
+    front: Arc<Front>,
+    faces: usize,
+    shape: Shape,
+    factored: Factored,
+}
+
+/// The unknowns of all cells, and of all faces.
+#[derive(Clone, Debug)]
+pub(super) struct Solution {
+    pub(super) inner: Vec<f64>,
+    pub(super) faces: Vec<f64>,
+}
+
+impl Factors {
+    /// The solution with a right side in the cells, and one at the faces.
+    ///
+    /// # Errors
+    /// [`Error::SingularSystem`] if the matrix is singular.
+    pub(super) fn solve(&self, right: &[f64], at_faces: Option<Vec<f64>>) -> Result<Solution> {
+        let size = self.shape.face();
+        let mut inner: Vec<Vec<f64>> = right.chunks_exact(self.shape.block()).map(<[f64]>::to_vec).collect();
+        let mut faces = at_faces.unwrap_or_else(|| vec![0.0; self.faces * size]);
+        self.factored.solve(&self.front, size, &mut inner, &mut faces);
+        let inner = inner.concat();
+        let finite = inner.iter().chain(&faces).all(|x| x.is_finite());
+        if finite { Ok(Solution { inner, faces }) } else { Err(Error::SingularSystem { unknowns: right.len() }) }
+    }
+}

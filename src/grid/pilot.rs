@@ -1,0 +1,125 @@
+//! Where the density is: states of trajectories, before anything is computed.
+
+use super::shape::{MOST, Place};
+use crate::error::{Error, Result};
+use crate::grid::tuning::pilot as tuning;
+use crate::polynomial::Gaussian;
+use crate::problem::{Problem, TimeScales};
+use crate::simulation::Simulation;
+use crate::states::States;
+use crate::transient::Start;
+use nalgebra::{DMatrix, DVector};
+
+/// States that trajectories have visited, with their mirror images.
+#[derive(Clone, Debug)]
+pub(super) struct Pilot {
+    pub(super) states: States,
+}
+
+impl Pilot {
+    /// From near 0, and from starts that are scattered over more than what these have reached, so that no well is missed.
+    ///
+    /// # Errors
+    /// [`Error::Exploded`] with every time step that was tried, [`Error::NotResolved`] where trajectories keep growing: the drift does
+    /// not bring them back.
+    pub(super) fn new(problem: &Problem) -> Result<Self> {
+        let mut pilot = Pilot { states: run(problem, None)? };
+        pilot.require_bounded()?;
+        let (reach, middle, states) = (pilot.reach(), pilot.middle(), problem.dimension());
+        let deviation =
+            |axis: usize| tuning::FARTHER * (reach[axis][1] - middle[axis]).max(middle[axis] - reach[axis][0]);
+        let covariance = DMatrix::from_fn(states, states, |i, j| if i == j { deviation(i).powi(2) } else { 0.0 });
+        let start = Gaussian { mean: DVector::from_fn(states, |axis, _| middle[axis]), covariance };
+        // From too far trajectories may explode with any step.
+        if let Ok(more) = run(problem, Some(start)) {
+            more.iter().for_each(|x| pilot.states.push(x));
+        }
+        let own = pilot.states.clone();
+        for flip in &problem.symmetry().changes()[1..] {
+            for x in &own {
+                let image: Vec<f64> = x.iter().zip(flip).map(|(x, flips)| if *flips { -x } else { *x }).collect();
+                pilot.states.push(&image);
+            }
+        }
+        Ok(pilot)
+    }
+
+    /// Refuses trajectories that keep growing from the first quarter of their states to the last.
+    fn require_bounded(&self) -> Result<()> {
+        let (states, each) = (self.states.dimension(), tuning::STATES / tuning::TRAJECTORIES);
+        let middle = self.middle();
+        // The median is what heavy tails do not move.
+        let spread = |axis: usize, quarter: usize| {
+            let rows = self.states.iter().enumerate().filter(|(k, _)| 4 * (k % each) / each == quarter);
+            let mut all: Vec<f64> = rows.map(|(_, x)| (x[axis] - middle[axis]).abs()).collect();
+            all.sort_by(f64::total_cmp);
+            all.get(all.len() / 2).copied().unwrap_or_default()
+        };
+        let grown = (0..states).find(|axis| spread(*axis, 3) > tuning::GROWING * spread(*axis, 0));
+        let reason = |state: usize| {
+            format!("the trajectories of a pilot keep growing in state {state}: the drift has no stationary density")
+        };
+        grown.map_or(Ok(()), |state| Err(Error::NotResolved { estimate: f64::INFINITY, reason: reason(state) }))
+    }
+
+    /// The lowest and the highest value of each state.
+    pub(super) fn reach(&self) -> [[f64; 2]; MOST] {
+        std::array::from_fn(|axis| {
+            let values = self.states.iter().filter_map(|x| x.get(axis));
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+        })
+    }
+
+    pub(super) fn middle(&self) -> Place {
+        std::array::from_fn(|axis| {
+            self.states.iter().filter_map(|x| x.get(axis)).sum::<f64>() / self.states.len() as f64
+        })
+    }
+
+    /// The standard deviation of a state.
+    pub(super) fn deviation(&self, axis: usize) -> f64 {
+        let middle = self.middle()[axis];
+        let square: f64 = self.states.iter().filter_map(|x| x.get(axis)).map(|x| (x - middle).powi(2)).sum();
+        (square / self.states.len() as f64).sqrt()
+    }
+
+    /// Where most states are: the state in the middle, by its first coordinate, of the fullest of a few thousand boxes.
+    pub(super) fn peak(&self) -> Vec<f64> {
+        const BOXES: f64 = 60.0;
+        let reach = self.reach();
+        let index = |x: &[f64]| -> Vec<usize> {
+            let of =
+                |(axis, x): (usize, &f64)| ((x - reach[axis][0]) / (reach[axis][1] - reach[axis][0]) * BOXES) as usize;
+            x.iter().enumerate().map(of).collect()
+        };
+        let mut counts = std::collections::BTreeMap::new();
+        for x in &self.states {
+            counts.entry(index(x)).or_insert_with(Vec::new).push(x);
+        }
+        let fullest = counts.into_values().max_by_key(Vec::len).unwrap_or_default();
+        fullest.get(fullest.len() / 2).map_or_else(Vec::new, |x| x.to_vec())
+    }
+}
+
+/// States of trajectories, with shorter time steps where they explode near 0. At farther starts forces are steeper, and steps
+/// shorter.
+fn run(problem: &Problem, farther: Option<Gaussian>) -> Result<States> {
+    let scales = TimeScales::of(problem)?;
+    let (mut step, mut halved) = (scales.short(tuning::STEP), 0);
+    loop {
+        let mut simulation = Simulation::new().trajectories(tuning::TRAJECTORIES).samples(tuning::STATES);
+        if let Some(start) = &farther {
+            step = scales.short(tuning::STEP) / tuning::FARTHER;
+            let count = tuning::SCATTERED;
+            simulation =
+                simulation.trajectories(count).samples(tuning::EACH * count).start(Start::Gaussian(start.clone()));
+        }
+        let simulation = simulation.time_step(step).sampling_interval(scales.short(tuning::INTERVAL));
+        match simulation.states(problem) {
+            Err(Error::Exploded { .. }) if farther.is_none() && halved < tuning::HALVINGS => {
+                (step, halved) = (step / 2.0, halved + 1);
+            }
+            other => return other,
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! From a mesh to the answer: solve, divide the cells that are not resolved, and stop by the solutions of two degrees.
+
+use super::field::{Field, difference};
+use super::mesh::Mesh;
+use super::operator::Layout;
+use super::stationary::{Question, Stationary, solve};
+use crate::error::{Error, Result};
+use crate::grid::GridProgress;
+use crate::grid::tuning::{mesh, refinement as tuning};
+
+/// Solutions of two degrees on one mesh.
+#[derive(Debug)]
+pub(super) struct Pair {
+    pub(super) fine: Stationary,
+    pub(super) coarse: Stationary,
+    /// ∫ |p − q| dx of the two.
+    pub(super) estimate: f64,
+    /// Linear systems that were solved on the way.
+    pub(super) rounds: usize,
+    /// Whether the memory ended before the accuracy was reached.
+    pub(super) exhausted: bool,
+}
+
+/// Refines from a mesh on until two degrees agree to `target` in L¹. `report` is called after each solution, and ends the work by
+/// an error.
+pub(super) fn resolve(
+    question: Question<'_>,
+    start: Mesh,
+    (degree, target): (usize, f64),
+    first_pin: Vec<f64>,
+    mut report: impl FnMut(GridProgress) -> Result<()>,
+) -> Result<Pair> {
+    let (mut layout, mut places) = (Layout::new(start), vec![first_pin]);
+    let (mut aim, mut rounds, mut exhausted) = (target, 0, false);
+    loop {
+        rounds += 1;
+        let fine = solve(question, &layout, degree, &places)?;
+        places = fine.places();
+        let indicator = indicator(&fine.field);
+        let progress = GridProgress { rounds, cells: layout.mesh.cells.len(), indicator, estimate: None };
+        report(progress)?;
+        require_begun(progress)?;
+        let enough = indicator <= aim || rounds >= tuning::ROUNDS || exhausted;
+        if let Some(mesh) = if enough { None } else { refined(&fine.field, aim) } {
+            let finer = Layout::new(mesh);
+            let last = fine.operator.shape;
+            match finer.fits(last, question.memory) {
+                Ok(()) => {
+                    layout = finer;
+                    continue;
+                }
+                Err(_) => exhausted = true,
+            }
+        }
+        let coarse = solve(question, &layout, degree - 1, &places)?;
+        let estimate = difference(&fine.field, &coarse.field);
+        rounds += 1;
+        report(GridProgress { rounds, estimate: Some(estimate), ..progress })?;
+        let done = estimate <= target || exhausted || rounds >= tuning::ROUNDS;
+        aim = aim.min(indicator) * (tuning::CAUTION * target / estimate).max(tuning::LEAST);
+        let next = if done { None } else { refined(&fine.field, aim) };
+        match next.map(Layout::new) {
+            Some(finer) if finer.fits(fine.operator.shape, question.memory).is_ok() => layout = finer,
+            Some(_) => return Ok(Pair { fine, coarse, estimate, rounds, exhausted: true }),
+            None => return Ok(Pair { fine, coarse, estimate, rounds, exhausted: exhausted || estimate > target }),
+        }
+    }
+}
+
+/// Refuses a mesh of many cells whose highest degree holds as much as the density itself: refining it leads nowhere.
+fn require_begun(GridProgress { cells, indicator, .. }: GridProgress) -> Result<()> {
+    let begun = indicator < 1.0 || cells < tuning::BEGUN;
+    let reason = || {
+        format!(
+            "{cells} cells resolve nothing: the density is too narrow for its domain, or the drift has no stationary density"
+        )
+    };
+    if begun { Ok(()) } else { Err(Error::NotResolved { estimate: indicator, reason: reason() }) }
+}
+
+/// The sum over all cells of what is left in the highest degree.
+pub(super) fn indicator(field: &Field) -> f64 {
+    field.highest(tuning::BELOW).iter().map(|along| along.iter().fold(0.0, |a: f64, b| a.max(*b))).sum()
+}
+
+/// The mesh in which cells with more than their share of `aim` are divided; none if there are none.
+pub(super) fn refined(field: &Field, aim: f64) -> Option<Mesh> {
+    let own = &field.mesh;
+    let mut tree = own.tree.clone();
+    let share = aim / own.cells.len() as f64;
+    let (root, states) = (tree.root(), own.states());
+    let mut divided = false;
+    for (number, along) in field.highest(tuning::BELOW).iter().enumerate() {
+        let largest = along.iter().fold(0.0, |a: f64, b| a.max(*b));
+        if largest.is_nan() || largest <= share {
+            continue;
+        }
+        let cell = own.cells[number];
+        let wide = |axis: usize| cell.width[axis] > mesh::NARROWEST * root.width[axis];
+        let marked = |axis: &usize| along[*axis] > share && along[*axis] > tuning::ALONE * largest && wide(*axis);
+        let mut parts = vec![own.leaf(number)];
+        for axis in (0..states).filter(marked) {
+            divided = true;
+            parts = parts
+                .into_iter()
+                .flat_map(|leaf| {
+                    let first = tree.halve(leaf, axis);
+                    [first, first + 1]
+                })
+                .collect();
+        }
+    }
+    divided.then(|| {
+        tree.balance();
+        Mesh::new(own.origin, tree, own.sides)
+    })
+}

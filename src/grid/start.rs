@@ -1,0 +1,147 @@
+//! The mesh before the first solution: from the states of the pilot, and graded towards the points at which trajectories graze walls
+//! or levels.
+
+use super::mesh::{Mesh, Side};
+use super::pilot::Pilot;
+use super::shape::{MOST, Place};
+use super::tree::{Cell, Tree};
+use crate::grid::tuning::{domain, mesh as tuning};
+use crate::problem::Problem;
+
+/// What a mesh is laid out for.
+#[derive(Clone, Debug)]
+pub(super) struct Ground<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) pilot: &'a Pilot,
+    /// Lower and upper limits of each state.
+    pub(super) domain: Vec<[f64; 2]>,
+    /// The sides of state 0.
+    pub(super) sides: [Side; 2],
+    /// The sides of state 0 next to which the density is not smooth at the speed 0.
+    pub(super) grazed: [bool; 2],
+}
+
+/// The box of several times the reach of the pilot's states, `doubled` several times, up to `limits`.
+pub(super) fn domain(pilot: &Pilot, states: usize, doubled: usize, limits: [Option<f64>; 2]) -> Vec<[f64; 2]> {
+    let (reach, middle) = (pilot.reach(), pilot.middle());
+    let widening = domain::WIDENING * f64::from(1 << doubled.min(20));
+    let mut all: Vec<[f64; 2]> =
+        (0..states).map(|axis| reach[axis].map(|edge| middle[axis] + widening * (edge - middle[axis]))).collect();
+    limits
+        .iter()
+        .enumerate()
+        .filter_map(|(side, limit)| Some((side, (*limit)?)))
+        .for_each(|(side, at)| all[0][side] = at);
+    all
+}
+
+impl Ground<'_> {
+    pub(super) fn mesh(&self) -> Mesh {
+        let states = self.domain.len();
+        // Distances from a wall or a level keep the widths of the smallest cells.
+        let closed = [0, 1].map(|side| self.sides[side] != Side::Open || self.grazed[side]);
+        let mut origin = [0.0; MOST];
+        match closed {
+            [true, _] => origin[0] = self.domain[0][0],
+            [false, true] => origin[0] = self.domain[0][1],
+            [false, false] => {}
+        }
+        let lines = (0..states).map(|axis| {
+            let [low, high] = self.domain[axis].map(|x| x - origin[axis]);
+            // What hits a wall and what comes back are cells of their own.
+            let through = axis == 1 && closed != [false, false] && low < 0.0 && high > 0.0;
+            if through { vec![low, 0.0, high] } else { vec![low, high] }
+        });
+        let mut tree = Tree::new(&lines.collect::<Vec<_>>());
+        for axis in 0..states {
+            for _ in 0..tuning::HALVINGS {
+                tree.leaves().iter().for_each(|leaf| {
+                    tree.halve(*leaf, axis);
+                });
+            }
+        }
+        self.divide(&mut tree, &origin);
+        for side in (0..2).filter(|side| self.grazed[*side] && states > 1) {
+            self.grade(&mut tree, side, origin[0]);
+        }
+        tree.balance();
+        Mesh::new(origin, tree, self.sides)
+    }
+
+    /// Divides cells that are wide for the states in them.
+    fn divide(&self, tree: &mut Tree, origin: &Place) {
+        let states = tree.states;
+        let root = tree.root();
+        let mut points: Vec<Place> = self
+            .pilot
+            .states
+            .iter()
+            .map(|x| std::array::from_fn(|axis| x.get(axis).map_or(0.0, |x| x - origin[axis])))
+            .collect();
+        points.retain(|u| (0..states).all(|axis| u[axis] >= root.lower[axis] && u[axis] <= root.upper(axis)));
+        let mut all = std::collections::BTreeMap::<usize, Vec<Place>>::new();
+        for point in points {
+            if let Some(leaf) = tree.locate(&point[..states]) {
+                all.entry(leaf).or_default().push(point);
+            }
+        }
+        let mut open: Vec<(usize, Vec<Place>)> = all.into_iter().collect();
+        while let Some((leaf, points)) = open.pop() {
+            if points.len() < tuning::FEW {
+                continue;
+            }
+            let cell = tree.cell(leaf);
+            let deviation = |axis: usize| {
+                let count = points.len() as f64;
+                let mean = points.iter().map(|u| u[axis]).sum::<f64>() / count;
+                (points.iter().map(|u| (u[axis] - mean).powi(2)).sum::<f64>() / count).sqrt()
+            };
+            let narrow = |axis: usize| tuning::NARROWEST * root.width[axis];
+            let wide = |axis: &usize| cell.width[*axis] > (tuning::WIDE * deviation(*axis)).max(narrow(*axis));
+            let axes: Vec<usize> = (0..states).filter(wide).collect();
+            if axes.is_empty() {
+                continue;
+            }
+            let mut parts = vec![(leaf, points)];
+            for axis in axes {
+                parts = parts
+                    .into_iter()
+                    .flat_map(|(leaf, points)| {
+                        let first = tree.halve(leaf, axis);
+                        let middle = tree.cell(first + 1).lower[axis];
+                        let (high, low) = points.into_iter().partition(|u| u[axis] >= middle);
+                        [(first, low), (first + 1, high)]
+                    })
+                    .collect();
+            }
+            open.extend(parts);
+        }
+    }
+
+    /// Halves cells at a side towards the speed 0: along the velocity down to the smallest, and along the displacement in proportion
+    /// to s³/9D, over which the density at a speed s changes.
+    fn grade(&self, tree: &mut Tree, side: usize, origin: f64) {
+        let root = tree.root();
+        let place = [root.lower[0], root.upper(0)][side];
+        let strength = self.problem.operator().diffusion()[1][1].evaluate(&[origin + place, 0.0]) / 2.0;
+        let deviation = self.pilot.deviation(1);
+        let smallest = if matches!(self.sides[side], Side::Level) { tuning::LEVEL } else { tuning::GRAZING };
+        let layer = |s: f64| tuning::LAYER * s.powi(3) / (9.0 * strength.max(f64::MIN_POSITIVE));
+        let narrowest = |axis: usize| tuning::NARROWEST * root.width[axis];
+        let mut open = tree.at_side(0, side);
+        while let Some(leaf) = open.pop() {
+            let cell: Cell = tree.cell(leaf);
+            let fastest = cell.lower[1].abs().max(cell.upper(1).abs());
+            let grazes = cell.lower[1] <= 0.0 && cell.upper(1) >= 0.0;
+            let tall = cell.width[1] > (smallest * deviation).max(narrowest(1));
+            let wide = cell.width[0] > layer(fastest).max(narrowest(0));
+            if grazes && tall {
+                let first = tree.halve(leaf, 1);
+                open.extend([first, first + 1]);
+            } else if wide && fastest < tuning::GRADED * deviation {
+                let first = tree.halve(leaf, 0);
+                open.push(first + side);
+            }
+        }
+    }
+}
