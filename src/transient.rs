@@ -11,12 +11,11 @@ use std::sync::Arc;
 /// Where a transient starts, and the trajectories of a simulation.
 #[derive(Clone)]
 pub enum Start {
-    /// A known state. No mesh holds a point: on a grid the density is followed as a Gaussian, with the exact moments of the
-    /// Gaussian closure, until it is as wide as the mesh resolves, and on the mesh from then on. The closure takes the
+    /// A known state. No mesh holds a point: on a grid the density is followed as a Gaussian, with the moments of the Gaussian
+    /// closure, as long as that is right to the accuracy asked for, and on a mesh from then on. The closure takes the
     /// point's own moments.
     Point(Vec<f64>),
-    /// A normal distribution. It should be wide enough for the mesh, or for the closure's polynomials, which the error estimates
-    /// show.
+    /// A normal distribution. For the closure it should be wide enough for the polynomials, which the error estimates show.
     Gaussian(Gaussian),
     /// The stationary density of the system itself.
     Stationary,

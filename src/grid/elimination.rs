@@ -44,47 +44,51 @@ impl Factored {
         factored(front, cells).0
     }
 
-    /// Solves for the unknowns of all cells, right sides before, and for those at faces, `size` at each.
-    pub(super) fn solve(&self, front: &Front, size: usize, inner: &mut [Vec<f64>], faces: &mut [f64]) {
-        self.eliminate(front, size, inner, faces);
-        self.substitute(front, size, inner, faces);
+    /// Solves for the unknowns of all cells, right sides before, and for those at faces, by the sizes of both.
+    pub(super) fn solve(&self, front: &Front, sizes: [usize; 2], inner: &mut [f64], faces: &mut [f64]) {
+        self.eliminate(front, sizes, inner, faces);
+        self.substitute(front, sizes, inner, faces);
     }
 
     /// Eliminates the own unknowns in their places, after those of the parts; what is left to the boundary.
-    fn eliminate(&self, front: &Front, size: usize, inner: &mut [Vec<f64>], faces: &mut [f64]) -> Vec<f64> {
+    fn eliminate(&self, front: &Front, sizes: [usize; 2], inner: &mut [f64], faces: &mut [f64]) -> Vec<f64> {
+        let [block, size] = sizes;
         let boundary = front.boundary.len() * size;
         match &front.parts {
             Parts::Cell(cell) => {
                 let mut left = vec![0.0; boundary];
-                inner[*cell] = self.panel.eliminated(&inner[*cell], &mut left);
+                self.panel.eliminate(&mut inner[cell * block..][..block], &mut left);
                 left
             }
             Parts::Halves(parts) => {
                 let mut sum = gathered(&front.own, size, faces);
                 sum.resize(sum.len() + boundary, 0.0);
                 for ((part, places), factored) in parts.iter().zip(&self.parts) {
-                    let left = factored.eliminate(part, size, inner, faces);
+                    let left = factored.eliminate(part, sizes, inner, faces);
                     for (place, left) in places.iter().zip(left.chunks_exact(size)) {
                         sum[place * size..][..size].iter_mut().zip(left).for_each(|(s, l)| *s += l);
                     }
                 }
                 let mut left = sum.split_off(front.own.len() * size);
-                scatter(&front.own, size, &self.panel.eliminated(&sum, &mut left), faces);
+                self.panel.eliminate(&mut sum, &mut left);
+                scatter(&front.own, size, &sum, faces);
                 left
             }
         }
     }
 
     /// Puts the own unknowns in their places, and then those of the parts.
-    fn substitute(&self, front: &Front, size: usize, inner: &mut [Vec<f64>], faces: &mut [f64]) {
+    fn substitute(&self, front: &Front, sizes: [usize; 2], inner: &mut [f64], faces: &mut [f64]) {
+        let [block, size] = sizes;
         let boundary = gathered(&front.boundary, size, faces);
         match &front.parts {
-            Parts::Cell(cell) => inner[*cell] = self.panel.substituted(std::mem::take(&mut inner[*cell]), &boundary),
+            Parts::Cell(cell) => self.panel.substitute(&mut inner[cell * block..][..block], &boundary),
             Parts::Halves(parts) => {
-                let own = gathered(&front.own, size, faces);
-                scatter(&front.own, size, &self.panel.substituted(own, &boundary), faces);
+                let mut own = gathered(&front.own, size, faces);
+                self.panel.substitute(&mut own, &boundary);
+                scatter(&front.own, size, &own, faces);
                 for ((part, _), factored) in parts.iter().zip(&self.parts) {
-                    factored.substitute(part, size, inner, faces);
+                    factored.substitute(part, sizes, inner, faces);
                 }
             }
         }

@@ -1,27 +1,33 @@
 //! What a march begins with: the density of a start on a mesh.
 
-use super::density::GridDensity;
 use super::field::Field;
 use super::mesh::{Mesh, Side};
+use super::narrow::Narrow;
+use super::operator::Layout;
+use super::refinement::{Finer, finer};
 use super::shape::Shape;
+use super::start::Ground;
 use crate::checks::require;
 use crate::density::{Density, Frame};
 use crate::envelope::Envelope;
-use crate::error::{Error, Result};
-use crate::grid::tuning;
+use crate::error::Result;
+use crate::grid::tuning::march as tuning;
+use crate::memory::MemoryLimit;
 use crate::numerics::Rule;
 use crate::polynomial::Gaussian;
-use crate::problem::{ModulatedMoments, Problem, gaussian_after};
+use crate::states::States;
 use crate::transient::Start;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// A start at the time from which on a mesh holds it.
+/// A start, at the time from which on it has a density that a mesh holds.
 #[derive(Clone)]
 pub(super) struct Initial {
     pub(super) time: f64,
     law: Law,
+    /// Its distance from the true density in L¹, at most.
+    pub(super) error: f64,
 }
 
 /// The density at that time.
@@ -32,64 +38,104 @@ enum Law {
     Density(Arc<dyn Density>),
 }
 
-impl GridDensity {
-    /// The start at the time at which it is wide enough for a mesh.
-    pub(super) fn initial(&self, start: &Start, mesh: &Mesh, envelope: Option<&Envelope>) -> Result<Initial> {
-        let states = mesh.states();
+impl Initial {
+    /// A start, before the `first` time that is asked for; what spreads from a point may be off by `accuracy` in L¹.
+    pub(super) fn new(
+        start: &Start,
+        ground: &Ground<'_>,
+        envelope: Option<&Envelope>,
+        (first, accuracy): (f64, f64),
+    ) -> Result<Self> {
+        let states = ground.domain.len();
         start.check(states)?;
-        let at_once = |law| Ok(Initial { time: 0.0, law });
+        let at_once = |law| Ok(Initial { time: 0.0, law, error: 0.0 });
         let x = match start {
             Start::Stationary => return at_once(Law::Stationary),
             Start::Gaussian(gaussian) => return at_once(Law::Gaussian(gaussian.clone())),
             Start::Density(density) => return at_once(Law::Density(Arc::clone(density))),
             Start::Point(x) => x.clone(),
         };
-        let cell = mesh.cells[mesh.locate(&x).unwrap_or(0)];
-        let degree = self.fine.shape.degree as f64;
-        let least: Vec<f64> = (0..states).map(|axis| tuning::mesh::RESOLVED * cell.width[axis] / degree).collect();
-        let wide = |g: &Gaussian| (0..states).all(|i| g.covariance[(i, i)].sqrt() >= least[i]);
-        // From far below the time in which noise crosses a cell, by steps that grow by a tenth, anew at each step of the noise.
-        let problem = &self.kept.problem;
-        let operator = problem.operator();
-        let strength = (0..states).map(|i| operator.diffusion()[i][i].evaluate(&x)).fold(f64::MIN_POSITIVE, f64::max);
-        let first = 1e-4 * least[states - 1].powi(2) / strength;
-        let mut narrow = Narrow::new(problem, envelope, &x);
-        let mut step = first;
-        for _ in 0..800 {
-            step = if narrow.advance(step) { first } else { 1.1 * step };
-            if wide(&narrow.gaussian) {
-                return Ok(Initial { time: narrow.time, law: Law::Gaussian(narrow.gaussian) });
-            }
-        }
-        let remedy = "the noise does not spread this start: give a Gaussian";
-        Err(Error::OutOfRange { name: "start of a transient", value: x[0], remedy })
+        let narrow = Narrow::spread(ground, envelope, &x, (first, accuracy))?;
+        Ok(Initial { time: narrow.time, law: Law::Gaussian(narrow.gaussian), error: narrow.error })
     }
-}
 
-impl Initial {
-    /// The density on a mesh; of the stationary density, `stationary` is the solution of the same degree.
+    /// The mesh that holds it to `aim`, with the field there, and whether the memory ended before.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if a start is too narrow for the mesh, or reaches beyond a wall or an edge.
+    /// [`Error::OutOfRange`] if it reaches beyond a wall or an edge, or is too narrow.
+    pub(super) fn held(
+        &self,
+        ground: &Ground<'_>,
+        stationary: &Field,
+        (shape, memory): (Shape, MemoryLimit),
+        aim: f64,
+    ) -> Result<(Layout, Field, bool)> {
+        if let Law::Gaussian(gaussian) = &self.law {
+            for (axis, [low, high]) in ground.domain.iter().enumerate() {
+                let deviation = gaussian.covariance[(axis, axis)].sqrt();
+                let remedy =
+                    "next to the domain it is too narrow for double precision: take a later time or a wider start";
+                require(deviation > tuning::THINNEST * (high - low), "deviation of the start", deviation, remedy)?;
+            }
+        }
+        let mut layout = Layout::new(ground.mesh_for(self.sample().as_ref().unwrap_or(&ground.pilot.states)));
+        loop {
+            let field = self.field(stationary, &layout.mesh, shape)?;
+            let next = finer(&field, aim, memory);
+            let exhausted = matches!(next, Finer::Exhausted);
+            if let Finer::Layout(finer) = next {
+                layout = finer;
+                continue;
+            }
+            self.require_held(&field)?;
+            return Ok((layout, field, exhausted));
+        }
+    }
+
+    /// States that a Gaussian has.
+    fn sample(&self) -> Option<States> {
+        const POINTS: i32 = 10;
+        const REACH: f64 = 3.0;
+        let Law::Gaussian(gaussian) = &self.law else { return None };
+        let root = gaussian.covariance.clone().cholesky()?.l();
+        let mut sample = States::new(gaussian.mean.len());
+        let along = || (-POINTS..=POINTS).map(|k| REACH * f64::from(k) / f64::from(POINTS));
+        let second: Vec<f64> = if gaussian.mean.len() > 1 { along().collect() } else { vec![0.0] };
+        for first in along() {
+            for second in &second {
+                let z = DVector::from_fn(gaussian.mean.len(), |i, _| if i == 0 { first } else { *second });
+                sample.push((&gaussian.mean + &root * z).as_slice());
+            }
+        }
+        Some(sample)
+    }
+
+    /// The density on a mesh; of the stationary density, `stationary` is the solution of the same degree.
     pub(super) fn field(&self, stationary: &Field, mesh: &Arc<Mesh>, shape: Shape) -> Result<Field> {
-        let (field, expected) = match &self.law {
-            Law::Stationary => {
-                return Ok(stationary.carried(mesh, shape));
-            }
-            Law::Gaussian(gaussian) => (Field::projected(mesh, shape, normal(gaussian)?), inside(gaussian, mesh)),
-            Law::Density(density) => {
-                // What is not known makes a mass that is refused.
-                let value = |x: &[f64]| density.log_pdf(x).map_or(f64::NAN, f64::exp);
-                let field = Field::projected(mesh, shape, value);
-                // Between levels, what lies beyond them is not known.
-                let expected = if mesh.sides.contains(&Side::Level) { field.mass().clamp(0.0, 1.0) } else { 1.0 };
-                (field, expected)
-            }
-        };
+        Ok(match &self.law {
+            Law::Stationary => stationary.carried(mesh, shape),
+            Law::Gaussian(gaussian) => Field::projected(mesh, shape, normal(gaussian)?),
+            // What is not known makes a mass that is refused.
+            Law::Density(density) => Field::projected(mesh, shape, |x| density.log_pdf(x).map_or(f64::NAN, f64::exp)),
+        })
+    }
+
+    /// Refuses a mesh that does not hold the start.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if it reaches beyond a wall or an edge.
+    fn require_held(&self, field: &Field) -> Result<()> {
         let mass = field.mass();
-        let remedy = "the start must lie inside the domain, away from walls, and be wide enough for the mesh";
+        let expected = match &self.law {
+            Law::Stationary => return Ok(()),
+            Law::Gaussian(gaussian) => inside(gaussian, &field.mesh),
+            // Between levels, what lies beyond them is not known.
+            Law::Density(_) if field.mesh.sides.contains(&Side::Level) => mass.clamp(0.0, 1.0),
+            Law::Density(_) => 1.0,
+        };
+        let remedy = "the start must lie inside the domain, away from walls";
         require((mass - expected).abs() <= 1e-3, "mass of the start on the mesh", mass, remedy)?;
-        Ok(field)
+        Ok(())
     }
 }
 
@@ -118,37 +164,4 @@ fn inside(gaussian: &Gaussian, mesh: &Mesh) -> f64 {
     let (low, high) = (limit(0), limit(1));
     let rule = Rule::legendre(64);
     rule.on(low, high).iter().map(|(z, weight)| weight * (-z * z / 2.0).exp()).sum::<f64>() / TAU.sqrt()
-}
-
-/// A density that spreads from a point, as a Gaussian with the moments of the Gaussian closure.
-struct Narrow<'a> {
-    problem: &'a Problem,
-    envelope: Option<&'a Envelope>,
-    point: Gaussian,
-    moments: Option<ModulatedMoments>,
-    time: f64,
-    gaussian: Gaussian,
-}
-
-impl<'a> Narrow<'a> {
-    fn new(problem: &'a Problem, envelope: Option<&'a Envelope>, x: &[f64]) -> Self {
-        let point = Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(x.len(), x.len()) };
-        let moments = envelope.map(|_| ModulatedMoments::new(problem));
-        Narrow { problem, envelope, gaussian: point.clone(), point, moments, time: 0.0 }
-    }
-
-    /// Goes on by `step`, at most to where the envelope is no longer smooth; whether it got there.
-    fn advance(&mut self, step: f64) -> bool {
-        let (Some(envelope), Some(moments)) = (self.envelope, &self.moments) else {
-            self.time += step;
-            self.gaussian = gaussian_after(self.problem.operator(), &self.point, self.time);
-            return false;
-        };
-        let piece = envelope.piece(self.time);
-        let ends = self.time + step >= piece.until;
-        let end = if ends { piece.until } else { self.time + step };
-        self.gaussian = moments.after(&self.gaussian, piece, [self.time, end]);
-        self.time = end;
-        ends
-    }
 }

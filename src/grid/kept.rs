@@ -1,7 +1,9 @@
 //! What a stationary density was solved with, for further questions.
 
 use super::Grid;
+use super::mesh::Side;
 use super::pilot::Pilot;
+use super::start::Ground;
 use super::stationary::Stationary;
 use crate::problem::{Problem, Wall};
 
@@ -14,4 +16,16 @@ pub(super) struct Kept {
     pub(super) pilot: Pilot,
     /// Of the degree and of one less.
     pub(super) solutions: [Stationary; 2],
+}
+
+impl Kept {
+    /// What meshes of further questions are laid out for, within a domain with these sides.
+    pub(super) fn ground(&self, domain: Vec<[f64; 2]>, sides: [Side; 2]) -> Ground<'_> {
+        let grazed = sides.map(|side| match side {
+            Side::Open => false,
+            Side::Level => true,
+            Side::Wall(restitution) => restitution < 1.0,
+        });
+        Ground { problem: &self.problem, pilot: &self.pilot, domain, sides, grazed }
+    }
 }

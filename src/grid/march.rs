@@ -1,10 +1,12 @@
-//! Steps in time for ∂p/∂t = −K(t) p.
+//! A step in time for ∂p/∂t = −K(t) p.
 
 use super::field::add_multiple as add;
-use super::operator::{Factors, Operator, Regular, Traces};
-use crate::envelope::{Envelope, Piece};
-use crate::error::{Error, Result};
-use crate::grid::tuning;
+use super::flux::Part;
+use super::operator::{Factors, Layout, Operator, Regular, Traces};
+use crate::envelope::Piece;
+use crate::error::Result;
+use crate::memory::MemoryLimit;
+use crate::problem::Problem;
 
 /// Rodas, the L-stable Rosenbrock method of order 4 with six stages (E. Hairer and G. Wanner, Solving Ordinary Differential
 /// Equations II, 1996, section VI.4): all stages of a step share the factors of K at its beginning, also where K changes with
@@ -40,13 +42,6 @@ const PLACES: [f64; 6] = [0.0, 0.386, 0.21, 0.63, 1.0, 1.0];
 /// γ_i, the weights of the change of K.
 const CHANGES: [f64; 6] = [0.25, -0.1043, 0.1035, -0.036_2, 0.0, 0.0];
 
-/// Noise that is modulated: the part of K that is in proportion to its intensity.
-#[derive(Debug)]
-pub(super) struct Modulation<'a> {
-    pub(super) noise: Operator,
-    pub(super) envelope: &'a Envelope,
-}
-
 /// K at a time: an operator, and the part that is in proportion to the noise with its factor.
 struct Now<'a> {
     operator: &'a Operator,
@@ -59,21 +54,22 @@ impl<'a> Now<'a> {
         Now { operator, more, traces: operator.traces(more) }
     }
 
-    fn balance(&self, p: &[f64], faces: &[f64]) -> [Vec<f64>; 2] {
-        let mut sum = self.operator.balance(p, faces);
+    fn inward(&self, p: &[f64], faces: &[f64]) -> Vec<f64> {
+        let mut sum = self.operator.inward(p, faces);
         if let Some((factor, part)) = self.more {
-            let more = part.balance(p, faces);
-            sum.iter_mut().zip(&more).for_each(|(sum, more)| add(sum, factor, more));
+            add(&mut sum, factor, &part.inward(p, faces));
         }
         sum
     }
 
     /// K p, and the unknowns of faces that belong to p.
     fn applied(&self, p: &[f64]) -> [Vec<f64>; 2] {
-        let [_, without] = self.balance(p, &vec![0.0; self.operator.at_faces()]);
+        let mut without = self.operator.outward(p);
+        if let Some((factor, part)) = self.more {
+            add(&mut without, factor, &part.outward(p));
+        }
         let faces = self.traces.solved(without);
-        let [applied, _] = self.balance(p, &faces);
-        [applied, faces]
+        [self.inward(p, &faces), faces]
     }
 
     /// The derivative of K p by the factor of a part of K.
@@ -81,92 +77,56 @@ impl<'a> Now<'a> {
         let [_, faces] = self.applied(p);
         let [mut changed, at_faces] = part.balance(p, &faces);
         let faces = self.traces.solved(at_faces);
-        let [through, _] = self.balance(&vec![0.0; p.len()], &faces);
+        let through = self.inward(&vec![0.0; p.len()], &faces);
         add(&mut changed, 1.0, &through);
         changed
     }
 }
 
-/// The state of a march.
-#[derive(Debug)]
-pub(super) struct March<'a> {
-    operator: &'a Operator,
-    modulation: Option<&'a Modulation<'a>>,
-    tolerance: f64,
-    /// The step and the squared envelope that the factors belong to.
-    prepared: Option<([f64; 2], Factors)>,
-    step: f64,
-    pub(super) time: f64,
-    pub(super) p: Vec<f64>,
-    /// The sum of the steps' error estimates, relative to ‖p‖.
-    pub(super) error: f64,
-    /// The sum of the steps' differences from the embedded method of order 3.
-    pub(super) difference: Vec<f64>,
+/// A vector and multiples of others.
+fn combine(sum: &mut [f64], start: &[f64], factors: &[f64], terms: &[Vec<f64>]) {
+    sum.copy_from_slice(start);
+    factors.iter().zip(terms).filter(|(factor, _)| **factor != 0.0).for_each(|(factor, term)| add(sum, *factor, term));
 }
 
-impl<'a> March<'a> {
-    /// Begins at `time` with the coefficients `p`; `step` is tried first. Each step may err by `tolerance`, relative to ‖p‖.
-    pub(super) fn new(operator: &'a Operator, (time, p): (f64, Vec<f64>), step: f64, tolerance: f64) -> Self {
-        let (prepared, modulation, difference) = (None, None, vec![0.0; p.len()]);
-        March { operator, modulation, tolerance, prepared, step, time, p, error: 0.0, difference }
+/// The operator of one degree, and what makes steps of it.
+#[derive(Debug)]
+pub(super) struct Stepper {
+    operator: Operator,
+    /// The part of K that is in proportion to the noise's intensity, where that changes; `operator` is then the rest.
+    noise: Option<Operator>,
+    /// The step and the squared envelope that the factors belong to.
+    prepared: Option<([f64; 2], Factors)>,
+}
+
+impl Stepper {
+    /// # Errors
+    /// [`Error::TooMuchMemory`](crate::Error::TooMuchMemory) if matrices and factors would not keep to the limit.
+    pub(super) fn new(
+        problem: &Problem,
+        layout: &Layout,
+        degree: usize,
+        modulated: bool,
+        memory: MemoryLimit,
+    ) -> Result<Self> {
+        let part = |part: Part<'_>| Operator::new(problem, layout, degree, part, memory);
+        let (operator, noise) =
+            if modulated { (part(Part::Drift)?, Some(part(Part::Noise)?)) } else { (part(Part::Whole)?, None) };
+        Ok(Stepper { operator, noise, prepared: None })
     }
 
-    /// The same under modulated noise, of which `operator` has the part without noise.
-    pub(super) fn modulated(self, modulation: Option<&'a Modulation<'a>>) -> Self {
-        March { modulation, ..self }
-    }
-
-    /// Goes on to `end`, at steps of the envelope in between anew.
+    /// What a step makes of p, and its difference from the embedded method of order 3.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the steps become too many.
-    pub(super) fn advance(&mut self, end: f64) -> Result<()> {
-        let mut steps = 0;
-        while self.time < end {
-            let piece = self.modulation.map(|modulation| modulation.envelope.piece(self.time));
-            self.advance_within(piece, piece.map_or(end, |piece| end.min(piece.until)), &mut steps)?;
-        }
-        Ok(())
-    }
-
-    /// Goes on to `end` while the envelope is smooth.
-    fn advance_within(&mut self, piece: Option<&Piece>, end: f64, steps: &mut usize) -> Result<()> {
-        // Where every step needs new factors anyway its length follows the error more closely.
-        let change = if self.modulation.is_some() { tuning::march::FINE_CHANGE } else { tuning::march::CHANGE };
-        while *steps < tuning::march::MAX_STEPS {
-            *steps += 1;
-            let left = end - self.time;
-            if left <= 0.0 {
-                return Ok(());
-            }
-            // Equal steps up to the end, a little shorter than allowed, so that few different ones occur.
-            let step = left / (left / self.step).ceil().max(1.0);
-            let (next, difference) = self.tried(piece, step)?;
-            let error = norm(&difference) / norm(&next);
-            if error.is_nan() || error > self.tolerance {
-                self.step = step / change;
-                // So short a step no longer moves the time.
-                if self.step < f64::EPSILON * left {
-                    break;
-                }
-                continue;
-            }
-            (self.p, self.time) = (next, if left <= step * (1.0 + 1e-12) { end } else { self.time + step });
-            self.error += error;
-            self.difference.iter_mut().zip(difference).for_each(|(sum, d)| *sum += d);
-            // The error of a longer step grows with the fourth power of the length.
-            if error < self.tolerance / (2.0 * change.powi(4)) {
-                self.step = step * change;
-            }
-        }
-        let remedy = "too many steps are needed to get there: take an earlier time or a larger tolerance";
-        Err(Error::OutOfRange { name: "time", value: end, remedy })
-    }
-
-    /// One step, and its difference from the embedded method of order 3.
-    fn tried(&mut self, piece: Option<&Piece>, step: f64) -> Result<(Vec<f64>, Vec<f64>)> {
+    /// [`Error::SingularSystem`](crate::Error::SingularSystem).
+    pub(super) fn stepped(
+        &mut self,
+        p: &[f64],
+        [time, step]: [f64; 2],
+        piece: Option<&Piece>,
+    ) -> Result<[Vec<f64>; 2]> {
         let squared = |time: f64| piece.map_or([1.0, 0.0], |piece| piece.squared(time));
-        let [strength, growth] = squared(self.time);
+        let [strength, growth] = squared(time);
         let same = |old: [f64; 2]| (old[0] - step).abs() <= 1e-9 * step && old[1] == strength;
         let fresh = match self.prepared.take() {
             Some((old, factors)) if same(old) => (old, factors),
@@ -174,46 +134,50 @@ impl<'a> March<'a> {
         };
         let ([step, _], factors) = &fresh;
         let step = *step;
-        let at =
-            |strength: f64| Now::new(self.operator, self.modulation.map(|modulation| (strength, &modulation.noise)));
-        let (mut now, mut known) = (at(strength), strength);
-        let change =
-            self.modulation.filter(|_| growth != 0.0).map(|modulation| now.changed(&modulation.noise, &self.p));
-        let mut parts: Vec<Vec<f64>> = Vec::with_capacity(MIXED.len());
-        let mut stage = self.p.clone();
+        let at = |strength: f64| Now::new(&self.operator, self.noise.as_ref().map(|noise| (strength, noise)));
+        let mut now = at(strength);
+        let varies = PLACES.iter().any(|place| squared(time + place * step)[0] != strength);
+        let change = self.noise.as_ref().filter(|_| growth != 0.0).map(|noise| now.changed(noise, p));
+        // Where K stays, (1/(hγ) + K) u_i = right gives all images of stages: K u_i = right − u_i/(hγ).
+        let [first, _] = now.applied(p);
+        let (mut parts, mut images) = (Vec::<Vec<f64>>::with_capacity(6), Vec::<Vec<f64>>::with_capacity(6));
+        let (mut stage, mut image) = (p.to_vec(), first.clone());
         for (i, (mixed, place)) in MIXED.iter().zip(PLACES).enumerate() {
             match STAGES.get(i) {
                 Some(row) => {
-                    stage.copy_from_slice(&self.p);
-                    row.iter().zip(&parts).for_each(|(a, part)| add(&mut stage, *a, part));
+                    combine(&mut stage, p, row, &parts);
+                    combine(&mut image, &first, row, &images);
                 }
-                None => add(&mut stage, 1.0, &parts[i - 1]),
+                None => {
+                    add(&mut stage, 1.0, &parts[i - 1]);
+                    images.get(i - 1).into_iter().for_each(|last| add(&mut image, 1.0, last));
+                }
             }
-            let here = squared(self.time + place * step)[0];
-            if here != known {
-                (now, known) = (at(here), here);
+            if varies && i > 0 {
+                now = at(squared(time + place * step)[0]);
+                [image, _] = now.applied(&stage);
             }
-            let [mut right, _] = now.applied(&stage);
+            let mut right: Vec<f64> = image.iter().map(|k| -k).collect();
             if let Some(change) = &change {
-                add(&mut right, CHANGES[i] * step * growth, change);
+                add(&mut right, -CHANGES[i] * step * growth, change);
             }
-            right.iter_mut().for_each(|r| *r = -*r);
             mixed.iter().zip(&parts).for_each(|(c, part)| add(&mut right, c / step, part));
-            parts.push(factors.solve(&right, None)?.inner);
+            let part = factors.solve(&right, None)?.inner;
+            if !varies {
+                add(&mut right, -(GAMMA * step).recip(), &part);
+                images.push(right);
+            }
+            parts.push(part);
         }
         let difference = parts.pop().unwrap_or_default();
         add(&mut stage, 1.0, &difference);
         self.prepared = Some(fresh);
-        Ok((stage, difference))
+        Ok([stage, difference])
     }
 
     /// The factors of K + `diagonal` where the squared envelope is `strength`.
     fn factors(&self, diagonal: f64, strength: f64) -> Factors {
-        let more = self.modulation.map(|modulation| (strength, &modulation.noise));
+        let more = self.noise.as_ref().map(|noise| (strength, noise));
         self.operator.factors_with(more, Regular::Shift(diagonal))
     }
-}
-
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

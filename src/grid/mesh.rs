@@ -115,6 +115,11 @@ impl Mesh {
         mesh
     }
 
+    /// The middle of a box of the tree, as a state.
+    pub(super) fn centre(&self, cell: &Cell) -> Vec<f64> {
+        (0..self.states()).map(|axis| self.origin[axis] + cell.centre(axis)).collect()
+    }
+
     fn join(&mut self, axis: usize, extent: Cell, sides: [(usize, bool, Role); 2]) {
         let face = Some(self.faces.len());
         self.faces.push(sides.map(|(cell, ..)| cell));

@@ -9,8 +9,10 @@
 //! - `field`, `density`, `kept`: the piecewise polynomial, the density made of it, and what further questions need;
 //!   `sensitivity`: its derivatives by parameters;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same operator;
-//! - `initial`, `transient`: a start on a mesh and p(x, t); `survival`: the part of it that has passed no level.
+//! - `initial`, `course`, `transient`: a start, a mesh that follows the density, and p(x, t); `survival`: the part of it that has passed no level.
 
+mod columns;
+mod course;
 mod density;
 mod dissection;
 mod elimination;
@@ -23,6 +25,7 @@ mod legendre;
 mod line;
 mod march;
 mod mesh;
+mod narrow;
 mod operator;
 mod panel;
 mod pilot;
@@ -36,6 +39,7 @@ mod survival;
 mod transient;
 mod tree;
 mod tuning;
+mod wells;
 
 pub use density::GridDensity;
 pub use sensitivity::GridSensitivity;
@@ -211,7 +215,7 @@ impl Grid {
         if problem.dimension() == 1 && self.domain.is_none() {
             return self.on_a_line(problem, pilot);
         }
-        let degree = self.degree_for(grazed != [false, false]);
+        let degree = self.degree_for(self.accuracy, grazed != [false, false]);
         let sides = walls.map(|wall| wall.map_or(Side::Open, |wall| Side::Wall(wall.restitution())));
         let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
         let rounds = std::cell::Cell::new(0);
@@ -343,8 +347,8 @@ impl Grid {
         Ok(density)
     }
 
-    fn degree_for(&self, grazed: bool) -> usize {
-        let by_accuracy = tuning::mesh::DEGREES.iter().find(|(least, _)| self.accuracy >= *least);
+    fn degree_for(&self, accuracy: f64, grazed: bool) -> usize {
+        let by_accuracy = tuning::mesh::DEGREES.iter().find(|(least, _)| accuracy >= *least);
         let smooth = by_accuracy.map_or(tuning::mesh::GRAZED_DEGREE, |(_, degree)| *degree);
         self.degree.unwrap_or(if grazed { tuning::mesh::GRAZED_DEGREE } else { smooth })
     }
@@ -354,13 +358,7 @@ impl Grid {
         self.memory.check()?;
         let degree = self.degree.unwrap_or(2);
         require((2..=24).contains(&degree), "degree of the grid", degree as f64, "it must lie between 2 and 24")?;
-        let sound = (1e-11..=0.1).contains(&self.accuracy);
-        require(
-            sound,
-            "accuracy of the grid",
-            self.accuracy,
-            "it is a distance in L¹: it must lie between 1e-11 and 0.1",
-        )?;
+        require_accuracy("accuracy of the grid", self.accuracy)?;
         if let Some(domain) = &self.domain {
             crate::checks::dimension("the domain of the grid", domain.len(), problem.dimension())?;
         }
@@ -371,4 +369,9 @@ impl Grid {
         }
         Ok(())
     }
+}
+
+fn require_accuracy(name: &'static str, accuracy: f64) -> Result<()> {
+    let sound = (1e-11..=0.1).contains(&accuracy);
+    require(sound, name, accuracy, "it is a distance in L¹: it must lie between 1e-11 and 0.1").map(|_| ())
 }

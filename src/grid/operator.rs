@@ -1,5 +1,6 @@
 //! The discretised operator, ∂p/∂t = −K p: the matrices of all cells, and the factors of K + s.
 
+use super::columns::add_product;
 use super::dissection::Front;
 use super::elimination::{Cells, Factored};
 use super::field::add_multiple;
@@ -11,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
 use crate::problem::{PlaneMotion, Problem};
 use faer::linalg::solvers::Solve;
-use faer::{ColMut, ColRef, Mat};
+use faer::{ColMut, Mat};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -129,36 +130,45 @@ impl Operator {
 
     /// What the unknowns of cells and faces make of the equations of cells and of faces.
     pub(super) fn balance(&self, u: &[f64], faces: &[f64]) -> [Vec<f64>; 2] {
+        let size = self.shape.face();
+        let mut outward = self.outward(u);
+        for (cell, matrices) in self.cells.iter().enumerate() {
+            for (at, block) in self.faces(cell).zip(&matrices.faces) {
+                add_product(&mut outward[at..at + size], block, &faces[at..at + size]);
+            }
+        }
+        [self.inward(u, faces), outward]
+    }
+
+    /// What the unknowns of cells and faces make of the equations of cells.
+    pub(super) fn inward(&self, u: &[f64], faces: &[f64]) -> Vec<f64> {
         let (block, size) = (self.shape.block(), self.shape.face());
-        let parts: Vec<[Vec<f64>; 2]> = self
-            .cells
-            .par_iter()
-            .zip(u.par_chunks_exact(block))
-            .enumerate()
-            .map(|(cell, (matrices, u))| {
-                let own: Vec<f64> = self.faces(cell).flat_map(|at| &faces[at..at + size]).copied().collect();
-                let mut inner = product(&matrices.inner, u);
-                add_multiple(&mut inner, 1.0, &product(&matrices.inflow, &own));
-                let mut outer = product(&matrices.outflow, u);
-                for (k, block) in matrices.faces.iter().enumerate() {
-                    add_multiple(
-                        &mut outer[k * size..(k + 1) * size],
-                        1.0,
-                        &product(block, &own[k * size..(k + 1) * size]),
-                    );
-                }
-                [inner, outer]
-            })
-            .collect();
-        let mut sums = vec![0.0; faces.len()];
-        let mut inner = Vec::with_capacity(u.len());
-        for (cell, [own, outer]) in parts.iter().enumerate() {
-            inner.extend_from_slice(own);
+        let mut inward = vec![0.0; u.len()];
+        let all = inward.par_chunks_exact_mut(block).zip(u.par_chunks_exact(block)).zip(&self.cells).enumerate();
+        all.for_each(|(cell, ((inward, u), matrices))| {
+            let own: Vec<f64> = self.faces(cell).flat_map(|at| &faces[at..at + size]).copied().collect();
+            add_product(inward, &matrices.inner, u);
+            add_product(inward, &matrices.inflow, &own);
+        });
+        inward
+    }
+
+    /// What the unknowns of cells make of the equations of faces.
+    pub(super) fn outward(&self, u: &[f64]) -> Vec<f64> {
+        let (block, size) = (self.shape.block(), self.shape.face());
+        let of = |(matrices, u): (&Matrices, &[f64])| {
+            let mut outer = vec![0.0; matrices.outflow.nrows()];
+            add_product(&mut outer, &matrices.outflow, u);
+            outer
+        };
+        let parts: Vec<Vec<f64>> = self.cells.par_iter().zip(u.par_chunks_exact(block)).map(of).collect();
+        let mut sums = vec![0.0; self.at_faces()];
+        for (cell, outer) in parts.iter().enumerate() {
             for (at, outer) in self.faces(cell).zip(outer.chunks_exact(size)) {
                 add_multiple(&mut sums[at..at + size], 1.0, outer);
             }
         }
-        [inner, sums]
+        sums
     }
 
     /// μ by λ of each face, from both sides. Where nothing passes it is 0, and λ without a meaning.
@@ -198,20 +208,6 @@ impl Traces {
         });
         without
     }
-}
-
-fn product(matrix: &Mat<f64>, x: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; matrix.nrows()];
-    let column = ColMut::from_slice_mut(&mut out);
-    faer::linalg::matmul::matmul(
-        column.as_mat_mut(),
-        faer::Accum::Replace,
-        matrix,
-        ColRef::from_slice(x).as_mat(),
-        1.0,
-        faer::Par::Seq,
-    );
-    out
 }
 
 /// An operator with what makes it regular.
@@ -283,11 +279,10 @@ impl Factors {
     /// # Errors
     /// [`Error::SingularSystem`] if the matrix is singular.
     pub(super) fn solve(&self, right: &[f64], at_faces: Option<Vec<f64>>) -> Result<Solution> {
-        let size = self.shape.face();
-        let mut inner: Vec<Vec<f64>> = right.chunks_exact(self.shape.block()).map(<[f64]>::to_vec).collect();
+        let (block, size) = (self.shape.block(), self.shape.face());
+        let mut inner = right.to_vec();
         let mut faces = at_faces.unwrap_or_else(|| vec![0.0; self.faces * size]);
-        self.factored.solve(&self.front, size, &mut inner, &mut faces);
-        let inner = inner.concat();
+        self.factored.solve(&self.front, [block, size], &mut inner, &mut faces);
         let finite = inner.iter().chain(&faces).all(|x| x.is_finite());
         if finite { Ok(Solution { inner, faces }) } else { Err(Error::SingularSystem { unknowns: right.len() }) }
     }

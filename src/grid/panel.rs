@@ -1,12 +1,12 @@
 //! Unknowns that are eliminated together, from the rows of those that follow.
 
+use super::columns::{AT_ONCE, add_columns};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, ColMut, ColRef, Mat, Par};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place};
+use faer::{Accum, Mat, Par};
+use pulp::{Arch, NullaryFnOnce};
 
 /// The factors of
 ///
@@ -45,22 +45,68 @@ impl Panel {
         Panel { rows, lower, upper }
     }
 
-    /// L⁻¹P of the own unknowns' right side, which is taken from that of the others.
-    pub(super) fn eliminated(&self, own: &[f64], following: &mut [f64]) -> Vec<f64> {
-        let mut solved: Vec<f64> = self.rows.iter().map(|row| own[*row]).collect();
-        let (factors, below) = self.lower.as_ref().split_at_row(own.len());
-        solve_unit_lower_triangular_in_place(factors, ColMut::from_slice_mut(&mut solved).as_mat_mut(), Par::Seq);
-        let (solution, following) = (ColRef::from_slice(&solved), ColMut::from_slice_mut(following));
-        matmul(following.as_mat_mut(), Accum::Add, below, solution.as_mat(), -1.0, Par::Seq);
-        solved
+    /// Makes L⁻¹P of the own unknowns' right side of it, which is taken from that of the others.
+    pub(super) fn eliminate(&self, own: &mut [f64], following: &mut [f64]) {
+        let mut all: Vec<f64> = self.rows.iter().map(|row| own[*row]).collect();
+        all.extend_from_slice(following);
+        Arch::new().dispatch(Elimination { panel: self, all: &mut all });
+        own.copy_from_slice(&all[..own.len()]);
+        following.copy_from_slice(&all[own.len()..]);
     }
 
-    /// The own unknowns after the others, of which `own` has what [`Panel::eliminated`] returns.
-    pub(super) fn substituted(&self, mut own: Vec<f64>, following: &[f64]) -> Vec<f64> {
-        let mut column = ColMut::from_slice_mut(&mut own).as_mat_mut();
-        let following = ColRef::from_slice(following).as_mat();
-        matmul(column.as_mut(), Accum::Add, self.upper.as_ref(), following, -1.0, Par::Seq);
-        solve_upper_triangular_in_place(self.lower.as_ref().subrows(0, self.rows.len()), column, Par::Seq);
-        own
+    /// The own unknowns after the others, in the place of what [`Panel::eliminate`] makes.
+    pub(super) fn substitute(&self, own: &mut [f64], following: &[f64]) {
+        Arch::new().dispatch(Substitution { panel: self, own, following });
+    }
+}
+
+struct Elimination<'a> {
+    panel: &'a Panel,
+    all: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Elimination<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Elimination { panel: Panel { rows, lower, .. }, all } = self;
+        for first in (0..rows.len()).step_by(AT_ONCE) {
+            let end = (first + AT_ONCE).min(rows.len());
+            for k in first..end {
+                let column = lower.col_as_slice(k);
+                (k + 1..end).for_each(|i| all[i] -= all[k] * column[i]);
+            }
+            let (known, rest) = all.split_at_mut(end);
+            add_columns(rest, lower, [end, first], -1.0, &known[first..]);
+        }
+    }
+}
+
+struct Substitution<'a> {
+    panel: &'a Panel,
+    own: &'a mut [f64],
+    following: &'a [f64],
+}
+
+impl NullaryFnOnce for Substitution<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Substitution { panel: Panel { lower, upper, .. }, own, following } = self;
+        for (k, x) in following.chunks(AT_ONCE).enumerate() {
+            add_columns(own, upper, [0, k * AT_ONCE], -1.0, x);
+        }
+        for first in (0..own.len()).step_by(AT_ONCE).rev() {
+            let end = (first + AT_ONCE).min(own.len());
+            for k in (first..end).rev() {
+                let column = lower.col_as_slice(k);
+                own[k] /= column[k];
+                (first..k).for_each(|i| own[i] -= own[k] * column[i]);
+            }
+            let (rest, known) = own.split_at_mut(first);
+            add_columns(rest, lower, [0, first], -1.0, &known[..end - first]);
+        }
     }
 }

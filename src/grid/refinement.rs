@@ -7,6 +7,7 @@ use super::stationary::{Question, Stationary, solve};
 use crate::error::{Error, Result};
 use crate::grid::GridProgress;
 use crate::grid::tuning::{mesh, refinement as tuning};
+use crate::memory::MemoryLimit;
 
 /// Solutions of two degrees on one mesh.
 #[derive(Debug)]
@@ -81,6 +82,26 @@ fn require_begun(GridProgress { cells, indicator, .. }: GridProgress) -> Result<
 /// The sum over all cells of what is left in the highest degree.
 pub(super) fn indicator(field: &Field) -> f64 {
     field.highest(tuning::BELOW).iter().map(|along| along.iter().fold(0.0, |a: f64, b| a.max(*b))).sum()
+}
+
+/// What the mesh of a field is to become.
+pub(super) enum Finer {
+    Enough,
+    Layout(Layout),
+    /// The memory does not suffice.
+    Exhausted,
+}
+
+/// The mesh on which less than `aim` is left in the highest degree, or the next one towards it.
+pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
+    if indicator(field) <= aim {
+        return Finer::Enough;
+    }
+    match refined(field, tuning::AHEAD * aim).map(Layout::new) {
+        None => Finer::Enough,
+        Some(layout) if layout.fits(field.shape, memory).is_ok() => Finer::Layout(layout),
+        Some(_) => Finer::Exhausted,
+    }
 }
 
 /// The mesh in which cells with more than their share of `aim` are divided; none if there are none.

@@ -7,6 +7,7 @@ use super::shape::{MOST, Place};
 use super::tree::{Cell, Tree};
 use crate::grid::tuning::{domain, mesh as tuning};
 use crate::problem::Problem;
+use crate::states::States;
 
 /// What a mesh is laid out for.
 #[derive(Clone, Debug)]
@@ -36,7 +37,13 @@ pub(super) fn domain(pilot: &Pilot, states: usize, doubled: usize, limits: [Opti
 }
 
 impl Ground<'_> {
+    /// The mesh for the pilot's states.
     pub(super) fn mesh(&self) -> Mesh {
+        self.mesh_for(&self.pilot.states)
+    }
+
+    /// The mesh for a density that has these states; the coarsest one if there are none.
+    pub(super) fn mesh_for(&self, sample: &States) -> Mesh {
         let states = self.domain.len();
         // Distances from a wall or a level keep the widths of the smallest cells.
         let closed = [0, 1].map(|side| self.sides[side] != Side::Open || self.grazed[side]);
@@ -60,7 +67,7 @@ impl Ground<'_> {
                 });
             }
         }
-        self.divide(&mut tree, &origin);
+        self.divide(&mut tree, &origin, sample);
         for side in (0..2).filter(|side| self.grazed[*side] && states > 1) {
             self.grade(&mut tree, side, origin[0]);
         }
@@ -69,15 +76,11 @@ impl Ground<'_> {
     }
 
     /// Divides cells that are wide for the states in them.
-    fn divide(&self, tree: &mut Tree, origin: &Place) {
+    fn divide(&self, tree: &mut Tree, origin: &Place, sample: &States) {
         let states = tree.states;
         let root = tree.root();
-        let mut points: Vec<Place> = self
-            .pilot
-            .states
-            .iter()
-            .map(|x| std::array::from_fn(|axis| x.get(axis).map_or(0.0, |x| x - origin[axis])))
-            .collect();
+        let mut points: Vec<Place> =
+            sample.iter().map(|x| std::array::from_fn(|axis| x.get(axis).map_or(0.0, |x| x - origin[axis]))).collect();
         points.retain(|u| (0..states).all(|axis| u[axis] >= root.lower[axis] && u[axis] <= root.upper(axis)));
         let mut all = std::collections::BTreeMap::<usize, Vec<Place>>::new();
         for point in points {

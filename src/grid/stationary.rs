@@ -4,18 +4,17 @@
 //! first function of a cell k, the pin, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and
 //! nothing to the pattern, unlike a border, whose full row would fill the factors. Where nothing is lost, p_k = 1 and K p = 0 exactly.
 //!
-//! Wells that exchange next to nothing have a pin each. With α p at all pins eliminated, u_i is the density that comes from pin i, and
-//! M_ji what of it arrives at pin j: p = Σ c_i u_i with c = M c, a Markov chain of the wells (W. K. Grassmann, M. I. Taksar and
-//! D. P. Heyman, 1985, doi:10.1287/opre.33.5.1107). M has rounding errors of 1e-13: where wells exchange less, their shares are not
-//! determined.
+//! Wells that exchange next to nothing have a pin each. With α p at all pins eliminated, u_i is the density that comes from pin i:
+//! p = Σ c_i u_i with the shares of the [wells](super::wells).
 
 use super::field::Field;
 use super::flux::Part;
 use super::operator::{Factors, Layout, Operator, Regular, Solution};
+use super::wells::Wells;
 use crate::error::{Error, Result};
 use crate::grid::tuning::wells as tuning;
 use crate::memory::MemoryLimit;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::Problem;
 use crate::states::States;
 use nalgebra::{DMatrix, DVector};
 
@@ -72,10 +71,10 @@ impl Leak {
 
 /// A pin, and the density that comes from it.
 #[derive(Clone, Debug)]
-struct Pin {
-    cell: usize,
+pub(super) struct Pin {
+    pub(super) cell: usize,
     alpha: f64,
-    from: Solution,
+    pub(super) from: Solution,
 }
 
 /// Solves K p = 0 with total mass 1, with pins at some places and where they turn out to be needed.
@@ -224,10 +223,7 @@ impl Stationary {
     pub(super) fn replace(&mut self, exact: Field) {
         let mesh = &self.operator.layout.mesh;
         self.field = Field { coefficients: exact.coefficients, ..Field::zero(mesh, self.operator.shape) };
-        self.faces = self
-            .operator
-            .traces(None)
-            .solved(self.operator.balance(&self.field.coefficients, &vec![0.0; self.faces.len()])[1].clone());
+        self.faces = self.operator.traces(None).solved(self.operator.outward(&self.field.coefficients));
         (self.leak, self.shares, self.determined) = (Leak { lost: 0.0, rounding: 0.0 }, Vec::new(), true);
     }
 
@@ -298,9 +294,7 @@ impl Stationary {
     /// The places of the pins, as states, the one in the highest density first.
     pub(super) fn places(&self) -> Vec<Vec<f64>> {
         let mesh = &self.operator.layout.mesh;
-        let place = |cell: usize| -> Vec<f64> {
-            (0..mesh.states()).map(|axis| mesh.origin[axis] + mesh.cells[cell].centre(axis)).collect()
-        };
+        let place = |cell: usize| mesh.centre(&mesh.cells[cell]);
         match &self.pins[..] {
             [_] => vec![place(self.field.peak())],
             // In each well where what comes from its pin is densest.
@@ -323,156 +317,5 @@ impl Solution {
 
     fn scale(&mut self, factor: f64) {
         self.inner.iter_mut().chain(&mut self.faces).for_each(|x| *x *= factor);
-    }
-}
-
-/// The shares of the wells.
-struct Wells {
-    /// The factor of what comes from each pin.
-    parts: Vec<f64>,
-    /// Changes of these that cannot be excluded, where masses are 1.
-    changes: Vec<Vec<f64>>,
-    determined: bool,
-}
-
-impl Wells {
-    fn new(pins: &[Pin], block: usize, fields: &[Field], question: Question<'_>) -> Self {
-        let count = pins.len();
-        if count == 1 {
-            return Wells { parts: vec![1.0], changes: Vec::new(), determined: true };
-        }
-        let arrives = DMatrix::from_fn(count, count, |i, j| pins[j].from.inner[pins[i].cell * block].max(0.0));
-        // The loss on the way from each pin, at least what rounding hides.
-        let lost: Vec<f64> = (0..count)
-            .map(|j| {
-                let sum: f64 = (0..count).map(|i| pins[j].from.inner[pins[i].cell * block]).sum();
-                (1.0 - sum).abs().max(tuning::ROUNDING)
-            })
-            .collect();
-        let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
-        let shares = |arrives: &DMatrix<f64>| {
-            let parts = stationary_chain(arrives);
-            let sum: f64 = parts.iter().zip(&masses).map(|(part, mass)| part * mass).sum();
-            DVector::from_iterator(count, parts.iter().zip(&masses).map(|(part, mass)| part * mass / sum))
-        };
-        let known = shares(&arrives);
-        // What each of the rates may be off by, in turn.
-        let mut changes: Vec<DVector<f64>> = Vec::new();
-        let mut uncertain = 0.0_f64;
-        for j in 0..count {
-            for i in (0..count).filter(|i| *i != j) {
-                let mut other = arrives.clone();
-                other[(i, j)] += lost[j];
-                let change = shares(&other) - &known;
-                uncertain = uncertain.max(change.amax());
-                changes.push(change);
-            }
-        }
-        let determined = uncertain < tuning::UNDETERMINED;
-        let (mut shares, mut changes) = (known, changes);
-        if !determined {
-            shares = counted(fields, question.states);
-            changes = (0..count)
-                .map(|i| {
-                    // All may be in one well, or none.
-                    let unit = DVector::from_fn(count, |j, _| f64::from(u8::from(i == j)));
-                    (unit - &shares) / count as f64 * 2.0
-                })
-                .collect();
-        }
-        let symmetry = question.problem.symmetry();
-        let images = images(&symmetry, pins, fields);
-        let averaged = |shares: &DVector<f64>| {
-            images.iter().fold(shares.clone(), |shares, image| {
-                DVector::from_fn(count, |i, _| (shares[i] + shares[image[i]]) / 2.0)
-            })
-        };
-        let (shares, changes): (_, Vec<_>) = (averaged(&shares), changes.iter().map(averaged).collect());
-        let parts = |shares: &DVector<f64>| shares.iter().zip(&masses).map(|(share, mass)| share / mass).collect();
-        let changes: Vec<_> = changes.iter().filter(|change| change.amax() > 1e-14).collect();
-        Wells {
-            parts: parts(&shares),
-            determined: determined || changes.is_empty(),
-            changes: changes.into_iter().map(parts).collect(),
-        }
-    }
-}
-
-/// The stationary shares of a Markov chain by its transitions from j to i ≠ j, without subtractions.
-fn stationary_chain(arrives: &DMatrix<f64>) -> Vec<f64> {
-    let count = arrives.nrows();
-    let mut rates = arrives.clone();
-    for k in (1..count).rev() {
-        let out: f64 = (0..k).map(|i| rates[(i, k)]).sum();
-        for j in 0..k {
-            let factor = rates[(k, j)] / out.max(f64::MIN_POSITIVE);
-            rates[(k, j)] = factor;
-            for i in (0..k).filter(|i| *i != j) {
-                let more = rates[(i, k)] * factor;
-                rates[(i, j)] += more;
-            }
-        }
-    }
-    let mut parts = vec![1.0; count];
-    for k in 1..count {
-        parts[k] = (0..k).map(|j| rates[(k, j)] * parts[j]).sum();
-    }
-    parts
-}
-
-/// The shares of states that lie where each field is the largest of all.
-fn counted(fields: &[Field], states: &States) -> DVector<f64> {
-    let mut counts = DVector::from_element(fields.len(), 0.0);
-    let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
-    for x in states {
-        let value = |k: &usize| fields[*k].value(x) / masses[*k];
-        if let Some(k) = (0..fields.len()).max_by(|a, b| value(a).total_cmp(&value(b))) {
-            counts[k] += 1.0;
-        }
-    }
-    let sum = counts.sum();
-    if sum > 0.0 { counts / sum } else { DVector::from_element(fields.len(), 1.0 / fields.len() as f64) }
-}
-
-/// For each sign change of states that leaves the problem as it is, the wells that become each other.
-fn images(symmetry: &Symmetry, pins: &[Pin], fields: &[Field]) -> Vec<Vec<usize>> {
-    let mesh = &fields[0].mesh;
-    let domain = mesh.domain();
-    let place = |cell: usize| -> Vec<f64> {
-        (0..mesh.states()).map(|axis| mesh.origin[axis] + mesh.cells[cell].centre(axis)).collect()
-    };
-    let peaks: Vec<Vec<f64>> = fields.iter().map(|field| place(field.peak())).collect();
-    let image = |flip: &Vec<bool>| -> Option<Vec<usize>> {
-        let nearest = |i: usize| {
-            let distance = |j: &usize| -> f64 {
-                let along = |axis: usize| {
-                    let turned = if flip[axis] { -peaks[i][axis] } else { peaks[i][axis] };
-                    ((turned - peaks[*j][axis]) / (domain[axis][1] - domain[axis][0])).powi(2)
-                };
-                (0..mesh.states()).map(along).sum()
-            };
-            (0..pins.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(i)
-        };
-        let image: Vec<usize> = (0..pins.len()).map(nearest).collect();
-        let back = (0..pins.len()).all(|i| image[image[i]] == i);
-        (back && (0..pins.len()).any(|i| image[i] != i)).then_some(image)
-    };
-    symmetry.changes().iter().filter_map(image).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// By hand: p₁ : p₂ : p₃ of a chain of three with unlike rates.
-    #[test]
-    fn chains_have_their_stationary_shares() {
-        let arrives = DMatrix::from_row_slice(3, 3, &[0.0, 0.2, 1e-15, 0.1, 0.0, 3e-15, 1e-16, 2e-16, 0.0]);
-        let shares = stationary_chain(&arrives);
-        for i in 0..3 {
-            let into: f64 = (0..3).filter(|j| *j != i).map(|j| arrives[(i, j)] * shares[j]).sum();
-            let out: f64 = (0..3).filter(|j| *j != i).map(|j| arrives[(j, i)] * shares[i]).sum();
-            assert!((into / out - 1.0).abs() < 1e-14);
-        }
     }
 }

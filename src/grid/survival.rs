@@ -1,22 +1,22 @@
 //! First passages: the part of a density that has passed no level.
 
+use super::course::{Course, Plan};
 use super::density::GridDensity;
 use super::field::Field;
 use super::flux::Part;
 use super::initial::Initial;
-use super::mesh::Side;
+use super::mesh::{Mesh, Side};
 use super::operator::{Layout, Operator, Regular};
 use super::refinement::{indicator, refined};
 use super::relaxation::slowest;
-use super::start::Ground;
-use super::transient::{Plan, Steps};
+use super::shape::Shape;
 use crate::checks::{positive, require};
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::grid::kept::Kept;
-use crate::grid::tuning;
-use crate::problem::{Problem, TimeScales};
+use crate::grid::{require_accuracy, tuning};
+use crate::problem::TimeScales;
 use crate::transient::{Start, check_times};
 use std::sync::Arc;
 
@@ -33,6 +33,8 @@ use std::sync::Arc;
 pub struct Survival {
     stationary: GridDensity,
     within: [f64; 2],
+    domain: Vec<[f64; 2]>,
+    sides: [Side; 2],
     /// The operators of two degrees between the levels.
     operators: Arc<[Operator; 2]>,
 }
@@ -78,41 +80,42 @@ impl GridDensity {
         require(width > 0.0, "room between the levels in the domain", width, remedy)?;
 
         let walls = self.kept.walls;
-        let lossy = [0, 1].map(|side| !absorbs[side] && walls[side].is_some_and(|wall| wall.restitution() < 1.0));
         let sides = [0, 1].map(|side| match walls[side] {
             _ if absorbs[side] => Side::Level,
             Some(wall) => Side::Wall(wall.restitution()),
             None => Side::Open,
         });
-        let grazed = [0, 1].map(|side| absorbs[side] || lossy[side]);
-        let Kept { problem, pilot, grid, .. } = &*self.kept;
-        let ground = Ground { problem, pilot, domain, sides, grazed };
-        let degree = grid.degree_for(true);
-        let mut layout = Layout::new(ground.mesh());
-        // What starts as the stationary density and leaves through the levels, per unit of its mass.
-        for _ in 0..tuning::refinement::ROUNDS {
-            let operator = Operator::new(problem, &layout, degree, Part::Whole, grid.memory)?;
-            let start = self.fine.carried(&layout.mesh, operator.shape);
-            let shift = 1.0 / pilot_time(problem)?;
-            let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.inner;
-            let scaled = spent.iter().map(|s| s * shift).collect();
-            let field = Field { coefficients: scaled, ..start };
-            let aim = grid.accuracy;
-            let next = if indicator(&field) <= aim { None } else { refined(&field, aim) };
-            match next.map(Layout::new) {
-                Some(finer) if finer.fits(operator.shape, grid.memory).is_ok() => layout = finer,
-                _ => break,
-            }
-        }
-        let of = |degree: usize| Operator::new(problem, &layout, degree, Part::Whole, grid.memory);
-        let operators = Arc::new([of(degree)?, of(degree - 1)?]);
-        Ok(Survival { stationary: self.clone(), within, operators })
+        let ground = self.kept.ground(domain.clone(), sides);
+        // What starts as the stationary density and leaves through the levels.
+        let operators =
+            resolved(&self.kept, Layout::new(ground.mesh()), |mesh, shape| Ok(self.fine.carried(mesh, shape)))?;
+        Ok(Survival { stationary: self.clone(), within, domain, sides, operators: Arc::new(operators) })
     }
 }
 
-/// The time in which a problem forgets its start.
-fn pilot_time(problem: &Problem) -> Result<f64> {
-    Ok(TimeScales::of(problem)?.memory())
+/// The operators of two degrees on a mesh, from `layout` on, that resolves the time which a density spends within its domain.
+fn resolved(
+    kept: &Kept,
+    mut layout: Layout,
+    start: impl Fn(&Arc<Mesh>, Shape) -> Result<Field>,
+) -> Result<[Operator; 2]> {
+    let Kept { problem, grid, .. } = kept;
+    let degree = grid.degree_for(grid.accuracy, true);
+    let shift = 1.0 / TimeScales::of(problem)?.memory();
+    for _ in 0..tuning::refinement::ROUNDS {
+        let operator = Operator::new(problem, &layout, degree, Part::Whole, grid.memory)?;
+        let start = start(&layout.mesh, operator.shape)?;
+        let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.inner;
+        // Per unit of what starts.
+        let field = Field { coefficients: spent.iter().map(|s| s * shift).collect(), ..start };
+        let next = if indicator(&field) <= grid.accuracy { None } else { refined(&field, grid.accuracy) };
+        match next.map(Layout::new) {
+            Some(finer) if finer.fits(operator.shape, grid.memory).is_ok() => layout = finer,
+            _ => return Ok([operator, Operator::new(problem, &layout, degree - 1, Part::Whole, grid.memory)?]),
+        }
+    }
+    let of = |degree: usize| Operator::new(problem, &layout, degree, Part::Whole, grid.memory);
+    Ok([of(degree)?, of(degree - 1)?])
 }
 
 impl Survival {
@@ -127,13 +130,12 @@ impl Survival {
     }
 
     /// P(T > t) at rising `times` t ≥ 0 after `start`. Of the stationary density, or of a Gaussian, the part beyond the
-    /// levels has passed them at t = 0. Each step may err by `tolerance`, relative to the root mean square of the density: 1e-4
-    /// is a good value.
+    /// levels has passed them at t = 0. Mesh and steps follow the density as in [`GridDensity::transient`].
     ///
     /// # Errors
     /// As [`GridDensity::transient`].
-    pub fn probability(&self, start: &Start, times: &[f64], tolerance: f64) -> Result<Vec<Estimate>> {
-        self.remaining(None, start, times, tolerance)
+    pub fn probability(&self, start: &Start, times: &[f64], accuracy: f64) -> Result<Vec<Estimate>> {
+        self.remaining(None, start, times, accuracy)
     }
 
     /// The same under modulated noise.
@@ -145,9 +147,9 @@ impl Survival {
         envelope: &Envelope,
         start: &Start,
         times: &[f64],
-        tolerance: f64,
+        accuracy: f64,
     ) -> Result<Vec<Estimate>> {
-        self.remaining(Some(envelope), start, times, tolerance)
+        self.remaining(Some(envelope), start, times, accuracy)
     }
 
     /// The rate ν of P(T > t) ~ exp(−ν t) for large t: the slowest eigenvalue, and the same for all starts. Its inverse is
@@ -167,14 +169,23 @@ impl Survival {
     /// # Errors
     /// As [`GridDensity::transient`]; [`Error::SingularSystem`] if nothing leaves through the levels.
     pub fn mean_time(&self, start: &Start) -> Result<Estimate> {
-        let initial = self.initial(start, None)?;
-        let [fine, coarse] = self.both(|operator, stationary| {
-            let field = initial.field(stationary, &operator.layout.mesh, operator.shape)?;
+        let kept = &self.stationary.kept;
+        let ground = kept.ground(self.domain.clone(), self.sides);
+        let initial = Initial::new(start, &ground, None, (f64::INFINITY, kept.grid.accuracy))?;
+        let stationary = [&self.stationary.fine, &self.stationary.coarse];
+        let [shape, _] = self.shapes();
+        let (layout, ..) = initial.held(&ground, stationary[0], (shape, kept.grid.memory), kept.grid.accuracy)?;
+        let operators = resolved(kept, layout, |mesh, shape| initial.field(stationary[0], mesh, shape))?;
+        let spent = |number: usize| -> Result<f64> {
+            let operator: &Operator = &operators[number];
+            let field = initial.field(stationary[number], &operator.layout.mesh, operator.shape)?;
             let before = initial.time * field.mass();
             let spent = operator.factors(Regular::Shift(0.0)).solve(&field.coefficients, None)?.inner;
             Ok(before + Field { coefficients: spent, ..field }.mass())
-        })?;
-        Ok(Estimate::new(fine, (fine - coarse).abs() + fine * fine * self.leak()))
+        };
+        let (fine, coarse) = rayon::join(|| spent(0), || spent(1));
+        let (fine, coarse) = (fine?, coarse?);
+        Ok(Estimate::new(fine, (fine - coarse).abs() + fine * (initial.error + fine * self.leak())))
     }
 
     fn remaining(
@@ -182,41 +193,32 @@ impl Survival {
         envelope: Option<&Envelope>,
         start: &Start,
         times: &[f64],
-        tolerance: f64,
+        accuracy: f64,
     ) -> Result<Vec<Estimate>> {
         check_times(times, 0.0, "it must not be negative")?;
-        // The density has passed nothing until the mesh resolves it.
-        let initial = self.initial(start, envelope)?;
-        let early = times.partition_point(|time| *time <= initial.time);
-        let plan = Plan::new(envelope, &times[early..], tolerance)?;
-        let [fine, coarse] = self.both(|operator, stationary| {
-            let field = initial.field(stationary, &operator.layout.mesh, operator.shape)?;
-            let start = (field.mass(), Steps { error: 0.0, mass: 0.0 });
-            let marched = self.stationary.marched(&plan, initial.time, field, &operator.layout, Some(operator))?;
-            let later = marched.into_iter().map(|(field, steps)| (field.mass(), steps));
-            Ok(std::iter::repeat_n(start, early).chain(later).collect::<Vec<_>>())
-        })?;
-        let estimate = |k: usize| {
-            let (mass, steps) = fine[k];
-            Estimate::new(mass, (mass - coarse[k].0).abs() + steps.mass.abs() + self.leak() * times[k])
+        require_accuracy("accuracy of a survival", accuracy)?;
+        let kept = &self.stationary.kept;
+        let ground = kept.ground(self.domain.clone(), self.sides);
+        let initial = Initial::new(start, &ground, envelope, (f64::INFINITY, accuracy))?;
+        let [shape, _] = self.shapes();
+        let plan = Plan { envelope, accuracy, degree: shape.degree, memory: kept.grid.memory };
+        let stationary = [&self.stationary.fine, &self.stationary.coarse];
+        let mut course = Course::new(plan, &ground, &initial, stationary, times.last().copied().unwrap_or(0.0))?;
+        let at = |time: &f64| {
+            // A point has passed nothing before it has a density.
+            course.advance(*time)?;
+            let [fine, coarse] = course.fields.each_ref().map(Field::mass);
+            Ok(Estimate::new(fine, (fine - coarse).abs() + course.moved + initial.error + self.leak() * time))
         };
-        Ok((0..times.len()).map(estimate).collect())
+        times.iter().map(at).collect()
     }
 
-    fn initial(&self, start: &Start, envelope: Option<&Envelope>) -> Result<Initial> {
-        self.stationary.initial(start, &self.operators[0].layout.mesh, envelope)
+    fn shapes(&self) -> [Shape; 2] {
+        self.operators.each_ref().map(|operator| operator.shape)
     }
 
     /// The probability that leaves through the domain's edges per unit time.
     fn leak(&self) -> f64 {
         self.stationary.provenance.leak.unwrap_or(0.0).abs()
-    }
-
-    /// An answer for each of the two degrees, from the operator and the stationary density of that degree.
-    fn both<T: Send>(&self, answer: impl Fn(&Operator, &Field) -> Result<T> + Sync) -> Result<[T; 2]> {
-        let [fine, coarse] = &*self.operators;
-        let (fine, coarse) =
-            rayon::join(|| answer(fine, &self.stationary.fine), || answer(coarse, &self.stationary.coarse));
-        Ok([fine?, coarse?])
     }
 }

@@ -1,16 +1,14 @@
-//! Transient densities p(x, t) on the mesh of the stationary one, and the rates at which transients die.
+//! Transient densities p(x, t), and the rates at which transients die.
 
+use super::course::{Course, Plan};
 use super::density::GridDensity;
 use super::field::{Field, difference};
-use super::flux::Part;
-use super::march::{March, Modulation};
-use super::operator::{Layout, Operator};
+use super::initial::Initial;
 use super::relaxation::slowest;
-use crate::checks::positive;
 use crate::density::Density;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
-use crate::grid::tuning;
+use crate::grid::{require_accuracy, tuning};
 use crate::transient::{Relaxation, Start, Transient, check_times};
 
 impl GridDensity {
@@ -47,18 +45,21 @@ impl GridDensity {
         slowest([&fine.operator, &coarse.operator], shift / 4.0, count)
     }
 
-    /// The densities at rising `times` after `start`, by a Rosenbrock method of order 4 that is stable for every step. Each
-    /// step may err by `tolerance`, relative to the root mean square of p; moments err much less, and 1e-4 is a good value.
-    /// The mesh is that of the stationary density.
+    /// The densities at rising `times` after `start`, by a Rosenbrock method of order 4 that is stable for every step, on a mesh that
+    /// follows the density: it is refined before a step that it would not hold to half of `accuracy` in L¹, and coarsened behind.
+    /// Each step may err by `accuracy`, relative to the root mean square of p; moments err much less, and 1e-4 is a good value. A
+    /// point is followed as a Gaussian, with the moments of the Gaussian closure, until that may be off by the other half, which
+    /// is part of the estimate; at least until one of its deviations is 0.03 of the stationary one.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the first one that the mesh resolves, the tolerance is
-    /// not positive, or the start lies (partly) outside the domain; [`Error::Dimension`] for a start in other than two states.
-    pub fn transient(&self, start: &Start, times: &[f64], tolerance: f64) -> Result<Vec<Transient<Self>>> {
-        self.evolved(None, start, times, tolerance)
+    /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
+    /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain or is too narrow for double precision there;
+    /// [`Error::Dimension`] for a start in other than the problem's states. Where the memory ends first, the provenance warns.
+    pub fn transient(&self, start: &Start, times: &[f64], accuracy: f64) -> Result<Vec<Transient<Self>>> {
+        self.evolved(None, start, times, accuracy)
     }
 
-    /// The same under modulated noise, whose columns are multiplied by the envelope e(t). The mesh is that of the stationary
+    /// The same under modulated noise, whose columns are multiplied by the envelope e(t). The domain is that of the stationary
     /// density under the noise as it stands, e = 1: that noise should be about the strongest one, and the envelope's peak
     /// about 1.
     ///
@@ -79,9 +80,9 @@ impl GridDensity {
         envelope: &Envelope,
         start: &Start,
         times: &[f64],
-        tolerance: f64,
+        accuracy: f64,
     ) -> Result<Vec<Transient<Self>>> {
-        self.evolved(Some(envelope), start, times, tolerance)
+        self.evolved(Some(envelope), start, times, accuracy)
     }
 
     fn evolved(
@@ -89,72 +90,40 @@ impl GridDensity {
         envelope: Option<&Envelope>,
         start: &Start,
         times: &[f64],
-        tolerance: f64,
+        accuracy: f64,
     ) -> Result<Vec<Transient<Self>>> {
-        let initial = self.initial(start, &self.fine.mesh, envelope)?;
-        let remedy = "before that time the density is too narrow for the mesh: take a later time or a finer accuracy";
-        check_times(times, initial.time, remedy)?;
-        let plan = Plan::new(envelope, times, tolerance)?;
-        let march = |stationary: &Field| {
-            let start = initial.field(stationary, &stationary.mesh, stationary.shape)?;
-            let layout = &self.kept.solutions[0].operator.layout;
-            let of = self.kept.solutions.iter().map(|solution| &solution.operator).find(|own| own.shape == start.shape);
-            self.marched(&plan, initial.time, start, layout, of)
-        };
-        let (fine, coarse) = rayon::join(|| march(&self.fine), || march(&self.coarse));
-        let all = times.iter().zip(fine?).zip(coarse?);
-        all.map(|((time, (fine, steps)), (coarse, _))| {
+        require_accuracy("accuracy of a transient", accuracy)?;
+        let ground = self.kept.ground(self.fine.mesh.domain(), self.fine.mesh.sides);
+        let [first, last] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0.0));
+        let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
+        check_times(times, initial.time, "a point has no density at once: take a later time")?;
+        let degree = self.kept.grid.degree_for(accuracy, ground.grazed.contains(&true));
+        let plan = Plan { envelope, accuracy, degree, memory: self.kept.grid.memory };
+        let mut course = Course::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
+        let at = |time: &f64| {
+            course.advance(*time)?;
+            let [fine, coarse] = course.fields.clone();
             let mut density = self.clone();
             // What a leak moves between wells grows with time to that of the stationary density.
-            density.provenance.l1_estimate = Some(difference(&fine, &coarse) + self.changed());
+            density.provenance.l1_estimate = Some(difference(&fine, &coarse) + self.changed() + initial.error);
+            density.provenance.cells = Some(fine.mesh.cells.len());
+            density.provenance.unknowns = Some(fine.coefficients.len());
+            if course.exhausted {
+                density.provenance.warning =
+                    Some("the memory does not suffice for the mesh: raise `memory_limit`".into());
+            }
             (density.fine, density.coarse) = (fine, coarse);
             if envelope.is_some() {
                 density.require_inside()?;
             }
-            Ok(Transient { time: *time, density, step_error: steps.error })
-        })
-        .collect()
+            Ok(Transient { time: *time, density, step_error: course.error })
+        };
+        times.iter().map(at).collect()
     }
 
     /// The size of what changes with leaks and shares.
     pub(super) fn changed(&self) -> f64 {
         self.changes.iter().map(Field::size).sum()
-    }
-
-    /// The solutions at all times on the mesh of `start`, each with its steps so far; `known` is the operator there, if there is one.
-    pub(super) fn marched(
-        &self,
-        plan: &Plan<'_>,
-        begin: f64,
-        start: Field,
-        layout: &Layout,
-        known: Option<&Operator>,
-    ) -> Result<Vec<(Field, Steps)>> {
-        let (memory, degree, problem) = (self.kept.grid.memory, start.shape.degree, &self.kept.problem);
-        let made;
-        let part = |part: Part<'_>| Operator::new(problem, layout, degree, part, memory);
-        let (operator, modulation) = match (plan.envelope, known) {
-            (None, Some(known)) => (known, None),
-            (None, None) => {
-                made = part(Part::Whole)?;
-                (&made, None)
-            }
-            (Some(envelope), _) => {
-                made = part(Part::Drift)?;
-                (&made, Some(Modulation { noise: part(Part::Noise)?, envelope }))
-            }
-        };
-        let span = plan.times.last().copied().unwrap_or(begin) - begin;
-        let first = span / tuning::march::FIRST;
-        let mut march = March::new(operator, (begin, start.coefficients.clone()), first, plan.tolerance)
-            .modulated(modulation.as_ref());
-        let field = |coefficients: &Vec<f64>| Field { coefficients: coefficients.clone(), ..start.clone() };
-        let mut fields = Vec::new();
-        for time in plan.times {
-            march.advance(*time)?;
-            fields.push((field(&march.p), Steps { error: march.error, mass: field(&march.difference).mass() }));
-        }
-        Ok(fields)
     }
 
     /// Refuses a density that the domain cuts, and enters the level at its edges.
@@ -169,30 +138,4 @@ impl GridDensity {
         self.provenance.edge_level = Some(self.edges.iter().map(|(.., level)| *level).fold(0.0, f64::max));
         Ok(())
     }
-}
-
-/// A march: the modulation of the noise, and the times that are to be reached.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Plan<'a> {
-    envelope: Option<&'a Envelope>,
-    times: &'a [f64],
-    tolerance: f64,
-}
-
-impl<'a> Plan<'a> {
-    /// # Errors
-    /// [`Error::OutOfRange`] unless the tolerance is positive.
-    pub(super) fn new(envelope: Option<&'a Envelope>, times: &'a [f64], tolerance: f64) -> Result<Self> {
-        positive("tolerance of a time step", tolerance, "it must be finite and above zero")?;
-        Ok(Plan { envelope, times, tolerance })
-    }
-}
-
-/// What the steps up to a time add to the error.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Steps {
-    /// The sum of their estimates, relative to the root mean square of p.
-    pub(super) error: f64,
-    /// The mass of the sum of their differences from a lower order.
-    pub(super) mass: f64,
 }

@@ -230,6 +230,36 @@ impl Tree {
         found
     }
 
+    /// The boxes that are divided into two leaves, and that `base` divides no more, by rising number.
+    pub(super) fn joinable(&self, base: &Tree) -> Vec<usize> {
+        let (mut open, mut found) = (vec![(0, Some(0))], Vec::new());
+        while let Some((node, own)) = open.pop() {
+            let Some((axis, first)) = self.nodes[node].parts else { continue };
+            let below = own.and_then(|own| base.nodes[own].parts);
+            // The base's parts are followed only while both trees divide alike; from where they differ on its lines are not kept.
+            let same = below.filter(|(along, part)| *along == axis && base.nodes[*part].cell == self.nodes[first].cell);
+            if below.is_none() && [first, first + 1].iter().all(|part| self.nodes[*part].parts.is_none()) {
+                found.push(node);
+            }
+            open.extend((0..2).map(|k| (first + k, same.map(|(_, part)| part + k))));
+        }
+        found.sort_unstable();
+        found
+    }
+
+    /// The tree in which some boxes, by rising number, are leaves again.
+    pub(super) fn joined(&self, boxes: &[usize]) -> Self {
+        let mut tree = Tree { states: self.states, nodes: vec![Node { parts: None, ..self.nodes[0] }] };
+        let mut open = vec![(0, 0)];
+        while let Some((node, own)) = open.pop() {
+            if let Some((axis, first)) = self.nodes[node].parts.filter(|_| boxes.binary_search(&node).is_err()) {
+                let part = tree.parted(own, axis, [first, first + 1].map(|part| self.nodes[part].cell));
+                open.extend([(first, part), (first + 1, part + 1)]);
+            }
+        }
+        tree
+    }
+
     /// Halves cells that are more than [`tuning::RATIO`] as long along a common face as their neighbour there, until none is.
     pub(super) fn balance(&mut self) {
         let ratio = tuning::RATIO * (1.0 + 1e-9);
@@ -270,6 +300,23 @@ mod tests {
             tree.halve(lower, 1);
         }
         tree
+    }
+
+    /// Pairs are joined again down to the coarsest tree, whose own lines stay, and only where that is asked for.
+    #[test]
+    fn pairs_of_leaves_are_joined_down_to_the_base() {
+        let mut base = Tree::new(&[vec![-1.0, 0.3, 2.0], vec![0.0, 1.0]]);
+        assert_eq!(refined().joined(&[]).leaves().len(), refined().leaves().len());
+        for cells in [2, 3] {
+            let mut tree = refined();
+            assert!(tree.joinable(&base).len() < tree.leaves().len() / 2);
+            while !tree.joinable(&base).is_empty() {
+                tree = tree.joined(&tree.joinable(&base));
+            }
+            assert_eq!(tree.leaves().len(), cells);
+            let first = base.locate(&[0.31, 0.01]).unwrap();
+            base.halve(first, 0);
+        }
     }
 
     /// Faces between cells and sides of the whole cover the boundary of each cell once.

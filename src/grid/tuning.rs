@@ -59,8 +59,6 @@ pub(super) mod mesh {
     /// A cell is at most so many times as long along a common face as its neighbour there. With 2 meshes at grazing points have half
     /// as many cells more, with 8 and 16 they take more rounds.
     pub(crate) const RATIO: f64 = 4.0;
-    /// The smallest standard deviation that a mesh holds, in units of a cell's width over the degree.
-    pub(crate) const RESOLVED: f64 = 1.25;
     /// The degree for accuracies that are not finer than the first number; for finer ones the next.
     pub(crate) const DEGREES: [(f64, usize); 3] = [(3e-6, 6), (3e-8, 8), (0.0, 10)];
     /// That next to a lossy wall or a level, where the density is not smooth.
@@ -98,6 +96,8 @@ pub(super) mod refinement {
     pub(crate) const LEAST: f64 = 0.02;
     /// An estimate of this size is no estimate of a density.
     pub(crate) const HOPELESS: f64 = 0.5;
+    /// In steps of time cells are divided for this part of the aim: a mesh that is just fine enough would not be so for long.
+    pub(crate) const AHEAD: f64 = 0.3;
     /// Meshes of so many cells resolve something: those from the pilot's states begin with hundreds of cells and an indicator below 1.
     pub(crate) const BEGUN: usize = 5000;
     /// The most solutions; each takes a fifth of the error or less.
@@ -122,12 +122,33 @@ pub(super) mod wells {
 
 /// Steps of time, and the rates at which they decay.
 pub(super) mod march {
-    /// A step changes by this factor only, since each new one costs new factors.
-    pub(crate) const CHANGE: f64 = 3.0;
+    /// A step changes by this factor at least: each new one costs new factors, as much as one to two steps.
+    pub(crate) const CHANGE: f64 = 1.6;
     /// By this one under modulated noise, where every step has factors of its own.
     pub(crate) const FINE_CHANGE: f64 = 1.4;
+    /// A step grows at most by this factor.
+    pub(crate) const GROWTH: f64 = 4.0;
     /// The first step is this part of the whole time.
     pub(crate) const FIRST: f64 = 400.0;
+    /// The part of the accuracy at which the mesh of a transient is refined, and that by which a point's Gaussian may be off.
+    pub(crate) const SHARE: f64 = 0.5;
+    /// Cells are joined where the pair would have this part of its share,
+    pub(crate) const LOOSE: f64 = 0.5;
+    /// looked at after so many steps,
+    pub(crate) const LOOK: usize = 4;
+    /// and if this part of all cells or less is left.
+    pub(crate) const WORTH: f64 = 0.9;
+    /// A point is followed as a Gaussian at least until a state's deviation is this part of the stationary one,
+    pub(crate) const NARROW: f64 = 0.03;
+    /// and where a wall or a level is nearer than so many deviations, no longer; 8 leave out 1e-15 of the mass.
+    pub(crate) const APART: f64 = 8.0;
+    /// The steps grow by this factor,
+    pub(crate) const NARROW_GROWTH: f64 = 1.1;
+    /// and there are at most so many.
+    pub(crate) const NARROW_STEPS: usize = 800;
+    /// The smallest deviation of a start over the domain: cells are a few thousandths of it, and must not lose their width to
+    /// rounding.
+    pub(crate) const THINNEST: f64 = 1e-9;
     /// Steps before the march is given up.
     pub(crate) const MAX_STEPS: usize = 20_000;
     /// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then

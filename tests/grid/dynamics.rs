@@ -3,7 +3,7 @@
 use crate::common::moving::{POWERS, correlated, linear_after, moments};
 use crate::common::{l1_from, problem};
 use expoly::models::{Duffing, Linear};
-use expoly::{Error, Gaussian, Grid, GridDensity, Start};
+use expoly::{Error, Gaussian, Grid, GridDensity, PolynomialDrift, Scalar, Start};
 use nalgebra::{dmatrix, dvector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
@@ -38,8 +38,8 @@ fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
         // Spectral accuracy: a mode of degree n + m is a polynomial of that degree times the density.
         let near = |m: &&expoly::Relaxation| (m.rate - rate).hypot(m.frequency - times * frequency) < 1e-4;
         let mode = modes.iter().find(near).unwrap();
-        // The error is the change by a degree, at an accuracy of the mesh of 1e-6.
-        assert!(mode.error < 1e-5, "{mode:?}");
+        // The error is the change by a degree: 6e-8 at most on a mesh on which the density itself is right to 1e-8.
+        assert!(mode.error < 2e-7, "{mode:?}");
     }
     assert!(modes[0].rate.abs() < 1e-7 && (modes[1].rate - 0.25).abs() < 1e-6);
 }
@@ -66,19 +66,44 @@ fn a_linear_oscillator_keeps_its_gaussian() {
     }
 }
 
-/// The step's error falls with the fourth power: a tolerance a hundred times smaller gives an error a hundred times
-/// smaller, within a factor of ten for steps that change by factors of three.
+/// Mesh and steps follow the accuracy: one a hundred times finer gives an error a hundred times smaller, within a factor of ten for
+/// cells and steps that are not always the largest ones. That of 1e-6 stands for the truth.
 #[test]
-fn a_smaller_tolerance_gives_a_smaller_error() {
-    // All three are solutions on one mesh, whose own error is the same in them: a coarse one serves.
+fn a_finer_accuracy_gives_a_smaller_error() {
     let grid = Grid::new().accuracy(1e-3).domain([[-6.5, 6.5], [-6.5, 6.5]]);
     let stationary = grid.solve(&problem(Linear::new(0.5, 1.0, 0.5).unwrap())).unwrap();
     let start = Start::Gaussian(Gaussian { mean: dvector![0.8, -0.5], covariance: dmatrix![0.3, 0.05; 0.05, 0.4] });
-    let at = |tolerance: f64| stationary.transient(&start, &[3.0], tolerance).unwrap().remove(0);
-    let truth = at(1e-7).moment(&[1, 0]).unwrap().value;
-    let errors = [1e-3, 1e-5].map(|tolerance| (at(tolerance).moment(&[1, 0]).unwrap().value - truth).abs());
+    let at = |accuracy: f64| stationary.transient(&start, &[3.0], accuracy).unwrap().remove(0);
+    let truth = at(1e-6).moment(&[1, 0]).unwrap().value;
+    let errors = [1e-2, 1e-4].map(|accuracy| (at(accuracy).moment(&[1, 0]).unwrap().value - truth).abs());
     println!("{errors:?}");
     assert!(errors[1] < 0.1 * errors[0], "{errors:?}");
+}
+
+#[derive(Debug)]
+struct DampedBySpeed;
+
+impl PolynomialDrift<2, 1> for DampedBySpeed {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        [v, -x - v * 0.3 - v * v * v * 0.3]
+    }
+    fn noise<S: Scalar>(&self, _: [S; 2]) -> [[S; 1]; 2] {
+        [[S::zero()], [S::from(1.0)]]
+    }
+}
+
+/// What a point's Gaussian is off by under a damping that bends it is in the estimate: 4 to 5 times the distance from a finer one.
+#[test]
+fn the_gaussian_of_a_point_is_off_by_less_than_is_estimated() {
+    let stationary = Grid::new().accuracy(1e-5).solve(&problem(DampedBySpeed)).unwrap();
+    let start = Start::Point(vec![1.0, 0.5]);
+    let [coarse, middle, fine] =
+        [1e-1, 3e-2, 1e-2].map(|accuracy| stationary.transient(&start, &[0.3], accuracy).unwrap().remove(0).density);
+    for density in [coarse, middle] {
+        let (distance, estimate) = (l1_from(&fine, &density), density.l1_estimate());
+        println!("{distance:.2e}, estimated {estimate:.2e}");
+        assert!(distance < estimate && estimate < 8.0 * distance, "{distance:e} and {estimate:e}");
+    }
 }
 
 /// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at four times, within four standard errors.
@@ -87,7 +112,7 @@ fn a_point_start_agrees_with_a_simulation() {
     const PATHS: usize = 200_000;
     const STEP: f64 = 0.032;
     let times = [0.8, 1.6, 3.2, 6.4];
-    let densities = duffing().transient(&Start::Point(vec![1.0, 0.0]), &times, 1e-4).unwrap();
+    let densities = duffing().transient(&Start::Point(vec![1.0, 0.0]), &times, 5e-5).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut sums = [[0.0; 10]; 4];
     let kick = (2.0 * 0.2 * STEP).sqrt();
@@ -120,8 +145,8 @@ fn a_point_start_agrees_with_a_simulation() {
             let deviation = (moment.value - mean).abs() / error.hypot(moment.error);
             println!("t = {}, {powers:?}: {moment}, simulated {mean:.6} ± {error:.6}", transient.time);
             assert!(deviation < 4.0, "t = {}, {powers:?}: {moment} and {mean} ± {error}", transient.time);
-            // The grid is the more precise of both: measured are 0.02 to 0.35 of the simulation's error.
-            assert!(moment.error < 0.5 * error, "t = {}, {powers:?}: {moment} and ± {error}", transient.time);
+            // The grid is the more precise of both: from a point, many short steps add up to 0.9 of the simulation's error at most.
+            assert!(moment.error < error, "t = {}, {powers:?}: {moment} and ± {error}", transient.time);
         }
     }
 }
@@ -151,7 +176,7 @@ fn a_transient_ends_in_the_stationary_density_at_the_slowest_rate() {
 fn transients_without_a_meaning_are_refused() {
     let stationary = duffing();
     let refused =
-        |start: Start, times: &[f64], tolerance: f64| stationary.transient(&start, times, tolerance).unwrap_err();
+        |start: Start, times: &[f64], accuracy: f64| stationary.transient(&start, times, accuracy).unwrap_err();
     let wide = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![0.3, 0.0; 0.0, 0.4] };
     let flat = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![0.0, 0.0; 0.0, 0.0] };
     let nowhere = Gaussian { mean: dvector![0.0, 0.0], covariance: dmatrix![f64::NAN, 0.0; 0.0, 0.4] };

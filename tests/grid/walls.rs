@@ -75,11 +75,11 @@ fn the_impact_rate_settles_as_the_grazing_point_is_resolved() {
     let rates = [1e-2, 1e-4, 1e-6].map(rate);
     let offs = rates.map(|rate| (rate.value / 0.76655307 - 1.0).abs());
     println!("off by {offs:?}, own errors {:?}", rates.map(|rate| rate.error / rate.value));
-    assert!(offs[2] < 4e-7, "{offs:?}");
+    // Cells at the grazing point are graded before the first solution: it has all that the rate needs.
+    assert!(offs.iter().all(|off| *off < 4e-7), "{offs:?}");
     for (rate, off) in rates.iter().zip(offs) {
-        assert!(off * rate.value < rate.error, "{rate:.10}, {off:e}");
+        assert!(off * rate.value < rate.error && rate.error < 2e-6 * rate.value, "{rate:.10}, {off:e}");
     }
-    assert!(rates[2].error < 5e-5 * rates[2].value, "{:.10}", rates[2]);
 }
 
 /// The density in the corner of the wall and the speed 0 converges with the accuracy, and the estimate is an upper bound: all of
@@ -93,7 +93,9 @@ fn the_corner_of_a_wall_converges_with_the_accuracy() {
         let density = Grid::new().accuracy(accuracy).solve(&duffing_above(0.5, 0.7)).unwrap();
         let (distance, estimate) = (l1_from(&finest, &density), density.l1_estimate());
         println!("accuracy {accuracy:e}: {distance:.1e}, estimate {estimate:.1e}");
-        assert!(distance < estimate && distance < accuracy, "accuracy {accuracy:e}: {distance:e}, {estimate:e}");
+        // Measured are 4.9 and 6.3 times the distance.
+        assert!(distance < estimate && estimate < 8.0 * distance, "accuracy {accuracy:e}: {distance:e}, {estimate:e}");
+        assert!(estimate < accuracy, "accuracy {accuracy:e}: {estimate:e}");
         distance
     });
     assert!(coarser[1] < coarser[0] / 2.5, "{coarser:?}");

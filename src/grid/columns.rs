@@ -1,0 +1,47 @@
+//! Products of matrices with vectors, column by column, with the registers that the machine has.
+
+use faer::Mat;
+use pulp::{Arch, NullaryFnOnce};
+
+/// Columns that are added at once: each sum is then read and written a quarter as often.
+pub(super) const AT_ONCE: usize = 4;
+
+/// Adds the product of a matrix with a vector.
+pub(super) fn add_product(sum: &mut [f64], matrix: &Mat<f64>, x: &[f64]) {
+    Arch::new().dispatch(Product { sum, matrix, x });
+}
+
+struct Product<'a> {
+    sum: &'a mut [f64],
+    matrix: &'a Mat<f64>,
+    x: &'a [f64],
+}
+
+impl NullaryFnOnce for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (k, x) in self.x.chunks(AT_ONCE).enumerate() {
+            add_columns(self.sum, self.matrix, [0, k * AT_ONCE], 1.0, x);
+        }
+    }
+}
+
+/// Adds a multiple of columns' sum Σ_k x_k c_k, from a row and a column on.
+#[inline(always)]
+pub(super) fn add_columns(sum: &mut [f64], matrix: &Mat<f64>, [row, column]: [usize; 2], factor: f64, x: &[f64]) {
+    let rows = row..row + sum.len();
+    let of = |k: usize| &matrix.col_as_slice(column + k)[rows.clone()];
+    if let [a, b, c, d] = *x {
+        let [a, b, c, d] = [factor * a, factor * b, factor * c, factor * d];
+        let (first, second, third, fourth) = (of(0), of(1), of(2), of(3));
+        for (i, s) in sum.iter_mut().enumerate() {
+            *s += (a * first[i] + b * second[i]) + (c * third[i] + d * fourth[i]);
+        }
+    } else {
+        for (k, x) in x.iter().enumerate() {
+            sum.iter_mut().zip(of(k)).for_each(|(s, c)| *s += factor * x * c);
+        }
+    }
+}

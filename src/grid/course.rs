@@ -1,0 +1,199 @@
+//! A density on its way through time, on a mesh that follows it.
+
+use super::field::Field;
+use super::initial::Initial;
+use super::march::Stepper;
+use super::mesh::Mesh;
+use super::operator::Layout;
+use super::refinement::{Finer, finer};
+use super::shape::Shape;
+use super::start::Ground;
+use super::tree::Tree;
+use crate::envelope::Envelope;
+use crate::error::{Error, Result};
+use crate::grid::tuning::{march as tuning, refinement};
+use crate::memory::MemoryLimit;
+use crate::states::States;
+use std::sync::Arc;
+
+/// What a density is followed by: the noise's envelope, and the accuracy of mesh and steps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan<'a> {
+    pub(super) envelope: Option<&'a Envelope>,
+    pub(super) accuracy: f64,
+    pub(super) degree: usize,
+    pub(super) memory: MemoryLimit,
+}
+
+/// Densities of two degrees on one mesh, which has cells where they need them: it is refined before a step that it would not hold,
+/// and coarsened behind.
+pub(super) struct Course<'a> {
+    plan: Plan<'a>,
+    ground: &'a Ground<'a>,
+    /// The coarsest mesh.
+    base: Tree,
+    steppers: [Stepper; 2],
+    /// Those of the degree and of one less.
+    pub(super) fields: [Field; 2],
+    pub(super) time: f64,
+    /// The longest step that is tried next, the last one, and those since the mesh was looked through.
+    step: f64,
+    last: f64,
+    since: usize,
+    steps: usize,
+    /// The sum of the steps' differences from a lower order, relative to the root mean square of p,
+    pub(super) error: f64,
+    /// and that of their masses.
+    pub(super) moved: f64,
+    /// Whether the memory did not suffice for the mesh.
+    pub(super) exhausted: bool,
+}
+
+impl<'a> Course<'a> {
+    /// Begins with a start; `stationary` are the solutions of both degrees, and `end` is the last time.
+    pub(super) fn new(
+        plan: Plan<'a>,
+        ground: &'a Ground<'a>,
+        initial: &Initial,
+        stationary: [&Field; 2],
+        end: f64,
+    ) -> Result<Self> {
+        let shapes = [0, 1].map(|less| Shape { states: ground.domain.len(), degree: plan.degree - less });
+        let aim = tuning::SHARE * plan.accuracy;
+        let (layout, field, exhausted) = initial.held(ground, stationary[0], (shapes[0], plan.memory), aim)?;
+        let coarse = initial.field(stationary[1], &layout.mesh, shapes[1])?;
+        let base = ground.mesh_for(&States::new(ground.domain.len())).tree;
+        let steppers = Self::steppers(plan, ground, &layout)?;
+        let (time, step) = (initial.time, (end - initial.time) / tuning::FIRST);
+        let fields = [field, coarse];
+        Ok(Course {
+            plan,
+            ground,
+            base,
+            steppers,
+            fields,
+            time,
+            step,
+            last: f64::INFINITY,
+            // The first mesh may be finer than it need be.
+            since: tuning::LOOK - 1,
+            steps: 0,
+            error: 0.0,
+            moved: 0.0,
+            exhausted,
+        })
+    }
+
+    fn steppers(plan: Plan<'_>, ground: &Ground<'_>, layout: &Layout) -> Result<[Stepper; 2]> {
+        let of = |degree| Stepper::new(ground.problem, layout, degree, plan.envelope.is_some(), plan.memory);
+        let (fine, coarse) = rayon::join(|| of(plan.degree), || of(plan.degree - 1));
+        Ok([fine?, coarse?])
+    }
+
+    /// Goes on to `end`, at steps of the envelope in between anew.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if the steps become too many.
+    pub(super) fn advance(&mut self, end: f64) -> Result<()> {
+        // Where every step needs new factors anyway its length follows the error more closely.
+        let change = if self.plan.envelope.is_some() { tuning::FINE_CHANGE } else { tuning::CHANGE };
+        let (aim, tolerance) = (tuning::SHARE * self.plan.accuracy, self.plan.accuracy);
+        while self.time < end {
+            let piece = self.plan.envelope.map(|envelope| envelope.piece(self.time));
+            let until = piece.map_or(end, |piece| end.min(piece.until));
+            let left = until - self.time;
+            // Equal steps up to the end, and the last length again where it is not much too short: a new one needs new factors.
+            let [fewest, same] = [left / self.step, left / self.last];
+            let again = (same - same.round()).abs() < 1e-9 * same && (1.0..change).contains(&(self.step / self.last));
+            let step = left / if again { same.round() } else { (fewest - 1e-9).ceil().max(1.0) };
+            self.last = step;
+            self.steps += 1;
+            if self.steps > tuning::MAX_STEPS || self.step < f64::EPSILON * left {
+                let remedy = "too many steps are needed to get there: take an earlier time or a larger accuracy";
+                return Err(Error::OutOfRange { name: "time", value: end, remedy });
+            }
+            let times = [self.time, step];
+            let [fine, coarse] = &mut self.steppers;
+            let [p, q] = self.fields.each_ref().map(|field| &field.coefficients);
+            let (fine, coarse) = rayon::join(|| fine.stepped(p, times, piece), || coarse.stepped(q, times, piece));
+            let ([p, difference], [q, other]) = (fine?, coarse?);
+            let error = (norm(&difference) / norm(&p)).max(norm(&other) / norm(&q));
+            if error.is_nan() || error > tolerance {
+                self.step = step / change;
+                continue;
+            }
+            let lasts = (tolerance / (2.0 * error)).powf(0.25);
+            let next = Field { coefficients: p, ..self.fields[0].clone() };
+            if !self.exhausted {
+                match finer(&next, aim, self.plan.memory) {
+                    Finer::Enough => {}
+                    Finer::Layout(layout) => {
+                        self.move_to(&layout, step * lasts.min(tuning::GROWTH))?;
+                        continue;
+                    }
+                    Finer::Exhausted => self.exhausted = true,
+                }
+            }
+            self.time = if left <= step * (1.0 + 1e-12) { until } else { self.time + step };
+            self.error += error;
+            self.moved += Field { coefficients: difference, ..next.clone() }.mass().abs();
+            self.fields[1].coefficients = q;
+            self.fields[0] = next;
+            // The error of a longer step grows with the fourth power of the length.
+            if step * lasts > self.step * change {
+                self.step = (step * lasts).min(self.step * tuning::GROWTH);
+            }
+            self.since += 1;
+            if self.since >= tuning::LOOK {
+                self.since = 0;
+                if let Some(mesh) = self.coarser(aim) {
+                    self.move_to(&Layout::new(mesh), step * lasts.min(tuning::GROWTH))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes on on another mesh, whose factors are new with any `step`.
+    fn move_to(&mut self, layout: &Layout, step: f64) -> Result<()> {
+        for field in &mut self.fields {
+            *field = field.carried(&layout.mesh, field.shape);
+        }
+        self.steppers = Self::steppers(self.plan, self.ground, layout)?;
+        (self.step, self.since) = (step, 0);
+        Ok(())
+    }
+
+    /// The mesh in which cells are joined, pair by pair, where that holds the density well enough; none if it saves little.
+    fn coarser(&self, aim: f64) -> Option<Mesh> {
+        let own = &self.fields[0].mesh;
+        let share = tuning::LOOSE * aim / own.cells.len() as f64;
+        let mut mesh = Mesh::clone(own);
+        while let Some(coarser) = self.joined(&mesh, share).filter(|joined| joined.cells.len() < mesh.cells.len()) {
+            mesh = coarser;
+        }
+        (mesh.cells.len() as f64 <= tuning::WORTH * own.cells.len() as f64).then_some(mesh)
+    }
+
+    /// The mesh in which the pairs of cells are one whose part of the highest degree is then at most `share`; none if there are none.
+    fn joined(&self, mesh: &Mesh, share: f64) -> Option<Mesh> {
+        let field = &self.fields[0];
+        let mut pairs = mesh.tree.joinable(&self.base);
+        let all = Arc::new(Mesh::new(mesh.origin, mesh.tree.joined(&pairs), mesh.sides));
+        let highest = field.carried(&all, field.shape).highest(refinement::BELOW);
+        pairs.retain(|node| {
+            let there = all.locate(&mesh.centre(&mesh.tree.cell(*node)));
+            there.is_some_and(|cell| highest[cell].iter().all(|part| *part <= share))
+        });
+        if pairs.is_empty() {
+            return None;
+        }
+        let mut tree = mesh.tree.joined(&pairs);
+        tree.balance();
+        Some(Mesh::new(mesh.origin, tree, mesh.sides))
+    }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

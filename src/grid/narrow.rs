@@ -1,0 +1,179 @@
+//! What spreads from a point: a Gaussian at first.
+
+use super::mesh::Side;
+use super::start::Ground;
+use crate::envelope::Envelope;
+use crate::error::{Error, Result};
+use crate::grid::tuning::march as tuning;
+use crate::numerics::Rule;
+use crate::polynomial::{Gaussian, Polynomial};
+use crate::problem::{ModulatedMoments, Problem, gaussian_after};
+use nalgebra::{DMatrix, DVector};
+
+/// A density that spreads from a point, as the Gaussian g with the moments of the Gaussian closure.
+///
+/// Its operator is that of the linear drift and the constant noise which have the same means. The true one makes no distance in L¹
+/// larger, so that the density is off by ∫ ‖(L − L_g) g‖ dt at most.
+pub(super) struct Narrow<'a> {
+    problem: &'a Problem,
+    envelope: Option<&'a Envelope>,
+    moments: ModulatedMoments,
+    residual: Residual,
+    pub(super) time: f64,
+    pub(super) gaussian: Gaussian,
+    /// That integral.
+    pub(super) error: f64,
+    /// ‖(L − L_g) g‖ at the time.
+    rate: f64,
+}
+
+impl<'a> Narrow<'a> {
+    /// A point until it is so wide that its Gaussian may be off by half of `accuracy`, at most until `first` or next to a wall. Otherwise
+    /// it has a part of the stationary deviation at least: noise that depends on the states makes it no Gaussian at once.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if noise does not spread it.
+    pub(super) fn spread(
+        ground: &Ground<'a>,
+        envelope: Option<&'a Envelope>,
+        x: &[f64],
+        (first, accuracy): (f64, f64),
+    ) -> Result<Self> {
+        let Ground { problem, pilot, .. } = ground;
+        let states = x.len();
+        let wide: Vec<f64> = (0..states).map(|axis| tuning::NARROW * pilot.deviation(axis)).collect();
+        let is_wide = |g: &Gaussian| (0..states).any(|i| g.covariance[(i, i)].sqrt() >= wide[i]);
+        // From far below the time in which noise spreads it so far, by steps that grow by a tenth, anew at each step of the noise.
+        let operator = problem.operator().diffusive();
+        let strength = |i: usize| operator.diffusion()[i][i].evaluate(x).max(f64::MIN_POSITIVE);
+        let least = (0..states).map(|i| 1e-4 * wide[i].powi(2) / strength(i)).fold(f64::INFINITY, f64::min);
+        let mut narrow = Narrow {
+            problem,
+            envelope,
+            moments: ModulatedMoments::new(problem),
+            residual: Residual::new(problem),
+            time: 0.0,
+            gaussian: Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(states, states) },
+            error: 0.0,
+            rate: 0.0,
+        };
+        let closed = |side: &usize| ground.sides[*side] != Side::Open;
+        let mut step = least;
+        for _ in 0..tuning::NARROW_STEPS {
+            let left = first - narrow.time;
+            let before = narrow.gaussian.mean[0];
+            let last = left > 0.0 && step >= left && narrow.gaussian.covariance.diagonal().sum() > 0.0;
+            step = if narrow.advance(if last { left } else { step }) { least } else { tuning::NARROW_GROWTH * step };
+            let mean = narrow.gaussian.mean[0];
+            // A wall or a level must not cut it, in the next step neither.
+            let reach = tuning::APART * narrow.gaussian.covariance[(0, 0)].sqrt() + 2.0 * (mean - before).abs();
+            let near = (0..2).filter(closed).any(|side| (ground.domain[0][side] - mean).abs() < reach);
+            if last {
+                narrow.time = first;
+            }
+            if last || near || (narrow.error >= tuning::SHARE * accuracy && is_wide(&narrow.gaussian)) {
+                return Ok(narrow);
+            }
+        }
+        let remedy = "the noise does not spread this start: give a Gaussian";
+        Err(Error::OutOfRange { name: "start of a transient", value: x[0], remedy })
+    }
+
+    /// Goes on by `step`, at most to where the envelope is no longer smooth; whether it got there.
+    fn advance(&mut self, step: f64) -> bool {
+        let (ends, end, squared);
+        if let Some(envelope) = self.envelope {
+            let piece = envelope.piece(self.time);
+            ends = self.time + step >= piece.until;
+            end = if ends { piece.until } else { self.time + step };
+            self.gaussian = self.moments.after(&self.gaussian, piece, [self.time, end]);
+            squared = piece.squared(end)[0];
+        } else {
+            (ends, end, squared) = (false, self.time + step, 1.0);
+            self.gaussian = gaussian_after(self.problem.operator(), &self.gaussian, step);
+        }
+        let rate = self.residual.norm(&self.gaussian, squared).unwrap_or(0.0);
+        self.error += self.rate.max(rate) * (end - self.time);
+        (self.time, self.rate) = (end, rate);
+        ends
+    }
+}
+
+/// A sum that is smaller than this part of its terms is one of rounding errors.
+const ROUNDING: f64 = 1e-14;
+
+/// (L − L_g) g of a Gaussian g.
+struct Residual {
+    /// f, and its part in proportion to the noise.
+    drift: Vec<Polynomial>,
+    induced: Vec<Polynomial>,
+    /// B, and its derivatives Σ_i ∂_i B_ij and Σ_ij ∂_i ∂_j B_ij.
+    noise: Vec<Vec<Polynomial>>,
+    first: Vec<Polynomial>,
+    second: Polynomial,
+    /// How often impulses come.
+    impulses: f64,
+    rule: Rule,
+}
+
+impl Residual {
+    fn new(problem: &Problem) -> Self {
+        let operator = problem.operator().diffusive();
+        let states = operator.dimension();
+        let noise = operator.diffusion().to_vec();
+        let zero = || Polynomial::zero(states);
+        let along = |j: usize| (0..states).fold(zero(), |sum, i| sum + noise[i][j].derivative(i));
+        let first: Vec<Polynomial> = (0..states).map(along).collect();
+        let second = (0..states).fold(zero(), |sum, j| sum + first[j].derivative(j));
+        let impulses = problem.operator().impulses().iter().map(|impulse| impulse.jumps().rate()).sum();
+        let (drift, induced) = (operator.drift().to_vec(), problem.induced_drift());
+        Residual { drift, induced, first, second, noise, impulses, rule: Rule::hermite(8) }
+    }
+
+    /// ‖(L − L_g) g‖ in L¹ where the squared envelope is `squared`; none if g has no density yet.
+    fn norm(&self, g: &Gaussian, squared: f64) -> Option<f64> {
+        let states = g.mean.len();
+        let scale = g.scale().ok()?;
+        let inverse = scale.clone().try_inverse()?.transpose();
+        let precision = &inverse * inverse.transpose();
+        let drift: Vec<Polynomial> =
+            self.drift.iter().zip(&self.induced).map(|(f, induced)| f - &(induced * (1.0 - squared))).collect();
+        let mean: Vec<f64> = drift.iter().map(|f| g.expectation(f)).collect();
+        let slope = DMatrix::from_fn(states, states, |i, j| g.expectation(&drift[i].derivative(j)));
+        let divergence = drift.iter().enumerate().fold(Polynomial::zero(states), |sum, (i, f)| sum + f.derivative(i));
+        let strength = DMatrix::from_fn(states, states, |i, j| g.expectation(&self.noise[i][j]));
+        let of = |z: &DVector<f64>| {
+            let (distance, u) = (&scale * z, &inverse * z);
+            let x = (&g.mean + &distance).as_slice().to_vec();
+            let linear = &slope * &distance;
+            let (mut value, mut size) = (0.0, 0.0);
+            let mut add = |sign: f64, terms: [f64; 3], factor: f64| {
+                value += sign * terms.iter().sum::<f64>() * factor;
+                size += terms.iter().map(|term| term.abs()).sum::<f64>() * factor.abs();
+            };
+            add(-1.0, [divergence.evaluate(&x), -slope.trace(), 0.0], 1.0);
+            add(1.0, [self.second.evaluate(&x), 0.0, 0.0], squared / 2.0);
+            for j in 0..states {
+                add(1.0, [drift[j].evaluate(&x), -mean[j], -linear[j]], u[j]);
+                add(-1.0, [self.first[j].evaluate(&x), 0.0, 0.0], squared * u[j]);
+                for i in 0..states {
+                    let more = [self.noise[i][j].evaluate(&x), -strength[(i, j)], 0.0];
+                    add(1.0, more, squared / 2.0 * (u[i] * u[j] - precision[(i, j)]));
+                }
+            }
+            // Where next to a point all cancels, what is left is rounding.
+            if value.abs() < ROUNDING * size { 0.0 } else { value.abs() }
+        };
+        let mut sum = 0.0;
+        for (first, weight) in self.rule.iter() {
+            if states == 1 {
+                sum += weight * of(&DVector::from_element(1, first));
+                continue;
+            }
+            for (second, other) in self.rule.iter() {
+                sum += weight * other * of(&DVector::from_vec(vec![first, second]));
+            }
+        }
+        Some(sum + 2.0 * self.impulses)
+    }
+}
