@@ -98,6 +98,7 @@ impl<'a> Course<'a> {
         // Where every step needs new factors anyway its length follows the error more closely.
         let change = if self.plan.envelope.is_some() { tuning::FINE_CHANGE } else { tuning::CHANGE };
         let (aim, tolerance) = (tuning::SHARE * self.plan.accuracy, self.plan.accuracy);
+        let mut refused = 0;
         while self.time < end {
             let piece = self.plan.envelope.map(|envelope| envelope.piece(self.time));
             let until = piece.map_or(end, |piece| end.min(piece.until));
@@ -119,9 +120,12 @@ impl<'a> Course<'a> {
             let ([p, difference], [q, other]) = (fine?, coarse?);
             let error = (norm(&difference) / norm(&p)).max(norm(&other) / norm(&q));
             if error.is_nan() || error > tolerance {
-                self.step = step / change;
+                // Where the density is not smooth errors fall with a low power of the step.
+                refused += 1;
+                self.step = step / change.powi(refused);
                 continue;
             }
+            refused = 0;
             let lasts = (tolerance / (2.0 * error)).powf(0.25);
             let next = Field { coefficients: p, ..self.fields[0].clone() };
             if !self.exhausted {

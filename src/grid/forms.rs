@@ -17,6 +17,7 @@ use super::flux::{Flux, Part, Value};
 use super::legendre::{Table, reference};
 use super::mesh::{Mesh, Role, Segment};
 use super::shape::{MOST, Place, Shape};
+use super::tree::Cell;
 use crate::fokker_planck::Local;
 use crate::numerics::Rule;
 use crate::problem::{PlaneMotion, Problem};
@@ -104,8 +105,19 @@ impl<'a> Forms<'a> {
             Matrices { inner: Mat::zeros(block, block), inflow, outflow, faces: Vec::with_capacity(faces) };
         let mut local = self.flux.local();
         self.volume(mesh, cell, &mut local, &mut matrices.inner);
+        let cell = mesh.cells[cell];
+        let sides = (0..self.shape.states).flat_map(|axis| [false, true].map(|upper| (axis, upper)));
+        let mut sides: Vec<Side> = sides.map(|(axis, upper)| Side::new(self.shape, &cell, axis, upper)).collect();
         for segment in segments {
-            self.segment(mesh, cell, segment, &mut local, &mut matrices);
+            let at = Fluxes::new(self, &cell, segment, &mut local);
+            let side = &mut sides[2 * segment.axis + usize::from(segment.upper)];
+            at.add_own(&mut side.own);
+            if segment.face.is_some() {
+                self.exchange(&at, side, &mut matrices);
+            }
+        }
+        for axis in sides.chunks_exact(2) {
+            self.add_own(&axis[0], &axis[1], &mut matrices.inner);
         }
         matrices
     }
@@ -148,30 +160,108 @@ impl<'a> Forms<'a> {
         }
     }
 
-    /// Adds a part of the boundary.
-    fn segment(&self, mesh: &Mesh, number: usize, segment: &Segment, local: &mut Local, matrices: &mut Matrices) {
-        let (cell, axis, degree) = (mesh.cells[number], segment.axis, self.shape.degree);
-        let sign = if segment.upper { 1.0 } else { -1.0 };
-        let modes = self.shape.modes(axis);
-        // Across: values and outward slopes of the basis at the side.
-        let (mut values, mut slopes) = reference(degree, sign);
+    /// w by u at both sides of an axis. Legendre polynomials are even or odd: values and outward slopes at the lower side are (−1)^i
+    /// times those at the upper one.
+    fn add_own(&self, lower: &Side, upper: &Side, inner: &mut Mat<f64>) {
+        let Side { axis, values, slopes, .. } = upper;
+        let (modes, stride) = (values.len(), self.shape.stride(*axis));
+        let even = [0, 1].map(|part| &upper.own[part] + &lower.own[part]);
+        let odd = [0, 1].map(|part| &upper.own[part] - &lower.own[part]);
+        let diffuses = even[1].norm_max() != 0.0 || odd[1].norm_max() != 0.0;
+        for (l, first) in self.along[*axis].iter().enumerate() {
+            let [even, odd] = [&even, &odd].map(|parts| parts.each_ref().map(|part| part.col_as_slice(l)));
+            for k in 0..modes {
+                let target = inner.col_as_slice_mut(first + k * stride);
+                // Rows whose degrees along the other axes are alike follow each other in groups of `stride`.
+                for (group, rows) in target.chunks_exact_mut(modes * stride).enumerate() {
+                    let own = group * stride..(group + 1) * stride;
+                    for (i, rows) in rows.chunks_exact_mut(stride).enumerate() {
+                        let [taken, normal] = if (i + k) % 2 == 0 { even } else { odd };
+                        let both = values[i] * values[k];
+                        let crossed = values[i] * slopes[k] + slopes[i] * values[k];
+                        rows.iter_mut().zip(&taken[own.clone()]).for_each(|(row, taken)| *row += both * taken);
+                        if diffuses {
+                            rows.iter_mut()
+                                .zip(&normal[own.clone()])
+                                .for_each(|(row, normal)| *row -= crossed * normal);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// w by λ, μ by u and μ by λ of a segment.
+    fn exchange(&self, at: &Fluxes, Side { axis, values, slopes, .. }: &Side, matrices: &mut Matrices) {
+        let (own, shared, penalty) = (&at.along.own, &at.along.shared, at.penalty);
+        let functions = self.along[*axis].len();
+        let first = matrices.faces.len() * functions;
+        let entering = at.sum(|at| at.enters - penalty * at.normal, own, shared);
+        let leaving = at.sum(|at| at.out + penalty * at.normal, own, shared);
+        let normal = at.sum(|at| at.normal, own, shared);
+        let mut slanted = Mat::<f64>::zeros(functions, functions);
+        for other in at.skewed() {
+            slanted += at.sum(|at| at.tangential[other], &at.along.slopes[other], shared);
+        }
+        let stride = self.shape.stride(*axis);
+        for (i, (value, slope)) in values.iter().zip(slopes).enumerate() {
+            for (j, place) in self.along[*axis].iter().map(|place| place + i * stride).enumerate() {
+                let outflow = &mut matrices.outflow.col_as_slice_mut(place)[first..][..functions];
+                for (l, outflow) in outflow.iter_mut().enumerate() {
+                    let diffused = slope * normal[(j, l)] + value * slanted[(j, l)];
+                    *outflow = diffused - value * leaving[(j, l)];
+                    matrices.inflow.col_as_slice_mut(first + l)[place] = value * entering[(j, l)] + diffused;
+                }
+            }
+        }
+        matrices.faces.push(at.sum(|at| penalty * at.normal - at.enters, shared, shared));
+    }
+}
+
+/// A side of a cell.
+struct Side {
+    axis: usize,
+    /// The cell's functions across it: values and outward slopes there.
+    values: Vec<f64>,
+    slopes: Vec<f64>,
+    /// What is tested by values, and what diffuses across, with the functions along the side in rows and columns.
+    own: [Mat<f64>; 2],
+}
+
+impl Side {
+    fn new(shape: Shape, cell: &Cell, axis: usize, upper: bool) -> Self {
+        let sign = if upper { 1.0 } else { -1.0 };
+        let (mut values, mut slopes) = reference(shape.degree, sign);
         let scale = cell.width[axis].sqrt().recip();
         values.iter_mut().for_each(|value| *value *= scale);
         slopes.iter_mut().for_each(|slope| *slope *= sign * scale * 2.0 / cell.width[axis]);
+        Side { axis, values, slopes, own: [(); 2].map(|()| Mat::zeros(shape.face(), shape.face())) }
+    }
+}
 
-        let along = Along::new(self, &cell, segment);
-        let place = if segment.upper { cell.upper(axis) } else { cell.lower[axis] };
-        let penalty = PENALTY * (degree as f64 + 1.0).powi(2) / cell.width[axis];
+/// The fluxes through a segment.
+struct Fluxes {
+    axis: usize,
+    penalty: f64,
+    along: Along,
+    fluxes: Vec<At>,
+}
+
+impl Fluxes {
+    fn new(forms: &Forms<'_>, cell: &Cell, segment: &Segment, local: &mut Local) -> Self {
+        let axis = segment.axis;
+        let along = Along::new(forms, cell, segment);
+        let (sign, place) = if segment.upper { (1.0, cell.upper(axis)) } else { (-1.0, cell.lower[axis]) };
         let mut fluxes = Vec::with_capacity(along.nodes.len());
         for node in &along.nodes {
             let mut u = node.place;
             u[axis] = place;
             fluxes.push(match segment.role {
                 // The measure is that of the speed before the impact, and so is the flux through the wall.
-                Role::Hits(_) => At { out: self.at_walls * node.speed, ..At::default() },
-                Role::Returns(_) => At { enters: -self.at_walls * node.speed, ..At::default() },
+                Role::Hits(_) => At { out: forms.at_walls * node.speed, ..At::default() },
+                Role::Returns(_) => At { enters: -forms.at_walls * node.speed, ..At::default() },
                 _ => {
-                    let value = self.flux.at(u, local);
+                    let value = forms.flux.at(u, local);
                     let [advection, carrying] = [value.advection, value.carrying].map(|f| sign * f[axis]);
                     let normal = value.diffusion[axis][axis];
                     let [out, enters] = [carrying > 0.0, carrying < 0.0].map(|is| if is { advection } else { 0.0 });
@@ -179,74 +269,42 @@ impl<'a> Forms<'a> {
                 }
             });
         }
-        let trace = matches!(segment.role, Role::Inner | Role::Level);
-        let diffuses = trace && fluxes.iter().any(|at| at.normal != 0.0);
-        let skewed: Vec<usize> = self.shape.others(axis).collect();
-        let skewed =
-            || skewed.iter().copied().filter(|other| trace && fluxes.iter().any(|at| at.tangential[*other] != 0.0));
-        let own = &along.own;
-        let sum = |f: &dyn Fn(&At) -> f64, rows: &[Vec<f64>], columns: &[Vec<f64>]| {
-            let mut sum = Mat::<f64>::zeros(rows[0].len(), columns[0].len());
-            for ((node, at), (row, column)) in along.nodes.iter().zip(&fluxes).zip(rows.iter().zip(columns)) {
-                let factor = node.weight * f(at);
-                if factor != 0.0 {
-                    for (l, c) in column.iter().enumerate() {
-                        sum.col_as_slice_mut(l).iter_mut().zip(row).for_each(|(s, r)| *s += factor * c * r);
-                    }
-                }
-            }
-            sum
-        };
-        let stride = self.shape.stride(axis);
-        let place = |i: usize, j: usize| i * stride + self.along[axis][j];
-        let functions = self.along[axis].len();
+        if !matches!(segment.role, Role::Inner | Role::Level) {
+            fluxes.iter_mut().for_each(|at| (at.normal, at.tangential) = (0.0, [0.0; MOST]));
+        }
+        let penalty = PENALTY * (forms.shape.degree as f64 + 1.0).powi(2) / cell.width[axis];
+        Fluxes { axis, penalty, along, fluxes }
+    }
 
-        // w by u.
-        let leaving =
-            if trace { sum(&|at| at.out + penalty * at.normal, own, own) } else { sum(&|at| at.out, own, own) };
-        let normal = diffuses.then(|| sum(&|at| at.normal, own, own));
-        let slanted: Vec<Mat<f64>> =
-            skewed().map(|other| sum(&|at| at.tangential[other], own, &along.slopes[other])).collect();
-        for k in 0..modes {
-            for l in 0..functions {
-                let target = matrices.inner.col_as_slice_mut(place(k, l));
-                for i in 0..modes {
-                    let (both, crossed) = (values[i] * values[k], values[i] * slopes[k] + slopes[i] * values[k]);
-                    for j in 0..functions {
-                        let mut entry = both * leaving[(j, l)];
-                        if let Some(normal) = &normal {
-                            entry -= crossed * normal[(j, l)];
-                        }
-                        for slanted in &slanted {
-                            entry -= both * (slanted[(j, l)] + slanted[(l, j)]);
-                        }
-                        target[place(i, j)] += entry;
-                    }
+    /// The other axes along which something diffuses through the segment.
+    fn skewed(&self) -> impl Iterator<Item = usize> + '_ {
+        let flows = |other: &usize| self.fluxes.iter().any(|at| at.tangential[*other] != 0.0);
+        (0..MOST).filter(|other| *other != self.axis).filter(flows)
+    }
+
+    /// Adds to what a side has of its own.
+    fn add_own(&self, [taken, normal]: &mut [Mat<f64>; 2]) {
+        let own = &self.along.own;
+        *taken += self.sum(|at| at.out + self.penalty * at.normal, own, own);
+        *normal += self.sum(|at| at.normal, own, own);
+        for other in self.skewed() {
+            let slanted = self.sum(|at| at.tangential[other], own, &self.along.slopes[other]);
+            *taken -= &slanted + slanted.transpose();
+        }
+    }
+
+    /// Σ w f r_j c_l over the nodes.
+    fn sum(&self, f: impl Fn(&At) -> f64, rows: &[Vec<f64>], columns: &[Vec<f64>]) -> Mat<f64> {
+        let mut sum = Mat::<f64>::zeros(rows[0].len(), columns[0].len());
+        for ((node, at), (row, column)) in self.along.nodes.iter().zip(&self.fluxes).zip(rows.iter().zip(columns)) {
+            let factor = node.weight * f(at);
+            if factor != 0.0 {
+                for (l, c) in column.iter().enumerate() {
+                    sum.col_as_slice_mut(l).iter_mut().zip(row).for_each(|(s, r)| *s += factor * c * r);
                 }
             }
         }
-        if segment.face.is_none() {
-            return;
-        }
-        let shared = &along.shared;
-        let first = matrices.faces.len() * functions;
-        // w by λ and μ by u.
-        let entering = sum(&|at| at.enters - penalty * at.normal, own, shared);
-        let leaving = sum(&|at| at.out + penalty * at.normal, own, shared);
-        let normal = diffuses.then(|| sum(&|at| at.normal, own, shared));
-        let slanted: Vec<Mat<f64>> =
-            skewed().map(|other| sum(&|at| at.tangential[other], &along.slopes[other], shared)).collect();
-        for l in 0..functions {
-            for i in 0..modes {
-                for j in 0..functions {
-                    let diffused = normal.as_ref().map_or(0.0, |normal| slopes[i] * normal[(j, l)])
-                        + values[i] * slanted.iter().map(|slanted| slanted[(j, l)]).sum::<f64>();
-                    matrices.inflow[(place(i, j), first + l)] = values[i] * entering[(j, l)] + diffused;
-                    matrices.outflow[(first + l, place(i, j))] = diffused - values[i] * leaving[(j, l)];
-                }
-            }
-        }
-        matrices.faces.push(sum(&|at| penalty * at.normal - at.enters, shared, shared));
+        sum
     }
 }
 
@@ -284,7 +342,7 @@ struct Along {
 }
 
 impl Along {
-    fn new(forms: &Forms<'_>, cell: &super::tree::Cell, segment: &Segment) -> Self {
+    fn new(forms: &Forms<'_>, cell: &Cell, segment: &Segment) -> Self {
         let (shape, table, extent) = (forms.shape, &forms.face, &segment.extent);
         let mut along = Along {
             nodes: vec![Node { place: [0.0; MOST], speed: 0.0, weight: 1.0 }],

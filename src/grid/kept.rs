@@ -5,6 +5,7 @@ use super::mesh::Side;
 use super::pilot::Pilot;
 use super::start::Ground;
 use super::stationary::Stationary;
+use super::tuning::mesh as tuning;
 use crate::problem::{Problem, Wall};
 
 /// The problem and its options, and the mesh, the operators and their factors of both degrees.
@@ -19,12 +20,12 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// What meshes of further questions are laid out for, within a domain with these sides.
-    pub(super) fn ground(&self, domain: Vec<[f64; 2]>, sides: [Side; 2]) -> Ground<'_> {
+    /// What meshes of further questions at an accuracy are laid out for, within a domain with these sides.
+    pub(super) fn ground(&self, domain: Vec<[f64; 2]>, sides: [Side; 2], accuracy: f64) -> Ground<'_> {
         let grazed = sides.map(|side| match side {
-            Side::Open => false,
-            Side::Level => true,
-            Side::Wall(restitution) => restitution < 1.0,
+            Side::Open => None,
+            Side::Level => Some((tuning::LEVEL * accuracy.sqrt()).clamp(tuning::LEVELS[0], tuning::LEVELS[1])),
+            Side::Wall(restitution) => (restitution < 1.0).then_some(tuning::GRAZING),
         });
         Ground { problem: &self.problem, pilot: &self.pilot, domain, sides, grazed }
     }

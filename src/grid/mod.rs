@@ -185,9 +185,10 @@ impl Grid {
         self.validate(problem)?;
         problem.operator().require_reached(&[])?;
         let pilot = Pilot::new(problem)?;
-        let lossy = walls.map(|wall| wall.is_some_and(|wall| wall.restitution() < 1.0));
+        let lossy = |wall: Wall| wall.restitution() < 1.0;
+        let grazed = walls.map(|wall| wall.filter(|wall| lossy(*wall)).map(|_| tuning::mesh::GRAZING));
         let piloted = begin.elapsed().as_secs_f64();
-        let mut density = self.resolved(problem, walls, pilot, lossy)?;
+        let mut density = self.resolved(problem, walls, pilot, grazed)?;
         density.provenance.pilot_seconds = Some(piloted);
         density.provenance.seconds = begin.elapsed().as_secs_f64();
         Ok(density)
@@ -210,12 +211,12 @@ impl Grid {
         problem: &Problem,
         walls: [Option<Wall>; 2],
         pilot: Pilot,
-        grazed: [bool; 2],
+        grazed: [Option<f64>; 2],
     ) -> Result<GridDensity> {
         if problem.dimension() == 1 && self.domain.is_none() {
             return self.on_a_line(problem, pilot);
         }
-        let degree = self.degree_for(self.accuracy, grazed != [false, false]);
+        let degree = self.degree_for(self.accuracy, grazed != [None; 2]);
         let sides = walls.map(|wall| wall.map_or(Side::Open, |wall| Side::Wall(wall.restitution())));
         let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
         let rounds = std::cell::Cell::new(0);

@@ -104,12 +104,14 @@ pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
     }
 }
 
-/// The mesh in which cells with more than their share of `aim` are divided; none if there are none.
+/// The mesh in which cells with more than their share of `aim` are divided, those with far more twice; none if there are none.
 pub(super) fn refined(field: &Field, aim: f64) -> Option<Mesh> {
     let own = &field.mesh;
     let mut tree = own.tree.clone();
     let share = aim / own.cells.len() as f64;
     let (root, states) = (tree.root(), own.states());
+    // Before the solution takes shape what is left in the highest degree says where to divide, and not how finely.
+    let settled = indicator(field) < tuning::SETTLED;
     let mut divided = false;
     for (number, along) in field.highest(tuning::BELOW).iter().enumerate() {
         let largest = along.iter().fold(0.0, |a: f64, b| a.max(*b));
@@ -122,13 +124,15 @@ pub(super) fn refined(field: &Field, aim: f64) -> Option<Mesh> {
         let mut parts = vec![own.leaf(number)];
         for axis in (0..states).filter(marked) {
             divided = true;
-            parts = parts
-                .into_iter()
-                .flat_map(|leaf| {
-                    let first = tree.halve(leaf, axis);
-                    [first, first + 1]
-                })
-                .collect();
+            for _ in 0..if settled && along[axis] > tuning::TWICE * share { 2 } else { 1 } {
+                parts = parts
+                    .into_iter()
+                    .flat_map(|leaf| {
+                        let first = tree.halve(leaf, axis);
+                        [first, first + 1]
+                    })
+                    .collect();
+            }
         }
     }
     divided.then(|| {

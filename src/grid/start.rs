@@ -18,8 +18,9 @@ pub(super) struct Ground<'a> {
     pub(super) domain: Vec<[f64; 2]>,
     /// The sides of state 0.
     pub(super) sides: [Side; 2],
-    /// The sides of state 0 next to which the density is not smooth at the speed 0.
-    pub(super) grazed: [bool; 2],
+    /// The smallest cell along the velocity, in its deviations, at the sides of state 0 next to which the density is not smooth at the
+    /// speed 0.
+    pub(super) grazed: [Option<f64>; 2],
 }
 
 /// The box of several times the reach of the pilot's states, `doubled` several times, up to `limits`.
@@ -46,7 +47,7 @@ impl Ground<'_> {
     pub(super) fn mesh_for(&self, sample: &States) -> Mesh {
         let states = self.domain.len();
         // Distances from a wall or a level keep the widths of the smallest cells.
-        let closed = [0, 1].map(|side| self.sides[side] != Side::Open || self.grazed[side]);
+        let closed = [0, 1].map(|side| self.sides[side] != Side::Open || self.grazed[side].is_some());
         let mut origin = [0.0; MOST];
         match closed {
             [true, _] => origin[0] = self.domain[0][0],
@@ -68,8 +69,10 @@ impl Ground<'_> {
             }
         }
         self.divide(&mut tree, &origin, sample);
-        for side in (0..2).filter(|side| self.grazed[*side] && states > 1) {
-            self.grade(&mut tree, side, origin[0]);
+        for side in (0..2).filter(|_| states > 1) {
+            if let Some(smallest) = self.grazed[side] {
+                self.grade(&mut tree, (side, smallest), origin[0]);
+            }
         }
         tree.balance();
         Mesh::new(origin, tree, self.sides)
@@ -123,12 +126,11 @@ impl Ground<'_> {
 
     /// Halves cells at a side towards the speed 0: along the velocity down to the smallest, and along the displacement in proportion
     /// to s³/9D, over which the density at a speed s changes.
-    fn grade(&self, tree: &mut Tree, side: usize, origin: f64) {
+    fn grade(&self, tree: &mut Tree, (side, smallest): (usize, f64), origin: f64) {
         let root = tree.root();
         let place = [root.lower[0], root.upper(0)][side];
         let strength = self.problem.operator().diffusion()[1][1].evaluate(&[origin + place, 0.0]) / 2.0;
         let deviation = self.pilot.deviation(1);
-        let smallest = if matches!(self.sides[side], Side::Level) { tuning::LEVEL } else { tuning::GRAZING };
         let layer = |s: f64| tuning::LAYER * s.powi(3) / (9.0 * strength.max(f64::MIN_POSITIVE));
         let narrowest = |axis: usize| tuning::NARROWEST * root.width[axis];
         let mut open = tree.at_side(0, side);

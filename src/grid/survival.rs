@@ -85,7 +85,7 @@ impl GridDensity {
             Some(wall) => Side::Wall(wall.restitution()),
             None => Side::Open,
         });
-        let ground = self.kept.ground(domain.clone(), sides);
+        let ground = self.kept.ground(domain.clone(), sides, self.kept.grid.accuracy);
         // What starts as the stationary density and leaves through the levels.
         let operators =
             resolved(&self.kept, Layout::new(ground.mesh()), |mesh, shape| Ok(self.fine.carried(mesh, shape)))?;
@@ -170,7 +170,7 @@ impl Survival {
     /// As [`GridDensity::transient`]; [`Error::SingularSystem`] if nothing leaves through the levels.
     pub fn mean_time(&self, start: &Start) -> Result<Estimate> {
         let kept = &self.stationary.kept;
-        let ground = kept.ground(self.domain.clone(), self.sides);
+        let ground = kept.ground(self.domain.clone(), self.sides, kept.grid.accuracy);
         let initial = Initial::new(start, &ground, None, (f64::INFINITY, kept.grid.accuracy))?;
         let stationary = [&self.stationary.fine, &self.stationary.coarse];
         let [shape, _] = self.shapes();
@@ -198,7 +198,7 @@ impl Survival {
         check_times(times, 0.0, "it must not be negative")?;
         require_accuracy("accuracy of a survival", accuracy)?;
         let kept = &self.stationary.kept;
-        let ground = kept.ground(self.domain.clone(), self.sides);
+        let ground = kept.ground(self.domain.clone(), self.sides, accuracy);
         let initial = Initial::new(start, &ground, envelope, (f64::INFINITY, accuracy))?;
         let [shape, _] = self.shapes();
         let plan = Plan { envelope, accuracy, degree: shape.degree, memory: kept.grid.memory };

@@ -93,11 +93,11 @@ impl GridDensity {
         accuracy: f64,
     ) -> Result<Vec<Transient<Self>>> {
         require_accuracy("accuracy of a transient", accuracy)?;
-        let ground = self.kept.ground(self.fine.mesh.domain(), self.fine.mesh.sides);
+        let ground = self.kept.ground(self.fine.mesh.domain(), self.fine.mesh.sides, accuracy);
         let [first, last] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0.0));
         let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
-        let degree = self.kept.grid.degree_for(accuracy, ground.grazed.contains(&true));
+        let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
         let plan = Plan { envelope, accuracy, degree, memory: self.kept.grid.memory };
         let mut course = Course::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
         let at = |time: &f64| {

@@ -19,9 +19,9 @@ pub(super) mod pilot {
     /// States of the main run. With 20 000 to 100 000 the meshes that follow have as many cells.
     pub(crate) const STATES: usize = 20_480;
     /// Trajectories of the run from farther starts,
-    pub(crate) const SCATTERED: usize = 8;
+    pub(crate) const SCATTERED: usize = 16;
     /// with so many states each.
-    pub(crate) const EACH: usize = 200;
+    pub(crate) const EACH: usize = 60;
     /// The deviation of farther starts, over the distance of the outermost state of the main run from the middle.
     pub(crate) const FARTHER: f64 = 5.0;
     /// The time step and the time between states, in the shortest of the system's times: the pilot finds where the density is, not
@@ -47,9 +47,12 @@ pub(super) mod mesh {
     /// at the grazing point: the error of impact rates falls with a power of this number, 2 for r near 1, 1.5 for r = 0.7 and 1 for
     /// r = 0.5, that of moments faster.
     pub(crate) const GRAZING: f64 = 1e-3;
-    /// The same at a level: next to it the density falls as the square root of the speed. For Duffing's oscillator below 2σ the rate
-    /// is off by 3e-8 relative with cells of 1e-1 σ, and by 3e-9 with those of 1e-2 σ and of 1e-3 σ.
-    pub(crate) const LEVEL: f64 = 1e-2;
+    /// The same at a level over the root of the accuracy: next to it the density falls as the square root of the speed, and rates are
+    /// off with the square of the smallest cell. For Duffing's oscillator below 1.5σ a rate is off by 4e-7 relative with cells of 0.1
+    /// σ, and by less than 1e-8 with those of 0.01 σ, which take half as many cells more.
+    pub(crate) const LEVEL: f64 = 30.0;
+    /// The least and the most of it.
+    pub(crate) const LEVELS: [f64; 2] = [1e-2, 1e-1];
     /// Cells next to a grazing point are graded up to this speed, in standard deviations.
     pub(crate) const GRADED: f64 = 1.5;
     /// Their width over s³/9D, the distance from the wall over which the density at a speed s changes.
@@ -87,6 +90,11 @@ pub(super) mod line {
 pub(super) mod refinement {
     /// A cell is divided along one state alone if its indicator along the other is below this share of it.
     pub(crate) const ALONE: f64 = 0.1;
+    /// A cell is quartered if its indicator is so many times its share: that is what a halving takes of it at degree 6 to 8,
+    pub(crate) const TWICE: f64 = 200.0;
+    /// where less than this is left in the highest degrees of all cells. It saves a solution of five to seven; with 1e-2 narrow cycles
+    /// and wells take 1.5 to 2 times the cells.
+    pub(crate) const SETTLED: f64 = 1e-3;
     /// The share of the part of the last degree but one that counts as the last one at least: about what one degree gains where the
     /// density is resolved.
     pub(crate) const BELOW: f64 = 0.1;
@@ -97,7 +105,7 @@ pub(super) mod refinement {
     /// An estimate of this size is no estimate of a density.
     pub(crate) const HOPELESS: f64 = 0.5;
     /// In steps of time cells are divided for this part of the aim: a mesh that is just fine enough would not be so for long.
-    pub(crate) const AHEAD: f64 = 0.3;
+    pub(crate) const AHEAD: f64 = 0.5;
     /// Meshes of so many cells resolve something: those from the pilot's states begin with hundreds of cells and an indicator below 1.
     pub(crate) const BEGUN: usize = 5000;
     /// The most solutions; each takes a fifth of the error or less.
@@ -133,11 +141,11 @@ pub(super) mod march {
     /// The part of the accuracy at which the mesh of a transient is refined, and that by which a point's Gaussian may be off.
     pub(crate) const SHARE: f64 = 0.5;
     /// Cells are joined where the pair would have this part of its share,
-    pub(crate) const LOOSE: f64 = 0.5;
+    pub(crate) const LOOSE: f64 = 0.8;
     /// looked at after so many steps,
     pub(crate) const LOOK: usize = 4;
     /// and if this part of all cells or less is left.
-    pub(crate) const WORTH: f64 = 0.9;
+    pub(crate) const WORTH: f64 = 0.8;
     /// A point is followed as a Gaussian at least until a state's deviation is this part of the stationary one,
     pub(crate) const NARROW: f64 = 0.03;
     /// and where a wall or a level is nearer than so many deviations, no longer; 8 leave out 1e-15 of the mass.

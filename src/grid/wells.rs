@@ -106,13 +106,13 @@ fn stationary_chain(arrives: &DMatrix<f64>) -> Vec<f64> {
     parts
 }
 
-/// The shares of states that lie where each field is the largest of all.
+/// The shares of states that lie in cells where the mean of each field is the largest of all.
 fn counted(fields: &[Field], states: &States) -> DVector<f64> {
     let mut counts = DVector::from_element(fields.len(), 0.0);
     let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
-    for x in states {
-        let value = |k: &usize| fields[*k].value(x) / masses[*k];
-        if let Some(k) = (0..fields.len()).max_by(|a, b| value(a).total_cmp(&value(b))) {
+    for cell in states.iter().filter_map(|x| fields[0].mesh.locate(x)) {
+        let mean = |k: &usize| fields[*k].mean(cell) / masses[*k];
+        if let Some(k) = (0..fields.len()).max_by(|a, b| mean(a).total_cmp(&mean(b))) {
             counts[k] += 1.0;
         }
     }

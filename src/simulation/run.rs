@@ -18,7 +18,7 @@ use super::{
 };
 use crate::checks::{finite, positive, require, state_index};
 use crate::error::{Error, Result};
-use crate::problem::{Contact, Problem, TimeScales, Wall, limits, two_digits};
+use crate::problem::{Contact, LANES, Problem, TimeScales, Wall, limits, two_digits};
 use crate::simulation::tuning::{
     self,
     limits::{MOST_BINS, MOST_LEVELS, MOST_TRAJECTORIES, MOST_WALLS},
@@ -185,8 +185,10 @@ impl<'a> Simulation<'a> {
         let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new()).recording(recording);
         let ensemble = self.ensemble(&scheme, &boundaries, timetable, control);
         let pilot = Pilot::run(&ensemble, self.seed, &start)?;
-        let group = |range| Trajectories::new(range, self.seed, &start);
-        let groups = deal(self.trajectories).into_iter().map(group).collect();
+        // All lanes are filled: states need no batches.
+        let all = self.trajectories as u64;
+        let group = |first: u64| Trajectories::new(first..all.min(first + LANES as u64), self.seed, &start);
+        let groups = (0..all).step_by(LANES).map(group).collect();
         let paths = ensemble.collect(groups, tuning::timetable::BURN_IN_STRETCHES + samples, &pilot.bounds())?;
         Ok(Paths { interval, ..paths })
     }

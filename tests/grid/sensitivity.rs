@@ -58,7 +58,7 @@ restitution = "r^2"
 #[test]
 fn derivatives_are_those_of_differences_next_to_lossy_walls() -> Result<()> {
     let problem = Problem::from_toml(TEXT)?;
-    let grid = Grid::new();
+    let grid = Grid::new().accuracy(1e-5);
     let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
     let found = grid.solve(&problem)?.sensitivities(&names)?;
     for (by, value) in found.iter().zip(problem.parameters().iter().map(|(_, value)| *value)) {

@@ -7,13 +7,14 @@
 //!
 //! 500 random oscillators are closed at several orders, and each density is compared with the solution of the Fokker-Planck
 //! equation on a grid; `--walls` does the same above 150 random walls, `--lattice` above 40 walls in order, where the
-//! literature's closure stands beside it, and `--exact` for systems of three to six states whose density is known. The tables go
-//! to `out/campaign/`, after each system: a campaign that was interrupted goes on from its table. `--part 2/16` closes a
-//! sixteenth of the systems, as the tasks of an array job do, and with the feature `mpi` `--ranks` a share on each rank. The seed and its index
-//! determine a system: `--only 17` repeats one. Tables of seed 1 are kept in `examples/measure/tables/`, with seconds that were
-//! measured beside other work.
+//! literature's closure stands beside it, and `--exact` for systems of three to six states whose density is known. `--grid`
+//! compares the grid on the 500 with finer solutions. The tables go to `out/campaign/`, after each system: a campaign that was
+//! interrupted goes on from its table. `--part 2/16` closes a sixteenth of the systems, as the tasks of an array job do, and
+//! with the feature `mpi` `--ranks` a share on each rank. The seed and its index determine a system: `--only 17` repeats one.
+//! Tables of seed 1 are kept in `examples/measure/tables/`, with seconds that were measured beside other work.
 
 mod exact;
+mod grid;
 mod plane;
 mod runner;
 mod statistics;
@@ -48,6 +49,9 @@ pub(crate) struct Options {
     /// Walls on a lattice of offsets, restitutions and cubic stiffnesses (c = 0.2, k = 1, D = 0.2)
     #[arg(long)]
     lattice: bool,
+    /// The grid on the random oscillators, against finer solutions [default degree, as --orders: 8]
+    #[arg(long)]
+    grid: bool,
     /// Random systems of three to six states whose density is known [default orders: 2,4]
     #[arg(long)]
     exact: bool,
@@ -118,6 +122,7 @@ fn on_ranks(options: &Options) -> Outcome {
 fn run_part(options: &Options) -> Outcome {
     match () {
         () if options.exact => exact::run(options),
+        () if options.grid => grid::run(options),
         () if options.walls || options.lattice => walls::run(options),
         () => plane::run(options),
     }
