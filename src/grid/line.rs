@@ -10,6 +10,7 @@ use crate::grid::tuning::{line as tuning, refinement};
 use crate::numerics::{Rule, eigenvalues};
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
+use crate::states::States;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -19,6 +20,8 @@ pub(super) struct Line {
     drift: Polynomial,
     diffusion: Polynomial,
     rule: Rule,
+    /// Where the noise vanishes below and above: nothing passes there.
+    ends: [Option<f64>; 2],
     /// Places, rising, and ∫ 2f/B up to them.
     steps: Vec<[f64; 2]>,
 }
@@ -32,13 +35,13 @@ impl Line {
         let operator = problem.operator();
         let (drift, diffusion) = (operator.drift()[0].clone(), operator.diffusion()[0][0].clone());
         let zeros = zeros(&diffusion);
-        let mut line = Line { drift, diffusion, rule: Rule::legendre(tuning::NODES), steps: vec![[inside, 0.0]] };
-        for side in [-1.0, 1.0] {
-            // Where the noise vanishes nothing passes.
-            let end = zeros.iter().filter(|zero| side * (**zero - inside) > 0.0).copied();
-            let end = end.min_by(|a, b| (a - inside).abs().total_cmp(&(b - inside).abs()));
-            line.extend(side, scale, end)?;
-        }
+        let ends = [-1.0, 1.0].map(|side| {
+            let beyond = zeros.iter().filter(|zero| side * (**zero - inside) > 0.0).copied();
+            beyond.min_by(|a, b| (a - inside).abs().total_cmp(&(b - inside).abs()))
+        });
+        let mut line = Line { drift, diffusion, rule: Rule::legendre(tuning::NODES), ends, steps: vec![[inside, 0.0]] };
+        line.extend(-1.0, scale, ends[0])?;
+        line.extend(1.0, scale, ends[1])?;
         line.steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
         Ok(line)
     }
@@ -64,6 +67,21 @@ impl Line {
         let towards = if side > 0.0 { "above" } else { "below" };
         let reason = format!("p = (C/B) exp(∫ 2f/B dx) does not end {towards} {start:.3}: it cannot be normalised");
         Err(Error::NotResolved { estimate: f64::INFINITY, reason })
+    }
+
+    /// A warning where trajectories went on both sides of a place at which the noise vanishes: each side has a density of its own.
+    pub(super) fn parted(&self, states: &States) -> Option<String> {
+        let beyond = |side: usize, end: f64| {
+            let count = states.iter().filter(|x| if side == 0 { x[0] < end } else { x[0] > end }).count();
+            let (own, other) = if side == 0 { ("above", "below") } else { ("below", "above") };
+            let share = 100.0 * count as f64 / states.len() as f64;
+            (count > 0).then(|| {
+                format!(
+                    "the noise vanishes at {end:.6}: this is the density {own}; {share:.0} % of the trajectories' states are {other}"
+                )
+            })
+        };
+        (0..2).filter_map(|side| beyond(side, self.ends[side]?)).reduce(|first, second| format!("{first}; {second}"))
     }
 
     fn integral(&self, from: f64, to: f64) -> f64 {

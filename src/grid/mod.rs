@@ -160,7 +160,9 @@ impl Grid {
     /// The stationary density of a problem of one state or two: on the whole line or plane, or where the walls of a displacement
     /// leave it, below, above or on both sides, each with its own restitution.
     ///
-    /// A run that does not reach the accuracy returns what it has, with its estimate and a warning.
+    /// A run that does not reach the accuracy returns what it has, with its estimate and a warning. Where the noise of one state
+    /// vanishes within the range, each side has a density of its own: returned is that where most trajectories are, with a
+    /// warning if some are on the other.
     ///
     /// # Errors
     /// - [`Error::NotServed`]: a problem of another number of states, a wall on state 1, or impulses;
@@ -254,7 +256,10 @@ impl Grid {
     fn on_a_line(&self, problem: &Problem, pilot: Pilot) -> Result<GridDensity> {
         let degree = self.degree.unwrap_or(tuning::line::DEGREE);
         let peak = pilot.peak();
-        let line = Line::new(problem, peak[0], pilot.deviation(0))?;
+        // Where the noise vanishes trajectories may leave one side for ever, on which nothing is stationary.
+        let on = |inside: f64| Line::new(problem, inside, pilot.deviation(0));
+        let [low, high] = pilot.reach()[0];
+        let line = on(peak[0]).or_else(|error| on(low).or_else(|_| on(high)).map_err(|_| error))?;
         let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
         let exact = line.resolved(degree);
         let layout = Layout::new(exact.mesh.as_ref().clone());
@@ -268,7 +273,10 @@ impl Grid {
         let coarse = solved(degree - 1, exact.with_shape(shape::Shape { states: 1, degree: degree - 1 }))?;
         let estimate = difference(&fine.field, &coarse.field);
         let pair = Pair { fine, coarse, estimate, rounds: 2, exhausted: false };
-        self.density(problem, [None; 2], pilot, pair, (2, false))
+        let parted = line.parted(&pilot.states);
+        let mut density = self.density(problem, [None; 2], pilot, pair, (2, false))?;
+        density.provenance.warning = parted.or(density.provenance.warning);
+        Ok(density)
     }
 
     fn density(

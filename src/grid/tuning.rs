@@ -49,8 +49,8 @@ pub(super) mod mesh {
     pub(crate) const GRAZING: f64 = 1e-3;
     /// The same at a level over the root of the accuracy: next to it the density falls as the square root of the speed, and rates are
     /// off with the square of the smallest cell. For Duffing's oscillator below 1.5σ a rate is off by 4e-7 relative with cells of 0.1
-    /// σ, and by less than 1e-8 with those of 0.01 σ, which take half as many cells more.
-    pub(crate) const LEVEL: f64 = 30.0;
+    /// σ, by 4e-8 with those of 0.03 σ and by less than 1e-8 with those of 0.01 σ, which take half as many cells more.
+    pub(crate) const LEVEL: f64 = 10.0;
     /// The least and the most of it.
     pub(crate) const LEVELS: [f64; 2] = [1e-2, 1e-1];
     /// Cells next to a grazing point are graded up to this speed, in standard deviations.

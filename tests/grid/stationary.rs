@@ -64,6 +64,25 @@ fn densities_of_one_state_are_as_exact_as_was_asked_for() {
     }
 }
 
+/// dx = (x − x³) dt + s x dW: where the noise vanishes, at 0, nothing passes. By d ln|x|, E x² = 1 − s²/2 on either side, on which
+/// p ~ |x|^(2/s² − 2) exp(−x²/s²).
+#[test]
+fn noise_that_vanishes_parts_the_line() {
+    let text = |sign: &str, s: f64| {
+        format!("states = ['x']\ndrift.x = 'x - x^3{sign}'\nnoise.w.x = '{s}*x'\ninterpretation = 'ito'")
+    };
+    for s in [0.5_f64, 0.8] {
+        let density = Grid::new().solve(&Problem::from_toml(&text("", s)).unwrap()).unwrap();
+        let ([low, high], square) = (density.bounds()[0], density.moment(&[2]).unwrap());
+        println!("{low:e} to {high}, E x2 {square}, {:?}", density.provenance().warning);
+        assert!(low * high > 0.0 && (square.value - (1.0 - s * s / 2.0)).abs() < 1e-9, "{square}");
+        assert!(density.provenance().warning.as_ref().is_some_and(|warning| warning.contains("vanishes at 0.0")));
+    }
+    // From x = 0 on a constant force leads to the side above, and none comes back.
+    let density = Grid::new().solve(&Problem::from_toml(&text(" + 0.1", 0.5)).unwrap()).unwrap();
+    assert!(density.bounds()[0][0] > 0.0);
+}
+
 /// Three wells far apart need more cells, which the refinement finds.
 #[test]
 fn three_wells_are_found() {
