@@ -14,17 +14,14 @@
 //! ∂p/∂t = −K p.
 
 use super::flux::{Flux, Part, Value};
-use super::legendre::{Table, reference};
-use super::mesh::{Mesh, Role, Segment};
+use super::legendre::Table;
+use super::mesh::Mesh;
 use super::shape::{MOST, Place, Shape};
-use super::tree::Cell;
+use super::sides::{Across, Boundary, Fluxes};
 use crate::fokker_planck::Local;
 use crate::numerics::Rule;
 use crate::problem::{PlaneMotion, Problem};
 use faer::Mat;
-
-/// Twice the penalty that the inverse inequality of polynomials requires.
-const PENALTY: f64 = 2.0;
 
 /// The matrices of a cell and its faces, which follow each other in the order of the cell's segments.
 #[derive(Clone, Debug)]
@@ -106,12 +103,14 @@ impl<'a> Forms<'a> {
         let mut local = self.flux.local();
         self.volume(mesh, cell, &mut local, &mut matrices.inner);
         let cell = mesh.cells[cell];
+        let Forms { shape, flux, at_walls, face, .. } = self;
+        let boundary = Boundary { shape: *shape, flux, at_walls: *at_walls, face };
         let sides = (0..self.shape.states).flat_map(|axis| [false, true].map(|upper| (axis, upper)));
-        let mut sides: Vec<Side> = sides.map(|(axis, upper)| Side::new(self.shape, &cell, axis, upper)).collect();
+        let mut sides: Vec<Across> = sides.map(|(axis, upper)| Across::new(self.shape, &cell, axis, upper)).collect();
         for segment in segments {
-            let at = Fluxes::new(self, &cell, segment, &mut local);
+            let at = Fluxes::new(&boundary, &cell, segment, &mut local);
             let side = &mut sides[2 * segment.axis + usize::from(segment.upper)];
-            at.add_own(&mut side.own);
+            at.add_to(&mut side.own);
             if segment.face.is_some() {
                 self.exchange(&at, side, &mut matrices);
             }
@@ -162,8 +161,8 @@ impl<'a> Forms<'a> {
 
     /// w by u at both sides of an axis. Legendre polynomials are even or odd: values and outward slopes at the lower side are (−1)^i
     /// times those at the upper one.
-    fn add_own(&self, lower: &Side, upper: &Side, inner: &mut Mat<f64>) {
-        let Side { axis, values, slopes, .. } = upper;
+    fn add_own(&self, lower: &Across, upper: &Across, inner: &mut Mat<f64>) {
+        let Across { axis, values, slopes, .. } = upper;
         let (modes, stride) = (values.len(), self.shape.stride(*axis));
         let even = [0, 1].map(|part| &upper.own[part] + &lower.own[part]);
         let odd = [0, 1].map(|part| &upper.own[part] - &lower.own[part]);
@@ -192,7 +191,7 @@ impl<'a> Forms<'a> {
     }
 
     /// w by λ, μ by u and μ by λ of a segment.
-    fn exchange(&self, at: &Fluxes, Side { axis, values, slopes, .. }: &Side, matrices: &mut Matrices) {
+    fn exchange(&self, at: &Fluxes, Across { axis, values, slopes, .. }: &Across, matrices: &mut Matrices) {
         let (own, shared, penalty) = (&at.along.own, &at.along.shared, at.penalty);
         let functions = self.along[*axis].len();
         let first = matrices.faces.len() * functions;
@@ -215,176 +214,6 @@ impl<'a> Forms<'a> {
             }
         }
         matrices.faces.push(at.sum(|at| penalty * at.normal - at.enters, shared, shared));
-    }
-}
-
-/// A side of a cell.
-struct Side {
-    axis: usize,
-    /// The cell's functions across it: values and outward slopes there.
-    values: Vec<f64>,
-    slopes: Vec<f64>,
-    /// What is tested by values, and what diffuses across, with the functions along the side in rows and columns.
-    own: [Mat<f64>; 2],
-}
-
-impl Side {
-    fn new(shape: Shape, cell: &Cell, axis: usize, upper: bool) -> Self {
-        let sign = if upper { 1.0 } else { -1.0 };
-        let (mut values, mut slopes) = reference(shape.degree, sign);
-        let scale = cell.width[axis].sqrt().recip();
-        values.iter_mut().for_each(|value| *value *= scale);
-        slopes.iter_mut().for_each(|slope| *slope *= sign * scale * 2.0 / cell.width[axis]);
-        Side { axis, values, slopes, own: [(); 2].map(|()| Mat::zeros(shape.face(), shape.face())) }
-    }
-}
-
-/// The fluxes through a segment.
-struct Fluxes {
-    axis: usize,
-    penalty: f64,
-    along: Along,
-    fluxes: Vec<At>,
-}
-
-impl Fluxes {
-    fn new(forms: &Forms<'_>, cell: &Cell, segment: &Segment, local: &mut Local) -> Self {
-        let axis = segment.axis;
-        let along = Along::new(forms, cell, segment);
-        let (sign, place) = if segment.upper { (1.0, cell.upper(axis)) } else { (-1.0, cell.lower[axis]) };
-        let mut fluxes = Vec::with_capacity(along.nodes.len());
-        for node in &along.nodes {
-            let mut u = node.place;
-            u[axis] = place;
-            fluxes.push(match segment.role {
-                // The measure is that of the speed before the impact, and so is the flux through the wall.
-                Role::Hits(_) => At { out: forms.at_walls * node.speed, ..At::default() },
-                Role::Returns(_) => At { enters: -forms.at_walls * node.speed, ..At::default() },
-                _ => {
-                    let value = forms.flux.at(u, local);
-                    let [advection, carrying] = [value.advection, value.carrying].map(|f| sign * f[axis]);
-                    let normal = value.diffusion[axis][axis];
-                    let [out, enters] = [carrying > 0.0, carrying < 0.0].map(|is| if is { advection } else { 0.0 });
-                    At { out, enters, normal, tangential: value.diffusion[axis].map(|a| sign * a) }
-                }
-            });
-        }
-        if !matches!(segment.role, Role::Inner | Role::Level) {
-            fluxes.iter_mut().for_each(|at| (at.normal, at.tangential) = (0.0, [0.0; MOST]));
-        }
-        let penalty = PENALTY * (forms.shape.degree as f64 + 1.0).powi(2) / cell.width[axis];
-        Fluxes { axis, penalty, along, fluxes }
-    }
-
-    /// The other axes along which something diffuses through the segment.
-    fn skewed(&self) -> impl Iterator<Item = usize> + '_ {
-        let flows = |other: &usize| self.fluxes.iter().any(|at| at.tangential[*other] != 0.0);
-        (0..MOST).filter(|other| *other != self.axis).filter(flows)
-    }
-
-    /// Adds to what a side has of its own.
-    fn add_own(&self, [taken, normal]: &mut [Mat<f64>; 2]) {
-        let own = &self.along.own;
-        *taken += self.sum(|at| at.out + self.penalty * at.normal, own, own);
-        *normal += self.sum(|at| at.normal, own, own);
-        for other in self.skewed() {
-            let slanted = self.sum(|at| at.tangential[other], own, &self.along.slopes[other]);
-            *taken -= &slanted + slanted.transpose();
-        }
-    }
-
-    /// Σ w f r_j c_l over the nodes.
-    fn sum(&self, f: impl Fn(&At) -> f64, rows: &[Vec<f64>], columns: &[Vec<f64>]) -> Mat<f64> {
-        let mut sum = Mat::<f64>::zeros(rows[0].len(), columns[0].len());
-        for ((node, at), (row, column)) in self.along.nodes.iter().zip(&self.fluxes).zip(rows.iter().zip(columns)) {
-            let factor = node.weight * f(at);
-            if factor != 0.0 {
-                for (l, c) in column.iter().enumerate() {
-                    sum.col_as_slice_mut(l).iter_mut().zip(row).for_each(|(s, r)| *s += factor * c * r);
-                }
-            }
-        }
-        sum
-    }
-}
-
-/// Fluxes through a side at a node, with its outward normal.
-#[derive(Clone, Copy, Debug, Default)]
-struct At {
-    /// (F·n)⁺
-    out: f64,
-    /// (F·n)⁻
-    enters: f64,
-    /// n·A n
-    normal: f64,
-    /// n·A
-    tangential: Place,
-}
-
-/// A node of a segment.
-struct Node {
-    /// Its coordinates along the segment.
-    place: Place,
-    /// The speed before an impact.
-    speed: f64,
-    weight: f64,
-}
-
-/// A segment's nodes, and the functions of the cell and of the face there.
-struct Along {
-    nodes: Vec<Node>,
-    /// The cell's functions along the side, by node,
-    own: Vec<Vec<f64>>,
-    /// their slopes along each of the axes,
-    slopes: [Vec<Vec<f64>>; MOST],
-    /// and the functions of the face.
-    shared: Vec<Vec<f64>>,
-}
-
-impl Along {
-    fn new(forms: &Forms<'_>, cell: &Cell, segment: &Segment) -> Self {
-        let (shape, table, extent) = (forms.shape, &forms.face, &segment.extent);
-        let mut along = Along {
-            nodes: vec![Node { place: [0.0; MOST], speed: 0.0, weight: 1.0 }],
-            own: vec![vec![1.0]],
-            slopes: [(); MOST].map(|()| vec![vec![1.0]]),
-            shared: vec![vec![1.0]],
-        };
-        let times = |left: &[Vec<f64>], right: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let product = |a: &Vec<f64>, b: &Vec<f64>| a.iter().flat_map(|a| b.iter().map(move |b| a * b)).collect();
-            left.iter().flat_map(|a| right.iter().map(move |b| product(a, b))).collect()
-        };
-        for other in shape.others(segment.axis) {
-            let factor = match segment.role {
-                Role::Hits(factor) | Role::Returns(factor) => factor,
-                _ => 1.0,
-            };
-            let places = || table.nodes.iter().map(|t| extent.at(other, *t));
-            let (values, slopes): (Vec<_>, Vec<_>) = places()
-                .map(|s| {
-                    let [values, slopes] = cell.basis(other, shape.degree, factor * s);
-                    (values, slopes)
-                })
-                .unzip();
-            let scale = extent.width[other].sqrt().recip();
-            let shared: Vec<Vec<f64>> =
-                table.values.iter().map(|values| values.iter().map(|value| scale * value).collect()).collect();
-            let step = |node: &Node, s: f64, weight: f64| {
-                let mut place = node.place;
-                place[other] = factor * s;
-                Node { place, speed: s, weight: node.weight * weight * extent.width[other] }
-            };
-            let nodes = &along.nodes;
-            let more = nodes.iter().flat_map(|node| places().zip(&table.weights).map(move |(s, w)| step(node, s, *w)));
-            along.nodes = more.collect();
-            for axis in 0..MOST {
-                let factor = if axis == other { &slopes } else { &values };
-                along.slopes[axis] = times(&along.slopes[axis], factor);
-            }
-            along.own = times(&along.own, &values);
-            along.shared = times(&along.shared, &shared);
-        }
-        along
     }
 }
 

@@ -3,9 +3,8 @@
 use super::Grid;
 use super::mesh::Side;
 use super::pilot::Pilot;
-use super::start::Ground;
+use super::start::{Ground, smallest};
 use super::stationary::Stationary;
-use super::tuning::mesh as tuning;
 use crate::problem::{Problem, Wall};
 
 /// The problem and its options, and the mesh, the operators and their factors of both degrees.
@@ -22,11 +21,7 @@ pub(super) struct Kept {
 impl Kept {
     /// What meshes of further questions at an accuracy are laid out for, within a domain with these sides.
     pub(super) fn ground(&self, domain: Vec<[f64; 2]>, sides: [Side; 2], accuracy: f64) -> Ground<'_> {
-        let grazed = sides.map(|side| match side {
-            Side::Open => None,
-            Side::Level => Some((tuning::LEVEL * accuracy.sqrt()).clamp(tuning::LEVELS[0], tuning::LEVELS[1])),
-            Side::Wall(restitution) => (restitution < 1.0).then_some(tuning::GRAZING),
-        });
+        let grazed = sides.map(|side| smallest(side, accuracy));
         Ground { problem: &self.problem, pilot: &self.pilot, domain, sides, grazed }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! - `legendre`, `shape`: polynomials, and their products on a cell;
 //! - `tree`, `mesh`: cells as leaves of a tree, and the faces between them;
-//! - `flux`: the operator at a point; `forms`: the matrices of a cell and its faces; `operator`: those of all cells, and K + s;
+//! - `flux`: the operator at a point; `sides`: what passes the sides of a cell; `forms`: the matrices of a cell and its faces; `operator`: those of all cells, and K + s;
 //! - `dissection`: the order of elimination; `elimination`, `panel`: LU factors of the unknowns of cells, of faces, of a group;
 //! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, with wells that hardly mix;
 //!   `refinement`: from a mesh to the answer;
@@ -33,6 +33,7 @@ mod refinement;
 mod relaxation;
 mod sensitivity;
 mod shape;
+mod sides;
 mod start;
 mod stationary;
 mod survival;
@@ -187,10 +188,8 @@ impl Grid {
         self.validate(problem)?;
         problem.operator().require_reached(&[])?;
         let pilot = Pilot::new(problem)?;
-        let lossy = |wall: Wall| wall.restitution() < 1.0;
-        let grazed = walls.map(|wall| wall.filter(|wall| lossy(*wall)).map(|_| tuning::mesh::GRAZING));
         let piloted = begin.elapsed().as_secs_f64();
-        let mut density = self.resolved(problem, walls, pilot, grazed)?;
+        let mut density = self.resolved(problem, walls, pilot, [false; 2])?;
         density.provenance.pilot_seconds = Some(piloted);
         density.provenance.seconds = begin.elapsed().as_secs_f64();
         Ok(density)
@@ -207,19 +206,21 @@ impl Grid {
         problem.walls_of_plane("grid")
     }
 
-    /// The density on a mesh that is fine next to the speed 0 at some sides of state 0.
+    /// The density, on a mesh that is fine next to the speed 0 at walls with r < 1 and at `other` sides of state 0.
     fn resolved(
         &self,
         problem: &Problem,
         walls: [Option<Wall>; 2],
         pilot: Pilot,
-        grazed: [Option<f64>; 2],
+        other: [bool; 2],
     ) -> Result<GridDensity> {
         if problem.dimension() == 1 && self.domain.is_none() {
             return self.on_a_line(problem, pilot);
         }
-        let degree = self.degree_for(self.accuracy, grazed != [None; 2]);
         let sides = walls.map(|wall| wall.map_or(Side::Open, |wall| Side::Wall(wall.restitution())));
+        let own = sides.map(|side| start::smallest(side, self.accuracy));
+        let grazed = [0, 1].map(|side| own[side].or(other[side].then_some(tuning::mesh::GRAZING)));
+        let degree = self.degree_for(self.accuracy, grazed != [None; 2]);
         let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
         let rounds = std::cell::Cell::new(0);
         let mut report = |mut progress: GridProgress| {

@@ -6,7 +6,6 @@ use super::kept::Kept;
 use super::legendre::Table;
 use super::mesh::{Mesh, Role};
 use super::shape::transformed;
-use super::tuning;
 use crate::checks::{coordinate, dimension, finite, point};
 use crate::density::Crossing;
 use crate::error::Result;
@@ -242,7 +241,6 @@ impl GridDensity {
         let lossy = walls.map(|wall| wall.is_some_and(|wall| wall.restitution() < 1.0));
         let grazed = [0, 1].map(|side| lossy[side] || motions.iter().any(|motion| motion.restitution[side] != 0.0));
         if grazed != lossy && !self.graded {
-            let grazed = grazed.map(|grazed| grazed.then_some(tuning::mesh::GRAZING));
             let mut density = grid.resolved(problem, *walls, pilot.clone(), grazed)?;
             density.graded = true;
             return density.sensitivities(parameters);

@@ -23,6 +23,15 @@ pub(super) struct Ground<'a> {
     pub(super) grazed: [Option<f64>; 2],
 }
 
+/// The smallest cell along the velocity at a side, in its deviations; none where trajectories graze nothing.
+pub(super) fn smallest(side: Side, accuracy: f64) -> Option<f64> {
+    match side {
+        Side::Open => None,
+        Side::Level => Some((tuning::LEVEL * accuracy.sqrt()).clamp(tuning::LEVELS[0], tuning::LEVELS[1])),
+        Side::Wall(restitution) => (restitution < 1.0).then_some(tuning::GRAZING),
+    }
+}
+
 /// The box of several times the reach of the pilot's states, `doubled` several times, up to `limits`.
 pub(super) fn domain(pilot: &Pilot, states: usize, doubled: usize, limits: [Option<f64>; 2]) -> Vec<[f64; 2]> {
     let (reach, middle) = (pilot.reach(), pilot.middle());
