@@ -68,20 +68,22 @@ impl GridDensity {
         Estimate::new(flux.value, flux.error + unresolved)
     }
 
-    /// A rough estimate of the mean of |x₁^p₁ x₂^p₂| beyond some edges: the level at each times the peak of the marginal, falling as a
-    /// normal density does there. For high powers it exceeds the difference of the two degrees.
+    /// A rough estimate of the mean of |x₁^p₁ x₂^p₂| beyond some edges: the marginal density at each, falling as a normal density does
+    /// there. For high powers it exceeds the difference of the two degrees.
     pub(super) fn beyond(&self, powers: &[u32], edges: &[(usize, usize, f64)]) -> f64 {
-        const SAFETY: f64 = 3.0;
+        // An edge that lets out has less density next to it than there would be.
+        const SAFETY: f64 = 6.0;
         let (field, domain) = (&self.fine, self.fine.mesh.domain());
         let moment =
             |state: usize, power: u32| of_one(field, state, &|x: f64| x.abs().powi(power as i32), power as usize);
-        let beyond = |&(state, side, level): &(usize, usize, f64)| {
-            let (level, [low, high]) = (level.clamp(f64::MIN_POSITIVE, 0.5), domain[state]);
+        let beyond = |&(state, side, _): &(usize, usize, f64)| {
+            let ([low, high], edge) = (domain[state], domain[state][side]);
             let peak = 1.0 / (std::f64::consts::TAU * (moment(state, 2) - moment(state, 1).powi(2)).abs()).sqrt();
+            let level = (field.integral(&at(field, state, edge)).abs() / peak).clamp(f64::MIN_POSITIVE, 0.5);
             let decay = (high - low) / (4.0 * -level.ln());
             let others = (0..powers.len()).filter(|other| *other != state);
             let others: f64 = others.map(|other| moment(other, powers[other])).product();
-            level * peak * decay * domain[state][side].abs().powi(powers[state] as i32) * others
+            level * peak * decay * edge.abs().powi(powers[state] as i32) * others
         };
         SAFETY * edges.iter().map(beyond).sum::<f64>()
     }

@@ -114,7 +114,7 @@ impl Line {
         let shape = Shape { states: 1, degree };
         for _ in 0..refinement::ROUNDS {
             let field = self.normalised(mesh, shape, highest);
-            match refined(&field, tuning::RESOLVED) {
+            match refined(&field.mesh, &field.highest(refinement::BELOW), tuning::RESOLVED) {
                 Some(finer) => mesh = finer,
                 None => return field,
             }

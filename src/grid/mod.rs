@@ -59,8 +59,7 @@ use operator::Layout;
 use pilot::Pilot;
 use refinement::{Pair, resolve};
 use start::Ground;
-use stationary::Question;
-use stationary::Stationary;
+use stationary::{Question, Stationary};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -272,8 +271,8 @@ impl Grid {
         };
         let fine = solved(degree, exact.clone())?;
         let coarse = solved(degree - 1, exact.with_shape(shape::Shape { states: 1, degree: degree - 1 }))?;
-        let estimate = difference(&fine.field, &coarse.field);
-        let pair = Pair { fine, coarse, estimate, rounds: 2, exhausted: false };
+        let difference = difference(&fine.field, &coarse.field);
+        let pair = Pair { fine, coarse, difference, rounds: 2, exhausted: false };
         let parted = line.parted(&pilot.states);
         let mut density = self.density(problem, [None; 2], pilot, pair, (2, false))?;
         density.provenance.warning = parted.or(density.provenance.warning);
@@ -285,7 +284,7 @@ impl Grid {
         problem: &Problem,
         walls: [Option<Wall>; 2],
         pilot: Pilot,
-        Pair { fine, coarse, estimate, exhausted, .. }: Pair,
+        Pair { fine, coarse, difference, exhausted, .. }: Pair,
         (rounds, cut): (usize, bool),
     ) -> Result<GridDensity> {
         let field = fine.field.clone();
@@ -300,8 +299,8 @@ impl Grid {
         let mesh = &field.mesh;
         let mut edges = field.at_edges();
         let edge_level = edges.iter().map(|(.., level)| *level).fold(0.0, f64::max);
-        let l1_estimate = estimate + changed;
-        let warning = if !fine.determined {
+        let l1_estimate = difference + changed;
+        let warning = if !fine.determined() {
             Some(format!(
                 "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
                 fine.places().len()
@@ -316,10 +315,14 @@ impl Grid {
                 "the mesh has {} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: the density is too narrow for the memory; raise `memory_limit`",
                 mesh.cells.len()
             ))
+        } else if l1_estimate > self.accuracy {
+            Some(format!(
+                "the estimate is {l1_estimate:.1e}, above the accuracy asked for: rounding, leaks and the shares of wells that exchange little leave {changed:.1e} open, which no finer mesh lowers"
+            ))
         } else {
             walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
         };
-        if fine.determined && (l1_estimate.is_nan() || l1_estimate >= tuning::refinement::HOPELESS) {
+        if fine.determined() && (l1_estimate.is_nan() || l1_estimate >= tuning::refinement::HOPELESS) {
             return Err(Error::NotResolved { estimate: l1_estimate, reason: warning.unwrap_or_default() });
         }
         let provenance = Provenance {

@@ -3,6 +3,7 @@
 use super::field::{Field, difference};
 use super::mesh::Mesh;
 use super::operator::Layout;
+use super::shape::Place;
 use super::stationary::{Question, Stationary, solve};
 use crate::error::{Error, Result};
 use crate::grid::GridProgress;
@@ -15,7 +16,7 @@ pub(super) struct Pair {
     pub(super) fine: Stationary,
     pub(super) coarse: Stationary,
     /// ∫ |p − q| dx of the two.
-    pub(super) estimate: f64,
+    pub(super) difference: f64,
     /// Linear systems that were solved on the way.
     pub(super) rounds: usize,
     /// Whether the memory ended before the accuracy was reached.
@@ -33,19 +34,22 @@ pub(super) fn resolve(
 ) -> Result<Pair> {
     let (mut layout, mut places) = (Layout::new(start), vec![first_pin]);
     let (mut aim, mut rounds, mut exhausted) = (target, 0, false);
+    let mut last = [f64::INFINITY; 2];
     loop {
         rounds += 1;
-        let fine = solve(question, &layout, degree, &places)?;
+        let mut fine = solve(question, &layout, degree, &places)?;
+        let missed = fine.missed(question.states);
         places = fine.places();
-        let indicator = indicator(&fine.field);
+        places.extend(missed.clone());
+        let unresolved = fine.unresolved();
+        let indicator = indicator(&unresolved);
         let progress = GridProgress { rounds, cells: layout.mesh.cells.len(), indicator, estimate: None };
         report(progress)?;
         require_begun(progress)?;
         let enough = indicator <= aim || rounds >= tuning::ROUNDS || exhausted;
-        if let Some(mesh) = if enough { None } else { refined(&fine.field, aim) } {
+        if let Some(mesh) = if enough { None } else { refined(&fine.field.mesh, &unresolved, aim) } {
             let finer = Layout::new(mesh);
-            let last = fine.operator.shape;
-            match finer.fits(last, question.memory) {
+            match finer.fits(fine.operator.shape, question.memory) {
                 Ok(()) => {
                     layout = finer;
                     continue;
@@ -53,17 +57,30 @@ pub(super) fn resolve(
                 Err(_) => exhausted = true,
             }
         }
-        let coarse = solve(question, &layout, degree - 1, &places)?;
-        let estimate = difference(&fine.field, &coarse.field);
+        if missed.is_some() && rounds < tuning::ROUNDS {
+            continue;
+        }
+        let coarse = solve(question, &layout, degree - 1, &fine.pinned())?;
+        let (difference, rounding) = (difference(&fine.field, &coarse.field), fine.open());
+        fine.compare(&coarse);
+        let estimate = difference + fine.open();
         rounds += 1;
         report(GridProgress { rounds, estimate: Some(estimate), ..progress })?;
-        let done = estimate <= target || exhausted || rounds >= tuning::ROUNDS;
+        // Of what shares of wells are off by rounding no mesh makes less.
+        let stays = fine.pinned().len() > 1 && estimate > 0.5 * last[0] && indicator < 0.1 * last[1];
+        last = [estimate, indicator];
+        let least = estimate <= 2.0 * rounding || stays;
+        let done = estimate <= target || least || exhausted || rounds >= tuning::ROUNDS;
         aim = aim.min(indicator) * (tuning::CAUTION * target / estimate).max(tuning::LEAST);
-        let next = if done { None } else { refined(&fine.field, aim) };
+        let next = if done { None } else { refined(&fine.field.mesh, &unresolved, aim) };
         match next.map(Layout::new) {
             Some(finer) if finer.fits(fine.operator.shape, question.memory).is_ok() => layout = finer,
-            Some(_) => return Ok(Pair { fine, coarse, estimate, rounds, exhausted: true }),
-            None => return Ok(Pair { fine, coarse, estimate, rounds, exhausted: exhausted || estimate > target }),
+            Some(_) => return Ok(Pair { fine, coarse, difference, rounds, exhausted: true }),
+            None => {
+                // Neither the accuracy nor what rounding leaves.
+                let exhausted = exhausted || !(least || estimate <= target);
+                return Ok(Pair { fine, coarse, difference, rounds, exhausted });
+            }
         }
     }
 }
@@ -79,9 +96,9 @@ fn require_begun(GridProgress { cells, indicator, .. }: GridProgress) -> Result<
     if begun { Ok(()) } else { Err(Error::NotResolved { estimate: indicator, reason: reason() }) }
 }
 
-/// The sum over all cells of what is left in the highest degree.
-pub(super) fn indicator(field: &Field) -> f64 {
-    field.highest(tuning::BELOW).iter().map(|along| along.iter().fold(0.0, |a: f64, b| a.max(*b))).sum()
+/// The sum over all cells of what is left in the highest degree along each state.
+pub(super) fn indicator(unresolved: &[Place]) -> f64 {
+    unresolved.iter().map(|along| along.iter().fold(0.0, |a: f64, b| a.max(*b))).sum()
 }
 
 /// What the mesh of a field is to become.
@@ -94,10 +111,11 @@ pub(super) enum Finer {
 
 /// The mesh on which less than `aim` is left in the highest degree, or the next one towards it.
 pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
-    if indicator(field) <= aim {
+    let unresolved = field.highest(tuning::BELOW);
+    if indicator(&unresolved) <= aim {
         return Finer::Enough;
     }
-    match refined(field, tuning::AHEAD * aim).map(Layout::new) {
+    match refined(&field.mesh, &unresolved, tuning::AHEAD * aim).map(Layout::new) {
         None => Finer::Enough,
         Some(layout) if layout.fits(field.shape, memory).is_ok() => Finer::Layout(layout),
         Some(_) => Finer::Exhausted,
@@ -105,15 +123,14 @@ pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
 }
 
 /// The mesh in which cells with more than their share of `aim` are divided, those with far more twice; none if there are none.
-pub(super) fn refined(field: &Field, aim: f64) -> Option<Mesh> {
-    let own = &field.mesh;
+pub(super) fn refined(own: &Mesh, unresolved: &[Place], aim: f64) -> Option<Mesh> {
     let mut tree = own.tree.clone();
     let share = aim / own.cells.len() as f64;
     let (root, states) = (tree.root(), own.states());
     // Before the solution takes shape what is left in the highest degree says where to divide, and not how finely.
-    let settled = indicator(field) < tuning::SETTLED;
+    let settled = indicator(unresolved) < tuning::SETTLED;
     let mut divided = false;
-    for (number, along) in field.highest(tuning::BELOW).iter().enumerate() {
+    for (number, along) in unresolved.iter().enumerate() {
         let largest = along.iter().fold(0.0, |a: f64, b| a.max(*b));
         if largest.is_nan() || largest <= share {
             continue;

@@ -10,9 +10,10 @@
 use super::field::Field;
 use super::flux::Part;
 use super::operator::{Factors, Layout, Operator, Regular, Solution};
-use super::wells::Wells;
+use super::shape::Place;
+use super::wells::{self, Wells};
 use crate::error::{Error, Result};
-use crate::grid::tuning::wells as tuning;
+use crate::grid::tuning::{refinement, wells as tuning};
 use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 use crate::states::States;
@@ -35,6 +36,7 @@ pub(super) struct Stationary {
     pub(super) operator: Operator,
     factors: Factors,
     pins: Vec<Pin>,
+    wells: Wells,
     pub(super) field: Field,
     /// Its unknowns at faces.
     faces: Vec<f64>,
@@ -46,8 +48,6 @@ pub(super) struct Stationary {
     pub(super) residual: f64,
     /// What is changed by shares of wells that are not known exactly.
     pub(super) shares: Vec<Field>,
-    /// Whether the equations determine the shares of all wells.
-    pub(super) determined: bool,
 }
 
 /// A loss per unit time.
@@ -74,14 +74,20 @@ impl Leak {
 pub(super) struct Pin {
     pub(super) cell: usize,
     alpha: f64,
+    /// The probability per unit time that α lets through it: α times the mass of the cell's first function.
+    pub(super) through: f64,
     pub(super) from: Solution,
 }
 
 /// Solves K p = 0 with total mass 1, with pins at some places and where they turn out to be needed.
 pub(super) fn solve(question: Question<'_>, layout: &Layout, degree: usize, places: &[Vec<f64>]) -> Result<Stationary> {
     let operator = Operator::new(question.problem, layout, degree, Part::Whole, question.memory)?;
-    let mut cells: Vec<usize> = places.iter().filter_map(|place| layout.mesh.locate(place)).collect();
-    cells.dedup();
+    let mut cells = Vec::new();
+    for cell in places.iter().filter_map(|place| layout.mesh.locate(place)) {
+        if !cells.contains(&cell) {
+            cells.push(cell);
+        }
+    }
     if cells.is_empty() {
         cells.push(layout.mesh.cells.len() / 2);
     }
@@ -91,8 +97,8 @@ pub(super) fn solve(question: Question<'_>, layout: &Layout, degree: usize, plac
         let field = Field { coefficients: elsewhere.inner, ..Field::zero(&layout.mesh, operator.shape) };
         let next = furthest(&field);
         let rounding = tuning::ROUNDING * pinned.rate(&operator);
-        let matters = rounding * field.size() > (tuning::SHARE * question.target).max(tuning::APART);
-        if !matters || cells.contains(&next) || cells.len() == tuning::MOST {
+        let together = rounding * field.size() <= (tuning::SHARE * question.target).max(tuning::APART);
+        if together || cells.contains(&next) || cells.len() == tuning::MOST {
             let elsewhere = Solution { inner: field.coefficients, faces: elsewhere.faces };
             return pinned.solved(question, operator, elsewhere);
         }
@@ -124,7 +130,8 @@ impl Pinned {
         let pin = |&(cell, alpha): &(usize, f64)| {
             let mut right = vec![0.0; operator.unknowns()];
             right[cell * block] = alpha;
-            Ok(Pin { cell, alpha, from: factors.solve(&right, None)? })
+            let through = alpha * operator.layout.mesh.cells[cell].root_volume();
+            Ok(Pin { cell, alpha, through, from: factors.solve(&right, None)? })
         };
         let pins = at.iter().map(pin).collect::<Result<_>>()?;
         Ok(Pinned { factors, pins })
@@ -135,7 +142,7 @@ impl Pinned {
         let of = |pin: &Pin| {
             let field =
                 Field { coefficients: pin.from.inner.clone(), ..Field::zero(&operator.layout.mesh, operator.shape) };
-            pin.alpha * operator.layout.mesh.cells[pin.cell].root_volume() / field.mass().abs()
+            pin.through / field.mass().abs()
         };
         self.pins.iter().map(of).fold(0.0, f64::max)
     }
@@ -169,10 +176,9 @@ impl Pinned {
         if !p.inner.iter().all(|p| p.is_finite()) {
             return Err(Error::SingularSystem { unknowns: operator.unknowns() });
         }
-        let through = |pin: &Pin| pin.alpha * mesh.cells[pin.cell].root_volume();
-        let lost = |(pin, part): (&Pin, &f64)| through(pin) * (part / mass - p.inner[pin.cell * block]);
+        let lost = |(pin, part): (&Pin, &f64)| pin.through * (part / mass - p.inner[pin.cell * block]);
         let lost: f64 = pins.iter().zip(&wells.parts).map(lost).sum();
-        let passing: f64 = pins.iter().map(|pin| through(pin) * p.inner[pin.cell * block].abs()).sum();
+        let passing: f64 = pins.iter().map(|pin| pin.through * p.inner[pin.cell * block].abs()).sum();
         let [mut balance, at_faces] = operator.balance(&p.inner, &p.faces);
         pins.iter().zip(&wells.parts).for_each(|(pin, part)| {
             balance[pin.cell * block] -= pin.alpha * (part / mass - p.inner[pin.cell * block]);
@@ -182,27 +188,12 @@ impl Pinned {
         let residual = largest(&balance).max(largest(&at_faces)) / (magnitude * largest(&p.inner));
         let between = field(&elsewhere).mass();
         elsewhere.add(-between, &p);
-        let stationary = field(&p);
-        let shares = wells.changes.iter().map(|parts| {
-            let mut change = Field::zero(mesh, operator.shape);
-            pins.iter().zip(parts).for_each(|(pin, part)| change = change.plus(*part, &field(&pin.from)));
-            let mass = change.mass();
-            change.plus(-mass, &stationary)
-        });
-        let (shares, determined) = (shares.collect(), wells.determined);
         let leak = Leak { lost, rounding: tuning::ROUNDING * passing };
-        Ok(Stationary {
-            field: stationary,
-            faces: p.faces,
-            operator,
-            factors,
-            pins,
-            elsewhere,
-            leak,
-            residual,
-            shares,
-            determined,
-        })
+        let (field, faces, shares) = (field(&p), p.faces, Vec::new());
+        let mut solution =
+            Stationary { operator, factors, pins, wells, field, faces, elsewhere, leak, residual, shares };
+        solution.shares = solution.wells.changes.iter().map(|parts| solution.change(parts)).collect();
+        Ok(solution)
     }
 }
 
@@ -224,7 +215,8 @@ impl Stationary {
         let mesh = &self.operator.layout.mesh;
         self.field = Field { coefficients: exact.coefficients, ..Field::zero(mesh, self.operator.shape) };
         self.faces = self.operator.traces(None).solved(self.operator.outward(&self.field.coefficients));
-        (self.leak, self.shares, self.determined) = (Leak { lost: 0.0, rounding: 0.0 }, Vec::new(), true);
+        (self.leak, self.shares) = (Leak { lost: 0.0, rounding: 0.0 }, Vec::new());
+        self.wells.determined = true;
     }
 
     /// The solution of K q = −`derivative` p without mass, and what changes in it if lost probability comes back elsewhere.
@@ -247,12 +239,7 @@ impl Stationary {
         right.iter_mut().zip(more).for_each(|(r, m)| *r -= m);
         let mut solution = self.factors.solve(&right, Some(at_faces))?;
         let block = self.operator.shape.block();
-        let mesh = &self.operator.layout.mesh;
-        let lost = |solution: &Solution| -> f64 {
-            let through = |pin: &Pin| pin.alpha * mesh.cells[pin.cell].root_volume();
-            self.pins.iter().map(|pin| -through(pin) * solution.inner[pin.cell * block]).sum()
-        };
-        let lost = lost(&solution);
+        let lost: f64 = self.pins.iter().map(|pin| -pin.through * solution.inner[pin.cell * block]).sum();
         self.share_out(&mut solution)?;
         let moved = balanced(solution);
         let scale = 2.0 * self.leak.bound();
@@ -263,49 +250,122 @@ impl Stationary {
         Ok([moved, balanced(returned)])
     }
 
-    /// Adds what comes from the pins, where there are several, so that nothing stays behind at any: Σ_j (δ_ij − M_ij) d_j is what has
+    /// Adds what comes from the pins, where there are several, so that nothing stays behind at any: Σ_j (δ_ij − M_ij) q_j is what has
     /// gone at pin i.
     fn share_out(&self, solution: &mut Solution) -> Result<()> {
         let (count, block) = (self.pins.len(), self.operator.shape.block());
         if count == 1 {
             return Ok(());
         }
-        if !self.determined {
+        if !self.determined() {
             let remedy = "the wells exchange less than rounding hides: take the derivative with one well alone within `Grid::domain`";
             return Err(Error::NotKnown { what: "derivatives of the shares of wells".into(), remedy });
         }
-        let at = |from: &Solution, i: usize| from.inner[self.pins[i].cell * block];
+        let moves = wells::moves(&self.pins, block);
         // What leaves one pin for the others, so that small rates are not differences.
         let chain = DMatrix::from_fn(count, count, |i, j| {
-            let out: f64 = (0..count).filter(|k| *k != j).map(|k| at(&self.pins[j].from, k)).sum();
-            if i == j { out } else { -at(&self.pins[j].from, i) }
+            let out: f64 = (0..count).filter(|k| *k != j).map(|k| moves[(k, j)]).sum();
+            if i == j { out } else { -moves[(i, j)] }
         });
-        let gone = DVector::from_fn(count, |i, _| at(solution, i));
+        let gone =
+            DVector::from_iterator(count, self.pins.iter().map(|pin| pin.through * solution.inner[pin.cell * block]));
         let even = gone.mean();
         let least = 1e-6 * chain.amax();
         let found = chain.svd(true, true).solve(&gone.add_scalar(-even), least);
         let singular = Error::SingularSystem { unknowns: self.operator.unknowns() };
         for (pin, part) in self.pins.iter().zip(found.map_err(|_| singular)?.iter()) {
-            solution.add(*part, &pin.from);
+            solution.add(part / pin.through, &pin.from);
         }
         Ok(())
     }
 
-    /// The places of the pins, as states, the one in the highest density first.
+    /// The places of the pins, as states: of several that of each well.
     pub(super) fn places(&self) -> Vec<Vec<f64>> {
         let mesh = &self.operator.layout.mesh;
-        let place = |cell: usize| mesh.centre(&mesh.cells[cell]);
-        match &self.pins[..] {
-            [_] => vec![place(self.field.peak())],
-            // In each well where what comes from its pin is densest.
-            pins => pins
-                .iter()
-                .map(|pin| {
-                    let from = Field { coefficients: pin.from.inner.clone(), ..self.field.clone() };
-                    place(from.peak())
-                })
-                .collect(),
+        let place = |field: &Field| mesh.centre(&mesh.cells[field.peak()]);
+        let wells: Vec<usize> = (0..self.pins.len()).filter(|pin| self.kept_at(*pin) > tuning::KEPT[0]).collect();
+        match &wells[..] {
+            [] | [_] => vec![place(&self.field)],
+            wells => wells.iter().map(|pin| place(&self.well(*pin))).collect(),
         }
+    }
+
+    /// What of the probability that comes from a pin comes back to it before it arrives at another.
+    fn kept_at(&self, pin: usize) -> f64 {
+        self.pins[pin].from.inner[self.pins[pin].cell * self.operator.shape.block()]
+    }
+
+    /// The density that comes from a pin, with mass 1.
+    fn well(&self, pin: usize) -> Field {
+        let mut field = Field { coefficients: self.pins[pin].from.inner.clone(), ..self.field.clone() };
+        let mass = field.mass();
+        field.coefficients.iter_mut().for_each(|c| *c /= mass);
+        field
+    }
+
+    /// What is left in the highest degree of each cell: of the density, and of each well as if it had some of it at least. Cells that
+    /// are too coarse let out what a well keeps, and then say that next to nothing is in it.
+    pub(super) fn unresolved(&self) -> Vec<Place> {
+        let mut all = self.field.highest(refinement::BELOW);
+        for pin in (0..self.pins.len()).filter(|_| self.pins.len() > 1) {
+            let missing = tuning::LEAST - self.wells.shares[pin];
+            if missing > 0.0 && self.kept_at(pin) > tuning::KEPT[1] {
+                let own = self.well(pin).highest(refinement::BELOW);
+                let along = all.iter_mut().flatten().zip(own.iter().flatten());
+                along.for_each(|(all, own)| *all += missing * own);
+            }
+        }
+        all
+    }
+
+    /// The place of many trajectories' states of which no well has any: there is one more.
+    pub(super) fn missed(&self, states: &States) -> Option<Vec<f64>> {
+        let mesh = &self.operator.layout.mesh;
+        let wells: Vec<Field> = (0..self.pins.len()).map(|pin| self.well(pin)).collect();
+        let mut counts = vec![0.0; mesh.cells.len()];
+        states.iter().filter_map(|x| mesh.locate(x)).for_each(|cell| counts[cell] += 1.0 / states.len() as f64);
+        let within = |cell: usize| -> f64 {
+            let volume = mesh.cells[cell].root_volume().powi(2);
+            wells.iter().map(|well| well.mean(cell).abs() * volume).sum()
+        };
+        let missed = |cell: &usize| counts[*cell] > tuning::MANY && within(*cell) < tuning::MISSED * counts[*cell];
+        let most = (0..counts.len()).filter(missed).max_by(|a, b| counts[*a].total_cmp(&counts[*b]));
+        most.map(|cell| mesh.centre(&mesh.cells[cell]))
+    }
+
+    /// A change of the density by those of the parts that come from the pins; without mass.
+    fn change(&self, parts: &[f64]) -> Field {
+        let mut change = Field::zero(&self.field.mesh, self.field.shape);
+        for (pin, part) in self.pins.iter().zip(parts) {
+            super::field::add_multiple(&mut change.coefficients, *part, &pin.from.inner);
+        }
+        let mass = change.mass();
+        change.plus(-mass, &self.field)
+    }
+
+    /// Whether the equations determine the shares of all wells.
+    pub(super) fn determined(&self) -> bool {
+        self.wells.determined
+    }
+
+    /// The size of what shares of wells may be off by.
+    pub(super) fn open(&self) -> f64 {
+        self.shares.iter().map(Field::size).sum()
+    }
+
+    /// Where the pins are, as states.
+    pub(super) fn pinned(&self) -> Vec<Vec<f64>> {
+        let mesh = &self.operator.layout.mesh;
+        self.pins.iter().map(|pin| mesh.centre(&mesh.cells[pin.cell])).collect()
+    }
+
+    /// Counts what the shares of wells differ from those of another solution by: what comes from other pins has other shares.
+    pub(super) fn compare(&mut self, other: &Self) {
+        if self.pinned() != other.pinned() {
+            return;
+        }
+        let more: Vec<Field> = self.wells.apart(&other.wells).iter().map(|parts| self.change(parts)).collect();
+        self.shares.extend(more);
     }
 }
 

@@ -7,7 +7,7 @@ use super::flux::Part;
 use super::initial::Initial;
 use super::mesh::{Mesh, Side};
 use super::operator::{Layout, Operator, Regular};
-use super::refinement::{indicator, refined};
+use super::refinement::{Finer, finer};
 use super::relaxation::slowest;
 use super::shape::Shape;
 use crate::checks::{positive, require};
@@ -111,9 +111,8 @@ fn resolved(
         let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.inner;
         // Per unit of what starts.
         let field = Field { coefficients: spent.iter().map(|s| s * shift).collect(), ..start };
-        let next = if indicator(&field) <= grid.accuracy { None } else { refined(&field, grid.accuracy) };
-        match next.map(Layout::new) {
-            Some(finer) if finer.fits(operator.shape, grid.memory).is_ok() => layout = finer,
+        match finer(&field, grid.accuracy, grid.memory) {
+            Finer::Layout(finer) => layout = finer,
             _ => return Ok([operator, Operator::new(problem, &layout, degree - 1, Part::Whole, grid.memory)?]),
         }
     }

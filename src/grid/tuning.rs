@@ -114,14 +114,26 @@ pub(super) mod refinement {
 
 /// Several wells.
 pub(super) mod wells {
-    /// What rounding makes of what comes from one pin at another, where 1 is all of it: measured between 4e-15 and 1e-13.
+    /// What rounding takes of all that passes a pin, at most.
     pub(crate) const ROUNDING: f64 = 1e-13;
+    /// What it makes of what comes from one pin at another, at most. Since columns keep their sums it is far less: shares of two unlike
+    /// wells are right to 1e-6 where a well loses 1e-11 on the way.
+    pub(crate) const EXCHANGED: f64 = 1e-16;
     /// A leak above so many times what rounding hides is one at the edges.
     pub(crate) const HIDDEN: f64 = 10.0;
     /// The share of the accuracy that rounding may change before a well gets a pin of its own.
     pub(crate) const SHARE: f64 = 0.1;
-    /// What rounding may change in any case: of a single well it is 1e-12 to 1e-10, which is part of the estimate.
+    /// What it may change in any case. Of a single well it is 1e-12 to 1e-10, which is part of the estimate.
     pub(crate) const APART: f64 = 1e-9;
+    /// What comes from a pin comes back to it at least in this part, or it is none of a well; in the next part, or its well is not
+    /// resolved on its own.
+    pub(crate) const KEPT: [f64; 2] = [0.5, 0.9];
+    /// A well is resolved as if it had this share of the density at least.
+    pub(crate) const LEAST: f64 = 0.1;
+    /// Cells with more than the first share of the pilot's states, of which all wells have less than the second part, are those of
+    /// a well without a pin.
+    pub(crate) const MANY: f64 = 0.01;
+    pub(crate) const MISSED: f64 = 0.01;
     /// The most pins.
     pub(crate) const MOST: usize = 12;
     /// Shares that may be off by more are not determined.

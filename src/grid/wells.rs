@@ -1,9 +1,11 @@
 //! How much is in each of several wells.
 //!
-//! M_ji, what of the density from pin i arrives at pin j, is a Markov chain of the wells: c = M c gives their shares without
-//! subtractions (W. K. Grassmann, M. I. Taksar and D. P. Heyman, 1985, doi:10.1287/opre.33.5.1107). M has rounding errors of 1e-13:
-//! where wells exchange less, their shares are not determined, and those of trajectories stand for them.
+//! M_ji, what of the probability that comes from pin i arrives at pin j, is a Markov chain of the wells: q = M q gives what passes each
+//! pin, and with it their shares, without subtractions (W. K. Grassmann, M. I. Taksar and D. P. Heyman, 1985,
+//! doi:10.1287/opre.33.5.1107). Since columns keep their sums M is right to 1e-16: where wells exchange less than that, beyond barriers
+//! of some 30 temperatures, their shares are not determined, and those of trajectories stand for them.
 
+use super::density::of_one;
 use super::field::Field;
 use super::stationary::{Pin, Question};
 use crate::grid::tuning::wells as tuning;
@@ -12,76 +14,111 @@ use crate::states::States;
 use nalgebra::{DMatrix, DVector};
 
 /// The shares of the wells.
+#[derive(Debug)]
 pub(super) struct Wells {
     /// The factor of what comes from each pin.
     pub(super) parts: Vec<f64>,
-    /// Changes of these that cannot be excluded, where masses are 1.
+    /// Changes of these that rounding may make.
     pub(super) changes: Vec<Vec<f64>>,
     /// Whether the equations determine the shares.
     pub(super) determined: bool,
+    /// M without its diagonal.
+    arrives: DMatrix<f64>,
+    /// The time that what passes a pin spends on its way.
+    spent: Vec<f64>,
+    /// The masses of what comes from each pin.
+    masses: Vec<f64>,
+    /// The well that each becomes by a change of signs, and its part of what both have.
+    images: Vec<Vec<(usize, f64)>>,
+    /// What is in each well.
+    pub(super) shares: DVector<f64>,
 }
 
 impl Wells {
     pub(super) fn new(pins: &[Pin], block: usize, fields: &[Field], question: Question<'_>) -> Self {
         let count = pins.len();
-        if count == 1 {
-            return Wells { parts: vec![1.0], changes: Vec::new(), determined: true };
-        }
-        let arrives = DMatrix::from_fn(count, count, |i, j| pins[j].from.inner[pins[i].cell * block].max(0.0));
-        // The loss on the way from each pin, at least what rounding hides.
-        let lost: Vec<f64> = (0..count)
-            .map(|j| {
-                let sum: f64 = (0..count).map(|i| pins[j].from.inner[pins[i].cell * block]).sum();
-                (1.0 - sum).abs().max(tuning::ROUNDING)
-            })
-            .collect();
+        let moves = moves(pins, block);
+        // The loss on the way from each pin at the edges, or what rounding hides.
+        let lost = |to: f64| {
+            if (1.0 - to).abs() > tuning::HIDDEN * tuning::ROUNDING { (1.0 - to).abs() } else { tuning::EXCHANGED }
+        };
+        let lost: Vec<f64> = moves.column_iter().map(|to| lost(to.sum())).collect();
         let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
-        let shares = |arrives: &DMatrix<f64>| {
-            let parts = stationary_chain(arrives);
-            let sum: f64 = parts.iter().zip(&masses).map(|(part, mass)| part * mass).sum();
-            DVector::from_iterator(count, parts.iter().zip(&masses).map(|(part, mass)| part * mass / sum))
+        let mut wells = Wells {
+            parts: Vec::new(),
+            changes: Vec::new(),
+            determined: true,
+            arrives: moves.map(|part| part.max(0.0)),
+            spent: pins.iter().zip(&masses).map(|(pin, mass)| mass / pin.through).collect(),
+            masses,
+            images: images(&question.problem.symmetry(), fields),
+            shares: DVector::zeros(count),
         };
-        let known = shares(&arrives);
-        // What each of the rates may be off by, in turn.
-        let mut changes: Vec<DVector<f64>> = Vec::new();
-        let mut uncertain = 0.0_f64;
-        for j in 0..count {
-            for i in (0..count).filter(|i| *i != j) {
-                let mut other = arrives.clone();
-                other[(i, j)] += lost[j];
-                let change = shares(&other) - &known;
-                uncertain = uncertain.max(change.amax());
-                changes.push(change);
-            }
-        }
-        let determined = uncertain < tuning::UNDETERMINED;
-        let (mut shares, mut changes) = (known, changes);
-        if !determined {
+        let mut shares = wells.stationary(&wells.arrives);
+        let mut changes = wells.changed(&lost);
+        if changes.iter().any(|change| change.amax() >= tuning::UNDETERMINED) {
             shares = counted(fields, question.states);
-            changes = (0..count)
-                .map(|i| {
-                    // All may be in one well, or none.
-                    let unit = DVector::from_fn(count, |j, _| f64::from(u8::from(i == j)));
-                    (unit - &shares) / count as f64 * 2.0
-                })
-                .collect();
+            // All may be in one well, or none.
+            let unit = |i: usize| DVector::from_fn(count, |j, _| f64::from(u8::from(i == j)));
+            changes = (0..count).map(|i| (unit(i) - &shares) / count as f64 * 2.0).collect();
+            wells.determined = false;
         }
-        let symmetry = question.problem.symmetry();
-        let images = images(&symmetry, pins, fields);
-        let averaged = |shares: &DVector<f64>| {
-            images.iter().fold(shares.clone(), |shares, image| {
-                DVector::from_fn(count, |i, _| (shares[i] + shares[image[i]]) / 2.0)
-            })
-        };
-        let (shares, changes): (_, Vec<_>) = (averaged(&shares), changes.iter().map(averaged).collect());
-        let parts = |shares: &DVector<f64>| shares.iter().zip(&masses).map(|(share, mass)| share / mass).collect();
-        let changes: Vec<_> = changes.iter().filter(|change| change.amax() > 1e-14).collect();
-        Wells {
-            parts: parts(&shares),
-            determined: determined || changes.is_empty(),
-            changes: changes.into_iter().map(parts).collect(),
-        }
+        wells.changes = wells.parts(changes);
+        wells.determined |= wells.changes.is_empty();
+        wells.shares = wells.averaged(&shares);
+        wells.parts = wells.part(&wells.shares);
+        wells
     }
+
+    /// The shares if these are the moves between the pins.
+    fn stationary(&self, arrives: &DMatrix<f64>) -> DVector<f64> {
+        let passing = stationary_chain(arrives);
+        let within = DVector::from_fn(passing.len(), |j, _| passing[j] * self.spent[j]);
+        let sum = within.sum();
+        within / sum
+    }
+
+    /// What changes in them if what is lost from each pin arrives at each of the others, in turn.
+    fn changed(&self, lost: &[f64]) -> Vec<DVector<f64>> {
+        let (count, known) = (self.masses.len(), self.stationary(&self.arrives));
+        let pairs = (0..count).flat_map(|j| (0..count).filter(move |i| *i != j).map(move |i| (i, j)));
+        let change = |(i, j): (usize, usize)| {
+            let mut other = self.arrives.clone();
+            other[(i, j)] += lost[j];
+            self.stationary(&other) - &known
+        };
+        pairs.map(change).collect()
+    }
+
+    /// The change of the parts by twice what the shares of another solution differ by: a few numbers may be near by chance.
+    pub(super) fn apart(&self, other: &Self) -> Vec<Vec<f64>> {
+        if self.determined { self.parts(vec![(&other.shares - &self.shares) * 2.0]) } else { Vec::new() }
+    }
+
+    /// Shares that are symmetric where the problem is.
+    fn averaged(&self, shares: &DVector<f64>) -> DVector<f64> {
+        let with = |shares: DVector<f64>, image: &Vec<(usize, f64)>| {
+            DVector::from_fn(shares.len(), |i, _| (shares[i] + shares[image[i].0]) * image[i].1)
+        };
+        self.images.iter().fold(shares.clone(), with)
+    }
+
+    fn part(&self, shares: &DVector<f64>) -> Vec<f64> {
+        shares.iter().zip(&self.masses).map(|(share, mass)| share / mass).collect()
+    }
+
+    /// What changes of shares make of the parts, but for those that symmetry excludes.
+    fn parts(&self, changes: Vec<DVector<f64>>) -> Vec<Vec<f64>> {
+        let averaged = changes.iter().map(|change| self.averaged(change));
+        averaged.filter(|change| change.amax() > 1e-14).map(|change| self.part(&change)).collect()
+    }
+}
+
+/// M: what of the probability that comes from one pin, by column, arrives at another, by row.
+pub(super) fn moves(pins: &[Pin], block: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(pins.len(), pins.len(), |i, j| {
+        pins[i].through / pins[j].through * pins[j].from.inner[pins[i].cell * block]
+    })
 }
 
 /// The stationary shares of a Markov chain by its transitions from j to i ≠ j, without subtractions.
@@ -120,25 +157,32 @@ fn counted(fields: &[Field], states: &States) -> DVector<f64> {
     if sum > 0.0 { counts / sum } else { DVector::from_element(fields.len(), 1.0 / fields.len() as f64) }
 }
 
-/// For each sign change of states that leaves the problem as it is, the wells that become each other.
-fn images(symmetry: &Symmetry, pins: &[Pin], fields: &[Field]) -> Vec<Vec<usize>> {
+/// For each sign change of states that leaves the problem as it is, the well that each becomes, with its part of what both have: the
+/// means of the states that change are 0. Halves would not do, since what comes from a pin has a little in the other wells.
+fn images(symmetry: &Symmetry, fields: &[Field]) -> Vec<Vec<(usize, f64)>> {
     let mesh = &fields[0].mesh;
-    let domain = mesh.domain();
-    let peaks: Vec<Vec<f64>> = fields.iter().map(|field| mesh.centre(&mesh.cells[field.peak()])).collect();
-    let image = |flip: &Vec<bool>| -> Option<Vec<usize>> {
-        let nearest = |i: usize| {
-            let distance = |j: &usize| -> f64 {
-                let along = |axis: usize| {
-                    let turned = if flip[axis] { -peaks[i][axis] } else { peaks[i][axis] };
-                    ((turned - peaks[*j][axis]) / (domain[axis][1] - domain[axis][0])).powi(2)
-                };
-                (0..mesh.states()).map(along).sum()
-            };
-            (0..pins.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(i)
+    let (domain, wells) = (mesh.domain(), 0..fields.len());
+    let mean = |field: &Field| -> Vec<f64> {
+        let width = |axis: usize| domain[axis][1] - domain[axis][0];
+        (0..mesh.states()).map(|axis| of_one(field, axis, &|x: f64| x, 1) / field.mass() / width(axis)).collect()
+    };
+    let means: Vec<Vec<f64>> = fields.iter().map(mean).collect();
+    let image = |flip: &Vec<bool>| -> Option<Vec<(usize, f64)>> {
+        let distance = |i: usize, j: usize| -> f64 {
+            let turned = |axis: usize| if flip[axis] { -means[i][axis] } else { means[i][axis] };
+            (0..mesh.states()).map(|axis| (turned(axis) - means[j][axis]).powi(2)).sum()
         };
-        let image: Vec<usize> = (0..pins.len()).map(nearest).collect();
-        let back = (0..pins.len()).all(|i| image[image[i]] == i);
-        (back && (0..pins.len()).any(|i| image[i] != i)).then_some(image)
+        let nearest = |i: usize| wells.clone().min_by(|a, b| distance(i, *a).total_cmp(&distance(i, *b)));
+        let image: Vec<usize> = wells.clone().filter_map(nearest).collect();
+        let part = |i: usize| {
+            let apart = |axis: &usize| (means[i][*axis] - means[image[i]][*axis]).abs();
+            let flipped = (0..mesh.states()).filter(|axis| flip[*axis]);
+            let axis = flipped.max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0);
+            let [own, other] = [i, image[i]].map(|well| means[well][axis].abs());
+            (image[i], if image[i] == i { 0.5 } else { other / (own + other) })
+        };
+        let back = wells.clone().all(|i| image[image[i]] == i);
+        (back && wells.clone().any(|i| image[i] != i)).then(|| wells.clone().map(part).collect())
     };
     symmetry.changes().iter().filter_map(image).collect()
 }
