@@ -11,7 +11,7 @@ use super::start::Ground;
 use super::tree::Tree;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
-use crate::grid::tuning::{march as tuning, refinement};
+use crate::grid::tuning::march as tuning;
 use crate::memory::MemoryLimit;
 use crate::states::States;
 use std::sync::Arc;
@@ -184,9 +184,9 @@ impl<'a> Course<'a> {
         let field = &self.fields[0];
         let mut pairs = mesh.tree.joinable(&self.base);
         let all = Arc::new(Mesh::new(mesh.origin, mesh.tree.joined(&pairs), mesh.sides));
-        let highest = field.carried(&all, field.shape).highest(refinement::BELOW);
+        let highest = field.carried(&all, field.shape).highest();
         pairs.retain(|node| {
-            let there = all.locate(&mesh.centre(&mesh.tree.cell(*node)));
+            let there = all.locate(&mesh.middle(&mesh.tree.cell(*node)));
             there.is_some_and(|cell| highest[cell].iter().all(|part| *part <= share))
         });
         if pairs.is_empty() {

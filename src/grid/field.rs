@@ -4,6 +4,7 @@ use super::legendre::Table;
 use super::mesh::Mesh;
 use super::shape::{MOST, Place, Shape, contracted, transformed};
 use super::tree::Cell;
+use crate::grid::tuning::refinement;
 use crate::numerics::Rule;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -87,17 +88,20 @@ impl Field {
         }
         let mut field = Field::zero(mesh, shape);
         let tables = shape.tables(&Rule::legendre(self.shape.degree.max(shape.degree) + 1));
+        // Distances from the one origin in those from the other.
+        let shift: Place = std::array::from_fn(|axis| mesh.origin[axis] - self.mesh.origin[axis]);
+        let moved = |cell: &Cell| Cell { lower: std::array::from_fn(|axis| cell.lower[axis] + shift[axis]), ..*cell };
         field.coefficients.par_chunks_exact_mut(shape.block()).zip(&mesh.cells).for_each(|(block, cell)| {
-            for piece in self.mesh.pieces(cell, &mesh.origin) {
-                let values: Vec<f64> = nodes(&piece, &tables)
-                    .map(|(u, _)| {
-                        let x: Place = std::array::from_fn(|axis| mesh.origin[axis] + u[axis]);
-                        self.value(&x[..shape.states])
-                    })
-                    .collect();
-                // The nodes of the piece with the functions of the cell.
-                let own = tables_on(&piece, cell, shape, &tables);
-                add_multiple(block, 1.0, &weighed_by(&values, &piece, cell, shape, &own));
+            let cell = moved(cell);
+            for (number, piece) in self.mesh.pieces(&cell) {
+                let from = &self.mesh.cells[number];
+                let mut sizes: [usize; MOST] = std::array::from_fn(|axis| self.shape.modes(axis));
+                let mut values = self.block(number).to_vec();
+                for (axis, rows) in functions_at(&piece, &tables, from, self.shape).iter().enumerate() {
+                    values = transformed(&values, &mut sizes, axis, rows);
+                }
+                let weighed = weighed_by(&values, &piece, &cell, shape, &tables_on(&piece, &cell, shape, &tables));
+                add_multiple(block, from.root_volume().recip(), &weighed);
             }
         });
         field
@@ -127,6 +131,11 @@ impl Field {
         sum
     }
 
+    /// A multiple.
+    pub(super) fn times(&self, factor: f64) -> Self {
+        Field { coefficients: self.coefficients.iter().map(|c| factor * c).collect(), ..self.clone() }
+    }
+
     /// ∫ |p| dx.
     pub(super) fn size(&self) -> f64 {
         self.sum_over_nodes(&self.shape.rule(2), |_, p| p.abs())
@@ -136,7 +145,7 @@ impl Field {
         self.coefficients.chunks_exact(self.shape.block())
     }
 
-    fn block(&self, cell: usize) -> &[f64] {
+    pub(super) fn block(&self, cell: usize) -> &[f64] {
         let size = self.shape.block();
         &self.coefficients[cell * size..(cell + 1) * size]
     }
@@ -246,9 +255,15 @@ impl Field {
         cells.max_by(|a, b| self.mean(*a).total_cmp(&self.mean(*b))).unwrap_or(0)
     }
 
-    /// The size of each cell's part of the highest degree along each state, √volume times its norm; at least `share` of that of the
+    /// The cell in which the mean density is farthest from zero.
+    pub(super) fn farthest(&self) -> usize {
+        let cells = 0..self.mesh.cells.len();
+        cells.max_by(|a, b| self.mean(*a).abs().total_cmp(&self.mean(*b).abs())).unwrap_or(0)
+    }
+
+    /// The size of each cell's part of the highest degree along each state, √volume times its norm; at least a share of that of the
     /// degree below, since the highest one may vanish by accident.
-    pub(super) fn highest(&self, share: f64) -> Vec<Place> {
+    pub(super) fn highest(&self) -> Vec<Place> {
         let degree = self.shape.degree;
         let of = |(block, cell): (&[f64], &Cell)| {
             std::array::from_fn(|axis| {
@@ -256,7 +271,7 @@ impl Field {
                     let own = block.iter().enumerate().filter(|(c, _)| self.shape.degrees(*c)[axis] == k);
                     cell.root_volume() * own.map(|(_, c)| c * c).sum::<f64>().sqrt()
                 };
-                if axis < self.shape.states { part(degree).max(share * part(degree - 1)) } else { 0.0 }
+                if axis < self.shape.states { part(degree).max(refinement::BELOW * part(degree - 1)) } else { 0.0 }
             })
         };
         self.blocks().zip(&self.mesh.cells).map(of).collect()
@@ -284,16 +299,21 @@ fn weighed(values: &[f64], cell: &Cell, shape: Shape, tables: &[Table; MOST]) ->
     weighed_by(values, cell, cell, shape, &rows)
 }
 
-/// Weights times the functions of `cell` at the nodes of a `piece` of it, by axis, function and node.
-fn tables_on(piece: &Cell, cell: &Cell, shape: Shape, tables: &[Table; MOST]) -> Vec<Vec<Vec<f64>>> {
+/// The functions of a cell at the nodes of a piece of it, by axis, node and function.
+fn functions_at(piece: &Cell, tables: &[Table; MOST], cell: &Cell, shape: Shape) -> Vec<Vec<Vec<f64>>> {
     let along = |(axis, table): (usize, &Table)| {
-        let at = |node: usize| {
-            super::legendre::reference(shape.modes(axis) - 1, cell.xi(axis, piece.at(axis, table.nodes[node]))).0
-        };
-        let values: Vec<Vec<f64>> = (0..table.len()).map(at).collect();
-        (0..shape.modes(axis)).map(|k| values.iter().zip(&table.weights).map(|(v, w)| v[k] * w).collect()).collect()
+        let at = |t: &f64| super::legendre::reference(shape.modes(axis) - 1, cell.xi(axis, piece.at(axis, *t))).0;
+        table.nodes.iter().map(at).collect()
     };
     tables.iter().enumerate().map(along).collect()
+}
+
+/// The same times the weights, by axis, function and node.
+fn tables_on(piece: &Cell, cell: &Cell, shape: Shape, tables: &[Table; MOST]) -> Vec<Vec<Vec<f64>>> {
+    let along = |((axis, table), values): ((usize, &Table), Vec<Vec<f64>>)| {
+        (0..shape.modes(axis)).map(|k| values.iter().zip(&table.weights).map(|(v, w)| v[k] * w).collect()).collect()
+    };
+    tables.iter().enumerate().zip(functions_at(piece, tables, cell, shape)).map(along).collect()
 }
 
 /// ∫ over a piece of a function by its values with the functions of a cell, by their weighted values at the nodes.

@@ -114,7 +114,7 @@ impl Line {
         let shape = Shape { states: 1, degree };
         for _ in 0..refinement::ROUNDS {
             let field = self.normalised(mesh, shape, highest);
-            match refined(&field.mesh, &field.highest(refinement::BELOW), tuning::RESOLVED) {
+            match refined(&field.mesh, &field.highest(), tuning::RESOLVED) {
                 Some(finer) => mesh = finer,
                 None => return field,
             }
@@ -123,10 +123,8 @@ impl Line {
     }
 
     fn normalised(&self, mesh: Mesh, shape: Shape, highest: f64) -> Field {
-        let mut field = Field::projected(&Arc::new(mesh), shape, |x| (self.value(x[0]) - highest).exp());
-        let mass = field.mass();
-        field.coefficients.iter_mut().for_each(|c| *c /= mass);
-        field
+        let field = Field::projected(&Arc::new(mesh), shape, |x| (self.value(x[0]) - highest).exp());
+        field.times(field.mass().recip())
     }
 }
 

@@ -162,7 +162,7 @@ impl Stepper {
                 add(&mut right, -CHANGES[i] * step * growth, change);
             }
             mixed.iter().zip(&parts).for_each(|(c, part)| add(&mut right, c / step, part));
-            let part = factors.solve(&right, None)?.inner;
+            let part = factors.solve(&right, None)?.field.coefficients;
             if !varies {
                 add(&mut right, -(GAMMA * step).recip(), &part);
                 images.push(right);

@@ -115,8 +115,13 @@ impl Mesh {
         mesh
     }
 
-    /// The middle of a box of the tree, as a state.
-    pub(super) fn centre(&self, cell: &Cell) -> Vec<f64> {
+    /// The middle of a cell, as a state,
+    pub(super) fn centre(&self, cell: usize) -> Vec<f64> {
+        self.middle(&self.cells[cell])
+    }
+
+    /// and that of a box of the tree.
+    pub(super) fn middle(&self, cell: &Cell) -> Vec<f64> {
         (0..self.states()).map(|axis| self.origin[axis] + cell.centre(axis)).collect()
     }
 
@@ -203,14 +208,9 @@ impl Mesh {
         self.tree.crossed(axis, x - self.origin[axis]).into_iter().map(|leaf| self.numbers[leaf]).collect()
     }
 
-    /// The parts of a box, given by distances from another origin, that lie in one cell each.
-    pub(super) fn pieces(&self, part: &Cell, origin: &Place) -> Vec<Cell> {
-        let shift: Place = std::array::from_fn(|axis| origin[axis] - self.origin[axis]);
-        let mut moved = *part;
-        (0..MOST).for_each(|axis| moved.lower[axis] += shift[axis]);
-        let mut pieces = self.tree.pieces(&moved);
-        pieces.iter_mut().for_each(|piece| (0..MOST).for_each(|axis| piece.lower[axis] -= shift[axis]));
-        pieces
+    /// The parts of a box that lie in one cell each, with the numbers of these.
+    pub(super) fn pieces(&self, whole: &Cell) -> Vec<(usize, Cell)> {
+        self.tree.pieces(whole).into_iter().map(|(leaf, piece)| (self.numbers[leaf], piece)).collect()
     }
 
     /// The node of a cell in the tree.

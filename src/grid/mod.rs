@@ -4,8 +4,8 @@
 //! - `tree`, `mesh`: cells as leaves of a tree, and the faces between them;
 //! - `flux`: the operator at a point; `sides`: what passes the sides of a cell; `forms`: the matrices of a cell and its faces; `operator`: those of all cells, and K + s;
 //! - `dissection`: the order of elimination; `elimination`, `panel`: LU factors of the unknowns of cells, of faces, of a group;
-//! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, with wells that hardly mix;
-//!   `refinement`: from a mesh to the answer;
+//! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, by `pins`, with `wells` that hardly
+//!   mix; `marking`, `refinement`: what a mesh does not resolve, and from a mesh to the answer;
 //! - `field`, `density`, `kept`: the piecewise polynomial, the density made of it, and what further questions need;
 //!   `sensitivity`: its derivatives by parameters;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same operator;
@@ -24,11 +24,13 @@ mod kept;
 mod legendre;
 mod line;
 mod march;
+mod marking;
 mod mesh;
 mod narrow;
 mod operator;
 mod panel;
 mod pilot;
+mod pins;
 mod refinement;
 mod relaxation;
 mod sensitivity;
@@ -271,7 +273,7 @@ impl Grid {
         };
         let fine = solved(degree, exact.clone())?;
         let coarse = solved(degree - 1, exact.with_shape(shape::Shape { states: 1, degree: degree - 1 }))?;
-        let difference = difference(&fine.field, &coarse.field);
+        let difference = difference(&fine.density.field, &coarse.density.field);
         let pair = Pair { fine, coarse, difference, rounds: 2, exhausted: false };
         let parted = line.parted(&pilot.states);
         let mut density = self.density(problem, [None; 2], pilot, pair, (2, false))?;
@@ -287,8 +289,8 @@ impl Grid {
         Pair { fine, coarse, difference, exhausted, .. }: Pair,
         (rounds, cut): (usize, bool),
     ) -> Result<GridDensity> {
-        let field = fine.field.clone();
-        let mut changes = fine.shares.clone();
+        let field = fine.density.field.clone();
+        let mut changes = fine.open.clone();
         changes.push(fine.returned());
         let changed: f64 = changes.iter().map(field::Field::size).sum();
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
@@ -300,7 +302,7 @@ impl Grid {
         let mut edges = field.at_edges();
         let edge_level = edges.iter().map(|(.., level)| *level).fold(0.0, f64::max);
         let l1_estimate = difference + changed;
-        let warning = if !fine.determined() {
+        let warning = if !fine.wells.determined {
             Some(format!(
                 "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
                 fine.places().len()
@@ -322,7 +324,7 @@ impl Grid {
         } else {
             walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
         };
-        if fine.determined() && (l1_estimate.is_nan() || l1_estimate >= tuning::refinement::HOPELESS) {
+        if fine.wells.determined && (l1_estimate.is_nan() || l1_estimate >= tuning::refinement::HOPELESS) {
             return Err(Error::NotResolved { estimate: l1_estimate, reason: warning.unwrap_or_default() });
         }
         let provenance = Provenance {
@@ -343,7 +345,7 @@ impl Grid {
             ..Provenance::default()
         };
         edges.retain(|_| fine.leak.at_edges());
-        let coarse_field = coarse.field.clone();
+        let coarse_field = coarse.density.field.clone();
         let kept = Kept { problem: problem.clone(), walls, grid: self.clone(), pilot, solutions: [fine, coarse] };
         let mut density = GridDensity {
             fine: field,

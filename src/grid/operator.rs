@@ -3,7 +3,7 @@
 use super::columns::add_product;
 use super::dissection::Front;
 use super::elimination::{Cells, Factored};
-use super::field::add_multiple;
+use super::field::{Field, add_multiple};
 use super::flux::Part;
 use super::forms::{Forms, Matrices};
 use super::mesh::{Mesh, Role};
@@ -114,12 +114,7 @@ impl Operator {
     pub(super) fn factors_with(&self, more: Option<(f64, &Self)>, regular: Regular<'_>) -> Factors {
         let free = self.between(more).iter().map(|block| block.norm_max() == 0.0).collect();
         let factored = Factored::new(&self.layout.front, &Regularised { operator: self, more, regular, free });
-        Factors {
-            front: Arc::clone(&self.layout.front),
-            faces: self.layout.mesh.faces.len(),
-            shape: self.shape,
-            factored,
-        }
+        Factors { layout: self.layout.clone(), shape: self.shape, factored }
     }
 
     /// The places of a cell's faces among all faces' unknowns, in their order.
@@ -260,16 +255,15 @@ impl Cells for Regularised<'_> {
 /// LU factors of a regular matrix.
 #[derive(Debug)]
 pub(super) struct Factors {
-    front: Arc<Front>,
-    faces: usize,
+    layout: Layout,
     shape: Shape,
     factored: Factored,
 }
 
-/// The unknowns of all cells, and of all faces.
+/// A density, and its unknowns at all faces.
 #[derive(Clone, Debug)]
 pub(super) struct Solution {
-    pub(super) inner: Vec<f64>,
+    pub(super) field: Field,
     pub(super) faces: Vec<f64>,
 }
 
@@ -279,11 +273,29 @@ impl Factors {
     /// # Errors
     /// [`Error::SingularSystem`] if the matrix is singular.
     pub(super) fn solve(&self, right: &[f64], at_faces: Option<Vec<f64>>) -> Result<Solution> {
-        let (block, size) = (self.shape.block(), self.shape.face());
-        let mut inner = right.to_vec();
-        let mut faces = at_faces.unwrap_or_else(|| vec![0.0; self.faces * size]);
-        self.factored.solve(&self.front, [block, size], &mut inner, &mut faces);
-        let finite = inner.iter().chain(&faces).all(|x| x.is_finite());
-        if finite { Ok(Solution { inner, faces }) } else { Err(Error::SingularSystem { unknowns: right.len() }) }
+        let Factors { layout, shape, factored } = self;
+        let (block, size) = (shape.block(), shape.face());
+        let mut coefficients = right.to_vec();
+        let mut faces = at_faces.unwrap_or_else(|| vec![0.0; layout.mesh.faces.len() * size]);
+        factored.solve(&layout.front, [block, size], &mut coefficients, &mut faces);
+        if !coefficients.iter().chain(&faces).all(|x| x.is_finite()) {
+            return Err(Error::SingularSystem { unknowns: right.len() });
+        }
+        Ok(Solution { field: Field { mesh: Arc::clone(&layout.mesh), shape: *shape, coefficients }, faces })
+    }
+}
+
+impl Solution {
+    pub(super) fn zero(operator: &Operator) -> Self {
+        Solution { field: Field::zero(&operator.layout.mesh, operator.shape), faces: vec![0.0; operator.at_faces()] }
+    }
+
+    pub(super) fn add(&mut self, factor: f64, other: &Solution) {
+        add_multiple(&mut self.field.coefficients, factor, &other.field.coefficients);
+        add_multiple(&mut self.faces, factor, &other.faces);
+    }
+
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.field.coefficients.iter_mut().chain(&mut self.faces).for_each(|x| *x *= factor);
     }
 }

@@ -47,7 +47,7 @@ pub(super) fn resolve(
         report(progress)?;
         require_begun(progress)?;
         let enough = indicator <= aim || rounds >= tuning::ROUNDS || exhausted;
-        if let Some(mesh) = if enough { None } else { refined(&fine.field.mesh, &unresolved, aim) } {
+        if let Some(mesh) = if enough { None } else { refined(&layout.mesh, &unresolved, aim) } {
             let finer = Layout::new(mesh);
             match finer.fits(fine.operator.shape, question.memory) {
                 Ok(()) => {
@@ -60,19 +60,19 @@ pub(super) fn resolve(
         if missed.is_some() && rounds < tuning::ROUNDS {
             continue;
         }
-        let coarse = solve(question, &layout, degree - 1, &fine.pinned())?;
-        let (difference, rounding) = (difference(&fine.field, &coarse.field), fine.open());
+        let coarse = solve(question, &layout, degree - 1, &fine.wells.places_of_pins())?;
+        let (difference, rounding) = (difference(&fine.density.field, &coarse.density.field), fine.open());
         fine.compare(&coarse);
         let estimate = difference + fine.open();
         rounds += 1;
         report(GridProgress { rounds, estimate: Some(estimate), ..progress })?;
         // Of what shares of wells are off by rounding no mesh makes less.
-        let stays = fine.pinned().len() > 1 && estimate > 0.5 * last[0] && indicator < 0.1 * last[1];
+        let stays = fine.wells.pins.len() > 1 && estimate > 0.5 * last[0] && indicator < 0.1 * last[1];
         last = [estimate, indicator];
         let least = estimate <= 2.0 * rounding || stays;
         let done = estimate <= target || least || exhausted || rounds >= tuning::ROUNDS;
         aim = aim.min(indicator) * (tuning::CAUTION * target / estimate).max(tuning::LEAST);
-        let next = if done { None } else { refined(&fine.field.mesh, &unresolved, aim) };
+        let next = if done { None } else { refined(&layout.mesh, &unresolved, aim) };
         match next.map(Layout::new) {
             Some(finer) if finer.fits(fine.operator.shape, question.memory).is_ok() => layout = finer,
             Some(_) => return Ok(Pair { fine, coarse, difference, rounds, exhausted: true }),
@@ -111,7 +111,7 @@ pub(super) enum Finer {
 
 /// The mesh on which less than `aim` is left in the highest degree, or the next one towards it.
 pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
-    let unresolved = field.highest(tuning::BELOW);
+    let unresolved = field.highest();
     if indicator(&unresolved) <= aim {
         return Finer::Enough;
     }

@@ -8,8 +8,8 @@ use crate::transient::Relaxation;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// The eigenvalues of an operator next to zero, by rate and frequency ≥ 0: by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
-/// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ.
-fn spectrum(operator: &Operator, shift: f64) -> Result<Vec<[f64; 2]>> {
+/// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ, until the `count` nearest to zero stay.
+fn spectrum(operator: &Operator, shift: f64, count: usize) -> Result<Vec<[f64; 2]>> {
     let factors = operator.factors(Regular::Shift(shift));
     let size = operator.unknowns();
     let krylov = tuning::march::KRYLOV.min(size);
@@ -17,8 +17,9 @@ fn spectrum(operator: &Operator, shift: f64) -> Result<Vec<[f64; 2]>> {
     let start = DVector::from_fn(size, |i, _| ((i as f64 + 1.0) * 0.754_877_666).fract() - 0.5);
     let mut basis = vec![&start / start.norm()];
     let mut hessenberg = DMatrix::<f64>::zeros(krylov, krylov);
+    let mut before = Vec::new();
     for k in 0..krylov {
-        let mut next = DVector::from_vec(factors.solve(basis[k].as_slice(), None)?.inner);
+        let mut next = DVector::from_vec(factors.solve(basis[k].as_slice(), None)?.field.coefficients);
         // Twice is enough to keep the basis orthogonal to rounding.
         for _ in 0..2 {
             for (j, q) in basis.iter().enumerate() {
@@ -31,6 +32,16 @@ fn spectrum(operator: &Operator, shift: f64) -> Result<Vec<[f64; 2]>> {
         if k + 1 == krylov || norm < 1e-14 * hessenberg.column(k).norm() {
             return Ok(rates(&hessenberg, k + 1, shift));
         }
+        if (k + 1) % tuning::march::CHECKED == 0 {
+            let found = rates(&hessenberg, k + 1, shift);
+            let stays = |(a, b): (&[f64; 2], &[f64; 2])| {
+                (a[0] - b[0]).hypot(a[1] - b[1]) < tuning::march::STAYS * (a[0] + shift).hypot(a[1])
+            };
+            if before.len() >= count && found.iter().zip(&before).take(count).all(stays) {
+                return Ok(found);
+            }
+            before = found;
+        }
         hessenberg[(k + 1, k)] = norm;
         basis.push(next / norm);
     }
@@ -40,21 +51,25 @@ fn spectrum(operator: &Operator, shift: f64) -> Result<Vec<[f64; 2]>> {
 /// The `count` slowest modes of two degrees. Where there is next to no density the operator has eigenvalues that are those of the mesh
 /// alone: only what both degrees have counts, and the distance is its error.
 pub(super) fn slowest([fine, coarse]: [&Operator; 2], shift: f64, count: usize) -> Result<Vec<Relaxation>> {
-    let (fine, coarse) = rayon::join(|| spectrum(fine, shift), || spectrum(coarse, shift));
+    // Slow modes are chosen among twice as many.
+    let nearest = 2 * count;
+    let (fine, coarse) = rayon::join(|| spectrum(fine, shift, nearest), || spectrum(coarse, shift, nearest));
     let (mut fine, coarse) = (fine?, coarse?);
     let apart = |a: &[f64; 2]| coarse.iter().map(|b| (a[0] - b[0]).hypot(a[1] - b[1])).fold(f64::INFINITY, f64::min);
     fine.retain(|mode| apart(mode) <= tuning::march::SAME * mode[0].hypot(mode[1]).max(shift));
     Ok(Relaxation::slowest(fine, &coarse, count))
 }
 
-/// The eigenvalues μ of the leading block.
+/// The eigenvalues μ of the leading block, the nearest to zero first.
 fn rates(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
     let block = hessenberg.view((0, 0), (size, size)).into_owned();
-    eigenvalues(block)
+    let mut rates: Vec<[f64; 2]> = eigenvalues(block)
         .unwrap_or_default()
         .iter()
         .map(Complex::inv)
         .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)
         .map(|inverse| [inverse.re - shift, inverse.im.abs()])
-        .collect()
+        .collect();
+    rates.sort_by(|a, b| (a[0] + shift).hypot(a[1]).total_cmp(&(b[0] + shift).hypot(b[1])));
+    rates
 }

@@ -249,7 +249,7 @@ impl GridDensity {
             let solved = |k: usize| {
                 let solution = &self.kept.solutions[k];
                 let derivative = solution.operator.derivative(problem, &motion);
-                let more = rebound(&solution.field, &motion);
+                let more = rebound(&solution.density.field, &motion);
                 solution.moved(&derivative, &more)
             };
             Ok(GridSensitivity::new(self, name, motion.clone(), [solved(0)?, solved(1)?]))

@@ -108,10 +108,9 @@ fn resolved(
     for _ in 0..tuning::refinement::ROUNDS {
         let operator = Operator::new(problem, &layout, degree, Part::Whole, grid.memory)?;
         let start = start(&layout.mesh, operator.shape)?;
-        let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.inner;
+        let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.field;
         // Per unit of what starts.
-        let field = Field { coefficients: spent.iter().map(|s| s * shift).collect(), ..start };
-        match finer(&field, grid.accuracy, grid.memory) {
+        match finer(&spent.times(shift), grid.accuracy, grid.memory) {
             Finer::Layout(finer) => layout = finer,
             _ => return Ok([operator, Operator::new(problem, &layout, degree - 1, Part::Whole, grid.memory)?]),
         }
@@ -182,8 +181,8 @@ impl Survival {
             let operator: &Operator = &operators[number];
             let field = initial.field(stationary[number], &operator.layout.mesh, operator.shape)?;
             let before = initial.time * field.mass();
-            let spent = operator.factors(Regular::Shift(0.0)).solve(&field.coefficients, None)?.inner;
-            Ok(before + Field { coefficients: spent, ..field }.mass())
+            let spent = operator.factors(Regular::Shift(0.0)).solve(&field.coefficients, None)?.field;
+            Ok(before + spent.mass())
         };
         let (fine, coarse) = rayon::join(|| spent(0), || spent(1));
         let (fine, coarse) = (fine?, coarse?);

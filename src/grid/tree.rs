@@ -162,8 +162,8 @@ impl Tree {
         found
     }
 
-    /// The parts of a box that lie in one leaf each.
-    pub(super) fn pieces(&self, whole: &Cell) -> Vec<Cell> {
+    /// The parts of a box that lie in one leaf each, with these.
+    pub(super) fn pieces(&self, whole: &Cell) -> Vec<(usize, Cell)> {
         let (mut open, mut found) = (vec![0], Vec::new());
         while let Some(node) = open.pop() {
             let Node { cell, parts } = self.nodes[node];
@@ -178,7 +178,7 @@ impl Tree {
             // Less is rounding.
             if (0..MOST).all(|axis| common.width[axis] > 1e-9 * whole.width[axis].min(cell.width[axis])) {
                 match parts {
-                    None => found.push(common),
+                    None => found.push((node, common)),
                     Some((_, first)) => open.extend([first + 1, first]),
                 }
             }

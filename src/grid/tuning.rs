@@ -116,9 +116,9 @@ pub(super) mod refinement {
 pub(super) mod wells {
     /// What rounding takes of all that passes a pin, at most.
     pub(crate) const ROUNDING: f64 = 1e-13;
-    /// What it makes of what comes from one pin at another, at most. Since columns keep their sums it is far less: shares of two unlike
-    /// wells are right to 1e-6 where a well loses 1e-11 on the way.
-    pub(crate) const EXCHANGED: f64 = 1e-16;
+    /// What it makes of what comes from one pin at another, at most. Since columns keep their sums it is far less: with two unlike wells
+    /// behind barriers of 16 to 36 temperatures E x is off by a quarter of what this makes of it at most, in the median by a fiftieth.
+    pub(crate) const EXCHANGED: f64 = 1e-18;
     /// A leak above so many times what rounding hides is one at the edges.
     pub(crate) const HIDDEN: f64 = 10.0;
     /// The share of the accuracy that rounding may change before a well gets a pin of its own.
@@ -126,10 +126,13 @@ pub(super) mod wells {
     /// What it may change in any case. Of a single well it is 1e-12 to 1e-10, which is part of the estimate.
     pub(crate) const APART: f64 = 1e-9;
     /// What comes from a pin comes back to it at least in this part, or it is none of a well; in the next part, or its well is not
-    /// resolved on its own.
-    pub(crate) const KEPT: [f64; 2] = [0.5, 0.9];
-    /// A well is resolved as if it had this share of the density at least.
+    /// resolved on its own; and in the last part, or its share is not compared on its own.
+    pub(crate) const KEPT: [f64; 3] = [0.5, 0.9, 0.999];
+    /// A well, and the way from one to another, is resolved as if it had this share of the density at least. For the way 0.01 would
+    /// do in most cases; 1 takes half as many cells more.
     pub(crate) const LEAST: f64 = 0.1;
+    /// Where less is between two wells, beyond barriers of 40 temperatures, rounding decides what they exchange.
+    pub(crate) const BETWEEN: f64 = 1e-15;
     /// Cells with more than the first share of the pilot's states, of which all wells have less than the second part, are those of
     /// a well without a pin.
     pub(crate) const MANY: f64 = 0.01;
@@ -171,9 +174,13 @@ pub(super) mod march {
     pub(crate) const THINNEST: f64 = 1e-9;
     /// Steps before the march is given up.
     pub(crate) const MAX_STEPS: usize = 20_000;
-    /// Vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
+    /// The most vectors of the Krylov space. Each costs one solve with the factors; a few dozen eigenvalues next to the shift are then
     /// known to rounding.
     pub(crate) const KRYLOV: usize = 80;
+    /// After so many more of them eigenvalues are compared,
+    pub(crate) const CHECKED: usize = 10;
+    /// and have converged where they stay to this relative part.
+    pub(crate) const STAYS: f64 = 1e-11;
     /// Eigenvalues of two degrees are the same mode if they are no farther apart, in units of their size.
     pub(crate) const SAME: f64 = 2e-2;
 }

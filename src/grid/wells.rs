@@ -1,98 +1,100 @@
 //! How much is in each of several wells.
 //!
-//! M_ji, what of the probability that comes from pin i arrives at pin j, is a Markov chain of the wells: q = M q gives what passes each
-//! pin, and with it their shares, without subtractions (W. K. Grassmann, M. I. Taksar and D. P. Heyman, 1985,
-//! doi:10.1287/opre.33.5.1107). Since columns keep their sums M is right to 1e-16: where wells exchange less than that, beyond barriers
-//! of some 30 temperatures, their shares are not determined, and those of trajectories stand for them.
+//! Wells that exchange next to nothing have a [pin](super::pins) each, and p = Σ s_i u_i with the shares s_i and the densities u_i that
+//! come from the pins. M_ji, what of the probability that comes from pin i arrives at pin j, is a Markov chain: q = M q gives what
+//! passes each pin, and with it the shares, without subtractions (W. K. Grassmann, M. I. Taksar and D. P. Heyman, 1985,
+//! doi:10.1287/opre.33.5.1107). Since columns keep their sums, rounding changes what wells exchange next to nothing by: shares are
+//! determined up to barriers of some 34 temperatures. Beyond, those of trajectories stand for them.
 
 use super::density::of_one;
 use super::field::Field;
-use super::stationary::{Pin, Question};
+use super::pins::Pin;
+use super::stationary::Question;
+use crate::error::{Error, Result};
 use crate::grid::tuning::wells as tuning;
 use crate::problem::Symmetry;
 use crate::states::States;
 use nalgebra::{DMatrix, DVector};
 
-/// The shares of the wells.
+/// The wells and their shares.
 #[derive(Debug)]
 pub(super) struct Wells {
-    /// The factor of what comes from each pin.
-    pub(super) parts: Vec<f64>,
+    pub(super) pins: Vec<Pin>,
+    /// What is in each well.
+    pub(super) shares: DVector<f64>,
     /// Changes of these that rounding may make.
-    pub(super) changes: Vec<Vec<f64>>,
+    pub(super) changes: Vec<DVector<f64>>,
     /// Whether the equations determine the shares.
     pub(super) determined: bool,
     /// M without its diagonal.
     arrives: DMatrix<f64>,
-    /// The time that what passes a pin spends on its way.
-    spent: Vec<f64>,
-    /// The masses of what comes from each pin.
-    masses: Vec<f64>,
     /// The well that each becomes by a change of signs, and its part of what both have.
     images: Vec<Vec<(usize, f64)>>,
-    /// What is in each well.
-    pub(super) shares: DVector<f64>,
 }
 
 impl Wells {
-    pub(super) fn new(pins: &[Pin], block: usize, fields: &[Field], question: Question<'_>) -> Self {
+    pub(super) fn new(pins: Vec<Pin>, question: Question<'_>) -> Self {
         let count = pins.len();
-        let moves = moves(pins, block);
+        let moves = DMatrix::from_fn(count, count, |i, j| pins[i].arrives(&pins[j]));
         // The loss on the way from each pin at the edges, or what rounding hides.
         let lost = |to: f64| {
             if (1.0 - to).abs() > tuning::HIDDEN * tuning::ROUNDING { (1.0 - to).abs() } else { tuning::EXCHANGED }
         };
         let lost: Vec<f64> = moves.column_iter().map(|to| lost(to.sum())).collect();
-        let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
-        let mut wells = Wells {
-            parts: Vec::new(),
-            changes: Vec::new(),
-            determined: true,
-            arrives: moves.map(|part| part.max(0.0)),
-            spent: pins.iter().zip(&masses).map(|(pin, mass)| mass / pin.through).collect(),
-            masses,
-            images: images(&question.problem.symmetry(), fields),
-            shares: DVector::zeros(count),
-        };
+        let images = images(&question.problem.symmetry(), &pins);
+        let (shares, changes) = (DVector::zeros(count), Vec::new());
+        let arrives = moves.map(|part| part.max(0.0));
+        let mut wells = Wells { pins, shares, changes, determined: true, arrives, images };
         let mut shares = wells.stationary(&wells.arrives);
-        let mut changes = wells.changed(&lost);
+        // What is below zero is off by at least as much.
+        let mut changes = wells.changed(|i, j| lost[j].max(-2.0 * moves[(i, j)]));
         if changes.iter().any(|change| change.amax() >= tuning::UNDETERMINED) {
-            shares = counted(fields, question.states);
+            shares = wells.counted(question.states);
             // All may be in one well, or none.
             let unit = |i: usize| DVector::from_fn(count, |j, _| f64::from(u8::from(i == j)));
             changes = (0..count).map(|i| (unit(i) - &shares) / count as f64 * 2.0).collect();
             wells.determined = false;
         }
-        wells.changes = wells.parts(changes);
+        wells.changes = wells.symmetric(changes);
         wells.determined |= wells.changes.is_empty();
         wells.shares = wells.averaged(&shares);
-        wells.parts = wells.part(&wells.shares);
         wells
     }
 
-    /// The shares if these are the moves between the pins.
+    /// The shares if these are the moves between the pins: what passes a pin over the rate at which it does.
     fn stationary(&self, arrives: &DMatrix<f64>) -> DVector<f64> {
         let passing = stationary_chain(arrives);
-        let within = DVector::from_fn(passing.len(), |j, _| passing[j] * self.spent[j]);
+        let within = DVector::from_fn(passing.len(), |j, _| passing[j] / self.pins[j].rate);
         let sum = within.sum();
         within / sum
     }
 
-    /// What changes in them if what is lost from each pin arrives at each of the others, in turn.
-    fn changed(&self, lost: &[f64]) -> Vec<DVector<f64>> {
-        let (count, known) = (self.masses.len(), self.stationary(&self.arrives));
+    /// What changes in them with what arrives at i from j, in turn.
+    fn changed(&self, off: impl Fn(usize, usize) -> f64) -> Vec<DVector<f64>> {
+        let (count, known) = (self.pins.len(), self.stationary(&self.arrives));
         let pairs = (0..count).flat_map(|j| (0..count).filter(move |i| *i != j).map(move |i| (i, j)));
         let change = |(i, j): (usize, usize)| {
             let mut other = self.arrives.clone();
-            other[(i, j)] += lost[j];
+            other[(i, j)] += off(i, j);
             self.stationary(&other) - &known
         };
         pairs.map(change).collect()
     }
 
-    /// The change of the parts by twice what the shares of another solution differ by: a few numbers may be near by chance.
-    pub(super) fn apart(&self, other: &Self) -> Vec<Vec<f64>> {
-        if self.determined { self.parts(vec![(&other.shares - &self.shares) * 2.0]) } else { Vec::new() }
+    /// What of the probability that comes from a pin comes back to it before it arrives at another.
+    pub(super) fn kept(&self, well: usize) -> f64 {
+        self.pins[well].arrives(&self.pins[well])
+    }
+
+    /// Twice what the shares of another solution with the same pins differ by: a few numbers may be near by chance. Pins within one
+    /// well have shares that are those of their cells.
+    pub(super) fn apart(&self, other: &Self) -> Vec<DVector<f64>> {
+        let same = self.determined && self.places_of_pins() == other.places_of_pins();
+        if same && (0..self.pins.len()).all(|well| self.kept(well) > tuning::KEPT[2]) {
+            self.symmetric(vec![(&other.shares - &self.shares) * 2.0])
+        } else {
+            Vec::new()
+        }
     }
 
     /// Shares that are symmetric where the problem is.
@@ -103,22 +105,75 @@ impl Wells {
         self.images.iter().fold(shares.clone(), with)
     }
 
-    fn part(&self, shares: &DVector<f64>) -> Vec<f64> {
-        shares.iter().zip(&self.masses).map(|(share, mass)| share / mass).collect()
+    /// Whether a change of signs makes one well of the other.
+    pub(super) fn alike(&self, [one, other]: [usize; 2]) -> bool {
+        self.images.iter().any(|image| image[one].0 == other)
     }
 
-    /// What changes of shares make of the parts, but for those that symmetry excludes.
-    fn parts(&self, changes: Vec<DVector<f64>>) -> Vec<Vec<f64>> {
+    /// Changes of shares, but for those that symmetry excludes.
+    fn symmetric(&self, changes: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
         let averaged = changes.iter().map(|change| self.averaged(change));
-        averaged.filter(|change| change.amax() > 1e-14).map(|change| self.part(&change)).collect()
+        averaged.filter(|change| change.amax() > 1e-14).collect()
     }
-}
 
-/// M: what of the probability that comes from one pin, by column, arrives at another, by row.
-pub(super) fn moves(pins: &[Pin], block: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(pins.len(), pins.len(), |i, j| {
-        pins[i].through / pins[j].through * pins[j].from.inner[pins[i].cell * block]
-    })
+    /// The shares of states that lie in cells where the mean of each well is the largest of all.
+    fn counted(&self, states: &States) -> DVector<f64> {
+        let count = self.pins.len();
+        let mut counts = DVector::from_element(count, 0.0);
+        for cell in states.iter().filter_map(|x| self.pins[0].from.field.mesh.locate(x)) {
+            let mean = |well: &usize| self.well(*well).mean(cell);
+            if let Some(well) = (0..count).max_by(|a, b| mean(a).total_cmp(&mean(b))) {
+                counts[well] += 1.0;
+            }
+        }
+        let sum = counts.sum();
+        if sum > 0.0 { counts / sum } else { DVector::from_element(count, 1.0 / count as f64) }
+    }
+
+    /// The density of a well, with mass 1.
+    pub(super) fn well(&self, pin: usize) -> &Field {
+        &self.pins[pin].from.field
+    }
+
+    /// Where the pins are, as states.
+    pub(super) fn places_of_pins(&self) -> Vec<Vec<f64>> {
+        self.pins.iter().map(|pin| pin.from.field.mesh.centre(pin.cell)).collect()
+    }
+
+    /// A density without mass that changes of the shares make.
+    pub(super) fn change(&self, shares: &DVector<f64>) -> Field {
+        let first = self.well(0);
+        let zero = Field::zero(&first.mesh, first.shape);
+        (0..self.pins.len()).fold(zero, |sum, pin| sum.plus(shares[pin], self.well(pin)))
+    }
+
+    /// What must come from the pins so that nothing of a density stays behind at any, where there are several: Σ_j (δ_ij − M_ij) q_j is
+    /// what has gone at pin i.
+    ///
+    /// # Errors
+    /// [`Error::NotKnown`] where the shares are not determined.
+    pub(super) fn returning(&self, p: &Field) -> Result<Vec<f64>> {
+        let count = self.pins.len();
+        if count == 1 {
+            return Ok(vec![0.0]);
+        }
+        if !self.determined {
+            let remedy = "the wells exchange less than rounding hides: take the derivative with one well alone within `Grid::domain`";
+            return Err(Error::NotKnown { what: "derivatives of the shares of wells".into(), remedy });
+        }
+        let moves = DMatrix::from_fn(count, count, |i, j| self.pins[i].arrives(&self.pins[j]));
+        // What leaves one pin for the others, so that small rates are not differences.
+        let chain = DMatrix::from_fn(count, count, |i, j| {
+            let out: f64 = (0..count).filter(|k| *k != j).map(|k| moves[(k, j)]).sum();
+            if i == j { out } else { -moves[(i, j)] }
+        });
+        let gone = DVector::from_iterator(count, self.pins.iter().map(|pin| pin.passing(p)));
+        let even = gone.mean();
+        let least = 1e-6 * chain.amax();
+        let found = chain.svd(true, true).solve(&gone.add_scalar(-even), least);
+        let singular = Error::SingularSystem { unknowns: p.coefficients.len() };
+        Ok(found.map_err(|_| singular)?.iter().copied().collect())
+    }
 }
 
 /// The stationary shares of a Markov chain by its transitions from j to i ≠ j, without subtractions.
@@ -143,30 +198,16 @@ fn stationary_chain(arrives: &DMatrix<f64>) -> Vec<f64> {
     parts
 }
 
-/// The shares of states that lie in cells where the mean of each field is the largest of all.
-fn counted(fields: &[Field], states: &States) -> DVector<f64> {
-    let mut counts = DVector::from_element(fields.len(), 0.0);
-    let masses: Vec<f64> = fields.iter().map(Field::mass).collect();
-    for cell in states.iter().filter_map(|x| fields[0].mesh.locate(x)) {
-        let mean = |k: &usize| fields[*k].mean(cell) / masses[*k];
-        if let Some(k) = (0..fields.len()).max_by(|a, b| mean(a).total_cmp(&mean(b))) {
-            counts[k] += 1.0;
-        }
-    }
-    let sum = counts.sum();
-    if sum > 0.0 { counts / sum } else { DVector::from_element(fields.len(), 1.0 / fields.len() as f64) }
-}
-
 /// For each sign change of states that leaves the problem as it is, the well that each becomes, with its part of what both have: the
 /// means of the states that change are 0. Halves would not do, since what comes from a pin has a little in the other wells.
-fn images(symmetry: &Symmetry, fields: &[Field]) -> Vec<Vec<(usize, f64)>> {
-    let mesh = &fields[0].mesh;
-    let (domain, wells) = (mesh.domain(), 0..fields.len());
-    let mean = |field: &Field| -> Vec<f64> {
+fn images(symmetry: &Symmetry, pins: &[Pin]) -> Vec<Vec<(usize, f64)>> {
+    let mesh = &pins[0].from.field.mesh;
+    let (domain, wells) = (mesh.domain(), 0..pins.len());
+    let mean = |pin: &Pin| -> Vec<f64> {
         let width = |axis: usize| domain[axis][1] - domain[axis][0];
-        (0..mesh.states()).map(|axis| of_one(field, axis, &|x: f64| x, 1) / field.mass() / width(axis)).collect()
+        (0..mesh.states()).map(|axis| of_one(&pin.from.field, axis, &|x: f64| x, 1) / width(axis)).collect()
     };
-    let means: Vec<Vec<f64>> = fields.iter().map(mean).collect();
+    let means: Vec<Vec<f64>> = pins.iter().map(mean).collect();
     let image = |flip: &Vec<bool>| -> Option<Vec<(usize, f64)>> {
         let distance = |i: usize, j: usize| -> f64 {
             let turned = |axis: usize| if flip[axis] { -means[i][axis] } else { means[i][axis] };

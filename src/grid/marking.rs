@@ -1,0 +1,81 @@
+//! What a mesh does not resolve: of the density, of each of its wells, and of the way between wells.
+
+use super::field::Field;
+use super::shape::Place;
+use super::stationary::Stationary;
+use super::wells::Wells;
+use crate::grid::tuning::wells as tuning;
+use crate::states::States;
+
+impl Stationary {
+    /// What is left in the highest degree of each cell. Each well counts as if it had some of the density at least: cells that are
+    /// too coarse let out what it keeps, and then say that next to nothing is in it. So does what goes from one well to another:
+    /// little is there, and it decides how much is in each, unless symmetry does.
+    pub(super) fn unresolved(&self) -> Vec<Place> {
+        let mut all = self.density.field.highest();
+        let Wells { pins, shares, .. } = &self.wells;
+        if pins.len() == 1 {
+            return all;
+        }
+        let wells: Vec<usize> = (0..pins.len()).filter(|well| self.wells.kept(*well) > tuning::KEPT[1]).collect();
+        let highest: Vec<Vec<Place>> = wells.iter().map(|well| self.wells.well(*well).highest()).collect();
+        let mut add = |own: &[Place], factor: &dyn Fn(usize) -> f64| {
+            let cells = all.iter_mut().zip(own).enumerate();
+            cells.for_each(|(cell, (all, own))| all.iter_mut().zip(own).for_each(|(a, b)| *a += factor(cell) * b));
+        };
+        for (k, well) in wells.iter().enumerate() {
+            add(&highest[k], &|_| (tuning::LEAST - shares[*well]).max(0.0));
+            for other in wells.iter().filter(|other| *other != well && !self.wells.alike([*well, **other])) {
+                let between = self.between([*well, *other]);
+                // Each pair comes twice.
+                add(&highest[k], &|cell| tuning::LEAST * between[cell]);
+            }
+        }
+        all
+    }
+
+    /// The density of what goes from one well to another over that of both, for each cell: with u_i of what comes from well i, and u
+    /// of what comes from all, it is u_i u_j/u, here with mass 1 (E. Vanden-Eijnden, 2006, doi:10.1007/3-540-35273-2_13).
+    fn between(&self, [from, to]: [usize; 2]) -> Vec<f64> {
+        let (cells, wells) = (&self.operator.layout.mesh.cells, &self.wells);
+        let means = |cell: usize| -> Vec<f64> {
+            (0..wells.pins.len()).map(|well| wells.well(well).mean(cell).abs().max(f64::MIN_POSITIVE)).collect()
+        };
+        let [mut parts, mut masses] = [0, 1].map(|_| Vec::with_capacity(cells.len()));
+        for (cell, own) in cells.iter().enumerate() {
+            let means = means(cell);
+            let sum: f64 = means.iter().sum();
+            let part = means[from] / sum * (means[to] / sum);
+            parts.push(part);
+            masses.push(part * sum * own.root_volume().powi(2));
+        }
+        let mass: f64 = masses.iter().sum();
+        let scale = if mass > tuning::BETWEEN { mass.recip() } else { 0.0 };
+        parts.iter().map(|part| scale * part).collect()
+    }
+
+    /// The places of the pins of the next mesh, as states: of several that of each well.
+    pub(super) fn places(&self) -> Vec<Vec<f64>> {
+        let place = |field: &Field| field.mesh.centre(field.peak());
+        let wells: Vec<usize> =
+            (0..self.wells.pins.len()).filter(|well| self.wells.kept(*well) > tuning::KEPT[0]).collect();
+        match &wells[..] {
+            [] | [_] => vec![place(&self.density.field)],
+            wells => wells.iter().map(|well| place(self.wells.well(*well))).collect(),
+        }
+    }
+
+    /// The place of many trajectories' states of which no well has any: there is one more.
+    pub(super) fn missed(&self, states: &States) -> Option<Vec<f64>> {
+        let mesh = &self.operator.layout.mesh;
+        let mut counts = vec![0.0; mesh.cells.len()];
+        states.iter().filter_map(|x| mesh.locate(x)).for_each(|cell| counts[cell] += 1.0 / states.len() as f64);
+        let within = |cell: usize| -> f64 {
+            let volume = mesh.cells[cell].root_volume().powi(2);
+            (0..self.wells.pins.len()).map(|well| self.wells.well(well).mean(cell).abs() * volume).sum()
+        };
+        let missed = |cell: &usize| counts[*cell] > tuning::MANY && within(*cell) < tuning::MISSED * counts[*cell];
+        let most = (0..counts.len()).filter(missed).max_by(|a, b| counts[*a].total_cmp(&counts[*b]));
+        most.map(|cell| mesh.centre(cell))
+    }
+}
