@@ -34,8 +34,9 @@ impl Stationary {
         all
     }
 
-    /// The density of what goes from one well to another over that of both, for each cell: with u_i of what comes from well i, and u
-    /// of what comes from all, it is u_i u_j/u, here with mass 1 (E. Vanden-Eijnden, 2006, doi:10.1007/3-540-35273-2_13).
+    /// The part of each cell's density that is on its way from one well to another, for a mass of 1 on that way. With u_i of what comes
+    /// from well i, and u of what comes from all, u_i/u is the probability that what is there came from i, and the part is
+    /// u_i u_j/u².
     fn between(&self, [from, to]: [usize; 2]) -> Vec<f64> {
         let (cells, wells) = (&self.operator.layout.mesh.cells, &self.wells);
         let means = |cell: usize| -> Vec<f64> {
