@@ -3,6 +3,7 @@
 use super::field::Field;
 use super::shape::Place;
 use super::stationary::Stationary;
+use super::tree::Cell;
 use super::wells::Wells;
 use crate::grid::tuning::wells as tuning;
 use crate::states::States;
@@ -38,19 +39,15 @@ impl Stationary {
     /// from well i, and u of what comes from all, u_i/u is the probability that what is there came from i, and the part is
     /// u_i u_j/u².
     fn between(&self, [from, to]: [usize; 2]) -> Vec<f64> {
-        let (cells, wells) = (&self.operator.layout.mesh.cells, &self.wells);
-        let means = |cell: usize| -> Vec<f64> {
-            (0..wells.pins.len()).map(|well| wells.well(well).mean(cell).abs().max(f64::MIN_POSITIVE)).collect()
+        let (wells, mut mass) = (&self.wells, 0.0);
+        let part = |(cell, own): (usize, &Cell)| {
+            let mean = |well: usize| wells.well(well).mean(cell).abs();
+            let all = (0..wells.pins.len()).map(mean).sum::<f64>().max(f64::MIN_POSITIVE);
+            let part = mean(from) / all * (mean(to) / all);
+            mass += part * all * own.root_volume().powi(2);
+            part
         };
-        let [mut parts, mut masses] = [0, 1].map(|_| Vec::with_capacity(cells.len()));
-        for (cell, own) in cells.iter().enumerate() {
-            let means = means(cell);
-            let sum: f64 = means.iter().sum();
-            let part = means[from] / sum * (means[to] / sum);
-            parts.push(part);
-            masses.push(part * sum * own.root_volume().powi(2));
-        }
-        let mass: f64 = masses.iter().sum();
+        let parts: Vec<f64> = self.operator.layout.mesh.cells.iter().enumerate().map(part).collect();
         let scale = if mass > tuning::BETWEEN { mass.recip() } else { 0.0 };
         parts.iter().map(|part| scale * part).collect()
     }

@@ -38,7 +38,8 @@ pub(super) fn resolve(
     loop {
         rounds += 1;
         let mut fine = solve(question, &layout, degree, &places)?;
-        let missed = fine.missed(question.states);
+        // A place that had a pin this time is not missed, whether it has a well or not.
+        let missed = fine.missed(question.states).filter(|place| !places.contains(place));
         places = fine.places();
         places.extend(missed.clone());
         let unresolved = fine.unresolved();

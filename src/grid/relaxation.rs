@@ -52,7 +52,7 @@ fn spectrum(operator: &Operator, shift: f64, count: usize) -> Result<Vec<[f64; 2
 /// alone: only what both degrees have counts, and the distance is its error.
 pub(super) fn slowest([fine, coarse]: [&Operator; 2], shift: f64, count: usize) -> Result<Vec<Relaxation>> {
     // Slow modes are chosen among twice as many.
-    let nearest = 2 * count;
+    let nearest = count.saturating_mul(2);
     let (fine, coarse) = rayon::join(|| spectrum(fine, shift, nearest), || spectrum(coarse, shift, nearest));
     let (mut fine, coarse) = (fine?, coarse?);
     let apart = |a: &[f64; 2]| coarse.iter().map(|b| (a[0] - b[0]).hypot(a[1] - b[1])).fold(f64::INFINITY, f64::min);

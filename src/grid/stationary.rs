@@ -1,7 +1,7 @@
 //! The null vector of the operator: the stationary density.
 //!
-//! With [pins](super::pins) K is regular. Where nothing is lost, p_k = 1 at a single one and K p = 0 exactly; several have a [well](
-//! super::wells) each.
+//! With [pins](super::pins) K is regular. Where nothing is lost, p_k = 1 at a single one and K p = 0 exactly. Several have one of the
+//! [wells](super::wells) each.
 
 use super::field::Field;
 use super::flux::Part;

@@ -3,8 +3,8 @@
 //! Wells that exchange next to nothing have a [pin](super::pins) each, and p = Σ s_i u_i with the shares s_i and the densities u_i that
 //! come from the pins. M_ji, what of the probability that comes from pin i arrives at pin j, is a Markov chain: q = M q gives what
 //! passes each pin, and with it the shares, without subtractions (W. K. Grassmann, M. I. Taksar and D. P. Heyman, 1985,
-//! doi:10.1287/opre.33.5.1107). Since columns keep their sums, rounding changes what wells exchange next to nothing by: shares are
-//! determined up to barriers of some 34 temperatures. Beyond, those of trajectories stand for them.
+//! doi:10.1287/opre.33.5.1107). Since columns keep their sums, rounding changes what wells exchange by 1e-16 of what passes a pin at
+//! most: shares are determined up to barriers of some 28 temperatures. Beyond, those of trajectories stand for them.
 
 use super::density::of_one;
 use super::field::Field;

@@ -45,31 +45,28 @@ macro_rules! case {
     };
 }
 
+const SMOOTH: Case = Case {
+    name: "Duffing",
+    text: DUFFING,
+    accuracy: 1e-5,
+    domain: None,
+    costly: false,
+    known: &[([2, 0], 0.661_714_969_204)],
+};
+
+const STIFF: Case = Case {
+    name: "cycle-stiff",
+    text: case!("cycle-stiff"),
+    accuracy: 1e-3,
+    domain: None,
+    costly: true,
+    known: &[([2, 0], 2.409_646_599_39), ([0, 2], 2.409_646_599_39)],
+};
+
 const CASES: [Case; 13] = [
-    Case {
-        name: "Duffing",
-        text: DUFFING,
-        accuracy: 1e-5,
-        domain: None,
-        costly: false,
-        known: &[([2, 0], 0.661_714_969_204)],
-    },
-    Case {
-        name: "Duffing",
-        text: DUFFING,
-        accuracy: 1e-7,
-        domain: None,
-        costly: false,
-        known: &[([2, 0], 0.661_714_969_204)],
-    },
-    Case {
-        name: "Duffing",
-        text: DUFFING,
-        accuracy: 1e-8,
-        domain: None,
-        costly: false,
-        known: &[([2, 0], 0.661_714_969_204)],
-    },
+    SMOOTH,
+    Case { accuracy: 1e-7, ..SMOOTH },
+    Case { accuracy: 1e-8, ..SMOOTH },
     Case {
         name: "recharge",
         text: case!("recharge"),
@@ -102,22 +99,8 @@ const CASES: [Case; 13] = [
         costly: false,
         known: &[([0, 2], 1.0 / 700.0), ([2, 0], 0.998_565_235)],
     },
-    Case {
-        name: "cycle-stiff",
-        text: case!("cycle-stiff"),
-        accuracy: 1e-3,
-        domain: None,
-        costly: true,
-        known: &[([2, 0], 2.409_646_599_39), ([0, 2], 2.409_646_599_39)],
-    },
-    Case {
-        name: "cycle-stiff",
-        text: case!("cycle-stiff"),
-        accuracy: 1e-5,
-        domain: None,
-        costly: true,
-        known: &[([2, 0], 2.409_646_599_39), ([0, 2], 2.409_646_599_39)],
-    },
+    STIFF,
+    Case { accuracy: 1e-5, ..STIFF },
     Case {
         name: "wall -0.5, r = 0.7",
         text: ABOVE,
