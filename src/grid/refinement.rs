@@ -61,9 +61,10 @@ pub(super) fn resolve(
         if missed.is_some() && rounds < tuning::ROUNDS {
             continue;
         }
-        let coarse = solve(question, &layout, degree - 1, &fine.wells.places_of_pins())?;
-        let (difference, rounding) = (difference(&fine.density.field, &coarse.density.field), fine.open());
-        fine.compare(&coarse);
+        let mut coarse = solve(question, &layout, degree - 1, &fine.wells.places_of_pins())?;
+        let rounding = fine.open();
+        fine.compare(&mut coarse, question.states);
+        let difference = difference(&fine.density.field, &coarse.density.field);
         let estimate = difference + fine.open();
         rounds += 1;
         report(GridProgress { rounds, estimate: Some(estimate), ..progress })?;

@@ -94,8 +94,7 @@ impl Stationary {
         mut elsewhere: Solution,
     ) -> Result<Self> {
         let wells = Wells::new(pins, question);
-        let mut density = Solution::zero(&operator);
-        wells.pins.iter().zip(&wells.shares).for_each(|(pin, share)| density.add(*share, &pin.from));
+        let density = wells.density(&operator);
         let p = &density.field;
         if !p.coefficients.iter().all(|p| p.is_finite()) {
             return Err(Error::SingularSystem { unknowns: operator.unknowns() });
@@ -111,7 +110,7 @@ impl Stationary {
         let residual = largest(&balance).max(largest(&at_faces)) / (magnitude * largest(&p.coefficients));
         let between = elsewhere.field.mass();
         elsewhere.add(-between, &density);
-        let open = wells.changes.iter().map(|shares| wells.change(shares)).collect();
+        let open = wells.open();
         Ok(Stationary { operator, factors, wells, density, elsewhere, leak, residual, open })
     }
 
@@ -164,9 +163,13 @@ impl Stationary {
         self.open.iter().map(Field::size).sum()
     }
 
-    /// Counts what the shares of wells differ from those of another solution by: what comes from other pins has other shares.
-    pub(super) fn compare(&mut self, other: &Self) {
-        let apart = self.wells.apart(&other.wells);
-        self.open.extend(apart.iter().map(|shares| self.wells.change(shares)));
+    /// Counts what wells exchange in another solution on this mesh as what they may exchange. Where that leaves shares undetermined,
+    /// the other solution takes those of this one.
+    pub(super) fn compare(&mut self, other: &mut Self, states: &States) {
+        self.wells.compare(&mut other.wells, states);
+        for solution in [&mut *self, other] {
+            solution.density = solution.wells.density(&solution.operator);
+        }
+        self.open = self.wells.open();
     }
 }

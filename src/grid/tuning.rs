@@ -116,10 +116,11 @@ pub(super) mod refinement {
 pub(super) mod wells {
     /// What rounding takes of all that passes a pin, at most.
     pub(crate) const ROUNDING: f64 = 1e-13;
-    /// What it makes of what comes from one pin at another, at most. Since columns keep their sums it is mostly a hundredth of that: with
-    /// 1e-18 here 3 of 144 solutions of two unlike wells (16 to 36 temperatures) were off by more than their errors, all with a damping
-    /// of 1, by up to all of the shares.
-    pub(crate) const EXCHANGED: f64 = 1e-16;
+    /// What it makes of what comes from one pin at another, at most. Since columns keep their sums it is far less: in 200 solutions of two
+    /// unlike wells (16 to 80 temperatures, damping 0.1 and 1) up to 1e-17.
+    pub(crate) const EXCHANGED: f64 = 3e-17;
+    /// What arrives at least, so that there are shares where nothing does by rounding, or by what it may be off by.
+    pub(crate) const NOTHING: f64 = 1e-200;
     /// A leak above so many times what rounding hides is one at the edges.
     pub(crate) const HIDDEN: f64 = 10.0;
     /// The share of the accuracy that rounding may change before a well gets a pin of its own.

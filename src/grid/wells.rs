@@ -3,11 +3,12 @@
 //! Wells that exchange next to nothing have a [pin](super::pins) each, and p = Σ s_i u_i with the shares s_i and the densities u_i that
 //! come from the pins. M_ji, what of the probability that comes from pin i arrives at pin j, is a Markov chain: q = M q gives what
 //! passes each pin, and with it the shares, without subtractions (W. K. Grassmann, M. I. Taksar and D. P. Heyman, 1985,
-//! doi:10.1287/opre.33.5.1107). Since columns keep their sums, rounding changes what wells exchange by 1e-16 of what passes a pin at
+//! doi:10.1287/opre.33.5.1107). Since columns keep their sums, rounding changes what wells exchange by 3e-17 of what passes a pin at
 //! most: shares are determined up to barriers of some 28 temperatures. Beyond, those of trajectories stand for them.
 
 use super::density::of_one;
 use super::field::Field;
+use super::operator::{Operator, Solution};
 use super::pins::Pin;
 use super::stationary::Question;
 use crate::error::{Error, Result};
@@ -23,11 +24,13 @@ pub(super) struct Wells {
     /// What is in each well.
     pub(super) shares: DVector<f64>,
     /// Changes of these that rounding may make.
-    pub(super) changes: Vec<DVector<f64>>,
+    changes: Vec<DVector<f64>>,
     /// Whether the equations determine the shares.
     pub(super) determined: bool,
-    /// M without its diagonal.
+    /// M without its diagonal,
     arrives: DMatrix<f64>,
+    /// and what each part of it may be off by.
+    off: DMatrix<f64>,
     /// The well that each becomes by a change of signs, and its part of what both have.
     images: Vec<Vec<(usize, f64)>>,
 }
@@ -41,24 +44,52 @@ impl Wells {
             if (1.0 - to).abs() > tuning::HIDDEN * tuning::ROUNDING { (1.0 - to).abs() } else { tuning::EXCHANGED }
         };
         let lost: Vec<f64> = moves.column_iter().map(|to| lost(to.sum())).collect();
+        // What is below zero is off by at least as much.
+        let off = DMatrix::from_fn(count, count, |i, j| lost[j].max(-2.0 * moves[(i, j)]));
         let images = images(&question.problem.symmetry(), &pins);
         let (shares, changes) = (DVector::zeros(count), Vec::new());
-        let arrives = moves.map(|part| part.max(0.0));
-        let mut wells = Wells { pins, shares, changes, determined: true, arrives, images };
-        let mut shares = wells.stationary(&wells.arrives);
-        // What is below zero is off by at least as much.
-        let mut changes = wells.changed(|i, j| lost[j].max(-2.0 * moves[(i, j)]));
+        let arrives = moves.map(|part| part.max(tuning::NOTHING));
+        let mut wells = Wells { pins, shares, changes, determined: true, arrives, off, images };
+        wells.weigh(question.states);
+        wells
+    }
+
+    /// Shares and their changes by what arrives where.
+    fn weigh(&mut self, states: &States) {
+        let count = self.pins.len();
+        let mut shares = self.stationary(&self.arrives);
+        let mut changes = self.changed();
         if changes.iter().any(|change| change.amax() >= tuning::UNDETERMINED) {
-            shares = wells.counted(question.states);
+            shares = self.counted(states);
             // All may be in one well, or none.
             let unit = |i: usize| DVector::from_fn(count, |j, _| f64::from(u8::from(i == j)));
             changes = (0..count).map(|i| (unit(i) - &shares) / count as f64 * 2.0).collect();
-            wells.determined = false;
+            self.determined = false;
         }
-        wells.changes = wells.symmetric(changes);
-        wells.determined |= wells.changes.is_empty();
-        wells.shares = wells.averaged(&shares);
-        wells
+        self.changes = self.symmetric(changes);
+        self.determined |= self.changes.is_empty();
+        self.shares = self.averaged(&shares);
+    }
+
+    /// Weighs again if exchanges may be off by twice what another solution with the same pins differs by: a few numbers may be near by
+    /// chance. Shares themselves would not do: what passes between wells is of no use in both solutions, and all in one well in both.
+    /// Pins within one well have shares that are those of their cells.
+    pub(super) fn compare(&mut self, other: &mut Self, states: &States) {
+        let count = self.pins.len();
+        if count == 1 || self.places_of_pins() != other.places_of_pins() {
+            return;
+        }
+        if self.determined && (0..count).all(|well| self.kept(well) > tuning::KEPT[2]) {
+            for (i, j) in (0..count).flat_map(|j| (0..count).map(move |i| (i, j))) {
+                // A pin's strength depends on the degree; what a well loses per unit time does not.
+                let arrives = other.arrives[(i, j)] * other.pins[j].rate / self.pins[j].rate;
+                self.off[(i, j)] = self.off[(i, j)].max(2.0 * (arrives - self.arrives[(i, j)]).abs());
+            }
+            self.weigh(states);
+        }
+        if !self.determined {
+            other.shares.clone_from(&self.shares);
+        }
     }
 
     /// The shares if these are the moves between the pins: what passes a pin over the rate at which it does.
@@ -69,14 +100,17 @@ impl Wells {
         within / sum
     }
 
-    /// What changes in them with what arrives at i from j, in turn.
-    fn changed(&self, off: impl Fn(usize, usize) -> f64) -> Vec<DVector<f64>> {
-        let (count, known) = (self.pins.len(), self.stationary(&self.arrives));
+    /// What changes in them with each part of what arrives, where the other parts are as little as they may be: half of what it makes
+    /// from its lowest value to its highest one.
+    fn changed(&self) -> Vec<DVector<f64>> {
+        let count = self.pins.len();
+        let least = (&self.arrives - &self.off).map(|part| part.max(tuning::NOTHING));
+        let known = self.stationary(&least);
         let pairs = (0..count).flat_map(|j| (0..count).filter(move |i| *i != j).map(move |i| (i, j)));
         let change = |(i, j): (usize, usize)| {
-            let mut other = self.arrives.clone();
-            other[(i, j)] += off(i, j);
-            self.stationary(&other) - &known
+            let mut other = least.clone();
+            other[(i, j)] = self.arrives[(i, j)] + self.off[(i, j)];
+            (self.stationary(&other) - &known) / 2.0
         };
         pairs.map(change).collect()
     }
@@ -84,17 +118,6 @@ impl Wells {
     /// What of the probability that comes from a pin comes back to it before it arrives at another.
     pub(super) fn kept(&self, well: usize) -> f64 {
         self.pins[well].arrives(&self.pins[well])
-    }
-
-    /// Twice what the shares of another solution with the same pins differ by: a few numbers may be near by chance. Pins within one
-    /// well have shares that are those of their cells.
-    pub(super) fn apart(&self, other: &Self) -> Vec<DVector<f64>> {
-        let same = self.determined && self.places_of_pins() == other.places_of_pins();
-        if same && (0..self.pins.len()).all(|well| self.kept(well) > tuning::KEPT[2]) {
-            self.symmetric(vec![(&other.shares - &self.shares) * 2.0])
-        } else {
-            Vec::new()
-        }
     }
 
     /// Shares that are symmetric where the problem is.
@@ -140,11 +163,20 @@ impl Wells {
         self.pins.iter().map(|pin| pin.from.field.mesh.centre(pin.cell)).collect()
     }
 
-    /// A density without mass that changes of the shares make.
-    pub(super) fn change(&self, shares: &DVector<f64>) -> Field {
+    /// What comes from all pins, by the shares.
+    pub(super) fn density(&self, operator: &Operator) -> Solution {
+        let mut density = Solution::zero(operator);
+        self.pins.iter().zip(&self.shares).for_each(|(pin, share)| density.add(*share, &pin.from));
+        density
+    }
+
+    /// What the changes of the shares make of the density, each without mass.
+    pub(super) fn open(&self) -> Vec<Field> {
         let first = self.well(0);
-        let zero = Field::zero(&first.mesh, first.shape);
-        (0..self.pins.len()).fold(zero, |sum, pin| sum.plus(shares[pin], self.well(pin)))
+        let zero = || Field::zero(&first.mesh, first.shape);
+        let change =
+            |shares: &DVector<f64>| (0..self.pins.len()).fold(zero(), |sum, pin| sum.plus(shares[pin], self.well(pin)));
+        self.changes.iter().map(change).collect()
     }
 
     /// What must come from the pins so that nothing of a density stays behind at any, where there are several: Σ_j (δ_ij − M_ij) q_j is
@@ -183,7 +215,7 @@ fn stationary_chain(arrives: &DMatrix<f64>) -> Vec<f64> {
     for k in (1..count).rev() {
         let out: f64 = (0..k).map(|i| rates[(i, k)]).sum();
         for j in 0..k {
-            let factor = rates[(k, j)] / out.max(f64::MIN_POSITIVE);
+            let factor = rates[(k, j)] / out;
             rates[(k, j)] = factor;
             for i in (0..k).filter(|i| *i != j) {
                 let more = rates[(i, k)] * factor;

@@ -2,6 +2,7 @@
 
 mod dynamics;
 mod modulated;
+mod one_state;
 mod sensitivity;
 mod soft_walls;
 mod stationary;

@@ -38,51 +38,6 @@ fn smooth_densities_are_as_exact_as_was_asked_for() {
     check("energy damping", &energy_damping());
 }
 
-/// One state: dx = −x dt + √2 dW is normal with variance one, and with −x³ in place of −x the density is
-/// exp(−x⁴/4) √2/Γ(1/4).
-#[test]
-fn densities_of_one_state_are_as_exact_as_was_asked_for() {
-    let cubic = Problem::from_toml("states = ['x']\ndrift.x = '-x^3'\nnoise.w.x = 'sqrt(2)'").unwrap();
-    let normal: fn(f64) -> f64 = |x| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
-    // ∫ exp(−x⁴/4) dx = Γ(1/4)/√2.
-    let flat: fn(f64) -> f64 = |x| (-0.25 * x.powi(4)).exp() * std::f64::consts::SQRT_2 / 3.625_609_908_221_908;
-    for (name, problem, exact) in [("normal", problem(OrnsteinUhlenbeck), normal), ("cubic", cubic, flat)] {
-        for accuracy in [1e-4, 1e-9] {
-            let density = Grid::new().accuracy(accuracy).solve(&problem).unwrap();
-            let [low, high] = density.bounds()[0];
-            // By the midpoint rule: h² of a second derivative of |p̃ − p| relative to itself.
-            let (steps, mut distance) = (20_000, 0.0);
-            let h = (high - low) / f64::from(steps);
-            for k in 0..steps {
-                let x = low + (f64::from(k) + 0.5) * h;
-                distance += h * (density.pdf(&[x]).unwrap().value - exact(x)).abs();
-            }
-            let estimate = density.l1_estimate();
-            println!("{name}, accuracy {accuracy:e}: {distance:.1e}, estimate {estimate:.1e}");
-            assert!(distance < estimate && distance < accuracy, "{name}: {distance:e}, {estimate:e}");
-        }
-    }
-}
-
-/// dx = (x − x³) dt + s x dW: where the noise vanishes, at 0, nothing passes. By d ln|x|, E x² = 1 − s²/2 on either side, on which
-/// p ~ |x|^(2/s² − 2) exp(−x²/s²).
-#[test]
-fn noise_that_vanishes_parts_the_line() {
-    let text = |sign: &str, s: f64| {
-        format!("states = ['x']\ndrift.x = 'x - x^3{sign}'\nnoise.w.x = '{s}*x'\ninterpretation = 'ito'")
-    };
-    for s in [0.5_f64, 0.8] {
-        let density = Grid::new().solve(&Problem::from_toml(&text("", s)).unwrap()).unwrap();
-        let ([low, high], square) = (density.bounds()[0], density.moment(&[2]).unwrap());
-        println!("{low:e} to {high}, E x2 {square}, {:?}", density.provenance().warning);
-        assert!(low * high > 0.0 && (square.value - (1.0 - s * s / 2.0)).abs() < 1e-9, "{square}");
-        assert!(density.provenance().warning.as_ref().is_some_and(|warning| warning.contains("vanishes at 0.0")));
-    }
-    // From x = 0 on a constant force leads to the side above, and none comes back.
-    let density = Grid::new().solve(&Problem::from_toml(&text(" + 0.1", 0.5)).unwrap()).unwrap();
-    assert!(density.bounds()[0][0] > 0.0);
-}
-
 /// Three wells far apart need more cells, which the refinement finds.
 #[test]
 fn three_wells_are_found() {
