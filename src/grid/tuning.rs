@@ -116,9 +116,11 @@ pub(super) mod refinement {
 pub(super) mod wells {
     /// What rounding takes of all that passes a pin, at most.
     pub(crate) const ROUNDING: f64 = 1e-13;
-    /// What it makes of what comes from one pin at another, at most. Since columns keep their sums it is far less: in 200 solutions of two
-    /// unlike wells (16 to 80 temperatures, damping 0.1 and 1) up to 1e-17.
+    /// What it makes of what comes from one pin at another, at most. Since columns keep their sums it is far less: of 216 solutions of
+    /// two unlike wells (16 to 80 temperatures, damping 0.1 and 1) none has more than a third of this.
     pub(crate) const EXCHANGED: f64 = 3e-17;
+    /// An exchange may be off by so many times what that of another degree differs by: two numbers may be near by chance.
+    pub(crate) const NEAR: f64 = 4.0;
     /// What arrives at least, so that there are shares where nothing does by rounding, or by what it may be off by.
     pub(crate) const NOTHING: f64 = 1e-200;
     /// A leak above so many times what rounding hides is one at the edges.

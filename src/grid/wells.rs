@@ -71,9 +71,9 @@ impl Wells {
         self.shares = self.averaged(&shares);
     }
 
-    /// Weighs again if exchanges may be off by twice what another solution with the same pins differs by: a few numbers may be near by
-    /// chance. Shares themselves would not do: what passes between wells is of no use in both solutions, and all in one well in both.
-    /// Pins within one well have shares that are those of their cells.
+    /// Weighs again if exchanges may be off by what they differ by from another solution with the same pins. Shares themselves would not
+    /// do: what passes between wells may be of no use in both solutions, and all be in one well in both. Pins within one well have
+    /// shares that are those of their cells.
     pub(super) fn compare(&mut self, other: &mut Self, states: &States) {
         let count = self.pins.len();
         if count == 1 || self.places_of_pins() != other.places_of_pins() {
@@ -83,7 +83,7 @@ impl Wells {
             for (i, j) in (0..count).flat_map(|j| (0..count).map(move |i| (i, j))) {
                 // A pin's strength depends on the degree; what a well loses per unit time does not.
                 let arrives = other.arrives[(i, j)] * other.pins[j].rate / self.pins[j].rate;
-                self.off[(i, j)] = self.off[(i, j)].max(2.0 * (arrives - self.arrives[(i, j)]).abs());
+                self.off[(i, j)] = self.off[(i, j)].max(tuning::NEAR * (arrives - self.arrives[(i, j)]).abs());
             }
             self.weigh(states);
         }
