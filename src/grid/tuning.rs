@@ -120,7 +120,7 @@ pub(super) mod wells {
     /// two unlike wells (16 to 80 temperatures, damping 0.1 and 1) none has more than a third of this.
     pub(crate) const EXCHANGED: f64 = 3e-17;
     /// An exchange may be off by so many times what that of another degree differs by: two numbers may be near by chance.
-    pub(crate) const NEAR: f64 = 4.0;
+    pub(crate) const NEAR: f64 = 3.0;
     /// What arrives at least, so that there are shares where nothing does by rounding, or by what it may be off by.
     pub(crate) const NOTHING: f64 = 1e-200;
     /// A leak above so many times what rounding hides is one at the edges.
