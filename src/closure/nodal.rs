@@ -8,6 +8,7 @@ use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
 use super::discretisation::likelihood::likeliest;
 use super::discretisation::nodes::{Nodes, Table};
+use super::discretisation::panels::{Resolved, resolved};
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
 use super::pilot::Pilot;
@@ -19,7 +20,7 @@ use super::space::orthonormal::Orthonormal;
 use super::tuning;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::numerics::{Rule, exponentials};
+use crate::numerics::Rule;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
 use crate::states::States;
@@ -84,11 +85,19 @@ impl NodalClosure {
             return Ok(content);
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
-        let Fitted { exponent, .. } = tried.swap_remove(0);
-        let doubted = candidates[0].l1_estimate > tuning::UNRELIABLE || !discretisation.impulses.is_empty();
-        if doubted && !self.resolved(&exponent, &kept.domain) {
+        let Fitted { mut exponent, .. } = tried.swap_remove(0);
+        let rules = self.resolved(&exponent, &kept.domain, candidates[0].l1_estimate);
+        if rules.apart > tuning::panels::RISING {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
+        let lines = if rules.rules == discretisation.nodes.rules {
+            discretisation.lines.clone()
+        } else {
+            let Nodes { points, weights, .. } = Nodes::tensor(&kept.domain, rules.rules.clone());
+            let log = exponent.values(&points);
+            exponent.constant += normalised(&log, &weights)[0] - log[0];
+            rules.rules.clone()
+        };
         let (values, at_walls) = (values.as_ref(), table.after.get(.., ..nested.lower_columns));
         let rates = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| table.rates[(kept.nodes[i], k)]);
         let rates = rates.as_ref();
@@ -103,7 +112,7 @@ impl NodalClosure {
             (Some(_), Some(polynomials)) => reference.moments(discretisation, &nested, &table, polynomials.exponents()),
             _ => Vec::new(),
         };
-        let integrals = self.integrals(&exponent, &discretisation.nodes, &discretisation.lines);
+        let integrals = self.integrals(&exponent, rules, &lines);
         Ok(Content {
             integrals: integrals.ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range"))?,
             lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
@@ -121,9 +130,10 @@ impl NodalClosure {
     }
 
     /// The rules for integrals of exp(Q). None where they are not finite.
-    pub(super) fn integrals(&self, exponent: &Exponent, nodes: &Nodes, lines: &[Rule]) -> Option<Integrals> {
+    pub(super) fn integrals(&self, exponent: &Exponent, rules: Resolved, lines: &[Rule]) -> Option<Integrals> {
         let Some((_, copula)) = &self.lattice else {
-            return Some(Integrals::Panels { rules: nodes.rules.clone(), lines: lines.to_vec() });
+            let Resolved { rules, apart } = rules;
+            return Some(Integrals::Panels { rules, lines: lines.to_vec(), apart });
         };
         let rule = ImportanceRule::new(exponent, copula, tuning::density::DRAWS, self.seed)?;
         // The density is normalised on the lattice.
@@ -196,17 +206,14 @@ impl NodalClosure {
         tried
     }
 
-    /// Whether a density that is normalised on the nodes is so on twice as many.
-    fn resolved(&self, exponent: &Exponent, domain: &TrustDomain) -> bool {
+    /// The rules for the integrals of a density on a domain: those of the nodes, if they do.
+    fn resolved(&self, exponent: &Exponent, domain: &TrustDomain, estimate: f64) -> Resolved {
+        let given = &self.discretisation.nodes.rules;
         if !self.discretisation.family.is_smooth() || self.lattice.is_some() {
-            return true;
+            return Resolved { rules: given.clone(), apart: 0.0 };
         }
-        let finer =
-            Nodes::gauss(domain, 2 * tuning::nodes::FINE[self.discretisation.nodes.points.dimension().min(2) - 1]);
-        let mut density = exponent.values(&finer.points);
-        exponentials(&mut density);
-        let mass: f64 = density.iter().zip(&finer.weights).map(|(p, w)| w * p).sum();
-        (0.9..=1.1).contains(&mass)
+        let [least, most] = tuning::panels::BOUNDS;
+        resolved(domain, |points| exponent.values(points), given, (tuning::panels::SHARE * estimate).clamp(least, most))
     }
 
     /// Some of the pilot's states, evenly chosen: enough for a guard against gross errors.

@@ -60,10 +60,13 @@ impl Sampled {
         let mut logs = exponent.values(&nodes.points);
         logs.iter_mut().zip(&nodes.base).for_each(|(log, base)| *log += base);
         let (top, mass) = scaled_mass(&logs, &vec![1.0; logs.len()]);
+        let masses: Vec<f64> = logs.iter().map(|log| (log - top).exp() / mass).collect();
         let first = nodes.parts.first().copied().unwrap_or(0);
-        // Each half is a rule of its own, and their errors cancel in the whole.
-        let half: f64 = 2.0 * logs[..first].iter().map(|log| (log - top).exp()).sum::<f64>();
-        let uneven = (half / mass - 1.0).abs();
+        // Each half is a rule of its own, and their errors cancel in the whole; so do those of a wider spacing along one axis, which
+        // is off by the root of it.
+        let half: f64 = 2.0 * masses[..first].iter().sum::<f64>();
+        let along = |axis: usize| (nodes.even(axis, &masses).iter().sum::<f64>() - 1.0).powi(2);
+        let uneven = nodes.axes().map(along).fold((half - 1.0).abs(), f64::max);
         if uneven > tuning::likelihood::EVEN {
             (copula, None)
         } else {
@@ -169,7 +172,7 @@ impl Sampled {
             origin: if found.exact { Origin::Exact } else { Origin::MaximumLikelihood },
             // The edge cuts off a mass of at most about that of one state.
             l1_estimate: match &lattice {
-                Some(_) => 0.0,
+                Some(_) => rule.log_mass().error,
                 None => (found.l1_estimate + (pilot.states.len() as f64).recip()).min(2.0),
             },
             tail_estimate: if found.exact { 0.0 } else { f64::INFINITY },

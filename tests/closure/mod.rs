@@ -4,6 +4,7 @@ mod classical_walls;
 mod closed_forms;
 mod dynamics;
 mod impulses;
+mod integrals;
 mod many_states;
 mod modes;
 mod modulated;

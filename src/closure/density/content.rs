@@ -50,8 +50,14 @@ pub(crate) struct Content {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(in crate::closure) enum Integrals {
-    /// On Gauss nodes, in one state and in two: products of rules, and rules along the states.
-    Panels { rules: Vec<Rule>, lines: Vec<Rule> },
+    /// On Gauss nodes, in one state and in two: products of rules, rules along the states, and what another rule differs by in mass and
+    /// second moments, relative to these.
+    Panels {
+        rules: Vec<Rule>,
+        lines: Vec<Rule>,
+        #[serde(default)]
+        apart: f64,
+    },
     /// By importance sampling, in any number of states.
     Draws(Box<ImportanceRule>),
 }
@@ -104,12 +110,15 @@ impl Content {
         let exponent = self.exponent.checked(states)?;
         let reference = self.reference.map(|reference| reference.checked(states)).transpose()?;
         let integrals = match self.integrals {
-            Integrals::Panels { rules, lines } => {
+            Integrals::Panels { rules, lines, apart } => {
                 if !(1..=2).contains(&states) || rules.len() != states || lines.len() != states {
                     return Err(format!("its rules are none of {states} states"));
                 }
                 rules.iter().chain(&lines).try_for_each(sound)?;
-                Integrals::Panels { rules, lines }
+                if !(apart.is_finite() && apart >= 0.0) {
+                    return Err(format!("its rules differ by {apart}"));
+                }
+                Integrals::Panels { rules, lines, apart }
             }
             Integrals::Draws(rule) => Integrals::Draws(Box::new(rule.checked(&exponent)?)),
         };

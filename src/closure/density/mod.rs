@@ -32,10 +32,11 @@ use std::sync::Arc;
 /// The closure's answer: p = C exp(Q) on its trust domain, with estimates of its own error.
 ///
 /// Moments, marginals and fluxes are integrals over the trust domain. In one state and in two their errors are the
-/// distances from the same integrals of the reference, the solution of the moment equations of a higher degree, and so they are
-/// in three and four by [`Closure::on_samples`](crate::Closure::on_samples)`(false)`. Otherwise moments up to the order have
-/// the standard errors of the pilot's calibrated means and other values those of the integration, and the closure's own error
-/// is in [`ClosureDensity::l1_estimate`].
+/// distances from the same integrals of the reference, the solution of the moment equations of a higher degree, with what two rules
+/// of integration differ by, and so they are in three and four by
+/// [`Closure::on_samples`](crate::Closure::on_samples)`(false)`. Otherwise moments up to the order have the standard errors of the
+/// pilot's calibrated means and other values those of the integration, and the closure's own error is in
+/// [`ClosureDensity::l1_estimate`].
 #[derive(Clone, Deserialize)]
 #[serde(try_from = "Content")]
 pub struct ClosureDensity {
@@ -113,7 +114,7 @@ impl ClosureDensity {
     }
 
     /// The estimate of ∫ |p̃ − p| dx, between 0 and 2: the distance from the reference and the reference's own error,
-    /// as far as it shows in its highest degrees.
+    /// as far as it shows in its highest degrees. Of an exact density it is what two rules of its integrals differ by.
     pub fn l1_estimate(&self) -> f64 {
         self.content.candidates[0].l1_estimate
     }
@@ -259,10 +260,15 @@ impl ClosureDensity {
         }
     }
 
-    /// The relative error of the reference, as a factor on the root mean square of an integrand under it.
+    /// The relative error of the reference and of the integration, as a factor on the root mean square of an integrand under it.
     pub(super) fn reference_error(&self) -> f64 {
-        let exact = if self.content.lattice.is_some() { tuning::SOLVED } else { tuning::ROUNDING };
-        self.content.reference.as_ref().map_or(exact, |reference| reference.error)
+        let by_rules = match (&self.content.integrals, &self.content.lattice) {
+            (Integrals::Panels { apart, .. }, _) => *apart,
+            (Integrals::Draws(rule), Some(_)) => rule.log_mass().error,
+            (Integrals::Draws(_), None) => 0.0,
+        };
+        let least = if self.content.lattice.is_some() { tuning::SOLVED } else { tuning::ROUNDING };
+        self.content.reference.as_ref().map_or(by_rules.max(least), |reference| reference.error + by_rules)
     }
 }
 

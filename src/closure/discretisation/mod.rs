@@ -3,6 +3,7 @@
 //!
 //! - `trust_domain`: the region that the pilot has visited;
 //! - `nodes`: Gauss nodes there, with the values of functions and their images under the operator;
+//! - `panels`: rules for the integrals of a density that is found;
 //! - `impulses`: jumps between nodes;
 //! - `likelihood`: the first guess of ln p, by which the pilot's states are most likely;
 //! - `walled`: the same next to walls.
@@ -10,6 +11,7 @@
 pub(super) mod impulses;
 pub(super) mod likelihood;
 pub(super) mod nodes;
+pub(super) mod panels;
 pub(super) mod trust_domain;
 pub(super) mod walled;
 

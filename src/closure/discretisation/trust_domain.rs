@@ -83,6 +83,12 @@ impl TrustDomain {
         TrustDomain { centre, scale, reach, walls: [None, None] }
     }
 
+    /// The ellipse about the box of its largest reach in all directions.
+    pub(in crate::closure) fn rounded(&self) -> Self {
+        let most = (self.dimension() as f64).sqrt() * self.reach.iter().copied().fold(0.0, f64::max);
+        TrustDomain { reach: vec![most; self.reach.len()], ..self.clone() }
+    }
+
     /// Refuses numbers without a meaning, such as those of a damaged file.
     pub(in crate::closure) fn checked(self, count: usize) -> Read<Self> {
         let sectors = sectors(count);

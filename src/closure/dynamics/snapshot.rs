@@ -105,12 +105,12 @@ impl Snapshot {
         let own = normalised(&fit.logarithm, &nodes.weights);
         let constant = fit.constant + own[0] - fit.logarithm[0];
         let exponent = Exponent { known, space, constant, coefficients: fit.coefficients };
-        let error = reference.error + (1.0 - mass).abs() + uneven(&exponent, &domain);
+        let (error, apart) = (reference.error + (1.0 - mass).abs(), uneven(&exponent, &domain));
         let peak = target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let tails = own.iter().zip(&target).filter(|(_, t)| **t > peak + tuning::candidates::TAIL.ln());
         let candidate = Candidate {
             origin: self.origin,
-            l1_estimate: distance(&own, &target, &nodes.weights).hypot(error).min(2.0),
+            l1_estimate: distance(&own, &target, &nodes.weights).hypot(error + apart).min(2.0),
             tail_estimate: tails.map(|(q, t)| (q - t).abs() / std::f64::consts::LN_10).fold(0.0, f64::max),
             likelihood_loss: 0.0,
             accepted: true,
@@ -126,7 +126,7 @@ impl Snapshot {
         Some(Content {
             moments: self.law.moments(asked.order),
             reference: Some(reference),
-            integrals: Integrals::Panels { rules: nodes.rules, lines },
+            integrals: Integrals::Panels { rules: nodes.rules, lines, apart },
             lattice: None,
             impacts: Vec::new(),
             guarded: asked.guarded,

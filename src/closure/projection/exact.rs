@@ -5,6 +5,8 @@ use crate::closure::candidates::{Candidate, Fitted, Origin, Retained, Scoring, m
 use crate::closure::density::content::Content;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes::{self, Nodes};
+use crate::closure::discretisation::panels::{Resolved, resolved};
+use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::discretisation::{Discretisation, lines, walled};
 use crate::closure::nodal::NodalClosure;
 use crate::closure::projection::{distance, project, tempered};
@@ -53,36 +55,49 @@ impl NodalClosure {
         scoring: &Scoring<'_>,
     ) -> Option<Content> {
         let discretisation = &self.discretisation;
-        let (domain, nodes, lines) = if self.lattice.is_none() {
+        let (domain, rules, lines) = if self.lattice.is_none() {
             let domain = discretisation.domain.following(
                 |points| exponent.values(points),
                 tuning::domain::FULL_DROP,
                 tuning::domain::EXACT_FOLLOWED,
             );
             if discretisation.family.is_smooth() {
-                let nodes = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]);
-                let lines = lines(&domain);
-                (domain, nodes, lines)
+                // Sectors may cut off a part of a narrow well.
+                let on = |domain: TrustDomain| {
+                    let given = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]).rules;
+                    let found = resolved(&domain, |points| exponent.values(points), &given, tuning::panels::EXACT);
+                    let lines = if found.rules == given { lines(&domain) } else { found.rules.clone() };
+                    (found.apart <= tuning::panels::UNKNOWN).then_some((domain, found, lines))
+                };
+                let rounded = domain.rounded();
+                on(domain).or_else(|| on(rounded))?
             } else {
                 let rules = walled::rules(&domain);
-                let nodes = Nodes::tensor(&domain, rules.clone());
-                (domain, nodes, rules)
+                (domain, Resolved { rules: rules.clone(), apart: 0.0 }, rules)
             }
         } else {
-            (discretisation.domain.clone(), discretisation.nodes.clone(), discretisation.lines.clone())
+            let Discretisation { domain, nodes, lines, .. } = discretisation;
+            (domain.clone(), Resolved { rules: nodes.rules.clone(), apart: 0.0 }, lines.clone())
+        };
+        let nodes = if self.lattice.is_none() {
+            Nodes::tensor(&domain, rules.rules.clone())
+        } else {
+            discretisation.nodes.clone()
         };
         let log = exponent.values(&nodes.points);
         let normal = normalised(&log, &nodes.weights);
         exponent.constant += normal[0] - log[0];
+        let beyond = if self.lattice.is_none() { domain.mass_beyond(|x| exponent.value(x)) } else { 0.0 };
+        let rules = Resolved { apart: rules.apart + beyond, ..rules };
         let candidate = Candidate {
             origin: Origin::Exact,
-            l1_estimate: 0.0,
+            l1_estimate: rules.apart,
             tail_estimate: 0.0,
             likelihood_loss: scoring.likelihood - mean_logarithm(&exponent, scoring.pilot),
             accepted: true,
         };
         let unknowns = exponent.coefficients.len();
-        let integrals = self.integrals(&exponent, &nodes, &lines)?;
+        let integrals = self.integrals(&exponent, rules, &lines)?;
         Some(Content {
             exponent,
             reference: None,

@@ -218,7 +218,7 @@ impl ImportanceRule {
         for blocks in base.chunks(self.shifts.blocks) {
             parts.push(parts.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
         }
-        Ok(Nodes { points: States::from_values(n, values.concat()), base: base.concat(), parts })
+        Ok(Nodes { points: States::from_values(n, values.concat()), base: base.concat(), parts, odd: Vec::new() })
     }
 
     /// ∫ g p dx over all other states, those of `held` at their values: the marginal density where g = 1, the flux through

@@ -103,7 +103,7 @@ impl Lattice {
     /// and the white fields of a chessboard, each a coarser rule. None where they are more than `most`.
     fn nodes(&self, symmetry: &Symmetry, copula: &Copula, most: usize) -> Option<Nodes> {
         let n = self.centre.len();
-        let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
+        let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new(), Vec::new()));
         let mut place = vec![0.0; n];
         let reach = (self.radius / self.spacing).powi(2);
         let along = |row: &[f64], place: &[f64]| row.iter().zip(place).map(|(l, k)| l * k).sum::<f64>();
@@ -117,9 +117,12 @@ impl Lattice {
             let x: Vec<f64> = rows.map(|(row, centre)| centre + self.spacing * along(row, place)).collect();
             if copula.trusts(&x) {
                 let itself = images.iter().filter(|image| image.as_slice() == place).count();
-                let (points, base) = &mut halves[place.iter().sum::<f64>().rem_euclid(2.0) as usize];
+                // Mirror images have the same.
+                let odd = |bits, k: &f64| bits << 1 | u32::from(k.rem_euclid(2.0) > 0.5);
+                let (points, base, odds) = &mut halves[place.iter().sum::<f64>().rem_euclid(2.0) as usize];
                 points.extend(x);
                 base.push((images.len() as f64 / itself as f64).ln());
+                odds.push(place.iter().rev().fold(0, odd));
             }
             halves[0].1.len() + halves[1].1.len() <= most
         })
@@ -127,12 +130,13 @@ impl Lattice {
             let log_volume = (0..n).map(|i| (self.spacing * self.axes[i][i]).ln()).sum::<f64>();
             let mut nodes = Nodes::empty(n);
             let (mut points, mut stream) = (Vec::new(), ChaCha8Rng::seed_from_u64(0));
-            for (half, weights) in &halves {
+            for (half, weights, odd) in &halves {
                 // Shuffled, so that the first few of them are spread over the whole domain.
                 let mut order: Vec<usize> = (0..weights.len()).collect();
                 order.shuffle(&mut stream);
                 points.extend(order.iter().flat_map(|k| &half[k * n..(k + 1) * n]));
                 nodes.base.extend(order.iter().map(|k| weights[*k] + log_volume));
+                nodes.odd.extend(order.iter().map(|k| odd[*k]));
                 nodes.parts.push(nodes.base.len());
             }
             Nodes { points: States::from_values(n, points), ..nodes }

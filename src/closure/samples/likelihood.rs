@@ -27,12 +27,25 @@ pub(in crate::closure) struct Nodes {
     pub(in crate::closure) base: Vec<f64>,
     /// Where each part of them ends that is a rule of its own.
     pub(in crate::closure) parts: Vec<usize>,
+    /// On a lattice, for each of them the axes along which its place is odd, a bit an axis: those with an even place are a rule of twice
+    /// the spacing along that axis alone.
+    pub(in crate::closure) odd: Vec<u32>,
 }
 
 impl Nodes {
     /// No nodes yet.
     pub(super) fn empty(states: usize) -> Self {
-        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new() }
+        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new(), odd: Vec::new() }
+    }
+
+    /// The masses of those with an even place along an axis, twice, so that their sum is the same integral.
+    pub(in crate::closure) fn even(&self, axis: usize, masses: &[f64]) -> Vec<f64> {
+        masses.iter().zip(&self.odd).map(|(p, odd)| if odd >> axis & 1 == 0 { 2.0 * p } else { 0.0 }).collect()
+    }
+
+    /// The axes of the lattice, if they are on one.
+    pub(in crate::closure) fn axes(&self) -> std::ops::Range<usize> {
+        0..if self.odd.is_empty() { 0 } else { self.points.dimension() }
     }
 }
 
@@ -165,6 +178,11 @@ impl Likelihood<'_> {
     }
 
     /// The largest difference of a mean by one part of the nodes from the mean by all, in standard deviations.
+    ///
+    /// On a lattice also the square of what a spacing twice as wide along one axis makes. The two parts, which are like the black and the
+    /// white fields of a chessboard, have an error where the density varies along all axes alike, and none where it is narrow along a
+    /// single one. A halved spacing squares the error at least where a density is analytic (L. N. Trefethen and J. A. C. Weideman, 2014,
+    /// doi:10.1137/130932132).
     pub(super) fn unevenness(&self, masses: &[f64]) -> f64 {
         let means = self.means(masses);
         let parts = self.parts(masses, &means);
@@ -175,7 +193,16 @@ impl Likelihood<'_> {
             let of_means = part.sums.iter().zip(&deviations).map(|(sum, deviation)| count * sum.abs() / deviation);
             of_means.fold((count * part.mass - 1.0).abs(), f64::max)
         };
-        parts.iter().map(off).fold(0.0, f64::max)
+        let along = |axis: usize| {
+            let even = self.nodes.even(axis, masses);
+            let mass: f64 = even.iter().sum();
+            let found = self.means(&even).into_iter().zip(&means).zip(&deviations);
+            found.fold((mass - 1.0).abs(), |most, ((found, mean), deviation)| {
+                most.max((found - mass * mean).abs() / deviation)
+            })
+        };
+        let squares = self.nodes.axes().map(|axis| along(axis).powi(2));
+        parts.iter().map(off).chain(squares).fold(0.0, f64::max)
     }
 
     /// ln ∫ exp(Q) dx, where the nodes' weights are volumes.
