@@ -136,7 +136,7 @@ impl Grid {
     }
 
     /// The polynomials' degree in each state, from 2 to 24. By default 6 for accuracies down to 3e-6 and next to walls with r < 1, 8
-    /// below.
+    /// below. The closed form of one state takes 6 at least, and 10 by default.
     pub fn degree(self, degree: usize) -> Self {
         Grid { degree: Some(degree), ..self }
     }
@@ -256,7 +256,7 @@ impl Grid {
 
     /// The density of one state in closed form, on a mesh that holds it to rounding.
     fn on_a_line(&self, problem: &Problem, pilot: Pilot) -> Result<GridDensity> {
-        let degree = self.degree.unwrap_or(tuning::line::DEGREE);
+        let degree = self.degree.map_or(tuning::line::DEGREE, |degree| degree.max(tuning::line::LEAST));
         let peak = pilot.peak();
         // Where the noise vanishes trajectories may leave one side for ever, on which nothing is stationary.
         let on = |inside: f64| Line::new(problem, inside, pilot.deviation(0));

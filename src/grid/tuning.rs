@@ -84,6 +84,8 @@ pub(super) mod line {
     pub(crate) const RESOLVED: f64 = 1e-13;
     /// The degree, where none is given.
     pub(crate) const DEGREE: usize = 10;
+    /// The lowest one: what is left in the highest degree of a cell falls too slowly below it to come to rounding.
+    pub(crate) const LEAST: usize = 6;
 }
 
 /// The refinement.
