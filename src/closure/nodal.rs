@@ -87,7 +87,7 @@ impl NodalClosure {
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
         let Fitted { mut exponent, .. } = tried.swap_remove(0);
         let rules = self.resolved(&exponent, &kept.domain, candidates[0].l1_estimate);
-        if rules.apart > tuning::panels::RISING {
+        if rules.apart.is_nan() || rules.apart > tuning::panels::RISING {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
         let lines = if rules.rules == discretisation.nodes.rules {
@@ -112,7 +112,7 @@ impl NodalClosure {
             (Some(_), Some(polynomials)) => reference.moments(discretisation, &nested, &table, polynomials.exponents()),
             _ => Vec::new(),
         };
-        let integrals = self.integrals(&exponent, rules, &lines);
+        let integrals = self.integrals(&exponent, rules, lines);
         Ok(Content {
             integrals: integrals.ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range"))?,
             lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
@@ -130,10 +130,10 @@ impl NodalClosure {
     }
 
     /// The rules for integrals of exp(Q). None where they are not finite.
-    pub(super) fn integrals(&self, exponent: &Exponent, rules: Resolved, lines: &[Rule]) -> Option<Integrals> {
+    pub(super) fn integrals(&self, exponent: &Exponent, rules: Resolved, lines: Vec<Rule>) -> Option<Integrals> {
         let Some((_, copula)) = &self.lattice else {
             let Resolved { rules, apart } = rules;
-            return Some(Integrals::Panels { rules, lines: lines.to_vec(), apart });
+            return Some(Integrals::Panels { rules, lines, apart });
         };
         let rule = ImportanceRule::new(exponent, copula, tuning::density::DRAWS, self.seed)?;
         // The density is normalised on the lattice.

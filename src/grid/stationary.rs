@@ -167,8 +167,8 @@ impl Stationary {
     /// the other solution takes those of this one.
     pub(super) fn compare(&mut self, other: &mut Self, states: &States) {
         self.wells.compare(&mut other.wells, states);
-        for solution in [&mut *self, other] {
-            solution.density = solution.wells.density(&solution.operator);
+        if !self.wells.determined {
+            [&mut *self, other].into_iter().for_each(|own| own.density = own.wells.density(&own.operator));
         }
         self.open = self.wells.open();
     }

@@ -23,11 +23,11 @@ pub(super) struct Wells {
     pub(super) pins: Vec<Pin>,
     /// What is in each well.
     pub(super) shares: DVector<f64>,
-    /// Changes of these that rounding may make.
+    /// Changes of these that rounding may make, and what another degree exchanges.
     changes: Vec<DVector<f64>>,
     /// Whether the equations determine the shares.
     pub(super) determined: bool,
-    /// M without its diagonal,
+    /// M, of which the diagonal is not taken,
     arrives: DMatrix<f64>,
     /// and what each part of it may be off by.
     off: DMatrix<f64>,

@@ -236,8 +236,8 @@ fn the_order_adapts_to_the_target() {
     let hard = Closure::adaptive(1e-9).solve(&problem(van_der_pol())).unwrap();
     assert!(hard.l1_estimate() > 1e-9 && hard.l1_estimate() < 2e-2, "{}", hard.l1_estimate());
     let easy = Closure::adaptive(1e-6).solve(&problem(duffing())).unwrap();
-    // What the rules of its integrals differ by.
-    assert!(easy.provenance().order == Some(4) && easy.l1_estimate() < 1e-10, "{}", easy.l1_estimate());
+    // What the rules of its integrals differ by is rounding: 1e-14.
+    assert!(easy.provenance().order == Some(4) && easy.l1_estimate() < 1e-13, "{}", easy.l1_estimate());
 }
 
 /// More weight for the tails costs accuracy in the middle and buys it outside.

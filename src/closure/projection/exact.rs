@@ -14,7 +14,7 @@ use crate::closure::reference::{normalised, scaled_mass};
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
 use crate::closure::tuning;
-use crate::numerics::{least_norm, weighted_product};
+use crate::numerics::{Rule, least_norm, weighted_product};
 use crate::states::States;
 use faer::{Col, Mat};
 
@@ -55,7 +55,10 @@ impl NodalClosure {
         scoring: &Scoring<'_>,
     ) -> Option<Content> {
         let discretisation = &self.discretisation;
-        let (domain, rules, lines) = if self.lattice.is_none() {
+        let (domain, nodes, lines, mut apart) = if self.lattice.is_some() {
+            let Discretisation { domain, nodes, lines, .. } = discretisation;
+            (domain.clone(), nodes.clone(), lines.clone(), 0.0)
+        } else {
             let domain = discretisation.domain.following(
                 |points| exponent.values(points),
                 tuning::domain::FULL_DROP,
@@ -63,41 +66,29 @@ impl NodalClosure {
             );
             if discretisation.family.is_smooth() {
                 // Sectors may cut off a part of a narrow well.
-                let on = |domain: TrustDomain| {
-                    let given = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]).rules;
-                    let found = resolved(&domain, |points| exponent.values(points), &given, tuning::panels::EXACT);
-                    let lines = if found.rules == given { lines(&domain) } else { found.rules.clone() };
-                    (found.apart <= tuning::panels::UNKNOWN).then_some((domain, found, lines))
-                };
                 let rounded = domain.rounded();
-                on(domain).or_else(|| on(rounded))?
+                integrated(&exponent, domain).or_else(|| integrated(&exponent, rounded))?
             } else {
                 let rules = walled::rules(&domain);
-                (domain, Resolved { rules: rules.clone(), apart: 0.0 }, rules)
+                let nodes = Nodes::tensor(&domain, rules.clone());
+                (domain, nodes, rules, 0.0)
             }
-        } else {
-            let Discretisation { domain, nodes, lines, .. } = discretisation;
-            (domain.clone(), Resolved { rules: nodes.rules.clone(), apart: 0.0 }, lines.clone())
-        };
-        let nodes = if self.lattice.is_none() {
-            Nodes::tensor(&domain, rules.rules.clone())
-        } else {
-            discretisation.nodes.clone()
         };
         let log = exponent.values(&nodes.points);
         let normal = normalised(&log, &nodes.weights);
         exponent.constant += normal[0] - log[0];
-        let beyond = if self.lattice.is_none() { domain.mass_beyond(|x| exponent.value(x)) } else { 0.0 };
-        let rules = Resolved { apart: rules.apart + beyond, ..rules };
+        if self.lattice.is_none() {
+            apart += domain.mass_beyond(|x| exponent.value(x));
+        }
         let candidate = Candidate {
             origin: Origin::Exact,
-            l1_estimate: rules.apart,
+            l1_estimate: apart,
             tail_estimate: 0.0,
             likelihood_loss: scoring.likelihood - mean_logarithm(&exponent, scoring.pilot),
             accepted: true,
         };
         let unknowns = exponent.coefficients.len();
-        let integrals = self.integrals(&exponent, rules, &lines)?;
+        let integrals = self.integrals(&exponent, Resolved { rules: nodes.rules, apart }, lines)?;
         Some(Content {
             exponent,
             reference: None,
@@ -113,6 +104,16 @@ impl NodalClosure {
             provenance: self.provenance(order, unknowns, scoring.reference.solved),
         })
     }
+}
+
+/// Nodes, rules along the states, and what two rules differ by, for the integrals of an exact density over a domain. None where they
+/// are not known.
+fn integrated(exponent: &Exponent, domain: TrustDomain) -> Option<(TrustDomain, Nodes, Vec<Rule>, f64)> {
+    let given = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]).rules;
+    let found = resolved(&domain, |points| exponent.values(points), &given, tuning::panels::EXACT);
+    let lines = if found.rules == given { lines(&domain) } else { found.rules.clone() };
+    let nodes = Nodes::tensor(&domain, found.rules);
+    (found.apart <= tuning::panels::UNKNOWN).then_some((domain, nodes, lines, found.apart))
 }
 
 /// Newton's method on ∫ r ψ_k p̃ dx = 0 from an exponent that is close already. Where the order contains the exact density

@@ -3,7 +3,8 @@
 use super::Samples;
 use super::importance::ImportanceRule;
 use super::lattice::Lattice;
-use super::likelihood::{Fit, Likelihood, Nodes};
+use super::likelihood::{Fit, Likelihood};
+use super::nodes::Nodes;
 use super::products::Products;
 use super::strata::Strata;
 use super::walls::WallNodes;

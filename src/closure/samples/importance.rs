@@ -1,7 +1,7 @@
 //! Integrals of exp(Q) over many states, by importance sampling on shifted lattices.
 
 use super::copula::{Copula, Sampler};
-use super::likelihood::Nodes;
+use super::nodes::Nodes;
 use super::products::{LANES, Products, ZERO};
 use crate::closure::density::exponent::{Exponent, known_value};
 use crate::closure::space::Corner;

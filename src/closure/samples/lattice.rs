@@ -1,7 +1,7 @@
 //! Nodes for integrals in a few states: a cubic lattice over the region that holds the density.
 
 use super::copula::Copula;
-use super::likelihood::Nodes;
+use super::nodes::Nodes;
 use crate::closure::pilot::Pilot;
 use crate::closure::tuning;
 use crate::numerics::exponentials;

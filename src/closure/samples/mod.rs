@@ -8,7 +8,7 @@
 //!
 //! - `paths`, `calibration`, `moments`: the pilot's trajectories in blocks, their calibrated means, and moments from these;
 //! - `family`: the functions of an order;
-//! - `copula`, `importance`, `lattice`, `strata`: draws, lattices and, next to walls, Gauss nodes across and a lattice along them;
+//! - `nodes`, `copula`, `importance`, `lattice`, `strata`: nodes for integrals: draws, lattices and, next to walls, Gauss nodes across and a lattice along them;
 //! - `likelihood`, `fitting`: the most likely density on such nodes;
 //! - `means`: those of a density at a time, which satisfies no stationary equations;
 //! - `equations`, `walls`, `reconciliation`: the moment equations under exp(Q), the impacts' part in them, and the step that
@@ -24,6 +24,7 @@ mod lattice;
 mod likelihood;
 mod means;
 mod moments;
+mod nodes;
 mod paths;
 mod reconciliation;
 mod strata;
@@ -36,6 +37,7 @@ pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
 pub(in crate::closure) use means::MeansFrom;
 pub(crate) use moments::Moment;
+pub(in crate::closure) use nodes::Nodes;
 
 use super::density::exponent::Exponent;
 use super::density::impacts::WallImpacts;
@@ -47,7 +49,6 @@ use crate::numerics::Search;
 use crate::problem::Problem;
 use calibration::Calibration;
 use fitting::{Fitted, Fitting};
-pub(in crate::closure) use likelihood::Nodes;
 use likelihood::{Fit, Likelihood, distance, effective};
 use means::Means;
 use moments::moments;

@@ -2,7 +2,7 @@
 
 use super::copula::Copula;
 use super::lattice;
-use super::likelihood::Nodes;
+use super::nodes::Nodes;
 use super::walls::WallNodes;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::Corner;

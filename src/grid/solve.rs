@@ -1,0 +1,181 @@
+//! From a problem to its density: the domain, which is doubled where its edges lose what matters, the mesh, and the errors.
+
+use super::density::GridDensity;
+use super::field::{self, difference};
+use super::kept::Kept;
+use super::line::Line;
+use super::mesh::Side;
+use super::operator::Layout;
+use super::pilot::Pilot;
+use super::refinement::{Pair, resolve};
+use super::start::Ground;
+use super::stationary::{Question, Stationary};
+use super::{Grid, GridProgress, shape, start, stationary, tuning};
+use crate::checks::positive;
+use crate::error::{Error, Result};
+use crate::problem::{COLLAPSE, Problem, Wall};
+use crate::provenance::Provenance;
+use std::sync::Arc;
+
+impl Grid {
+    /// The density, on a mesh that is fine next to the speed 0 at walls with r < 1 and at `other` sides of state 0.
+    pub(super) fn resolved(
+        &self,
+        problem: &Problem,
+        walls: [Option<Wall>; 2],
+        pilot: Pilot,
+        other: [bool; 2],
+    ) -> Result<GridDensity> {
+        if problem.dimension() == 1 && self.domain.is_none() {
+            return self.on_a_line(problem, pilot);
+        }
+        let sides = walls.map(|wall| wall.map_or(Side::Open, |wall| Side::Wall(wall.restitution())));
+        let own = sides.map(|side| start::smallest(side, self.accuracy));
+        let grazed = [0, 1].map(|side| own[side].or(other[side].then_some(tuning::mesh::GRAZING)));
+        let degree = self.degree_for(self.accuracy, grazed != [None; 2]);
+        let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
+        let rounds = std::cell::Cell::new(0);
+        let mut report = |mut progress: GridProgress| {
+            progress.rounds += rounds.get();
+            let stop = self.progress.as_ref().is_some_and(|callback| callback(progress).is_break());
+            if stop { Err(Error::GridCancelled { rounds: progress.rounds }) } else { Ok(()) }
+        };
+        let mut doubled = 0;
+        loop {
+            let mut domain =
+                self.domain.clone().unwrap_or_else(|| start::domain(&pilot, problem.dimension(), doubled, [None; 2]));
+            let limits = walls.map(|wall| wall.map(|wall| wall.offset()));
+            (0..2).for_each(|side| domain[0][side] = limits[side].unwrap_or(domain[0][side]));
+            for [low, high] in &domain {
+                positive(
+                    "side of the domain",
+                    high - low,
+                    "give lower and upper limits in this order, around the walls",
+                )?;
+            }
+            let ground = Ground { problem, pilot: &pilot, domain, sides, grazed };
+            let pair = resolve(question, ground.mesh(), (degree, self.accuracy), pilot.peak(), &mut report)?;
+            let cut = pair.fine.leak.at_edges() && pair.fine.returned().size() > tuning::domain::SHARE * self.accuracy;
+            let fixed = self.domain.is_some() || doubled == tuning::domain::DOUBLINGS;
+            rounds.set(rounds.get() + pair.rounds);
+            if !cut || fixed || pair.exhausted {
+                return self.density(problem, walls, pilot.clone(), pair, (rounds.get(), cut));
+            }
+            doubled += 1;
+        }
+    }
+
+    /// The density of one state in closed form, on a mesh that holds it to rounding.
+    fn on_a_line(&self, problem: &Problem, pilot: Pilot) -> Result<GridDensity> {
+        let degree = self.degree.map_or(tuning::line::DEGREE, |degree| degree.max(tuning::line::LEAST));
+        let peak = pilot.peak();
+        // Where the noise vanishes trajectories may leave one side for ever, on which nothing is stationary.
+        let on = |inside: f64| Line::new(problem, inside, pilot.deviation(0));
+        let [low, high] = pilot.reach()[0];
+        let line = on(peak[0]).or_else(|error| on(low).or_else(|_| on(high)).map_err(|_| error))?;
+        let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
+        let exact = line.resolved(degree);
+        let layout = Layout::new(exact.mesh.as_ref().clone());
+        let solved = |degree: usize, field: field::Field| -> Result<Stationary> {
+            let mut solution = stationary::solve(question, &layout, degree, std::slice::from_ref(&peak))?;
+            // Both degrees have the closed form in place of the solution.
+            solution.replace(field);
+            Ok(solution)
+        };
+        let fine = solved(degree, exact.clone())?;
+        let coarse = solved(degree - 1, exact.with_shape(shape::Shape { states: 1, degree: degree - 1 }))?;
+        let difference = difference(&fine.density.field, &coarse.density.field);
+        let pair = Pair { fine, coarse, difference, rounds: 2, exhausted: false };
+        let parted = line.parted(&pilot.states);
+        let mut density = self.density(problem, [None; 2], pilot, pair, (2, false))?;
+        density.provenance.warning = parted.or(density.provenance.warning);
+        Ok(density)
+    }
+
+    fn density(
+        &self,
+        problem: &Problem,
+        walls: [Option<Wall>; 2],
+        pilot: Pilot,
+        Pair { fine, coarse, difference, exhausted, .. }: Pair,
+        (rounds, cut): (usize, bool),
+    ) -> Result<GridDensity> {
+        let field = fine.density.field.clone();
+        let mut changes = fine.open.clone();
+        changes.push(fine.returned());
+        let changed: f64 = changes.iter().map(field::Field::size).sum();
+        let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
+        field.for_each_node(&field.shape.rule(0), |_, weight, p| {
+            (peak, least) = (peak.max(p), least.min(p));
+            negative_mass += weight * (-p).max(0.0);
+        });
+        let mesh = &field.mesh;
+        let mut edges = field.at_edges();
+        let edge_level = edges.iter().map(|(.., level)| *level).fold(0.0, f64::max);
+        let l1_estimate = difference + changed;
+        let warning = if !fine.wells.determined {
+            Some(format!(
+                "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
+                fine.places().len()
+            ))
+        } else if cut {
+            Some(format!(
+                "the domain loses {:.1e} per unit time at its edges, where the density is {edge_level:.1e} of its peak: its tails are heavy",
+                fine.leak.lost
+            ))
+        } else if exhausted {
+            Some(format!(
+                "the mesh has {} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: the density is too narrow for the memory; raise `memory_limit`",
+                mesh.cells.len()
+            ))
+        } else if l1_estimate > self.accuracy {
+            Some(format!(
+                "the estimate is {l1_estimate:.1e}, above the accuracy asked for: rounding, leaks and the shares of wells that exchange little leave {changed:.1e} open, which no finer mesh lowers"
+            ))
+        } else {
+            walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
+        };
+        if fine.wells.determined && (l1_estimate.is_nan() || l1_estimate >= tuning::refinement::HOPELESS) {
+            return Err(Error::NotResolved { estimate: l1_estimate, reason: warning.unwrap_or_default() });
+        }
+        let provenance = Provenance {
+            method: "grid".into(),
+            cells: Some(mesh.cells.len()),
+            degree: Some(field.shape.degree),
+            unknowns: Some(fine.operator.unknowns()),
+            iterations: Some(rounds),
+            nonzeros: Some(fine.operator.numbers()),
+            domain: Some(mesh.domain()),
+            edge_level: Some(edge_level),
+            leak: Some(fine.leak.lost),
+            residual: Some(fine.residual),
+            l1_estimate: Some(l1_estimate),
+            most_negative: Some(least / peak),
+            negative_mass: Some(negative_mass),
+            warning,
+            ..Provenance::default()
+        };
+        edges.retain(|_| fine.leak.at_edges());
+        let coarse_field = coarse.density.field.clone();
+        let kept = Kept { problem: problem.clone(), walls, grid: self.clone(), pilot, solutions: [fine, coarse] };
+        let mut density = GridDensity {
+            fine: field,
+            coarse: coarse_field,
+            changes,
+            edges,
+            graded: false,
+            kept: Arc::new(kept),
+            provenance,
+        };
+        // What lies beyond the edges is not within the domain.
+        density.provenance.l1_estimate =
+            Some(l1_estimate + density.beyond(&vec![0; problem.dimension()], &density.edges));
+        Ok(density)
+    }
+
+    pub(super) fn degree_for(&self, accuracy: f64, grazed: bool) -> usize {
+        let by_accuracy = tuning::mesh::DEGREES.iter().find(|(least, _)| accuracy >= *least);
+        let smooth = by_accuracy.map_or(tuning::mesh::GRAZED_DEGREE, |(_, degree)| *degree);
+        self.degree.unwrap_or(if grazed { tuning::mesh::GRAZED_DEGREE } else { smooth })
+    }
+}
