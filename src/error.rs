@@ -32,7 +32,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// What is requested would take more memory than the limit; nothing of it was allocated.
-    #[error("{what} would take {needed:.1} GiB, and the limit is {limit:.1} GiB: {remedy}")]
+    #[error("{what} would take {needed:.2} GiB, and the limit is {limit:.2} GiB: {remedy}")]
     TooMuchMemory {
         /// What takes the memory.
         what: &'static str,

@@ -49,7 +49,7 @@ mod tests {
             assert!(limit.holds("numbers", numbers, "take fewer").is_err());
         }
         let error = limit.holds("the states", 3.0 * 2.0_f64.powi(30), "keep fewer").unwrap_err();
-        let text = "the states would take 24.0 GiB, and the limit is 8.0 GiB: keep fewer";
+        let text = "the states would take 24.00 GiB, and the limit is 8.00 GiB: keep fewer";
         assert_eq!(error.to_string(), text);
     }
 }

@@ -11,7 +11,7 @@ use super::start::Ground;
 use super::tree::Tree;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
-use crate::grid::tuning::march as tuning;
+use crate::grid::tuning::{march as tuning, refinement::HOPELESS};
 use crate::memory::MemoryLimit;
 use crate::states::States;
 use std::sync::Arc;
@@ -93,7 +93,7 @@ impl<'a> Course<'a> {
     /// Goes on to `end`, at steps of the envelope in between anew.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the steps become too many.
+    /// [`Error::OutOfRange`] if the steps become too many, [`Error::NotResolved`] if their errors add up to the density itself.
     pub(super) fn advance(&mut self, end: f64) -> Result<()> {
         // Where every step needs new factors anyway its length follows the error more closely.
         let change = if self.plan.envelope.is_some() { tuning::FINE_CHANGE } else { tuning::CHANGE };
@@ -140,6 +140,10 @@ impl<'a> Course<'a> {
             }
             self.time = if left <= step * (1.0 + 1e-12) { until } else { self.time + step };
             self.error += error;
+            if self.error >= HOPELESS {
+                let reason = "the steps in time add up to it, since the density moves by many of its own widths: take a wider start or a smaller accuracy";
+                return Err(Error::NotResolved { estimate: self.error, reason: reason.into() });
+            }
             self.moved += Field { coefficients: difference, ..next.clone() }.mass().abs();
             self.fields[1].coefficients = q;
             self.fields[0] = next;

@@ -68,26 +68,6 @@ impl GridDensity {
         Estimate::new(flux.value, flux.error + unresolved)
     }
 
-    /// A rough estimate of the mean of |x₁^p₁ x₂^p₂| beyond some edges: the marginal density at each, falling as a normal density does
-    /// there. For high powers it exceeds the difference of the two degrees.
-    pub(super) fn beyond(&self, powers: &[u32], edges: &[(usize, usize, f64)]) -> f64 {
-        // An edge that lets out has less density next to it than there would be.
-        const SAFETY: f64 = 6.0;
-        let (field, domain) = (&self.fine, self.fine.mesh.domain());
-        let moment =
-            |state: usize, power: u32| of_one(field, state, &|x: f64| x.abs().powi(power as i32), power as usize);
-        let beyond = |&(state, side, _): &(usize, usize, f64)| {
-            let ([low, high], edge) = (domain[state], domain[state][side]);
-            let peak = 1.0 / (std::f64::consts::TAU * (moment(state, 2) - moment(state, 1).powi(2)).abs()).sqrt();
-            let level = (field.integral(&at(field, state, edge)).abs() / peak).clamp(f64::MIN_POSITIVE, 0.5);
-            let decay = (high - low) / (4.0 * -level.ln());
-            let others = (0..powers.len()).filter(|other| *other != state);
-            let others: f64 = others.map(|other| moment(other, powers[other])).product();
-            level * peak * decay * edge.abs().powi(powers[state] as i32) * others
-        };
-        SAFETY * edges.iter().map(beyond).sum::<f64>()
-    }
-
     /// A linear statistic with its error.
     fn estimate(&self, statistic: impl Fn(&Field) -> f64) -> Estimate {
         estimate([&self.fine, &self.coarse], &self.changes, statistic)
@@ -130,7 +110,8 @@ impl Density for GridDensity {
         Ok(self.estimate(|field| field.sum_over_nodes(&rule, |x, p| if p == 0.0 { 0.0 } else { p * g(x) })))
     }
 
-    /// The raw moment; its error has an estimate of the part beyond the domain.
+    /// The raw moment; its error has an estimate of the part beyond the domain: infinite where the density falls as a power of the
+    /// state with which the moment does not exist.
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state,
@@ -139,7 +120,7 @@ impl Density for GridDensity {
         dimension("the powers of a moment", powers.len(), self.states())?;
         powers.iter().try_for_each(|power| moderate(*power).map(|_| ()))?;
         let moment = self.estimate(|field| raw_moment(field, powers));
-        Ok(Estimate::new(moment.value, moment.error + self.beyond(powers, &self.edges)))
+        Ok(Estimate::new(moment.value, moment.error + self.beyond(powers)))
     }
 
     /// The flux moment of one state's passages with the other as velocity. At a wall with r < 1 its error contains that of the

@@ -7,7 +7,8 @@
 //! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, by `pins`, with `wells` that hardly
 //!   mix; `marking`, `refinement`: what a mesh does not resolve, and from a mesh to two solutions that agree; `line`: the closed form of
 //!   one state; `solve`: from a problem to the answer;
-//! - `field`, `density`, `kept`: the piecewise polynomial, the density made of it, and what further questions need;
+//! - `field`, `density`, `tails`, `kept`: the piecewise polynomial, the density made of it, what lies beyond its edges, and what further
+//!   questions need;
 //!   `sensitivity`: its derivatives by parameters;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same operator;
 //! - `initial`, `course`, `transient`: a start, a mesh that follows the density, and p(x, t); `survival`: the part of it that has passed no level.
@@ -41,6 +42,7 @@ mod solve;
 mod start;
 mod stationary;
 mod survival;
+mod tails;
 mod transient;
 mod tree;
 mod tuning;

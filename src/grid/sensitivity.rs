@@ -147,7 +147,7 @@ impl GridSensitivity {
             }
             raw_moment(moving, powers) + carried
         });
-        let error = moment.error + self.density.beyond(powers, &self.density.edges);
+        let error = moment.error + self.density.beyond(powers);
         Ok(Estimate::new(moment.value, error))
     }
 

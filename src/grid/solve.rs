@@ -168,8 +168,7 @@ impl Grid {
             provenance,
         };
         // What lies beyond the edges is not within the domain.
-        density.provenance.l1_estimate =
-            Some(l1_estimate + density.beyond(&vec![0; problem.dimension()], &density.edges));
+        density.provenance.l1_estimate = Some(l1_estimate + density.beyond(&vec![0; problem.dimension()]));
         Ok(density)
     }
 

@@ -54,7 +54,8 @@ impl GridDensity {
     /// # Errors
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
     /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain or is too narrow for double precision there;
-    /// [`Error::Dimension`] for a start in other than the problem's states. Where the memory ends first, the provenance warns.
+    /// [`Error::Dimension`] for a start in other than the problem's states; [`Error::NotResolved`] if the errors of the steps add up to
+    /// the density itself. Where the memory ends first, the provenance warns.
     pub fn transient(&self, start: &Start, times: &[f64], accuracy: f64) -> Result<Vec<Transient<Self>>> {
         self.evolved(None, start, times, accuracy)
     }

@@ -72,12 +72,11 @@ fn what_moves_between_slowly_mixing_wells_is_in_the_errors() {
 #[test]
 fn unlike_wells_have_their_shares() {
     for (damping, tilt, barrier, degree, accuracy, open) in [
-        (0.2, 0.01, 10.0, 6, 1e-5, 0.0),
         (0.2, 0.01, 15.0, 8, 1e-7, 0.0),
         (1.0, 0.01, 20.0, 10, 1e-7, 3e-5),
         (0.1, 0.03, 24.0, 6, 1e-5, 0.0),
         (0.1, 0.01, 26.0, 10, 1e-7, 5e-4),
-        (1.0, 0.003, 36.0, 8, 1e-7, 2.001),
+        (1.0, 0.003, 36.0, 6, 1e-5, 2.001),
     ] {
         let beta = 4.0 * barrier;
         let sigma = (2.0_f64 * damping / beta).sqrt();
@@ -97,6 +96,32 @@ fn unlike_wells_have_their_shares() {
         );
         assert!(off < mean.error && density.l1_estimate() < accuracy.max(open), "{mean} instead of {exact}");
         assert_eq!(made.warning.is_some(), density.l1_estimate() > accuracy, "{:?}", made.warning);
+    }
+}
+
+/// x′ = −k x + s₁ ξ₁ + s₂ x ξ₂ has the density (s₁² + s₂² x²)^−(1 + k/s₂²), whose tails are powers: what a domain cuts off is within the
+/// errors of moments although nothing to speak of leaks there, and moments that do not exist have an infinite error.
+#[test]
+fn tails_that_fall_as_powers_are_within_the_errors() {
+    let (k, first, second) = (1.5, 0.5_f64, 1.0_f64);
+    let noise = format!("[noise]\na.x = '{first}'\nb.x = '{second}*x'");
+    let alone = format!("states = ['x']\ndrift.x = '-{k}*x'\n{noise}");
+    let beside = format!("states = ['x', 'y']\ndrift = {{ x = '-{k}*x', y = '-y' }}\n{noise}\nc.y = '1'");
+    let truth = first.powi(2) / (2.0 * k - second.powi(2));
+    for edge in [4.0, 8.0, 16.0] {
+        for (text, domain) in [(&alone, vec![[-edge, edge]]), (&beside, vec![[-edge, edge], [-6.0, 6.0]])] {
+            let problem = Problem::from_toml(text).unwrap();
+            let density = Grid::new().accuracy(1e-6).domain(domain).solve(&problem).unwrap();
+            let moment = |power: u32| {
+                let powers: Vec<u32> =
+                    (0..density.dimension()).map(|state| if state == 0 { power } else { 0 }).collect();
+                density.moment(&powers).unwrap()
+            };
+            let (square, off) = (moment(2), (moment(2).value - truth).abs());
+            println!("±{edge}: {square}, {off:.1e} off, {:.1e} in L1", density.l1_estimate());
+            assert!(off < square.error && square.error < 4.0 * off, "±{edge}: {square} and {truth}");
+            assert_eq!(moment(4).error, f64::INFINITY);
+        }
     }
 }
 
@@ -313,7 +338,7 @@ fn what_has_no_answer_is_refused_with_the_reason() {
     }
     // Speeds about 0.5 alone, above a lossy wall: nothing grazes there, and a mesh graded from the speed 0 would have a
     // million lines.
-    let fast = Grid::new().memory_limit(0.2).domain([[0.0, 3.0], [0.5, 0.500_001]]);
+    let fast = Grid::new().memory_limit(0.05).domain([[0.0, 3.0], [0.5, 0.500_001]]);
     warned_or_not_resolved("fast", fast.solve(&duffing_above(0.0, 0.5)));
     // Noise that does not move y: all its mass is at 0, and no mesh within the memory resolves it.
     let deaf = "states = ['x', 'y']\ndrift = { x = '-x', y = '-y - y*x^2' }\nnoise.w = { x = '1' }";
@@ -321,13 +346,13 @@ fn what_has_no_answer_is_refused_with_the_reason() {
     warned_or_not_resolved("deaf", grid.solve(&Problem::from_toml(deaf).unwrap()));
     // Energy that grows fast is an explosion of the pilot; with energy that grows slowly no domain suffices.
     for damping in [-2.0, -0.02] {
-        let found = Grid::new().memory_limit(0.2).solve(&Problem::of(Unstable(damping)).unwrap());
+        let found = Grid::new().memory_limit(0.05).solve(&Problem::of(Unstable(damping)).unwrap());
         if !matches!(found, Err(Error::Exploded { .. })) {
             warned_or_not_resolved(&format!("damping {damping}"), found);
         }
     }
     let unstable = Problem::of(Unstable(-0.5)).unwrap();
-    let found = Grid::new().memory_limit(0.2).domain([[-5.0, 5.0], [-5.0, 5.0]]).solve(&unstable);
+    let found = Grid::new().memory_limit(0.05).domain([[-5.0, 5.0], [-5.0, 5.0]]).solve(&unstable);
     if !matches!(found, Err(Error::Exploded { .. })) {
         warned_or_not_resolved("unstable", found);
     }
