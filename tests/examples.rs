@@ -445,6 +445,37 @@ fn a_file_is_solved_by_every_method_with_the_promised_fields() {
     assert!(tails["moments"].as_object().unwrap().is_empty() && tails["marginal"][0]["value"].is_number(), "{tails}");
 }
 
+/// Without a method the answer is that of the one that serves, and says why: the closure that is exact, the grid where no exponential
+/// polynomial is near, and in three states the closure with a simulation beside it.
+#[test]
+fn the_method_that_serves_is_found() {
+    let folder = scratch("serving");
+    let solved = |name: &str, text: &str, options: &[&str]| -> Value {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        let output = run("solve", &[&[path.to_str().unwrap(), "--json"][..], options].concat());
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let oscillator = "states = ['x', 'v']\ndrift = { x = 'v', v = '-x - 0.5*v' }\nnoise.w.v = '1'";
+    let exact = solved("linear.toml", oscillator, &[]);
+    assert_eq!((&exact["method"], &exact["beside"]), (&"closure".into(), &Value::Null), "{exact}");
+    let narrow = include_str!("cases/recharge.toml");
+    let answer = solved("recharge.toml", narrow, &[]);
+    let reason = answer["reason"].as_str().unwrap();
+    assert!(answer["method"] == "grid" && reason.contains("the closure"), "{answer}");
+    assert!(answer["l1_estimate"].as_f64().unwrap() < 1e-5 && answer["warning"].is_null(), "{answer}");
+    let filtered =
+        "states = ['x', 'v', 'z']\ndrift = { x = 'v', v = '-x^3 + x - 0.2*v + z', z = '-z' }\nnoise.w.z = '0.5'";
+    let doubted = solved("filtered.toml", filtered, &["--order", "2", "--samples", "100000"]);
+    assert_eq!(
+        (&doubted["method"], &doubted["beside"]["method"]),
+        (&"closure".into(), &"simulation".into()),
+        "{doubted}"
+    );
+    assert!(doubted["l1_estimate"].as_f64().unwrap() > 1e-2, "{doubted}");
+}
+
 /// Several orders are an array, one object for each; as text a table with a column for each.
 #[test]
 fn several_orders_of_a_file_are_an_array_or_a_table() {

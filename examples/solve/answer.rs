@@ -51,6 +51,8 @@ pub(crate) struct AtPlace {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Answer {
     pub(crate) method: String,
+    /// Why it is this method's, where none was asked for.
+    pub(crate) reason: Option<String>,
     pub(crate) states: Vec<String>,
     pub(crate) order: Option<u32>,
     pub(crate) unknowns: Option<usize>,
@@ -63,6 +65,8 @@ pub(crate) struct Answer {
     pub(crate) warning: Option<String>,
     pub(crate) termination: Option<String>,
     pub(crate) seconds: f64,
+    /// Another method's answer, where this one is in doubt.
+    pub(crate) beside: Option<Box<Answer>>,
 }
 
 impl Answer {
@@ -70,6 +74,7 @@ impl Answer {
     pub(crate) fn new(provenance: &Provenance, states: &[String]) -> Self {
         Answer {
             method: provenance.method.clone(),
+            reason: None,
             states: states.to_vec(),
             order: provenance.order,
             unknowns: provenance.unknowns,
@@ -86,7 +91,16 @@ impl Answer {
                 .cloned(),
             termination: provenance.termination.clone(),
             seconds: provenance.seconds,
+            beside: None,
         }
+    }
+
+    pub(crate) fn chosen(self, reason: String) -> Self {
+        Answer { reason: Some(reason), ..self }
+    }
+
+    pub(crate) fn beside(self, other: Answer) -> Self {
+        Answer { beside: Some(Box::new(other)), ..self }
     }
 
     /// All values with their names.
@@ -107,6 +121,9 @@ impl fmt::Display for Answer {
             write!(f, " of order {order}, {unknowns} unknowns")?;
         }
         writeln!(f, ", {:.2} s", self.seconds)?;
+        if let Some(reason) = &self.reason {
+            writeln!(f, "why this method: {reason}")?;
+        }
         if let Some(termination) = &self.termination {
             writeln!(f, "ended: {termination}")?;
         }
@@ -116,7 +133,8 @@ impl fmt::Display for Answer {
         if let Some(warning) = &self.warning {
             writeln!(f, "warning: {warning}")?;
         }
-        self.values().into_iter().try_for_each(|(name, value)| write!(f, "\n{name:<24} {value}"))
+        self.values().into_iter().try_for_each(|(name, value)| write!(f, "\n{name:<24} {value}"))?;
+        self.beside.iter().try_for_each(|other| write!(f, "\n\nbeside it: {other}"))
     }
 }
 

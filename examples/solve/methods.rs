@@ -22,6 +22,52 @@ pub(crate) enum Method {
     Splitting,
 }
 
+/// The estimate of the L¹ error below which the closure's answer is taken.
+const GOOD: f64 = 1e-2;
+
+/// The answer of the method that serves: the closure where it is good, else the grid in one and two states, else the closure
+/// with a simulation beside it, or the simulation alone; the answer says why.
+pub(crate) fn serving(
+    problem: &Problem,
+    order: u32,
+    numbers: [u64; 2],
+    questions: &Questions,
+) -> Result<Answer, Box<dyn std::error::Error>> {
+    let by = |method: Method| solve(method, problem, order, numbers, questions);
+    let closure = by(Method::Closure);
+    let estimate = |answer: &Answer| answer.l1_estimate.unwrap_or(f64::INFINITY);
+    let mut reason = match &closure {
+        Ok(answer) if estimate(answer) < GOOD && answer.warning.is_none() => {
+            let why = format!("the closure's estimate is below {GOOD}");
+            return closure.map(|answer| answer.chosen(why));
+        }
+        Ok(answer) => match (answer.l1_estimate, &answer.warning) {
+            (Some(estimate), Some(warning)) => {
+                format!("the closure's estimate is {estimate:.1e}, and it warns: {warning}")
+            }
+            (Some(estimate), None) => format!("the closure's estimate is {estimate:.1e}"),
+            (None, warning) => format!("the closure has no answer: {}", warning.as_deref().unwrap_or_default()),
+        },
+        Err(error) => format!("the closure has no answer: {error}"),
+    };
+    if problem.dimension() <= 2 {
+        match by(Method::Grid) {
+            Ok(grid) if closure.as_ref().map_or(f64::INFINITY, estimate) > estimate(&grid) => {
+                return Ok(grid.chosen(reason));
+            }
+            Ok(grid) => reason += &format!("; the grid's is {:.1e}", estimate(&grid)),
+            Err(error) => reason += &format!("; the grid has no answer: {error}"),
+        }
+    }
+    match (closure, by(Method::Simulation)) {
+        (Ok(closure), Ok(simulation)) if closure.l1_estimate.is_some() => Ok(closure.chosen(reason).beside(simulation)),
+        (_, Ok(simulation)) => Ok(simulation.chosen(reason)),
+        (Ok(closure), Err(_)) if closure.l1_estimate.is_some() => Ok(closure.chosen(reason)),
+        (Err(error), Err(_)) => Err(error),
+        (Ok(_), Err(error)) => Err(error),
+    }
+}
+
 /// The answer of a method; `numbers` are the samples and the seed.
 pub(crate) fn solve(
     method: Method,

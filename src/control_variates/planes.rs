@@ -72,6 +72,12 @@ impl Planes {
         self.0.iter().map(|plane| plane.len()).sum()
     }
 
+    /// Whether a function changes with a state.
+    pub(super) fn changes_with(&self, function: usize, state: usize) -> bool {
+        let plane = self.each().find(|(range, _)| range.contains(&function));
+        plane.is_some_and(|(_, plane)| plane.forms().iter().any(|form| form.parts().any(|(own, _)| own == state)))
+    }
+
     /// Each plane with the places of its functions.
     fn each(&self) -> impl Iterator<Item = (Range<usize>, &Arc<dyn PlaneFunctions>)> {
         self.0.iter().scan(0, |next, plane| {

@@ -39,6 +39,8 @@ pub(crate) struct Products {
     places: Vec<usize>,
     /// Degrees of each state's table.
     degrees: usize,
+    /// States in which a function of a plane and its factor change together.
+    shared: Vec<usize>,
     /// The part of the images of functions 1, 2, … that impulses make; empty without any.
     impulses: Images,
 }
@@ -98,6 +100,11 @@ impl Products {
             places.push(place);
         }
         let degrees = steps.iter().map(|s| s.degree).max().unwrap_or(0) + 1;
+        let meets = |state: &usize| {
+            let met = |factors: &Factors| factors.plane.is_some_and(|plane| planes.changes_with(plane, *state));
+            listed.iter().any(|factors| factors.degrees[*state] > 0 && met(factors))
+        };
+        let shared = (0..n).filter(meets).collect();
         Products {
             centre: centre.to_vec(),
             half_width: half_width.to_vec(),
@@ -105,6 +112,7 @@ impl Products {
             steps,
             places,
             degrees,
+            shared,
             impulses: Vec::new(),
         }
     }
@@ -270,7 +278,13 @@ impl Products {
     #[inline(always)]
     pub(crate) fn apply(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
         self.apply_to_factors(second, scratch);
-        self.apply_to_products(second, coupled, scratch);
+        let missing = |c: &&usize| !coupled.contains(c);
+        if self.shared.iter().any(|c| missing(&c)) {
+            let all: Vec<usize> = coupled.iter().chain(self.shared.iter().filter(missing)).copied().collect();
+            self.apply_to_products(second, &all, scratch);
+        } else {
+            self.apply_to_products(second, coupled, scratch);
+        }
     }
 
     /// Fills the tables of b P_k′ + ½ B P_k″.
@@ -287,7 +301,7 @@ impl Products {
         }
     }
 
-    /// Fills the images of the products.
+    /// Fills the images of the products, with slopes in the states `coupled`.
     #[inline(always)]
     fn apply_to_products(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
         let n = self.dimension();
@@ -310,7 +324,7 @@ impl Products {
                 let slope = scratch.slopes[c][step.shorter];
                 let mixed = second[c * n + step.state];
                 for l in 0..LANES {
-                    // The shorter product does not contain this state, so that each pair is met once.
+                    // Of the shorter product only a function of a plane may contain this state, so that each pair is met once.
                     sum[l] += mixed[l] * slope[l] * d[l];
                 }
                 let own = if c == step.state { 1.0 } else { 0.0 };

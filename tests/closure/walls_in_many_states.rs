@@ -2,7 +2,7 @@
 
 use crate::simulation::walls::{Bodies, Room, with_walls};
 use expoly::models::{ColouredVibroImpact, Duffing};
-use expoly::statistics::Impacts;
+use expoly::statistics::{Impacts, Marginal};
 use expoly::{Closure, ClosureDensity, Density, Error, PolynomialDrift, Problem, Scalar, Simulation, Wall};
 
 const BODIES: Bodies = Bodies {
@@ -45,6 +45,7 @@ fn elastic_walls_in_four_states_are_exact() {
         println!("{room:?}: L1 {l1:.1e}, estimate {:.1e}", density.l1_estimate());
         // Measured: 5e-14 to 3e-12.
         assert!(l1 < 1e-10 && density.l1_estimate() < 1e-4 && density.warning().is_none());
+        assert!(density.provenance().calibration_degree.is_some());
         for (k, wall) in walls.iter().enumerate() {
             let place = wall.other().map_or(wall.state(), |_| 2);
             let mass = if place < 2 { BODIES.masses[place] } else { wall.mass() };
@@ -133,5 +134,38 @@ fn what_has_no_density_or_no_functions_is_refused() {
     for (closure, problem) in [(Closure::new(4), modulated), (Closure::new(4).on_samples(false), coloured(0.0, 0.9))] {
         let refused = closure.pilot_states(10_240).solve(&problem);
         assert!(matches!(refused, Err(Error::NotServed { method: "closure", .. })), "{refused:?}");
+    }
+}
+
+/// A lossy wall between two bodies: means are calibrated, and moments, the impacts' power and exceedances are those of a simulation.
+#[test]
+fn a_lossy_wall_between_two_bodies_agrees_with_a_simulation() {
+    let open = Room { own: [Room::OPEN; 2], difference: Room::OPEN };
+    let room = Room { difference: [-0.4, Room::OPEN[1]], ..open };
+    let walls = room.walls(0.6, BODIES.masses).unwrap();
+    let problem = with_walls(Problem::of(BODIES).unwrap(), &walls).unwrap();
+    let density = Closure::new(4).pilot_states(102_400).solve(&problem).unwrap();
+    println!("degree {:?}, estimate {:.1e}", density.provenance().calibration_degree, density.l1_estimate());
+    assert!(density.provenance().calibration_degree.is_some());
+    let powers: Vec<Vec<u32>> = (0..4).map(|i| (0..4).map(|j| if i == j { 2 } else { 0 }).collect()).collect();
+    let truth = Simulation::new().samples(2_000_000).seed(3).moments(&powers).run(&problem).unwrap();
+    for powers in &powers {
+        let [own, other] = [density.moment(powers).unwrap(), truth.moment(powers).unwrap()];
+        let apart = (own.value - other.value) / own.error.hypot(other.error);
+        println!("{powers:?}: {own} and {other}, {apart:.1}");
+        assert!(apart.abs() < 4.0, "{powers:?}: {own} and {other}");
+    }
+    let [own, other] = [Impacts::at(&density, &problem, 0).unwrap(), Impacts::at(&truth, &problem, 0).unwrap()];
+    println!("rates {} and {}, power {} and {}", own.rate(), other.rate(), own.power(), other.power());
+    for (own, other) in [(own.rate(), other.rate()), (own.power(), other.power())] {
+        assert!((own.value - other.value).abs() < 4.0 * own.error.hypot(other.error), "{own} and {other}");
+    }
+    for (state, level) in [(0, 1.0), (1, 1.5)] {
+        let [own, other] = [
+            Marginal::new(&density, state).unwrap().exceedance(level).unwrap(),
+            Marginal::new(&truth, state).unwrap().exceedance(level).unwrap(),
+        ];
+        println!("P(x_{state} > {level}): {own} and {other}");
+        assert!((own.value - other.value).abs() < 4.0 * own.error.hypot(other.error), "{own} and {other}");
     }
 }

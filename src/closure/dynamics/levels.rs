@@ -53,6 +53,11 @@ impl Level {
     }
 }
 
+/// The means of two beginnings, as far as the equations' higher and lower degree have them.
+fn in_both(system: &MomentSystem, beginnings: [&Beginning; 2]) -> [Vec<f64>; 2] {
+    [false, true].map(|lower| beginnings[usize::from(lower)].coefficients[..system.columns(lower)].to_vec())
+}
+
 /// Means that follow the moment equations, each time under the weight of the level that is about as wide as the density.
 ///
 /// With A = A₀ + A₁ under the noise of a level, A₁ the noise's part, and a share e² of the intensities, d′ = (A₀ + (e²/s) A₁) d where
@@ -78,9 +83,7 @@ impl<'a> March<'a> {
         beginning: &Beginning,
     ) -> Option<Self> {
         let level = Level::new(system.peak().powi(2), density)?;
-        let columns = level.system()?.columns(true);
-        let own = beginning.coefficients.clone();
-        let means = [own.clone(), own[..columns].to_vec()];
+        let means = in_both(level.system()?, [beginning, beginning]);
         Some(March {
             base,
             system,
@@ -188,7 +191,7 @@ impl<'a> March<'a> {
             return false;
         }
         self.error += own.error;
-        self.means = [own.coefficients, lower.coefficients[..system.columns(true)].to_vec()];
+        self.means = in_both(system, [&own, &lower]);
         self.at = to;
         true
     }

@@ -93,21 +93,28 @@ mod tests {
         let products = Products::next_to_walls(&functions);
         assert_eq!(products.len(), count + 1);
         let drift = [1.1, -0.8, 0.3, -0.6];
-        let mut b = [0.0; 16];
-        (b[10], b[11], b[14], b[15]) = (0.5, 0.2, 0.2, 0.7);
         let a: Vec<f64> = (0..=count).map(|k| (0.7 * k as f64).sin()).collect();
         let mut scratch = products.scratch();
         let lanes: Vec<Lane> = (0..4).map(|i| std::array::from_fn(|l: usize| POINTS[l % 3][i])).collect();
         products.place(&lanes, &mut scratch);
-        scratch.first.copy_from_slice(&drift.map(|f| [f; LANES]));
-        products.apply(&b.map(|b| [b; LANES]), &[2, 3], &mut scratch);
-        for (l, x) in POINTS.iter().enumerate() {
-            let [mut values, mut rates] = [(); 2].map(|()| vec![0.0; count]);
-            functions.rates(x, (&drift, &b), &mut values, &mut rates);
-            for k in 0..count {
-                let found = [products.value(&scratch, k + 1)[l], products.image(&scratch, k + 1)[l]];
-                assert!((found[0] - values[k]).abs() < 1e-13 * (1.0 + values[k].abs()), "{k}");
-                assert!((found[1] - rates[k]).abs() < 1e-12 * (1.0 + rates[k].abs()), "{k}: {found:?} {}", rates[k]);
+        // With noises that are correlated, and with those that are not: a kink between two bodies has the velocities of both.
+        for (mixed, coupled) in [(0.2, vec![2, 3]), (0.0, vec![])] {
+            let mut b = [0.0; 16];
+            (b[10], b[11], b[14], b[15]) = (0.5, mixed, mixed, 0.7);
+            scratch.first.copy_from_slice(&drift.map(|f| [f; LANES]));
+            products.apply(&b.map(|b| [b; LANES]), &coupled, &mut scratch);
+            for (l, x) in POINTS.iter().enumerate() {
+                let [mut values, mut rates] = [(); 2].map(|()| vec![0.0; count]);
+                functions.rates(x, (&drift, &b), &mut values, &mut rates);
+                for k in 0..count {
+                    let found = [products.value(&scratch, k + 1)[l], products.image(&scratch, k + 1)[l]];
+                    assert!((found[0] - values[k]).abs() < 1e-13 * (1.0 + values[k].abs()), "{k}");
+                    assert!(
+                        (found[1] - rates[k]).abs() < 1e-12 * (1.0 + rates[k].abs()),
+                        "{k}: {found:?} {}",
+                        rates[k]
+                    );
+                }
             }
         }
         let sum = products.sum(&a, &scratch);
