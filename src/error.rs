@@ -1,5 +1,8 @@
 //! The errors of the library, each with its cause and a remedy.
 
+/// The random streams of pilots' trajectories begin here, those of a simulation's own at 0.
+pub(crate) const PILOT: u64 = 1 << 32;
+
 /// The reason why a call has no result.
 ///
 /// An `Err` stands for misuse, or for a density that does not exist. A run that did not converge is no error: it is a result,
@@ -112,11 +115,12 @@ pub enum Error {
     },
     /// A trajectory left every bound.
     #[error(
-        "trajectory {trajectory} exploded: its state was {state:?} at time {time}; either the drift has no stationary density or the time step {step} is too long for it"
+        "trajectory {}{} exploded: its state was {state:?} at time {time}; either the drift has no stationary density or the time step {step} is too long for it",
+        trajectory % PILOT,
+        if *trajectory < PILOT { "" } else { " of the pilot" }
     )]
     Exploded {
-        /// The trajectory's number, which is also the number of its random stream. Those of the pilot, which runs first,
-        /// begin at 2³².
+        /// The number of the trajectory's random stream: the trajectory's own, and for those of a pilot 2³² more.
         trajectory: u64,
         /// The last state.
         state: Vec<f64>,
@@ -238,10 +242,12 @@ pub enum Error {
         remedy: &'static str,
     },
     /// A text is no system.
-    #[error("line {line}: {name}: {problem}")]
+    #[error("line {line}, column {column}: {name}: {problem}")]
     NotAProblem {
         /// The line of the text, from 1.
         line: usize,
+        /// The character of the line, from 1.
+        column: usize,
         /// The key, state, parameter or wall that is wrong.
         name: String,
         /// What is wrong with it, and what to write instead.

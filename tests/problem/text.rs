@@ -125,9 +125,9 @@ fn errors_name_the_line_and_the_entry() {
         (9, "v = \"-c*v - k*x - nu*x^3\"", "v", "\"nu\" is neither"),
         (9, "v = \"1/x\"", "v", "may not divide"),
         (9, "v = \"x^1.5\"", "v", "whole number"),
-        (9, "v = \"sin(x)\"", "v", "not states"),
-        (9, "v = \"-c*v -\"", "v", "write a polynomial"),
-        (9, "v = \"-c*(v\"", "v", "write a polynomial"),
+        (9, "v = \"sin(x)\"", "v", "sin of a state is no polynomial"),
+        (9, "v = \"-c*v -\"", "v", "a number or a name is missing"),
+        (9, "v = \"-c*(v\"", "v", "not closed"),
         (9, "v = [1]", "v", "in quotes"),
         (10, "[noises.w]", "noises", "a problem has no such entry"),
         (11, "w = 1", "w", "noise.w has no such entry"),
@@ -136,11 +136,23 @@ fn errors_name_the_line_and_the_entry() {
         let mut lines = lines.clone();
         lines[number - 1] = line;
         let error = Problem::from_toml(&lines.join("\n")).unwrap_err();
-        let Error::NotAProblem { line: found, name, problem } = &error else { panic!("{line}: {error}") };
+        let Error::NotAProblem { line: found, column, name, problem } = &error else { panic!("{line}: {error}") };
         // A table without an entry is named where the table begins.
         let expected = if line.is_empty() { number - 1 } else { number };
         assert!((*found, &name[..]) == (expected, entry) && problem.contains(words), "{line}: {error}");
-        assert!(error.to_string().starts_with(&format!("line {expected}: {entry}: ")), "{error}");
+        assert!(error.to_string().starts_with(&format!("line {expected}, column {column}: {entry}: ")), "{error}");
+    }
+    // The column is that of the character within an expression, whatever it is quoted in; of an escaped one where it begins.
+    for (drift, expected) in [
+        ("v = \"-c*v - abs(x)\"", 13),
+        ("v =   '-c*v - abs(x)'", 15),
+        ("v = '''-c*v - abs(x)'''", 15),
+        ("v = \"\\u002dc*v - abs(x)\"", 5),
+    ] {
+        let mut lines = lines.clone();
+        lines[8] = drift;
+        let error = Problem::from_toml(&lines.join("\n")).unwrap_err();
+        assert!(matches!(error, Error::NotAProblem { line: 9, column, .. } if column == expected), "{drift}: {error}");
     }
     let first_of_wall = DUFFING.lines().count() + 1;
     for (from, to, words) in [

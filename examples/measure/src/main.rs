@@ -20,6 +20,7 @@ mod identification;
 mod impulses;
 mod memory;
 mod merge;
+mod public;
 #[cfg(feature = "mpi")]
 mod ranks;
 #[cfg(feature = "mpi")]
@@ -62,6 +63,8 @@ enum Question {
     Memory(memory::Options),
     /// The table of a study from its parts
     Merge(merge::Options),
+    /// What do the methods answer, by their defaults, on systems from public code?
+    Public(public::Options),
     /// One simulation on all ranks of MPI, with all bits of its result
     #[cfg(feature = "mpi")]
     Ranks(ranks::Options),
@@ -97,6 +100,7 @@ fn main() -> ExitCode {
         Question::Impulses(options) => impulses::run(&options),
         Question::Memory(options) => memory::run(&options),
         Question::Merge(options) => merge::run(&options),
+        Question::Public(options) => public::run(&options),
         #[cfg(feature = "mpi")]
         Question::Ranks(options) => ranks::run(&options),
         #[cfg(feature = "mpi")]

@@ -4,7 +4,7 @@ use super::Written;
 use super::family::Text;
 use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, is_real};
-use crate::problem::expression::{Names, RESERVED, is_name, number, polynomial};
+use crate::problem::expression::{Fault, Names, RESERVED, is_name, number, polynomial};
 use crate::problem::{Problem, Wall};
 use crate::system::Interpretation;
 use num_dual::HyperDual64;
@@ -43,9 +43,10 @@ pub(super) struct Document<'a>(pub(super) &'a str);
 
 impl Document<'_> {
     pub(super) fn wrong<T>(self, place: usize, name: &str, problem: impl Into<String>) -> Result<T> {
-        let before = self.0.as_bytes().iter().take(place);
-        let line = 1 + before.filter(|byte| **byte == b'\n').count();
-        Err(Error::NotAProblem { line, name: name.to_owned(), problem: problem.into() })
+        let before = self.0.get(..place).unwrap_or(self.0);
+        let line = 1 + before.matches('\n').count();
+        let column = 1 + before.chars().rev().take_while(|c| *c != '\n').count();
+        Err(Error::NotAProblem { line, column, name: name.to_owned(), problem: problem.into() })
     }
 
     pub(super) fn table<'b, 'c>(self, name: &str, value: &'b Entry<'c>) -> Result<&'b DeTable<'c>> {
@@ -57,8 +58,15 @@ impl Document<'_> {
 
     /// An expression in states and parameters; a plain number is one.
     fn expression(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Polynomial> {
-        let found = polynomial(&self.text(name, value)?, names);
-        found.or_else(|problem| self.wrong(value.span().start, name, problem))
+        let text = self.text(name, value)?;
+        polynomial(&text, names).or_else(|fault| self.wrong_within(value, &text, name, fault))
+    }
+
+    /// What is wrong at a place of an expression, unless escapes hide where that is in the document.
+    fn wrong_within<T>(self, value: &Entry<'_>, text: &str, name: &str, Fault { at, problem }: Fault) -> Result<T> {
+        let written = self.0.get(value.span()).unwrap_or_default();
+        let place = written.find(text).map_or(0, |begin| begin + at);
+        self.wrong(value.span().start + place, name, problem)
     }
 
     /// An expression without states.
@@ -68,8 +76,8 @@ impl Document<'_> {
         value: &Entry<'_>,
         parameters: &[(String, HyperDual64)],
     ) -> Result<HyperDual64> {
-        let found = number(&self.text(name, value)?, parameters);
-        found.or_else(|problem| self.wrong(value.span().start, name, problem))
+        let text = self.text(name, value)?;
+        number(&text, parameters).or_else(|fault| self.wrong_within(value, &text, name, fault))
     }
 
     /// The same where nothing is differentiated.
@@ -311,7 +319,7 @@ impl Problem {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotAProblem`] with the line, the entry and what to write instead; those of [`Problem::of`].
+    /// [`Error::NotAProblem`] with the line, the column, the entry and what to write instead; those of [`Problem::of`].
     ///
     /// ```
     /// use expoly::Problem;
@@ -337,7 +345,7 @@ impl Problem {
     /// assert_eq!(Problem::from_toml(&problem.to_toml()?)?.operator(), problem.operator());
     ///
     /// let error = Problem::from_toml("states = [\"x\"]\n[drift]\nx = \"-y\"").err();
-    /// assert!(error.is_some_and(|error| error.to_string().starts_with("line 3: x: \"y\" is neither a state")));
+    /// assert!(error.is_some_and(|error| error.to_string().starts_with("line 3, column 7: x: \"y\" is neither a state")));
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
