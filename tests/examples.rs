@@ -450,6 +450,7 @@ fn a_file_is_solved_by_every_method_with_the_promised_fields() {
 #[test]
 fn the_method_that_serves_is_found() {
     let folder = scratch("serving");
+    std::fs::create_dir_all(&folder).unwrap();
     let solved = |name: &str, text: &str, options: &[&str]| -> Value {
         let path = folder.join(name);
         std::fs::write(&path, text).unwrap();

@@ -48,6 +48,10 @@ pub(crate) fn serving(
             (Some(estimate), None) => format!("the closure's estimate is {estimate:.1e}"),
             (None, warning) => format!("the closure has no answer: {}", warning.as_deref().unwrap_or_default()),
         },
+        // What no other method would take either.
+        Err(error) if matches!(error.downcast_ref(), Some(Error::OutOfRange { .. } | Error::Dimension { .. })) => {
+            return closure;
+        }
         Err(error) => format!("the closure has no answer: {error}"),
     };
     if problem.dimension() <= 2 {

@@ -1,8 +1,8 @@
 use super::{batch::Trajectories, ensemble::Ensemble, start::Start, timetable::Timetable};
-use crate::simulation::tuning;
-use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 use crate::error::{PILOT, Result};
 use crate::problem::LANES;
+use crate::simulation::tuning;
+use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 
 /// The number of the pilot's first trajectory, which is also its stream: beyond every sampled one.
 const FIRST: u64 = PILOT;
