@@ -1,8 +1,5 @@
 //! The errors of the library, each with its cause and a remedy.
 
-/// The random streams of pilots' trajectories begin here, those of a simulation's own at 0.
-pub(crate) const PILOT: u64 = 1 << 32;
-
 /// The reason why a call has no result.
 ///
 /// An `Err` stands for misuse, or for a density that does not exist. A run that did not converge is no error: it is a result,
@@ -115,13 +112,14 @@ pub enum Error {
     },
     /// A trajectory left every bound.
     #[error(
-        "trajectory {}{} exploded: its state was {state:?} at time {time}; either the drift has no stationary density or the time step {step} is too long for it",
-        trajectory % PILOT,
-        if *trajectory < PILOT { "" } else { " of the pilot" }
+        "trajectory {trajectory}{} exploded: its state was {state:?} at time {time}; either the drift has no stationary density or the time step {step} is too long for it",
+        if *pilot { " of the pilot" } else { "" }
     )]
     Exploded {
-        /// The number of the trajectory's random stream: the trajectory's own, and for those of a pilot 2³² more.
+        /// The trajectory's number.
         trajectory: u64,
+        /// Whether it is one of the pilot's, which runs first.
+        pilot: bool,
         /// The last state.
         state: Vec<f64>,
         /// The time of the last state.

@@ -404,6 +404,8 @@ fn a_file_is_solved_by_every_method_with_the_promised_fields() {
         let object = answer.as_object().unwrap();
         for field in [
             "method",
+            "reason",
+            "beside",
             "states",
             "order",
             "unknowns",
@@ -474,6 +476,7 @@ fn the_method_that_serves_is_found() {
         (&"closure".into(), &"simulation".into()),
         "{doubted}"
     );
+    // What the closure's estimate must be below to stand alone.
     assert!(doubted["l1_estimate"].as_f64().unwrap() > 1e-2, "{doubted}");
 }
 

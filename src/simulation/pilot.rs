@@ -1,11 +1,11 @@
 use super::{batch::Trajectories, ensemble::Ensemble, start::Start, timetable::Timetable};
-use crate::error::{PILOT, Result};
+use crate::error::Result;
 use crate::problem::LANES;
 use crate::simulation::tuning;
 use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 
 /// The number of the pilot's first trajectory, which is also its stream: beyond every sampled one.
-const FIRST: u64 = PILOT;
+pub(super) const FIRST: u64 = 1 << 32;
 
 /// The ranges of histograms and the bounds beyond which a trajectory has exploded, from a few trajectories before any is
 /// sampled.

@@ -215,3 +215,22 @@ fn the_files_of_the_example_are_problems() -> Result<()> {
     assert_same("Duffing", &Problem::from_toml(&file.unwrap())?, &duffing_above(-0.5, 0.9));
     Ok(())
 }
+
+/// What people bring from outside of the class is refused by its place, its name and what to write.
+#[test]
+fn what_is_outside_of_the_class_is_named() {
+    for (text, place, words) in [
+        (include_str!("../cases/outside-boucwen.toml"), [6, 14], "abs has kinks"),
+        (include_str!("../cases/outside-dry-friction.toml"), [5, 19], "sign has kinks"),
+        (include_str!("../cases/outside-periodic.toml"), [5, 57], "has no time"),
+        (include_str!("../cases/outside-square-root.toml"), [8, 6], "take the root itself"),
+        (include_str!("../cases/outside-stommel.toml"), [4, 12], "abs has kinks"),
+        (include_str!("../cases/outside-swing.toml"), [5, 16], "sin of a state"),
+        (include_str!("../cases/outside-toggle.toml"), [4, 7], "may not divide"),
+        (include_str!("../cases/outside-reflecting.toml"), [7, 1], "no displacement"),
+    ] {
+        let error = Problem::from_toml(text).unwrap_err();
+        let Error::NotAProblem { line, column, problem, .. } = &error else { panic!("{error}") };
+        assert!([*line, *column] == place && problem.contains(words), "{error}");
+    }
+}

@@ -62,7 +62,8 @@ const CASES: [Case; 26] = [
     // k_B T over G² k, and over m G².
     case!("trap-si", [("x", 2, 4.315976358e-12, 5e-22), ("v", 2, 4.259697925e-01, 5e-11)]),
     case!("two-oscillators-frozen", []),
-    case!("lorenz-multiplicative", []),
+    // By 60 paths of Euler and Maruyama with steps of 1e-3, from starts of 1e-6, 1 and 10.
+    case!("lorenz-multiplicative", [("x", 2, 34.4, 0.3)]),
     case!("undamped", []),
     case!("outside-boucwen", []),
     case!("outside-dry-friction", []),

@@ -10,7 +10,7 @@ pub(super) struct Function {
     pub(super) dual: fn(&HyperDual64) -> HyperDual64,
 }
 
-pub(super) const FUNCTIONS: [Function; 5] = [
+pub(super) static FUNCTIONS: [Function; 5] = [
     Function { name: "sqrt", real: f64::sqrt, dual: DualNum::sqrt },
     Function { name: "exp", real: f64::exp, dual: DualNum::exp },
     Function { name: "ln", real: f64::ln, dual: DualNum::ln },

@@ -9,7 +9,7 @@ mod parser;
 use crate::fokker_planck::HIGHEST_DEGREE as HIGHEST;
 use crate::polynomial::{Polynomial, is_real, series};
 use crate::record::Read;
-use functions::{Function, of_state};
+use functions::{FUNCTIONS, Function, of_state};
 use num_dual::{DualNum, HyperDual64};
 use parser::{Expression, parsed};
 
@@ -95,12 +95,14 @@ fn power(base: Term, exponent: Term) -> Read<Term> {
 }
 
 /// The names that no state and no parameter may have.
-pub(super) const RESERVED: [&str; 6] = ["sqrt", "exp", "ln", "sin", "cos", "pi"];
+pub(super) fn reserved() -> impl Iterator<Item = &'static str> {
+    FUNCTIONS.iter().map(|function| function.name).chain(["pi"])
+}
 
 /// Whether a name can stand in an expression: a letter or `_`, then letters, digits and `_`.
 pub(super) fn is_name(name: &str) -> bool {
     let sound = |(i, c): (usize, char)| c == '_' || c.is_ascii_alphabetic() || (i > 0 && c.is_ascii_digit());
-    !name.is_empty() && name.chars().enumerate().all(sound) && !RESERVED.contains(&name)
+    !name.is_empty() && name.chars().enumerate().all(sound) && !reserved().any(|taken| taken == name)
 }
 
 /// What the names in an expression stand for.

@@ -4,7 +4,7 @@ use super::Written;
 use super::family::Text;
 use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, is_real};
-use crate::problem::expression::{Fault, Names, RESERVED, is_name, number, polynomial};
+use crate::problem::expression::{Fault, Names, is_name, number, polynomial, reserved};
 use crate::problem::{Problem, Wall};
 use crate::system::Interpretation;
 use num_dual::HyperDual64;
@@ -130,7 +130,10 @@ impl Document<'_> {
         if is_name(name) {
             return Ok(());
         }
-        let problem = format!("a name is a letter, then letters, digits and _, and none of {}", RESERVED.join(", "));
+        let problem = format!(
+            "a name is a letter, then letters, digits and _, and none of {}",
+            reserved().collect::<Vec<_>>().join(", ")
+        );
         self.wrong(place, name, problem)
     }
 

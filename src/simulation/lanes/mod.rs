@@ -3,6 +3,7 @@ mod steps;
 
 pub(super) use steps::{Workspace, read_lane, write_lane};
 
+use super::pilot::FIRST;
 use super::random::Random;
 use crate::problem::{LANES, Lane};
 use crate::{Error, Result, states::States};
@@ -118,8 +119,8 @@ impl Lanes {
         match (0..self.active).find(|&l| self.x.iter().enumerate().any(|(i, x)| beyond(i, x[l]))) {
             None => Ok(()),
             Some(l) => {
-                let (trajectory, state) = (self.first + l as u64, self.x.iter().map(|x| x[l]).collect());
-                Err(Error::Exploded { trajectory, state, time, step })
+                let (stream, state) = (self.first + l as u64, self.x.iter().map(|x| x[l]).collect());
+                Err(Error::Exploded { trajectory: stream % FIRST, pilot: stream >= FIRST, state, time, step })
             }
         }
     }
