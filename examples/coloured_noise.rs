@@ -11,7 +11,7 @@
 
 use clap::Parser;
 use expoly::models::CubicDamping;
-use expoly::{Closure, Density, Estimate, Grid, Intensity, PolynomialDrift, Problem, Scalar, Simulation};
+use expoly::{Closure, Density, Estimate, Grid, Intensity, PolynomialDrift, Problem, Reference, Scalar, Simulation};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Panel, Scale, Style, View, band, between, curve, error_bars, values, write_figure};
 
@@ -60,7 +60,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     for (k, &bandwidth) in options.bandwidths.iter().enumerate() {
         let problem = Problem::of(Filtered { bandwidth, intensity })?;
         let density = Closure::new(ORDER).solve(&problem)?;
-        let reference = Closure::new(ORDER).on_samples(false).solve(&problem)?;
+        let reference = Closure::new(ORDER).reference(Reference::Equations).solve(&problem)?;
         let judge = Simulation::new().samples(options.samples).seed(1).run(&problem)?;
         let both = |power| Ok::<_, expoly::Error>((density.moment(&[power, 0, 0])?, judge.moment(&[power, 0, 0])?));
         let (square, fourth) = (both(2)?, both(4)?);

@@ -21,6 +21,11 @@ impl MemoryLimit {
         MemoryLimit(limit)
     }
 
+    /// The lower of this limit and another one in gibibytes.
+    pub(crate) fn at_most(self, limit: f64) -> Self {
+        MemoryLimit(self.0.min(limit))
+    }
+
     /// Refuses a limit that is no number of gibibytes.
     pub(crate) fn check(self) -> Result<()> {
         positive("memory limit in GiB", self.0, "it must be finite and above zero; 8 is the default").map(|_| ())

@@ -32,6 +32,9 @@ pub struct Provenance {
     pub termination: Option<String>,
     /// The origin of the chosen density.
     pub origin: Option<String>,
+    /// What a closure's density is closest to: the solution of the moment equations, a grid with its cells and its estimate, a closed form, or
+    /// the means of the pilot's states.
+    pub reference: Option<String>,
     /// Why there is no density.
     pub refusal: Option<String>,
     /// Why a closure has no reference although one was requested, so that the answer is that of the pilot's states.

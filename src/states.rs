@@ -117,6 +117,23 @@ impl States {
         self.values.extend_from_slice(&other.values);
     }
 
+    /// About so many of the states, evenly chosen.
+    pub(crate) fn evenly(&self, count: usize) -> Self {
+        let mut chosen = States::new(self.dimension);
+        self.iter().step_by((self.len() / count).max(1)).for_each(|x| chosen.push(x));
+        chosen
+    }
+
+    /// The standard deviation along each axis.
+    pub(crate) fn deviations(&self) -> Vec<f64> {
+        let count = self.len() as f64;
+        let along = |i: usize| {
+            let mean = self.iter().map(|x| x[i]).sum::<f64>() / count;
+            (self.iter().map(|x| (x[i] - mean).powi(2)).sum::<f64>() / count).sqrt()
+        };
+        (0..self.dimension).map(along).collect()
+    }
+
     pub(crate) fn state(&self, i: usize) -> &[f64] {
         &self.values[i * self.dimension..(i + 1) * self.dimension]
     }

@@ -270,7 +270,8 @@ fn an_order_study_sets_the_classical_closure_beside_the_robust_one() {
 /// Four states, on samples: no number is NaN, which JSON does not have.
 #[test]
 fn an_order_study_takes_more_than_two_states() {
-    let options = ["--model", "two_degrees_of_freedom", "--orders", "2", "--nodes", "samples", "--method", "robust"];
+    let options =
+        ["--model", "two_degrees_of_freedom", "--orders", "2", "--closest-to", "states", "--method", "robust"];
     let row = &order_study(&options)["rows"][0];
     assert!((0.02..0.15).contains(&row["l1"].as_f64().unwrap()), "{row}");
     assert!(row["origin"].as_str().unwrap() == "maximum likelihood" && row["l1_estimate"].is_number());
@@ -304,7 +305,7 @@ fn wrong_options_of_an_order_study_are_named() {
         (&["--model", "linear", "--orders", "17"], "17"),
         (&["--model", "linear", "--weight", "-0.5"], "-0.5"),
         (&["--weight", "tails"], "tails"),
-        (&["--nodes", "some"], "some"),
+        (&["--closest-to", "some"], "some"),
         (&["--model", "two_degrees_of_freedom", "--reference", "grid"], "its exact density"),
         (&["--model", "van_der_pol", "--reference", "exact"], "no exact density"),
     ] {

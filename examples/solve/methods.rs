@@ -4,7 +4,7 @@ use crate::answer::{Answer, AtPlace, AtState};
 use crate::questions::{Place, Questions};
 use clap::ValueEnum;
 use expoly::statistics::Marginal;
-use expoly::{Closure, Density, Error, Estimate, Grid, Problem, Provenance, Simulation, Splitting};
+use expoly::{Closure, Density, Error, Estimate, Grid, Problem, Provenance, Reference, Simulation, Splitting};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
@@ -83,7 +83,7 @@ pub(crate) fn solve(
     match method {
         Method::Closure | Method::Reference => {
             let closure = Closure::new(order).seed(seed);
-            let closure = if method == Method::Reference { closure.on_samples(false) } else { closure };
+            let closure = if method == Method::Reference { closure.reference(Reference::Equations) } else { closure };
             match closure.solve(problem) {
                 Ok(found) => answered(&found, found.impact_rate(), found.provenance(), problem, questions),
                 Err(error @ Error::NotClosed { .. }) => Ok(refused("closure", order, &error, problem)),

@@ -1,7 +1,7 @@
 //! The content of ln p that a text in any language must contain.
 
 use super::{ClosedDensity, ClosedForm};
-use crate::closure::{ClosureDensity, Copula, Corner, Similarity, TrustDomain};
+use crate::closure::{Cells, ClosureDensity, Copula, Corner, Similarity, TrustDomain};
 use crate::density::{Density, ExpPolynomial, Support};
 use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, total_degree};
@@ -57,6 +57,8 @@ pub(super) enum Domain<'a> {
     Star(&'a TrustDomain),
     /// An ellipsoid in normal scores.
     Ellipsoid(&'a Copula),
+    /// Boxes, in one state or two.
+    Cells(&'a Cells),
 }
 
 impl ClosedForm {
@@ -92,7 +94,10 @@ fn of_closure<'a>(density: &'a ClosureDensity, names: &'a [String]) -> Result<Fo
         format!(
             "Exponential-polynomial closure of order {order}, {unknowns} coefficients; estimated L1 error {error:.1e}."
         ),
-        format!("Pilot of {states} states, seed {seed}; expoly {VERSION}."),
+        match &provenance.reference {
+            Some(reference) => format!("Closest to: {reference}; expoly {VERSION}."),
+            None => format!("Pilot of {states} states, seed {seed}; expoly {VERSION}."),
+        },
         format!("Trust domain, within the box {}: see inside().", limits(names, &bounds)),
         String::from("Outside the trust domain the density is taken for zero, and log_p is minus infinity."),
     ];
@@ -100,7 +105,10 @@ fn of_closure<'a>(density: &'a ClosureDensity, names: &'a [String]) -> Result<Fo
     if density.is_guarded() {
         facts.push(String::from("The steep fall that continues it there is not written out."));
     }
-    let domain = density.domain().map_or_else(Domain::Ellipsoid, Domain::Star);
+    let domain = match density.cells_of_domain() {
+        Some(cells) => Domain::Cells(cells),
+        None => density.domain().map_or_else(Domain::Ellipsoid, Domain::Star),
+    };
     let within = |x: &[f64]| density.contains(x)?.then(|| density.log_pdf(x)).transpose();
     let powers = match density.log_polynomial() {
         Some(polynomial) if as_exact(&polynomial, &bounds, within)? => Some(polynomial),

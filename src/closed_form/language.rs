@@ -49,6 +49,10 @@ pub(super) struct Language {
     pub(super) everywhere: fn(&[String]) -> String,
     /// The end of `inside` where the scores by `knots`, turned by `inverse`, must lie within a distance.
     pub(super) ellipsoid: fn(&[String], f64, f64) -> String,
+    /// The end of `inside` where `state`, a list, must lie in one of `boxes`, whose rows have the lower and the upper limit of each state.
+    pub(super) boxes: fn(usize) -> String,
+    /// A list of values.
+    pub(super) together: fn(&[String]) -> String,
     /// A wall's numbers under a name, where they have one.
     pub(super) wall: fn(usize, &CornerFormula<'_>) -> String,
     /// The statements that add what a wall adds.
@@ -131,6 +135,12 @@ impl Language {
                 }
                 body += &(self.name)("reach", &self.list(&star.reach));
                 body + if names.len() == 1 { self.line } else { self.star }
+            }
+            Domain::Cells(cells) => {
+                let mut body = (self.name)("state", &(self.together)(names));
+                let rows: Vec<Vec<f64>> = cells.limits().iter().map(|limits| limits.concat()).collect();
+                body += &(self.name)("boxes", &self.matrix(&rows));
+                body + &(self.boxes)(names.len())
             }
             Domain::Ellipsoid(copula) => {
                 let mut body = (self.name)("knots", &self.matrix(&copula.knots));

@@ -30,6 +30,13 @@ const MATLAB: Language = Language {
     necessary: |condition| format!("    yes = {condition};\n"),
     everywhere: |names| format!("    yes = true(size({}));\n", names[0]),
     ellipsoid,
+    boxes: |count| {
+        let within =
+            |i: usize| format!("state{{{}}} >= b({}) & state{{{}}} <= b({})", i + 1, 2 * i + 1, i + 1, 2 * i + 2);
+        let all = (0..count).map(within).collect::<Vec<_>>().join(" & ");
+        format!("    yes = false(size(state{{1}}));\n    for b = boxes'\n        yes = yes | ({all});\n    end\n")
+    },
+    together: |names| format!("{{{}}}", names.join(", ")),
     wall: |_, _| String::new(),
     of_wall,
 };

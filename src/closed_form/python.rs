@@ -33,6 +33,12 @@ const PYTHON: Language = Language {
             names.join(", ")
         )
     },
+    boxes: |count| {
+        let within = |i: usize| format!("b[{}] <= state[{i}] <= b[{}]", 2 * i, 2 * i + 1);
+        let all = (0..count).map(within).collect::<Vec<_>>().join(" and ");
+        format!("    return any({all} for b in boxes)\n")
+    },
+    together: |names| format!("[{}]", names.join(", ")),
     wall,
     of_wall: |k, _, arguments| format!("    q += wall(*WALL_{k}, {arguments})\n"),
 };

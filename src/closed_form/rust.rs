@@ -43,6 +43,12 @@ const RUST: Language = Language {
             names.len()
         )
     },
+    boxes: |count| {
+        let within = |i: usize| format!("(b[{}]..=b[{}]).contains(&state[{i}])", 2 * i, 2 * i + 1);
+        let all = (0..count).map(within).collect::<Vec<_>>().join(" && ");
+        format!("    boxes.iter().any(|b| {all})\n")
+    },
+    together: |names| format!("[{}]", names.join(", ")),
     wall,
     of_wall: |k, _, arguments| format!("    q += wall(&WALL_{k}, {arguments});\n"),
 };

@@ -30,8 +30,7 @@ pub struct Closure {
     pub(super) weight: Weight,
     pub(super) guard: bool,
     pub(super) seed: u64,
-    /// Whether the pilot's states carry the density; `None` if that follows from the number of states.
-    pub(super) on_samples: Option<bool>,
+    pub(super) reference: Reference,
     /// None for the default, which depends on the method of integration.
     pub(super) states: Option<usize>,
     pub(super) inflation: f64,
@@ -46,6 +45,28 @@ pub(super) enum Order {
     Adaptive(f64),
 }
 
+/// What the exponential polynomial of an order is closest to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// In one state and two the solution of the moment equations, and where they have none, contradict the pilot, or have an error
+    /// that is a large part of the estimate, the density of a [`Grid`](crate::Grid), which in one state is a closed form. In three
+    /// states and more the pilot's states, as next to walls and under impulses what serves there.
+    #[default]
+    Automatic,
+    /// The solution of the moment equations of a higher degree, on nodes: products of Gauss nodes in one state and in two, a lattice in
+    /// three and in four.
+    ///
+    /// In three states and four it gives every value an error of its own, and moments up to the order to six digits in three states and
+    /// to four or five in four, for some seconds in three states and up to half a minute in four. Where the equations have no good
+    /// solution, as in weakly damped systems of four states, or the pilot's moments contradict it, the answer is that of the states, and
+    /// [`Provenance::without_reference`](crate::Provenance::without_reference) gives the reason.
+    Equations,
+    /// The density of a grid, in one state and two, without walls and impulses: of an accuracy of 1e-3, or 1e-5 where that limits.
+    Grid,
+    /// The calibrated means of the pilot's states, of which Q is the most likely density.
+    States,
+}
+
 impl Closure {
     /// The closure of order `order`, the degree of Q, from 1 to 16 (10 next to walls).
     ///
@@ -56,7 +77,7 @@ impl Closure {
             weight: Weight::Automatic,
             guard: false,
             seed: 0,
-            on_samples: None,
+            reference: Reference::Automatic,
             states: None,
             inflation: tuning::pilot::INFLATION,
             degrees: Degrees::complete(),
@@ -91,27 +112,20 @@ impl Closure {
         Closure { seed, ..self }
     }
 
-    /// Whether Q is the most likely density for the calibrated means of the pilot's states; by default it is in three states
-    /// and more. Otherwise it is the density closest to a reference, the solution of the moment equations of a higher degree
-    /// on nodes: products of Gauss nodes in one state and in two (walls allow no other), a lattice in three and in four.
-    ///
-    /// A reference gives every value an error of its own, and moments up to the order to six digits in three states and to
-    /// four or five in four, for some seconds in three states and up to half a minute in four. Where the equations have no
-    /// good solution, as in weakly damped systems of four states, or the pilot's moments contradict it, the answer is that of
-    /// the samples, and [`Provenance::without_reference`](crate::Provenance::without_reference) gives the reason.
+    /// What Q is closest to; see [`Reference`].
     ///
     /// ```
-    /// use expoly::{Closure, Density, Problem};
+    /// use expoly::{Closure, Density, Problem, Reference};
     /// // x″ = x − x³ + z, z′ = −x′ − z + ξ: a double well in a bath with memory, exp(−2(½x′² − ½x² + ¼x⁴ + ½z²)).
     /// let text = "states = [\"x\", \"v\", \"z\"]\n[drift]\nx = \"v\"\nv = \"x - x^3 + z\"\nz = \"-v - z\"\n[noise.w]\nz = \"1\"";
     /// let problem = Problem::from_toml(text)?;
     /// // No Gaussian is near that density, but the moments, which are the reference's, are right.
-    /// let square = Closure::new(2).on_samples(false).solve(&problem)?.moment(&[2, 0, 0])?;
+    /// let square = Closure::new(2).reference(Reference::Equations).solve(&problem)?.moment(&[2, 0, 0])?;
     /// assert!((square.value - 0.893464970).abs() < 4.0 * square.error && square.error < 1e-6);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn on_samples(self, on_samples: bool) -> Self {
-        Closure { on_samples: Some(on_samples), ..self }
+    pub fn reference(self, reference: Reference) -> Self {
+        Closure { reference, ..self }
     }
 
     /// The number of the pilot's states: 20 000 by default, and 102 400 where they carry the density.

@@ -17,6 +17,9 @@
 //! 6. `candidates`: their errors, the choice among them, and the guard by the pilot's likelihood;
 //! 7. `density`: the answer with its trust domain, and its integrals with their errors.
 //!
+//! Where the equations of step 4 do not serve, `closest` takes the density of a grid in their place, on the grid's cells; it finds the
+//! exponential polynomial closest to any density of one state or two.
+//!
 //! `method` holds the options, and `solve` the way from a problem to the steps: `nodal` takes them on Gauss nodes in one and two
 //! states, also next to walls. In three and more, `sampled` and `samples`, the pilot's states take the place of the reference:
 //! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
@@ -28,6 +31,7 @@
 
 mod candidates;
 mod classical;
+mod closest;
 mod density;
 mod discretisation;
 mod dynamics;
@@ -45,10 +49,11 @@ mod tuning;
 
 pub use candidates::{Candidate, Origin};
 pub use classical::{Basis, ClassicalClosure, Solution, Termination};
+pub(crate) use closest::Cells;
 pub use density::ClosureDensity;
 pub(crate) use discretisation::trust_domain::TrustDomain;
 pub use dynamics::ClosureSurvival;
-pub use method::Closure;
+pub use method::{Closure, Reference};
 pub use projection::Weight;
 pub(crate) use samples::Copula;
 pub use sensitivity::Sensitivity;

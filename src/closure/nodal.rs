@@ -12,8 +12,9 @@ use super::discretisation::panels::{Resolved, resolved};
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
 use super::pilot::Pilot;
+use super::projection::on_states::exact_on_states;
 use super::projection::{Weight, project, tempered};
-use super::reference::{Reference, Start, normalised};
+use super::reference::{ReferenceDensity, Start, normalised};
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::nested_spaces::NestedSpaces;
 use super::space::orthonormal::Orthonormal;
@@ -52,9 +53,21 @@ impl NodalClosure {
     /// # Errors
     /// [`Error::NotClosed`] if the pilot's states allow no density at all.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
-        let content = self.content(order)?;
+        let content = self.found(order)?;
         let weight = content.reference.as_ref().map_or(&content.exponent, |reference| &reference.weight).clone();
         Ok(ClosureDensity::new(content).moving(Dynamics::new(&self.problem, &self.discretisation, weight, self.rare)))
+    }
+
+    /// The content of an order's density, an exact one also where the moment equations do not serve.
+    fn found(&self, order: u32) -> Result<Content> {
+        let found = self.content(order);
+        if self.lattice.is_some() || found.as_ref().is_ok_and(Content::is_served_by_equations) {
+            return found;
+        }
+        let family = |order| self.discretisation.family.nested(order).answer;
+        let orders = (2..order).step_by(2).chain([order]);
+        let exact = exact_on_states(&self.problem, &self.pilot.states, family, orders);
+        exact.and_then(|exponent| self.exact(order, exponent, 0)).map_or(found, Ok)
     }
 
     /// The content of an order's density.
@@ -64,16 +77,17 @@ impl NodalClosure {
         let nested = discretisation.family.nested(order);
         let unsolved = || failed("its moment equations have no solution; the noise may not reach every state");
         let table = self.tabulated(&nested).ok_or_else(unsolved)?;
-        let reference =
-            Reference::new(discretisation, &nested, &table, self.start.as_ref(), || self.fit(&self.pilot.states))
-                .ok_or_else(unsolved)?;
+        let reference = ReferenceDensity::new(discretisation, &nested, &table, self.start.as_ref(), || {
+            self.fit(&self.pilot.states)
+        })
+        .ok_or_else(unsolved)?;
         let kept = Retained::above(discretisation, &reference);
         if kept.points.len() < nested.answer_columns {
             return Err(failed("its moment equations leave no part of the trust domain to compare densities on"));
         }
         let all = &table.functions.values;
         let values = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| all[(kept.nodes[i], k)]);
-        let validation_states = self.validation_states();
+        let validation_states = self.pilot.states.evenly(tuning::candidates::VALIDATION_STATES);
         let functions = (&table.functions, values.as_ref());
         let scoring = self.scoring(&nested, &reference, &kept, functions, &validation_states);
         let mut tried = self.tried(&scoring, &kept);
@@ -81,7 +95,7 @@ impl NodalClosure {
         // Under impulses no density is known to be an exponential polynomial.
         let exact =
             if discretisation.impulses.is_empty() { self.exact_at(order, &scoring, &kept, chosen) } else { None };
-        if let Some(content) = exact.and_then(|exact| self.exact(order, exact, &scoring)) {
+        if let Some(content) = exact.and_then(|exact| self.exact(order, exact, reference.solved)) {
             return Ok(content);
         }
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
@@ -152,7 +166,7 @@ impl NodalClosure {
     fn scoring<'a>(
         &'a self,
         nested: &NestedSpaces,
-        reference: &'a Reference,
+        reference: &'a ReferenceDensity,
         kept: &Retained,
         (functions, values): (&'a Orthonormal, MatRef<'a, f64>),
         validation_states: &'a States,
@@ -216,17 +230,6 @@ impl NodalClosure {
         resolved(domain, |points| exponent.values(points), given, (tuning::panels::SHARE * estimate).clamp(least, most))
     }
 
-    /// Some of the pilot's states, evenly chosen: enough for a guard against gross errors.
-    pub(super) fn validation_states(&self) -> States {
-        let states = &self.pilot.states;
-        let mut chosen = States::new(states.dimension());
-        states
-            .iter()
-            .step_by((states.len() / tuning::candidates::VALIDATION_STATES).max(1))
-            .for_each(|x| chosen.push(x));
-        chosen
-    }
-
     pub(super) fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> Provenance {
         Provenance {
             order: Some(order),
@@ -244,7 +247,7 @@ impl NodalClosure {
 
     /// The mean of ln p over the pilot's states that a good density has: the reference's, or that of a polynomial fitted to
     /// these states, if it is larger.
-    pub(super) fn likelihood(&self, reference: &Reference, states: &States) -> f64 {
+    pub(super) fn likelihood(&self, reference: &ReferenceDensity, states: &States) -> f64 {
         let discretisation = &self.discretisation;
         let shift = reference.value(&discretisation.nodes.points[0]) - reference.logarithm[0];
         let of_reference = reference.values(states).iter().sum::<f64>() / states.len() as f64 - shift;

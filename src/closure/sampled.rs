@@ -11,6 +11,7 @@ use super::dynamics::Dynamics;
 use super::nodal::NodalClosure;
 use super::pilot::Pilot;
 use super::projection::Weight;
+use super::projection::on_states::exact_on_states;
 use super::reference::scaled_mass;
 use super::samples::{
     Copula, Family, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_on_means, close_on_samples,
@@ -49,6 +50,14 @@ impl Sampled {
         close_on_samples(Samples { problem, pilot, family, order, copula, seed: *seed })
     }
 
+    /// The lowest even order below one at which a density is exact: its equations at higher ones are all but singular.
+    fn lowest_exact(&self, order: u32) -> Option<u32> {
+        let functions = |order| self.family.functions(order);
+        let found = exact_on_states(&self.problem, &self.pilot.states, functions, (2..order).step_by(2))?;
+        let degree = |alpha: &Vec<u32>| alpha.iter().sum();
+        found.space.polynomials()?.exponents().iter().map(degree).max()
+    }
+
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
     fn far_lattice(&self, copula: Copula, exponent: &Exponent) -> (Copula, Option<(Lattice, Estimate)>) {
         let far = copula.clone().followed(tuning::domain::EXACT_ON_LATTICE);
@@ -83,7 +92,10 @@ impl Sampled {
         let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
         let reason =
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
-        let found = self.on_samples(order, &copula).ok_or(Error::NotClosed { order, reason })?;
+        let found = match self.lowest_exact(order).and_then(|lower| self.on_samples(lower, &copula)) {
+            Some(found) if found.exact => found,
+            _ => self.on_samples(order, &copula).ok_or(Error::NotClosed { order, reason })?,
+        };
         let mut without_reference = None;
         if self.referred && !found.exact {
             match self.by_reference(order, &found, &copula) {

@@ -4,7 +4,7 @@ use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
 use super::discretisation::walled;
-use super::method::{Closure, Order};
+use super::method::{Closure, Order, Reference};
 use super::nodal::NodalClosure;
 use super::pilot::{Pilot, PilotPlan};
 use super::reference::Start;
@@ -59,13 +59,13 @@ impl Closure {
     /// Refuses impulses that the closure does not serve.
     fn serves_impulses(&self, problem: &Problem) -> Result<()> {
         let refused = |what| Err(Error::NotServed { method: METHOD, what, remedy: "take the simulation" });
-        let carried = problem.dimension() > 2 || self.on_samples == Some(true);
+        let carried = problem.dimension() > 2 || self.reference == Reference::States;
         let degrees = problem.impulses().iter().flat_map(Impulse::field).map(Polynomial::degree);
         if problem.impulses().is_empty() {
             Ok(())
         } else if !problem.walls().is_empty() {
             refused("impulses next to walls")
-        } else if carried && self.on_samples == Some(false) {
+        } else if carried && self.reference == Reference::Equations {
             refused("impulses on nodes in three states and more")
         } else if carried && degrees.max() > Some(1) {
             refused("impulses that depend on the states by more than the first degree, in three states and more")
@@ -77,15 +77,20 @@ impl Closure {
     fn in_open_space(&self, problem: &Problem, begin: Instant) -> Result<ClosureDensity> {
         let dimension = problem.dimension();
         self.check(dimension, tuning::space::HIGHEST_ORDER)?;
+        if self.reference == Reference::Grid && (dimension > 2 || !problem.impulses().is_empty()) {
+            let what = "a grid as the reference in three states and more, or under impulses";
+            let remedy = "take another reference, or leave out `reference`";
+            return Err(Error::NotServed { method: METHOD, what, remedy });
+        }
         let plan = PilotPlan::new(problem, self.seed)?;
-        if dimension > 4 && self.on_samples == Some(false) {
+        if dimension > 4 && self.reference == Reference::Equations {
             let remedy = "take the pilot's states, as is the default";
             return Err(Error::NotServed { method: METHOD, what: "five states and more on nodes", remedy });
         }
-        if dimension > 2 || self.on_samples == Some(true) {
+        if dimension > 2 || self.reference == Reference::States {
             let walled = !problem.walls().is_empty();
             let symmetry = if walled { Symmetry::none(dimension) } else { problem.symmetry() };
-            let referred = self.on_samples == Some(false);
+            let referred = self.reference == Reference::Equations;
             if walled && referred {
                 let remedy = "take the pilot's states, as is the default";
                 return Err(Error::NotServed {
@@ -115,14 +120,57 @@ impl Closure {
             let nodal = Sampled { problem, rare, family, pilot, guarded, referred, seed, memory, begin };
             return self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
         }
+        let pilot = plan.pilot(self.states.unwrap_or(tuning::pilot::STATES), 1.0)?;
+        if self.reference == Reference::Equations || !problem.impulses().is_empty() {
+            self.by_equations(problem, &plan, &pilot, begin)
+        } else {
+            self.by_either(problem, &plan, &pilot, begin)
+        }
+    }
+
+    /// By the moment equations of nodes, and where these do not serve by a grid.
+    fn by_either(
+        &self,
+        problem: &Problem,
+        plan: &PilotPlan<'_>,
+        pilot: &Pilot,
+        begin: Instant,
+    ) -> Result<ClosureDensity> {
+        let by_equations = (self.reference != Reference::Grid).then(|| self.by_equations(problem, plan, pilot, begin));
+        match by_equations {
+            Some(Ok(density)) if density.content.is_served_by_equations() => Ok(density),
+            Some(by_equations) => match (self.by_grid(problem, pilot, begin), by_equations) {
+                (Ok(closest), Ok(density)) if closest.is_worse_than(&density) => Ok(density),
+                (Ok(closest), Ok(density)) => Ok(closest.with_motion_of(&density)),
+                (Ok(closest), Err(_)) => Ok(closest),
+                (Err(_), Ok(density)) => Ok(density),
+                // Neither: the pilot's states have a density in any case.
+                (Err(_), Err(error)) => {
+                    let on_states = Closure { reference: Reference::States, ..self.clone() };
+                    on_states.in_open_space(problem, begin).map_err(|_| error)
+                }
+            },
+            None => self.by_grid(problem, pilot, begin),
+        }
+    }
+
+    /// By the moment equations on Gauss nodes in the pilot's trust domain.
+    fn by_equations(
+        &self,
+        problem: &Problem,
+        plan: &PilotPlan<'_>,
+        pilot: &Pilot,
+        begin: Instant,
+    ) -> Result<ClosureDensity> {
         let states = self.states.unwrap_or(tuning::pilot::STATES);
-        let pilot = plan.pilot(states, 1.0)?;
         let mut best: Option<ClosureDensity> = None;
         let mut inflation = self.inflation;
         loop {
             let inflated = plan.pilot(states, inflation)?;
             let last = inflated.inflation <= 1.0;
-            let closed = self.on_panels(problem, [&pilot, &inflated], begin);
+            // A grid takes less time than another attempt.
+            let last = last || self.reference == Reference::Automatic && problem.impulses().is_empty();
+            let closed = self.on_panels(problem, [pilot, &inflated], begin);
             if let Ok(density) = closed {
                 let least = best.as_ref().map_or(f64::INFINITY, ClosureDensity::l1_estimate);
                 if density.l1_estimate() < least {
@@ -159,8 +207,20 @@ impl Closure {
     fn next_to_walls(&self, problem: &Problem, walls: [Option<Wall>; 2], begin: Instant) -> Result<ClosureDensity> {
         self.check(2, tuning::space::HIGHEST_ORDER_AT_WALLS)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
-        if self.on_samples == Some(true) {
-            return refused("walls on samples", "nodes are graded towards walls; leave out `on_samples`");
+        match self.reference {
+            Reference::States => {
+                return refused(
+                    "walls of a plane on the pilot's states",
+                    "nodes are graded towards walls; leave out `reference`",
+                );
+            }
+            Reference::Grid => {
+                return refused(
+                    "a grid as the reference next to walls",
+                    "take the grid itself, or leave out `reference`",
+                );
+            }
+            Reference::Automatic | Reference::Equations => {}
         }
         if self.degrees != Degrees::complete() {
             return refused("walls with some monomials alone", "leave the degrees complete");
@@ -227,7 +287,7 @@ impl Closure {
         &self,
         highest: u32,
         on_samples: bool,
-        closed: impl Fn(u32) -> Result<ClosureDensity>,
+        mut closed: impl FnMut(u32) -> Result<ClosureDensity>,
     ) -> Result<ClosureDensity> {
         let target = match self.order {
             Order::Fixed(order) => return closed(order),

@@ -50,6 +50,12 @@ pub trait Density: Send + Sync {
     /// method. A wall is a side of it.
     fn bounds(&self) -> Vec<[f64; 2]>;
 
+    /// Boxes without a common part, as lower and upper limits of each state, that hold all of [`Density::bounds`] and on each of which
+    /// the density is smooth: the cells of a grid. By default it is a single one.
+    fn cells(&self) -> Vec<Vec<[f64; 2]>> {
+        vec![self.bounds()]
+    }
+
     /// E[g(X)]. g should be smooth for the error to be sharp.
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate>;
 

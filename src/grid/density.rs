@@ -104,6 +104,10 @@ impl Density for GridDensity {
         self.fine.mesh.domain()
     }
 
+    fn cells(&self) -> Vec<Vec<[f64; 2]>> {
+        self.fine.mesh.boxes()
+    }
+
     /// E[g(X)] over the cells' Gauss nodes; exact for polynomials of moderate degree.
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
         let rule = self.fine.shape.rule(4);

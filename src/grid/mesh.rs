@@ -224,6 +224,12 @@ impl Mesh {
         (0..self.states()).map(|axis| [root.lower[axis], root.upper(axis)].map(|u| self.origin[axis] + u)).collect()
     }
 
+    /// The limits of each state in each cell.
+    pub(super) fn boxes(&self) -> Vec<Vec<[f64; 2]>> {
+        let along = |cell: &Cell, axis: usize| [cell.lower[axis], cell.upper(axis)].map(|u| self.origin[axis] + u);
+        self.cells.iter().map(|cell| (0..self.states()).map(|axis| along(cell, axis)).collect()).collect()
+    }
+
     /// Whether a side of the domain is one that density may be cut off at.
     pub(super) fn open(&self, axis: usize, side: usize) -> bool {
         axis > 0 || self.sides[side] == Side::Open

@@ -149,6 +149,10 @@ impl Grid {
         Grid { memory: MemoryLimit::gibibytes(gibibytes), ..self }
     }
 
+    pub(crate) fn within(self, memory: MemoryLimit) -> Self {
+        Grid { memory, ..self }
+    }
+
     /// A callback that is called after each linear system; it stops the grid by `Break`.
     pub fn progress(self, callback: impl Fn(GridProgress) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
         Grid { progress: Some(Arc::new(callback)), ..self }

@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// Nodes and weights of a rule Σ w_i g(x_i).
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -14,9 +15,20 @@ pub(crate) struct Rule {
     pub(crate) weights: Vec<f64>,
 }
 
+/// Legendre's rules of up to so many nodes are made once.
+const KEPT: usize = 256;
+static LEGENDRE: [OnceLock<Rule>; KEPT] = [const { OnceLock::new() }; KEPT];
+
 impl Rule {
     /// ∫₋₁¹ g(x) dx, exact for degree 2`count` − 1.
     pub(crate) fn legendre(count: usize) -> Self {
+        match LEGENDRE.get(count) {
+            Some(kept) => kept.get_or_init(|| Self::made_by_legendre(count)).clone(),
+            None => Self::made_by_legendre(count),
+        }
+    }
+
+    fn made_by_legendre(count: usize) -> Self {
         let beta = |k: f64| k / (4.0 * k * k - 1.0).sqrt();
         let recurrence = Recurrence::symmetric(count, 2.0, beta);
         // Francesco Tricomi's asymptotic nodes are close enough for Newton's method, and need no eigenvalues.

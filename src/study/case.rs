@@ -95,6 +95,7 @@ impl<'a> Case<'a> {
         };
         if let Some(density) = density {
             truth.compare(&*density, self.problem.velocity_of(0), &mut row)?;
+            row.closest = if self.problem.walls().is_empty() { truth.closest(order) } else { None };
             // A system of which state 0 is no displacement has no power.
             let balance = energy_balance(&self.problem, &*density).ok().map(|balance| balance.value);
             row.balance = balance.filter(|value| value.is_finite());

@@ -47,7 +47,7 @@ impl fmt::Display for OrderTable {
         let width = longest(|row| &row.system).max(6);
         writeln!(
             f,
-            "{:width$} method     n unknowns {:end$}  iter indicator  estimate        L1   tail    \
+            "{:width$} method     n unknowns {:end$}  iter indicator  estimate        L1   closest   tail    \
              E x1^2    E x2^2      rate   balance      s",
             "system", "termination"
         )?;
@@ -57,7 +57,7 @@ impl fmt::Display for OrderTable {
             let tail = row.tail.map_or_else(|| String::from("-"), |tail| format!("{tail:.3}"));
             writeln!(
                 f,
-                "{:width$} {:9} {:>2} {:>8} {:end$} {:>5} {:>9} {:>9} {:>9} {tail:>6} {:>9} {:>9} {:>9} {:>9} {:>6.2}",
+                "{:width$} {:9} {:>2} {:>8} {:end$} {:>5} {:>9} {:>9} {:>9} {:>9} {tail:>6} {:>9} {:>9} {:>9} {:>9} {:>6.2}",
                 row.system,
                 row.method,
                 row.order,
@@ -67,6 +67,7 @@ impl fmt::Display for OrderTable {
                 shown(row.indicator),
                 shown(row.l1_estimate),
                 shown(row.l1),
+                shown(row.closest),
                 shown(row.mean_square_x),
                 shown(row.mean_square_v),
                 shown(row.rate),

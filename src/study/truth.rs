@@ -1,4 +1,5 @@
 use super::row::OrderRow;
+use crate::closure::{Closure, Weight};
 use crate::compare;
 use crate::density::{Crossing, Density, ExpPolynomial};
 use crate::error::Result;
@@ -6,13 +7,19 @@ use crate::estimate::Estimate;
 use crate::grid::GridDensity;
 use crate::polynomial::of_one;
 use crate::simulation::SimulatedDensity;
+use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::{Mutex, PoisonError};
 
 /// The level, relative to the peak, down to which tails are compared.
 const LEVEL: f64 = 1e-5;
 
 /// The reference for the answers of one case: an exact density, a solution on a grid, or a simulation.
-pub struct Truth(Kind);
+pub struct Truth {
+    kind: Kind,
+    /// The distances of the closest exponential polynomials, by their orders.
+    closest: Mutex<BTreeMap<u32, Option<f64>>>,
+}
 
 enum Kind {
     Exact(Box<dyn Density>),
@@ -35,24 +42,40 @@ impl From<ExpPolynomial> for Truth {
 
 impl From<GridDensity> for Truth {
     fn from(density: GridDensity) -> Self {
-        Truth(Kind::Grid(Box::new(density)))
+        Truth::of(Kind::Grid(Box::new(density)))
     }
 }
 
 impl From<SimulatedDensity> for Truth {
     fn from(density: SimulatedDensity) -> Self {
-        Truth(Kind::Simulation(Box::new(density)))
+        Truth::of(Kind::Simulation(Box::new(density)))
     }
 }
 
 impl Truth {
     /// A density in closed form.
     pub fn exact(density: impl Density + 'static) -> Self {
-        Truth(Kind::Exact(Box::new(density)))
+        Truth::of(Kind::Exact(Box::new(density)))
+    }
+
+    fn of(kind: Kind) -> Self {
+        Truth { kind, closest: Mutex::new(BTreeMap::new()) }
+    }
+
+    /// The distance of the closest exponential polynomial of an order; none where it is not known.
+    pub(super) fn closest(&self, order: u32) -> Option<f64> {
+        if matches!(self.kind, Kind::Simulation(_)) || self.density().dimension() > 2 {
+            return None;
+        }
+        let mut known = self.closest.lock().unwrap_or_else(PoisonError::into_inner);
+        *known.entry(order).or_insert_with(|| {
+            let fitted = Closure::new(order).weight(Weight::Density).fit(self.density());
+            fitted.ok().map(|fitted| fitted.l1_estimate())
+        })
     }
 
     fn density(&self) -> &dyn Density {
-        match &self.0 {
+        match &self.kind {
             Kind::Exact(density) => &**density,
             Kind::Grid(density) => &**density,
             Kind::Simulation(density) => &**density,
@@ -61,7 +84,7 @@ impl Truth {
 
     /// Its description, in a few words.
     pub(super) fn text(&self) -> String {
-        match &self.0 {
+        match &self.kind {
             Kind::Exact(_) => String::from("exact density"),
             Kind::Grid(density) => {
                 let (unknowns, degree) = (density.provenance().unknowns, density.provenance().degree);
@@ -79,7 +102,7 @@ impl Truth {
 
     /// ∫ |p − q| dx of an answer, with the error due to the truth's own error.
     fn l1(&self, answer: &dyn Density) -> Result<Estimate> {
-        match &self.0 {
+        match &self.kind {
             Kind::Exact(density) => compare::l1(answer, &**density),
             Kind::Grid(density) => Ok(Estimate::new(compare::l1(answer, &**density)?.value, density.l1_estimate())),
             Kind::Simulation(density) => {
@@ -93,7 +116,7 @@ impl Truth {
     pub(super) fn compare(&self, answer: &dyn Density, velocity: Option<usize>, row: &mut OrderRow) -> Result<()> {
         let (truth, states) = (self.density(), answer.dimension());
         // ln p is known between samples too.
-        let smooth = !matches!(self.0, Kind::Simulation(_));
+        let smooth = !matches!(self.kind, Kind::Simulation(_));
         let relative = |of: &dyn Fn(&dyn Density) -> Result<Estimate>| {
             let error = of(answer).ok()?.value / of(truth).ok()?.value - 1.0;
             error.is_finite().then_some(error)

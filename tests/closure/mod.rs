@@ -2,6 +2,7 @@
 
 mod classical_walls;
 mod closed_forms;
+mod closest;
 mod dynamics;
 mod impulses;
 mod integrals;

@@ -2,11 +2,11 @@
 
 use super::many_states::Lorenz;
 use expoly::models::{Duffing, FilteredDuffing};
-use expoly::{Closure, ClosureDensity, Density, Origin, Problem};
+use expoly::{Closure, ClosureDensity, Density, Origin, Problem, Reference};
 use support::exact::Exact;
 
 fn by_reference(order: u32, problem: &Problem) -> ClosureDensity {
-    let density = Closure::new(order).on_samples(false).solve(problem).unwrap();
+    let density = Closure::new(order).reference(Reference::Equations).solve(problem).unwrap();
     assert!(matches!(density.candidates()[0].origin, Origin::MomentEquations { .. } | Origin::Exact));
     density
 }
@@ -52,8 +52,8 @@ fn a_double_well_in_a_bath_with_memory() {
     "#;
     let problem = Problem::from_toml(text).unwrap();
     let log = |x: &[f64]| -2.0 * (0.5 * x[1] * x[1] - 0.5 * x[0] * x[0] + 0.25 * x[0].powi(4) + 0.5 * x[2] * x[2]);
-    for (order, reference, bound) in [(4, false, 1e-8), (2, true, 5e-7)] {
-        let density = Closure::new(order).on_samples(!reference).solve(&problem).unwrap();
+    for (order, reference, bound) in [(4, Reference::States, 1e-8), (2, Reference::Equations, 5e-7)] {
+        let density = Closure::new(order).reference(reference).solve(&problem).unwrap();
         let powers = even(order);
         for (powers, truth) in powers.iter().zip(means(&log, 6.0, &powers)) {
             let found = density.moment(powers).unwrap();
@@ -132,7 +132,7 @@ fn four_states_have_a_reference_too() {
 /// Where the equations have no good solution the answer is that of the samples.
 #[test]
 fn what_no_reference_serves_is_left_to_the_samples() {
-    let lorenz = Closure::new(2).on_samples(false).solve(&Problem::of_system(Lorenz).unwrap()).unwrap();
+    let lorenz = Closure::new(2).reference(Reference::Equations).solve(&Problem::of_system(Lorenz).unwrap()).unwrap();
     assert_eq!(lorenz.candidates()[0].origin, Origin::MaximumLikelihood);
     assert!(lorenz.provenance().without_reference.as_ref().is_some_and(|reason| reason.contains("no good solution")));
 }

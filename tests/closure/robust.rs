@@ -4,7 +4,7 @@ use crate::common::*;
 use expoly::models::{DuffingChain, DuffingVanDerPol, Solved};
 use expoly::{
     Closure, ClosureDensity, Degrees, Density, Error, Estimate, GridDensity, Intensity, Origin, PolynomialDrift,
-    Problem, Scalar, Simulation, Weight, compare,
+    Problem, Reference, Scalar, Simulation, Weight, compare,
 };
 
 /// A density is exact to 1e-8 at each order; measured are 1e-12 to 5e-9, the errors of both quadratures.
@@ -178,29 +178,30 @@ fn second_moments_of_the_reference_table() {
     check("Duffing-van der Pol", duffing_van_der_pol(), &rows[4]);
 }
 
-/// Parametric noise makes a power tail, which no exponential polynomial has: the answers of low order are rough, and carry
-/// warnings.
+/// Parametric noise makes a power tail, which no exponential polynomial has: the answers are those closest to a grid's, on p > 1e-6 of the
+/// peak, and the estimate is the distance. The quadrature's own domain is wider.
 #[test]
-fn a_power_tail_is_flagged() {
+fn a_power_tail_has_its_distance() {
     let (exact, problem) = (parametric_linear().exact(), problem(parametric_linear()));
-    // Measured: 0.147, 0.045, 0.045, 0.062.
-    for (order, limit) in [(2, 0.2), (4, 0.06), (6, 0.06), (8, 0.08)] {
+    let mut last = f64::INFINITY;
+    for order in [2, 4, 6, 8] {
         let density = Closure::new(order).solve(&problem).unwrap();
-        let l1 = compare::l1(&density, &exact).unwrap().value;
-        println!("n = {order}: L1 {l1:.2e}, estimate {:.2e}, {:?}", density.l1_estimate(), density.warning());
-        assert!(l1 < limit, "n = {order}: {l1:e}");
-        assert!(density.l1_estimate() > l1 && density.warning().is_some());
+        let (l1, estimate) = (compare::l1(&density, &exact).unwrap().value, density.l1_estimate());
+        println!("n = {order}: L1 {l1:.2e}, estimate {estimate:.2e}, {:?}", density.warning());
+        assert!((estimate / l1 - 1.0).abs() < 0.1, "n = {order}: {l1:e}, estimate {estimate:e}");
+        assert!(estimate < last, "n = {order}: {estimate:e}");
+        last = estimate;
     }
 }
 
-/// The same seed gives the same bits on one thread and on two, on Gauss nodes and on samples; another seed
+/// The same seed gives the same bits on one thread and on two, on Gauss nodes and on states; another seed
 /// gives another pilot, and the same density within its error.
 #[test]
 fn seeds_decide_and_threads_do_not() {
     let problem = problem(cubic_damping());
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    for on_samples in [false, true] {
-        let solve = |seed| Closure::new(6).on_samples(on_samples).seed(seed).solve(&problem).unwrap();
+    for reference in [Reference::Equations, Reference::States] {
+        let solve = |seed| Closure::new(6).reference(reference).seed(seed).solve(&problem).unwrap();
         let (one, two) = (pool(1).install(|| solve(3)), pool(2).install(|| solve(3)));
         assert_eq!(one.coefficients(), two.coefficients());
         assert_eq!(one.moment(&[2, 2]).unwrap(), two.moment(&[2, 2]).unwrap());
@@ -218,7 +219,7 @@ fn samples_do_as_well_where_the_density_is_smooth() {
     let problem = problem(cubic_damping());
     let truth = on_grid("cubic damping", &problem);
     for (order, limit) in [(4, 4.6e-2), (6, 3.6e-3), (8, 1.03e-3)] {
-        let density = Closure::new(order).on_samples(true).solve(&problem).unwrap();
+        let density = Closure::new(order).reference(Reference::States).solve(&problem).unwrap();
         let l1 = l1_from(&truth, &density);
         println!("n = {order}: L1 {l1:.2e}, estimate {:.2e}", density.l1_estimate());
         assert!(l1 < limit, "n = {order}: {l1:e}");
@@ -407,7 +408,7 @@ fn bad_input_is_refused_by_name() {
     for system in [unstable([-0.5, 0.0], 1.0, 1.0), unstable([0.5, 0.0], -1.0, -1.0)] {
         assert!(matches!(Closure::new(4).solve(&problem(system)), Err(Error::Exploded { .. })));
     }
-    let chain = Closure::new(4).on_samples(false).solve(&chain_of_three().problem().unwrap());
+    let chain = Closure::new(4).reference(Reference::Equations).solve(&chain_of_three().problem().unwrap());
     assert!(matches!(chain, Err(Error::NotServed { method: "closure", .. })), "{chain:?}");
     // A start from a density of another number of states.
     let near = closed_chain();

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use expoly::models::Solved;
-use expoly::{Closure, Crossing, Degrees, Density, Error, Grid, Origin, Wall, compare};
+use expoly::{Closure, Crossing, Degrees, Density, Error, Grid, Origin, Reference, Wall, compare};
 use std::sync::Arc;
 use support::walls;
 
@@ -128,7 +128,9 @@ fn bad_input_is_refused_by_name() {
     let above = duffing_above(0.0, 0.9);
     let high = Closure::new(11).solve(&above);
     assert!(matches!(high, Err(Error::OutOfRange { name: "order of the closure", .. })), "{high:?}");
-    for closure in [Closure::new(4).on_samples(true), Closure::new(4).degrees(Degrees::complete().at_most(0, 2))] {
+    for closure in
+        [Closure::new(4).reference(Reference::States), Closure::new(4).degrees(Degrees::complete().at_most(0, 2))]
+    {
         let refused = closure.solve(&above);
         assert!(matches!(refused, Err(Error::NotServed { method: "closure", .. })), "{refused:?}");
     }

@@ -3,7 +3,7 @@
 use crate::simulation::walls::{Bodies, Room, with_walls};
 use expoly::models::{ColouredVibroImpact, Duffing};
 use expoly::statistics::{Impacts, Marginal};
-use expoly::{Closure, ClosureDensity, Density, Error, PolynomialDrift, Problem, Scalar, Simulation, Wall};
+use expoly::{Closure, ClosureDensity, Density, Error, PolynomialDrift, Problem, Reference, Scalar, Simulation, Wall};
 
 const BODIES: Bodies = Bodies {
     masses: [1.0, 0.5],
@@ -131,7 +131,9 @@ fn what_has_no_density_or_no_functions_is_refused() {
     let refused = Closure::new(4).solve(&at_rest.problem().unwrap());
     assert!(matches!(refused, Err(Error::Rests { wall: 0 })), "{refused:?}");
     let modulated = Problem::of(Modulated).unwrap().with_wall(Wall::above(-0.3, 0.9).unwrap()).unwrap();
-    for (closure, problem) in [(Closure::new(4), modulated), (Closure::new(4).on_samples(false), coloured(0.0, 0.9))] {
+    for (closure, problem) in
+        [(Closure::new(4), modulated), (Closure::new(4).reference(Reference::Equations), coloured(0.0, 0.9))]
+    {
         let refused = closure.pilot_states(10_240).solve(&problem);
         assert!(matches!(refused, Err(Error::NotServed { method: "closure", .. })), "{refused:?}");
     }

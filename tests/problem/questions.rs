@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use expoly::models::{EnergyAveraged, Solved, VibroImpactDuffing};
-use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Simulation};
+use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Reference, Simulation};
 
 /// Calls every method of a density of n states with lengths and states that are not its own.
 fn all_doors(name: &str, density: &dyn Density) {
@@ -63,7 +63,7 @@ fn a_wrong_length_is_refused_at_every_door() {
     closures_doors("closure, one state", &Closure::new(4).solve(&problem(OrnsteinUhlenbeck)).unwrap());
     closures_doors("closure above a wall", &closed_above(4, -0.5, 0.9));
     closures_doors("closure, four states", &closed_chain());
-    let samples = Closure::new(2).on_samples(true).pilot_states(5000).solve(&problem(duffing())).unwrap();
+    let samples = Closure::new(2).reference(Reference::States).pilot_states(5000).solve(&problem(duffing())).unwrap();
     closures_doors("closure on samples", &samples);
     all_doors("closed form", &ClosedForm::new(samples, &["x", "v"]).unwrap());
     for (name, problem) in [

@@ -15,9 +15,9 @@ pub struct Setup {
     /// The weight of the robust closure's fit: auto, density, or the share of the tails between 0 and 1
     #[arg(long, default_value = "auto", value_parser = weight, allow_negative_numbers = true)]
     pub weight: Weight,
-    /// The robust closure's nodes
+    /// What the robust closure is closest to
     #[arg(long, value_enum, default_value = "auto")]
-    pub nodes: Nodes,
+    pub closest_to: ClosestTo,
     /// What the orders are compared with [default: the exact density where one is known, else the grid]
     #[arg(long, value_enum)]
     pub reference: Option<Reference>,
@@ -54,15 +54,17 @@ pub enum Reference {
     Simulation,
 }
 
-/// The nodes of the robust closure.
+/// What the robust closure is closest to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Nodes {
-    /// Gauss nodes in two states, samples in more
+pub enum ClosestTo {
+    /// The moment equations' solution or the grid's in two states, the pilot's states in more
     Auto,
-    /// Those of a reference: Gauss nodes, a lattice in three states and four
-    Tensor,
+    /// The solution of the moment equations
+    Equations,
+    /// The density of a grid
+    Grid,
     /// The pilot's states
-    Samples,
+    States,
 }
 
 /// The model of more than two states.
@@ -104,12 +106,13 @@ impl Setup {
         let mut case = Case::new(about.name, problem.clone(), move |problem| self.truth(problem, exact.as_ref()));
         if self.method != Method::Classical {
             case = case.method("robust", |problem, order| {
-                let closure = Closure::new(order).weight(self.weight).seed(self.seed);
-                match self.nodes {
-                    Nodes::Auto => closure,
-                    nodes => closure.on_samples(nodes == Nodes::Samples),
-                }
-                .solve(problem)
+                let reference = match self.closest_to {
+                    ClosestTo::Auto => expoly::Reference::Automatic,
+                    ClosestTo::Equations => expoly::Reference::Equations,
+                    ClosestTo::Grid => expoly::Reference::Grid,
+                    ClosestTo::States => expoly::Reference::States,
+                };
+                Closure::new(order).weight(self.weight).seed(self.seed).reference(reference).solve(problem)
             });
         }
         if self.method != Method::Robust {

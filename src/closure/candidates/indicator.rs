@@ -47,7 +47,6 @@ pub(in crate::closure) fn indicate(
 ) -> Option<Indication> {
     let Probe { kept, values, rates, at_walls, own, order } = *probe;
     let measure = tempered(&exponent.values(&kept.points), &kept.weights, 1.0);
-    let change = Change::new(values, &measure)?;
     let tested = if discretisation.impulses.is_empty() {
         let residuals = exponent.residuals(&kept.points, |i| &discretisation.locals[kept.nodes[i]]);
         let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
@@ -70,11 +69,22 @@ pub(in crate::closure) fn indicate(
         });
         f -= at_walls.transpose() * missing;
     }
-    change.transform(f.as_mut());
-    let columns = values.ncols();
-    let norm = |from: usize, to: usize| (from..to).map(|k| f[(k, 0)].powi(2)).sum::<f64>();
-    let residual = norm(1, own).sqrt();
-    let scale = f64::from(order + 1);
-    let indicator = ((norm(1, own) + norm(own, columns)) / scale).sqrt();
-    Some(Indication { indicator, residual })
+    Indication::of((values, &measure), f, (own, order))
+}
+
+impl Indication {
+    /// By the integrals of the residual with test functions, given at nodes with the density's masses there; `own` of them, the
+    /// constant among them, are Q's of this order.
+    pub(in crate::closure) fn of(
+        (values, measure): (MatRef<'_, f64>, &[f64]),
+        mut tested: Mat<f64>,
+        (own, order): (usize, u32),
+    ) -> Option<Self> {
+        Change::new(values, measure)?.transform(tested.as_mut());
+        let norm = |from: usize, to: usize| (from..to).map(|k| tested[(k, 0)].powi(2)).sum::<f64>();
+        let residual = norm(1, own).sqrt();
+        let scale = f64::from(order + 1);
+        let indicator = ((norm(1, own) + norm(own, values.ncols())) / scale).sqrt();
+        Some(Indication { indicator, residual })
+    }
 }

@@ -8,7 +8,7 @@ use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
 use super::discretisation::trust_domain::TrustDomain;
 use super::projection::{Weight, distance, mixed, project};
-use super::reference::{Reference, normalised};
+use super::reference::{ReferenceDensity, normalised};
 use super::space::Functions;
 use super::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
@@ -29,6 +29,11 @@ pub enum Origin {
     },
     /// A root of the Galerkin equations at which the residual vanishes everywhere.
     Exact,
+    /// The exponential polynomial closest to a density that is known, such as a grid's, with this share λ of the weight for the tails.
+    Closest {
+        /// λ of [`Weight`].
+        tails: f64,
+    },
     /// The most likely density for the pilot's states, whose means the moment equations have calibrated in three states and
     /// more: as good as their number.
     MaximumLikelihood,
@@ -42,6 +47,7 @@ impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Origin::MomentEquations { tails } => f.pad(&format!("moment equations, tails {tails:.3}")),
+            Origin::Closest { tails } => f.pad(&format!("closest to a known density, tails {tails:.3}")),
             Origin::Exact => f.pad("exact"),
             Origin::MaximumLikelihood => f.pad("maximum likelihood"),
             Origin::StationaryWeight => f.pad("moment equations in time"),
@@ -69,6 +75,19 @@ pub struct Candidate {
     pub accepted: bool,
 }
 
+impl Candidate {
+    /// An exact density, whose integrals have this error.
+    pub(super) fn exact(error: f64) -> Self {
+        Candidate {
+            origin: Origin::Exact,
+            l1_estimate: error,
+            tail_estimate: 0.0,
+            likelihood_loss: 0.0,
+            accepted: true,
+        }
+    }
+}
+
 /// A candidate with its density.
 #[derive(Clone)]
 pub(super) struct Fitted {
@@ -79,7 +98,7 @@ pub(super) struct Fitted {
 /// The nodes that the answer is defined on, with the reference there.
 pub(super) struct Scoring<'a> {
     pub(super) discretisation: &'a Discretisation,
-    pub(super) reference: &'a Reference,
+    pub(super) reference: &'a ReferenceDensity,
     pub(super) space: Functions,
     /// The functions in their orthonormal combinations, the constant first, and the values of these at the kept nodes.
     pub(super) functions: &'a Orthonormal,
@@ -99,55 +118,7 @@ pub(super) struct Scoring<'a> {
 impl Scoring<'_> {
     /// The candidates in the order in which they were tried; the first of the result is chosen.
     pub(super) fn candidates(&self, weight: Weight) -> Vec<Fitted> {
-        let mut tried: Vec<Fitted> = Vec::new();
-        let mut fit = |share: f64| -> Option<Candidate> {
-            let fitted = self.fitted(share)?;
-            let candidate = fitted.candidate;
-            tried.push(fitted);
-            Some(candidate)
-        };
-        let mut least = f64::INFINITY;
-        let right = |c: &Candidate, least: f64| {
-            c.tail_estimate <= tuning::candidates::WELL
-                || (c.tail_estimate <= tuning::candidates::ENOUGH && c.l1_estimate >= tuning::candidates::PRICE * least)
-        };
-        // Without any candidate whose tails are right, the tail estimate at which one is preferred to another with a smaller
-        // error.
-        let mut wanted = None;
-        match weight {
-            Weight::Density => drop(fit(0.0)),
-            Weight::Tails(share) => drop(fit(share)),
-            Weight::Automatic => {
-                let middle = fit(0.0);
-                least = middle.map_or(f64::INFINITY, |c| c.l1_estimate);
-                let right = |c: Option<Candidate>| c.is_some_and(|c| right(&c, least));
-                if !right(middle) && least <= tuning::candidates::MIDDLE {
-                    if right(fit(tuning::candidates::LARGEST_SHARE)) {
-                        // In ln λ: a hundredth of the largest share is next to nothing, and five bisections leave a seventh of
-                        // an e-fold.
-                        let mut bracket =
-                            [tuning::candidates::LARGEST_SHARE / 100.0, tuning::candidates::LARGEST_SHARE];
-                        for _ in 0..5 {
-                            let share = (bracket[0] * bracket[1]).sqrt();
-                            bracket[usize::from(right(fit(share)))] = share;
-                        }
-                    } else {
-                        // Where even that share leaves them off by more than twice as much, it is not used.
-                        wanted = Some(2.0 * tuning::candidates::ENOUGH);
-                    }
-                }
-            }
-        }
-        let falls_short = |c: &Candidate| wanted.map_or_else(|| !right(c, least), |wanted| c.tail_estimate > wanted);
-        let chosen = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
-            let rank = |c: &Candidate| (!c.accepted, falls_short(c), c.l1_estimate);
-            let (a, b) = (rank(&a.candidate), rank(&b.candidate));
-            a.0.cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2))
-        });
-        if let Some((chosen, _)) = chosen {
-            tried[..=chosen].rotate_right(1);
-        }
-        tried
+        chosen(weight, |share| self.fitted(share))
     }
 
     /// The density fitted to the reference with a share of the weight for the tails.
@@ -194,6 +165,58 @@ impl Scoring<'_> {
     }
 }
 
+/// The densities that were fitted with the shares of a weight for the tails, in their order; the first of the result is chosen.
+pub(super) fn chosen(weight: Weight, fitted: impl Fn(f64) -> Option<Fitted>) -> Vec<Fitted> {
+    let mut tried: Vec<Fitted> = Vec::new();
+    let mut fit = |share: f64| -> Option<Candidate> {
+        let fitted = fitted(share)?;
+        let candidate = fitted.candidate;
+        tried.push(fitted);
+        Some(candidate)
+    };
+    let mut least = f64::INFINITY;
+    let right = |c: &Candidate, least: f64| {
+        c.tail_estimate <= tuning::candidates::WELL
+            || (c.tail_estimate <= tuning::candidates::ENOUGH && c.l1_estimate >= tuning::candidates::PRICE * least)
+    };
+    // Without any candidate whose tails are right, the tail estimate at which one is preferred to another with a smaller
+    // error.
+    let mut wanted = None;
+    match weight {
+        Weight::Density => drop(fit(0.0)),
+        Weight::Tails(share) => drop(fit(share)),
+        Weight::Automatic => {
+            let middle = fit(0.0);
+            least = middle.map_or(f64::INFINITY, |c| c.l1_estimate);
+            let right = |c: Option<Candidate>| c.is_some_and(|c| right(&c, least));
+            if !right(middle) && least <= tuning::candidates::MIDDLE {
+                if right(fit(tuning::candidates::LARGEST_SHARE)) {
+                    // In ln λ: a hundredth of the largest share is next to nothing, and five bisections leave a seventh of
+                    // an e-fold.
+                    let mut bracket = [tuning::candidates::LARGEST_SHARE / 100.0, tuning::candidates::LARGEST_SHARE];
+                    for _ in 0..5 {
+                        let share = (bracket[0] * bracket[1]).sqrt();
+                        bracket[usize::from(right(fit(share)))] = share;
+                    }
+                } else {
+                    // Where even that share leaves them off by more than twice as much, it is not used.
+                    wanted = Some(2.0 * tuning::candidates::ENOUGH);
+                }
+            }
+        }
+    }
+    let falls_short = |c: &Candidate| wanted.map_or_else(|| !right(c, least), |wanted| c.tail_estimate > wanted);
+    let chosen = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
+        let rank = |c: &Candidate| (!c.accepted, falls_short(c), c.l1_estimate);
+        let (a, b) = (rank(&a.candidate), rank(&b.candidate));
+        a.0.cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2))
+    });
+    if let Some((chosen, _)) = chosen {
+        tried[..=chosen].rotate_right(1);
+    }
+    tried
+}
+
 /// The mean of ln p over states.
 pub(super) fn mean_logarithm(exponent: &Exponent, states: &States) -> f64 {
     exponent.values(states).iter().sum::<f64>() / states.len() as f64
@@ -209,7 +232,7 @@ pub(super) struct Retained {
 }
 
 impl Retained {
-    pub(super) fn above(discretisation: &Discretisation, reference: &Reference) -> Self {
+    pub(super) fn above(discretisation: &Discretisation, reference: &ReferenceDensity) -> Self {
         let all = &discretisation.nodes;
         let values = |points: &States| reference.values(points);
         let outermost = || discretisation.domain.above(values, discretisation.drop);

@@ -37,6 +37,14 @@ impl ClosureDensity {
         let Content { exponent, reference, domain, integrals, .. } = &self.content;
         let lines = match integrals {
             Integrals::Panels { lines, .. } => lines,
+            Integrals::Cells(cells) => {
+                let part = |[own, known]: [f64; 2], (point, w): (Vec<f64>, f64)| {
+                    let value = w * g(&point);
+                    [own + value * exponent.value(&point).exp(), known + value * cells.density(&point)]
+                };
+                let [own, known] = cells.section(state, x).into_iter().fold([0.0; 2], part);
+                return Ok(Estimate::new(own, (own - known).abs() + self.reference_error() * known.abs()));
+            }
             Integrals::Draws(rule) => return self.drawn_section(rule, &[(state, x)], &g),
         };
         let mut point = vec![0.0; lines.len()];
@@ -70,8 +78,9 @@ impl Density for ClosureDensity {
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         let p = self.log_pdf(x)?.exp();
-        Ok(match &self.content.reference {
-            Some(reference) if self.trusts(x) => Estimate::new(p, (p - reference.value(x).exp()).abs()),
+        Ok(match (&self.content.reference, &self.content.integrals) {
+            (_, Integrals::Cells(cells)) => Estimate::new(p, (p - cells.density(x)).abs() + cells.error * p),
+            (Some(reference), _) if self.trusts(x) => Estimate::new(p, (p - reference.value(x).exp()).abs()),
             // Without a better estimate, the error in the mean.
             _ => Estimate::new(p, p * self.l1_estimate()),
         })
@@ -89,7 +98,10 @@ impl Density for ClosureDensity {
 
     /// The box around the trust domain.
     fn bounds(&self) -> Vec<[f64; 2]> {
-        self.content.domain.bounds()
+        match &self.content.integrals {
+            Integrals::Cells(cells) => cells.bounds(),
+            _ => self.content.domain.bounds(),
+        }
     }
 
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
@@ -106,7 +118,8 @@ impl Density for ClosureDensity {
         Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt()))
     }
 
-    /// In three states and more the moments of Q's own functions are the pilot's calibrated ones, with their standard errors.
+    /// In three states and more the moments of Q's own functions are the pilot's calibrated ones, with their standard errors; where
+    /// exp(Q) is the closest to a known density, they are that one's.
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.dimension())?;
         let own = || self.expectation(&|x| power(x, powers));
@@ -123,7 +136,7 @@ impl Density for ClosureDensity {
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
         let states = pair(states, x, self.dimension())?;
         match &self.content.integrals {
-            Integrals::Panels { .. } => self.pdf(&placed(states, x, self.dimension())),
+            Integrals::Panels { .. } | Integrals::Cells(_) => self.pdf(&placed(states, x, self.dimension())),
             Integrals::Draws(rule) => self.drawn_section(rule, &[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),
         }
     }
@@ -135,7 +148,7 @@ impl Density for ClosureDensity {
 
     fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
         match &self.content.integrals {
-            Integrals::Panels { .. } => None,
+            Integrals::Panels { .. } | Integrals::Cells(_) => None,
             Integrals::Draws(rule) => rule.drawn().ok(),
         }
     }

@@ -2,8 +2,9 @@ use super::exponent::Exponent;
 use super::impacts::WallImpacts;
 use crate::closure::candidates::indicator::Indication;
 use crate::closure::candidates::{Candidate, Origin};
+use crate::closure::closest::Cells;
 use crate::closure::discretisation::trust_domain::TrustDomain;
-use crate::closure::reference::Reference;
+use crate::closure::reference::ReferenceDensity;
 use crate::closure::samples::{ImportanceRule, Lattice, Moment};
 use crate::closure::space::degrees::HIGHEST;
 use crate::closure::tuning;
@@ -22,7 +23,7 @@ const MOST_NODES: usize = 2000;
 pub(crate) struct Content {
     pub(in crate::closure) exponent: Exponent,
     /// Normalised over the nodes; none where the density is exact.
-    pub(in crate::closure) reference: Option<Reference>,
+    pub(in crate::closure) reference: Option<ReferenceDensity>,
     pub(in crate::closure) domain: TrustDomain,
     pub(in crate::closure) integrals: Integrals,
     /// The lattice on which means are taken, instead of on draws, in three states and four.
@@ -58,6 +59,8 @@ pub(in crate::closure) enum Integrals {
         #[serde(default)]
         apart: f64,
     },
+    /// On Gauss nodes of the cells of a known density, in one state and in two.
+    Cells(Cells),
     /// By importance sampling, in any number of states.
     Draws(Box<ImportanceRule>),
 }
@@ -96,11 +99,22 @@ impl Content {
             Some(
                 "the estimated error is large: the density is too narrow for its polynomials at this time; take a later one",
             )
+        } else if chosen.l1_estimate > tuning::UNRELIABLE && matches!(chosen.origin, Origin::Closest { .. }) {
+            Some("no exponential polynomial of this order is near the density: take a higher order, or the grid")
         } else if chosen.l1_estimate > tuning::UNRELIABLE {
             Some("the estimated error is large: take a higher order")
         } else {
             None
         }
+    }
+
+    /// Whether the moment equations gave a reference whose error does not decide the estimate, or the density is exact.
+    pub(in crate::closure) fn is_served_by_equations(&self) -> bool {
+        let chosen = self.candidates[0];
+        let error = self.reference.as_ref().map_or(f64::INFINITY, |reference| reference.error);
+        let share = tuning::closest::SERVES[self.dimension().min(2) - 1];
+        let small = error <= share * chosen.l1_estimate || chosen.l1_estimate <= tuning::closest::SMALL;
+        chosen.accepted && (chosen.origin == Origin::Exact || small)
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
@@ -120,6 +134,7 @@ impl Content {
                 }
                 Integrals::Panels { rules, lines, apart }
             }
+            Integrals::Cells(cells) => Integrals::Cells(cells.checked(states)?),
             Integrals::Draws(rule) => Integrals::Draws(Box::new(rule.checked(&exponent)?)),
         };
         let lattice = self.lattice.map(|lattice| lattice.checked(states)).transpose()?;

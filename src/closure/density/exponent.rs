@@ -1,5 +1,7 @@
 use crate::closure::space::sweep::{self, Differentiable, Function};
 use crate::closure::space::{Corner, Functions, Jet};
+use crate::closure::tuning;
+use crate::density::escape_direction;
 use crate::fokker_planck::Local;
 use crate::numerics::Number;
 use crate::record::Read;
@@ -29,6 +31,15 @@ impl Exponent {
     /// The values at many states.
     pub(in crate::closure) fn values(&self, points: &States) -> Vec<f64> {
         sweep::values(self, points)
+    }
+
+    /// Whether Q is a polynomial that falls in every direction.
+    pub(in crate::closure) fn is_normalisable(&self) -> bool {
+        self.space.polynomials().is_some_and(|polynomials| {
+            let q = polynomials.in_powers(&self.coefficients);
+            let least = tuning::SOLVED * q.max_coefficient();
+            escape_direction(&q.filtered(|_, c| c.abs() > least), false, tuning::SOLVED).is_none()
+        })
     }
 
     /// The residual of exp(Q) at many states, given the Fokker-Planck operator there.

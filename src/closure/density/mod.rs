@@ -9,6 +9,7 @@ pub(super) mod exponent;
 pub(super) mod impacts;
 
 use super::candidates::Candidate;
+use super::closest::Cells;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
@@ -16,7 +17,7 @@ use super::reference::Start;
 use super::samples::Copula;
 use crate::checks::point;
 use crate::closure::tuning;
-use crate::density::{CountedImpacts, Crossing, Density, escape_direction};
+use crate::density::{CountedImpacts, Crossing, Density};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::exponentials;
@@ -34,7 +35,8 @@ use std::sync::Arc;
 /// Moments, marginals and fluxes are integrals over the trust domain. In one state and in two their errors are the
 /// distances from the same integrals of the reference, the solution of the moment equations of a higher degree, with what two rules
 /// of integration differ by, and so they are in three and four by
-/// [`Closure::on_samples`](crate::Closure::on_samples)`(false)`. Otherwise moments up to the order have the standard errors of the
+/// [`Reference::Equations`](crate::Reference::Equations). Where exp(Q) is the closest to a grid's density they are the distances from that
+/// one's integrals, with its own error, and moments up to the order are the grid's. Otherwise moments up to the order have the standard errors of the
 /// pilot's calibrated means and other values those of the integration, and the closure's own error is in
 /// [`ClosureDensity::l1_estimate`].
 #[derive(Clone, Deserialize)]
@@ -83,16 +85,24 @@ impl ClosureDensity {
                 let Nodes { points, weights, .. } = Nodes::tensor(&content.domain, rules.clone());
                 (points, weights)
             }
+            (Integrals::Cells(cells), _) => {
+                let (points, weights, _) = cells.nodes();
+                (points, weights)
+            }
             (Integrals::Draws(rule), Some(lattice)) => lattice.all(&rule.copula),
             (Integrals::Draws(_), None) => (States::new(content.dimension()), Vec::new()),
         };
         let mut own = content.exponent.values(&points);
         exponentials(&mut own);
-        let reference = content.reference.as_ref().map(|reference| {
-            let mut density = reference.values(&points);
-            exponentials(&mut density);
-            density
-        });
+        let reference = match (&content.reference, &content.integrals) {
+            (_, Integrals::Cells(cells)) => Some(cells.nodes().2.to_vec()),
+            (Some(reference), _) => {
+                let mut density = reference.values(&points);
+                exponentials(&mut density);
+                Some(density)
+            }
+            (None, _) => None,
+        };
         let pairs = own.iter().zip(reference.as_ref().unwrap_or(&own)).zip(&weights);
         let masses = pairs.map(|((p, q), w)| [w * p, w * q]).collect();
         ClosureDensity { content, nodes: points, masses, dynamics: None }
@@ -101,6 +111,11 @@ impl ClosureDensity {
     /// The same with what questions of time are answered by.
     pub(super) fn moving(self, dynamics: Dynamics) -> Self {
         ClosureDensity { dynamics: Some(Arc::new(dynamics)), ..self }
+    }
+
+    /// The same with the questions of time of another density of the same problem.
+    pub(super) fn with_motion_of(self, other: &Self) -> Self {
+        ClosureDensity { dynamics: other.dynamics.clone(), ..self }
     }
 
     /// How this density came about.
@@ -155,18 +170,14 @@ impl ClosureDensity {
     /// Whether Q falls in every direction, so that exp(Q) could be normalised on the whole space. The best polynomial of
     /// an order often turns up far outside; it is not to be used there.
     pub fn is_normalisable(&self) -> bool {
-        self.content.exponent.space.polynomials().is_some_and(|polynomials| {
-            let q = polynomials.in_powers(&self.content.exponent.coefficients);
-            let least = tuning::SOLVED * q.max_coefficient();
-            escape_direction(&q.filtered(|_, c| c.abs() > least), false, tuning::SOLVED).is_none()
-        })
+        self.content.exponent.is_normalisable()
     }
 
     /// The number of independent draws from the density that would integrate as well as those that were made; none where
     /// Gauss nodes were used.
     pub fn effective_draws(&self) -> Option<f64> {
         match &self.content.integrals {
-            Integrals::Panels { .. } => None,
+            Integrals::Panels { .. } | Integrals::Cells(_) => None,
             Integrals::Draws(rule) => Some(rule.effective()),
         }
     }
@@ -191,6 +202,7 @@ impl ClosureDensity {
     pub fn truncated_mass(&self) -> f64 {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.mass_beyond(|x| self.content.exponent.value(x)),
+            Integrals::Cells(cells) => cells.error,
             Integrals::Draws(_) => {
                 let one = (self.content.provenance.pilot_states.unwrap_or(1) as f64).recip();
                 if self.content.impacts.is_empty() { one } else { one + tuning::domain::CUT_AT_WALLS }
@@ -232,9 +244,14 @@ impl ClosureDensity {
     /// The trust domain: star-shaped, or an ellipsoid in normal scores.
     pub(crate) fn domain(&self) -> std::result::Result<&TrustDomain, &Copula> {
         match &self.content.integrals {
-            Integrals::Panels { .. } => Ok(&self.content.domain),
+            Integrals::Panels { .. } | Integrals::Cells(_) => Ok(&self.content.domain),
             Integrals::Draws(rule) => Err(&rule.copula),
         }
+    }
+
+    /// The cells that are the trust domain of a density closest to a known one.
+    pub(crate) fn cells_of_domain(&self) -> Option<&Cells> {
+        if let Integrals::Cells(cells) = &self.content.integrals { Some(cells) } else { None }
     }
 
     /// Whether the density continues beyond its trust domain.
@@ -245,18 +262,21 @@ impl ClosureDensity {
     pub(super) fn trusts(&self, x: &[f64]) -> bool {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.contains(x),
+            Integrals::Cells(cells) => cells.contains(x),
             Integrals::Draws(rule) => rule.trusts(x),
         }
     }
 
     pub(super) fn log_density(&self, x: &[f64]) -> f64 {
-        let Content { exponent, domain, guarded, .. } = &self.content;
-        if self.trusts(x) {
-            exponent.value(x)
-        } else if *guarded {
-            domain.continued(x, |x| exponent.value(x))
-        } else {
-            f64::NEG_INFINITY
+        let Content { exponent, domain, guarded, integrals, .. } = &self.content;
+        match integrals {
+            _ if self.trusts(x) => exponent.value(x),
+            _ if !*guarded => f64::NEG_INFINITY,
+            Integrals::Cells(cells) => {
+                let (nearest, far) = cells.nearest(x);
+                exponent.value(&nearest) - 2.0 * tuning::domain::STEEP * far
+            }
+            _ => domain.continued(x, |x| exponent.value(x)),
         }
     }
 
@@ -264,6 +284,7 @@ impl ClosureDensity {
     pub(super) fn reference_error(&self) -> f64 {
         let by_rules = match (&self.content.integrals, &self.content.lattice) {
             (Integrals::Panels { apart, .. }, _) => *apart,
+            (Integrals::Cells(cells), _) => cells.error,
             (Integrals::Draws(rule), Some(_)) => rule.log_mass().error,
             (Integrals::Draws(_), None) => 0.0,
         };

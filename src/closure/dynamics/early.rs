@@ -10,7 +10,7 @@ use crate::closure::candidates::Origin;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes;
 use crate::closure::discretisation::trust_domain::TrustDomain;
-use crate::closure::reference::Reference;
+use crate::closure::reference::ReferenceDensity;
 use crate::closure::space::Functions;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
@@ -134,7 +134,7 @@ impl<'a> Early<'a> {
         let mut correction = fitted(&space, &ratios[0])?;
         correction[0] -= 1.0;
         let domain = TrustDomain::whole(mean.clone(), deviation.clone(), reach);
-        let reference = Reference::in_time(weight, space, correction, error);
+        let reference = ReferenceDensity::in_time(weight, space, correction, error);
         let law = Arc::new(Law::new(points, &weights, ratios.each_ref().map(Vec::as_slice))?);
         let dynamics = Arc::clone(dynamics);
         Some(Snapshot { dynamics, reference, domain, law, origin: Origin::MovingFrame })

@@ -7,7 +7,7 @@ use crate::closure::discretisation::likelihood::Likelihood;
 use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::projection::distance;
-use crate::closure::reference::{Reference, scaled_mass};
+use crate::closure::reference::{ReferenceDensity, scaled_mass};
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
@@ -98,7 +98,7 @@ impl Snapshot {
             last = found;
         }
         let (error, Likeliest { exponent, domain, .. }) = best?;
-        let reference = Reference::in_time(exponent.clone(), exponent.space, vec![0.0], error);
+        let reference = ReferenceDensity::in_time(exponent.clone(), exponent.space, vec![0.0], error);
         let (dynamics, law, origin) = (Arc::clone(&self.dynamics), Arc::clone(law), self.origin);
         Some(Snapshot { dynamics, reference, domain, law, origin })
     }

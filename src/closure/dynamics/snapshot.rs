@@ -10,7 +10,7 @@ use crate::closure::discretisation::lines;
 use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::projection::{distance, mixed, project};
-use crate::closure::reference::{Reference, normalised};
+use crate::closure::reference::{ReferenceDensity, normalised};
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
@@ -25,7 +25,7 @@ pub(super) struct Snapshot {
     /// Of the weight.
     pub(super) dynamics: Arc<Dynamics>,
     /// With an estimate of its error.
-    pub(super) reference: Reference,
+    pub(super) reference: ReferenceDensity,
     /// Where it is known.
     pub(super) domain: TrustDomain,
     pub(super) law: Arc<Law>,
@@ -55,7 +55,7 @@ impl Snapshot {
         let error = system.share_of_highest(d) + 2.0 * negative + begun;
         let mut correction = system.functions.coefficients(d);
         correction[0] -= 1.0;
-        let reference = Reference::in_time(system.weight.clone(), system.space.clone(), correction, error);
+        let reference = ReferenceDensity::in_time(system.weight.clone(), system.space.clone(), correction, error);
         let law = Arc::new(Law::new(system.nodes.points.clone(), &system.measure, [&ratio, &other])?);
         let (dynamics, domain) = (Arc::clone(dynamics), dynamics.domain.clone());
         Some(Snapshot { dynamics, reference, domain, law, origin: Origin::StationaryWeight })
@@ -122,7 +122,7 @@ impl Snapshot {
             iterations: None,
             ..provenance.clone()
         };
-        let reference = Reference { error, ..reference.clone().shifted(target[0] - values[0]) };
+        let reference = ReferenceDensity { error, ..reference.clone().shifted(target[0] - values[0]) };
         Some(Content {
             moments: self.law.moments(asked.order),
             reference: Some(reference),

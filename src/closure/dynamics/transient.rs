@@ -10,7 +10,7 @@ use super::start::{Beginning, Weighted};
 use crate::closure::candidates::Candidate;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Content;
-use crate::closure::method::{Closure, Order};
+use crate::closure::method::{Closure, Order, Reference};
 use crate::closure::projection::Weight;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning;
@@ -162,8 +162,9 @@ impl Closure {
         let degrees = if problem.walls().is_empty() { Degrees::complete() } else { self.degrees.clone() };
         let of_order = |order| -> Result<(Self, ClosureDensity)> {
             let (order, weight, degrees) = (Order::Fixed(order), Weight::Density, degrees.clone());
-            // On nodes, as is the default.
-            let base = Closure { order, weight, degrees, on_samples: None, ..self.clone() };
+            // On nodes in one state and in two.
+            let reference = if problem.dimension() > 2 { Reference::Automatic } else { Reference::Equations };
+            let base = Closure { order, weight, degrees, reference, ..self.clone() };
             let density = base.solve(problem)?;
             density.motion()?;
             Ok((base, density))

@@ -1,7 +1,7 @@
 //! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
 
 use crate::closure::candidates::indicator::Indication;
-use crate::closure::candidates::{Candidate, Fitted, Origin, Retained, Scoring, mean_logarithm};
+use crate::closure::candidates::{Candidate, Fitted, Retained, Scoring};
 use crate::closure::density::content::Content;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes::{self, Nodes};
@@ -46,47 +46,28 @@ impl NodalClosure {
         lower.or_else(|| (chosen.candidate.l1_estimate <= polishable).then(|| solution(&chosen.exponent))?)
     }
 
-    /// An exact density: it is its own reference, and its trust domain extends as far as it falls. None where it has no
-    /// integral there.
-    pub(in crate::closure) fn exact(
-        &self,
-        order: u32,
-        mut exponent: Exponent,
-        scoring: &Scoring<'_>,
-    ) -> Option<Content> {
+    /// An exact density that was found by so many linear systems: it is its own reference, and its trust domain extends as far as it
+    /// falls. None where it has no integral there.
+    pub(in crate::closure) fn exact(&self, order: u32, mut exponent: Exponent, solved: usize) -> Option<Content> {
         let discretisation = &self.discretisation;
-        let (domain, nodes, lines, mut apart) = if self.lattice.is_some() {
+        let found = if self.lattice.is_some() {
             let Discretisation { domain, nodes, lines, .. } = discretisation;
-            (domain.clone(), nodes.clone(), lines.clone(), 0.0)
+            Settled { domain: domain.clone(), nodes: nodes.clone(), lines: lines.clone(), apart: 0.0 }
+        } else if discretisation.family.is_smooth() {
+            Settled::within(&exponent, &discretisation.domain)?
         } else {
-            let domain = discretisation.domain.following(
-                |points| exponent.values(points),
-                tuning::domain::FULL_DROP,
-                tuning::domain::EXACT_FOLLOWED,
-            );
-            if discretisation.family.is_smooth() {
-                // Sectors may cut off a part of a narrow well.
-                let rounded = domain.rounded();
-                integrated(&exponent, domain).or_else(|| integrated(&exponent, rounded))?
-            } else {
-                let rules = walled::rules(&domain);
-                let nodes = Nodes::tensor(&domain, rules.clone());
-                (domain, nodes, rules, 0.0)
-            }
+            let domain = followed(&discretisation.domain, &exponent);
+            let rules = walled::rules(&domain);
+            let nodes = Nodes::tensor(&domain, rules.clone());
+            Settled { domain, nodes, lines: rules, apart: 0.0 }
         };
+        let Settled { domain, nodes, lines, mut apart } = found;
         let log = exponent.values(&nodes.points);
         let normal = normalised(&log, &nodes.weights);
         exponent.constant += normal[0] - log[0];
         if self.lattice.is_none() {
             apart += domain.mass_beyond(|x| exponent.value(x));
         }
-        let candidate = Candidate {
-            origin: Origin::Exact,
-            l1_estimate: apart,
-            tail_estimate: 0.0,
-            likelihood_loss: scoring.likelihood - mean_logarithm(&exponent, scoring.pilot),
-            accepted: true,
-        };
         let unknowns = exponent.coefficients.len();
         let integrals = self.integrals(&exponent, Resolved { rules: nodes.rules, apart }, lines)?;
         Some(Content {
@@ -99,21 +80,43 @@ impl NodalClosure {
             lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
             guarded: self.guarded,
             rare: false,
-            candidates: vec![candidate],
+            candidates: vec![Candidate::exact(apart)],
             indication: Some(Indication { indicator: 0.0, residual: 0.0 }),
-            provenance: self.provenance(order, unknowns, scoring.reference.solved),
+            provenance: self.provenance(order, unknowns, solved),
         })
     }
 }
 
-/// Nodes, rules along the states, and what two rules differ by, for the integrals of an exact density over a domain. None where they
-/// are not known.
-fn integrated(exponent: &Exponent, domain: TrustDomain) -> Option<(TrustDomain, Nodes, Vec<Rule>, f64)> {
-    let given = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]).rules;
-    let found = resolved(&domain, |points| exponent.values(points), &given, tuning::panels::EXACT);
-    let lines = if found.rules == given { lines(&domain) } else { found.rules.clone() };
-    let nodes = Nodes::tensor(&domain, found.rules);
-    (found.apart <= tuning::panels::UNKNOWN).then_some((domain, nodes, lines, found.apart))
+/// A domain about a region as far as exp(Q) falls.
+fn followed(region: &TrustDomain, exponent: &Exponent) -> TrustDomain {
+    let log = |points: &States| exponent.values(points);
+    region.following(log, tuning::domain::FULL_DROP, tuning::domain::EXACT_FOLLOWED)
+}
+
+/// Where an exact density is integrated: its domain with nodes, rules along the states, and what two rules differ by.
+pub(in crate::closure) struct Settled {
+    pub(in crate::closure) domain: TrustDomain,
+    pub(in crate::closure) nodes: Nodes,
+    pub(in crate::closure) lines: Vec<Rule>,
+    pub(in crate::closure) apart: f64,
+}
+
+impl Settled {
+    /// About the region that a pilot has visited. None where no rule of two agrees with the other.
+    pub(in crate::closure) fn within(exponent: &Exponent, region: &TrustDomain) -> Option<Self> {
+        let domain = followed(region, exponent);
+        // Sectors may cut off a part of a narrow well.
+        let rounded = domain.rounded();
+        Self::over(exponent, domain).or_else(|| Self::over(exponent, rounded))
+    }
+
+    fn over(exponent: &Exponent, domain: TrustDomain) -> Option<Self> {
+        let given = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]).rules;
+        let found = resolved(&domain, |points| exponent.values(points), &given, tuning::panels::EXACT);
+        let lines = if found.rules == given { lines(&domain) } else { found.rules.clone() };
+        let nodes = Nodes::tensor(&domain, found.rules);
+        (found.apart <= tuning::panels::UNKNOWN).then_some(Settled { domain, nodes, lines, apart: found.apart })
+    }
 }
 
 /// Newton's method on ∫ r ψ_k p̃ dx = 0 from an exponent that is close already. Where the order contains the exact density

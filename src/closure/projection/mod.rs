@@ -1,8 +1,10 @@
 //! The exponential polynomial closest to a density.
 //!
-//! `exact` finds the density itself where it is an exponential polynomial of the order.
+//! `exact` finds the density itself where it is an exponential polynomial of the order, next to the closest one, and `on_states` at a
+//! pilot's states alone.
 
 pub(super) mod exact;
+pub(super) mod on_states;
 
 use super::space::orthonormal::{Orthonormal, near_orthonormal};
 use crate::checks::{finite, require};

@@ -40,7 +40,7 @@ impl Start {
 /// p̂ = ω (1 + δ) with ln ω a polynomial and δ a polynomial of higher degree.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Reference {
+pub(crate) struct ReferenceDensity {
     pub(super) weight: Exponent,
     pub(super) space: Functions,
     /// The coefficients of δ, the constant's first.
@@ -65,11 +65,11 @@ pub(crate) struct Reference {
     pub(super) solved: usize,
 }
 
-impl Reference {
+impl ReferenceDensity {
     /// The density of a time, with an estimate of its error: ω (1 + δ) with a δ that is not small.
     pub(super) fn in_time(weight: Exponent, space: Functions, correction: Vec<f64>, error: f64) -> Self {
         let (logarithm, cut) = (Vec::new(), tuning::dynamics::CUT);
-        Reference { weight, space, correction, error, size: 1.0, cut, logarithm, doubt: error, solved: 1 }
+        ReferenceDensity { weight, space, correction, error, size: 1.0, cut, logarithm, doubt: error, solved: 1 }
     }
 
     /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error
@@ -99,7 +99,7 @@ impl Reference {
         let part = Self::with_truncation(discretisation, nested, table, cut, start, &fit);
         let doubt = [&whole, &part].into_iter().flatten().map(|found| found.error).fold(0.0, f64::max);
         let better = whole.into_iter().chain(part).min_by(|a, b| a.error.total_cmp(&b.error));
-        better.map(|better| Reference { doubt, ..better })
+        better.map(|better| ReferenceDensity { doubt, ..better })
     }
 
     /// The same with a truncation, from the initial ln p of the discretisation. It is good in the tails, but where ln p does
@@ -174,7 +174,7 @@ impl Reference {
             let before = std::mem::replace(&mut change, found.size);
             // Of two that are about as good the later one is better in the tails.
             if error < tuning::reference::SAME * least {
-                best = Some(Reference {
+                best = Some(ReferenceDensity {
                     weight: weight.clone(),
                     space: nested.all.clone(),
                     correction: table.functions.coefficients(&found.coefficients),
@@ -286,12 +286,12 @@ impl Reference {
         if !fits || !self.correction.iter().all(|c| c.is_finite()) || self.cut.is_nan() || self.cut < 1.0 {
             return Err(String::from("the reference's coefficients do not fit its functions"));
         }
-        Ok(Reference { weight, space, doubt: self.error, ..self })
+        Ok(ReferenceDensity { weight, space, doubt: self.error, ..self })
     }
 }
 
 /// ln p̂, up to a constant.
-impl Function for Reference {
+impl Function for ReferenceDensity {
     #[inline(always)]
     fn at<T: Number>(&self, x: &[T]) -> T {
         let cut = self.cut;
@@ -300,7 +300,7 @@ impl Function for Reference {
 }
 
 /// δ.
-struct Correction<'a>(&'a Reference);
+struct Correction<'a>(&'a ReferenceDensity);
 
 impl Function for Correction<'_> {
     #[inline(always)]

@@ -8,6 +8,7 @@
 //! numbers alone, as a pilot has them with another time step, change them by up to 7 %. *Not met* says that none of the nine
 //! depends on the value. Data of mathematics, such as the terms of a series, and layouts stand where they are used.
 
+pub(crate) mod closest;
 pub(crate) mod dynamics;
 mod many_states;
 pub(crate) mod panels;
@@ -275,6 +276,11 @@ pub(crate) mod exact {
     pub(crate) const NEAR: f64 = 0.3;
     /// The most steps of Newton's method, each of which converges. Not met.
     pub(crate) const STEPS: usize = 12;
+    /// The states at which the residual is to vanish, and those by which its root is first guessed. Bounds on work: three times as many
+    /// give the same.
+    pub(crate) const AT_STATES: [usize; 2] = [4000, 20_000];
+    /// Of more functions none is sought there. A bound on work.
+    pub(crate) const MOST: usize = 150;
 }
 
 /// Step 6: the candidates.

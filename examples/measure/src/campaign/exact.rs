@@ -4,7 +4,7 @@ use super::Options;
 use super::runner::{Place, Row};
 use super::statistics::{quantile, share};
 use crate::Outcome;
-use expoly::{Closure, Problem};
+use expoly::{Closure, Problem, Reference};
 use std::fmt;
 use std::time::Instant;
 use support::exact::{Exact, Truth};
@@ -70,7 +70,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         let best = || {
             let closure = Closure::new(order);
             let referred = problem.dimension() <= REFERRED;
-            let closure = if referred { closure.on_samples(false) } else { closure.pilot_states(BEST) };
+            let closure = if referred { closure.reference(Reference::Equations) } else { closure.pilot_states(BEST) };
             system.l1(&closure.solve(problem)?, truth)
         };
         Ok(InManyStates {

@@ -3,8 +3,8 @@
 use super::{densities, documents, motion, probe::Probe};
 use crate::draw::Draw;
 use expoly::{
-    Amplitude, Basis, Closure, Density, Grid, Interpretation, Jumps, PolynomialSystem, Problem, Result, Scalar,
-    Simulation, Splitting, Wall,
+    Amplitude, Basis, Closure, Density, Grid, Interpretation, Jumps, PolynomialSystem, Problem, Reference, Result,
+    Scalar, Simulation, Splitting, Wall,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -223,13 +223,12 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
             if !usual {
                 closure = closure.pilot_states(1000 + draw.below(4000)).inflation(draw.within(1.0, 10.0));
             }
-            let on_samples = method != 1 || draw.with(0.5);
-            if method == 1 {
-                closure = closure.on_samples(on_samples);
-            }
+            let references = [Reference::Automatic, Reference::Equations, Reference::Grid, Reference::States];
+            let reference = if method == 1 { references[draw.below(4)] } else { Reference::Automatic };
+            closure = closure.reference(reference);
             let density = probe.ask(&format!("{closure:?}"), || {
                 // Half a minute for a reference in four states, and an adaptive closure has several.
-                if n > 2 && !on_samples {
+                if n > 2 && reference == Reference::Equations {
                     Probe::may_take_longer(3.0);
                 }
                 closure.solve(problem)

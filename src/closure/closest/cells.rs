@@ -1,0 +1,176 @@
+use crate::density::Cell;
+use crate::numerics::Rule;
+use crate::record::{Read, number};
+use crate::states::States;
+use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
+
+/// The most cells and the most nodes along a side of one in a file.
+const MOST: [usize; 2] = [1_000_000, 64];
+
+/// Boxes with a density p̂ at Gauss nodes in each: the domain of an exp(Q) that is closest to it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Cells {
+    /// The lower and upper limits of each box along each state.
+    limits: Vec<Vec<[f64; 2]>>,
+    /// Gauss nodes along each side.
+    along: usize,
+    /// p̂ at the nodes of one box after the other, those along the last state next to each other.
+    density: Vec<f64>,
+    /// The relative error of integrals: that of p̂, of the rule, and what lies beyond the boxes.
+    #[serde(with = "number")]
+    pub(in crate::closure) error: f64,
+    /// The rules along a side of [-1, 1]: that of the nodes, and a finer one.
+    #[serde(skip)]
+    rules: OnceLock<[Rule; 2]>,
+}
+
+impl Cells {
+    pub(super) fn new(cells: impl Iterator<Item = Cell>, along: usize, density: Vec<f64>, error: f64) -> Self {
+        Cells { limits: cells.map(|cell| cell.limits).collect(), along, density, error, rules: OnceLock::new() }
+    }
+
+    fn rules(&self) -> &[Rule; 2] {
+        self.rules.get_or_init(|| [self.along, 2 * self.along].map(Rule::legendre))
+    }
+
+    /// The limits of each box.
+    pub(crate) fn limits(&self) -> &[Vec<[f64; 2]>] {
+        &self.limits
+    }
+
+    /// The nodes, their weights, and p̂ there.
+    pub(in crate::closure) fn nodes(&self) -> (States, Vec<f64>, &[f64]) {
+        let mut nodes = (States::new(self.dimension()), Vec::new());
+        let [rule, _] = self.rules();
+        self.limits.iter().for_each(|limits| add_nodes(limits, rule, &mut nodes));
+        (nodes.0, nodes.1, &self.density)
+    }
+
+    /// Nodes with weights on the part of the boxes where one state is `x`, for functions that are smooth on either side of 0.
+    pub(in crate::closure) fn section(&self, state: usize, x: f64) -> Vec<(Vec<f64>, f64)> {
+        let [_, rule] = self.rules();
+        let mut found = Vec::new();
+        for limits in self.limits.iter().filter(|limits| (limits[state][0]..limits[state][1]).contains(&x)) {
+            let mut point = vec![x; limits.len()];
+            let Some(other) = (0..limits.len()).find(|axis| *axis != state) else {
+                found.push((point, 1.0));
+                continue;
+            };
+            let [low, high] = limits[other];
+            let middle = 0.0_f64.clamp(low, high);
+            for (t, w) in
+                [[low, middle], [middle, high]].iter().flat_map(|[a, b]| rule.on(*a, *b).iter().collect::<Vec<_>>())
+            {
+                point[other] = t;
+                found.push((point.clone(), w));
+            }
+        }
+        found
+    }
+
+    /// Whether a state lies in one of the boxes.
+    pub(in crate::closure) fn contains(&self, x: &[f64]) -> bool {
+        self.cell(x).is_some()
+    }
+
+    /// p̂ at a state, from the nodes of its box; 0 outside of all.
+    pub(in crate::closure) fn density(&self, x: &[f64]) -> f64 {
+        let Some(cell) = self.cell(x) else { return 0.0 };
+        let [rule, _] = self.rules();
+        let size = self.along.pow(self.dimension() as u32);
+        let mut values = self.density[cell * size..][..size].to_vec();
+        // One state after the other, the first one first.
+        for (x, [low, high]) in x.iter().zip(&self.limits[cell]) {
+            let t = 2.0 * (x - low) / (high - low) - 1.0;
+            let shares = lagrange(&rule.nodes, t);
+            let rest = values.len() / self.along;
+            values = (0..rest).map(|k| (0..self.along).map(|i| shares[i] * values[i * rest + k]).sum()).collect();
+        }
+        values[0]
+    }
+
+    /// The point of the boxes that is next to a state, and how far it is, relative to the whole box around them.
+    pub(in crate::closure) fn nearest(&self, x: &[f64]) -> (Vec<f64>, f64) {
+        let bounds = self.bounds();
+        let into = |limits: &[[f64; 2]]| -> Vec<f64> {
+            x.iter().zip(limits).map(|(x, [low, high])| x.clamp(*low, *high)).collect()
+        };
+        let far = |y: &[f64]| -> f64 {
+            let parts = y.iter().zip(x).zip(&bounds).map(|((y, x), [low, high])| ((x - y) / (high - low)).powi(2));
+            parts.sum::<f64>().sqrt()
+        };
+        let all = self.limits.iter().map(|limits| into(limits)).map(|y| (far(&y), y));
+        let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map_or((x.to_vec(), f64::INFINITY), |(far, y)| (y, far))
+    }
+
+    /// The box around all.
+    pub(in crate::closure) fn bounds(&self) -> Vec<[f64; 2]> {
+        let along = |axis: usize| {
+            let sides = self.limits.iter().map(|limits| limits[axis]);
+            sides.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
+        };
+        (0..self.dimension()).map(along).collect()
+    }
+
+    /// Refuses numbers without a meaning, such as those of a damaged file.
+    pub(in crate::closure) fn checked(self, states: usize) -> Read<Self> {
+        let Cells { limits, along, density, error, .. } = &self;
+        let box_of = |limits: &Vec<[f64; 2]>| {
+            limits.len() == states && limits.iter().all(|[low, high]| low.is_finite() && high.is_finite() && low < high)
+        };
+        if limits.is_empty() || limits.len() > MOST[0] || !limits.iter().all(box_of) {
+            return Err(format!("its cells are no boxes of {states} states"));
+        }
+        let count = (1..=MOST[1]).contains(along).then(|| limits.len() * along.pow(states as u32));
+        if count != Some(density.len()) || !density.iter().all(|p| p.is_finite()) {
+            return Err(format!(
+                "{} densities are not those of {along} nodes along each side of its cells",
+                density.len()
+            ));
+        }
+        if error.is_nan() || *error < 0.0 {
+            return Err(format!("its integrals have the error {error}"));
+        }
+        Ok(self)
+    }
+
+    fn dimension(&self) -> usize {
+        self.limits.first().map_or(1, Vec::len)
+    }
+
+    /// The box that a state lies in.
+    fn cell(&self, x: &[f64]) -> Option<usize> {
+        let within = |limits: &Vec<[f64; 2]>| limits.iter().zip(x).all(|([low, high], x)| (low..=high).contains(&x));
+        self.limits.iter().position(within)
+    }
+}
+
+/// Adds the nodes of a product of one rule in a box.
+pub(super) fn add_nodes(limits: &[[f64; 2]], rule: &Rule, (points, weights): &mut (States, Vec<f64>)) {
+    let lines: Vec<Rule> = limits.iter().map(|[low, high]| rule.on(*low, *high)).collect();
+    let count = rule.nodes.len();
+    let mut x = vec![0.0; limits.len()];
+    for k in 0..count.pow(limits.len() as u32) {
+        let mut weight = 1.0;
+        let mut rest = k;
+        for (axis, line) in lines.iter().enumerate().rev() {
+            x[axis] = line.nodes[rest % count];
+            weight *= line.weights[rest % count];
+            rest /= count;
+        }
+        points.push(&x);
+        weights.push(weight);
+    }
+}
+
+/// The polynomials that are 1 at one of some nodes and 0 at the others, at `t`.
+fn lagrange(nodes: &[f64], t: f64) -> Vec<f64> {
+    let one = |i: usize| {
+        let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, node)| (t - node) / (nodes[i] - node)).product()
+    };
+    (0..nodes.len()).map(one).collect()
+}

@@ -1,0 +1,352 @@
+//! The exponential polynomial closest to a density that is known: that of a grid where the moment equations have no solution, or any
+//! other.
+//!
+//! - `target`: the density on cells that resolve it; `cells`: these, as the domain of the answer.
+//!
+//! exp(Q) is closest in the Kullback-Leibler distance, in which it has the moments of the density up to its order. Its estimate is
+//! ∫ |exp(Q) − p| dx, with the error of p and what lies beyond the cells.
+
+mod cells;
+mod target;
+
+pub(crate) use cells::Cells;
+
+use super::candidates::indicator::Indication;
+use super::candidates::{Candidate, Fitted, Origin, chosen};
+use super::density::ClosureDensity;
+use super::density::content::{Content, Integrals};
+use super::density::exponent::Exponent;
+use super::discretisation::locals;
+use super::discretisation::nodes::{self, Nodes};
+use super::discretisation::trust_domain::TrustDomain;
+use super::method::Closure;
+use super::pilot::Pilot;
+use super::projection::exact::Settled;
+use super::projection::on_states::exact_near;
+use super::projection::{distance, mixed, project, tempered};
+use super::reference::{normalised, scaled_mass};
+use super::samples::Moment;
+use super::space::Functions;
+use super::space::nested_spaces::Smooth;
+use super::space::orthonormal::Orthonormal;
+use super::tuning::{self as all, closest as tuning};
+use crate::density::Density;
+use crate::error::{Error, Result};
+use crate::grid::Grid;
+use crate::numerics::weighted_sum;
+use crate::problem::{Problem, Symmetry};
+use crate::provenance::Provenance;
+use crate::states::States;
+use faer::Mat;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::time::Instant;
+use target::Target;
+
+const METHOD: &str = "closure";
+
+impl Closure {
+    /// The exponential polynomial of the order that is closest to a density of one state or two, such as a grid's, also one in time:
+    /// the best that the order can do, with its distance as the estimate. Of all even orders up to the one given it is the closest
+    /// one; an adaptive closure takes the lowest that meets its target.
+    ///
+    /// It is closest in the Kullback-Leibler distance where the density is above a millionth of its peak, so that its moments up to
+    /// the order are those of the density; [`Closure::weight`] may give the tails more. Its moments in the answer, up to the order,
+    /// are the density's own, with their errors.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] and [`Error::Dimension`] as in [`Closure::solve`]; [`Error::NotServed`] for three states and more;
+    /// [`Error::NotClosed`] where no polynomial is found; the errors of the density's values.
+    ///
+    /// ```
+    /// use expoly::{Closure, Grid, Problem};
+    /// // A limit cycle, x″ − (1 − x²) x′ + x = ξ, D = 1: quartics are off by a fifth, and order 8 by 4 %.
+    /// let text = "states = ['x', 'v']\ndrift = { x = 'v', v = '(1 - x^2)*v - x' }\nnoise.w.v = 'sqrt(2)'";
+    /// let exact = Grid::new().accuracy(1e-4).solve(&Problem::from_toml(text)?)?;
+    /// let distance = |order| Ok::<_, expoly::Error>(Closure::new(order).fit(&exact)?.l1_estimate());
+    /// assert!((distance(4)? - 0.18).abs() < 0.02 && (distance(8)? - 0.041).abs() < 0.004);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn fit(&self, density: &dyn Density) -> Result<ClosureDensity> {
+        let begin = Instant::now();
+        let states = density.dimension();
+        self.check(states, all::space::HIGHEST_ORDER)?;
+        if states > 2 {
+            let (what, remedy) = ("a density of three states and more to be close to", "solve the problem");
+            return Err(Error::NotServed { method: METHOD, what, remedy });
+        }
+        let symmetry = Symmetry::none(states);
+        let mut closest = Closest::new(density, self, &symmetry)?;
+        self.at_order(all::space::HIGHEST_ORDER, false, |order| Ok(ClosureDensity::new(closest.content(order, begin)?)))
+    }
+}
+
+impl Closure {
+    /// The closest to the density of a grid, which in one state is a closed form.
+    ///
+    /// # Errors
+    /// Those of the grid, also where it would be too large; [`Error::NotClosed`] where no polynomial is found.
+    pub(super) fn by_grid(&self, problem: &Problem, pilot: &Pilot, begin: Instant) -> Result<ClosureDensity> {
+        let mut found: Option<ClosureDensity> = None;
+        for accuracy in tuning::ACCURACIES {
+            // A grid that this ends has what it reached as its estimate.
+            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(tuning::MEMORY)).solve(problem);
+            let grid = match grid {
+                Ok(grid) => grid,
+                Err(error) => return found.ok_or(error),
+            };
+            let symmetry = problem.symmetry();
+            let mut closest = Closest::new(&grid, self, &symmetry)?;
+            let closed = self.at_order(all::space::HIGHEST_ORDER, false, |order| {
+                let mut content = closest.content(order, begin)?;
+                content.indication = closest.indication(problem, &content.exponent, order);
+                content.provenance.reference = Some(match problem.dimension() {
+                    1 => String::from("closed form"),
+                    _ => format!("grid of {} cells, estimate {:.1e}", grid.cells().len(), grid.l1_estimate()),
+                });
+                Ok(ClosureDensity::new(content))
+            });
+            let closed = match closed {
+                Ok(closed) => closed,
+                Err(error) => return found.ok_or(error),
+            };
+            let limited = closest.target.error > tuning::MINOR * closed.l1_estimate();
+            if limited && let Some(exact) = exact(&closed, problem, pilot) {
+                return Ok(exact);
+            }
+            let last = !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy;
+            found = Some(closed);
+            if last {
+                break;
+            }
+        }
+        let reason = "no polynomial is near the density of a grid; take the grid";
+        found.ok_or(Error::NotClosed { order: self.lowest(), reason })
+    }
+}
+
+/// The exact density next to the closest one, where there is one.
+fn exact(closest: &ClosureDensity, problem: &Problem, pilot: &Pilot) -> Option<ClosureDensity> {
+    let mut exponent = exact_near(problem, &pilot.states, &closest.content.exponent)?;
+    let symmetry = problem.symmetry();
+    let (centre, _) = pilot.spread(&symmetry);
+    let region = TrustDomain::new(pilot, &symmetry, centre, [None, None], 1.0);
+    let Settled { domain, nodes: Nodes { points, weights, rules }, lines, mut apart } =
+        Settled::within(&exponent, &region)?;
+    let log = exponent.values(&points);
+    exponent.constant += normalised(&log, &weights)[0] - log[0];
+    apart += domain.mass_beyond(|x| exponent.value(x));
+    let provenance = Provenance { nodes: Some(weights.len()), reference: None, ..closest.provenance().clone() };
+    Some(ClosureDensity::new(Content {
+        exponent,
+        reference: None,
+        domain,
+        integrals: Integrals::Panels { rules, lines, apart },
+        lattice: None,
+        moments: Vec::new(),
+        impacts: Vec::new(),
+        guarded: closest.content.guarded,
+        rare: false,
+        candidates: vec![Candidate::exact(apart)],
+        indication: Some(Indication { indicator: 0.0, residual: 0.0 }),
+        provenance,
+    }))
+}
+
+impl ClosureDensity {
+    /// Whether the density of moment equations is the better answer: in two states, and by far, since a grid's estimate is the better
+    /// one.
+    pub(super) fn is_worse_than(&self, by_equations: &Self) -> bool {
+        let better = by_equations.l1_estimate() < tuning::BETTER * self.l1_estimate();
+        self.dimension() > 1 && by_equations.content.candidates[0].accepted && better
+    }
+}
+
+/// A density, and how exponential polynomials close to it are sought.
+pub(super) struct Closest<'a> {
+    density: &'a dyn Density,
+    closure: &'a Closure,
+    symmetry: &'a Symmetry,
+    target: Target<'a>,
+    /// The closest density of each order on the present cells, where there is one.
+    found: BTreeMap<u32, Option<(Fitted, Functions)>>,
+}
+
+impl<'a> Closest<'a> {
+    /// # Errors
+    /// Those of the density's values.
+    pub(super) fn new(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry) -> Result<Self> {
+        let (target, found) = (Target::new(density, symmetry)?, BTreeMap::new());
+        Ok(Closest { density, closure, symmetry, target, found })
+    }
+
+    /// The content of the closest density of an order, or of a lower one if that is closer.
+    ///
+    /// # Errors
+    /// [`Error::NotClosed`] where none is found; those of the density's values.
+    pub(super) fn content(&mut self, order: u32, begin: Instant) -> Result<Content> {
+        let reason = "no polynomial of it is near the density; it may be too narrow: take a lower order";
+        let failed = || Error::NotClosed { order, reason };
+        let mut apart = f64::INFINITY;
+        let mut best = self.best(order).ok_or_else(failed)?;
+        for round in 0.. {
+            let distance = best.0.candidate.l1_estimate;
+            let differences = self.differences(&best.0.exponent);
+            apart = differences.iter().sum();
+            let share = tuning::APART * (distance + self.target.error);
+            let coarse = |k: usize| differences[k].is_nan() || differences[k] > share / differences.len() as f64;
+            let count = (0..differences.len()).filter(|k| coarse(*k)).count();
+            if apart <= share || round == tuning::ROUNDS || !self.target.has_room(count) {
+                break;
+            }
+            self.target.divide(coarse)?;
+            self.found.clear();
+            best = self.best(order).ok_or_else(failed)?;
+        }
+        // What is no number is not small.
+        if apart.is_nan() || apart >= 1.0 {
+            return Err(failed());
+        }
+        let (_, space) = best;
+        let mut tried = chosen(self.closure.weight, |share| self.fitted(&space, share));
+        if tried.is_empty() {
+            return Err(failed());
+        }
+        let open = self.target.error + apart;
+        tried
+            .iter_mut()
+            .for_each(|fitted| fitted.candidate.l1_estimate = (fitted.candidate.l1_estimate + open).min(2.0));
+        let candidates = tried.iter().map(|fitted| fitted.candidate).collect();
+        let exponent = tried.swap_remove(0).exponent;
+        let cells = self.target.cells(open);
+        let bounds = cells.bounds();
+        let (centre, half_width): (Vec<f64>, Vec<f64>) =
+            bounds.iter().map(|[low, high]| ((low + high) / 2.0, (high - low) / 2.0)).unzip();
+        let reach = (centre.len() as f64).sqrt();
+        let provenance = Provenance {
+            order: Some(order),
+            unknowns: Some(exponent.coefficients.len()),
+            nodes: Some(self.target.weights.len()),
+            seconds: begin.elapsed().as_secs_f64(),
+            ..Provenance::default()
+        };
+        Ok(Content {
+            moments: self.moments(&exponent.space),
+            exponent,
+            reference: None,
+            domain: TrustDomain::whole(centre, half_width, reach),
+            integrals: Integrals::Cells(cells),
+            lattice: None,
+            impacts: Vec::new(),
+            guarded: self.closure.guard,
+            rare: false,
+            candidates,
+            indication: None,
+            provenance,
+        })
+    }
+
+    /// The closest density of an even order up to one, or of that order, with its functions: the lowest that is as close as the density
+    /// is known.
+    fn best(&mut self, order: u32) -> Option<(Fitted, Functions)> {
+        let family = self.family();
+        let mut best: Option<(Fitted, Functions)> = None;
+        for lower in (2..order).step_by(2).chain([order]) {
+            let fitted = || {
+                let space = family.functions(lower);
+                Some((self.fitted(&space, 0.0)?, space))
+            };
+            let found = match self.found.get(&lower) {
+                Some(found) => found.clone(),
+                None => fitted(),
+            };
+            self.found.insert(lower, found.clone());
+            let distance = |found: &(Fitted, Functions)| found.0.candidate.l1_estimate;
+            let least = best.as_ref().map_or(f64::INFINITY, distance);
+            best = found.filter(|found| distance(found) < least).or(best);
+            if best.as_ref().is_some_and(|best| distance(best) <= self.target.error) {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The closest density in some functions, with a share of the weight for the tails.
+    fn fitted(&self, space: &Functions, share: f64) -> Option<Fitted> {
+        let Target { points, weights, logarithm, .. } = &self.target;
+        let target = normalised(logarithm, weights);
+        let measure = mixed(&target, weights, share);
+        let functions = Orthonormal::new(nodes::values(space, points), &measure)?;
+        let fixed = vec![0.0; weights.len()];
+        let fit = project((&functions, functions.values.as_ref()), &fixed, &target, &measure)?;
+        let (top, mass) = scaled_mass(&fit.logarithm, weights);
+        let shift = -top - mass.ln();
+        let exponent = Exponent {
+            known: Vec::new(),
+            space: space.clone(),
+            constant: fit.constant + shift,
+            coefficients: fit.coefficients,
+        };
+        let peak = target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let off = |(q, p): (&f64, &f64)| (q + shift - p).abs();
+        let pairs = || fit.logarithm.iter().zip(&target);
+        let tail = pairs().filter(|(_, p)| **p > peak + all::candidates::TAIL.ln()).map(off).fold(0.0, f64::max);
+        let likely = pairs().zip(weights).map(|((q, p), w)| w * p.exp() * (p - q - shift)).sum();
+        let candidate = Candidate {
+            origin: Origin::Closest { tails: share },
+            l1_estimate: distance(&fit.logarithm, &target, weights),
+            tail_estimate: tail / std::f64::consts::LN_10,
+            likelihood_loss: likely,
+            accepted: true,
+        };
+        Some(Fitted { candidate, exponent })
+    }
+
+    /// How large the residual of a density is, tested as on other nodes. None where the test functions are linearly dependent.
+    fn indication(&self, problem: &Problem, exponent: &Exponent, order: u32) -> Option<Indication> {
+        let Target { points, weights, .. } = &self.target;
+        let locals = locals(problem, points);
+        let excess = all::space::EXCESS[problem.dimension() - 1] - 2;
+        let values = nodes::values(&self.family().functions(order + excess), points);
+        let measure = tempered(&exponent.values(points), weights, 1.0);
+        let residuals = exponent.residuals(points, |i| &locals[i]);
+        let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
+        let tested = weighted_sum(values.as_ref(), &weighted);
+        let tested = Mat::from_fn(tested.len(), 1, |k, _| tested[k]);
+        Indication::of((values.as_ref(), &measure), tested, (exponent.space.len() + 1, order))
+    }
+
+    /// The functions of all orders on the box around the cells.
+    fn family(&self) -> Smooth {
+        let side = |(i, [low, high]): (usize, [f64; 2])| {
+            // Functions with the symmetry have it about 0.
+            let centre = if self.symmetry.flips(i) { 0.0 } else { (low + high) / 2.0 };
+            (centre, (high - centre).max(centre - low))
+        };
+        let (centre, half_width) = self.target.bounds().into_iter().enumerate().map(side).unzip();
+        let (degrees, symmetry) = (self.closure.degrees.clone(), self.symmetry.clone());
+        Smooth { degrees, symmetry, centre, half_width }
+    }
+
+    /// What two rules differ by in the mass of exp(Q), on each cell.
+    fn differences(&self, exponent: &Exponent) -> Vec<f64> {
+        let sums = |(points, weights): (States, Vec<f64>)| -> Vec<f64> {
+            let logs = exponent.values(&points);
+            let each = weights.len() / self.target.len();
+            let masses: Vec<f64> = logs.iter().zip(&weights).map(|(q, w)| w * q.exp()).collect();
+            masses.chunks(each).map(|masses| masses.iter().sum()).collect()
+        };
+        let [own, finer] = [tuning::ALONG, tuning::FINER].map(|count| sums(self.target.finer(count)));
+        own.iter().zip(finer).map(|(own, finer)| (own - finer).abs()).collect()
+    }
+
+    /// The moments of the density that exp(Q) has too, where they are known.
+    fn moments(&self, space: &Functions) -> Vec<Moment> {
+        let exponents = space.polynomials().map_or(&[][..], |own| own.exponents());
+        let known = exponents.par_iter().filter_map(|powers| {
+            let moment = self.density.moment(powers).ok()?;
+            Some(Moment { powers: powers.clone(), value: moment.value, error: moment.error })
+        });
+        known.collect()
+    }
+}
