@@ -31,7 +31,7 @@ pub(crate) use gaussian_closure::gaussian_after;
 pub(crate) use modulated_moments::ModulatedMoments;
 pub(crate) use motion::{Motion, PlaneMotion, StillMotion};
 pub(crate) use room::reflect;
-pub(crate) use symmetry::Symmetry;
+pub(crate) use symmetry::{Symmetry, odd};
 pub(crate) use time_scales::{TimeScales, two_digits};
 pub use wall::Wall;
 pub(crate) use wall::{COLLAPSE, limits};

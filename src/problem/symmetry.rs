@@ -1,5 +1,6 @@
 use crate::fokker_planck::{FokkerPlanck, ImpulseTerm};
 use crate::polynomial::Polynomial;
+use nalgebra::DMatrix;
 
 /// The most states whose sign changes are searched one by one; beyond, only that of all states together.
 const SEARCHED: usize = 12;
@@ -66,6 +67,38 @@ impl Symmetry {
         self.changes.iter().all(|flip| !odd(flip, alpha))
     }
 
+    /// The fewest changes of which all are made. The changes are a group in the order of binary numbers, where these are number 1, 2,
+    /// 4 and so on.
+    pub(crate) fn generators(&self) -> Vec<Vec<bool>> {
+        let places = std::iter::successors(Some(1), |place| Some(2 * place));
+        places.map_while(|place: usize| self.changes.get(place).cloned()).collect()
+    }
+
+    /// Mean products of two states each, made those of all mirror images together: some are zero.
+    pub(crate) fn average(&self, products: &mut DMatrix<f64>) {
+        for flip in &self.changes {
+            for (i, j) in (0..flip.len()).flat_map(|i| (0..flip.len()).map(move |j| (i, j))) {
+                if flip[i] != flip[j] {
+                    products[(i, j)] = 0.0;
+                }
+            }
+        }
+    }
+
+    /// The number of mirror images of a state that differ, itself included. None unless it is the first of them in the order of
+    /// numbers, which stands for all.
+    pub(crate) fn stands_for(&self, x: &[f64]) -> Option<usize> {
+        let mut same = 0;
+        for flip in &self.changes {
+            match x.iter().zip(flip).find(|(x, flipped)| **flipped && **x != 0.0) {
+                Some((x, _)) if *x > 0.0 => return None,
+                Some(_) => {}
+                None => same += 1,
+            }
+        }
+        Some(self.changes.len() / same)
+    }
+
     /// Whether some change flips this state, so that its mean is zero.
     pub(crate) fn flips(&self, state: usize) -> bool {
         self.changes.iter().any(|flip| flip[state])
@@ -99,7 +132,7 @@ fn turns(p: &Polynomial, flip: &[bool], sign: bool) -> bool {
 }
 
 /// Whether a monomial changes its sign where these states do.
-fn odd(flip: &[bool], alpha: &[u32]) -> bool {
+pub(crate) fn odd(flip: &[bool], alpha: &[u32]) -> bool {
     flip.iter().zip(alpha).filter(|(flipped, power)| **flipped && **power % 2 == 1).count() % 2 == 1
 }
 
@@ -122,5 +155,9 @@ mod tests {
         assert_eq!(chain(0.0).count(), 4);
         assert!(chain(0.0).flips(0) && !chain(0.0).keeps(&[1, 0, 1, 0]) && chain(0.5).keeps(&[1, 0, 1, 0]));
         assert_eq!(duffing.images(&[1.0, -2.0]).collect::<Vec<_>>(), [[1.0, -2.0], [-1.0, 2.0]]);
+        assert_eq!(chain(0.0).generators().len(), 2);
+        let stands = |x: &[f64]| chain(0.0).stands_for(x);
+        assert_eq!([stands(&[-1.0, 2.0, 0.0, 0.0]), stands(&[0.0, -1.0, 0.0, -2.0])], [Some(2), Some(4)]);
+        assert_eq!([stands(&[-1.0, 2.0, 0.0, 1.0]), stands(&[0.0; 4])], [None, Some(1)]);
     }
 }

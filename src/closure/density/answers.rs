@@ -118,10 +118,13 @@ impl Density for ClosureDensity {
         Ok(Estimate::new(sums[0], (sums[0] - sums[1]).abs() + self.reference_error() * square.sqrt()))
     }
 
-    /// In three states and more the moments of Q's own functions are the pilot's calibrated ones, with their standard errors; where
-    /// exp(Q) is the closest to a known density, they are that one's.
+    /// In three states and more the moments of Q's own functions are the pilot's calibrated ones, with their standard errors, and those
+    /// that the system's symmetry makes zero are zero; where exp(Q) is the closest to a known density, they are that one's.
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.dimension())?;
+        if matches!(&self.content.integrals, Integrals::Draws(rule) if !rule.copula.keeps(powers)) {
+            return Ok(Estimate::exact(0.0));
+        }
         let own = || self.expectation(&|x| power(x, powers));
         match self.content.moments.iter().find(|moment| moment.powers == powers) {
             Some(moment) => {

@@ -33,8 +33,8 @@ pub(crate) struct TrustDomain {
 }
 
 impl TrustDomain {
-    /// The hull of the pilot's states and their mirror images about `centre`, with all distances multiplied by
-    /// `widening`. Walls at state 0, if any, stay where they are.
+    /// The hull of the pilot's states about `centre`, in one state and two with their mirror images, with all distances multiplied
+    /// by `widening`. Walls at state 0, if any, stay where they are.
     pub(in crate::closure) fn new(
         pilot: &Pilot,
         symmetry: &Symmetry,
@@ -42,12 +42,14 @@ impl TrustDomain {
         walls: [Option<f64>; 2],
         widening: f64,
     ) -> Self {
+        // About their centre mirror images are as far, and an ellipsoid has no sectors.
+        let images = if centre.len() > 2 { 1 } else { symmetry.count() };
         // The largest numbers that `enter` meets over all states and their images.
         let largest = |count: usize, enter: &(dyn Fn(&[f64], &mut [f64]) + Sync)| -> Vec<f64> {
             let part = |states: &[f64]| {
                 let (mut image, mut most) = (vec![0.0; centre.len()], vec![0.0; count]);
                 for x in states.chunks_exact(centre.len()) {
-                    for change in 0..symmetry.count() {
+                    for change in 0..images {
                         symmetry.reflect(change, x, &mut image);
                         enter(&image, &mut most);
                     }

@@ -3,7 +3,7 @@
 use crate::closure::pilot::Pilot;
 use crate::closure::tuning;
 use crate::error::{Error, Result};
-use crate::problem::{Contact, Symmetry};
+use crate::problem::{Contact, Symmetry, odd};
 use crate::record::{Read, positive, states};
 use nalgebra::{Cholesky, DMatrix};
 use serde::{Deserialize, Serialize};
@@ -26,6 +26,9 @@ pub(crate) struct Copula {
     pub(crate) inverse: Vec<Vec<f64>>,
     /// The square of the radius of the trust domain.
     pub(crate) farthest: f64,
+    /// Sign changes of states, of which others are made, that leave the density as it is, and those that its draws carry.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    flips: Vec<Vec<bool>>,
 }
 
 /// The score of a knot.
@@ -75,8 +78,7 @@ impl Copula {
 
     /// Of the pilot's states and their mirror images. None where they lie on a surface.
     pub(in crate::closure) fn new(pilot: &Pilot, symmetry: &Symmetry) -> Option<Self> {
-        let images = || pilot.states.iter().flat_map(|x| symmetry.images(x));
-        Copula::of(pilot.states.dimension(), &images, tuning::domain::WIDENING)
+        Copula::of(symmetry, &|| pilot.states.iter(), tuning::domain::WIDENING)
     }
 
     /// Of the pilot's states and their reflections at each wall, so that the density does not fall off towards walls.
@@ -91,7 +93,8 @@ impl Copula {
             behind.chain([x.to_vec()]).collect::<Vec<_>>()
         };
         let images = || pilot.states.iter().flat_map(reflected);
-        let copula = Copula::of(pilot.states.dimension(), &images, tuning::domain::WIDENING_AT_WALLS)?;
+        let none = Symmetry::none(pilot.states.dimension());
+        let copula = Copula::of(&none, &images, tuning::domain::WIDENING_AT_WALLS)?;
         let of = |x: &[f64]| distance(&copula.inverse, &copula.scores(x));
         let mut distances: Vec<f64> = pilot.states.iter().map(of).collect();
         let last = distances.len().checked_sub(1)?;
@@ -100,10 +103,16 @@ impl Copula {
         Some(Copula { farthest: *farthest, ..copula })
     }
 
-    /// Of any states of `n` numbers; the covariance of the scores is `wider` times theirs. None where they lie on a surface.
-    pub(super) fn of<I: Iterator<Item = Vec<f64>>>(n: usize, images: &impl Fn() -> I, wider: f64) -> Option<Self> {
+    /// Of any states and their mirror images; the covariance of the scores is `wider` times theirs. None where they lie on a surface.
+    pub(super) fn of<I>(symmetry: &Symmetry, states: &impl Fn() -> I, wider: f64) -> Option<Self>
+    where
+        I: Iterator<Item: AsRef<[f64]>>,
+    {
+        let n = symmetry.changes()[0].len();
         let quantiles = |i: usize| -> Vec<f64> {
-            let mut all: Vec<f64> = images().map(|x| x[i]).collect();
+            let own = || states().map(|x| x.as_ref()[i]);
+            let mut all: Vec<f64> = own().collect();
+            all.extend(own().filter(|_| symmetry.flips(i)).map(|x| -x));
             all.sort_by(f64::total_cmp);
             let quantile = |p: f64| all[((p * all.len() as f64) as usize).min(all.len() - 1)];
             (0..KNOTS).map(|k| quantile(normal_distribution(score(k)))).collect()
@@ -115,18 +124,20 @@ impl Copula {
         let scores = |x: &[f64]| -> Vec<f64> { knots.iter().zip(x).map(|(knots, x)| score_of(knots, *x)).collect() };
         let mut covariance = DMatrix::zeros(n, n);
         let mut count = 0.0;
-        for x in images() {
-            let z = scores(&x);
+        for x in states() {
+            let z = scores(x.as_ref());
             for i in 0..n {
                 (0..n).for_each(|j| covariance[(i, j)] += z[i] * z[j]);
             }
             count += 1.0;
         }
         covariance *= wider / count;
+        symmetry.average(&mut covariance);
         let rows =
             |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|row| row.iter().copied().collect()).collect() };
         let inverse = rows(&Cholesky::new(covariance.clone())?.l().try_inverse()?);
-        let farthest = images().map(|x| distance(&inverse, &scores(&x))).fold(0.0, f64::max);
+        // Mirror images are about as far.
+        let farthest = states().map(|x| distance(&inverse, &scores(x.as_ref()))).fold(0.0, f64::max);
         let covariance = rows(&covariance);
         Some(Copula {
             spacing: SPACING,
@@ -134,6 +145,7 @@ impl Copula {
             covariance,
             inverse,
             farthest: farthest * tuning::domain::WIDENING * tuning::domain::WIDENING,
+            flips: symmetry.generators(),
         })
     }
 
@@ -156,6 +168,9 @@ impl Copula {
         let covariance = DMatrix::from_fn(n, n, |i, j| self.covariance[i][j]);
         Cholesky::new(covariance).ok_or("the covariance of the scores is not positive definite")?;
         positive("the farthest distance", self.farthest)?;
+        if self.flips.iter().any(|flip| flip.len() != n) {
+            return Err(format!("its sign changes are not those of {n} states"));
+        }
         Ok(self)
     }
 
@@ -184,6 +199,11 @@ impl Copula {
         let steepness = (0..n).map(logarithms).collect();
         let lower = (0..n).map(|i| (0..=i).map(|j| lower[(i, j)]).collect()).collect();
         Ok(Sampler { copula: self, order, lower, steepness, held })
+    }
+
+    /// Whether a monomial is the same at all mirror images of a state.
+    pub(in crate::closure) fn keeps(&self, powers: &[u32]) -> bool {
+        !self.flips.iter().any(|flip| odd(flip, powers))
     }
 
     /// Whether a state lies in the trust domain: where the pilot has been, or a little farther out.

@@ -40,12 +40,12 @@ impl Lattice {
         let n = pilot.states.dimension();
         let (centre, _) = pilot.spread(symmetry);
         let mut covariance = DMatrix::zeros(n, n);
-        let images = || pilot.states.iter().flat_map(|x| symmetry.images(x));
-        for x in images() {
+        for x in pilot.states.iter() {
             let off = DVector::from_fn(n, |i, _| x[i] - centre[i]);
             covariance.ger(1.0, &off, &off, 1.0);
         }
-        covariance /= images().count() as f64;
+        covariance /= pilot.states.len() as f64;
+        symmetry.average(&mut covariance);
         let axes = Cholesky::new(covariance)?.l();
         let length = |x: &[f64]| {
             let off = DVector::from_fn(n, |i, _| x[i] - centre[i]);
@@ -108,20 +108,15 @@ impl Lattice {
         let reach = (self.radius / self.spacing).powi(2);
         let along = |row: &[f64], place: &[f64]| row.iter().zip(place).map(|(l, k)| l * k).sum::<f64>();
         each(0, reach, &vec![1.0; n], &mut place, &mut |place| {
-            let images: Vec<Vec<f64>> = symmetry.images(place).collect();
-            // The first of the images in the order of numbers stands for all.
-            if images.iter().any(|image| image.as_slice() < place) {
-                return true;
-            }
+            let Some(images) = symmetry.stands_for(place) else { return true };
             let rows = self.axes.iter().zip(&self.centre);
             let x: Vec<f64> = rows.map(|(row, centre)| centre + self.spacing * along(row, place)).collect();
             if copula.trusts(&x) {
-                let itself = images.iter().filter(|image| image.as_slice() == place).count();
                 // Mirror images have the same.
                 let odd = |bits, k: &f64| bits << 1 | u32::from(k.rem_euclid(2.0) > 0.5);
                 let (points, base, odds) = &mut halves[place.iter().sum::<f64>().rem_euclid(2.0) as usize];
                 points.extend(x);
-                base.push((images.len() as f64 / itself as f64).ln());
+                base.push((images as f64).ln());
                 odds.push(place.iter().rev().fold(0, odd));
             }
             halves[0].1.len() + halves[1].1.len() <= most

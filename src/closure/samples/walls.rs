@@ -10,7 +10,7 @@ use crate::closure::space::Corner;
 use crate::closure::tuning;
 use crate::estimate::Estimate;
 use crate::numerics::add_gram;
-use crate::problem::Contact;
+use crate::problem::{Contact, Symmetry};
 use crate::states::States;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
@@ -56,7 +56,7 @@ impl WallNodes {
         if struck().count() < tuning::likelihood::LEAST_IMPACTS {
             return None;
         }
-        let copula = Copula::of(n - 1, &struck, tuning::domain::WIDENING_AT_WALLS)?;
+        let copula = Copula::of(&Symmetry::none(n - 1), &struck, tuning::domain::WIDENING_AT_WALLS)?;
         let sampler = copula.sampler(&[]).ok()?;
         let shifts = Shifts::new(n - 1, draws, seed);
         let mut nodes = WallNodes { drawn: true, ..WallNodes::empty(n) };
