@@ -40,7 +40,7 @@ impl Lattice {
         let n = pilot.states.dimension();
         let (centre, _) = pilot.spread(symmetry);
         let mut covariance = DMatrix::zeros(n, n);
-        for x in pilot.states.iter() {
+        for x in &pilot.states {
             let off = DVector::from_fn(n, |i, _| x[i] - centre[i]);
             covariance.ger(1.0, &off, &off, 1.0);
         }

@@ -163,7 +163,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
         None => {
             let fit = if family.has_kinks() { fit } else { reconciled(fit) };
             let comparing = Likelihood { products: &comparing, ..likelihood };
-            (l1_estimate(problem, &comparing, &fit, &calibration, covered), false, fit)
+            (l1_estimate(problem, [&likelihood, &comparing], &fit, &calibration, covered), false, fit)
         }
     };
     let residual = if struck { [f64::INFINITY; 2] } else { likelihood.residual(problem, &fit) };
@@ -224,12 +224,15 @@ fn reconciled(
     fit
 }
 
-/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit`, of which the first of `higher` are the functions: the distance from the
-/// density that the pilot's means and the moment equations of all of `higher` give, less the part of it that is chance, plus
-/// the last step of a search that did not end; 2 where there is no such density.
+/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit` in the functions of `own`, the first of those of `likelihood`: the distance from
+/// the density that the pilot's means and the moment equations of all of these give, less the part of it that is chance, plus the last
+/// step of a search that did not end; 2 where there is no such density.
+///
+/// Where there are too many functions for moment equations, the density of the higher order has a noise of its own: what its square
+/// exceeds that of the lower order by is in the distance's square, and the lower order keeps its own.
 fn l1_estimate(
     problem: &Problem,
-    likelihood: &Likelihood<'_>,
+    [own, likelihood]: [&Likelihood<'_>; 2],
     fit: &Fit,
     calibration: &Calibration,
     covered: usize,
@@ -260,14 +263,17 @@ fn l1_estimate(
         let (distance, above) = apart(&found.means, found.size.min(1.0)).filter(|(_, above)| above.converged)?;
         Some((distance, distance * (found.noise / found.size).min(1.0), above.next))
     });
-    // Half the distance between the higher order by one half of the states and by the other is the noise of the two together.
+    let without_noise = |found: f64, noise: f64| (found * found - noise * noise).max(0.0).sqrt();
+    let by_both = by_both.map(|(found, noise, open)| (without_noise(found, noise) + 0.5 * noise).hypot(open));
+    // Half the distance between the density by one half of the states and by the other is the noise of the two together.
+    let noise = |likelihood: &Likelihood<'_>, fit: &Fit| {
+        let size = likelihood.products.len() - 1;
+        0.5 * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
+    };
     let by_pilot = || {
         let (distance, above) = apart(&calibration.means[..size], tuning::likelihood::UNKNOWN)?;
-        let change = likelihood.change(&above, calibration.halves.each_ref().map(|half| &half[..size]));
-        Some((distance, 0.5 * change.unwrap_or(2.0), above.next))
+        let (own, higher) = (noise(own, fit), noise(likelihood, &above));
+        Some(without_noise(distance, without_noise(higher, own)).hypot(own).hypot(above.next))
     };
-    by_both.or_else(by_pilot).map_or(2.0, |(found, noise, open)| {
-        let beyond_noise = (found * found - noise * noise).max(0.0).sqrt();
-        (beyond_noise + 0.5 * noise).hypot(open).min(2.0)
-    })
+    by_both.or_else(by_pilot).map_or(2.0, |found| found.min(2.0))
 }

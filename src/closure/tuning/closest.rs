@@ -30,7 +30,7 @@ pub(crate) const ACCURACIES: [f64; 2] = [1e-3, 1e-5];
 /// See [`ACCURACIES`].
 pub(crate) const MINOR: f64 = 0.1;
 /// The memory of such a grid, in GiB. A bound on work: seconds.
-pub(crate) const MEMORY: f64 = 0.5;
+pub(crate) const MEMORY: f64 = 0.3;
 /// The estimate of moment equations below this share of that by a grid is believed.
 pub(crate) const BETTER: f64 = 0.5;
 /// The moment equations serve where their error is below this share of the whole estimate, in one state, whose closed form takes no time,
