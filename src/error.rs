@@ -84,6 +84,14 @@ pub enum Error {
         /// The behaviour of the variance.
         behaviour: &'static str,
     },
+    /// Trajectories do not settle.
+    #[error("there is no stationary density: in state {state} trajectories {behaviour}")]
+    NoDensity {
+        /// The first such state.
+        state: usize,
+        /// What they do, and the remedy.
+        behaviour: &'static str,
+    },
     /// exp(Q) has no finite integral.
     #[error(
         "exp(Q) of order {order} cannot be normalised: Q grows in the direction {direction:.3?}; it is no density, try another order or basis"

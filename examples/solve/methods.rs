@@ -48,8 +48,13 @@ pub(crate) fn serving(
             (Some(estimate), None) => format!("the closure's estimate is {estimate:.1e}"),
             (None, warning) => format!("the closure has no answer: {}", warning.as_deref().unwrap_or_default()),
         },
-        // What no other method would take either.
-        Err(error) if matches!(error.downcast_ref(), Some(Error::OutOfRange { .. } | Error::Dimension { .. })) => {
+        // What no other method would take, or has an answer to, either.
+        Err(error)
+            if matches!(
+                error.downcast_ref(),
+                Some(Error::OutOfRange { .. } | Error::Dimension { .. } | Error::NoDensity { .. })
+            ) =>
+        {
             return closure;
         }
         Err(error) => format!("the closure has no answer: {error}"),

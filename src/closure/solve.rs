@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Symmetry, Wall};
+use crate::simulation::require_settling;
 use std::time::Instant;
 
 const METHOD: &str = "closure";
@@ -41,6 +42,7 @@ impl Closure {
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the
     /// problem, for noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Unreached`] where no noise reaches a
     /// state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
+    /// [`Error::NoDensity`] where trajectories grow without end or come to rest;
     /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
     /// equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
@@ -49,6 +51,7 @@ impl Closure {
         problem.operator().require_reached(&problem.joined())?;
         let walls = if problem.dimension() > 2 { [None, None] } else { problem.walls_of_plane(METHOD)? };
         self.serves_impulses(problem)?;
+        require_settling(problem)?;
         if walls.iter().any(Option::is_some) {
             self.next_to_walls(problem, walls, begin)
         } else {

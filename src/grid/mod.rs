@@ -168,7 +168,7 @@ impl Grid {
     /// # Errors
     /// - [`Error::NotServed`]: a problem of another number of states, a wall on state 1, or impulses;
     /// - [`Error::OutOfRange`]: an option without a meaning;
-    /// - [`Error::Exploded`]: the drift does not bring trajectories back;
+    /// - [`Error::Exploded`], [`Error::NoDensity`]: the drift does not bring trajectories back, or they come to rest;
     /// - [`Error::Unreached`]: a state that no noise reaches; [`Error::Rests`]: a wall that trajectories come to rest on;
     /// - [`Error::SingularSystem`]: more than one density is stationary, or none;
     /// - [`Error::NotResolved`]: an estimate of order 1, with its reason;

@@ -1,11 +1,11 @@
 //! Where the density is: states of trajectories, before anything is computed.
 
 use super::shape::{MOST, Place};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::grid::tuning::pilot as tuning;
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, TimeScales};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, settled};
 use crate::states::States;
 use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
@@ -20,18 +20,17 @@ impl Pilot {
     /// From near 0, and from starts that are scattered over more than what these have reached, so that no well is missed.
     ///
     /// # Errors
-    /// [`Error::Exploded`] with every time step that was tried, [`Error::NotResolved`] where trajectories keep growing: the drift does
-    /// not bring them back.
+    /// [`Error::Exploded`](crate::Error::Exploded) with every time step that was tried, [`Error::NoDensity`](crate::Error::NoDensity)
+    /// where trajectories keep growing or end at a point.
     pub(super) fn new(problem: &Problem) -> Result<Self> {
-        let mut pilot = Pilot { states: run(problem, None)? };
-        pilot.require_bounded()?;
+        let mut pilot = Pilot { states: settled(problem, [tuning::TRAJECTORIES, tuning::STATES])? };
         let (reach, middle, states) = (pilot.reach(), pilot.middle(), problem.dimension());
         let deviation =
             |axis: usize| tuning::FARTHER * (reach[axis][1] - middle[axis]).max(middle[axis] - reach[axis][0]);
         let covariance = DMatrix::from_fn(states, states, |i, j| if i == j { deviation(i).powi(2) } else { 0.0 });
         let start = Gaussian { mean: DVector::from_fn(states, |axis, _| middle[axis]), covariance };
         // From too far trajectories may explode with any step.
-        if let Ok(more) = run(problem, Some(start)) {
+        if let Ok(more) = scattered(problem, start) {
             more.iter().for_each(|x| pilot.states.push(x));
         }
         let own = pilot.states.clone();
@@ -42,24 +41,6 @@ impl Pilot {
             }
         }
         Ok(pilot)
-    }
-
-    /// Refuses trajectories that keep growing from the first quarter of their states to the last.
-    fn require_bounded(&self) -> Result<()> {
-        let (states, each) = (self.states.dimension(), tuning::STATES / tuning::TRAJECTORIES);
-        let middle = self.middle();
-        // The median is what heavy tails do not move.
-        let spread = |axis: usize, quarter: usize| {
-            let rows = self.states.iter().enumerate().filter(|(k, _)| 4 * (k % each) / each == quarter);
-            let mut all: Vec<f64> = rows.map(|(_, x)| (x[axis] - middle[axis]).abs()).collect();
-            all.sort_by(f64::total_cmp);
-            all.get(all.len() / 2).copied().unwrap_or_default()
-        };
-        let grown = (0..states).find(|axis| spread(*axis, 3) > tuning::GROWING * spread(*axis, 0));
-        let reason = |state: usize| {
-            format!("the trajectories of a pilot keep growing in state {state}: the drift has no stationary density")
-        };
-        grown.map_or(Ok(()), |state| Err(Error::NotResolved { estimate: f64::INFINITY, reason: reason(state) }))
     }
 
     /// The lowest and the highest value of each state.
@@ -101,25 +82,14 @@ impl Pilot {
     }
 }
 
-/// States of trajectories, with shorter time steps where they explode near 0. At farther starts forces are steeper, and steps
-/// shorter.
-fn run(problem: &Problem, farther: Option<Gaussian>) -> Result<States> {
+/// States of trajectories from farther starts, where forces are steeper, and steps shorter.
+fn scattered(problem: &Problem, start: Gaussian) -> Result<States> {
     let scales = TimeScales::of(problem)?;
-    let (mut step, mut halved) = (scales.short(tuning::STEP), 0);
-    loop {
-        let mut simulation = Simulation::new().trajectories(tuning::TRAJECTORIES).samples(tuning::STATES);
-        if let Some(start) = &farther {
-            step = scales.short(tuning::STEP) / tuning::FARTHER;
-            let count = tuning::SCATTERED;
-            simulation =
-                simulation.trajectories(count).samples(tuning::EACH * count).start(Start::Gaussian(start.clone()));
-        }
-        let simulation = simulation.time_step(step).sampling_interval(scales.short(tuning::INTERVAL));
-        match simulation.states(problem) {
-            Err(Error::Exploded { .. }) if farther.is_none() && halved < tuning::HALVINGS => {
-                (step, halved) = (step / 2.0, halved + 1);
-            }
-            other => return other,
-        }
-    }
+    Simulation::new()
+        .trajectories(tuning::SCATTERED)
+        .samples(tuning::EACH * tuning::SCATTERED)
+        .start(Start::Gaussian(start))
+        .time_step(scales.short(tuning::STEP) / tuning::FARTHER)
+        .sampling_interval(scales.short(tuning::INTERVAL))
+        .states(problem)
 }

@@ -24,14 +24,9 @@ pub(super) mod pilot {
     pub(crate) const EACH: usize = 60;
     /// The deviation of farther starts, over the distance of the outermost state of the main run from the middle.
     pub(crate) const FARTHER: f64 = 5.0;
-    /// The time step and the time between states, in the shortest of the system's times: the pilot finds where the density is, not
-    /// what it is.
+    /// Their time step, which is shorter by the same factor, and the time between states, in the shortest of the system's times.
     pub(crate) const STEP: f64 = 0.4;
     pub(crate) const INTERVAL: f64 = 4.0;
-    /// Trajectories whose median distance from the middle grows by so much from the first quarter to the last do not come back.
-    pub(crate) const GROWING: f64 = 5.0;
-    /// How often a time step with which trajectories explode is halved.
-    pub(crate) const HALVINGS: usize = 6;
 }
 
 /// The mesh.

@@ -42,6 +42,7 @@ fn missing(error: &Error) -> bool {
         error,
         Error::NotClosed { .. }
             | Error::NoStationaryDensity { .. }
+            | Error::NoDensity { .. }
             | Error::Exploded { .. }
             | Error::OutOfRange { .. }
             | Error::NotNormalisable { .. }

@@ -4,6 +4,7 @@ use super::{Problem, units::natural_units};
 use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
 use crate::polynomial::Gaussian;
+use crate::states::States;
 use nalgebra::{DMatrix, DVector};
 
 /// The slowest rate counts as at least this part of the fastest.
@@ -17,6 +18,8 @@ pub(crate) struct TimeScales {
     fastest: f64,
     /// The slowest decay of the linearised system.
     slowest: f64,
+    /// Whether the Gaussian closure settles.
+    settles: bool,
 }
 
 impl TimeScales {
@@ -25,19 +28,25 @@ impl TimeScales {
     /// # Errors
     /// [`Error::OutOfRange`] where coefficients differ so much that no units are finite.
     pub(crate) fn of(problem: &Problem) -> Result<Self> {
-        let gaussian = match problem.gaussian() {
-            Ok(gaussian) => gaussian,
-            // Where the Gaussian closure does not settle the system may still be stable: if not, the simulation explodes.
-            Err(Error::NoStationaryDensity { .. }) => {
-                let (frame, _) = natural_units(&problem.operator().diffusive())?;
-                let scale = frame.scale();
-                Gaussian { mean: DVector::zeros(problem.dimension()), covariance: scale * scale.transpose() }
-            }
-            Err(error) => return Err(error),
-        };
+        let (gaussian, settles) = near(problem)?;
         let fastest = fastest(problem, &gaussian).max(f64::MIN_POSITIVE);
         let slowest = slowest(problem, &gaussian).max(SLOWEST * fastest);
-        Ok(TimeScales { fastest, slowest })
+        Ok(TimeScales { fastest, slowest, settles })
+    }
+
+    /// Whether the Gaussian closure settles, and with it all of the linearised system decays: A S + S Aᵀ is minus the noise's mean, A the
+    /// mean Jacobian and S a covariance.
+    pub(crate) fn settles(&self) -> bool {
+        self.settles
+    }
+
+    /// The fastest rate at some states over the system's.
+    ///
+    /// # Errors
+    /// As [`TimeScales::of`].
+    pub(crate) fn share(&self, problem: &Problem, states: &States) -> Result<f64> {
+        let deviation = deviations(&near(problem)?.0);
+        Ok(states.iter().map(|x| rate(problem, x, &deviation)).fold(0.0, f64::max) / self.fastest)
     }
 
     /// So many times the shortest of the system's times.
@@ -52,21 +61,46 @@ impl TimeScales {
     }
 }
 
-/// The largest sum of a row of the Jacobian, in units of the standard deviations, at points up to two deviations away.
+/// The Gaussian closure's density, and whether it settles; if not, the natural units about 0.
+fn near(problem: &Problem) -> Result<(Gaussian, bool)> {
+    match problem.gaussian() {
+        Ok(gaussian) => Ok((gaussian, true)),
+        // The system may still be stable: if not, the simulation explodes.
+        Err(Error::NoStationaryDensity { .. }) => {
+            let (frame, _) = natural_units(&problem.operator().diffusive())?;
+            let scale = frame.scale();
+            let mean = DVector::zeros(problem.dimension());
+            Ok((Gaussian { mean, covariance: scale * scale.transpose() }, false))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// The standard deviations.
+fn deviations(gaussian: &Gaussian) -> Vec<f64> {
+    (0..gaussian.mean.len()).map(|i| gaussian.covariance[(i, i)].sqrt()).collect()
+}
+
+/// The largest sum of a row of the Jacobian at a point, in units of these deviations.
+fn rate(problem: &Problem, x: &[f64], deviation: &[f64]) -> f64 {
+    let row = |a: usize| -> f64 {
+        let slopes = problem.operator().drift()[a].gradient(x);
+        slopes.iter().zip(deviation).map(|(slope, b)| slope.abs() * b / deviation[a]).sum()
+    };
+    (0..deviation.len()).map(row).fold(0.0, f64::max)
+}
+
+/// The largest such sum at points up to two deviations away.
 fn fastest(problem: &Problem, gaussian: &Gaussian) -> f64 {
     let n = problem.dimension();
-    let deviation: Vec<f64> = (0..n).map(|i| gaussian.covariance[(i, i)].sqrt()).collect();
+    let deviation = deviations(gaussian);
     let mut fastest = 0.0_f64;
     for reach in [0.0, 1.0, 2.0] {
         for i in 0..n {
             for sign in [-1.0, 1.0] {
                 let mut x = gaussian.mean.clone();
                 x[i] += sign * reach * deviation[i];
-                for a in 0..n {
-                    let slopes = problem.operator().drift()[a].gradient(x.as_slice());
-                    let row: f64 = (0..n).map(|b| slopes[b].abs() * deviation[b] / deviation[a]).sum();
-                    fastest = fastest.max(row);
-                }
+                fastest = fastest.max(rate(problem, x.as_slice(), &deviation));
             }
         }
     }

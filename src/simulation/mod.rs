@@ -17,7 +17,7 @@
 //! - `tally`, `bins`, `histogram`, `trend`, `blocks`: the sums that a batch makes of its samples;
 //! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments less the chance that is
 //!   correlated with them;
-//! - `stationarity`: the test of whether a run still depends on its start;
+//! - `stationarity`: the test of whether a run still depends on its start; `settling`: whether trajectories settle at all;
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: the options that determine the results, and the times of samples;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
@@ -57,6 +57,7 @@ mod result;
 mod run;
 mod scheme;
 mod session;
+mod settling;
 mod setup;
 mod splitting;
 mod start;
@@ -73,6 +74,7 @@ pub use control::Progress;
 pub use histogram::Histogram;
 pub(crate) use paths::{Collisions, Impact, Paths};
 pub use result::SimulatedDensity;
+pub(crate) use settling::{require_settling, settled};
 pub use setup::Simulation;
 pub use splitting::{Splitting, Tails};
 pub use statistics::{FirstPassage, Spectrum};

@@ -167,3 +167,22 @@ pub(super) mod splitting {
     /// From fewer particles beyond a level the mean excess is not taken.
     pub(crate) const LEAST_SEEN: f64 = 50.0;
 }
+
+/// The question whether trajectories settle.
+pub(super) mod settling {
+    /// The time step and the time between states, in the shortest of the system's times: these states show where the density is, not
+    /// what it is.
+    pub(crate) const STEP: f64 = 0.4;
+    pub(crate) const INTERVAL: f64 = 4.0;
+    /// How often a time step with which trajectories explode is halved.
+    pub(crate) const HALVINGS: usize = 6;
+    /// Trajectories and states where the question alone is asked.
+    pub(crate) const FEW: [usize; 2] = [64, 20_480];
+    /// Trajectories whose median distance from the middle grows by so much from the first quarter to the last have not settled.
+    pub(crate) const GROWING: f64 = 5.0;
+    /// Times between states are then longer by each of these factors until that growth is less than the number beside it: a distance that
+    /// diffuses, or whose square is an energy that does, grows by 1.6, 2.1 and 2.5.
+    pub(crate) const LONGER: [(f64, f64); 3] = [(4.0, 1.15), (16.0, 1.15), (64.0, 1.35)];
+    /// Trajectories have ended where that distance falls to this part: e^−λt does within a few hundred of the shortest times.
+    pub(crate) const ENDED: f64 = 1e-2;
+}

@@ -58,6 +58,7 @@ impl Answer {
             Ok(answer) => return Ok(answer.into()),
             Err(error @ Error::NotClosed { .. }) => ("not closed", error),
             Err(error @ Error::NoStationaryDensity { .. }) => ("no Gaussian closure", error),
+            Err(error @ Error::NoDensity { .. }) => ("no density", error),
             Err(error) => return Err(error),
         };
         let (termination, refusal) = (Some(termination.to_owned()), Some(error.to_string()));

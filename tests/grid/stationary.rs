@@ -279,7 +279,8 @@ fn warned_or_not_resolved(what: &str, found: expoly::Result<GridDensity>) {
             assert!(warning.is_some() && estimate > 1e-6, "{what}: {estimate:e}, {warning:?}");
         }
         Err(error) => {
-            let known = matches!(error, Error::NotResolved { .. } | Error::SingularSystem { .. });
+            let known =
+                matches!(error, Error::NotResolved { .. } | Error::SingularSystem { .. } | Error::NoDensity { .. });
             assert!(known, "{what}: {error}");
         }
     }

@@ -468,3 +468,42 @@ fn draws_from_what_is_no_density_end() {
     let drawn = expoly::statistics::samples(&Lattice, 1, 1);
     assert!(matches!(drawn, Err(Error::NotKnown { .. })), "{drawn:?}");
 }
+
+/// Trajectories that grow without end, by a resonance that nothing damps, by chance alone or by energy that is fed in, and those that end
+/// where the noise vanishes, have no density; what is slow to settle, or comes to rest nowhere, has one.
+#[test]
+fn what_does_not_settle_has_no_density() {
+    let undamped = include_str!("../cases/undamped.toml");
+    let shrinking = "states = ['x']\ndrift.x = '-x'\nnoise.w.x = '0.5*x'";
+    let free = "states = ['x', 'v']\ndrift = { x = 'v', v = '-v' }\nnoise.w.v = '1'";
+    let fed = "states = ['x', 'v']\ndrift = { x = 'v', v = '0.02*v - x' }\nnoise.w.v = '1'";
+    for (text, what) in
+        [(shrinking, "come to rest"), (undamped, "keep growing"), (free, "keep growing"), (fed, "exploded")]
+    {
+        let problem = Problem::from_toml(text).unwrap();
+        for error in [Closure::new(4).solve(&problem).map(|_| ()), Grid::new().solve(&problem).map(|_| ())] {
+            let error = error.expect_err(text);
+            assert!(error.to_string().contains(what), "{text}: {error}");
+        }
+    }
+    // Damping of a thousandth; rates of 2e16 and 5e-6 beside each other; damping of higher order alone, or negative at rest; noise that vanishes
+    // at a state of rest that drives away.
+    for text in [
+        "states = ['x', 'v']\ndrift = { x = 'v', v = '-0.001*v - x' }\nnoise.w.v = '1'",
+        include_str!("../cases/trap-si.toml"),
+        "states = ['x', 'v']\ndrift = { x = 'v', v = '-v^3 - x' }\nnoise.w.v = '1'",
+        "states = ['x', 'v']\ndrift = { x = 'v', v = '0.5*v - 0.5*x^2*v - x' }\nnoise.w.v = '0.5'",
+        include_str!("../cases/cycle-driven-displacement.toml"),
+        "states = ['x']\ndrift.x = 'x - x^3'\nnoise.w.x = '0.5*x'",
+        "states = ['x', 'v']\ndrift = { x = 'v', v = '-v + x - x^3' }\nnoise.w.v = '0.3*x'",
+        include_str!("../cases/lorenz-multiplicative.toml"),
+    ] {
+        let problem = Problem::from_toml(text).unwrap();
+        let closed = Closure::new(2).pilot_states(1024).solve(&problem).map(|_| ());
+        // The first mesh is beyond the memory, after the question.
+        let solved = Grid::new().memory_limit(1e-6).solve(&problem).map(|_| ());
+        for found in [closed, solved] {
+            assert!(!matches!(found, Err(Error::NoDensity { .. } | Error::Exploded { .. })), "{text}: {found:?}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Whether trajectories settle: they neither grow without end nor come to rest.
+
+use super::Simulation;
+use crate::error::{Error, Result};
+use crate::fokker_planck::Impulse;
+use crate::problem::{Problem, TimeScales};
+use crate::simulation::tuning::settling as tuning;
+use crate::states::States;
+
+/// States of some trajectories from near rest, `count` of them. Where they explode time steps are halved; where they grow from the first
+/// quarter to the last, as after a start at a state of rest that they leave, runs with longer times between states show whether they go
+/// on.
+///
+/// # Errors
+/// [`Error::Exploded`] with every time step that was tried; [`Error::NoDensity`] where trajectories keep growing, or all end at a
+/// point.
+pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> Result<States> {
+    let scales = TimeScales::of(problem)?;
+    let (mut step, mut halved) = (scales.short(tuning::STEP), 0);
+    let mut run = |longer: f64| loop {
+        let simulation = Simulation::new().trajectories(trajectories).samples(count).time_step(step);
+        match simulation.sampling_interval(scales.short(longer * tuning::INTERVAL)).states(problem) {
+            Err(Error::Exploded { .. }) if halved < tuning::HALVINGS => (step, halved) = (step / 2.0, halved + 1),
+            found => return found.and_then(|states| Ok((spread(&states, count / trajectories)?, states))),
+        }
+    };
+    let growing = |spreads: &[[f64; 2]], factor: f64| spreads.iter().position(|[early, late]| *late > factor * early);
+    let (spreads, first) = run(1.0)?;
+    let bounded = growing(&spreads, tuning::GROWING).is_none();
+    // A root of time shows in a longer run alone.
+    if bounded && scales.settles() {
+        return Ok(first);
+    }
+    let mut grown = None;
+    for (longer, factor) in tuning::LONGER {
+        let (spreads, states) = run(longer)?;
+        grown = growing(&spreads, factor);
+        // Where all is much slower than farther out, they had no time to grow.
+        if grown.is_none() || longer * scales.share(problem, &states)? < 1.0 {
+            return Ok(if bounded { first } else { states });
+        }
+    }
+    let behaviour = "keep growing: the drift must bring them back, so check the signs of damping and leading stiffness";
+    Err(Error::NoDensity { state: grown.unwrap_or(0), behaviour })
+}
+
+/// Refuses a system without a stationary density where that is in doubt: its Gaussian closure does not settle, or nothing
+/// moves trajectories from where they start.
+///
+/// # Errors
+/// Those of [`settled`].
+pub(crate) fn require_settling(problem: &Problem) -> Result<()> {
+    if TimeScales::of(problem)?.settles() && !rests(problem) {
+        return Ok(());
+    }
+    settled(problem, tuning::FEW).map(|_| ())
+}
+
+/// Whether drift, noise and impulses vanish where trajectories start.
+fn rests(problem: &Problem) -> bool {
+    let (x, n) = (problem.still(), problem.dimension());
+    let (mut drift, mut diffusion) = (vec![0.0; n], vec![0.0; n * n]);
+    problem.point(&x, &mut drift, &mut diffusion);
+    let struck = problem.impulses().iter().flat_map(Impulse::field).map(|field| field.evaluate(&x));
+    drift.into_iter().chain(diffusion).chain(struck).all(|value| value == 0.0)
+}
+
+/// The median distance of each state from its median in the first and in the last quarter of trajectories of `each` states: what neither
+/// heavy tails nor a few early states move.
+///
+/// # Errors
+/// [`Error::NoDensity`] where they all end at a point.
+fn spread(states: &States, each: usize) -> Result<Vec<[f64; 2]>> {
+    let of = |axis: usize| {
+        let middle = median(states.iter().map(|x| x[axis]));
+        [0, 3].map(|quarter| {
+            let rows = states.iter().enumerate().filter(|(k, _)| 4 * (k % each) / each == quarter);
+            median(rows.map(|(_, x)| (x[axis] - middle).abs()))
+        })
+    };
+    let spreads: Vec<[f64; 2]> = (0..states.dimension()).map(of).collect();
+    if spreads.iter().all(|[early, late]| *late <= tuning::ENDED * early) {
+        let behaviour = "come to rest: drift and noise vanish there, so let some noise act at that point";
+        return Err(Error::NoDensity { state: 0, behaviour });
+    }
+    Ok(spreads)
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut all: Vec<f64> = values.collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or_default()
+}
