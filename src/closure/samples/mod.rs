@@ -265,10 +265,11 @@ fn l1_estimate(
     });
     let without_noise = |found: f64, noise: f64| (found * found - noise * noise).max(0.0).sqrt();
     let by_both = by_both.map(|(found, noise, open)| (without_noise(found, noise) + 0.5 * noise).hypot(open));
-    // Half the distance between the density by one half of the states and by the other is the noise of the two together.
+    // Half the distance between the density by one half of the states and by the other is about the noise of the two together.
     let noise = |likelihood: &Likelihood<'_>, fit: &Fit| {
         let size = likelihood.products.len() - 1;
-        0.5 * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
+        tuning::likelihood::OF_HALVES
+            * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
     };
     let by_pilot = || {
         let (distance, above) = apart(&calibration.means[..size], tuning::likelihood::UNKNOWN)?;
