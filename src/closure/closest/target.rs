@@ -39,9 +39,17 @@ impl<'a> Target<'a> {
     /// # Errors
     /// Those of the density's values; [`Error::NotKnown`] where it has no mass on its cells.
     pub(super) fn new(density: &'a dyn Density, symmetry: &'a Symmetry) -> Result<Self> {
+        let found = Self::on_cells(density, symmetry, 1)?;
+        // Cells that the density does not name may have missed where its mass is.
+        let resolved = found.error < tuning::LOST || density.cells().len() > 1;
+        if resolved { Ok(found) } else { Self::on_cells(density, symmetry, tuning::MORE) }
+    }
+
+    /// The same from `more` times the fewest cells on.
+    fn on_cells(density: &'a dyn Density, symmetry: &'a Symmetry, more: usize) -> Result<Self> {
         let mut cells: Vec<Cell> = density.cells().into_iter().map(|limits| Cell { limits }).collect();
         // A cell of a grid has more than a cubic in it.
-        let least = tuning::FEWEST[density.dimension() - 1].max(cells.len() + 1);
+        let least = (more * tuning::FEWEST[density.dimension() - 1]).max(cells.len() + 1);
         while cells.len() < least {
             cells = cells.iter().flat_map(Cell::children).collect();
         }
@@ -128,7 +136,7 @@ impl<'a> Target<'a> {
 
     /// The cells with the density on them, normalised, for integrals with a relative error.
     pub(super) fn cells(&self, error: f64) -> Cells {
-        let density = self.pieces.iter().flat_map(|piece| &piece.values).map(|p| p.value / self.mass).collect();
+        let density = self.logarithm.iter().map(|log| log.exp() / self.mass).collect();
         Cells::new(self.pieces.iter().map(|piece| piece.cell.clone()), tuning::ALONG, density, error)
     }
 

@@ -25,6 +25,7 @@ mod start;
 mod survival;
 mod transient;
 
+use super::candidates::Origin;
 use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
 use super::discretisation::nodes::Nodes;
@@ -176,7 +177,11 @@ impl ClosureDensity {
     }
 
     pub(in crate::closure) fn origin(&self) -> Result<&Arc<Dynamics>> {
-        let (what, remedy) = ("the motion behind a density from a document", "solve the problem again");
+        let (what, remedy) = if matches!(self.candidates()[0].origin, Origin::Closest { .. }) {
+            ("the motion behind a density that no moment equations gave", "take the grid")
+        } else {
+            ("the motion behind a density from a document", "solve the problem again")
+        };
         self.dynamics.as_ref().ok_or(Error::NotKnown { what: what.into(), remedy })
     }
 

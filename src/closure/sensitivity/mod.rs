@@ -163,9 +163,11 @@ impl ClosureDensity {
 
     /// The problem, if derivatives of its density are served.
     fn differentiable(&self) -> Result<&Problem> {
-        let on_panels = matches!(self.content.integrals, Integrals::Panels { .. });
+        let on_panels = !matches!(self.content.integrals, Integrals::Draws(_));
         let stationary = match self.candidates()[0].origin {
-            Origin::Exact | Origin::MomentEquations { .. } => on_panels == (self.dimension() <= 2),
+            Origin::Exact | Origin::MomentEquations { .. } | Origin::Closest { .. } => {
+                on_panels == (self.dimension() <= 2)
+            }
             Origin::MaximumLikelihood => !on_panels && self.content.indication.is_some(),
             _ => false,
         };
@@ -207,7 +209,10 @@ impl ClosureDensity {
         operators: impl Iterator<Item = &'o FokkerPlanck> + Clone,
     ) -> Result<Linearised<'a>> {
         let (origin, walled) = (self.candidates()[0].origin, !problem.walls().is_empty());
-        let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
+        let tails = match origin {
+            Origin::MomentEquations { tails } | Origin::Closest { tails } => tails,
+            _ => 0.0,
+        };
         let dynamics = self.origin()?;
         let solution = |system: &'a MomentSystem| {
             if walled {

@@ -4,6 +4,10 @@
 pub(crate) const ALONG: usize = 4;
 /// The fewest cells, by the number of states: those of a density that names none must not miss where its mass is.
 pub(crate) const FEWEST: [usize; 2] = [64, 256];
+/// So many times as many where more than this share of the mass is not on them, or not known.
+pub(crate) const MORE: usize = 16;
+/// See [`MORE`].
+pub(crate) const LOST: f64 = 0.01;
 /// The most nodes, of which each has a row of all functions. A bound on work and memory.
 pub(crate) const MOST_NODES: usize = 160_000;
 /// The density is followed down to this share of its peak: 1e-4 leaves 1e-3 of a heavy tail's mass out, 1e-8 lets the tail decide.
