@@ -84,6 +84,16 @@ pub enum Error {
         /// The behaviour of the variance.
         behaviour: &'static str,
     },
+    /// No trajectory can be followed through the system's slowest time in steps of its fastest.
+    #[error(
+        "the system's rates are {fastest:.1e} and {slowest:.1e} per unit time, too far apart for trajectories and cells: leave the fastest motion out, or take the closure, which has the density of a linear system without them"
+    )]
+    TooStiff {
+        /// The fastest rate of the linearised system.
+        fastest: f64,
+        /// The slowest one.
+        slowest: f64,
+    },
     /// Trajectories do not settle.
     #[error("there is no stationary density: in state {state} trajectories {behaviour}")]
     NoDensity {

@@ -70,6 +70,7 @@ impl<'a> PilotPlan<'a> {
             let pilot = Pilot::of(states, self.interval);
             return Ok(Pilot { inflation, ..pilot });
         }
+        TimeScales::require_moderate(self.problem)?;
         let mut inflation = inflation;
         loop {
             match self.at(count, inflation) {

@@ -169,6 +169,7 @@ impl Grid {
     /// - [`Error::NotServed`]: a problem of another number of states, a wall on state 1, or impulses;
     /// - [`Error::OutOfRange`]: an option without a meaning;
     /// - [`Error::Exploded`], [`Error::NoDensity`]: the drift does not bring trajectories back, or they come to rest;
+    /// - [`Error::TooStiff`]: rates that are too far apart;
     /// - [`Error::Unreached`]: a state that no noise reaches; [`Error::Rests`]: a wall that trajectories come to rest on;
     /// - [`Error::SingularSystem`]: more than one density is stationary, or none;
     /// - [`Error::NotResolved`]: an estimate of order 1, with its reason;

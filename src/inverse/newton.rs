@@ -43,6 +43,7 @@ fn missing(error: &Error) -> bool {
         Error::NotClosed { .. }
             | Error::NoStationaryDensity { .. }
             | Error::NoDensity { .. }
+            | Error::TooStiff { .. }
             | Error::Exploded { .. }
             | Error::OutOfRange { .. }
             | Error::NotNormalisable { .. }

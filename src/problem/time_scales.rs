@@ -9,6 +9,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// The slowest rate counts as at least this part of the fastest.
 const SLOWEST: f64 = 1e-3;
+/// Rates that are farther apart than this leave no trajectory to follow: it would take a year.
+const STIFF: f64 = 1e10;
 
 /// The rates that determine a simulation's burn-in and the time between its samples. They scale with the user's unit of time,
 /// so that a count of the corresponding times does not depend on it.
@@ -47,6 +49,26 @@ impl TimeScales {
     pub(crate) fn share(&self, problem: &Problem, states: &States) -> Result<f64> {
         let deviation = deviations(&near(problem)?.0);
         Ok(states.iter().map(|x| rate(problem, x, &deviation)).fold(0.0, f64::max) / self.fastest)
+    }
+
+    /// Refuses rates of the linearised system that are too far apart.
+    ///
+    /// # Errors
+    /// [`Error::TooStiff`]; as [`TimeScales::of`].
+    pub(crate) fn require_moderate(problem: &Problem) -> Result<()> {
+        let (gaussian, _) = near(problem)?;
+        let jacobian = mean_jacobian(problem, &gaussian);
+        // The slowest rate would be lost in the rounding of the fastest.
+        let Some(inverse) = jacobian.clone().try_inverse() else { return Ok(()) };
+        let largest = |matrix: DMatrix<f64>| -> Option<f64> {
+            Some(eigenvalues(matrix)?.iter().map(|l| l.norm()).fold(0.0, f64::max))
+        };
+        match [jacobian, inverse].map(largest) {
+            [Some(fastest), Some(time)] if fastest * time > STIFF => {
+                Err(Error::TooStiff { fastest, slowest: time.recip() })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// So many times the shortest of the system's times.
@@ -107,11 +129,15 @@ fn fastest(problem: &Problem, gaussian: &Gaussian) -> f64 {
     fastest
 }
 
-/// The least real part, in modulus, of the eigenvalues of the mean Jacobian.
-fn slowest(problem: &Problem, gaussian: &Gaussian) -> f64 {
+fn mean_jacobian(problem: &Problem, gaussian: &Gaussian) -> DMatrix<f64> {
     let n = problem.dimension();
     let slope = |i: usize, j: usize| gaussian.expectation(&problem.operator().drift()[i].derivative(j));
-    let found = eigenvalues(DMatrix::from_fn(n, n, slope)).unwrap_or_default();
+    DMatrix::from_fn(n, n, slope)
+}
+
+/// The least real part, in modulus, of the eigenvalues of the mean Jacobian.
+fn slowest(problem: &Problem, gaussian: &Gaussian) -> f64 {
+    let found = eigenvalues(mean_jacobian(problem, gaussian)).unwrap_or_default();
     found.iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min)
 }
 

@@ -12,9 +12,10 @@ use crate::states::States;
 /// on.
 ///
 /// # Errors
-/// [`Error::Exploded`] with every time step that was tried; [`Error::NoDensity`] where trajectories keep growing, or all end at a
-/// point.
+/// [`Error::TooStiff`]; [`Error::Exploded`] with every time step that was tried; [`Error::NoDensity`] where trajectories keep growing,
+/// or all end at a point.
 pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> Result<States> {
+    TimeScales::require_moderate(problem)?;
     let scales = TimeScales::of(problem)?;
     let (mut step, mut halved) = (scales.short(tuning::STEP), 0);
     let mut run = |longer: f64| loop {

@@ -27,7 +27,7 @@ impl Simulation<'_> {
     /// tried turns out to be too long, the trajectories go again with a shorter one.
     ///
     /// # Errors
-    /// [`Error::Exploded`] if they explode with the shortest step too, and [`Error::OutOfTime`].
+    /// [`Error::Exploded`] if they explode with the shortest step too, [`Error::TooStiff`], and [`Error::OutOfTime`].
     pub(super) fn chosen_step(
         &self,
         problem: &Problem,
@@ -35,6 +35,7 @@ impl Simulation<'_> {
         times: Times,
         control: &Control<'_>,
     ) -> Result<(f64, f64)> {
+        TimeScales::require_moderate(problem)?;
         let lossy = contacts.iter().any(|contact| contact.wall.restitution() < 1.0);
         let resolution = if lossy { tuning::time_step::BESIDE_LOSSY_WALL } else { tuning::time_step::RESOLUTION };
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.

@@ -180,13 +180,12 @@ fn references_that_do_not_serve_are_refused() {
 /// difference of two closed forms, whose rounding and third order in the step of 1e-3 are below 1e-6.
 #[test]
 fn closest_densities_of_one_state_have_derivatives() {
-    let text = "states = ['x']\nparameters = { a = 0.4 }\ndrift.x = 'a*x + 0.3*x^2 - x^3'\nnoise.w.x = '0.6 + 0.2*x'";
-    let problem = Problem::from_toml(text).unwrap();
+    let (_, problem) = case!("cubic-fat");
     let at = |a: f64| {
         let moved = problem.with_parameter("a", a).unwrap();
         Grid::new().solve(&moved).unwrap().moment(&[2]).unwrap().value
     };
-    let truth = (at(0.401) - at(0.399)) / 2e-3;
+    let truth = (at(-2.999) - at(-3.001)) / 2e-3;
     let density = closed(&problem, 6);
     assert!(matches!(density.candidates()[0].origin, Origin::Closest { .. }), "{:?}", density.provenance());
     let found = density.sensitivity("a").unwrap().moment(&[2]).unwrap();
@@ -194,4 +193,38 @@ fn closest_densities_of_one_state_have_derivatives() {
     assert!((found.value - truth).abs() < found.error + 1e-6, "{found} and {truth}");
     // Smaller than the derivative, so that it says something.
     assert!(found.error < 0.1 * found.value.abs(), "{found}");
+}
+
+/// Systems from public code, by the defaults: their known moments (by quadrature, closed forms and finer grids; `tests/cases/known.csv`) are
+/// within three of the stated errors.
+#[test]
+fn systems_from_public_code_have_their_moments() {
+    for (name, problem) in [
+        case!("recharge"),
+        case!("excitable"),
+        case!("cycle-multiplicative"),
+        case!("wells-weak-noise"),
+        case!("cubic-fat"),
+        case!("cubic-ito"),
+        case!("cubic-bimodal"),
+        case!("harvester-linear"),
+        case!("trap-si"),
+    ] {
+        let density = Closure::new(4).solve(&problem).unwrap();
+        let mut count = 0;
+        for line in include_str!("../cases/known.csv").lines().filter(|line| line.split(',').next() == Some(name)) {
+            let [_, state, power, truth, off] = line.split(',').collect::<Vec<_>>().try_into().unwrap();
+            let powers: Vec<u32> =
+                problem.states().iter().map(|own| if own == state { power.parse().unwrap() } else { 0 }).collect();
+            let [truth, off] = [truth, off].map(|number: &str| number.parse::<f64>().unwrap());
+            let found = density.moment(&powers).unwrap();
+            println!("{name}, {state}^{power}: {found}, {:.1e} off", found.value - truth);
+            assert!(
+                (found.value - truth).abs() < 3.0 * (found.error + off),
+                "{name}, {state}^{power}: {found}, {truth}"
+            );
+            count += 1;
+        }
+        assert!(count > 0, "{name}");
+    }
 }

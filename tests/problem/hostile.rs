@@ -7,6 +7,7 @@ use expoly::{
     Polynomial, PolynomialDrift, Problem, Scalar, Simulation, States, Support, Termination, Wall,
 };
 use nalgebra::{DMatrix, DVector, dmatrix};
+use std::f64::consts::PI;
 
 const ODD_NUMBERS: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -1.0];
 
@@ -467,6 +468,25 @@ impl Density for Lattice {
 fn draws_from_what_is_no_density_end() {
     let drawn = expoly::statistics::samples(&Lattice, 1, 1);
     assert!(matches!(drawn, Err(Error::NotKnown { .. })), "{drawn:?}");
+}
+
+/// A trap in SI units, with friction of Γ/m = 2e16 per second and a spring that relaxes at k/Γ = 5e-6 per second: no trajectory and no grid
+/// of its steps; both rates are named, to rounding of the parameters.
+#[test]
+fn rates_that_are_too_far_apart_are_named() {
+    let problem = Problem::from_toml(include_str!("../cases/trap-si.toml")).unwrap();
+    let (mass, friction) = (4.0 / 3.0 * PI * 70e-9_f64.powi(3) * 2000.0, 2.0 * PI * 0.01);
+    let rates = [friction / mass, (2.0 * PI * 50000.0_f64).powi(2) * mass / friction];
+    let by_grid = Grid::new().solve(&problem).map(|_| ());
+    let by_simulation = Simulation::new().samples(1000).run(&problem).map(|_| ());
+    for found in [by_grid, by_simulation] {
+        let Err(Error::TooStiff { fastest, slowest }) = found else { panic!("{found:?}") };
+        assert!(
+            (fastest / rates[0] - 1.0).abs() < 1e-9 && (slowest / rates[1] - 1.0).abs() < 1e-9,
+            "{fastest} {slowest}"
+        );
+    }
+    assert!(Closure::new(2).solve(&problem).is_ok());
 }
 
 /// Trajectories that grow without end, by a resonance that nothing damps, by chance alone or by energy that is fed in, and those that end
