@@ -11,7 +11,7 @@ use super::discretisation::nodes::{Nodes, Table};
 use super::discretisation::panels::{Resolved, resolved};
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
-use super::pilot::Pilot;
+use super::pilot::{Pilot, normal_density};
 use super::projection::on_states::exact_on_states;
 use super::projection::{Weight, project, tempered};
 use super::reference::{ReferenceDensity, Start, normalised};
@@ -60,6 +60,13 @@ impl NodalClosure {
 
     /// The content of an order's density, an exact one also where the moment equations do not serve.
     fn found(&self, order: u32) -> Result<Content> {
+        if self.lattice.is_none() && normal_density(&self.problem).is_some() {
+            let family = |order| self.discretisation.family.nested(order).answer;
+            let normal = exact_on_states(&self.problem, &self.pilot.states, family, [2, order].into_iter());
+            if let Some(content) = normal.filter(|_| order > 1).and_then(|exponent| self.exact(order, exponent, 0)) {
+                return Ok(content);
+            }
+        }
         let found = self.content(order);
         if self.lattice.is_some() || found.as_ref().is_ok_and(Content::is_served_by_equations) {
             return found;

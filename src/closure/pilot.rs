@@ -3,6 +3,7 @@
 use super::tuning;
 use crate::checks::require;
 use crate::error::{Error, Result};
+use crate::polynomial::Gaussian;
 use crate::problem::{Problem, Symmetry, TimeScales};
 use crate::simulation::{Collisions, Paths, Simulation};
 use crate::states::States;
@@ -83,13 +84,7 @@ impl<'a> PilotPlan<'a> {
     /// Draws from the normal density of a linear system under constant noise, which takes no time however far apart its rates are. None
     /// for other systems.
     fn drawn(&self, count: usize, inflation: f64) -> Option<States> {
-        let operator = self.problem.operator();
-        let linear = operator.drift().iter().all(|f| f.degree() <= 1) && operator.varying_noise() == 0;
-        let free = self.problem.walls().is_empty() && self.problem.impulses().is_empty();
-        if !(linear && free) {
-            return None;
-        }
-        let gaussian = self.problem.gaussian().ok()?;
+        let gaussian = normal_density(self.problem)?;
         let scale = gaussian.scale().ok()? * inflation.sqrt();
         let mut stream = ChaCha8Rng::seed_from_u64(self.seed);
         let mut states = States::new(self.problem.dimension());
@@ -128,6 +123,13 @@ impl<'a> PilotPlan<'a> {
             }
         }
     }
+}
+
+/// The stationary density of a linear system under constant noise. None for other systems, next to walls and under impulses, and where it
+/// has none.
+pub(super) fn normal_density(problem: &Problem) -> Option<Gaussian> {
+    let free = problem.walls().is_empty() && problem.impulses().is_empty();
+    if free && problem.operator().is_linear() { problem.gaussian().ok() } else { None }
 }
 
 impl Pilot {

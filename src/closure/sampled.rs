@@ -9,7 +9,7 @@ use super::discretisation::Discretisation;
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
 use super::nodal::NodalClosure;
-use super::pilot::Pilot;
+use super::pilot::{Pilot, normal_density};
 use super::projection::Weight;
 use super::projection::on_states::exact_on_states;
 use super::reference::scaled_mass;
@@ -92,10 +92,15 @@ impl Sampled {
         let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
         let reason =
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
-        let found = match self.lowest_exact(order).and_then(|lower| self.on_samples(lower, &copula)) {
+        let mut found = match self.lowest_exact(order).and_then(|lower| self.on_samples(lower, &copula)) {
             Some(found) if found.exact => found,
             _ => self.on_samples(order, &copula).ok_or(Error::NotClosed { order, reason })?,
         };
+        if found.exact && normal_density(&self.problem).is_some() {
+            let functions = |order| self.family.functions(order);
+            let normal = exact_on_states(&self.problem, &self.pilot.states, functions, std::iter::once(2));
+            found.exponent = normal.unwrap_or(found.exponent);
+        }
         let mut without_reference = None;
         if self.referred && !found.exact {
             match self.by_reference(order, &found, &copula) {

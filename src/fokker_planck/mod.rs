@@ -105,6 +105,11 @@ impl FokkerPlanck {
         lower.flat_map(Polynomial::terms).filter(|(powers, _)| powers.iter().any(|power| *power > 0)).count()
     }
 
+    /// Whether the drift is linear and the noise constant, so that a stationary density is normal.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.drift.iter().all(|f| f.degree() <= 1) && self.varying_noise() == 0
+    }
+
     /// Requires that noise reaches every state, its own or that of states which its drift contains, or that impacts join with it.
     ///
     /// # Errors

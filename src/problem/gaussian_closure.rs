@@ -38,6 +38,14 @@ fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
     let equations = MomentEquations::new(operator);
     let mut state = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::identity(n, n) };
     let mut rate = equations.rate(&state);
+    if operator.is_linear() {
+        // One step of Newton's method is all, however far apart its rates are.
+        let change = equilibrated(&equations.jacobian(&state), &-&rate);
+        let found = change.map(|change| equations.moved(&state, &change));
+        if let Some(found) = found.filter(|found| found.covariance.clone().cholesky().is_some()) {
+            return Ok(found);
+        }
+    }
     let mut step = 0.1 / rate.norm().max(1e-3);
     for _ in 0..MAX_STEPS {
         let jacobian = equations.jacobian(&state);
@@ -70,6 +78,18 @@ fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
     }
     let worst = (0..n).max_by(|&i, &j| state.covariance[(i, i)].total_cmp(&state.covariance[(j, j)]));
     Err(Error::NoStationaryDensity { state: worst.unwrap_or(0), behaviour: "does not settle" })
+}
+
+/// The solution of linear equations whose rows and columns are of very different sizes. None where there is none.
+fn equilibrated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    let n = matrix.nrows();
+    let inverse = |size: f64| if size > 0.0 { size.recip() } else { 1.0 };
+    let columns = DVector::from_fn(n, |k, _| inverse(matrix.column(k).amax()));
+    let mut scaled = DMatrix::from_fn(n, n, |i, k| matrix[(i, k)] * columns[k]);
+    let rows = DVector::from_fn(n, |i, _| inverse(scaled.row(i).amax()));
+    (0..n).for_each(|i| scaled.row_mut(i).scale_mut(rows[i]));
+    let solution = scaled.lu().solve(&right.component_mul(&rows))?;
+    Some(solution.component_mul(&columns))
 }
 
 /// The drift, the diffusion and the derivatives of both that the moment equations need.

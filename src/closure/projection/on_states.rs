@@ -6,13 +6,16 @@
 
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::locals;
+use crate::closure::pilot::normal_density;
 use crate::closure::space::{Functions, sweep};
 use crate::closure::tuning;
 use crate::fokker_planck::Local;
 use crate::numerics::{least_norm, triangle};
+use crate::polynomial::{Gaussian, monomials};
 use crate::problem::Problem;
 use crate::states::States;
 use faer::{Col, Mat};
+use nalgebra::DVector;
 
 /// The exact density of the lowest of some orders at which there is one, in the functions of that order; its constant is 0.
 pub(in crate::closure) fn exact_on_states(
@@ -25,14 +28,46 @@ pub(in crate::closure) fn exact_on_states(
         return None;
     }
     let [few, more] = tuning::exact::AT_STATES.map(|count| states.evenly(count));
-    let locals = locals(problem, &few);
-    orders.map(functions).find_map(|space| {
+    let (locals, normal) = (locals(problem, &few), normal_density(problem));
+    orders.filter(|order| *order > 1).map(functions).find_map(|space| {
+        if let Some(normal) = &normal {
+            return quadratic(&space, normal);
+        }
         if space.len() > tuning::exact::MOST || few.len() < 2 * space.len() {
             return None;
         }
         let start = by_scores(&space, &more)?;
         root((&few, &locals), Exponent { known: Vec::new(), space, constant: 0.0, coefficients: start })
     })
+}
+
+/// ln p of a normal density, up to a constant. None where the covariance has no inverse, or a monomial is not among the functions.
+///
+/// The residual of a system whose rates are far apart is that of the fastest, and does not show what the slowest states do.
+fn quadratic(space: &Functions, Gaussian { mean, covariance }: &Gaussian) -> Option<Exponent> {
+    let polynomials = space.polynomials()?;
+    let precision = covariance.clone().cholesky()?.inverse();
+    let half_width = polynomials.half_width();
+    let from_mean = DVector::from_fn(mean.len(), |i, _| polynomials.centre()[i] - mean[i]);
+    let slope = &precision * from_mean;
+    let coefficient = |alpha: &Vec<u32>| {
+        let states: Vec<usize> = alpha.iter().enumerate().flat_map(|(i, n)| vec![i; *n as usize]).collect();
+        match states[..] {
+            [i] => -half_width[i] * slope[i],
+            // t² is two thirds of the second Legendre polynomial, and a constant.
+            [i, j] if i == j => -precision[(i, i)] * half_width[i].powi(2) / 3.0,
+            [i, j] => -precision[(i, j)] * half_width[i] * half_width[j],
+            _ => 0.0,
+        }
+    };
+    let listed = |alpha: &Vec<u32>| polynomials.exponents().contains(alpha);
+    let all = monomials(mean.len(), 2);
+    let missing = all.iter().filter(|alpha| !listed(alpha)).map(coefficient);
+    if missing.fold(0.0, |most: f64, c| most.max(c.abs())) > tuning::SOLVED {
+        return None;
+    }
+    let coefficients = polynomials.exponents().iter().map(coefficient).collect();
+    Some(Exponent { known: Vec::new(), space: space.clone(), constant: 0.0, coefficients })
 }
 
 /// The exact density near another one, by the residual at states.

@@ -308,14 +308,7 @@ impl Sensitivity {
 
     /// ∫ g p dx over the other state.
     fn sum_over(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64) -> f64 {
-        let lines = match &self.density.content.integrals {
-            Integrals::Panels { lines, .. } => lines,
-            Integrals::Cells(cells) => {
-                let value = |(at, w): (Vec<f64>, f64)| w * g(&at) * self.density.exponent().value(&at).exp();
-                return cells.section(state, x).into_iter().map(value).sum();
-            }
-            Integrals::Draws(_) => return 0.0,
-        };
+        let Integrals::Panels { lines, .. } = &self.density.content.integrals else { return 0.0 };
         let mut at = vec![0.0; lines.len()];
         at[state] = x;
         let value = |at: &[f64], w: f64| {

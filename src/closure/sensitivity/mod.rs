@@ -163,11 +163,9 @@ impl ClosureDensity {
 
     /// The problem, if derivatives of its density are served.
     fn differentiable(&self) -> Result<&Problem> {
-        let on_panels = !matches!(self.content.integrals, Integrals::Draws(_));
+        let on_panels = matches!(self.content.integrals, Integrals::Panels { .. });
         let stationary = match self.candidates()[0].origin {
-            Origin::Exact | Origin::MomentEquations { .. } | Origin::Closest { .. } => {
-                on_panels == (self.dimension() <= 2)
-            }
+            Origin::Exact | Origin::MomentEquations { .. } => on_panels == (self.dimension() <= 2),
             Origin::MaximumLikelihood => !on_panels && self.content.indication.is_some(),
             _ => false,
         };
@@ -209,10 +207,7 @@ impl ClosureDensity {
         operators: impl Iterator<Item = &'o FokkerPlanck> + Clone,
     ) -> Result<Linearised<'a>> {
         let (origin, walled) = (self.candidates()[0].origin, !problem.walls().is_empty());
-        let tails = match origin {
-            Origin::MomentEquations { tails } | Origin::Closest { tails } => tails,
-            _ => 0.0,
-        };
+        let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
         let dynamics = self.origin()?;
         let solution = |system: &'a MomentSystem| {
             if walled {
@@ -295,8 +290,8 @@ impl ClosureDensity {
 
 const NOT_SERVED: Error = Error::NotServed {
     method: "closure",
-    what: "derivatives by parameters of a density that is not stationary, and second ones next to walls in three states and more",
-    remedy: "take differences of two densities, at `Problem::with_parameter`",
+    what: "derivatives by parameters of a density that is not stationary or that no moment equations gave, and second ones next to walls in three states and more",
+    remedy: "take differences of two densities, at `Problem::with_parameter`, or the grid's derivatives",
 };
 
 impl<'a> Linearised<'a> {
