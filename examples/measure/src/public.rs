@@ -116,7 +116,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         let problem = match Problem::from_toml(text) {
             Ok(problem) => problem,
             Err(error) => {
-                println!("{:>26} {error}", system);
+                println!("{system:>26} {error}");
                 continue;
             }
         };
@@ -127,7 +127,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
             let begin = Instant::now();
             let said = within(options.limit, &problem, *method, known(system));
             let seconds = begin.elapsed().as_secs_f64();
-            print!("{:>26} {name:>10} ", system);
+            print!("{system:>26} {name:>10} ");
             match said {
                 None => println!("{:>9} {:>8} {:>9} {seconds:>7.1}  no answer", "-", "-", "-"),
                 Some(Err(error)) => println!("{:>9} {:>8} {:>9} {seconds:>7.1}  {error}", "-", "-", "-"),
