@@ -10,6 +10,8 @@ use std::convert::Infallible;
 
 /// Pseudo-time steps before the closure gives up; ordinary systems need 10 to 40.
 const MAX_STEPS: usize = 400;
+/// Solutions of a linear system, the first one and those for what it leaves.
+const REFINED: usize = 4;
 /// A variance that has grown by this factor is taken to grow for ever.
 const UNBOUNDED: f64 = 1e12;
 
@@ -36,16 +38,17 @@ pub(super) fn gaussian_closure(operator: &FokkerPlanck) -> Result<Gaussian> {
 fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
     let n = operator.dimension();
     let equations = MomentEquations::new(operator);
-    let mut state = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::identity(n, n) };
-    let mut rate = equations.rate(&state);
     if operator.is_linear() {
-        // One step of Newton's method is all, however far apart its rates are.
-        let change = equilibrated(&equations.jacobian(&state), &-&rate);
-        let found = change.map(|change| equations.moved(&state, &change));
+        // One step of Newton's method is all, however far apart its rates are; from 0, so that no small variance is lost in a large one.
+        let point = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::zeros(n, n) };
+        let change = equilibrated(&equations.jacobian(&point), &-equations.rate(&point));
+        let found = change.map(|change| equations.moved(&point, &change));
         if let Some(found) = found.filter(|found| found.covariance.clone().cholesky().is_some()) {
             return Ok(found);
         }
     }
+    let mut state = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::identity(n, n) };
+    let mut rate = equations.rate(&state);
     let mut step = 0.1 / rate.norm().max(1e-3);
     for _ in 0..MAX_STEPS {
         let jacobian = equations.jacobian(&state);
@@ -88,8 +91,14 @@ fn equilibrated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f
     let mut scaled = DMatrix::from_fn(n, n, |i, k| matrix[(i, k)] * columns[k]);
     let rows = DVector::from_fn(n, |i, _| inverse(scaled.row(i).amax()));
     (0..n).for_each(|i| scaled.row_mut(i).scale_mut(rows[i]));
-    let solution = scaled.lu().solve(&right.component_mul(&rows))?;
-    Some(solution.component_mul(&columns))
+    let factors = scaled.lu();
+    let mut solution = DVector::zeros(n);
+    // The first solution, and steps that take off what its rounding leaves of the equations.
+    for _ in 0..REFINED {
+        let open = right - matrix * &solution;
+        solution += factors.solve(&open.component_mul(&rows))?.component_mul(&columns);
+    }
+    Some(solution)
 }
 
 /// The drift, the diffusion and the derivatives of both that the moment equations need.
