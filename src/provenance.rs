@@ -32,8 +32,8 @@ pub struct Provenance {
     pub termination: Option<String>,
     /// The origin of the chosen density.
     pub origin: Option<String>,
-    /// What a closure's density is closest to: the solution of the moment equations, a grid with its cells and its estimate, a closed form, or
-    /// the means of the pilot's states.
+    /// What a closure's density is closest to where that is neither the solution of moment equations nor the pilot's states, which are its
+    /// origin: a grid, with its cells and its estimate, or a closed form.
     pub reference: Option<String>,
     /// Why there is no density.
     pub refusal: Option<String>,

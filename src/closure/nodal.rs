@@ -58,23 +58,24 @@ impl NodalClosure {
         Ok(ClosureDensity::new(content).moving(Dynamics::new(&self.problem, &self.discretisation, weight, self.rare)))
     }
 
-    /// The content of an order's density, an exact one also where the moment equations do not serve.
+    /// The content of an order's density: an exact one by the pilot's states for a linear system, whose equations may not show what its slow
+    /// states do, and where the moment equations do not serve.
     fn found(&self, order: u32) -> Result<Content> {
-        if self.lattice.is_none() && normal_density(&self.problem).is_some() {
+        if self.lattice.is_some() {
+            return self.content(order);
+        }
+        let by_states = || {
             let family = |order| self.discretisation.family.nested(order).answer;
-            let normal = exact_on_states(&self.problem, &self.pilot.states, family, [2, order].into_iter());
-            if let Some(content) = normal.filter(|_| order > 1).and_then(|exponent| self.exact(order, exponent, 0)) {
-                return Ok(content);
-            }
+            let orders = (2..order).step_by(2).chain([order]);
+            self.exact(order, exact_on_states(&self.problem, &self.pilot.states, family, orders)?, 0)
+        };
+        if let Some(normal) = normal_density(&self.problem).and_then(|_| by_states()) {
+            return Ok(normal);
         }
-        let found = self.content(order);
-        if self.lattice.is_some() || found.as_ref().is_ok_and(Content::is_served_by_equations) {
-            return found;
+        match self.content(order) {
+            Ok(found) if found.is_served_by_equations() => Ok(found),
+            found => by_states().map_or(found, Ok),
         }
-        let family = |order| self.discretisation.family.nested(order).answer;
-        let orders = (2..order).step_by(2).chain([order]);
-        let exact = exact_on_states(&self.problem, &self.pilot.states, family, orders);
-        exact.and_then(|exponent| self.exact(order, exponent, 0)).map_or(found, Ok)
     }
 
     /// The content of an order's density.

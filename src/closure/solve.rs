@@ -126,24 +126,18 @@ impl Closure {
         }
         let pilot = plan.pilot(self.states.unwrap_or(tuning::pilot::STATES), 1.0)?;
         if self.reference == Reference::Equations || !problem.impulses().is_empty() {
-            self.by_equations(problem, &plan, &pilot, begin)
+            self.by_equations(problem, (&plan, &pilot), begin)
         } else {
-            self.by_either(problem, &plan, &pilot, begin)
+            self.by_either(problem, (&plan, &pilot), begin)
         }
     }
 
     /// By the moment equations of nodes, and where these do not serve by a grid.
-    fn by_either(
-        &self,
-        problem: &Problem,
-        plan: &PilotPlan<'_>,
-        pilot: &Pilot,
-        begin: Instant,
-    ) -> Result<ClosureDensity> {
-        let by_equations = (self.reference != Reference::Grid).then(|| self.by_equations(problem, plan, pilot, begin));
+    fn by_either(&self, problem: &Problem, run: (&PilotPlan<'_>, &Pilot), begin: Instant) -> Result<ClosureDensity> {
+        let by_equations = (self.reference != Reference::Grid).then(|| self.by_equations(problem, run, begin));
         match by_equations {
             Some(Ok(density)) if density.content.is_served_by_equations() => Ok(density),
-            Some(by_equations) => match (self.by_grid(problem, pilot, begin), by_equations) {
+            Some(by_equations) => match (self.by_grid(problem, run.1, begin), by_equations) {
                 (Ok(closest), Ok(density)) if closest.is_worse_than(&density) => Ok(density),
                 (Ok(closest), Ok(density)) => Ok(closest.with_motion_of(&density)),
                 (Ok(closest), Err(_)) => Ok(closest),
@@ -154,18 +148,13 @@ impl Closure {
                     on_states.in_open_space(problem, begin).map_err(|_| error)
                 }
             },
-            None => self.by_grid(problem, pilot, begin),
+            None => self.by_grid(problem, run.1, begin),
         }
     }
 
     /// By the moment equations on Gauss nodes in the pilot's trust domain.
-    fn by_equations(
-        &self,
-        problem: &Problem,
-        plan: &PilotPlan<'_>,
-        pilot: &Pilot,
-        begin: Instant,
-    ) -> Result<ClosureDensity> {
+    fn by_equations(&self, problem: &Problem, run: (&PilotPlan<'_>, &Pilot), begin: Instant) -> Result<ClosureDensity> {
+        let (plan, pilot) = run;
         let states = self.states.unwrap_or(tuning::pilot::STATES);
         let mut best: Option<ClosureDensity> = None;
         let mut inflation = self.inflation;

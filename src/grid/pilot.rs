@@ -59,9 +59,7 @@ impl Pilot {
 
     /// The standard deviation of a state.
     pub(super) fn deviation(&self, axis: usize) -> f64 {
-        let middle = self.middle()[axis];
-        let square: f64 = self.states.iter().filter_map(|x| x.get(axis)).map(|x| (x - middle).powi(2)).sum();
-        (square / self.states.len() as f64).sqrt()
+        self.states.deviations().get(axis).copied().unwrap_or_default()
     }
 
     /// Where most states are: the state in the middle, by its first coordinate, of the fullest of a few thousand boxes.

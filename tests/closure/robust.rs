@@ -184,12 +184,13 @@ fn second_moments_of_the_reference_table() {
 fn a_power_tail_has_its_distance() {
     let (exact, problem) = (parametric_linear().exact(), problem(parametric_linear()));
     let mut last = f64::INFINITY;
-    for order in [2, 4, 6, 8] {
+    // Measured: 0.145, 0.108, 0.036, 0.022. On the pilot's range alone, without the tail, order 4 is 0.045 off.
+    for (order, limit) in [(2, 0.2), (4, 0.12), (6, 0.06), (8, 0.08)] {
         let density = Closure::new(order).solve(&problem).unwrap();
         let (l1, estimate) = (compare::l1(&density, &exact).unwrap().value, density.l1_estimate());
         println!("n = {order}: L1 {l1:.2e}, estimate {estimate:.2e}, {:?}", density.warning());
         assert!((estimate / l1 - 1.0).abs() < 0.1, "n = {order}: {l1:e}, estimate {estimate:e}");
-        assert!(estimate < last, "n = {order}: {estimate:e}");
+        assert!(l1 < limit && estimate < last, "n = {order}: {l1:e}, estimate {estimate:e}");
         last = estimate;
     }
 }

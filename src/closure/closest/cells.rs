@@ -40,12 +40,17 @@ impl Cells {
         &self.limits
     }
 
-    /// The nodes, their weights, and p̂ there.
-    pub(in crate::closure) fn nodes(&self) -> (States, Vec<f64>, &[f64]) {
+    /// p̂ at the nodes.
+    pub(in crate::closure) fn values(&self) -> &[f64] {
+        &self.density
+    }
+
+    /// The nodes and their weights.
+    pub(in crate::closure) fn nodes(&self) -> (States, Vec<f64>) {
         let mut nodes = (States::new(self.dimension()), Vec::new());
         let [rule, _] = self.rules();
         self.limits.iter().for_each(|limits| add_nodes(limits, rule, &mut nodes));
-        (nodes.0, nodes.1, &self.density)
+        nodes
     }
 
     /// Nodes with weights on the part of the boxes where one state is `x`, for functions that are smooth on either side of 0.

@@ -1,29 +1,26 @@
 //! The exponential polynomial closest to a density that is known: that of a grid where the moment equations have no solution, or any
 //! other.
 //!
-//! - `target`: the density on cells that resolve it; `cells`: these, as the domain of the answer.
+//! - `target`: the density on cells that resolve it; `cells`: these, as the domain of the answer;
+//! - `by_grid`: the closure of a problem by the density of a grid.
 //!
 //! exp(Q) is closest in the Kullback-Leibler distance, in which it has the moments of the density up to its order. Its estimate is
 //! ∫ |exp(Q) − p| dx, with the error of p and what lies beyond the cells.
 
+mod by_grid;
 mod cells;
 mod target;
 
 pub(crate) use cells::Cells;
 
-use super::candidates::indicator::Indication;
 use super::candidates::{Candidate, Fitted, Origin, chosen};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
-use super::discretisation::locals;
-use super::discretisation::nodes::{self, Nodes};
+use super::discretisation::nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::method::Closure;
-use super::pilot::Pilot;
-use super::projection::exact::Settled;
-use super::projection::on_states::exact_near;
-use super::projection::{distance, mixed, project, tempered};
+use super::projection::{distance, mixed, project};
 use super::reference::{normalised, scaled_mass};
 use super::samples::Moment;
 use super::space::Functions;
@@ -32,12 +29,9 @@ use super::space::orthonormal::Orthonormal;
 use super::tuning::{self as all, closest as tuning};
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::grid::Grid;
-use crate::numerics::weighted_sum;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::Symmetry;
 use crate::provenance::Provenance;
 use crate::states::States;
-use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -78,87 +72,6 @@ impl Closure {
         let symmetry = Symmetry::none(states);
         let mut closest = Closest::new(density, self, &symmetry)?;
         self.at_order(all::space::HIGHEST_ORDER, false, |order| Ok(ClosureDensity::new(closest.content(order, begin)?)))
-    }
-}
-
-impl Closure {
-    /// The closest to the density of a grid, which in one state is a closed form.
-    ///
-    /// # Errors
-    /// Those of the grid, also where it would be too large; [`Error::NotClosed`] where no polynomial is found.
-    pub(super) fn by_grid(&self, problem: &Problem, pilot: &Pilot, begin: Instant) -> Result<ClosureDensity> {
-        let mut found: Option<ClosureDensity> = None;
-        for accuracy in tuning::ACCURACIES {
-            // A grid that this ends has what it reached as its estimate.
-            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(tuning::MEMORY)).solve(problem);
-            let grid = match grid {
-                Ok(grid) => grid,
-                Err(error) => return found.ok_or(error),
-            };
-            let symmetry = problem.symmetry();
-            let mut closest = Closest::new(&grid, self, &symmetry)?;
-            let closed = self.at_order(all::space::HIGHEST_ORDER, false, |order| {
-                let mut content = closest.content(order, begin)?;
-                content.indication = closest.indication(problem, &content.exponent, order);
-                content.provenance.reference = Some(match problem.dimension() {
-                    1 => String::from("closed form"),
-                    _ => format!("grid of {} cells, estimate {:.1e}", grid.cells().len(), grid.l1_estimate()),
-                });
-                Ok(ClosureDensity::new(content))
-            });
-            let closed = match closed {
-                Ok(closed) => closed,
-                Err(error) => return found.ok_or(error),
-            };
-            let limited = closest.target.error > tuning::MINOR * closed.l1_estimate();
-            if limited && let Some(exact) = exact(&closed, problem, pilot) {
-                return Ok(exact);
-            }
-            let last = !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy;
-            found = Some(closed);
-            if last {
-                break;
-            }
-        }
-        let reason = "no polynomial is near the density of a grid; take the grid";
-        found.ok_or(Error::NotClosed { order: self.lowest(), reason })
-    }
-}
-
-/// The exact density next to the closest one, where there is one.
-fn exact(closest: &ClosureDensity, problem: &Problem, pilot: &Pilot) -> Option<ClosureDensity> {
-    let mut exponent = exact_near(problem, &pilot.states, &closest.content.exponent)?;
-    let symmetry = problem.symmetry();
-    let (centre, _) = pilot.spread(&symmetry);
-    let region = TrustDomain::new(pilot, &symmetry, centre, [None, None], 1.0);
-    let Settled { domain, nodes: Nodes { points, weights, rules }, lines, mut apart } =
-        Settled::within(&exponent, &region)?;
-    let log = exponent.values(&points);
-    exponent.constant += normalised(&log, &weights)[0] - log[0];
-    apart += domain.mass_beyond(|x| exponent.value(x));
-    let provenance = Provenance { nodes: Some(weights.len()), reference: None, ..closest.provenance().clone() };
-    Some(ClosureDensity::new(Content {
-        exponent,
-        reference: None,
-        domain,
-        integrals: Integrals::Panels { rules, lines, apart },
-        lattice: None,
-        moments: Vec::new(),
-        impacts: Vec::new(),
-        guarded: closest.content.guarded,
-        rare: false,
-        candidates: vec![Candidate::exact(apart)],
-        indication: Some(Indication { indicator: 0.0, residual: 0.0 }),
-        provenance,
-    }))
-}
-
-impl ClosureDensity {
-    /// Whether the density of moment equations is the better answer: in two states, and by far, since a grid's estimate is the better
-    /// one.
-    pub(super) fn is_worse_than(&self, by_equations: &Self) -> bool {
-        let better = by_equations.l1_estimate() < tuning::BETTER * self.l1_estimate();
-        self.dimension() > 1 && by_equations.content.candidates[0].accepted && better
     }
 }
 
@@ -300,20 +213,6 @@ impl<'a> Closest<'a> {
             accepted: true,
         };
         Some(Fitted { candidate, exponent })
-    }
-
-    /// How large the residual of a density is, tested as on other nodes. None where the test functions are linearly dependent.
-    fn indication(&self, problem: &Problem, exponent: &Exponent, order: u32) -> Option<Indication> {
-        let Target { points, weights, .. } = &self.target;
-        let locals = locals(problem, points);
-        let excess = all::space::EXCESS[problem.dimension() - 1] - 2;
-        let values = nodes::values(&self.family().functions(order + excess), points);
-        let measure = tempered(&exponent.values(points), weights, 1.0);
-        let residuals = exponent.residuals(points, |i| &locals[i]);
-        let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
-        let tested = weighted_sum(values.as_ref(), &weighted);
-        let tested = Mat::from_fn(tested.len(), 1, |k, _| tested[k]);
-        Indication::of((values.as_ref(), &measure), tested, (exponent.space.len() + 1, order))
     }
 
     /// The functions of all orders on the box around the cells.

@@ -66,6 +66,24 @@ pub(in crate::closure) enum Integrals {
 }
 
 impl Content {
+    /// That of an exact density, whose integrals have this error.
+    pub(in crate::closure) fn exact(exponent: Exponent, domain: TrustDomain, integrals: Integrals, error: f64) -> Self {
+        Content {
+            exponent,
+            reference: None,
+            domain,
+            integrals,
+            lattice: None,
+            moments: Vec::new(),
+            impacts: Vec::new(),
+            guarded: false,
+            rare: false,
+            candidates: vec![Candidate::exact(error)],
+            indication: Some(Indication { indicator: 0.0, residual: 0.0 }),
+            provenance: Provenance::default(),
+        }
+    }
+
     /// The number of states.
     pub(in crate::closure) fn dimension(&self) -> usize {
         self.domain.centre.len()

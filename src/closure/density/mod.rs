@@ -85,17 +85,14 @@ impl ClosureDensity {
                 let Nodes { points, weights, .. } = Nodes::tensor(&content.domain, rules.clone());
                 (points, weights)
             }
-            (Integrals::Cells(cells), _) => {
-                let (points, weights, _) = cells.nodes();
-                (points, weights)
-            }
+            (Integrals::Cells(cells), _) => cells.nodes(),
             (Integrals::Draws(rule), Some(lattice)) => lattice.all(&rule.copula),
             (Integrals::Draws(_), None) => (States::new(content.dimension()), Vec::new()),
         };
         let mut own = content.exponent.values(&points);
         exponentials(&mut own);
         let reference = match (&content.reference, &content.integrals) {
-            (_, Integrals::Cells(cells)) => Some(cells.nodes().2.to_vec()),
+            (_, Integrals::Cells(cells)) => Some(cells.values().to_vec()),
             (Some(reference), _) => {
                 let mut density = reference.values(&points);
                 exponentials(&mut density);

@@ -1,8 +1,7 @@
 //! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
 
-use crate::closure::candidates::indicator::Indication;
-use crate::closure::candidates::{Candidate, Fitted, Retained, Scoring};
-use crate::closure::density::content::Content;
+use crate::closure::candidates::{Fitted, Retained, Scoring};
+use crate::closure::density::content::{Content, Integrals};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::panels::{Resolved, resolved};
@@ -10,7 +9,7 @@ use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::discretisation::{Discretisation, lines, walled};
 use crate::closure::nodal::NodalClosure;
 use crate::closure::projection::{distance, project, tempered};
-use crate::closure::reference::{normalised, scaled_mass};
+use crate::closure::reference::scaled_mass;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
 use crate::closure::tuning;
@@ -52,39 +51,46 @@ impl NodalClosure {
         let discretisation = &self.discretisation;
         let found = if self.lattice.is_some() {
             let Discretisation { domain, nodes, lines, .. } = discretisation;
-            Settled { domain: domain.clone(), nodes: nodes.clone(), lines: lines.clone(), apart: 0.0 }
+            Integrated { domain: domain.clone(), nodes: nodes.clone(), lines: lines.clone(), apart: 0.0 }
         } else if discretisation.family.is_smooth() {
-            Settled::within(&exponent, &discretisation.domain)?
+            Integrated::within(&exponent, &discretisation.domain)?
         } else {
             let domain = followed(&discretisation.domain, &exponent);
             let rules = walled::rules(&domain);
             let nodes = Nodes::tensor(&domain, rules.clone());
-            Settled { domain, nodes, lines: rules, apart: 0.0 }
+            Integrated { domain, nodes, lines: rules, apart: 0.0 }
         };
-        let Settled { domain, nodes, lines, mut apart } = found;
-        let log = exponent.values(&nodes.points);
-        let normal = normalised(&log, &nodes.weights);
-        exponent.constant += normal[0] - log[0];
+        let Integrated { domain, nodes, lines, mut apart } = found;
+        exponent.constant += log_normaliser(&exponent, &nodes);
         if self.lattice.is_none() {
             apart += domain.mass_beyond(|x| exponent.value(x));
         }
         let unknowns = exponent.coefficients.len();
         let integrals = self.integrals(&exponent, Resolved { rules: nodes.rules, apart }, lines)?;
+        let lattice = self.lattice.as_ref().map(|(lattice, _)| lattice.clone());
+        let provenance = self.provenance(order, unknowns, solved);
         Some(Content {
-            exponent,
-            reference: None,
-            domain,
-            moments: Vec::new(),
-            impacts: Vec::new(),
-            integrals,
-            lattice: self.lattice.as_ref().map(|(lattice, _)| lattice.clone()),
+            lattice,
             guarded: self.guarded,
-            rare: false,
-            candidates: vec![Candidate::exact(apart)],
-            indication: Some(Indication { indicator: 0.0, residual: 0.0 }),
-            provenance: self.provenance(order, unknowns, solved),
+            provenance,
+            ..Content::exact(exponent, domain, integrals, apart)
         })
     }
+}
+
+/// The content of an exact density in open space that was found without nodes, integrated about the region that a pilot has visited.
+pub(in crate::closure) fn exact_about(mut exponent: Exponent, region: &TrustDomain) -> Option<Content> {
+    let Integrated { domain, nodes, lines, apart } = Integrated::within(&exponent, region)?;
+    exponent.constant += log_normaliser(&exponent, &nodes);
+    let error = apart + domain.mass_beyond(|x| exponent.value(x));
+    let integrals = Integrals::Panels { rules: nodes.rules, lines, apart: error };
+    Some(Content::exact(exponent, domain, integrals, error))
+}
+
+/// −ln of the mass of exp(Q) on some nodes.
+fn log_normaliser(exponent: &Exponent, nodes: &Nodes) -> f64 {
+    let (top, mass) = scaled_mass(&exponent.values(&nodes.points), &nodes.weights);
+    -top - mass.ln()
 }
 
 /// A domain about a region as far as exp(Q) falls.
@@ -94,16 +100,16 @@ fn followed(region: &TrustDomain, exponent: &Exponent) -> TrustDomain {
 }
 
 /// Where an exact density is integrated: its domain with nodes, rules along the states, and what two rules differ by.
-pub(in crate::closure) struct Settled {
-    pub(in crate::closure) domain: TrustDomain,
-    pub(in crate::closure) nodes: Nodes,
-    pub(in crate::closure) lines: Vec<Rule>,
-    pub(in crate::closure) apart: f64,
+struct Integrated {
+    domain: TrustDomain,
+    nodes: Nodes,
+    lines: Vec<Rule>,
+    apart: f64,
 }
 
-impl Settled {
+impl Integrated {
     /// About the region that a pilot has visited. None where no rule of two agrees with the other.
-    pub(in crate::closure) fn within(exponent: &Exponent, region: &TrustDomain) -> Option<Self> {
+    fn within(exponent: &Exponent, region: &TrustDomain) -> Option<Self> {
         let domain = followed(region, exponent);
         // Sectors may cut off a part of a narrow well.
         let rounded = domain.rounded();
@@ -115,7 +121,7 @@ impl Settled {
         let found = resolved(&domain, |points| exponent.values(points), &given, tuning::panels::EXACT);
         let lines = if found.rules == given { lines(&domain) } else { found.rules.clone() };
         let nodes = Nodes::tensor(&domain, found.rules);
-        (found.apart <= tuning::panels::UNKNOWN).then_some(Settled { domain, nodes, lines, apart: found.apart })
+        (found.apart <= tuning::panels::UNKNOWN).then_some(Integrated { domain, nodes, lines, apart: found.apart })
     }
 }
 

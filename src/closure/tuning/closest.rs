@@ -35,7 +35,7 @@ pub(crate) const ACCURACIES: [f64; 2] = [1e-3, 1e-5];
 pub(crate) const MINOR: f64 = 0.1;
 /// The memory of such a grid, in GiB. A bound on work: seconds.
 pub(crate) const MEMORY: f64 = 0.3;
-/// The estimate of moment equations below this share of that by a grid is believed.
+/// The estimate of moment equations below this share of that by a grid is believed. Not met.
 pub(crate) const BETTER: f64 = 0.5;
 /// The moment equations serve where their error is below this share of the whole estimate, in one state, whose closed form takes no time,
 /// and in two,

@@ -92,7 +92,7 @@ pub(crate) mod likelihood {
     pub(crate) const DOUBTS: [f64; 13] = [1.0, 3.0, 10.0, 30.0, 1e2, 3e2, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7, 1e8];
     /// The density two degrees higher, by which the error is estimated, is found to this part of its distance.
     pub(crate) const FINE: f64 = 0.02;
-    /// The noise of a density in distances between those by the halves of the states: 1.1 to 1.4 / 2 in the median of nine systems.
+    /// The noise of a density over the distance between those by the halves of the states: 0.55 to 0.7 in the median of nine systems.
     pub(crate) const OF_HALVES: f64 = 0.625;
     /// The distance assumed where there is no estimate of it, in L¹.
     pub(crate) const UNKNOWN: f64 = 0.15;

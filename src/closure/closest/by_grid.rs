@@ -1,0 +1,109 @@
+//! The closure of a problem by the density of a grid.
+
+use super::Closest;
+use super::target::Target;
+use crate::closure::candidates::indicator::Indication;
+use crate::closure::density::ClosureDensity;
+use crate::closure::density::content::Content;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::discretisation::{locals, nodes};
+use crate::closure::method::Closure;
+use crate::closure::pilot::Pilot;
+use crate::closure::projection::exact::exact_about;
+use crate::closure::projection::on_states::exact_near;
+use crate::closure::projection::tempered;
+use crate::closure::tuning::{self as all, closest as tuning};
+use crate::density::Density;
+use crate::error::{Error, Result};
+use crate::grid::Grid;
+use crate::numerics::weighted_sum;
+use crate::problem::Problem;
+use crate::provenance::Provenance;
+use faer::Mat;
+use std::time::Instant;
+
+impl Closure {
+    /// The closest to the density of a grid, which in one state is a closed form.
+    ///
+    /// # Errors
+    /// Those of the grid; [`Error::NotClosed`] where no polynomial is found.
+    pub(in crate::closure) fn by_grid(
+        &self,
+        problem: &Problem,
+        pilot: &Pilot,
+        begin: Instant,
+    ) -> Result<ClosureDensity> {
+        let mut found: Option<ClosureDensity> = None;
+        for accuracy in tuning::ACCURACIES {
+            // A grid that this ends has what it reached as its estimate.
+            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(tuning::MEMORY)).solve(problem);
+            let grid = match grid {
+                Ok(grid) => grid,
+                Err(error) => return found.ok_or(error),
+            };
+            let symmetry = problem.symmetry();
+            let mut closest = Closest::new(&grid, self, &symmetry)?;
+            let closed = self.at_order(all::space::HIGHEST_ORDER, false, |order| {
+                let mut content = closest.content(order, begin)?;
+                content.indication = closest.indication(problem, &content.exponent, order);
+                content.provenance.reference = Some(match problem.dimension() {
+                    1 => String::from("closed form"),
+                    _ => format!("grid of {} cells, estimate {:.1e}", grid.cells().len(), grid.l1_estimate()),
+                });
+                Ok(ClosureDensity::new(content))
+            });
+            let closed = match closed {
+                Ok(closed) => closed,
+                Err(error) => return found.ok_or(error),
+            };
+            let limited = closest.target.error > tuning::MINOR * closed.l1_estimate();
+            if limited && let Some(exact) = exact(&closed, problem, pilot) {
+                return Ok(exact);
+            }
+            let last = !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy;
+            found = Some(closed);
+            if last {
+                break;
+            }
+        }
+        let reason = "no polynomial is near the density of a grid; take the grid";
+        found.ok_or(Error::NotClosed { order: self.lowest(), reason })
+    }
+}
+
+/// The exact density next to the closest one, where there is one.
+fn exact(closest: &ClosureDensity, problem: &Problem, pilot: &Pilot) -> Option<ClosureDensity> {
+    let exponent = exact_near(problem, &pilot.states, &closest.content.exponent)?;
+    let symmetry = problem.symmetry();
+    let (centre, _) = pilot.spread(&symmetry);
+    let region = TrustDomain::new(pilot, &symmetry, centre, [None, None], 1.0);
+    let provenance = Provenance { nodes: None, reference: None, ..closest.provenance().clone() };
+    let guarded = closest.content.guarded;
+    Some(ClosureDensity::new(Content { guarded, provenance, ..exact_about(exponent, &region)? }))
+}
+
+impl ClosureDensity {
+    /// Whether the density of moment equations is the better answer: in two states, and by far, since a grid's estimate is the better
+    /// one.
+    pub(in crate::closure) fn is_worse_than(&self, by_equations: &Self) -> bool {
+        let better = by_equations.l1_estimate() < tuning::BETTER * self.l1_estimate();
+        self.dimension() > 1 && by_equations.content.candidates[0].accepted && better
+    }
+}
+
+impl Closest<'_> {
+    /// How large the residual of a density is, tested as on other nodes. None where the test functions are linearly dependent.
+    fn indication(&self, problem: &Problem, exponent: &Exponent, order: u32) -> Option<Indication> {
+        let Target { points, weights, .. } = &self.target;
+        let locals = locals(problem, points);
+        let excess = all::space::EXCESS[problem.dimension() - 1] - 2;
+        let values = nodes::values(&self.family().functions(order + excess), points);
+        let measure = tempered(&exponent.values(points), weights, 1.0);
+        let residuals = exponent.residuals(points, |i| &locals[i]);
+        let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();
+        let tested = weighted_sum(values.as_ref(), &weighted);
+        let tested = Mat::from_fn(tested.len(), 1, |k, _| tested[k]);
+        Indication::of((values.as_ref(), &measure), tested, (exponent.space.len() + 1, order))
+    }
+}
