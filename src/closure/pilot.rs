@@ -5,7 +5,7 @@ use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, Symmetry, TimeScales};
-use crate::simulation::{Collisions, Paths, Simulation};
+use crate::simulation::{Collisions, Paths, Simulation, require_motion};
 use crate::states::States;
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -46,7 +46,7 @@ impl<'a> PilotPlan<'a> {
         require(rate * scales.short(1.0) <= tuning::pilot::MOST_OFTEN, "rate of the impulses", rate, remedy)?;
         let step = scales.short(step).min(tuning::pilot::MOST_IMPULSES / rate);
         let interval = scales.short(tuning::pilot::INTERVAL);
-        Ok(PilotPlan { problem, seed, step, burn_in: scales.memory(), interval })
+        Ok(PilotPlan { problem, seed, step, burn_in: scales.burn_in(), interval })
     }
 
     /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.
@@ -110,6 +110,7 @@ impl<'a> PilotPlan<'a> {
             let affords = |burn_in, step| self.path_steps(count, burn_in, step) <= tuning::pilot::MOST_PATH_STEPS;
             match simulation.paths(self.problem) {
                 Ok(Paths { states, collisions, interval }) => {
+                    require_motion(&states, states.len() / tuning::pilot::TRAJECTORIES)?;
                     let stationary = stationary(&states);
                     if stationary || doubled == tuning::pilot::DOUBLINGS || !affords(2.0 * burn_in, step) {
                         return Ok(Pilot { states, collisions, interval, inflation, stationary });
@@ -169,6 +170,11 @@ impl Pilot {
     /// standard error of E x_i² between trajectories over that of independent states, for the slowest state; and that of E
     /// x_i where no symmetry makes it zero.
     pub(super) fn slowness(&self, symmetry: &Symmetry) -> f64 {
+        self.slowest(symmetry).1
+    }
+
+    /// The slowest state, and that number.
+    pub(super) fn slowest(&self, symmetry: &Symmetry) -> (usize, f64) {
         let samples = self.samples();
         let slowness = |values: Vec<f64>| -> f64 {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -180,7 +186,8 @@ impl Pilot {
         };
         let of = |i: usize, power: i32| slowness(self.states.iter().map(|x| x[i].powi(power)).collect());
         let own = |i: usize| if symmetry.flips(i) { of(i, 2) } else { of(i, 1).max(of(i, 2)) };
-        (0..self.states.dimension()).map(own).fold(1.0, f64::max)
+        let all = (0..self.states.dimension()).map(|i| (i, own(i)));
+        all.fold((0, 1.0), |slowest, state| if state.1 > slowest.1 { state } else { slowest })
     }
 
     /// Centre and standard deviations of the states and their mirror images.

@@ -21,6 +21,9 @@ use crate::simulation::require_settling;
 use std::time::Instant;
 
 const METHOD: &str = "closure";
+/// What trajectories do that never leave the well where they began.
+const STAYING: &str = "stay where they began, for longer than a pilot runs: the noise hardly takes them from well to well, so take \
+    stronger noise, or a model of one well";
 
 /// ∫ |p̃ − p| dx of two densities that share no state.
 const FARTHEST: f64 = 2.0;
@@ -106,13 +109,14 @@ impl Closure {
             let default = if walled { tuning::pilot::CARRYING_STATES_AT_WALLS } else { tuning::pilot::CARRYING_STATES };
             let states = self.states.unwrap_or(default);
             let mut pilot = plan.pilot(states, 1.0)?;
-            let mut slowness = pilot.slowness(&symmetry);
+            let (mut slow, mut slowness) = pilot.slowest(&symmetry);
             if slowness > tuning::pilot::CORRELATED {
                 pilot = plan.slower(slowness.min(tuning::pilot::LONGER), states).pilot(states, 1.0)?;
-                slowness = pilot.slowness(&symmetry);
+                (slow, slowness) = pilot.slowest(&symmetry);
             }
             let samples = pilot.samples();
             pilot.stationary &= samples == 1 || slowness < tuning::pilot::unmixed(samples);
+            let stayed = tuning::pilot::stayed(slowness, samples);
             let problem = problem.clone();
             let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
             let family = Family::new(&problem, &pilot, &self.degrees, &symmetry).ok_or(Error::NotServed {
@@ -122,7 +126,11 @@ impl Closure {
             })?;
             let rare = is_rare(&problem, &pilot);
             let nodal = Sampled { problem, rare, family, pilot, guarded, referred, seed, memory, begin };
-            return self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
+            let closed = self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
+            return closed.map_err(|error| match error {
+                Error::NotClosed { .. } if stayed => Error::NoDensity { state: slow, behaviour: STAYING },
+                error => error,
+            });
         }
         let pilot = plan.pilot(self.states.unwrap_or(tuning::pilot::STATES), 1.0)?;
         if self.reference == Reference::Equations || !problem.impulses().is_empty() {

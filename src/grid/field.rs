@@ -39,17 +39,14 @@ impl Along<'_> {
                 weights[0] = cell.width[axis].sqrt();
                 weights
             }
-            Along::At(x) => {
-                let [values, _] = cell.basis(axis, shape.degree, x - origin);
-                values
-            }
+            Along::At(x) => cell.values(axis, shape.degree, x - origin),
             Along::Function(g, degree, range) => {
                 let mut sums = vec![0.0; shape.modes(axis)];
                 let (low, high) = (cell.lower[axis].max(range[0] - origin), cell.upper(axis).min(range[1] - origin));
                 if low < high {
                     for (u, weight) in shape.rule(degree).on(low, high).iter() {
                         let factor = weight * g(u + origin);
-                        let [values, _] = cell.basis(axis, shape.degree, u);
+                        let values = cell.values(axis, shape.degree, u);
                         sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
                     }
                 }
@@ -302,7 +299,7 @@ fn weighed(values: &[f64], cell: &Cell, shape: Shape, tables: &[Table; MOST]) ->
 /// The functions of a cell at the nodes of a piece of it, by axis, node and function.
 fn functions_at(piece: &Cell, tables: &[Table; MOST], cell: &Cell, shape: Shape) -> Vec<Vec<Vec<f64>>> {
     let along = |(axis, table): (usize, &Table)| {
-        let at = |t: &f64| super::legendre::reference(shape.modes(axis) - 1, cell.xi(axis, piece.at(axis, *t))).0;
+        let at = |t: &f64| super::legendre::values(shape.modes(axis) - 1, cell.xi(axis, piece.at(axis, *t)));
         table.nodes.iter().map(at).collect()
     };
     tables.iter().enumerate().map(along).collect()

@@ -2,17 +2,28 @@
 
 use crate::numerics::{Rule, legendre};
 
-/// √(2k+1) P_k(ξ) and its derivative for k = 0..=`degree`, on the reference interval −1 ≤ ξ ≤ 1 with the measure dξ/2.
+/// √(2k+1) P_k(ξ) for k = 0..=`degree`, on the reference interval −1 ≤ ξ ≤ 1 with the measure dξ/2.
+pub(super) fn values(degree: usize, xi: f64) -> Vec<f64> {
+    let mut p = vec![0.0; degree + 1];
+    legendre::values(xi, &mut p);
+    p.iter_mut().enumerate().for_each(|(k, p)| *p *= norm(k));
+    p
+}
+
+/// The same, and their derivatives.
 pub(super) fn reference(degree: usize, xi: f64) -> (Vec<f64>, Vec<f64>) {
     let [mut p, mut slope] = [(); 2].map(|()| vec![0.0; degree + 1]);
     legendre::values(xi, &mut p);
     legendre::slopes(&p, &mut slope);
     for k in 0..=degree {
-        let norm = (2.0 * k as f64 + 1.0).sqrt();
-        p[k] *= norm;
-        slope[k] *= norm;
+        p[k] *= norm(k);
+        slope[k] *= norm(k);
     }
     (p, slope)
+}
+
+fn norm(k: usize) -> f64 {
+    (2.0 * k as f64 + 1.0).sqrt()
 }
 
 /// The reference basis at the nodes of a rule.

@@ -273,7 +273,7 @@ fn rebound(p: &Field, motion: &PlaneMotion) -> Vec<f64> {
             if -sign * own.centre(1) < 0.0 {
                 continue;
             }
-            let [across, _] = own.basis(0, shape.degree, wall);
+            let across = own.values(0, shape.degree, wall);
             let mut enter = |along: &[f64], factor: f64| {
                 for (i, a) in across.iter().enumerate() {
                     for (j, b) in along.iter().enumerate() {
@@ -295,7 +295,7 @@ fn rebound(p: &Field, motion: &PlaneMotion) -> Vec<f64> {
             for (w, gain) in [(fast, -1.0), (slow, 1.0)] {
                 let s = w.abs() / restitution;
                 if w != 0.0 {
-                    let [values, _] = own.basis(1, shape.degree, w);
+                    let values = own.values(1, shape.degree, w);
                     // Where two lines meet the derivative is that towards a smaller r, to which speeds are higher.
                     let beyond = sign * s * (1.0 + 1e-12);
                     enter(&values, gain * w * w / restitution.powi(3) * trace(mesh, p, side, beyond));
@@ -317,10 +317,10 @@ fn crossed(p: &Field, motion: &PlaneMotion, g: &(dyn Fn(&[f64]) -> f64 + Sync)) 
     let mut sum = 0.0;
     for (cell, block) in mesh.cells.iter().zip(p.blocks()) {
         for (end, sign) in [(cell.lower[0], -1.0), (cell.upper(0), 1.0)] {
-            let [across, _] = cell.basis(0, shape.degree, end);
+            let across = cell.values(0, shape.degree, end);
             let x = mesh.origin[0] + end;
             for (u, weight) in shape.rule(8).on(cell.lower[1], cell.upper(1)).iter() {
-                let [along, _] = cell.basis(1, shape.degree, u);
+                let along = cell.values(1, shape.degree, u);
                 let value = super::shape::contracted(block, &[&across, &along]);
                 sum += sign * weight * motion.rate(x) * value * g(&[x, mesh.origin[1] + u]);
             }

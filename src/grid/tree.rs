@@ -3,7 +3,7 @@
 //! The root is first divided along the lines that must be mesh lines (walls, levels, the speed 0 at a wall), and from there on in
 //! halves. Of two cells that meet at a face one covers the other's whole extent along it, or they have no part in common.
 
-use super::legendre::reference;
+use super::legendre::{reference, values};
 use super::shape::{MOST, Place};
 use crate::grid::tuning::mesh as tuning;
 
@@ -41,7 +41,15 @@ impl Cell {
         self.width.iter().product::<f64>().sqrt()
     }
 
-    /// The basis along an axis and its derivative at a coordinate, orthonormal with respect to it.
+    /// The basis along an axis at a coordinate, orthonormal with respect to it.
+    pub(super) fn values(&self, axis: usize, degree: usize, u: f64) -> Vec<f64> {
+        let scale = self.width[axis].sqrt().recip();
+        let mut p = values(degree, self.xi(axis, u));
+        p.iter_mut().for_each(|p| *p *= scale);
+        p
+    }
+
+    /// The same, and its derivative.
     pub(super) fn basis(&self, axis: usize, degree: usize, u: f64) -> [Vec<f64>; 2] {
         let (mut p, mut slope) = reference(degree, self.xi(axis, u));
         let scale = self.width[axis].sqrt().recip();

@@ -1,7 +1,7 @@
 //! Problems from their definitions.
 
 use super::family::{Family, Lifted};
-use super::field::{AnySize, Field, Fixed};
+use super::field::{AnySize, Field, Fixed, Polynomials};
 use super::{Equations, Problem};
 use crate::checks::dimension;
 use crate::error::{Error, Result};
@@ -88,13 +88,25 @@ impl Problem {
         Self::any_size(system, parameters, Some(Box::new(AnyFamily(copy))))
     }
 
-    pub(super) fn any_size(
+    fn any_size(
         system: impl PolynomialSystem + 'static,
         parameters: Vec<(String, f64)>,
         family: Option<Box<dyn Family>>,
     ) -> Result<Self> {
         let definition = Definition { equations: any_size(&system, 0)?, names: system.names(), parameters, family };
         definition.problem(|induces| Box::new(AnySize { system, induces }) as Box<dyn Field>)
+    }
+
+    /// The problem of a system that is given as polynomials.
+    pub(super) fn of_polynomials(
+        equations: PolynomialForm<f64>,
+        names: Vec<String>,
+        parameters: Vec<(String, f64)>,
+        family: Option<Box<dyn Family>>,
+    ) -> Result<Self> {
+        let (drift, columns) = (equations.drift.clone(), equations.columns.clone());
+        let definition = Definition { equations, names, parameters, family };
+        definition.problem(|induces| Box::new(Polynomials::new(&drift, &columns, induces)) as Box<dyn Field>)
     }
 }
 
@@ -174,6 +186,12 @@ impl<P: Parameter> PolynomialForm<P> {
 }
 
 impl PolynomialForm<HyperDual64> {
+    /// With the values of its parameters alone.
+    pub(super) fn real(self) -> PolynomialForm<f64> {
+        let PolynomialForm { drift, columns, interpretation, impulses } = self;
+        PolynomialForm { drift, columns, interpretation, impulses: impulses.iter().map(Impulse::real).collect() }
+    }
+
     /// With dual numbers for the parameters, without walls.
     pub(super) fn lifted(self) -> Result<Lifted> {
         Ok(Lifted { operator: self.operator()?, impulses: self.impulses, walls: Vec::new() })

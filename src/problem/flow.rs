@@ -77,7 +77,7 @@ impl Kicks<'_> {
         x: &mut [Lane],
         w: &[Lane],
         processes: usize,
-        kick: impl Fn(&mut [Lane], &[Lane]),
+        mut kick: impl FnMut(&mut [Lane], &[Lane]),
     ) -> (usize, bool) {
         let mut strikes = self.strikes;
         for before in 0..self.count {

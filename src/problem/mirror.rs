@@ -1,27 +1,22 @@
 use super::Problem;
-use super::text::Written;
+use super::definition::PolynomialForm;
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::{Polynomial, total_degree};
-use num_dual::HyperDual64;
 
 impl Problem {
     /// The same problem in a mirror, x → −x, with its walls: a wall below the motion is one above it there.
     pub(crate) fn mirrored(&self) -> Result<Self> {
-        let n = self.dimension();
-        let noise = (0..n).map(|i| self.noise().iter().map(|column| turned(&column[i])).collect::<Result<_>>());
-        let impulse = |impulse: &Impulse| {
-            let field = impulse.field().iter().map(turned).collect::<Result<_>>()?;
-            Ok(Impulse::new(impulse.jumps().each(HyperDual64::from), field))
-        };
-        let system = Written {
-            states: self.states().to_vec(),
-            drift: self.drift().iter().map(turned).collect::<Result<_>>()?,
-            noise: noise.collect::<Result<_>>()?,
+        let all = |polynomials: &[Polynomial]| polynomials.iter().map(turned).collect::<Result<Vec<_>>>();
+        let impulse = |impulse: &Impulse| Ok(Impulse::new(*impulse.jumps(), all(impulse.field())?));
+        let form = PolynomialForm {
+            drift: all(self.drift())?,
+            columns: self.noise().iter().map(|column| all(column)).collect::<Result<_>>()?,
             interpretation: self.interpretation(),
             impulses: self.impulses().iter().map(impulse).collect::<Result<_>>()?,
         };
-        let mirrored = Problem::any_size(system, self.equations.parameters.clone(), None)?;
+        let parameters = self.equations.parameters.clone();
+        let mirrored = Problem::of_polynomials(form, self.states().to_vec(), parameters, None)?;
         self.walls().iter().try_fold(mirrored, |problem, wall| problem.with_wall(wall.mirrored()))
     }
 }

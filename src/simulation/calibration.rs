@@ -1,5 +1,6 @@
 use super::{blocks::Blocks, tally::Layout, tally::Tally};
 use crate::control_variates::regression;
+use crate::polynomial::of_one;
 use crate::simulation::tuning;
 use faer::Mat;
 
@@ -18,20 +19,37 @@ pub(super) struct Calibration {
     pub(super) sums: Vec<Vec<f64>>,
 }
 
-impl Calibration {
-    /// The calibration by the degree that leaves the smallest spread between batches. None where blocks are too few, or plain
-    /// sums spread the least.
-    pub(super) fn new(batches: &[Tally], layout: &Layout) -> Option<Self> {
-        if layout.control_variates.is_empty() {
-            return None;
+/// What the control variates have to say of the tracked sums.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Calibrations {
+    /// The one that is used. None where blocks are too few, or plain sums spread the least.
+    pub(super) best: Option<Calibration>,
+    /// That of the lowest degree that asks for what is not so: weights that chance does not make, or moments of no density. The density
+    /// then has none of that degree, or trajectories still go where they come from.
+    pub(super) missed: Option<Calibration>,
+}
+
+impl Calibrations {
+    /// By the degree that leaves the smallest spread between batches, of those below the one that is missed.
+    pub(super) fn new(batches: &[Tally], layout: &Layout) -> Self {
+        let mut found = Calibrations::default();
+        if !layout.control_variates.is_empty() {
+            found.climb(batches, layout);
         }
+        found
+    }
+
+    /// None where a degree cannot be had.
+    fn climb(&mut self, batches: &[Tally], layout: &Layout) -> Option<()> {
+        let all = joined(batches.iter())?;
         let halves = [0, 1].map(|half| joined(batches.iter().filter(|b| b.origin.batch % 2 == half)));
         let blocks = halves.iter().flatten().map(|sums| sums.count).fold(f64::INFINITY, f64::min);
-        let [Some(even), Some(odd)] = &halves else { return None };
+        let [even, odd] = halves;
+        let (even, odd) = (even?, odd?);
         let totals: Vec<Vec<f64>> = batches.iter().map(|b| b.blocks.total()).collect();
         let tracked = layout.tracked();
         let plain: Vec<Vec<f64>> = batches.iter().map(|b| b.tracked(layout)).collect();
-        let (before, mut best) = (spread(&plain), None);
+        let before = spread(&plain);
         let mut least = 0.0;
         for (degree, controls) in layout.control_variates.degrees() {
             // The higher the degree, the rarer are the states that determine the regression.
@@ -39,7 +57,7 @@ impl Calibration {
             if (needed as f64) > blocks {
                 break;
             }
-            let [Some(of_even), Some(of_odd)] = [even, odd].map(|half| slopes(half, controls, tracked)) else { break };
+            let (of_even, of_odd) = (slopes(&even, controls, tracked)?, slopes(&odd, controls, tracked)?);
             let calibrated = |b: usize| {
                 let beta = if batches[b].origin.batch.is_multiple_of(2) { &of_odd } else { &of_even };
                 let taken = |l: usize| (0..controls).map(|k| beta[(k, l)] * totals[b][tracked + k]).sum::<f64>();
@@ -48,14 +66,33 @@ impl Calibration {
             let sums: Vec<Vec<f64>> = (0..batches.len()).map(calibrated).collect();
             let gain = |(before, after): (&f64, &f64)| (after / before).max(tuning::calibration::LEAST).ln();
             let left: f64 = before.iter().zip(&spread(&sums)).filter(|(b, _)| **b > 0.0).map(gain).sum();
+            let weight_deviation = weight_deviation(&all, controls, tracked)?;
+            let calibration = Calibration { degree, weight_deviation, sums };
+            if weight_deviation > tuning::errors::UNEVEN || !are_of_a_density(&calibration.sums, layout) {
+                self.missed = Some(calibration);
+                break;
+            }
             if left < least {
-                (least, best) = (left, Some((degree, controls, sums)));
+                (least, self.best) = (left, Some(calibration));
             }
         }
-        let (degree, controls, sums) = best?;
-        let weight_deviation = weight_deviation(batches, controls, tracked)?;
-        Some(Calibration { degree, weight_deviation, sums })
+        Some(())
     }
+}
+
+/// Whether E x_i⁴ ≥ (E x_i²)² for all states, with some room for chance. Where 𝓖x⁴ has no mean, E 𝓖x⁴ = 0 makes E x⁴ negative.
+fn are_of_a_density(sums: &[Vec<f64>], layout: &Layout) -> bool {
+    let states = layout.axes.len();
+    let mean = |i: usize, power: u32| {
+        let place = layout.monomials.iter().position(|m| *m == of_one(states, i, power))?;
+        let total = |place: usize| sums.iter().map(|batch| batch[place]).sum::<f64>();
+        Some(total(place) / total(0))
+    };
+    let holds = |i: usize| match (mean(i, 2), mean(i, 4)) {
+        (Some(square), Some(fourth)) => fourth >= tuning::calibration::LEAST_KURTOSIS * square * square,
+        _ => true,
+    };
+    (0..states).all(holds)
 }
 
 /// The blocks of all batches together.
@@ -83,9 +120,8 @@ fn spread(batches: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// √(R̄ᵀ C⁻¹ R̄) with the covariance C of R over blocks: the standard deviation of the weights w of the blocks with Σ w R =
-/// 0 that are nearest to 1.
-fn weight_deviation(batches: &[Tally], controls: usize, tracked: usize) -> Option<f64> {
-    let sums = joined(batches.iter())?;
+/// 0 that are nearest to 1. √(K/N) for K control variates and N blocks where R̄ is chance.
+fn weight_deviation(sums: &Blocks, controls: usize, tracked: usize) -> Option<f64> {
     let mean = |k: usize| sums.mean(tracked + k);
     let slopes = regression([controls, 1], |k, l| sums.square(k, l, tracked), |k, _| mean(k))?;
     let square = (0..controls).map(|k| mean(k) * slopes[(k, 0)]).sum::<f64>() * sums.squared_lengths();

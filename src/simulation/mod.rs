@@ -74,7 +74,7 @@ pub use control::Progress;
 pub use histogram::Histogram;
 pub(crate) use paths::{Collisions, Impact, Paths};
 pub use result::SimulatedDensity;
-pub(crate) use settling::{require_settling, settled};
+pub(crate) use settling::{require_motion, require_settling, settled};
 pub use setup::Simulation;
 pub use splitting::{Splitting, Tails};
 pub use statistics::{FirstPassage, Spectrum};

@@ -1,6 +1,6 @@
 use super::{
     batch::deal,
-    calibration::Calibration,
+    calibration::{Calibration, Calibrations},
     histogram::Histogram,
     jackknife::jackknife,
     passage::POWERS,
@@ -30,7 +30,7 @@ pub struct SimulatedDensity {
     pub(super) histograms: Vec<Histogram>,
     /// The same with twice the time step and the same noise.
     pub(super) coarse: Option<Box<Self>>,
-    calibration: Option<Calibration>,
+    calibrations: Calibrations,
     provenance: Provenance,
 }
 
@@ -38,14 +38,14 @@ impl SimulatedDensity {
     pub(super) fn new(mut batches: Vec<Tally>, plan: Plan, seconds: f64, stopped: Stopped) -> Self {
         let layout = plan.layout();
         let mut provenance = provenance(&batches, &plan, seconds, stopped);
-        let calibration = Calibration::new(&batches, &layout);
-        provenance.calibration_degree = calibration.as_ref().map(|c| c.degree);
-        provenance.weight_deviation = calibration.as_ref().map(|c| c.weight_deviation);
-        provenance.warning = warning(&batches, &layout, &plan, calibration.as_ref());
+        let calibrations = Calibrations::new(&batches, &layout);
+        provenance.calibration_degree = calibrations.best.as_ref().map(|c| c.degree);
+        provenance.weight_deviation = calibrations.best.as_ref().map(|c| c.weight_deviation);
+        provenance.warning = warning(&batches, &layout, &plan, calibrations.missed.as_ref());
         let histogram =
             |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
         let histograms = layout.histograms().enumerate().map(histogram).collect();
-        SimulatedDensity { batches, plan, layout, histograms, coarse: None, calibration, provenance }
+        SimulatedDensity { batches, plan, layout, histograms, coarse: None, calibrations, provenance }
     }
 
     /// The batches' tallies as they were before their counts went into the histograms.
@@ -74,6 +74,8 @@ impl SimulatedDensity {
 
     /// A function of the tracked sums with these places, of which the first is the number of samples, with both parts of its
     /// error. Sums of several places are added, those of none are not a number.
+    ///
+    /// Where the samples do not satisfy the moment equations of a degree, what these would change is a part of the error.
     pub(super) fn of_tracked<const K: usize>(
         &self,
         places: [&[usize]; K],
@@ -86,12 +88,12 @@ impl SimulatedDensity {
         let sums = |tracked: &[f64]| places.map(|places| sum(tracked, places));
         self.with_both_errors(|density| {
             let plain = jackknife(&density.batches, |b| sums(&b.tracked(&density.layout)), &value);
-            let Some(calibration) = &density.calibration else { return plain };
-            let calibrated = jackknife(&calibration.sums, |tracked| sums(tracked), &value);
-            Estimate::new(
-                calibrated.value,
-                calibrated.error.hypot(tuning::calibration::ROUNDING * (calibrated.value - plain.value)),
-            )
+            let by = |calibration: &Calibration| jackknife(&calibration.sums, |tracked| sums(tracked), &value);
+            let Calibrations { best, missed } = &density.calibrations;
+            let calibrated = best.as_ref().map_or(plain, by);
+            let rounding = tuning::calibration::ROUNDING * (calibrated.value - plain.value);
+            let missed = missed.as_ref().map_or(0.0, |missed| by(missed).value - calibrated.value);
+            Estimate::new(calibrated.value, calibrated.error.hypot(rounding).hypot(missed))
         })
     }
 

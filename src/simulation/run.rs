@@ -286,7 +286,7 @@ impl<'a> Simulation<'a> {
         }
         let scales = TimeScales::of(problem)?;
         Ok(Times {
-            burn_in: self.burn_in.unwrap_or_else(|| two_digits(scales.memory())),
+            burn_in: self.burn_in.unwrap_or_else(|| two_digits(scales.burn_in())),
             interval: self.sampling_interval.unwrap_or_else(|| two_digits(scales.short(tuning::timetable::INTERVAL))),
         })
     }

@@ -57,6 +57,14 @@ pub(crate) fn require_settling(problem: &Problem) -> Result<()> {
     settled(problem, tuning::FEW).map(|_| ())
 }
 
+/// Refuses trajectories of `each` states that all end at a point, where the states are enough to show it.
+///
+/// # Errors
+/// [`Error::NoDensity`].
+pub(crate) fn require_motion(states: &States, each: usize) -> Result<()> {
+    if each < 4 { Ok(()) } else { spread(states, each).map(|_| ()) }
+}
+
 /// Whether drift, noise and impulses vanish where trajectories start.
 fn rests(problem: &Problem) -> bool {
     let (x, n) = (problem.still(), problem.dimension());
@@ -89,6 +97,6 @@ fn spread(states: &States, each: usize) -> Result<Vec<[f64; 2]>> {
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut all: Vec<f64> = values.collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or_default()
+    let middle = all.len() / 2;
+    if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }

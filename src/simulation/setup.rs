@@ -230,7 +230,10 @@ impl<'a> Simulation<'a> {
     /// 0.96 to 1.11. `expoly-measure calibration` prints all of this, with `--repeats 300`. A run takes 5 to 33 % more time.
     ///
     /// # Limits
-    /// ψ must have a mean: where the density falls like a power, high degrees have none, and little is gained at low ones.
+    /// ψ must have a mean: where the density falls like a power, high degrees have none. The degree from which on the equations ask
+    /// for moments of no density is left out with all above it; [`Provenance::warning`](crate::Provenance::warning) names it, and
+    /// the errors of moments contain what it would have changed. For a van der Pol oscillator with noise on the displacement, whose
+    /// density falls as x⁻⁴, degree 6 would move E v² from 0.093 to 0.055 (0.091).
     ///
     /// # Reference
     /// A. Mira, R. Solgi and D. Imparato, Zero variance Markov chain Monte Carlo for Bayesian estimators, Statistics

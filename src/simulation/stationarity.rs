@@ -53,12 +53,7 @@ const CHATTER: &str = "no white noise acts on the velocity at a wall that takes 
     time step; the time at rest, moments and the power that the impacts take are not affected";
 
 /// Why a run should not be relied on, if there is a reason.
-pub(super) fn warning(
-    batches: &[Tally],
-    layout: &Layout,
-    plan: &Plan,
-    calibration: Option<&Calibration>,
-) -> Option<String> {
+pub(super) fn warning(batches: &[Tally], layout: &Layout, plan: &Plan, missed: Option<&Calibration>) -> Option<String> {
     let slowest = slowest(batches, layout, plan.interval());
     if let Some((state, time)) = slowest.filter(|(_, time)| *time > plan.burn_in()) {
         return Some(format!(
@@ -79,9 +74,17 @@ pub(super) fn warning(
     if batches.iter().flat_map(|b| &b.passages.rests).any(|[time, _]| *time > 0.0) {
         return Some(CHATTER.to_owned());
     }
-    let far = calibration.map(|c| c.weight_deviation).filter(|deviation| *deviation > tuning::errors::UNEVEN)?;
-    Some(format!(
-        "the samples do not satisfy the moment equations: they need weights 1 ± {far:.2}; take a longer burn-in, more samples \
-         or a shorter time step, if there is a stationary density at all"
-    ))
+    missed.map(|Calibration { degree, weight_deviation, .. }| {
+        if *weight_deviation > tuning::errors::UNEVEN {
+            format!(
+                "the samples do not satisfy the moment equations of degree {degree}: they need weights 1 ± {weight_deviation:.2}; \
+                 take a longer burn-in, more samples or a shorter time step, if there is a stationary density with such moments at all"
+            )
+        } else {
+            format!(
+                "the moment equations of degree {degree} make a mean fourth power smaller than the mean square allows: moments of this \
+                 degree do not exist, or take a longer burn-in and more samples"
+            )
+        }
+    })
 }

@@ -127,6 +127,8 @@ pub(super) mod calibration {
     pub(crate) const BLOCKS_EACH: usize = 30;
     /// A variance counts as at least this part of the plain one: below, it is rounding.
     pub(crate) const LEAST: f64 = 1e-8;
+    /// E x⁴/(E x²)² is at least 1; the rest is room for chance.
+    pub(crate) const LEAST_KURTOSIS: f64 = 0.9;
     /// The relative error of the correction that calibration makes: the ridge of the regression, and the rounding of its sums.
     pub(crate) const ROUNDING: f64 = 1e-8;
 }

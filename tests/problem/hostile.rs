@@ -497,15 +497,25 @@ fn what_does_not_settle_has_no_density() {
     let shrinking = "states = ['x']\ndrift.x = '-x'\nnoise.w.x = '0.5*x'";
     let free = "states = ['x', 'v']\ndrift = { x = 'v', v = '-v' }\nnoise.w.v = '1'";
     let fed = "states = ['x', 'v']\ndrift = { x = 'v', v = '0.02*v - x' }\nnoise.w.v = '1'";
-    for (text, what) in
-        [(shrinking, "come to rest"), (undamped, "keep growing"), (free, "keep growing"), (fed, "exploded")]
-    {
+    let elsewhere = "states = ['x']\ndrift.x = '1 - x'\nnoise.w.x = '0.5*(x - 1)'";
+    let driftless = "states = ['x']\ndrift.x = '0'\nnoise.w.x = '1'";
+    for (text, what) in [
+        (shrinking, "come to rest"),
+        (elsewhere, "come to rest"),
+        (driftless, "spread without end"),
+        (undamped, "keep growing"),
+        (free, "keep growing"),
+        (fed, "exploded"),
+    ] {
         let problem = Problem::from_toml(text).unwrap();
         for error in [Closure::new(4).solve(&problem).map(|_| ()), Grid::new().solve(&problem).map(|_| ())] {
             let error = error.expect_err(text);
             assert!(error.to_string().contains(what), "{text}: {error}");
         }
     }
+    let frozen = Problem::from_toml(include_str!("../cases/two-oscillators-frozen.toml")).unwrap();
+    let error = Closure::new(4).pilot_states(16_384).solve(&frozen).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("stay where they began"), "{error}");
     // Damping of a thousandth; rates of 2e16 and 5e-6 beside each other; damping of higher order alone, or negative at rest; noise that vanishes
     // at a state of rest that drives away.
     for text in [

@@ -216,6 +216,34 @@ fn impacts_are_calibrated_with_the_rest() -> Result<()> {
     Ok(())
 }
 
+/// dx = −x dt + b x dW₁ + dW₂, whose density falls as |x|^−(2 + 2/b²): E x^m exists while (m − 1) b² < 2. Where E x⁴ does not,
+/// degree 4 is left out and named, and the mean square is still right.
+#[test]
+fn moments_that_do_not_exist_calibrate_nothing() -> Result<()> {
+    for square in [0.2_f64, 0.5, 0.8, 1.2] {
+        let b = square.sqrt();
+        let text = format!("states = [\"x\"]\n[drift]\nx = \"-x\"\n[noise.a]\nx = \"{b} * x\"\n[noise.b]\nx = 1");
+        let density = Simulation::new().samples(100_000).run(&Problem::from_toml(&text)?)?;
+        let (second, fourth) = (density.moment(&[2])?, density.moment(&[4])?);
+        let warning = density.provenance().warning.clone().unwrap_or_default();
+        println!("{square}: {second}, {fourth}, {:?}, {warning}", density.provenance().calibration_degree);
+        // E 𝓖x² = 0 is the mean square itself.
+        assert!(second.deviation(1.0 / (2.0 - square)) < 4.0, "{square}: {second}");
+        if 3.0 * square < 2.0 {
+            let exact = 6.0 / ((2.0 - square) * (4.0 - 6.0 * square));
+            assert!(fourth.deviation(exact) < 4.0, "{square}: {fourth} is not {exact}");
+            // E x⁶ exists for the first alone.
+            assert!(warning.is_empty() || square > 0.4 && warning.contains("degree 6"), "{square}: {warning}");
+        } else {
+            assert_eq!(density.provenance().calibration_degree, Some(2));
+            assert!(warning.contains("moment equations of degree 4"), "{square}: {warning}");
+            // That of the samples, with what the equations would change, to a negative number, as its error.
+            assert!(fourth.value > 0.0 && fourth.error > fourth.value, "{square}: {fourth}");
+        }
+    }
+    Ok(())
+}
+
 /// Damping below zero: energy grows and no density is stationary, above a wall that takes too little energy as well. With any
 /// number of samples, the answer has a warning or there is none.
 #[test]

@@ -132,7 +132,8 @@ impl Content {
         let error = self.reference.as_ref().map_or(f64::INFINITY, |reference| reference.error);
         let share = tuning::closest::SERVES[self.dimension().min(2) - 1];
         let small = error <= share * chosen.l1_estimate || chosen.l1_estimate <= tuning::closest::SMALL;
-        chosen.accepted && (chosen.origin == Origin::Exact || small)
+        let in_common = chosen.l1_estimate < tuning::closest::NOTHING_IN_COMMON;
+        chosen.accepted && (chosen.origin == Origin::Exact || small && in_common)
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

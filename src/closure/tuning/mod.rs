@@ -93,6 +93,12 @@ pub(crate) mod pilot {
         UNMIXED.min(UNMIXED_SHARE * samples as f64)
     }
 
+    /// Whether trajectories of so many states have stayed where they began, as in wells that nothing leaves; of fewer than eight it shows
+    /// too little.
+    pub(crate) fn stayed(slowness: f64, samples: usize) -> bool {
+        samples >= 8 && slowness > UNMIXED_SHARE * samples as f64
+    }
+
     /// A pilot is made longer only up to so many time steps of all trajectories, where noise does not depend on the state:
     /// seconds. A bound on work.
     pub(crate) const MOST_PATH_STEPS: f64 = 2.5e8;

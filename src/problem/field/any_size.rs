@@ -3,13 +3,13 @@
 use super::super::flow::{Kicks, kick, midpoint, runge_kutta};
 use super::super::pack::Pack;
 use super::super::tangent::Tangent;
-use super::{Field, Lane};
+use super::{Field, Lane, OnRegisters};
 use crate::fokker_planck::Local;
 use crate::scalar::Scalar;
 use crate::system::PolynomialSystem;
 use num_dual::{Dual64, HyperDual64};
 use num_traits::Zero;
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 
 /// A [`PolynomialSystem`].
 pub(in crate::problem) struct AnySize<T> {
@@ -45,18 +45,6 @@ impl<T: PolynomialSystem> AnySize<T> {
     }
 }
 
-/// A call on packs, with the registers that it is compiled for.
-struct OnPacks<F>(F);
-
-impl<R, F: FnOnce() -> R> NullaryFnOnce for OnPacks<F> {
-    type Output = R;
-
-    #[inline(always)]
-    fn call(self) -> R {
-        (self.0)()
-    }
-}
-
 /// Lanes as packs, and packs as lanes.
 fn packed(x: &[Lane]) -> Vec<Pack> {
     x.iter().copied().map(Pack).collect()
@@ -69,12 +57,12 @@ fn unpacked(packs: impl IntoIterator<Item = Pack>, lanes: &mut [Lane]) {
 impl<T: PolynomialSystem> Field for AnySize<T> {
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
         let call = || unpacked(self.system.noise(&packed(x)).iter().map(|row| row[k]), column);
-        arch.dispatch(OnPacks(call));
+        arch.dispatch(OnRegisters(call));
     }
 
     fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
         let column = |x: &Vec<Pack>| self.system.noise(x).iter().map(|row| row[k]).collect();
-        arch.dispatch(OnPacks(|| unpacked(runge_kutta(packed(x), Pack(*s), column), to)));
+        arch.dispatch(OnRegisters(|| unpacked(runge_kutta(packed(x), Pack(*s), column), to)));
     }
 
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
@@ -85,7 +73,7 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
             }
             drift
         };
-        arch.dispatch(OnPacks(|| unpacked(midpoint(packed(x), tau, moved, drift), to)));
+        arch.dispatch(OnRegisters(|| unpacked(midpoint(packed(x), tau, moved, drift), to)));
     }
 
     fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
@@ -95,7 +83,7 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
         let kick = |x: &mut [Lane], w: &[Lane]| {
             unpacked(kick(packed(x), kicks.step / 2.0, kicks.moved, noise, &packed(w), drift), x);
         };
-        arch.dispatch(OnPacks(|| kicks.run(x, w, processes, kick)))
+        arch.dispatch(OnRegisters(|| kicks.run(x, w, processes, kick)))
     }
 
     fn kick(&self, x: &mut [f64], w: &[f64], Kicks { step, moved, noise, .. }: &Kicks<'_>) {
@@ -108,7 +96,7 @@ impl<T: PolynomialSystem> Field for AnySize<T> {
     }
 
     fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
-        arch.dispatch(OnPacks(|| unpacked(self.ito(&packed(x)), drift)));
+        arch.dispatch(OnRegisters(|| unpacked(self.ito(&packed(x)), drift)));
     }
 
     fn divergence(&self, x: &[f64]) -> f64 {

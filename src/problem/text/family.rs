@@ -42,21 +42,18 @@ impl Family for Text {
             let present = self.changed(name, found);
             present + (value(name, present.re) - present.re)
         };
-        let Read { written, walls, .. } = Document(&self.text).equations(&seeded, 2)?;
-        let n = written.states.len() + 2;
-        let padded = |entries: &mut dyn Iterator<Item = &Polynomial>| {
-            let mut all: Vec<Polynomial> = entries.cloned().collect();
-            all.resize(n, Polynomial::zero(n));
-            all
+        let Read { form, names, walls } = Document(&self.text).equations(&seeded, 2)?;
+        let n = names.variables();
+        let padded = |mut entries: Vec<Polynomial>| {
+            entries.resize(n, Polynomial::zero(n));
+            entries
         };
-        let processes = written.noise.first().map_or(0, Vec::len);
-        let impulse =
-            |impulse: &Impulse<HyperDual64>| Impulse::new(*impulse.jumps(), padded(&mut impulse.field().iter()));
+        let impulse = |impulse: Impulse<HyperDual64>| Impulse::new(*impulse.jumps(), padded(impulse.field().to_vec()));
         let form = PolynomialForm {
-            drift: padded(&mut written.drift.iter()),
-            columns: (0..processes).map(|k| padded(&mut written.noise.iter().map(|row| &row[k]))).collect(),
-            interpretation: written.interpretation,
-            impulses: written.impulses.iter().map(impulse).collect(),
+            drift: padded(form.drift),
+            columns: form.columns.into_iter().map(padded).collect(),
+            impulses: form.impulses.into_iter().map(impulse).collect(),
+            ..form
         };
         Ok(Lifted { walls: walls.iter().map(|wall| wall.numbers).collect(), ..form.lifted()? })
     }

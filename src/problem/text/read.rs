@@ -1,9 +1,9 @@
 //! From text.
 
-use super::Written;
 use super::family::Text;
 use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, is_real};
+use crate::problem::definition::PolynomialForm;
 use crate::problem::expression::{Fault, Names, is_name, number, polynomial, reserved};
 use crate::problem::{Problem, Wall};
 use crate::system::Interpretation;
@@ -21,7 +21,7 @@ pub(super) type Entry<'a> = Spanned<DeValue<'a>>;
 
 /// What a document says.
 pub(super) struct Read {
-    pub(super) written: Written,
+    pub(super) form: PolynomialForm<HyperDual64>,
     pub(super) names: Names,
     pub(super) walls: Vec<Placed>,
 }
@@ -244,7 +244,7 @@ impl Document<'_> {
             Some((place, _)) => return self.wrong(place, "interpretation", "it is \"ito\" or \"stratonovich\""),
         };
         let names = Names { states, parameters, more };
-        let (n, zero) = (names.states.len(), || Polynomial::zero(names.variables()));
+        let zero = || Polynomial::zero(names.variables());
         let Some(drift) = root.get("drift") else {
             return self.wrong(0, "drift", "there is none: write a table [drift] with an entry for each state");
         };
@@ -253,23 +253,20 @@ impl Document<'_> {
             let problem = "the drift has no entry for this state; write 0 where it does not move";
             return self.wrong(drift.span().start, &names.states[i], problem);
         }
-        let states = names.states.clone();
         let drift = found.into_iter().flatten().collect();
-        let mut written = Written { states, drift, noise: vec![Vec::new(); n], interpretation, impulses: Vec::new() };
+        let mut form = PolynomialForm { drift, columns: Vec::new(), interpretation, impulses: Vec::new() };
         if let Some(noise) = root.get("noise") {
             for (key, process) in in_order(self.table("noise", noise)?) {
                 let name = format!("noise.{}", key.get_ref());
                 let column = self.by_state(self.table(&name, process)?, (&name, &[]), &names)?;
-                for (row, entry) in written.noise.iter_mut().zip(column) {
-                    row.push(entry.unwrap_or_else(zero));
-                }
+                form.columns.push(column.into_iter().map(|entry| entry.unwrap_or_else(zero)).collect());
             }
         }
         if let Some(sources) = root.get("impulse") {
             for (key, source) in in_order(self.table("impulse", sources)?) {
                 let name = format!("impulse.{}", key.get_ref());
                 let impulse = self.impulse(&name, self.table(&name, source)?, key.span().start, &names)?;
-                written.impulses.push(impulse);
+                form.impulses.push(impulse);
             }
         }
         let mut walls = Vec::new();
@@ -281,15 +278,15 @@ impl Document<'_> {
                 walls.push(self.wall(entry, &names)?);
             }
         }
-        Ok(Read { written, names, walls })
+        Ok(Read { form, names, walls })
     }
 
     pub(super) fn problem(self, changes: Vec<(String, f64)>) -> Result<Problem> {
         let mut family = Text { text: self.0.to_owned(), changes, walls: Vec::new() };
-        let Read { written, names, walls: placed } = self.equations(&|name, value| family.changed(name, value), 0)?;
+        let Read { form, names, walls: placed } = self.equations(&|name, value| family.changed(name, value), 0)?;
         let parameters = names.parameters.into_iter().map(|(name, value)| (name, value.re)).collect();
         family.walls = placed.iter().map(|placed| placed.wall).collect();
-        let problem = Problem::any_size(written, parameters, Some(Box::new(family)))?;
+        let problem = Problem::of_polynomials(form.real(), names.states, parameters, Some(Box::new(family)))?;
         placed.into_iter().try_fold(problem, |problem, Placed { place, wall, .. }| {
             problem.with_wall(wall).or_else(|error| self.wrong(place, "wall", error.to_string()))
         })

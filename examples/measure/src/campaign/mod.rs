@@ -7,14 +7,16 @@
 //!
 //! 500 random oscillators are closed at several orders, and each density is compared with the solution of the Fokker-Planck
 //! equation on a grid; `--walls` does the same above 150 random walls, `--lattice` above 40 walls in order, where the
-//! literature's closure stands beside it, and `--exact` for systems of three to six states whose density is known. `--grid`
-//! compares the grid on the 500 with finer solutions. The tables go to `out/campaign/`, after each system: a campaign that was
+//! literature's closure stands beside it, `--exact` for systems of three to six states whose density is known, and `--known` for
+//! wells and linear systems, which have a density of order two or four. `--grid` compares the grid on the 500 with finer
+//! solutions. The tables go to `out/campaign/`, after each system: a campaign that was
 //! interrupted goes on from its table. `--part 2/16` closes a sixteenth of the systems, as the tasks of an array job do, and
 //! with the feature `mpi` `--ranks` a share on each rank. The seed and its index determine a system: `--only 17` repeats one.
 //! Tables of seed 1 are kept in `examples/measure/tables/`, with seconds that were measured beside other work.
 
 mod exact;
 mod grid;
+mod known;
 mod plane;
 mod runner;
 mod statistics;
@@ -34,13 +36,13 @@ use support::dealt::Dealt;
 /// The closure on random systems, against the grid.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Options {
-    /// How many systems [default: 500, with --walls 150, with --lattice all 40, with --exact 60]
+    /// How many systems [default: 500, with --walls 150, with --lattice all 40, with --exact 60, with --known 300]
     #[arg(long)]
     count: Option<usize>,
     /// Seed of the systems' parameters
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Orders, separated by commas [default: 4,6,8,10, with --walls alone 8]
+    /// Orders, separated by commas [default: 4,8, with --walls alone 8]
     #[arg(long, value_delimiter = ',')]
     orders: Vec<u32>,
     /// Random walls instead of the whole plane
@@ -55,6 +57,9 @@ pub(crate) struct Options {
     /// Random systems of three to six states whose density is known [default orders: 2,4]
     #[arg(long)]
     exact: bool,
+    /// Random wells, linear systems and wells beside linear states, whose density is exp of a polynomial [default order: 4]
+    #[arg(long)]
+    known: bool,
     /// With --exact, a column for the best of the order where nothing warns: the closure by a reference, or on four times as
     /// many states
     #[arg(long)]
@@ -123,6 +128,7 @@ fn run_part(options: &Options) -> Outcome {
     match () {
         () if options.exact => exact::run(options),
         () if options.grid => grid::run(options),
+        () if options.known => known::run(options),
         () if options.walls || options.lattice => walls::run(options),
         () => plane::run(options),
     }

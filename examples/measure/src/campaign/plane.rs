@@ -84,7 +84,7 @@ impl Row for OnThePlane {
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
-    let orders = options.orders(&[4, 6, 8, 10]);
+    let orders = options.orders(&[4, 8]);
     println!("seed {}; L1 (estimate), errors of E x^2 and E v^2 in %, warning, seconds", options.seed);
     let system = |index| Ok(System::random(options.seed, index));
     let campaign = options.campaign("plane.csv", 500, &orders);
