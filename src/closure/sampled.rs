@@ -175,7 +175,7 @@ impl Sampled {
             if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         // About as many stay on this side of all walls.
         let draws = tuning::density::DRAWS * (1 + contacts.len());
-        let rule = ImportanceRule::new(&found.exponent, &copula, draws, self.seed)
+        let rule = ImportanceRule::within(found.nest, &found.exponent, &copula, draws, self.seed)
             .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: take another order"))?;
         let (lattice, on_lattice) = lattice.unzip();
         let rule = match on_lattice.or(found.log_mass) {

@@ -57,6 +57,15 @@ impl Symmetry {
         self
     }
 
+    /// The same for all states but one.
+    pub(crate) fn without(&self, state: usize) -> Self {
+        let mut changes = self.changes.clone();
+        for flip in &mut changes {
+            flip.remove(state);
+        }
+        Symmetry { changes }
+    }
+
     /// The changes, the first of which flips none: whether each flips a state.
     pub(crate) fn changes(&self) -> &[Vec<bool>] {
         &self.changes

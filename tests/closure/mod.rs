@@ -16,6 +16,7 @@ mod sensitivity_at_walls;
 mod sensitivity_in_many_states;
 mod sensitivity_under_impulses;
 mod survival;
+mod thin_states;
 mod trajectories;
 mod walls;
 mod walls_in_many_states;

@@ -87,7 +87,10 @@ impl ClosureDensity {
             }
             (Integrals::Cells(cells), _) => cells.nodes(),
             (Integrals::Draws(rule), Some(lattice)) => lattice.all(&rule.copula),
-            (Integrals::Draws(_), None) => (States::new(content.dimension()), Vec::new()),
+            (Integrals::Draws(rule), None) => match rule.nest() {
+                Some(nest) => nest.all(&rule.copula),
+                None => (States::new(content.dimension()), Vec::new()),
+            },
         };
         let mut own = content.exponent.values(&points);
         exponentials(&mut own);
@@ -273,6 +276,10 @@ impl ClosureDensity {
                 let (nearest, far) = cells.nearest(x);
                 exponent.value(&nearest) - 2.0 * tuning::domain::STEEP * far
             }
+            Integrals::Draws(rule) if rule.nest().is_some() => rule.nest().map_or(f64::NEG_INFINITY, |nest| {
+                let (nearest, far) = nest.nearest(x);
+                exponent.value(&nearest) - tuning::domain::STEEP * far
+            }),
             _ => domain.continued(x, |x| exponent.value(x)),
         }
     }
@@ -282,8 +289,8 @@ impl ClosureDensity {
         let by_rules = match (&self.content.integrals, &self.content.lattice) {
             (Integrals::Panels { apart, .. }, _) => *apart,
             (Integrals::Cells(cells), _) => cells.error,
-            (Integrals::Draws(rule), Some(_)) => rule.log_mass().error,
-            (Integrals::Draws(_), None) => 0.0,
+            (Integrals::Draws(rule), lattice) if lattice.is_some() || rule.nest().is_some() => rule.log_mass().error,
+            (Integrals::Draws(_), _) => 0.0,
         };
         let least = if self.content.lattice.is_some() { tuning::SOLVED } else { tuning::ROUNDING };
         self.content.reference.as_ref().map_or(by_rules.max(least), |reference| reference.error + by_rules)

@@ -206,6 +206,19 @@ impl Copula {
         !self.flips.iter().any(|flip| odd(flip, powers))
     }
 
+    /// A state and its mirror images, of which some may be the same, each with whether one of the states has its sign changed.
+    pub(super) fn images_and(&self, x: &[f64], state: usize) -> Vec<(Vec<f64>, bool)> {
+        let mut images = vec![(x.to_vec(), false)];
+        for flip in &self.flips {
+            let flipped = |(x, own): &(Vec<f64>, bool)| {
+                (x.iter().zip(flip).map(|(x, flip)| if *flip { -x } else { *x }).collect(), own ^ flip[state])
+            };
+            let more: Vec<(Vec<f64>, bool)> = images.iter().map(flipped).collect();
+            images.extend(more);
+        }
+        images
+    }
+
     /// Whether a state lies in the trust domain: where the pilot has been, or a little farther out.
     pub(super) fn trusts(&self, x: &[f64]) -> bool {
         distance(&self.inverse, &self.scores(x)) <= self.farthest
@@ -251,7 +264,7 @@ impl Sampler<'_> {
 }
 
 /// Φ(z), by Zelen and Severo's rational approximation: seven digits, more than a quantile of a sample needs.
-fn normal_distribution(z: f64) -> f64 {
+pub(super) fn normal_distribution(z: f64) -> f64 {
     let t = 1.0 / (1.0 + 0.231_641_9 * z.abs());
     let series =
         t * (0.319_381_530 + t * (-0.356_563_782 + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));

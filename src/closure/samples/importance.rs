@@ -1,6 +1,8 @@
 //! Integrals of exp(Q) over many states, by importance sampling on shifted lattices.
 
 use super::copula::{Copula, Sampler};
+use super::nest::Nest;
+use super::nest_domain::NestedSampler;
 use super::nodes::Nodes;
 use super::products::{LANES, Products, ZERO};
 use crate::closure::density::exponent::{Exponent, known_value};
@@ -27,6 +29,9 @@ const MOST_BLOCKS: usize = 1 << 16;
 pub(crate) struct ImportanceRule {
     /// The density that the draws come from, with its trust domain.
     pub(crate) copula: Copula,
+    /// The nested nodes in whose domain draws are made instead, where a state nearly follows the others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    nest: Option<Nest>,
     shifts: Shifts,
     /// Taken off all logarithms, so that no weight overflows.
     shift: f64,
@@ -90,16 +95,36 @@ impl Shifts {
     }
 }
 
-/// The draws of one of all blocks in the sampler's trust domain, each with the logarithm of the density that it is drawn with.
-pub(super) fn each_draw(sampler: &Sampler<'_>, shifts: &Shifts, block: usize, mut visit: impl FnMut(&[f64], f64)) {
+/// The draws of one of all blocks in a sampler's trust domain, each with the logarithm of the density that it is drawn with.
+pub(super) fn each_draw(
+    draw: &impl Fn(&mut [f64], &mut [f64]) -> Option<f64>,
+    shifts: &Shifts,
+    block: usize,
+    mut visit: impl FnMut(&[f64], f64),
+) {
     let (start, block) = (&shifts.starts[block / shifts.blocks], block % shifts.blocks);
     let [mut normals, mut x] = [(); 2].map(|()| vec![0.0; start.len()]);
     for k in block * BLOCK..(block + 1) * BLOCK {
         for ((u, start), advance) in normals.iter_mut().zip(start).zip(&shifts.advance) {
             *u = normal_quantile((start + k as f64 * advance).fract());
         }
-        if let Some(logarithm) = sampler.draw(&mut normals, &mut x) {
+        if let Some(logarithm) = draw(&mut normals, &mut x) {
             visit(&x, logarithm);
+        }
+    }
+}
+
+/// Draws from a copula, or in the domain of nested nodes.
+enum Draws<'a> {
+    Copula(Sampler<'a>),
+    Nested(NestedSampler<'a>),
+}
+
+impl Draws<'_> {
+    fn draw(&self, u: &mut [f64], x: &mut [f64]) -> Option<f64> {
+        match self {
+            Draws::Copula(sampler) => sampler.draw(u, x),
+            Draws::Nested(sampler) => sampler.draw(u, x),
         }
     }
 }
@@ -114,8 +139,20 @@ fn added(sum: Sums, part: &Sums) -> Sums {
 impl ImportanceRule {
     /// A rule of about `draws` draws for this Q. None where no weight is finite.
     pub(in crate::closure) fn new(exponent: &Exponent, copula: &Copula, draws: usize, seed: u64) -> Option<Self> {
+        Self::within(None, exponent, copula, draws, seed)
+    }
+
+    /// The same in the domain of nested nodes, where there are any.
+    pub(in crate::closure) fn within(
+        nest: Option<Nest>,
+        exponent: &Exponent,
+        copula: &Copula,
+        draws: usize,
+        seed: u64,
+    ) -> Option<Self> {
         let rule = ImportanceRule {
             copula: copula.clone(),
+            nest: nest.map(|nest| nest.placed(copula)),
             shifts: Shifts::new(copula.knots.len(), draws, seed),
             shift: 0.0,
             mass: [1.0, 0.0],
@@ -127,7 +164,7 @@ impl ImportanceRule {
         };
         let mut rule = rule.over(exponent);
         let mut top = f64::NEG_INFINITY;
-        rule.block(&rule.copula.sampler(&[]).ok()?, 0, |_, logarithm| top = top.max(logarithm));
+        rule.block(&rule.sampler(&[]).ok()?, 0, |_, logarithm| top = top.max(logarithm));
         rule.shift = top;
         let blocks = rule.shifts.blocks;
         let sums = rule.sums(&[], blocks, &|_| 0.0).ok()?;
@@ -155,7 +192,21 @@ impl ImportanceRule {
         positive("the mass", self.mass[0])?;
         positive("the number of effective draws", self.effective)?;
         let copula = self.copula.checked(n)?;
-        Ok(ImportanceRule { copula, shifts, ..self }.over(exponent))
+        let nest = self.nest.map(|nest| nest.checked(n, &copula)).transpose()?;
+        Ok(ImportanceRule { copula, nest, shifts, ..self }.over(exponent))
+    }
+
+    /// Draws of all states but those given.
+    fn sampler(&self, given: &[(usize, f64)]) -> Result<Draws<'_>> {
+        Ok(match &self.nest {
+            Some(nest) => Draws::Nested(nest.sampler(given)?),
+            None => Draws::Copula(self.copula.sampler(given)?),
+        })
+    }
+
+    /// The nested nodes, if there are any.
+    pub(in crate::closure) fn nest(&self) -> Option<&Nest> {
+        self.nest.as_ref()
     }
 
     /// ln ∫ exp(Q) dx over the trust domain.
@@ -177,7 +228,7 @@ impl ImportanceRule {
 
     /// Whether the density is defined at a state.
     pub(in crate::closure) fn trusts(&self, x: &[f64]) -> bool {
-        self.is_room(x) && self.copula.trusts(x)
+        self.is_room(x) && self.nest.as_ref().map_or_else(|| self.copula.trusts(x), |nest| nest.contains(x))
     }
 
     /// Whether a state is on the side of the motion at every wall.
@@ -203,7 +254,7 @@ impl ImportanceRule {
     /// The same as nodes, each shift a part of them.
     pub(in crate::closure) fn nodes(&self) -> Result<Nodes> {
         let n = self.products.dimension();
-        let sampler = self.copula.sampler(&[])?;
+        let sampler = self.sampler(&[])?;
         let scale = (self.shifts.count() as f64).ln();
         let blocks = (0..self.shifts.blocks_in_all()).into_par_iter().map(|block| {
             let (mut values, mut base) = (Vec::with_capacity(BLOCK * n), Vec::with_capacity(BLOCK));
@@ -218,7 +269,13 @@ impl ImportanceRule {
         for blocks in base.chunks(self.shifts.blocks) {
             parts.push(parts.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
         }
-        Ok(Nodes { points: States::from_values(n, values.concat()), base: base.concat(), parts, odd: Vec::new() })
+        Ok(Nodes {
+            points: States::from_values(n, values.concat()),
+            base: base.concat(),
+            parts,
+            odd: Vec::new(),
+            thin: false,
+        })
     }
 
     /// ∫ g p dx over all other states, those of `held` at their values: the marginal density where g = 1, the flux through
@@ -238,7 +295,7 @@ impl ImportanceRule {
 
     /// The sums for each shift, of some of its blocks, with some states held.
     fn sums(&self, held: &[(usize, f64)], blocks: usize, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Vec<Sums>> {
-        let sampler = self.copula.sampler(held)?;
+        let sampler = self.sampler(held)?;
         let part = |task: usize| {
             let mut sums = [0.0; 3];
             self.block(&sampler, task / blocks * self.shifts.blocks + task % blocks, |x, logarithm| {
@@ -252,7 +309,7 @@ impl ImportanceRule {
     }
 
     /// The draws of one of all blocks in the trust domain, each with the logarithm of its weight.
-    fn block(&self, sampler: &Sampler<'_>, block: usize, mut each: impl FnMut(&[f64], f64)) {
+    fn block(&self, sampler: &Draws<'_>, block: usize, mut each: impl FnMut(&[f64], f64)) {
         let n = self.products.dimension();
         let mut scratch = self.products.scratch();
         let mut lanes = vec![ZERO; n];
@@ -269,7 +326,7 @@ impl ImportanceRule {
             }
         };
         let mut filled = 0;
-        each_draw(sampler, &self.shifts, block, |x, logarithm| {
+        each_draw(&|u, x| sampler.draw(u, x), &self.shifts, block, |x, logarithm| {
             if !self.is_room(x) {
                 return;
             }

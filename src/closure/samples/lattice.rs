@@ -84,6 +84,38 @@ impl Lattice {
         (nodes.points, weights)
     }
 
+    pub(super) fn centre(&self) -> &[f64] {
+        &self.centre
+    }
+
+    /// A state in multiples of the axes; nodes have whole ones.
+    pub(super) fn place(&self, x: &[f64]) -> Vec<f64> {
+        let mut place: Vec<f64> = Vec::with_capacity(x.len());
+        for (i, (row, (x, centre))) in self.axes.iter().zip(x.iter().zip(&self.centre)).enumerate() {
+            let before: f64 = row.iter().zip(&place).map(|(l, k)| l * k).sum();
+            place.push(((x - centre) / self.spacing - before) / row[i]);
+        }
+        place
+    }
+
+    /// The number of whole places on either side along an axis.
+    fn reach(&self) -> f64 {
+        (self.radius / self.spacing).floor()
+    }
+
+    /// The number of places in a cube around all nodes.
+    pub(super) fn places(&self) -> usize {
+        (2 * self.reach() as usize + 1).pow(self.centre.len() as u32)
+    }
+
+    /// The number of a place in that cube. None outside.
+    pub(super) fn index(&self, place: &[f64]) -> Option<usize> {
+        let reach = self.reach();
+        place
+            .iter()
+            .try_fold(0, |at, k| (k.abs() <= reach).then(|| at * (2 * reach as usize + 1) + (k + reach) as usize))
+    }
+
     /// Refuses numbers without a meaning, such as those of a damaged file.
     pub(in crate::closure) fn checked(self, n: usize) -> Read<Self> {
         states("the centre of the lattice", &self.centre, n)?;

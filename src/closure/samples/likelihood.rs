@@ -7,8 +7,8 @@ use crate::closure::space::Corner;
 use crate::closure::tuning;
 use crate::estimate::Estimate;
 use crate::numerics::{Concave, Search, add_gram, definite, exponentials, symmetric};
-use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
 /// Draws in a block: its tables stay in a core's cache.
@@ -16,6 +16,8 @@ pub(super) const BLOCK: usize = 512;
 /// Rows of a table of functions at the draws of a block: the same rows of all columns are written one after the other, and
 /// columns a power of two apart would fall onto the same few lines of the cache.
 pub(super) const ROWS: usize = BLOCK + LANES;
+/// Draws whose triangle is made at a time.
+const STRETCH: usize = 8 * BLOCK;
 /// Matrices that are summed side by side hold about so many numbers together.
 pub(super) const ROOM: usize = 30_000_000;
 
@@ -55,6 +57,9 @@ impl Likelihood<'_> {
     /// The most likely density whose functions have the `means`, the constant left out: a·m − ln ∫ exp(Q) is concave. None
     /// where integrals are not finite.
     pub(super) fn most_likely(&self, means: &[f64], start: Vec<f64>, search: Search) -> Option<Fit> {
+        if self.nodes.thin {
+            return self.most_likely_in_frames(means, start, search);
+        }
         let summit = search.ascend(&Towards { likelihood: self, means }, start[1..].to_vec(), None)?;
         let (steps, converged, next, masses) = (summit.steps, summit.converged, summit.next, summit.at);
         Some(Fit { a: with_constant(&summit.a), effective: effective(&masses), steps, converged, next, masses })
@@ -63,10 +68,15 @@ impl Likelihood<'_> {
     /// E|δ| of the first-order change δ of ln p that a change of the means makes.
     pub(super) fn change(&self, fit: &Fit, means: [&[f64]; 2]) -> Option<f64> {
         let found = self.means(&fit.masses);
-        let difference = Mat::from_fn(found.len(), 1, |k, _| means[0][k] - means[1][k]);
-        let step = self.curvature(&fit.masses, &found)?.solve(&difference);
-        let constant: f64 = (0..found.len()).map(|k| step[(k, 0)] * found[k]).sum();
-        let change: Vec<f64> = std::iter::once(-constant).chain((0..found.len()).map(|k| step[(k, 0)])).collect();
+        let difference: Vec<f64> = means[0].iter().zip(means[1]).map(|(one, other)| one - other).collect();
+        let step = if self.nodes.thin {
+            self.change_in_frame(&fit.masses, &difference)?
+        } else {
+            let right = Mat::from_fn(found.len(), 1, |k, _| difference[k]);
+            self.curvature(&fit.masses, &found)?.solve(&right).col_as_slice(0).to_vec()
+        };
+        let constant: f64 = step.iter().zip(&found).map(|(step, mean)| step * mean).sum();
+        let change: Vec<f64> = std::iter::once(-constant).chain(step).collect();
         Some(self.mean_size(&change, &fit.masses))
     }
 
@@ -86,7 +96,7 @@ impl Likelihood<'_> {
     }
 
     /// Q at each draw, the constant first.
-    fn combination(&self, a: &[f64]) -> Vec<f64> {
+    pub(super) fn combination(&self, a: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; self.nodes.base.len()];
         q.par_chunks_mut(BLOCK).enumerate().for_each_init(
             || self.products.scratch(),
@@ -100,7 +110,7 @@ impl Likelihood<'_> {
     }
 
     /// ln ∫ exp(Q), and the mass of each draw, for Q at each draw. None where exp(Q) has no finite integral.
-    fn integral(&self, q: &[f64]) -> Option<(f64, Vec<f64>)> {
+    pub(super) fn integral(&self, q: &[f64]) -> Option<(f64, Vec<f64>)> {
         let mut masses: Vec<f64> = q.iter().zip(&self.nodes.base).map(|(q, base)| q + base).collect();
         let top = masses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         masses.par_chunks_mut(BLOCK).for_each(|masses| {
@@ -224,28 +234,29 @@ impl Likelihood<'_> {
 
     /// Cov φ.
     pub(super) fn covariance(&self, masses: &[f64], means: &[f64]) -> Mat<f64> {
-        let size = means.len();
+        self.covariance_of(masses, means, None)
+    }
+
+    /// The covariance of Tᵀφ, where T is given, and of φ otherwise.
+    pub(super) fn covariance_of(&self, masses: &[f64], means: &[f64], transform: Option<MatRef<'_, f64>>) -> Mat<f64> {
+        let size = transform.map_or(means.len(), |transform| transform.ncols());
         let every = if size > tuning::space::MANY { tuning::likelihood::FEWER } else { 1 };
         let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).step_by(every).collect();
         let stretches = (ROOM / (size * size)).clamp(2, 64);
         let stretch = |blocks: &[usize]| {
             let mut sum = Mat::zeros(size, size);
             let mut scratch = self.products.scratch();
-            let mut table = Mat::<f64>::zeros(ROWS, size);
+            let mut table = Mat::<f64>::zeros(ROWS, means.len());
             let mut mass = 0.0;
             for &block in blocks {
                 let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
                 mass += p.iter().sum::<f64>();
-                self.each(block * BLOCK, p.len(), &mut scratch, |at, count, scratch| {
-                    let root = lane(&p[at..at + count]).map(f64::sqrt);
-                    for (k, mean) in means.iter().enumerate() {
-                        let value = self.products.value(scratch, k + 1);
-                        let column = &mut table.col_as_slice_mut(k)[at..at + LANES];
-                        (0..LANES).for_each(|l| column[l] = root[l] * (value[l] - mean));
-                    }
-                });
+                self.centred(block * BLOCK, p, means, &mut scratch, &mut table);
                 let used = table.get(..p.len(), ..);
-                add_gram(sum.as_mut(), used);
+                match transform {
+                    Some(transform) => add_gram(sum.as_mut(), (used * transform).as_ref()),
+                    None => add_gram(sum.as_mut(), used),
+                }
             }
             (sum, mass)
         };
@@ -256,6 +267,37 @@ impl Likelihood<'_> {
             mass += m;
         }
         symmetric(&(sum / mass))
+    }
+
+    /// An upper triangle R with RᵀR = Cov φ, by orthogonal transformations of the functions' table, which keep the digits that
+    /// the covariance loses.
+    pub(super) fn triangle(&self, masses: &[f64], means: &[f64]) -> Mat<f64> {
+        let stretch = |(stretch, p): (usize, &[f64])| {
+            let mut table = Mat::<f64>::zeros(p.len() + LANES, means.len());
+            self.centred(stretch * STRETCH, p, means, &mut self.products.scratch(), &mut table);
+            table.get(..p.len(), ..).qr().thin_R().to_owned()
+        };
+        let parts: Vec<Mat<f64>> = masses.par_chunks(STRETCH).enumerate().map(stretch).collect();
+        let stacked = |above: Mat<f64>, part: Mat<f64>| {
+            let rows = above.nrows();
+            let both = Mat::from_fn(rows + part.nrows(), means.len(), |i, k| {
+                if i < rows { above[(i, k)] } else { part[(i - rows, k)] }
+            });
+            both.qr().thin_R().to_owned()
+        };
+        parts.into_iter().reduce(stacked).unwrap_or_else(|| Mat::zeros(0, means.len()))
+    }
+
+    /// Fills a table with √p (φ − Eφ) at the draws from `first` on, a row each.
+    fn centred(&self, first: usize, p: &[f64], means: &[f64], scratch: &mut Scratch, table: &mut Mat<f64>) {
+        self.each(first, p.len(), scratch, |at, count, scratch| {
+            let root = lane(&p[at..at + count]).map(f64::sqrt);
+            for (k, mean) in means.iter().enumerate() {
+                let value = self.products.value(scratch, k + 1);
+                let column = &mut table.col_as_slice_mut(k)[at..at + LANES];
+                (0..LANES).for_each(|l| column[l] = root[l] * (value[l] - mean));
+            }
+        });
     }
 
     /// Places the functions at `count` draws from `first` on, eight at a time: the place of the first of them, and their
@@ -282,7 +324,7 @@ struct Towards<'a> {
 }
 
 /// Coefficients with that of the constant function, zero, before them.
-fn with_constant(a: &[f64]) -> Vec<f64> {
+pub(super) fn with_constant(a: &[f64]) -> Vec<f64> {
     std::iter::once(0.0).chain(a.iter().copied()).collect()
 }
 

@@ -10,24 +10,34 @@
 //! - `family`: the functions of an order;
 //! - `nodes`, `copula`, `importance`, `lattice`, `strata`: nodes for integrals: draws, lattices and, next to walls, Gauss nodes across and a lattice along them;
 //! - `likelihood`, `fitting`: the most likely density on such nodes;
+//! - `thin`, `lines`, `nest`, `nest_domain`, `nested`, `frame`: a state that nearly follows the others, nodes on lines along it where the density has
+//!   its mass, and the most likely density there, in orthonormal functions;
 //! - `means`: those of a density at a time, which satisfies no stationary equations;
+//! - `estimate`: the distance from the density of a higher order, as the estimate of the error;
 //! - `equations`, `walls`, `reconciliation`: the moment equations under exp(Q), the impacts' part in them, and the step that
 //!   weighs them against the means.
 
 mod calibration;
 mod copula;
 mod equations;
+mod estimate;
 mod family;
 mod fitting;
+mod frame;
 mod importance;
 mod lattice;
 mod likelihood;
+mod lines;
 mod means;
 mod moments;
+mod nest;
+mod nest_domain;
+mod nested;
 mod nodes;
 mod paths;
 mod reconciliation;
 mod strata;
+mod thin;
 mod walls;
 
 pub(crate) use copula::Copula;
@@ -37,6 +47,7 @@ pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
 pub(in crate::closure) use means::MeansFrom;
 pub(crate) use moments::Moment;
+pub(in crate::closure) use nest::Nest;
 pub(in crate::closure) use nodes::Nodes;
 
 use super::density::exponent::Exponent;
@@ -45,13 +56,13 @@ use super::pilot::Pilot;
 use crate::closure::tuning;
 use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;
-use crate::numerics::Search;
 use crate::problem::Problem;
 use calibration::Calibration;
 use fitting::{Fitted, Fitting};
 use likelihood::{Fit, Likelihood, distance, effective};
 use means::Means;
 use moments::moments;
+use nested::{Nested, OnLines};
 
 /// ln p up to a constant, as found on samples.
 #[derive(Clone, Debug)]
@@ -80,6 +91,8 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) steps: usize,
     /// Where integrals were taken, if that was a lattice.
     pub(in crate::closure) lattice: Option<(Lattice, Nodes)>,
+    /// Where they were taken, if those were nested nodes.
+    pub(in crate::closure) nest: Option<Nest>,
 }
 
 /// What a closure on samples is made from.
@@ -135,12 +148,13 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
         calibrated: (None, 1.0),
         steps: fit.steps,
         lattice: lattice.map(|lattice| (lattice, nodes)),
+        nest: None,
     };
     Some((found, means.share_of_states))
 }
 
-/// Closes in one family of functions, by integrals over a lattice where that resolves the density, and over draws from
-/// the states' copula otherwise. None where they are too few for its functions.
+/// Closes in one family of functions, by integrals over nested nodes where a state is thin, over a lattice where that resolves the
+/// density, and over draws from the states' copula otherwise. None where they are too few for its functions.
 fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let Samples { problem, family, order, .. } = samples;
     let (space, higher) = (family.functions(order), family.compared(order));
@@ -148,7 +162,13 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let calibration = Calibration::new(problem, samples.pilot, family, &higher, space.len())?;
     let [products, comparing] = [&space, &higher].map(Products::of);
     let fitting = Fitting { samples, means: &calibration.means };
-    let Fitted { lattice, nodes, walls, fit } = fitting.best([&products, &comparing])?;
+    let on_lines = fitting.on_lines([&products, &comparing]);
+    let (Fitted { lattice, nodes, walls, fit }, nested) = match on_lines {
+        Some(OnLines { own: Nested { nest, nodes, fit }, other, above }) => {
+            (Fitted { lattice: None, nodes, walls: Vec::new(), fit }, Some((nest, other, above)))
+        }
+        None => (fitting.best([&products, &comparing])?, None),
+    };
     let covered = family.covered();
     let likelihood = Likelihood { nodes: &nodes, products: &products, corners, walls: &walls };
     // Under impulses the equations on the nodes would take values of the functions far from all states for those after impulses.
@@ -158,19 +178,25 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     // The pilot's noise in kinks is too large for a root to be near.
     let fit = if family.has_kinks() { reconciled(fit) } else { fit };
     let root = if struck { None } else { likelihood.polished(problem, &fit) };
-    let (l1_estimate, exact, fit) = match root {
-        Some(root) => (0.0, true, root),
-        None => {
+    let (l1_estimate, exact, fit) = match (root, &nested) {
+        (Some(root), _) => (0.0, true, root),
+        (None, Some((_, other, above))) => {
+            let of_other = if *above { comparing } else { Products::of(&family.functions((order - 1) / 2 * 2)) };
+            let other = (&Likelihood { products: &of_other, nodes: &other.nodes, ..likelihood }, &other.fit);
+            (estimate::across([(&likelihood, &fit), other], *above, &calibration)?, false, fit)
+        }
+        (None, None) => {
             let fit = if family.has_kinks() { fit } else { reconciled(fit) };
             let comparing = Likelihood { products: &comparing, ..likelihood };
-            (l1_estimate(problem, [&likelihood, &comparing], &fit, &calibration, covered), false, fit)
+            (estimate::l1_estimate(problem, [&likelihood, &comparing], &fit, &calibration, covered), false, fit)
         }
     };
     let residual = if struck { [f64::INFINITY; 2] } else { likelihood.residual(problem, &fit) };
     let rates = likelihood.impact_rates(&fit.a, &fit.masses);
     let impacts = calibration.impacts(corners.len()).into_iter().zip(rates).map(|(wall, own)| wall.beside(own));
     let coefficients = fit.a[1..].to_vec();
-    let log_mass = lattice.as_ref().and_then(|_| likelihood.log_mass(&fit));
+    let log_mass = if lattice.is_some() || nested.is_some() { likelihood.log_mass(&fit) } else { None };
+    let nest = nested.map(|(nest, ..)| nest);
     Some(SampleClosure {
         moments: moments(&space, family, &calibration.means, |c| calibration.error(c)),
         exponent: Exponent { known: corners.to_vec(), space, constant: 0.0, coefficients },
@@ -185,6 +211,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
         calibrated: (calibration.degree, calibration.smallest_weight),
         steps: fit.steps,
         lattice: lattice.map(|lattice| (lattice, nodes)),
+        nest,
     })
 }
 
@@ -222,59 +249,4 @@ fn reconciled(
         fit = next;
     }
     fit
-}
-
-/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit` in the functions of `own`, the first of those of `likelihood`: the distance from
-/// the density that the pilot's means and the moment equations of all of these give, less the part of it that is chance, plus the last
-/// step of a search that did not end; 2 where there is no such density.
-///
-/// Where there are too many functions for moment equations, the density of the higher order has a noise of its own: what its square
-/// exceeds that of the lower order by is in the distance's square, and the lower order keeps its own.
-fn l1_estimate(
-    problem: &Problem,
-    [own, likelihood]: [&Likelihood<'_>; 2],
-    fit: &Fit,
-    calibration: &Calibration,
-    covered: usize,
-) -> f64 {
-    let size = likelihood.products.len() - 1;
-    let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(size + 1).collect();
-    let apart = |means: &[f64], size: f64| {
-        let above = likelihood.most_likely(
-            means,
-            start.clone(),
-            Search { tolerance: tuning::likelihood::FINE * size, most: tuning::likelihood::ROUGH.most },
-        )?;
-        Some((distance(&fit.masses, &above.masses), above))
-    };
-    let reconciled = if size <= covered {
-        let begin = Fit { a: start.clone(), ..fit.clone() };
-        likelihood.reconciled(problem, &begin, &calibration.means[..size], calibration.covariance.as_ref())
-    } else {
-        None
-    };
-    // A step to means that no density nearby has is not taken.
-    let by_both = reconciled.and_then(|found| {
-        if !likelihood.corners.is_empty() {
-            // Here the most likely density with so many kinks would follow the nodes' own noise.
-            let distance = likelihood.mean_size(&found.change, &fit.masses);
-            return Some((distance, distance * (found.noise / found.size).min(1.0), 0.0));
-        }
-        let (distance, above) = apart(&found.means, found.size.min(1.0)).filter(|(_, above)| above.converged)?;
-        Some((distance, distance * (found.noise / found.size).min(1.0), above.next))
-    });
-    let without_noise = |found: f64, noise: f64| (found * found - noise * noise).max(0.0).sqrt();
-    let by_both = by_both.map(|(found, noise, open)| (without_noise(found, noise) + 0.5 * noise).hypot(open));
-    // Half the distance between the density by one half of the states and by the other is about the noise of the two together.
-    let noise = |likelihood: &Likelihood<'_>, fit: &Fit| {
-        let size = likelihood.products.len() - 1;
-        tuning::likelihood::OF_HALVES
-            * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
-    };
-    let by_pilot = || {
-        let (distance, above) = apart(&calibration.means[..size], tuning::likelihood::UNKNOWN)?;
-        let (own, higher) = (noise(own, fit), noise(likelihood, &above));
-        Some(without_noise(distance, without_noise(higher, own)).hypot(own).hypot(above.next))
-    };
-    by_both.or_else(by_pilot).map_or(2.0, |found| found.min(2.0))
 }

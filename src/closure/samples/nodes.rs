@@ -13,12 +13,14 @@ pub(in crate::closure) struct Nodes {
     /// On a lattice, for each of them the axes along which its place is odd, a bit an axis: those with an even place are a rule of twice
     /// the spacing along that axis alone.
     pub(in crate::closure) odd: Vec<u32>,
+    /// Whether they are on lines along a thin state, on which products of polynomials are all but dependent.
+    pub(in crate::closure) thin: bool,
 }
 
 impl Nodes {
     /// No nodes yet.
     pub(super) fn empty(states: usize) -> Self {
-        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new(), odd: Vec::new() }
+        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new(), odd: Vec::new(), thin: false }
     }
 
     /// The masses of those with an even place along an axis, twice, so that their sum is the same integral.

@@ -63,7 +63,7 @@ impl WallNodes {
         let total = (shifts.count() as f64).ln();
         let log_rate = rate - usize::from(rate > gap);
         for block in 0..shifts.blocks_in_all() {
-            each_draw(&sampler, &shifts, block, |y, logarithm| {
+            each_draw(&|u, y| sampler.draw(u, y), &shifts, block, |y, logarithm| {
                 let mut x = y.to_vec();
                 x.insert(gap, 0.0);
                 let speed = y[log_rate].exp();

@@ -50,6 +50,44 @@ pub(crate) mod strata {
     pub(crate) const COARSEST: f64 = 0.9;
 }
 
+/// A state that nearly follows the others: nested nodes.
+pub(crate) mod nest {
+    use crate::numerics::Search;
+
+    /// The most states. A bound on work: beyond, no lattice of the others has few enough points.
+    pub(crate) const MOST_STATES: usize = 5;
+    /// The states by which a thin one is found.
+    pub(crate) const TESTED: usize = 1 << 14;
+    /// A state is thin where cubics of the others leave less than this share of its variance, and linear functions so many times more.
+    /// Harvesters and a filter behind a Duffing oscillator: .026 to .059, and 2.0 to 3.1 times; an absorber: .76, and 1.01 times.
+    pub(crate) const THIN: f64 = 0.1;
+    /// See [`THIN`].
+    pub(crate) const CURVED: f64 = 1.5;
+    /// Points of the other states, by the number of these, mirror images among them. With 24 × 24 in place of 32 × 32 order 6 of a
+    /// harvester lost 2e-3 nats, and 48 × 48 gained 3e-4.
+    pub(crate) const POINTS: [usize; 4] = [40, 1024, 9600, 9600];
+    /// Standard deviations of the state on a line that lines reach out, in which the pilot's farthest states lie. At a quality factor of
+    /// 1000 the search ran to the edge with 7; with 24 exp(Q) rose again at some ends.
+    pub(crate) const REACH: f64 = 14.0;
+    /// Nodes on a line, an even number: half a standard deviation apart.
+    pub(crate) const ALONG: usize = 56;
+    /// Lines are laid once more where the density on them is wider or narrower by this share in the mean, or shifted by that many
+    /// standard deviations.
+    pub(crate) const WIDER: f64 = 0.1;
+    /// See [`WIDER`].
+    pub(crate) const SHIFTED: f64 = 0.15;
+    /// How often at most.
+    pub(crate) const LAID: usize = 4;
+    /// The steps after which functions are made orthonormal again.
+    pub(crate) const FRAMES: [usize; 4] = [2, 4, 10, usize::MAX];
+    /// Functions whose part beyond all others is smaller than this are left out.
+    pub(crate) const DEPENDENT: f64 = 1e-11;
+    /// The search that lines are laid by, and that of the order asked for.
+    pub(crate) const LAYING: Search = Search { tolerance: 3e-3, most: 40 };
+    /// See [`LAYING`].
+    pub(crate) const SEARCH: Search = Search { tolerance: 1e-5, most: 60 };
+}
+
 /// Many states: the most likely density.
 pub(crate) mod likelihood {
     use crate::numerics::Search;

@@ -14,7 +14,7 @@ mod many_states;
 pub(crate) mod panels;
 pub(crate) mod sensitivity;
 
-pub(crate) use many_states::{calibration, lattice, likelihood, strata};
+pub(crate) use many_states::{calibration, lattice, likelihood, nest, strata};
 
 /// What is as small as this, relative to its parts, is rounding: sums over nodes. Not met.
 pub(crate) const ROUNDING: f64 = 1e-12;

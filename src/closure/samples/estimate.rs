@@ -1,0 +1,87 @@
+//! The estimate of the error: the distance from the density of a higher order.
+
+use super::calibration::Calibration;
+use super::likelihood::{Fit, Likelihood, distance};
+use crate::closure::tuning;
+use crate::numerics::Search;
+use crate::problem::Problem;
+
+/// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit` in the functions of `own`, the first of those of `likelihood`: the distance from
+/// the density that the pilot's means and the moment equations of all of these give, less the part of it that is chance, plus the last
+/// step of a search that did not end; 2 where there is no such density.
+///
+/// Where there are too many functions for moment equations, the density of the higher order has a noise of its own: what its square
+/// exceeds that of the lower order by is in the distance's square, and the lower order keeps its own.
+pub(super) fn l1_estimate(
+    problem: &Problem,
+    [own, likelihood]: [&Likelihood<'_>; 2],
+    fit: &Fit,
+    calibration: &Calibration,
+    covered: usize,
+) -> f64 {
+    let size = likelihood.products.len() - 1;
+    let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(size + 1).collect();
+    let apart = |means: &[f64], size: f64| {
+        let above = likelihood.most_likely(
+            means,
+            start.clone(),
+            Search { tolerance: tuning::likelihood::FINE * size, most: tuning::likelihood::ROUGH.most },
+        )?;
+        Some((distance(&fit.masses, &above.masses), above))
+    };
+    let reconciled = if size <= covered {
+        let begin = Fit { a: start.clone(), ..fit.clone() };
+        likelihood.reconciled(problem, &begin, &calibration.means[..size], calibration.covariance.as_ref())
+    } else {
+        None
+    };
+    // A step to means that no density nearby has is not taken.
+    let by_both = reconciled.and_then(|found| {
+        if !likelihood.corners.is_empty() {
+            // Here the most likely density with so many kinks would follow the nodes' own noise.
+            let distance = likelihood.mean_size(&found.change, &fit.masses);
+            return Some((distance, distance * (found.noise / found.size).min(1.0), 0.0));
+        }
+        let (distance, above) = apart(&found.means, found.size.min(1.0)).filter(|(_, above)| above.converged)?;
+        Some((distance, distance * (found.noise / found.size).min(1.0), above.next))
+    });
+    let by_both = by_both.map(|(found, noise, open)| (without_noise(found, noise) + 0.5 * noise).hypot(open));
+    let by_pilot = || {
+        let (distance, above) = apart(&calibration.means[..size], tuning::likelihood::UNKNOWN)?;
+        Some(by_means([(own, fit), (likelihood, &above)], distance, calibration))
+    };
+    by_both.or_else(by_pilot).map_or(2.0, |found| found.min(2.0))
+}
+
+/// What is left of a difference without the noise in it.
+fn without_noise(found: f64, noise: f64) -> f64 {
+    (found * found - noise * noise).max(0.0).sqrt()
+}
+
+/// The estimate by the distance between a density and one of a higher order, both by the pilot's means alone.
+fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &Calibration) -> f64 {
+    // Half the distance between the density by one half of the states and by the other is about the noise of the two together.
+    let [own, higher] = fits.map(|(likelihood, fit)| {
+        let size = likelihood.products.len() - 1;
+        tuning::likelihood::OF_HALVES
+            * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
+    });
+    without_noise(distance, without_noise(higher, own)).hypot(own).hypot(fits[1].1.next)
+}
+
+/// The estimate on nested nodes, by the distance from the density of a higher order; where that has none, which `above` tells, by that
+/// from a lower one, which is larger.
+pub(super) fn across(fits: [(&Likelihood<'_>, &Fit); 2], above: bool, calibration: &Calibration) -> Option<f64> {
+    let [own, other] = fits;
+    let found = if above { by_means(fits, excess(other, own)?, calibration) } else { excess(own, other)? };
+    Some(found.min(2.0))
+}
+
+/// ∫ |p − p̃| dx for a density p on its nodes and a density p̃, normalised on other ones: twice the mass by which p exceeds p̃, for which
+/// no nodes are needed where p̃ alone has mass.
+fn excess((of_p, p): (&Likelihood<'_>, &Fit), (of_other, other): (&Likelihood<'_>, &Fit)) -> Option<f64> {
+    let log_mass = of_other.log_mass(other)?.value;
+    let here = Likelihood { nodes: of_p.nodes, ..*of_other };
+    let logs = here.combination(&other.a).into_iter().zip(&here.nodes.base).map(|(q, base)| q + base - log_mass);
+    Some(2.0 * p.masses.iter().zip(logs).map(|(p, log)| (p - log.exp()).max(0.0)).sum::<f64>())
+}

@@ -1,0 +1,158 @@
+//! The most likely densities on nested nodes, order by order.
+
+use super::copula::Copula;
+use super::fitting::Fitting;
+use super::lattice::Lattice;
+use super::likelihood::{Fit, Likelihood};
+use super::lines::{Lines, within};
+use super::nest::Nest;
+use super::nodes::Nodes;
+use super::products::Products;
+use super::thin::thin_state;
+use super::{Family, Samples};
+use crate::closure::density::exponent::Exponent;
+use crate::closure::pilot::Pilot;
+use crate::closure::space::Functions;
+use crate::closure::tuning;
+use crate::numerics::Search;
+use crate::states::States;
+
+/// A fit on nested nodes.
+#[derive(Clone, Debug)]
+pub(super) struct Nested {
+    pub(super) nest: Nest,
+    pub(super) nodes: Nodes,
+    pub(super) fit: Fit,
+}
+
+/// A fit of an order, and that of another one that it is compared with: two orders higher, or two lower where that has none.
+#[derive(Clone, Debug)]
+pub(super) struct OnLines {
+    pub(super) own: Nested,
+    pub(super) other: Nested,
+    /// Whether the other one is of the higher order, whose functions are those compared with.
+    pub(super) above: bool,
+}
+
+/// The points of the other states, and where the density of the last order has its mass on the lines through these.
+struct Sheet {
+    state: usize,
+    /// On a lattice of the others.
+    ground: Nodes,
+    lattice: Lattice,
+    /// The trust domain of the others.
+    others: Copula,
+    lines: Lines,
+    /// The pilot's range of the thin state.
+    range: [f64; 2],
+}
+
+impl Fitting<'_> {
+    /// The fits of two lists of functions on nested nodes, each where its own density has its mass. None without a thin state, or where
+    /// the nodes do not resolve the density.
+    pub(super) fn on_lines(&self, [products, comparing]: [&Products; 2]) -> Option<OnLines> {
+        let Samples { pilot, family, order, .. } = self.samples;
+        if !family.corners().is_empty() {
+            return None;
+        }
+        let mut sheet = Sheet::new(pilot, family, thin_state(&pilot.states, family)?)?;
+        let (mut start, mut below) = (Vec::new(), None);
+        let mut fitted = |space: Functions, products: &Products, search| {
+            sheet.fitted(&space, products, &self.means[..products.len() - 1], &mut start, search)
+        };
+        for lower in (2..order).step_by(2) {
+            let space = family.functions(lower);
+            below = Some(fitted(space.clone(), &Products::of(&space), tuning::nest::LAYING)?);
+        }
+        let own = fitted(family.functions(order), products, tuning::nest::SEARCH)?;
+        let likelihood = Likelihood { nodes: &own.nodes, products: comparing, corners: &[], walls: &[] };
+        let uneven = likelihood.unevenness(&own.fit.masses);
+        if uneven > tuning::likelihood::UNEVEN {
+            return None;
+        }
+        let above = fitted(family.compared(order), comparing, tuning::nest::LAYING).filter(|above| above.fit.converged);
+        match (above, below) {
+            (Some(other), _) => Some(OnLines { own, other, above: true }),
+            (None, Some(other)) => Some(OnLines { own, other, above: false }),
+            (None, None) => None,
+        }
+    }
+}
+
+impl Sheet {
+    /// None where no lattice of the other states has few enough points.
+    fn new(pilot: &Pilot, family: &Family, state: usize) -> Option<Self> {
+        let n = pilot.states.dimension();
+        let mut others = States::with_capacity(n - 1, pilot.states.len());
+        for x in &pilot.states {
+            let mut x = x.to_vec();
+            x.remove(state);
+            others.push(&x);
+        }
+        let others = Pilot::of(others, pilot.interval);
+        let symmetry = family.symmetry().without(state);
+        let trusted = Copula::new(&others, &symmetry)?;
+        let points = tuning::nest::POINTS.get(n - 2)? / symmetry.count();
+        let (lattice, ground) = Lattice::finest(&others, &symmetry, &trusted, points)?;
+        let mut points = States::with_capacity(n, ground.points.len());
+        for x in &ground.points {
+            let mut x = x.to_vec();
+            x.insert(state, 0.0);
+            points.push(&x);
+        }
+        let lines = Lines::regressed(state, points, &pilot.states)?;
+        let ends = |[low, high]: [f64; 2], x: &[f64]| [low.min(x[state]), high.max(x[state])];
+        let [low, high] = pilot.states.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+        let far = high.max(-low);
+        let range = if family.symmetry().flips(state) { [-far, far] } else { [low, high] };
+        Some(Sheet { state, ground, lattice, others: trusted, lines, range })
+    }
+
+    /// Nodes between some ends of the lines.
+    fn nodes(&self, ends: Vec<[f64; 2]>) -> (Nest, Nodes) {
+        let (n, along) = (self.lines.points.dimension(), tuning::nest::ALONG);
+        let (points, volumes) = (self.lines.points.clone(), self.ground.base.clone());
+        let (state, lattice, others) = (self.state, self.lattice.clone(), self.others.clone());
+        let nest = Nest { state, along, points, volumes, ends, lattice, others, lines: Vec::new() };
+        let (points, base) = nest.nodes();
+        let odd = |odd: u32| (0..along as u32).map(move |k| odd | (k & 1) << (n - 1));
+        let odd = self.ground.odd.iter().copied().flat_map(odd).collect();
+        let parts = self.ground.parts.iter().map(|end| end * along).collect();
+        (nest, Nodes { points, base, parts, odd, thin: true })
+    }
+
+    /// The fit of some functions, from the coefficients of fewer of them on, on lines that are laid where exp(Q) has its mass.
+    fn fitted(
+        &mut self,
+        space: &Functions,
+        products: &Products,
+        means: &[f64],
+        start: &mut Vec<f64>,
+        search: Search,
+    ) -> Option<Nested> {
+        start.resize(products.len(), 0.0);
+        let (mut ends, mut steps) = (self.lines.ends(self.range), 0);
+        for laid in 1.. {
+            let (nest, nodes) = self.nodes(ends);
+            let likelihood = Likelihood { nodes: &nodes, products, corners: &[], walls: &[] };
+            let fit = likelihood.most_likely(means, start.clone(), tuning::nest::LAYING)?;
+            steps += fit.steps;
+            start.clone_from(&fit.a);
+            let coefficients = fit.a[1..].to_vec();
+            let exponent = Exponent { known: Vec::new(), space: space.clone(), constant: 0.0, coefficients };
+            let masses: Vec<f64> = fit.masses.chunks(nest.along).map(|line| line.iter().sum()).collect();
+            let lines = self.lines.following(&exponent, &nest.covered());
+            let settled = self.lines.are_nearly(&lines, &masses);
+            self.lines = lines;
+            if settled || laid == tuning::nest::LAID {
+                let fit = likelihood.most_likely(means, start.clone(), search)?;
+                steps += fit.steps;
+                start.clone_from(&fit.a);
+                return Some(Nested { nest, nodes, fit: Fit { steps, ..fit } });
+            }
+            // Beyond the last nodes this exp(Q) may rise again.
+            ends = within(&self.lines.ends(self.range), &nest.covered());
+        }
+        None
+    }
+}

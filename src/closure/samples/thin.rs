@@ -1,0 +1,46 @@
+//! The state that nearly follows the others, if there is one.
+
+use super::family::Family;
+use crate::closure::discretisation::nodes;
+use crate::closure::space::degrees::Degrees;
+use crate::closure::space::{Functions, Polynomials};
+use crate::closure::tuning;
+use crate::numerics::triangle;
+use crate::states::States;
+use faer::Mat;
+
+/// The state of which cubics of the others leave the smallest share of the variance, where this is small and linear functions leave
+/// much more: the density is a thin curved sheet, which nodes along its principal axes miss. A state that follows the others linearly
+/// is a short axis, and no sheet.
+pub(super) fn thin_state(states: &States, family: &Family) -> Option<usize> {
+    let n = states.dimension();
+    if n > tuning::nest::MOST_STATES {
+        return None;
+    }
+    let few = states.evenly(tuning::nest::TESTED);
+    let shares = (0..n).map(|i| (i, unexplained(&few, family, i)));
+    let (state, [linear, cubic]) = shares.min_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
+    (cubic < tuning::nest::THIN && cubic * tuning::nest::CURVED < linear).then_some(state)
+}
+
+/// The shares of a state's variance that the best linear functions and the best cubics of the others leave, of those with its parity.
+fn unexplained(states: &States, family: &Family, state: usize) -> [f64; 2] {
+    let [centre, half_width] = family.box_around();
+    let kept = |alpha: &[u32]| {
+        let mut product = alpha.to_vec();
+        product[state] = 1;
+        alpha[state] == 0 && family.symmetry().keeps(&product)
+    };
+    let mut exponents = Degrees::complete().exponents(centre.len(), 3, kept);
+    exponents.sort_by_key(|alpha| alpha.iter().sum::<u32>());
+    let linear = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() < 2).count();
+    let space = Functions::Polynomials(Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents));
+    let values = nodes::values(&space, states);
+    let (rows, columns) = (values.nrows(), values.ncols());
+    // The state stands in the last column, whose entries are what each function explains beyond those before it.
+    let own = |i: usize| (states.state(i)[state] - centre[state]) / half_width[state];
+    let table = Mat::from_fn(rows, columns + 1, |i, k| if k < columns { values[(i, k)] } else { own(i) });
+    let r = triangle(table.as_ref(), &vec![(rows as f64).recip(); rows]);
+    let from = |first: usize| (first..=columns).map(|k| r[(k, columns)].powi(2)).sum::<f64>();
+    [1 + linear, columns].map(|first| from(first) / from(1).max(f64::MIN_POSITIVE))
+}
