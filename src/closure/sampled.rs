@@ -175,7 +175,10 @@ impl Sampled {
             if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         // About as many stay on this side of all walls.
         let draws = tuning::density::DRAWS * (1 + contacts.len());
-        let rule = ImportanceRule::within(found.nest, &found.exponent, &copula, draws, self.seed)
+        let nest = found.nest.map(|nest| nest.holding(&pilot.states, &copula));
+        let least = (pilot.states.len() as f64).recip();
+        let beyond = nest.as_ref().map_or(least, |nest| nest.beyond().max(least));
+        let rule = ImportanceRule::within(nest, &found.exponent, &copula, draws, self.seed)
             .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: take another order"))?;
         let (lattice, on_lattice) = lattice.unzip();
         let rule = match on_lattice.or(found.log_mass) {
@@ -187,10 +190,10 @@ impl Sampled {
         let (centre, _) = pilot.spread(symmetry);
         let candidate = Candidate {
             origin: if found.exact { Origin::Exact } else { Origin::MaximumLikelihood },
-            // The edge cuts off a mass of at most about that of one state.
+            // The edge cuts off a mass of at most about that of one state, or of those beyond the lines.
             l1_estimate: match &lattice {
                 Some(_) => rule.log_mass().error,
-                None => (found.l1_estimate + (pilot.states.len() as f64).recip()).min(2.0),
+                None => (found.l1_estimate + beyond).min(2.0),
             },
             tail_estimate: if found.exact { 0.0 } else { f64::INFINITY },
             likelihood_loss: 0.0,

@@ -203,8 +203,9 @@ impl ClosureDensity {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.mass_beyond(|x| self.content.exponent.value(x)),
             Integrals::Cells(cells) => cells.error,
-            Integrals::Draws(_) => {
+            Integrals::Draws(rule) => {
                 let one = (self.content.provenance.pilot_states.unwrap_or(1) as f64).recip();
+                let one = rule.nest().map_or(one, |nest| nest.beyond().max(one));
                 if self.content.impacts.is_empty() { one } else { one + tuning::domain::CUT_AT_WALLS }
             }
         }

@@ -152,7 +152,7 @@ impl ImportanceRule {
     ) -> Option<Self> {
         let rule = ImportanceRule {
             copula: copula.clone(),
-            nest: nest.map(|nest| nest.placed(copula)),
+            nest,
             shifts: Shifts::new(copula.knots.len(), draws, seed),
             shift: 0.0,
             mass: [1.0, 0.0],

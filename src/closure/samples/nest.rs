@@ -28,6 +28,8 @@ pub(crate) struct Nest {
     /// The lattice of the points, and the trust domain of the other states.
     pub(super) lattice: Lattice,
     pub(super) others: Copula,
+    /// The share of the pilot's states that lie beyond the lines.
+    pub(super) beyond: f64,
     /// The line at each place of the lattice, and whether its ends change their signs there.
     #[serde(skip)]
     pub(super) lines: Vec<Option<(u32, bool)>>,
@@ -84,6 +86,9 @@ impl Nest {
         states("the ends of its lines", self.ends.as_flattened(), 2 * lines)?;
         if let Some(ends) = self.ends.iter().find(|[low, high]| low >= high) {
             return Err(format!("a line has the ends {ends:?}"));
+        }
+        if !(0.0..=1.0).contains(&self.beyond) {
+            return Err(format!("a share {} of the states lies beyond its lines", self.beyond));
         }
         let (lattice, others) = (self.lattice.checked(n - 1)?, self.others.checked(n - 1)?);
         Ok(Nest { lattice, others, ..self }.placed(copula))

@@ -3,6 +3,7 @@
 use super::copula::{Copula, Sampler, normal_distribution};
 use super::nest::Nest;
 use crate::error::Result;
+use crate::states::States;
 
 /// Halvings of the way to a state that is not trusted.
 const HALVINGS: usize = 40;
@@ -21,6 +22,18 @@ impl Nest {
             }
         }
         Nest { lines, ..self }
+    }
+
+    /// The same with the share of some states that lie beyond the lines.
+    pub(in crate::closure) fn holding(self, states: &States, copula: &Copula) -> Self {
+        let nest = self.placed(copula);
+        let beyond = states.iter().filter(|x| !nest.contains(x)).count() as f64 / states.len() as f64;
+        Nest { beyond, ..nest }
+    }
+
+    /// What the lines leave out.
+    pub(in crate::closure) fn beyond(&self) -> f64 {
+        self.beyond
     }
 
     /// The other states.

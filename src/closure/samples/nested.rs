@@ -113,7 +113,7 @@ impl Sheet {
         let (n, along) = (self.lines.points.dimension(), tuning::nest::ALONG);
         let (points, volumes) = (self.lines.points.clone(), self.ground.base.clone());
         let (state, lattice, others) = (self.state, self.lattice.clone(), self.others.clone());
-        let nest = Nest { state, along, points, volumes, ends, lattice, others, lines: Vec::new() };
+        let nest = Nest { state, along, points, volumes, ends, lattice, others, beyond: 0.0, lines: Vec::new() };
         let (points, base) = nest.nodes();
         let odd = |odd: u32| (0..along as u32).map(move |k| odd | (k & 1) << (n - 1));
         let odd = self.ground.odd.iter().copied().flat_map(odd).collect();
