@@ -5,7 +5,7 @@ use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, Symmetry, TimeScales};
-use crate::simulation::{Collisions, Paths, Simulation, require_motion};
+use crate::simulation::{Collisions, Paths, Simulation, burn_in, require_motion};
 use crate::states::States;
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -46,7 +46,7 @@ impl<'a> PilotPlan<'a> {
         require(rate * scales.short(1.0) <= tuning::pilot::MOST_OFTEN, "rate of the impulses", rate, remedy)?;
         let step = scales.short(step).min(tuning::pilot::MOST_IMPULSES / rate);
         let interval = scales.short(tuning::pilot::INTERVAL);
-        Ok(PilotPlan { problem, seed, step, burn_in: scales.burn_in(), interval })
+        Ok(PilotPlan { problem, seed, step, burn_in: burn_in(problem, &scales, step)?, interval })
     }
 
     /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.

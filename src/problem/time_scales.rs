@@ -11,6 +11,8 @@ use nalgebra::{DMatrix, DVector};
 const SLOWEST: f64 = 1e-3;
 /// Rates that are farther apart than this leave no trajectory to follow: it would take a year.
 const STIFF: f64 = 1e10;
+/// A growth below this part of the fastest rate is none.
+const ROUNDING: f64 = 1e-9;
 /// What trajectories do without a restoring drift.
 const DRIFTLESS: &str = "spread without end: the drift is the same everywhere, and must bring them back";
 
@@ -22,8 +24,6 @@ pub(crate) struct TimeScales {
     fastest: f64,
     /// The slowest decay of the linearised system.
     slowest: f64,
-    /// The fastest growth of small motions about the state where trajectories start; 0 where they decay.
-    growth: f64,
     /// Whether the Gaussian closure settles.
     settles: bool,
 }
@@ -41,7 +41,7 @@ impl TimeScales {
         let (gaussian, settles) = near(problem)?;
         let fastest = fastest(problem, &gaussian).max(f64::MIN_POSITIVE);
         let slowest = slowest(problem, &gaussian).max(SLOWEST * fastest);
-        Ok(TimeScales { fastest, slowest, growth: growth(problem), settles })
+        Ok(TimeScales { fastest, slowest, settles })
     }
 
     /// Whether the Gaussian closure settles, and with it all of the linearised system decays: A S + S Aᵀ is minus the noise's mean, A the
@@ -90,12 +90,22 @@ impl TimeScales {
         (5.0 / self.slowest).clamp(self.short(60.0), self.short(2000.0))
     }
 
-    /// The time after which trajectories have forgotten their start: that, or longer where they start at a state that they leave
-    /// slowly, as the top between two wells; at most 20 000 of the shortest times.
-    pub(crate) fn burn_in(&self) -> f64 {
-        // e^10 from the spread at the start, which noise of a few time steps makes, to the width of the wells.
-        let leaving = if self.growth > 0.0 { 10.0 / self.growth } else { 0.0 };
-        self.memory().max(leaving.min(self.short(20_000.0)))
+    /// The fastest growth of small motions about the state where trajectories start; 0 where they decay.
+    pub(crate) fn growth(&self, problem: &Problem) -> f64 {
+        let (n, start) = (problem.dimension(), problem.still());
+        let slope = |i: usize, j: usize| problem.operator().drift()[i].derivative(j).evaluate(&start);
+        let found = eigenvalues(DMatrix::from_fn(n, n, slope)).unwrap_or_default();
+        let growth = found.iter().map(|l| l.re).fold(0.0, f64::max);
+        // What is far below the fastest rate is the rounding of 0.
+        if growth > ROUNDING * self.fastest { growth } else { 0.0 }
+    }
+
+    /// The standard deviations of the Gaussian closure.
+    ///
+    /// # Errors
+    /// As [`TimeScales::of`].
+    pub(crate) fn deviations(problem: &Problem) -> Result<Vec<f64>> {
+        Ok(deviations(&near(problem)?.0))
     }
 }
 
@@ -155,14 +165,6 @@ fn mean_jacobian(problem: &Problem, gaussian: &Gaussian) -> DMatrix<f64> {
 fn slowest(problem: &Problem, gaussian: &Gaussian) -> f64 {
     let found = eigenvalues(mean_jacobian(problem, gaussian)).unwrap_or_default();
     found.iter().map(|l| l.re.abs()).fold(f64::INFINITY, f64::min)
-}
-
-/// The largest real part of the Jacobian's eigenvalues at the state where trajectories start.
-fn growth(problem: &Problem) -> f64 {
-    let (n, start) = (problem.dimension(), problem.still());
-    let slope = |i: usize, j: usize| problem.operator().drift()[i].derivative(j).evaluate(&start);
-    let found = eigenvalues(DMatrix::from_fn(n, n, slope)).unwrap_or_default();
-    found.iter().map(|l| l.re).fold(0.0, f64::max)
 }
 
 /// The number rounded down to two decimal digits.

@@ -77,5 +77,6 @@ pub use result::SimulatedDensity;
 pub(crate) use settling::{require_motion, require_settling, settled};
 pub use setup::Simulation;
 pub use splitting::{Splitting, Tails};
+pub(crate) use start::burn_in;
 pub use statistics::{FirstPassage, Spectrum};
 pub use target::Tolerance;

@@ -13,7 +13,7 @@ use super::{
     result::SimulatedDensity,
     scheme::Scheme,
     session::Session,
-    start::Start,
+    start::{Start, burn_in},
     timetable::{Times, Timetable, whole},
 };
 use crate::checks::{finite, positive, require, state_index};
@@ -285,8 +285,9 @@ impl<'a> Simulation<'a> {
             return Ok(Times { burn_in, interval });
         }
         let scales = TimeScales::of(problem)?;
+        let long = || Ok(two_digits(burn_in(problem, &scales, scales.short(tuning::time_step::RESOLUTION))?));
         Ok(Times {
-            burn_in: self.burn_in.unwrap_or_else(|| two_digits(scales.burn_in())),
+            burn_in: self.burn_in.map_or_else(long, Ok)?,
             interval: self.sampling_interval.unwrap_or_else(|| two_digits(scales.short(tuning::timetable::INTERVAL))),
         })
     }

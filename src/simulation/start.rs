@@ -5,7 +5,7 @@ use super::{
 use crate::checks::{positive, require};
 use crate::density::Frame;
 use crate::error::{Error, Result};
-use crate::problem::{Contact, Problem, reflect};
+use crate::problem::{Contact, Problem, TimeScales, reflect};
 use crate::simulation::tuning;
 use crate::transient;
 
@@ -86,20 +86,7 @@ impl Start {
     /// The start given to the simulation, or near 0, or beside the walls that exclude 0; each state spreads as far as the
     /// noise at 0 takes it in four steps.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Result<Self> {
-        let time = tuning::timetable::SPREAD_STEPS * step;
-        let variance = |i: usize| {
-            let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * simulation.amplitude);
-            let impulses = problem.impulses().iter().map(|impulse| {
-                let struck = impulse.field()[i].constant_term() * simulation.amplitude;
-                2.0 * impulse.jumps().intensity() * struck * struck
-            });
-            (at_rest.map(|g| g * g).sum::<f64>() + impulses.sum::<f64>()) * time
-        };
-        let deviation = |variance: f64| if variance > 0.0 { variance.sqrt() } else { 0.1 };
-        let mut spread: Vec<f64> = (0..problem.dimension()).map(|i| deviation(variance(i))).collect();
-        for &(i, j) in problem.displacements() {
-            spread[i] = spread[j] * time;
-        }
+        let spread = spread(problem, simulation.amplitude, step);
         let origin = match &simulation.start {
             transient::Start::Point(x) => vec![x.clone()],
             transient::Start::Gaussian(gaussian) => {
@@ -135,4 +122,39 @@ impl Start {
         }
         reflect(&self.contacts, x);
     }
+}
+
+/// How far each state starts from the state of rest: as the noise there takes it in some time steps.
+fn spread(problem: &Problem, amplitude: f64, step: f64) -> Vec<f64> {
+    let time = tuning::timetable::SPREAD_STEPS * step;
+    let variance = |i: usize| {
+        let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * amplitude);
+        let impulses = problem.impulses().iter().map(|impulse| {
+            let struck = impulse.field()[i].constant_term() * amplitude;
+            2.0 * impulse.jumps().intensity() * struck * struck
+        });
+        (at_rest.map(|g| g * g).sum::<f64>() + impulses.sum::<f64>()) * time
+    };
+    let deviation = |variance: f64| if variance > 0.0 { variance.sqrt() } else { 0.1 };
+    let mut spread: Vec<f64> = (0..problem.dimension()).map(|i| deviation(variance(i))).collect();
+    for &(i, j) in problem.displacements() {
+        spread[i] = spread[j] * time;
+    }
+    spread
+}
+
+/// The time after which trajectories have forgotten their start: the system's memory, or longer where they start at a state that they
+/// leave slowly, as the top between two wells; in steps of about this length.
+///
+/// # Errors
+/// Those of [`TimeScales::of`].
+pub(crate) fn burn_in(problem: &Problem, scales: &TimeScales, step: f64) -> Result<f64> {
+    let growth = scales.growth(problem);
+    if growth == 0.0 {
+        return Ok(scales.memory());
+    }
+    let (spread, deviations) = (spread(problem, 1.0, step), TimeScales::deviations(problem)?);
+    let far = deviations.iter().zip(&spread).map(|(end, start)| end / start).fold(1.0, f64::max);
+    let leaving = (tuning::timetable::LEAVING + far.ln()) / growth;
+    Ok(scales.memory().max(leaving.min(scales.short(tuning::timetable::LONGEST_LEAVING))))
 }

@@ -66,6 +66,11 @@ pub(super) mod timetable {
     /// The noise of so many steps spreads the default start: enough for trajectories to differ, too little to leave the rest
     /// position.
     pub(crate) const SPREAD_STEPS: f64 = 4.0;
+    /// Where small motions grow as e^λt, a trajectory is given the time to grow from its start to the width of the density, and this over
+    /// λ: one in twenty starts so near that it needs more.
+    pub(crate) const LEAVING: f64 = 3.0;
+    /// The longest time for that, in the shortest of the system's times. A bound on work.
+    pub(crate) const LONGEST_LEAVING: f64 = 20_000.0;
     /// The trajectories of the pilot.
     pub(crate) const PILOT_TRAJECTORIES: u64 = 64;
     /// The stretches that a burn-in is divided into; the pilot's states are taken between them.

@@ -59,9 +59,13 @@ impl Polynomials {
                 let mut slope = self.drift[i].on(at);
                 if induced != 0.0 {
                     let more = self.along[i].on(at);
-                    (0..L).for_each(|l| slope[l] += induced * more[l]);
+                    for l in 0..L {
+                        slope[l] += induced * more[l];
+                    }
                 }
-                (0..L).for_each(|l| x[l] += tau * slope[l]);
+                for l in 0..L {
+                    x[l] += tau * slope[l];
+                }
             }
         }
     }
@@ -80,7 +84,9 @@ impl Polynomials {
         self.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
         for (x, noise) in x.iter_mut().zip(kicks.noise.chunks_exact(w.len().max(1))) {
             for (w, g) in w.iter().zip(noise) {
-                (0..L).for_each(|l| x[l] += w[l] * g);
+                for l in 0..L {
+                    x[l] += w[l] * g;
+                }
             }
         }
         self.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
@@ -162,7 +168,9 @@ impl Field for Polynomials {
 
 #[inline(always)]
 fn on_all(sums: &[Sum], x: &[Lane], values: &mut [Lane]) {
-    values.iter_mut().zip(sums).for_each(|(value, sum)| *value = sum.on(x));
+    for (value, sum) in values.iter_mut().zip(sums) {
+        *value = sum.on(x);
+    }
 }
 
 /// A polynomial as a sum of products of states.
@@ -191,9 +199,13 @@ impl Sum {
             let mut product = [c; L];
             for &state in &self.factors[first..end] {
                 let x = &x[state];
-                (0..L).for_each(|l| product[l] *= x[l]);
+                for l in 0..L {
+                    product[l] *= x[l];
+                }
             }
-            (0..L).for_each(|l| sum[l] += product[l]);
+            for l in 0..L {
+                sum[l] += product[l];
+            }
             first = end;
         }
         sum

@@ -118,7 +118,7 @@ impl Splitting<'_> {
             time.map_or(Ok(0.0), |time| positive(name, time, "it must be finite and above zero"))?;
         }
         let scales = TimeScales::of(problem)?;
-        let long = |time: Option<f64>| time.unwrap_or_else(|| two_digits(scales.burn_in()));
+        let long = |time: Option<f64>| time.unwrap_or_else(|| two_digits(scales.memory()));
         Ok(Spans {
             step: self.time_step.unwrap_or_else(|| two_digits(scales.short(tuning::splitting::STEP))),
             burn_in: long(self.burn_in),
