@@ -197,7 +197,11 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let system = |index| Ok(Known::random(options.seed, index));
     let truth = |index: usize, _: &Problem| Ok(Known::random(options.seed, index).squares);
     let campaign = options.campaign("known.csv", 300, &orders);
-    let Some(findings) = campaign.findings(system, truth, row)? else { return Ok(()) };
+    let Some(findings) =
+        campaign.findings(system, truth, |place, problem, squares: &Vec<f64>| row(place, problem, squares))?
+    else {
+        return Ok(());
+    };
     findings.print_missing();
     for order in orders {
         let rows: Vec<&Closed> = findings.rows.iter().filter(|row| row.place.order == order).collect();
@@ -218,7 +222,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     Ok(())
 }
 
-fn row(place: Place, problem: &Problem, squares: &Vec<f64>) -> expoly::Result<Closed> {
+fn row(place: Place, problem: &Problem, squares: &[f64]) -> expoly::Result<Closed> {
     let begin = Instant::now();
     let density = Closure::new(place.order).solve(problem)?;
     let seconds = begin.elapsed().as_secs_f64();
