@@ -132,8 +132,8 @@ impl Content {
         let error = self.reference.as_ref().map_or(f64::INFINITY, |reference| reference.error);
         let share = tuning::closest::SERVES[self.dimension().min(2) - 1];
         let small = error <= share * chosen.l1_estimate || chosen.l1_estimate <= tuning::closest::SMALL;
-        let in_common = chosen.l1_estimate < tuning::closest::NOTHING_IN_COMMON;
-        chosen.accepted && (chosen.origin == Origin::Exact || small && in_common)
+        // What would be warned of is compared with a grid before.
+        chosen.accepted && (chosen.origin == Origin::Exact || small && chosen.l1_estimate <= tuning::UNRELIABLE)
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

@@ -40,7 +40,5 @@ pub(crate) const BETTER: f64 = 0.5;
 /// The moment equations serve where their error is below this share of the whole estimate, in one state, whose closed form takes no time,
 /// and in two,
 pub(crate) const SERVES: [f64; 2] = [0.01, 0.6];
-/// or where the estimate is below this,
+/// or where the estimate is below this.
 pub(crate) const SMALL: f64 = 1e-4;
-/// but not where it is above this: half of the largest distance that there is.
-pub(crate) const NOTHING_IN_COMMON: f64 = 1.0;
