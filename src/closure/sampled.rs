@@ -72,10 +72,23 @@ impl Sampled {
         let masses: Vec<f64> = logs.iter().map(|log| (log - top).exp() / mass).collect();
         let first = nodes.parts.first().copied().unwrap_or(0);
         // Each half is a rule of its own, and their errors cancel in the whole; so do those of a wider spacing along one axis, which
-        // is off by the root of it.
-        let half: f64 = 2.0 * masses[..first].iter().sum::<f64>();
-        let along = |axis: usize| (nodes.even(axis, &masses).iter().sum::<f64>() - 1.0).powi(2);
-        let uneven = nodes.axes().map(along).fold((half - 1.0).abs(), f64::max);
+        // is off by the root of it. By chance a mass may agree where second moments do not.
+        let (centre, _) = self.pilot.spread(self.family.symmetry());
+        let sums = |masses: &[f64]| -> Vec<f64> {
+            let mut sums = vec![0.0; 1 + centre.len()];
+            for (x, mass) in nodes.points.iter().zip(masses) {
+                let squares = x.iter().zip(&centre).map(|(x, c)| (x - c).powi(2));
+                sums.iter_mut().zip(std::iter::once(1.0).chain(squares)).for_each(|(sum, part)| *sum += mass * part);
+            }
+            sums
+        };
+        let whole = sums(&masses);
+        let apart = |part: Vec<f64>| {
+            part.iter().zip(&whole).map(|(part, whole)| (part / whole - 1.0).abs()).fold(0.0, f64::max)
+        };
+        let half = apart(sums(&masses[..first]).into_iter().map(|sum| 2.0 * sum).collect());
+        let along = |axis: usize| apart(sums(&nodes.even(axis, &masses))).powi(2);
+        let uneven = nodes.axes().map(along).fold(half, f64::max);
         if uneven > tuning::likelihood::EVEN {
             (copula, None)
         } else {
@@ -175,7 +188,8 @@ impl Sampled {
             if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         // About as many stay on this side of all walls.
         let draws = tuning::density::DRAWS * (1 + contacts.len());
-        let nest = found.nest.map(|nest| nest.holding(&pilot.states, &copula));
+        // An exact density goes on beyond the lines.
+        let nest = found.nest.filter(|_| !found.exact).map(|nest| nest.holding(&pilot.states, &copula));
         let least = (pilot.states.len() as f64).recip();
         let beyond = nest.as_ref().map_or(least, |nest| nest.beyond().max(least));
         let rule = ImportanceRule::within(nest, &found.exponent, &copula, draws, self.seed)

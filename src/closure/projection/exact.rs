@@ -111,9 +111,15 @@ impl Integrated {
     /// About the region that a pilot has visited. None where no rule of two agrees with the other.
     fn within(exponent: &Exponent, region: &TrustDomain) -> Option<Self> {
         let domain = followed(region, exponent);
-        // Sectors may cut off a part of a narrow well.
         let rounded = domain.rounded();
-        Self::over(exponent, domain).or_else(|| Self::over(exponent, rounded))
+        let found = Self::over(exponent, domain);
+        let missing = |found: &Self| found.apart + found.domain.mass_beyond(|x| exponent.value(x));
+        if found.as_ref().is_some_and(|found| missing(found) <= tuning::panels::WHOLE) {
+            return found;
+        }
+        // Sectors may cut off a part of a narrow well, or of the tails of a state that they hardly divide.
+        let both = [found, Self::over(exponent, rounded)].into_iter().flatten();
+        both.min_by(|a, b| missing(a).total_cmp(&missing(b)))
     }
 
     fn over(exponent: &Exponent, domain: TrustDomain) -> Option<Self> {
