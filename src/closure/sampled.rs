@@ -15,6 +15,7 @@ use super::projection::on_states::exact_on_states;
 use super::reference::scaled_mass;
 use super::samples::{
     Copula, Family, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_on_means, close_on_samples,
+    unevenness,
 };
 use super::space::degrees;
 use super::space::nested_spaces::Smooth;
@@ -70,25 +71,7 @@ impl Sampled {
         logs.iter_mut().zip(&nodes.base).for_each(|(log, base)| *log += base);
         let (top, mass) = scaled_mass(&logs, &vec![1.0; logs.len()]);
         let masses: Vec<f64> = logs.iter().map(|log| (log - top).exp() / mass).collect();
-        let first = nodes.parts.first().copied().unwrap_or(0);
-        // Each half is a rule of its own, and their errors cancel in the whole; so do those of a wider spacing along one axis, which
-        // is off by the root of it. By chance a mass may agree where second moments do not.
-        let (centre, _) = self.pilot.spread(self.family.symmetry());
-        let sums = |masses: &[f64]| -> Vec<f64> {
-            let mut sums = vec![0.0; 1 + centre.len()];
-            for (x, mass) in nodes.points.iter().zip(masses) {
-                let squares = x.iter().zip(&centre).map(|(x, c)| (x - c).powi(2));
-                sums.iter_mut().zip(std::iter::once(1.0).chain(squares)).for_each(|(sum, part)| *sum += mass * part);
-            }
-            sums
-        };
-        let whole = sums(&masses);
-        let apart = |part: Vec<f64>| {
-            part.iter().zip(&whole).map(|(part, whole)| (part / whole - 1.0).abs()).fold(0.0, f64::max)
-        };
-        let half = apart(sums(&masses[..first]).into_iter().map(|sum| 2.0 * sum).collect());
-        let along = |axis: usize| apart(sums(&nodes.even(axis, &masses))).powi(2);
-        let uneven = nodes.axes().map(along).fold(half, f64::max);
+        let uneven = unevenness(&nodes, &self.family, &masses);
         if uneven > tuning::likelihood::EVEN {
             (copula, None)
         } else {
@@ -96,12 +79,43 @@ impl Sampled {
         }
     }
 
+    /// The closure of an order, or of a lower one that is nearer: where most of the estimate is chance, which grows with the order, or
+    /// where the order has no density, or one of no use.
+    ///
+    /// # Errors
+    /// Those of [`Sampled::closed`].
+    pub(super) fn best_up_to(&self, order: u32) -> Result<ClosureDensity> {
+        let copula = self.copula(order)?;
+        let of_order = |order| self.on_states(order, copula.clone());
+        let mut best = of_order(order);
+        for lower in (1..order.div_ceil(2)).rev().map(|half| 2 * half) {
+            let least = best.as_ref().map_or(f64::INFINITY, |(density, _)| density.l1_estimate());
+            if best.as_ref().is_ok_and(|(_, by_chance)| !by_chance) && least <= tuning::UNRELIABLE {
+                break;
+            }
+            let next = of_order(lower);
+            match next {
+                Ok((density, by_chance)) if density.l1_estimate() < least => {
+                    let density = density.standing_for(order, best.as_ref().ok().map(|(higher, _)| higher));
+                    best = Ok((density, by_chance));
+                }
+                _ if best.is_ok() => break,
+                _ => {}
+            }
+        }
+        best.map(|(density, _)| density)
+    }
+
     /// The closure of an order.
     ///
     /// # Errors
     /// [`Error::NotClosed`] if there are too few states, or they lie on a surface.
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
-        let copula = self.copula(order)?;
+        Ok(self.on_states(order, self.copula(order)?)?.0)
+    }
+
+    /// The same in a trust domain, and whether most of its estimate is chance.
+    fn on_states(&self, order: u32, copula: Copula) -> Result<(ClosureDensity, bool)> {
         let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
         let reason =
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
@@ -117,13 +131,15 @@ impl Sampled {
         let mut without_reference = None;
         if self.referred && !found.exact {
             match self.by_reference(order, &found, &copula) {
-                Ok(density) => return Ok(density),
+                Ok(density) => return Ok((density, false)),
                 Err(reason) => without_reference = Some(reason.to_owned()),
             }
         }
+        let [estimate, chance] = found.l1_estimate;
+        let by_chance = !found.exact && chance >= tuning::likelihood::BY_CHANCE * estimate;
         let mut content = self.content(order, found, copula.clone())?;
         content.provenance.without_reference = without_reference;
-        Ok(self.moving(content, copula))
+        Ok((self.moving(content, copula), by_chance))
     }
 
     /// A stationary density, with what questions of time and of parameters are answered by.
@@ -207,7 +223,7 @@ impl Sampled {
             // The edge cuts off a mass of at most about that of one state, or of those beyond the lines.
             l1_estimate: match &lattice {
                 Some(_) => rule.log_mass().error,
-                None => (found.l1_estimate + beyond).min(2.0),
+                None => (found.l1_estimate[0] + beyond).min(2.0),
             },
             tail_estimate: if found.exact { 0.0 } else { f64::INFINITY },
             likelihood_loss: 0.0,

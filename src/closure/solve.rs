@@ -45,7 +45,7 @@ impl Closure {
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the
     /// problem, for noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Unreached`] where no noise reaches a
     /// state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
-    /// [`Error::NoDensity`] where trajectories grow without end or come to rest; [`Error::TooStiff`] for rates too far apart where the
+    /// [`Error::NoDensity`] where trajectories grow without end, come to rest or stay where they began; [`Error::TooStiff`] for rates too far apart where the
     /// system is not linear;
     /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
     /// equations would not keep to [`Closure::memory_limit`].
@@ -126,7 +126,11 @@ impl Closure {
             })?;
             let rare = is_rare(&problem, &pilot);
             let nodal = Sampled { problem, rare, family, pilot, guarded, referred, seed, memory, begin };
-            let closed = self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(nodal.closed(order)?, order));
+            let closed = |order| match self.order {
+                Order::Fixed(_) => nodal.best_up_to(order),
+                Order::Adaptive(_) => nodal.closed(order),
+            };
+            let closed = self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(closed(order)?, order));
             return closed.map_err(|error| match error {
                 Error::NotClosed { .. } if stayed => Error::NoDensity { state: slow, behaviour: STAYING },
                 error => error,

@@ -112,9 +112,12 @@ impl Line {
         }
         let mut mesh = Mesh::new([0.0; MOST], tree, [Side::Open; 2]);
         let shape = Shape { states: 1, degree };
+        // exp of a sum has the sum's rounding: no mesh takes it away.
+        let largest = self.steps.iter().map(|[_, sum]| sum.abs()).fold(0.0, f64::max);
+        let resolved = tuning::RESOLVED.max(tuning::ROUNDING * largest);
         for _ in 0..refinement::ROUNDS {
             let field = self.normalised(mesh, shape, highest);
-            match refined(&field.mesh, &field.highest(), tuning::RESOLVED) {
+            match refined(&field.mesh, &field.highest(), resolved) {
                 Some(finer) => mesh = finer,
                 None => return field,
             }

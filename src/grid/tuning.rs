@@ -77,6 +77,8 @@ pub(super) mod line {
     pub(crate) const DEPTH: f64 = 60.0;
     /// What is left in the highest degree of all cells together, where a mesh counts as fine enough.
     pub(crate) const RESOLVED: f64 = 1e-13;
+    /// The same relative to the largest exponent, whose rounding p has.
+    pub(crate) const ROUNDING: f64 = 1e-15;
     /// The degree, where none is given.
     pub(crate) const DEGREE: usize = 10;
     /// The lowest one: what is left in the highest degree of a cell falls too slowly below it to come to rounding.

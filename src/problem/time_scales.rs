@@ -32,12 +32,8 @@ impl TimeScales {
     /// Of the system without its walls, near the normal density of its Gaussian closure.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] where coefficients differ so much that no units are finite; [`Error::NoDensity`] where the drift is the same
-    /// everywhere.
+    /// [`Error::OutOfRange`] where coefficients differ so much that no units are finite.
     pub(crate) fn of(problem: &Problem) -> Result<Self> {
-        if problem.operator().drift().iter().all(|f| f.degree() == 0) {
-            return Err(Error::NoDensity { state: 0, behaviour: DRIFTLESS });
-        }
         let (gaussian, settles) = near(problem)?;
         let fastest = fastest(problem, &gaussian).max(f64::MIN_POSITIVE);
         let slowest = slowest(problem, &gaussian).max(SLOWEST * fastest);
@@ -57,6 +53,15 @@ impl TimeScales {
     pub(crate) fn share(&self, problem: &Problem, states: &States) -> Result<f64> {
         let deviation = deviations(&near(problem)?.0);
         Ok(states.iter().map(|x| rate(problem, x, &deviation)).fold(0.0, f64::max) / self.fastest)
+    }
+
+    /// Refuses a drift that is the same everywhere, which has densities in time alone.
+    ///
+    /// # Errors
+    /// [`Error::NoDensity`].
+    pub(crate) fn require_drift(problem: &Problem) -> Result<()> {
+        let driftless = problem.operator().drift().iter().all(|f| f.degree() == 0);
+        if driftless { Err(Error::NoDensity { state: 0, behaviour: DRIFTLESS }) } else { Ok(()) }
     }
 
     /// Refuses rates of the linearised system that are too far apart.

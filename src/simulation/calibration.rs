@@ -1,6 +1,5 @@
 use super::{blocks::Blocks, tally::Layout, tally::Tally};
 use crate::control_variates::regression;
-use crate::polynomial::of_one;
 use crate::simulation::tuning;
 use faer::Mat;
 
@@ -82,9 +81,8 @@ impl Calibrations {
 
 /// Whether E x_i⁴ ≥ (E x_i²)² for all states, with some room for chance. Where 𝓖x⁴ has no mean, E 𝓖x⁴ = 0 makes E x⁴ negative.
 fn are_of_a_density(sums: &[Vec<f64>], layout: &Layout) -> bool {
-    let states = layout.axes.len();
     let mean = |i: usize, power: u32| {
-        let place = layout.monomials.iter().position(|m| *m == of_one(states, i, power))?;
+        let place = layout.power(i, power)?;
         let total = |place: usize| sums.iter().map(|batch| batch[place]).sum::<f64>();
         Some(total(place) / total(0))
     };
@@ -92,7 +90,7 @@ fn are_of_a_density(sums: &[Vec<f64>], layout: &Layout) -> bool {
         (Some(square), Some(fourth)) => fourth >= tuning::calibration::LEAST_KURTOSIS * square * square,
         _ => true,
     };
-    (0..states).all(holds)
+    (0..layout.axes.len()).all(holds)
 }
 
 /// The blocks of all batches together.

@@ -50,6 +50,8 @@ impl<'a> Simulation<'a> {
     ///   slower rates that default times have more than a million steps before the first sample, or two thousand between
     ///   two.
     /// - [`Error::TooMuchMemory`]: segments of spectra beyond [`Simulation::memory_limit`].
+    /// - [`Error::NoDensity`]: a drift that is the same everywhere, without times given.
+    /// - [`Error::TooStiff`]: rates too far apart for trajectories, without a time step given.
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
     /// - [`Error::Cancelled`]: the progress callback returned `Break`.
     /// - [`Error::OutOfTime`]: the time budget was over before every trajectory had a sample.
@@ -284,6 +286,7 @@ impl<'a> Simulation<'a> {
         if let (Some(burn_in), Some(interval)) = (self.burn_in, self.sampling_interval) {
             return Ok(Times { burn_in, interval });
         }
+        TimeScales::require_drift(problem)?;
         let scales = TimeScales::of(problem)?;
         let long = || Ok(two_digits(burn_in(problem, &scales, scales.short(tuning::time_step::RESOLUTION))?));
         Ok(Times {

@@ -15,6 +15,7 @@ use crate::states::States;
 /// [`Error::TooStiff`]; [`Error::Exploded`] with every time step that was tried; [`Error::NoDensity`] where trajectories keep growing,
 /// or all end at a point.
 pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> Result<States> {
+    TimeScales::require_drift(problem)?;
     TimeScales::require_moderate(problem)?;
     let scales = TimeScales::of(problem)?;
     let (mut step, mut halved) = (scales.short(tuning::STEP), 0);
@@ -51,6 +52,7 @@ pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> R
 /// # Errors
 /// Those of [`settled`].
 pub(crate) fn require_settling(problem: &Problem) -> Result<()> {
+    TimeScales::require_drift(problem)?;
     if TimeScales::of(problem)?.settles() && !rests(problem) {
         return Ok(());
     }

@@ -6,7 +6,6 @@ use super::{
     plan::Plan,
     tally::{Layout, Tally},
 };
-use crate::polynomial::of_one;
 use crate::problem::{COLLAPSE, Wall};
 use crate::simulation::tuning;
 
@@ -34,10 +33,9 @@ fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, 
         return None;
     }
     let states = layout.axes.len();
-    let place = |i: usize, power: u32| layout.monomials.iter().position(|m| *m == of_one(states, i, power));
     let count: f64 = batches.iter().map(|b| b.moments[0]).sum();
     let time = |i: usize, power: u32| -> Option<f64> {
-        let (own, square) = (place(i, power)?, place(i, 2 * power)?);
+        let (own, square) = (layout.power(i, power)?, layout.power(i, 2 * power)?);
         let mean = |k: usize| batches.iter().map(|b| b.moments[k]).sum::<f64>() / count;
         let apart = |b: &Tally| b.moments[0] * (b.moments[own] / b.moments[0] - mean(own)).powi(2);
         let between = batches.iter().map(apart).sum::<f64>() / (batches.len() - 1) as f64;

@@ -101,6 +101,12 @@ impl Layout {
         }
     }
 
+    /// The place of the power of one state among the monomials.
+    pub(super) fn power(&self, state: usize, power: u32) -> Option<usize> {
+        let wanted = of_one(self.axes.len(), state, power);
+        self.monomials.iter().position(|monomial| *monomial == wanted)
+    }
+
     /// The same with control variates, so many displacements, and so many levels and walls.
     pub(super) fn with(self, control_variates: ControlVariates, velocities: usize, gates: usize) -> Self {
         Layout { images: control_variates.products(), control_variates, velocities, gates, ..self }

@@ -179,13 +179,13 @@ fn second_moments_of_the_reference_table() {
 }
 
 /// Parametric noise makes a power tail, which no exponential polynomial has: the answers are those closest to a grid's, on p > 1e-6 of the
-/// peak, and the estimate is the distance. The quadrature's own domain is wider.
+/// peak, or on p > 1e-3 where they are nearer, and the estimate is the distance.
 #[test]
 fn a_power_tail_has_its_distance() {
     let (exact, problem) = (parametric_linear().exact(), problem(parametric_linear()));
     let mut last = f64::INFINITY;
-    // Measured: 0.145, 0.108, 0.036, 0.022. On the pilot's range alone, without the tail, order 4 is 0.045 off.
-    for (order, limit) in [(2, 0.2), (4, 0.12), (6, 0.06), (8, 0.08)] {
+    // Measured: 0.130, 0.038, 0.012, 0.0055. With the tail order 4 is 0.108 off, order 8 0.022.
+    for (order, limit) in [(2, 0.15), (4, 0.045), (6, 0.015), (8, 0.008)] {
         let density = Closure::new(order).solve(&problem).unwrap();
         let (l1, estimate) = (compare::l1(&density, &exact).unwrap().value, density.l1_estimate());
         println!("n = {order}: L1 {l1:.2e}, estimate {estimate:.2e}, {:?}", density.warning());

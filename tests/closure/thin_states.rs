@@ -11,15 +11,15 @@ use expoly::{Closure, ClosureDensity, Density, Problem, Simulation};
 fn a_thin_sheet_is_closed_on_lines_along_it() {
     let problem = Problem::from_toml(include_str!("../cases/harvester-bistable.toml")).unwrap();
     let density = Closure::new(6).solve(&problem).unwrap();
-    for (powers, known, within) in [([0, 2, 0], 97.159, 0.01), ([2, 0, 0], 0.4915, 0.002), ([0, 0, 2], 0.2841, 0.001)] {
+    for (powers, known, error) in [([0, 2, 0], 97.159, 0.002), ([2, 0, 0], 0.4915, 5e-4), ([0, 0, 2], 0.2841, 2e-4)] {
         let moment = density.moment(&powers).unwrap();
         println!("{powers:?}: {moment:.5}");
-        assert!((moment.value - known).abs() < within, "{powers:?}: {moment}");
+        assert!((moment.value - known).abs() < 3.0 * moment.error + error, "{powers:?}: {moment}");
     }
     assert_eq!(density.moment(&[1, 0, 0]).unwrap().value, 0.0);
     // By the density itself, on its own nodes.
     let sixth = density.expectation(&|x: &[f64]| x[2].powi(6)).unwrap();
-    assert!((sixth.value / 0.2106 - 1.0).abs() < 0.012, "{sixth}");
+    assert!((sixth.value / 0.2106 - 1.0).abs() < 0.01, "{sixth}");
 
     let simulation = Simulation::new().trajectories(512).samples(51_200).time_step(0.005).sampling_interval(5.0);
     let states = simulation.burn_in(60.0).seed(77).states(&problem).unwrap();

@@ -20,7 +20,7 @@ use super::density::exponent::Exponent;
 use super::discretisation::nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::method::Closure;
-use super::projection::{distance, mixed, project};
+use super::projection::{mixed, project, tempered};
 use super::reference::{normalised, scaled_mass};
 use super::samples::Moment;
 use super::space::Functions;
@@ -45,8 +45,10 @@ impl Closure {
     /// one; an adaptive closure takes the lowest that meets its target.
     ///
     /// It is closest in the Kullback-Leibler distance where the density is above a millionth of its peak, so that its moments up to
-    /// the order are those of the density; [`Closure::weight`] may give the tails more. Its moments in the answer, up to the order,
-    /// are the density's own, with their errors.
+    /// the order are those of the density; [`Closure::weight`] may give the tails more. A heavy tail decides that distance, and what is
+    /// closest in it is far off in L¹: where more than a five-hundredth of the mass lies below a thousandth of the peak, it is sought
+    /// above that level too, and the nearer one in L¹ is the answer, with what is left out in the estimate. The moments in the answer,
+    /// up to the order, are the density's own, with their errors.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] and [`Error::Dimension`] as in [`Closure::solve`]; [`Error::NotServed`] for three states and more;
@@ -83,21 +85,46 @@ pub(super) struct Closest<'a> {
     target: Target<'a>,
     /// The closest density of each order on the present cells, where there is one.
     found: BTreeMap<u32, Option<(Fitted, Functions)>>,
+    /// The same without the tail, where this holds much.
+    above_tail: Option<Box<Self>>,
 }
 
 impl<'a> Closest<'a> {
     /// # Errors
     /// Those of the density's values.
     pub(super) fn new(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry) -> Result<Self> {
-        let (target, found) = (Target::new(density, symmetry)?, BTreeMap::new());
-        Ok(Closest { density, closure, symmetry, target, found })
+        let target = Target::new(density, symmetry, tuning::LEVEL)?;
+        let heavy = target.tail() > tuning::HEAVY;
+        let own = |target: Target<'a>| Closest {
+            density,
+            closure,
+            symmetry,
+            target,
+            found: BTreeMap::new(),
+            above_tail: None,
+        };
+        let above_tail = if heavy { Some(Box::new(own(Target::new(density, symmetry, tuning::TAIL)?))) } else { None };
+        Ok(Closest { above_tail, ..own(target) })
     }
 
-    /// The content of the closest density of an order, or of a lower one if that is closer.
+    /// The content of the closest density of an order, or of a lower one if that is closer, with or without the tail.
     ///
     /// # Errors
     /// [`Error::NotClosed`] where none is found; those of the density's values.
     pub(super) fn content(&mut self, order: u32, begin: Instant) -> Result<Content> {
+        let above = self.above_tail.as_mut().map(|above| above.on_cells(order, begin));
+        match (self.on_cells(order, begin), above) {
+            (Ok(whole), Some(Ok(above))) => {
+                let [of_whole, of_above] = [&whole, &above].map(|content| content.candidates[0].l1_estimate);
+                Ok(if of_above < of_whole { above } else { whole })
+            }
+            (Err(_), Some(Ok(above))) => Ok(above),
+            (whole, _) => whole,
+        }
+    }
+
+    /// The content of the closest density on the target's cells.
+    fn on_cells(&mut self, order: u32, begin: Instant) -> Result<Content> {
         let reason = "no polynomial of it is near the density; it may be too narrow: take a lower order";
         let failed = || Error::NotClosed { order, reason };
         let mut apart = f64::INFINITY;
@@ -205,9 +232,12 @@ impl<'a> Closest<'a> {
         let pairs = || fit.logarithm.iter().zip(&target);
         let tail = pairs().filter(|(_, p)| **p > peak + all::candidates::TAIL.ln()).map(off).fold(0.0, f64::max);
         let likely = pairs().zip(weights).map(|((q, p), w)| w * p.exp() * (p - q - shift)).sum();
+        // exp(Q) has the mass 1 on the cells, and p less.
+        let [own, target] = [&fit.logarithm, &target].map(|log| tempered(log, weights, 1.0));
+        let apart = own.iter().zip(&target).map(|(q, p)| (q - (1.0 - self.target.lost) * p).abs()).sum();
         let candidate = Candidate {
             origin: Origin::Closest { tails: share },
-            l1_estimate: distance(&fit.logarithm, &target, weights),
+            l1_estimate: apart,
             tail_estimate: tail / std::f64::consts::LN_10,
             likelihood_loss: likely,
             accepted: true,

@@ -25,6 +25,8 @@ pub(super) struct Target<'a> {
     mass: f64,
     /// What is not known of p, relative to its mass: its error on the cells, and what lies beyond them.
     pub(super) error: f64,
+    /// What lies beyond the cells alone.
+    pub(super) lost: f64,
 }
 
 /// A cell with p and its error at the nodes.
@@ -36,17 +38,20 @@ struct Piece {
 }
 
 impl<'a> Target<'a> {
+    /// Down to a share of the peak.
+    ///
     /// # Errors
     /// Those of the density's values; [`Error::NotKnown`] where it has no mass on its cells.
-    pub(super) fn new(density: &'a dyn Density, symmetry: &'a Symmetry) -> Result<Self> {
-        let found = Self::on_cells(density, symmetry, 1)?;
+    pub(super) fn new(density: &'a dyn Density, symmetry: &'a Symmetry, level: f64) -> Result<Self> {
+        let found = Self::on_cells((density, symmetry, level), 1)?;
         // Cells that the density does not name may have missed where its mass is.
         let resolved = found.error < tuning::LOST || density.cells().len() > 1;
-        if resolved { Ok(found) } else { Self::on_cells(density, symmetry, tuning::MORE) }
+        if resolved { Ok(found) } else { Self::on_cells((density, symmetry, level), tuning::MORE) }
     }
 
     /// The same from `more` times the fewest cells on.
-    fn on_cells(density: &'a dyn Density, symmetry: &'a Symmetry, more: usize) -> Result<Self> {
+    fn on_cells(of: (&'a dyn Density, &'a Symmetry, f64), more: usize) -> Result<Self> {
+        let (density, symmetry, level) = of;
         let mut cells: Vec<Cell> = density.cells().into_iter().map(|limits| Cell { limits }).collect();
         // A cell of a grid has more than a cubic in it.
         let least = (more * tuning::FEWEST[density.dimension() - 1]).max(cells.len() + 1);
@@ -64,17 +69,18 @@ impl<'a> Target<'a> {
             logarithm: Vec::new(),
             mass: 0.0,
             error: 0.0,
+            lost: 0.0,
         };
         target.pieces = target.evaluated(cells.into_iter().map(|cell| (cell, 0)))?;
         loop {
             let values = target.pieces.iter().flat_map(|piece| &piece.values);
             target.peak = values.map(|p| p.value).fold(0.0, f64::max);
-            let peak = target.peak;
-            target.pieces.retain(|piece| piece.good(peak) > 0);
+            let least = level * target.peak;
+            target.pieces.retain(|piece| piece.good(least) > 0);
             let roughness: Vec<[f64; 2]> = target.pieces.iter().map(|piece| piece.roughness(&target.rule)).collect();
             let mass: f64 = roughness.iter().map(|[mass, _]| mass).sum();
             let next = |(piece, [own, rough]): (&Piece, &[f64; 2])| {
-                let at_edge = 4 * piece.good(peak) < 3 * piece.values.len() && piece.divided < tuning::AT_EDGES;
+                let at_edge = 4 * piece.good(least) < 3 * piece.values.len() && piece.divided < tuning::AT_EDGES;
                 let coarse = *rough > tuning::ROUGH * own && *own > tuning::SLIGHT * mass;
                 (at_edge || coarse).then_some(piece.divided + usize::from(at_edge))
             };
@@ -170,6 +176,13 @@ impl<'a> Target<'a> {
         self.cells(0.0).bounds()
     }
 
+    /// The share of the mass in the tail.
+    pub(super) fn tail(&self) -> f64 {
+        let values = self.pieces.iter().flat_map(|piece| &piece.values).zip(&self.weights);
+        let tail = values.filter(|(p, _)| p.value < tuning::TAIL * self.peak);
+        tail.map(|(p, w)| w * p.value).sum::<f64>() / self.mass
+    }
+
     /// Enters the nodes of all cells.
     fn gather(&mut self) -> Result<()> {
         (self.points, self.weights) = self.finer(tuning::ALONG);
@@ -186,15 +199,16 @@ impl<'a> Target<'a> {
             let remedy = "its values and its integrals do not agree: take a density that is normalised";
             return Err(Error::NotKnown { what: "a mass of the density on its cells".into(), remedy });
         }
+        self.lost = (1.0 - self.mass / whole).clamp(0.0, 1.0);
         self.error = (error + (whole - self.mass).abs()) / whole;
         Ok(())
     }
 }
 
 impl Piece {
-    /// The number of nodes with a value far enough above zero and its own error.
-    fn good(&self, peak: f64) -> usize {
-        let good = |p: &&Estimate| p.value > tuning::LEVEL * peak && p.error < tuning::KNOWN * p.value;
+    /// The number of nodes with a value above the least one and its own error.
+    fn good(&self, least: f64) -> usize {
+        let good = |p: &&Estimate| p.value > least && p.error < tuning::KNOWN * p.value;
         self.values.iter().filter(good).count()
     }
 

@@ -118,6 +118,15 @@ impl ClosureDensity {
         ClosureDensity { dynamics: other.dynamics.clone(), ..self }
     }
 
+    /// The same as the answer of an order above its own, with the moments that were found for that.
+    pub(super) fn standing_for(mut self, order: u32, higher: Option<&Self>) -> Self {
+        if let Some(higher) = higher {
+            self.content.moments.clone_from(&higher.content.moments);
+        }
+        self.content.provenance.order = Some(order);
+        self
+    }
+
     /// How this density came about.
     pub fn provenance(&self) -> &Provenance {
         &self.content.provenance

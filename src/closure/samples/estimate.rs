@@ -12,13 +12,15 @@ use crate::problem::Problem;
 ///
 /// Where there are too many functions for moment equations, the density of the higher order has a noise of its own: what its square
 /// exceeds that of the lower order by is in the distance's square, and the lower order keeps its own.
+///
+/// The second number is the part of the estimate that is chance.
 pub(super) fn l1_estimate(
     problem: &Problem,
     [own, likelihood]: [&Likelihood<'_>; 2],
     fit: &Fit,
     calibration: &Calibration,
     covered: usize,
-) -> f64 {
+) -> [f64; 2] {
     let size = likelihood.products.len() - 1;
     let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(size + 1).collect();
     let apart = |means: &[f64], size: f64| {
@@ -45,12 +47,13 @@ pub(super) fn l1_estimate(
         let (distance, above) = apart(&found.means, found.size.min(1.0)).filter(|(_, above)| above.converged)?;
         Some((distance, distance * (found.noise / found.size).min(1.0), above.next))
     });
-    let by_both = by_both.map(|(found, noise, open)| (without_noise(found, noise) + 0.5 * noise).hypot(open));
+    let by_both =
+        by_both.map(|(found, noise, open)| [(without_noise(found, noise) + 0.5 * noise).hypot(open), 0.5 * noise]);
     let by_pilot = || {
         let (distance, above) = apart(&calibration.means[..size], tuning::likelihood::UNKNOWN)?;
         Some(by_means([(own, fit), (likelihood, &above)], distance, calibration))
     };
-    by_both.or_else(by_pilot).map_or(2.0, |found| found.min(2.0))
+    by_both.or_else(by_pilot).map_or([2.0; 2], |found| found.map(|part| part.min(2.0)))
 }
 
 /// What is left of a difference without the noise in it.
@@ -58,23 +61,23 @@ fn without_noise(found: f64, noise: f64) -> f64 {
     (found * found - noise * noise).max(0.0).sqrt()
 }
 
-/// The estimate by the distance between a density and one of a higher order, both by the pilot's means alone.
-fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &Calibration) -> f64 {
+/// The estimate by the distance between a density and one of a higher order, both by the pilot's means alone, and the chance in it.
+fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &Calibration) -> [f64; 2] {
     // Half the distance between the density by one half of the states and by the other is about the noise of the two together.
     let [own, higher] = fits.map(|(likelihood, fit)| {
         let size = likelihood.products.len() - 1;
         tuning::likelihood::OF_HALVES
             * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
     });
-    without_noise(distance, without_noise(higher, own)).hypot(own).hypot(fits[1].1.next)
+    [without_noise(distance, without_noise(higher, own)).hypot(own).hypot(fits[1].1.next), own]
 }
 
 /// The estimate on nested nodes, by the distance from the density of a higher order; where that has none, which `above` tells, by that
-/// from a lower one, which is larger.
-pub(super) fn across(fits: [(&Likelihood<'_>, &Fit); 2], above: bool, calibration: &Calibration) -> Option<f64> {
+/// from a lower one, which is larger. The second number is the part that is chance.
+pub(super) fn across(fits: [(&Likelihood<'_>, &Fit); 2], above: bool, calibration: &Calibration) -> Option<[f64; 2]> {
     let [own, other] = fits;
-    let found = if above { by_means(fits, excess(other, own)?, calibration) } else { excess(own, other)? };
-    Some(found.min(2.0))
+    let found = if above { by_means(fits, excess(other, own)?, calibration) } else { [excess(own, other)?, 0.0] };
+    Some(found.map(|part| part.min(2.0)))
 }
 
 /// ∫ |p − p̃| dx for a density p on its nodes and a density p̃, normalised on other ones: twice the mass by which p exceeds p̃, for which

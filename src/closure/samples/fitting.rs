@@ -1,6 +1,5 @@
 //! The most likely density on the nodes that resolve it: a lattice, Gauss nodes across a wall's line, or draws.
 
-use super::Samples;
 use super::importance::ImportanceRule;
 use super::lattice::Lattice;
 use super::likelihood::{Fit, Likelihood};
@@ -8,6 +7,7 @@ use super::nodes::Nodes;
 use super::products::Products;
 use super::strata::Strata;
 use super::walls::WallNodes;
+use super::{Family, Samples};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::tuning;
 use crate::numerics::Search;
@@ -124,4 +124,10 @@ impl Fitting<'_> {
         let walls = contacts.iter().enumerate().map(on_wall).collect::<Option<_>>()?;
         self.fitted(products, nodes, walls, tuning::guess::SEARCH)
     }
+}
+
+/// The largest difference of a mass or a second moment by one part of the nodes of a lattice from that by all, in standard deviations.
+pub(in crate::closure) fn unevenness(nodes: &Nodes, family: &Family, masses: &[f64]) -> f64 {
+    let products = Products::of(&family.functions(2));
+    Likelihood { nodes, products: &products, corners: &[], walls: &[] }.unevenness(masses)
 }

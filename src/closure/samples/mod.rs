@@ -43,6 +43,7 @@ mod walls;
 pub(crate) use copula::Copula;
 pub(in crate::closure) use equations::Sites;
 pub(in crate::closure) use family::{Family, corners};
+pub(in crate::closure) use fitting::unevenness;
 pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
 pub(in crate::closure) use means::MeansFrom;
@@ -77,8 +78,8 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) impacts: Vec<WallImpacts>,
     /// Whether Q solves the Fokker-Planck equation.
     pub(in crate::closure) exact: bool,
-    /// The estimate of ∫ |p̃ − p| dx.
-    pub(in crate::closure) l1_estimate: f64,
+    /// The estimate of ∫ |p̃ − p| dx, and the part of it that is chance.
+    pub(in crate::closure) l1_estimate: [f64; 2],
     /// The root mean square of the residual, and the same relative to its parts.
     pub(in crate::closure) residual: [f64; 2],
     /// Whether the states carry the density: the search ended, with enough effective draws and no state of a large negative
@@ -142,7 +143,7 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
         log_mass,
         impacts: Vec::new(),
         exact: false,
-        l1_estimate,
+        l1_estimate: [l1_estimate, 0.0],
         residual: [f64::INFINITY; 2],
         carried: fit.converged && fit.effective > tuning::likelihood::LEAST_EFFECTIVE,
         calibrated: (None, 1.0),
@@ -179,7 +180,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let fit = if family.has_kinks() { reconciled(fit) } else { fit };
     let root = if struck { None } else { likelihood.polished(problem, &fit) };
     let (l1_estimate, exact, fit) = match (root, &nested) {
-        (Some(root), _) => (0.0, true, root),
+        (Some(root), _) => ([0.0; 2], true, root),
         (None, Some((_, other, above))) => {
             let of_other = if *above { comparing } else { Products::of(&family.functions((order - 1) / 2 * 2)) };
             let other = (&Likelihood { products: &of_other, nodes: &other.nodes, ..likelihood }, &other.fit);

@@ -12,6 +12,10 @@ pub(crate) const LOST: f64 = 0.01;
 pub(crate) const MOST_NODES: usize = 160_000;
 /// The density is followed down to this share of its peak: 1e-4 leaves 1e-3 of a heavy tail's mass out, 1e-8 lets the tail decide.
 pub(crate) const LEVEL: f64 = 1e-6;
+/// The tail is what is below this share of the peak.
+pub(crate) const TAIL: f64 = 1e-3;
+/// The share of the mass in a tail that counts as heavy. A normal density of two states has [`TAIL`] in it, one of one state a fifth.
+pub(crate) const HEAVY: f64 = 0.002;
 /// The share of the peak that stands for all that is smaller, or unknown: next to nothing.
 pub(crate) const FLOOR: f64 = 1e-9;
 /// A value is known where its error is below this share of it. Without it the error of a grid, which sits in its tails, decides high

@@ -133,6 +133,8 @@ pub(crate) mod likelihood {
     pub(crate) const FINE: f64 = 0.02;
     /// The noise of a density over the distance between those by the halves of the states: 0.55 to 0.7 in the median of nine systems.
     pub(crate) const OF_HALVES: f64 = 0.625;
+    /// A lower order is tried where at least this share of the estimate is chance, which it has less of.
+    pub(crate) const BY_CHANCE: f64 = 0.5;
     /// The distance assumed where there is no estimate of it, in L¹.
     pub(crate) const UNKNOWN: f64 = 0.15;
 }
