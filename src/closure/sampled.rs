@@ -11,7 +11,7 @@ use super::dynamics::Dynamics;
 use super::nodal::NodalClosure;
 use super::pilot::{Pilot, normal_density};
 use super::projection::Weight;
-use super::projection::on_states::exact_on_states;
+use super::projection::on_states::{exact_near, exact_on_states};
 use super::reference::scaled_mass;
 use super::samples::{
     Copula, Family, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_on_means, close_on_samples,
@@ -51,12 +51,14 @@ impl Sampled {
         close_on_samples(Samples { problem, pilot, family, order, copula, seed: *seed })
     }
 
-    /// The lowest even order below one at which a density is exact: its equations at higher ones are all but singular.
-    fn lowest_exact(&self, order: u32) -> Option<u32> {
+    /// The exact density of the lowest even order up to one, with that order: equations of higher ones are all but singular at it.
+    fn lowest_exact(&self, order: u32) -> Option<(u32, Exponent)> {
         let functions = |order| self.family.functions(order);
-        let found = exact_on_states(&self.problem, &self.pilot.states, functions, (2..order).step_by(2))?;
+        let orders = (2..order).step_by(2).chain([order]);
+        let found = exact_on_states(&self.problem, &self.pilot.states, functions, orders)?;
         let degree = |alpha: &Vec<u32>| alpha.iter().sum();
-        found.space.polynomials()?.exponents().iter().map(degree).max()
+        let order = found.space.polynomials()?.exponents().iter().map(degree).max()?;
+        Some((order, found))
     }
 
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
@@ -119,15 +121,17 @@ impl Sampled {
         let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
         let reason =
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
-        let mut found = match self.lowest_exact(order).and_then(|lower| self.on_samples(lower, &copula)) {
-            Some(found) if found.exact => found,
-            _ => self.on_samples(order, &copula).ok_or(Error::NotClosed { order, reason })?,
+        let exact = self.lowest_exact(order);
+        let lower = exact.as_ref().and_then(|(lower, _)| self.on_samples(*lower, &copula));
+        let found = lower.or_else(|| self.on_samples(order, &copula)).ok_or(Error::NotClosed { order, reason })?;
+        let near = || exact_near(&self.problem, &self.pilot.states, &found.exponent);
+        let exact = exact.map(|(_, exponent)| exponent).or_else(|| if found.exact { None } else { near() });
+        let found = match exact {
+            Some(exponent) if !found.exact => found.exactly(exponent),
+            // Its coefficients are those of the covariance, right to rounding.
+            Some(exponent) if normal_density(&self.problem).is_some() => SampleClosure { exponent, ..found },
+            _ => found,
         };
-        if found.exact && normal_density(&self.problem).is_some() {
-            let functions = |order| self.family.functions(order);
-            let normal = exact_on_states(&self.problem, &self.pilot.states, functions, std::iter::once(2));
-            found.exponent = normal.unwrap_or(found.exponent);
-        }
         let mut without_reference = None;
         if self.referred && !found.exact {
             match self.by_reference(order, &found, &copula) {

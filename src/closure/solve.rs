@@ -127,6 +127,10 @@ impl Closure {
             let rare = is_rare(&problem, &pilot);
             let nodal = Sampled { problem, rare, family, pilot, guarded, referred, seed, memory, begin };
             let closed = |order| match self.order {
+                // Where trajectories stayed, a low order shows in less time whether there is a density at all.
+                Order::Fixed(_) if stayed && order > tuning::guess::LOW_DEGREE => {
+                    nodal.closed(tuning::guess::LOW_DEGREE).and_then(|_| nodal.best_up_to(order))
+                }
                 Order::Fixed(_) => nodal.best_up_to(order),
                 Order::Adaptive(_) => nodal.closed(order),
             };
@@ -153,11 +157,11 @@ impl Closure {
                 (Ok(closest), Ok(density)) if closest.is_worse_than(&density) => Ok(density),
                 (Ok(closest), Ok(density)) => Ok(closest.with_motion_of(&density)),
                 (Ok(closest), Err(_)) => Ok(closest),
-                (Err(_), Ok(density)) => Ok(density),
+                (Err(_), Ok(density)) if density.l1_estimate() < FARTHEST => Ok(density),
                 // Neither: the pilot's states have a density in any case.
-                (Err(_), Err(error)) => {
+                (Err(_), by_equations) => {
                     let on_states = Closure { reference: Reference::States, ..self.clone() };
-                    on_states.in_open_space(problem, begin).map_err(|_| error)
+                    on_states.in_open_space(problem, begin).or(by_equations)
                 }
             },
             None => self.by_grid(problem, run.1, begin),

@@ -13,7 +13,8 @@ impl Simulation<'_> {
     /// Where trajectories start: a point, or points drawn from a normal distribution, reflected at walls. By default, as with
     /// [`Start::Stationary`](crate::Start), they start near 0, or near the wall if that stands above 0, each with a Gaussian
     /// spread: the deviation that the noise at 0 makes within four steps, or 0.1 where it vanishes there; the burn-in leads on
-    /// from there. Other densities are refused.
+    /// from there. Where they would take too long to leave, as the top between wells under heavy damping, the spread is that of the
+    /// Gaussian closure. Other densities are refused.
     pub fn start(self, start: impl Into<transient::Start>) -> Self {
         Simulation { start: start.into(), ..self }
     }
@@ -84,9 +85,12 @@ pub(super) struct Start {
 
 impl Start {
     /// The start given to the simulation, or near 0, or beside the walls that exclude 0; each state spreads as far as the
-    /// noise at 0 takes it in four steps.
+    /// noise at 0 takes it in four steps, or as far as its density where it would take too long to leave.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Result<Self> {
-        let spread = spread(problem, simulation.amplitude, step);
+        let free = matches!(simulation.start, transient::Start::Stationary) && simulation.once.is_none();
+        let wide = if free { wide(problem, step).ok().flatten() } else { None };
+        let wide = wide.map(|wide| wide.iter().map(|deviation| simulation.amplitude * deviation).collect());
+        let spread = wide.unwrap_or_else(|| spread(problem, simulation.amplitude, step));
         let origin = match &simulation.start {
             transient::Start::Point(x) => vec![x.clone()],
             transient::Start::Gaussian(gaussian) => {
@@ -149,12 +153,23 @@ fn spread(problem: &Problem, amplitude: f64, step: f64) -> Vec<f64> {
 /// # Errors
 /// Those of [`TimeScales::of`].
 pub(crate) fn burn_in(problem: &Problem, scales: &TimeScales, step: f64) -> Result<f64> {
+    Ok(scales.memory().max(leaving(problem, scales, step)?.min(scales.short(tuning::timetable::LONGEST_LEAVING))))
+}
+
+/// The time in which trajectories leave a state that they start near, for that far away which their density has; 0 where they stay.
+fn leaving(problem: &Problem, scales: &TimeScales, step: f64) -> Result<f64> {
     let growth = scales.growth(problem);
     if growth == 0.0 {
-        return Ok(scales.memory());
+        return Ok(0.0);
     }
     let (spread, deviations) = (spread(problem, 1.0, step), TimeScales::deviations(problem)?);
     let far = deviations.iter().zip(&spread).map(|(end, start)| end / start).fold(1.0, f64::max);
-    let leaving = (tuning::timetable::LEAVING + far.ln()) / growth;
-    Ok(scales.memory().max(leaving.min(scales.short(tuning::timetable::LONGEST_LEAVING))))
+    Ok((tuning::timetable::LEAVING + far.ln()) / growth)
+}
+
+/// The deviations of the Gaussian closure, where trajectories that start near rest would take too long to leave.
+fn wide(problem: &Problem, step: f64) -> Result<Option<Vec<f64>>> {
+    let scales = TimeScales::of(problem)?;
+    let long = leaving(problem, &scales, step)? > scales.short(tuning::timetable::LONGEST_LEAVING);
+    if long { Ok(Some(TimeScales::deviations(problem)?)) } else { Ok(None) }
 }

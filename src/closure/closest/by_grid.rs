@@ -57,10 +57,10 @@ impl Closure {
                 Ok(closed) => closed,
                 Err(error) => return found.ok_or(error),
             };
-            let limited = closest.target.error > tuning::MINOR * closed.l1_estimate();
-            if limited && let Some(exact) = exact(&closed, problem, pilot) {
+            if let Some(exact) = exact(&closed, problem, pilot) {
                 return Ok(exact);
             }
+            let limited = closest.target.error > tuning::MINOR * closed.l1_estimate();
             let last = !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy;
             found = Some(closed);
             if last {

@@ -85,7 +85,7 @@ pub(super) struct Closest<'a> {
     target: Target<'a>,
     /// The closest density of each order on the present cells, where there is one.
     found: BTreeMap<u32, Option<(Fitted, Functions)>>,
-    /// The same without the tail, where this holds much.
+    /// The same without the tail, once this has been found to hold much.
     above_tail: Option<Box<Self>>,
 }
 
@@ -93,18 +93,13 @@ impl<'a> Closest<'a> {
     /// # Errors
     /// Those of the density's values.
     pub(super) fn new(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry) -> Result<Self> {
-        let target = Target::new(density, symmetry, tuning::LEVEL)?;
-        let heavy = target.tail() > tuning::HEAVY;
-        let own = |target: Target<'a>| Closest {
-            density,
-            closure,
-            symmetry,
-            target,
-            found: BTreeMap::new(),
-            above_tail: None,
-        };
-        let above_tail = if heavy { Some(Box::new(own(Target::new(density, symmetry, tuning::TAIL)?))) } else { None };
-        Ok(Closest { above_tail, ..own(target) })
+        Self::above(density, closure, symmetry, tuning::LEVEL)
+    }
+
+    /// Where the density is above a share of its peak.
+    fn above(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry, level: f64) -> Result<Self> {
+        let target = Target::new(density, symmetry, level)?;
+        Ok(Closest { density, closure, symmetry, target, found: BTreeMap::new(), above_tail: None })
     }
 
     /// The content of the closest density of an order, or of a lower one if that is closer, with or without the tail.
@@ -112,14 +107,21 @@ impl<'a> Closest<'a> {
     /// # Errors
     /// [`Error::NotClosed`] where none is found; those of the density's values.
     pub(super) fn content(&mut self, order: u32, begin: Instant) -> Result<Content> {
-        let above = self.above_tail.as_mut().map(|above| above.on_cells(order, begin));
-        match (self.on_cells(order, begin), above) {
-            (Ok(whole), Some(Ok(above))) => {
-                let [of_whole, of_above] = [&whole, &above].map(|content| content.candidates[0].l1_estimate);
-                Ok(if of_above < of_whole { above } else { whole })
-            }
-            (Err(_), Some(Ok(above))) => Ok(above),
-            (whole, _) => whole,
+        let whole = self.on_cells(order, begin);
+        let estimate = |content: &Content| content.candidates[0].l1_estimate;
+        // What is farther off is so in the middle too.
+        let far = whole.as_ref().is_ok_and(|whole| estimate(whole) > tuning::FAR);
+        if far || self.target.tail() <= tuning::HEAVY {
+            return whole;
+        }
+        let above_tail = match self.above_tail.take() {
+            Some(above) => above,
+            None => Box::new(Self::above(self.density, self.closure, self.symmetry, tuning::TAIL)?),
+        };
+        let without = self.above_tail.insert(above_tail).on_cells(order, begin);
+        match (whole, without) {
+            (Ok(whole), Ok(without)) => Ok(if estimate(&without) < estimate(&whole) { without } else { whole }),
+            (whole, without) => whole.or(without),
         }
     }
 

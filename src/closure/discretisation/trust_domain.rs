@@ -85,10 +85,23 @@ impl TrustDomain {
         TrustDomain { centre, scale, reach, walls: [None, None] }
     }
 
-    /// The ellipse about the box of its largest reach in all directions.
-    pub(in crate::closure) fn rounded(&self) -> Self {
-        let most = (self.dimension() as f64).sqrt() * self.reach.iter().copied().fold(0.0, f64::max);
+    /// The ellipse of so many times the largest reach in all directions.
+    pub(in crate::closure) fn rounded(&self, times: f64) -> Self {
+        let most = times * self.reach.iter().copied().fold(0.0, f64::max);
         TrustDomain { reach: vec![most; self.reach.len()], ..self.clone() }
+    }
+
+    /// The domain that reaches, in each direction, as far as this one or another with the same scales, or as either does in the sectors
+    /// beside it.
+    pub(in crate::closure) fn joined(&self, other: &Self) -> Self {
+        let farther: Vec<f64> = self.reach.iter().zip(&other.reach).map(|(own, other)| own.max(*other)).collect();
+        let reach = match self.dimension() {
+            2 => (0..SECTORS)
+                .map(|k| farther[k].max(farther[(k + 1) % SECTORS]).max(farther[(k + SECTORS - 1) % SECTORS]))
+                .collect(),
+            _ => farther,
+        };
+        TrustDomain { reach, ..self.clone() }
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

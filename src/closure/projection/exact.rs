@@ -108,18 +108,14 @@ struct Integrated {
 }
 
 impl Integrated {
-    /// About the region that a pilot has visited. None where no rule of two agrees with the other.
+    /// About the region that a pilot has visited, and wherever else in a larger ellipse exp(Q) is not small. None where no rule of two
+    /// agrees with the other.
     fn within(exponent: &Exponent, region: &TrustDomain) -> Option<Self> {
-        let domain = followed(region, exponent);
-        let rounded = domain.rounded();
-        let found = Self::over(exponent, domain);
-        let missing = |found: &Self| found.apart + found.domain.mass_beyond(|x| exponent.value(x));
-        if found.as_ref().is_some_and(|found| missing(found) <= tuning::panels::WHOLE) {
-            return found;
-        }
-        // Sectors may cut off a part of a narrow well, or of the tails of a state that they hardly divide.
-        let both = [found, Self::over(exponent, rounded)].into_iter().flatten();
-        both.min_by(|a, b| missing(a).total_cmp(&missing(b)))
+        let own = followed(region, exponent);
+        let elsewhere = region
+            .rounded(tuning::domain::EXACT_FOLLOWED)
+            .above(|points| exponent.values(points), tuning::domain::FULL_DROP);
+        Self::over(exponent, own.joined(&elsewhere))
     }
 
     fn over(exponent: &Exponent, domain: TrustDomain) -> Option<Self> {

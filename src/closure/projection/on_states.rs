@@ -72,6 +72,9 @@ fn quadratic(space: &Functions, Gaussian { mean, covariance }: &Gaussian) -> Opt
 
 /// The exact density near another one, by the residual at states.
 pub(in crate::closure) fn exact_near(problem: &Problem, states: &States, start: &Exponent) -> Option<Exponent> {
+    if !problem.impulses().is_empty() || !problem.walls().is_empty() || !start.known.is_empty() {
+        return None;
+    }
     let few = states.evenly(tuning::exact::AT_STATES[0]);
     (few.len() >= 2 * start.space.len()).then(|| root((&few, &locals(problem, &few)), start.clone()))?
 }

@@ -96,6 +96,22 @@ pub(in crate::closure) struct SampleClosure {
     pub(in crate::closure) nest: Option<Nest>,
 }
 
+impl SampleClosure {
+    /// The same with an exponent that solves the Fokker-Planck equation.
+    pub(in crate::closure) fn exactly(self, exponent: Exponent) -> Self {
+        SampleClosure {
+            exponent,
+            log_mass: None,
+            exact: true,
+            l1_estimate: [0.0; 2],
+            residual: [0.0; 2],
+            carried: true,
+            nest: None,
+            ..self
+        }
+    }
+}
+
 /// What a closure on samples is made from.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::closure) struct Samples<'a> {

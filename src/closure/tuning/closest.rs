@@ -16,6 +16,8 @@ pub(crate) const LEVEL: f64 = 1e-6;
 pub(crate) const TAIL: f64 = 1e-3;
 /// The share of the mass in a tail that counts as heavy. A normal density of two states has [`TAIL`] in it, one of one state a fifth.
 pub(crate) const HEAVY: f64 = 0.002;
+/// Without the tail nothing is sought where what is closest with it is farther off than this.
+pub(crate) const FAR: f64 = 0.5;
 /// The share of the peak that stands for all that is smaller, or unknown: next to nothing.
 pub(crate) const FLOOR: f64 = 1e-9;
 /// A value is known where its error is below this share of it. Without it the error of a grid, which sits in its tails, decides high

@@ -21,5 +21,3 @@ pub(crate) const SHARE: f64 = 0.01;
 pub(crate) const BOUNDS: [f64; 2] = [1e-4, 1e-2];
 /// Of a density whose rules differ by more there is no integral.
 pub(crate) const RISING: f64 = 0.1;
-/// What a domain may miss of an exact density before a rounder one is tried.
-pub(crate) const WHOLE: f64 = 1e-9;
