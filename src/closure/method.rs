@@ -68,7 +68,8 @@ pub enum Reference {
 }
 
 impl Closure {
-    /// The closure of order `order`, the degree of Q, from 1 to 16 (10 next to walls).
+    /// The closure of order `order`, the highest degree of Q, from 1 to 16 (10 next to walls). Where a lower even order is exact, or
+    /// nearer by its estimate, Q is of that one: [`Provenance::unknowns`](crate::Provenance::unknowns) counts its coefficients.
     ///
     /// By default a pilot of 20 000 states at three times the intensity, the automatic [`Weight`], no guard, seed 0.
     pub fn new(order: u32) -> Self {

@@ -42,13 +42,12 @@ impl Closure {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
-    /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the
-    /// problem, for noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Unreached`] where no noise reaches a
-    /// state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
-    /// [`Error::NoDensity`] where trajectories grow without end, come to rest or stay where they began; [`Error::TooStiff`] for rates too far apart where the
-    /// system is not linear;
-    /// [`Error::NotClosed`] where the pilot's states allow no density; [`Error::TooMuchMemory`] where the states or the
-    /// equations would not keep to [`Closure::memory_limit`].
+    /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the problem, for
+    /// noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Unreached`] where no noise reaches
+    /// a state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
+    /// [`Error::NoDensity`] where trajectories grow without end, come to rest or stay where they began; [`Error::TooStiff`] for rates too
+    /// far apart where the system is not linear; [`Error::NotClosed`] where the pilot's states allow no density;
+    /// [`Error::TooMuchMemory`] where the states or the equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
         let begin = Instant::now();
         problem.require_no_rest()?;

@@ -59,11 +59,14 @@ impl Row for InManyStates {
 pub(crate) fn run(options: &Options) -> Outcome {
     let orders = options.orders(&[2, 4]);
     println!("seed {}; L1 (estimate), best of its order, warning, seconds", options.seed);
-    let system = |index| Ok(Exact::random(options.seed, index));
-    let truth = |index: usize, _: &Problem| Ok(Exact::random(options.seed, index).truth(DRAWS, options.seed));
+    // Of each four in a row the first two have three and four states.
+    let number = |index: usize| if options.few { index / 2 * 4 + index % 2 } else { index };
+    let random = |index| Exact::random(options.seed, number(index));
+    let system = |index| Ok(random(index));
+    let truth = |index: usize, _: &Problem| Ok(random(index).truth(DRAWS, options.seed));
     let row = |place: Place, problem: &Problem, truth: &Truth| {
         let Place { index, order } = place;
-        let system = Exact::random(options.seed, index);
+        let system = random(index);
         let begin = Instant::now();
         let density = Closure::new(order).solve(problem)?;
         let seconds = begin.elapsed().as_secs_f64();
@@ -83,7 +86,12 @@ pub(crate) fn run(options: &Options) -> Outcome {
             seconds,
         })
     };
-    let campaign = options.campaign(if options.best { "exact_best.csv" } else { "exact.csv" }, 60, &orders);
+    let (table, count) = match (options.few, options.best) {
+        (true, _) => ("exact_few.csv", 100),
+        (false, true) => ("exact_best.csv", 60),
+        (false, false) => ("exact.csv", 60),
+    };
+    let campaign = options.campaign(table, count, &orders);
     let Some(findings) = campaign.findings(system, truth, row)? else { return Ok(()) };
     findings.print_missing();
     for order in orders {

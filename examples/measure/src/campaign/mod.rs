@@ -35,7 +35,7 @@ use support::dealt::Dealt;
 /// The closure on random systems, against the grid.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Options {
-    /// How many systems [default: 500, with --walls 150, with --lattice all 40, with --exact 60, with --known 300]
+    /// How many systems [default: 500, with --walls 150, with --lattice all 40, with --exact 60, with --few 100, with --known 300]
     #[arg(long)]
     count: Option<usize>,
     /// Seed of the systems' parameters
@@ -63,6 +63,9 @@ pub(crate) struct Options {
     /// many states
     #[arg(long)]
     best: bool,
+    /// With --exact, systems of three and four states alone
+    #[arg(long, requires = "exact")]
+    few: bool,
     /// The system of this index alone
     #[arg(long)]
     only: Option<usize>,
