@@ -73,4 +73,10 @@ fn readme_prints_what_the_tables_hold() {
     says(format!("within a factor 1.5 for {right}"));
     let worst = after(&exact, "best of its order:").next().unwrap().split_once("worst ").unwrap().1;
     says(format!("than {worst} times the best polynomial of its order"));
+
+    let few = summary(&["--exact", "--few", "--orders", "4"]);
+    let [densities, warned] = numbers(&after(&few, "n = 4:").last().unwrap().replace(',', " "));
+    says(format!("{warned} of {densities} a warning"));
+    let [right, plain] = numbers(after(&few, "within a factor 1.5:").next().unwrap().split_once("3:").unwrap().1);
+    says(format!("within a factor 3 of the distance for {right} of {plain}"));
 }
