@@ -95,12 +95,12 @@ impl Sampled {
             if best.as_ref().is_ok_and(|(_, by_chance)| !by_chance) && least <= tuning::UNRELIABLE {
                 break;
             }
-            let next = of_order(lower);
-            match next {
+            match of_order(lower) {
                 Ok((density, by_chance)) if density.l1_estimate() < least => {
                     let density = density.standing_for(order, best.as_ref().ok().map(|(higher, _)| higher));
                     best = Ok((density, by_chance));
                 }
+                // It gets no better below; where there is none yet, a lower one may be.
                 _ if best.is_ok() => break,
                 _ => {}
             }
@@ -122,8 +122,8 @@ impl Sampled {
         let reason =
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
         let exact = self.lowest_exact(order);
-        let lower = exact.as_ref().and_then(|(lower, _)| self.on_samples(*lower, &copula));
-        let found = lower.or_else(|| self.on_samples(order, &copula)).ok_or(Error::NotClosed { order, reason })?;
+        let lowest = exact.as_ref().map_or(order, |(lower, _)| *lower);
+        let found = self.on_samples(lowest, &copula).ok_or(Error::NotClosed { order, reason })?;
         let near = || exact_near(&self.problem, &self.pilot.states, &found.exponent);
         let exact = exact.map(|(_, exponent)| exponent).or_else(|| if found.exact { None } else { near() });
         let found = match exact {

@@ -88,6 +88,7 @@ impl Start {
     /// noise at 0 takes it in four steps, or as far as its density where it would take too long to leave.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Result<Self> {
         let free = matches!(simulation.start, transient::Start::Stationary) && simulation.once.is_none();
+        // Without time scales nothing says that they would take too long.
         let wide = if free { wide(problem, step).ok().flatten() } else { None };
         let wide = wide.map(|wide| wide.iter().map(|deviation| simulation.amplitude * deviation).collect());
         let spread = wide.unwrap_or_else(|| spread(problem, simulation.amplitude, step));

@@ -3,7 +3,7 @@
 use crate::common::{duffing, l1_from, on_grid, problem};
 use expoly::{
     ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Grid, GridDensity, Origin, Problem, Reference,
-    Weight,
+    Weight, compare,
 };
 
 macro_rules! case {
@@ -20,7 +20,7 @@ fn closed(problem: &Problem, order: u32) -> ClosureDensity {
 /// narrow wells, a limit cycle with multiplicative noise. The distances are those of the exp(Q) of the order that is closest in the
 /// Kullback-Leibler distance on p > 1e-6 of the peak, by a grid of degree 10 and another search; they depend by 3 % on where exactly the
 /// domain ends, and at order 8 of the second system, where a grid's error counts, by 10 %. Without its heavy tail the first one has an
-/// answer that is nearer by nearly a half.
+/// answer that is nearer by nearly a half, as a finer grid and another quadrature find it as well.
 #[test]
 fn what_moment_equations_do_not_solve_is_closest_to_a_grid() {
     for ((name, problem), best) in [
@@ -28,17 +28,16 @@ fn what_moment_equations_do_not_solve_is_closest_to_a_grid() {
         (case!("excitable"), [0.0665, 4.8e-4]),
         (case!("cycle-multiplicative"), [0.245, 0.0864]),
     ] {
-        let without_tail = if name == "recharge" { 0.55 } else { 1.0 };
+        let finer = (name == "recharge").then(|| Grid::new().accuracy(1e-5).solve(&problem).unwrap());
         let mut last = f64::INFINITY;
         for (order, best) in [4, 8].into_iter().zip(best) {
             let density = closed(&problem, order);
             let estimate = density.l1_estimate();
             println!("{name}, n = {order}: {estimate:.3e}, best {best:.3e}");
-            let share = if best < 1e-3 || name == "recharge" { 0.1 } else { 0.03 };
-            assert!(
-                (estimate / (without_tail * best) - 1.0).abs() < share,
-                "{name}, n = {order}: {estimate:e} and {best:e}"
-            );
+            let share = if best < 1e-3 { 0.1 } else { 0.03 };
+            let expected = finer.as_ref().map_or(best, |finer| compare::l1(&density, finer).unwrap().value);
+            assert!((estimate / expected - 1.0).abs() < share, "{name}, n = {order}: {estimate:e} and {expected:e}");
+            assert!(finer.is_none() || estimate < 0.6 * best, "{name}, n = {order}: {estimate:e} and {best:e}");
             assert!(estimate < last && matches!(density.candidates()[0].origin, Origin::Closest { .. }));
             assert!(density.provenance().reference.as_ref().is_some_and(|what| what.contains("grid of")));
             last = estimate;
@@ -108,7 +107,8 @@ fn relaxing() -> (Problem, GridDensity) {
 }
 
 /// The values of a closest density beside the grid's: each within its own error, which is not much larger than the difference where the
-/// difference counts; its marginals and its density have the mass 1; its document has the same bits.
+/// difference counts, but for the tail beyond the cells, which may be anywhere; its marginals and its density have the mass 1; its
+/// document has the same bits.
 #[test]
 fn values_of_a_closest_density_have_their_errors() {
     let (_, grid) = relaxing();
@@ -120,8 +120,10 @@ fn values_of_a_closest_density_have_their_errors() {
             let off = (own.value - truth.value).abs();
             // Between nodes the grid's density is a cubic here.
             assert!(off <= own.error + truth.error + 1e-4, "marginal {state} at {x}: {own} and {truth}");
-            // The tail beyond the cells, .4 % of the mass, may be anywhere.
-            assert!(own.error < 2.0 * off + 5e-3, "marginal {state} at {x}: {own} and {truth}");
+            assert!(
+                own.error < 2.0 * off + 2e-3 + density.truncated_mass(),
+                "marginal {state} at {x}: {own} and {truth}"
+            );
         }
         let point = [x, 0.3 * x];
         let (own, truth) = (density.pdf(&point).unwrap(), grid.pdf(&point).unwrap());

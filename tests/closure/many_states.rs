@@ -173,3 +173,17 @@ fn ten_wells_are_turned_one_by_one() {
     }
     assert!(density.is_root() && density.warning().is_none(), "{:?}", density.provenance());
 }
+
+/// On few states chance makes up most of the estimate at order 6: the answer is that of order 4, with the moments that were calibrated for
+/// order 6.
+#[test]
+fn chance_does_not_grow_with_the_order() {
+    let frame = Problem::from_toml(include_str!("../cases/frame-of-two.toml")).unwrap();
+    let [four, six] = [4, 6].map(|order| Closure::new(order).pilot_states(8192).solve(&frame).unwrap());
+    let unknowns = [&four, &six].map(|density| density.provenance().unknowns);
+    println!("{:.2e}, {:.2e}, {unknowns:?}", four.l1_estimate(), six.l1_estimate());
+    assert!(six.l1_estimate() == four.l1_estimate() && unknowns[0] == unknowns[1]);
+    assert_eq!(six.provenance().order, Some(6));
+    let sixth = [&four, &six].map(|density| density.moment(&[6, 0, 0, 0]).unwrap());
+    assert!(sixth[0].value != sixth[1].value, "{sixth:?}");
+}

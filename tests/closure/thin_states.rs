@@ -15,6 +15,8 @@ fn a_thin_sheet_is_closed_on_lines_along_it() {
         let moment = density.moment(&powers).unwrap();
         println!("{powers:?}: {moment:.5}");
         assert!((moment.value - known).abs() < 3.0 * moment.error + error, "{powers:?}: {moment}");
+        // As accurate as what it is compared with.
+        assert!(moment.error < error, "{powers:?}: {moment}");
     }
     assert_eq!(density.moment(&[1, 0, 0]).unwrap().value, 0.0);
     // By the density itself, on its own nodes.

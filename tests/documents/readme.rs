@@ -186,7 +186,7 @@ fn limits_of_the_closure() {
     let [printed, order] = readme.numbers("Polynomials approach limit cycles slowly: ");
     found.number(&printed, cycle_error(&order), 0.0);
     // A power tail.
-    let [printed, order] = readme.numbers("where that is nearer: ");
+    let [printed, order] = readme.numbers("thousandth of the peak where that is nearer: ");
     let density = Closure::new(order.value() as u32).solve(&problem(parametric_linear())).unwrap();
     found.number(&printed, density.l1_estimate(), 0.0);
     found.number(&printed, compare::l1(&density, &parametric_linear().exact()).unwrap().value, 0.0);

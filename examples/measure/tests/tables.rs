@@ -79,4 +79,11 @@ fn readme_prints_what_the_tables_hold() {
     says(format!("{warned} of {densities} a warning"));
     let [right, plain] = numbers(after(&few, "within a factor 1.5:").next().unwrap().split_once("3:").unwrap().1);
     says(format!("within a factor 3 of the distance for {right} of {plain}"));
+
+    let known = summary(&["--known"]);
+    let first = |phrase| numbers::<1>(after(&known, phrase).next().unwrap())[0];
+    assert_eq!([first("n = 4:"), first("without a density:")], [300, 0], "all have a density is what README says");
+    let [warned, exact] = ["with a warning:", "estimate at most 1e-4:"].map(first);
+    says(format!("{warned} with a warning, {exact} exact"));
+    says(format!("within three of their errors for {}", first("mean squares within 3 errors:")));
 }

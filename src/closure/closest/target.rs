@@ -43,15 +43,14 @@ impl<'a> Target<'a> {
     /// # Errors
     /// Those of the density's values; [`Error::NotKnown`] where it has no mass on its cells.
     pub(super) fn new(density: &'a dyn Density, symmetry: &'a Symmetry, level: f64) -> Result<Self> {
-        let found = Self::on_cells((density, symmetry, level), 1)?;
+        let found = Self::on_cells(density, symmetry, level, 1)?;
         // Cells that the density does not name may have missed where its mass is.
         let resolved = found.error < tuning::LOST || density.cells().len() > 1;
-        if resolved { Ok(found) } else { Self::on_cells((density, symmetry, level), tuning::MORE) }
+        if resolved { Ok(found) } else { Self::on_cells(density, symmetry, level, tuning::MORE) }
     }
 
     /// The same from `more` times the fewest cells on.
-    fn on_cells(of: (&'a dyn Density, &'a Symmetry, f64), more: usize) -> Result<Self> {
-        let (density, symmetry, level) = of;
+    fn on_cells(density: &'a dyn Density, symmetry: &'a Symmetry, level: f64, more: usize) -> Result<Self> {
         let mut cells: Vec<Cell> = density.cells().into_iter().map(|limits| Cell { limits }).collect();
         // A cell of a grid has more than a cubic in it.
         let least = (more * tuning::FEWEST[density.dimension() - 1]).max(cells.len() + 1);

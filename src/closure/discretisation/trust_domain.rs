@@ -85,12 +85,6 @@ impl TrustDomain {
         TrustDomain { centre, scale, reach, walls: [None, None] }
     }
 
-    /// The ellipse of so many times the largest reach in all directions.
-    pub(in crate::closure) fn rounded(&self, times: f64) -> Self {
-        let most = times * self.reach.iter().copied().fold(0.0, f64::max);
-        TrustDomain { reach: vec![most; self.reach.len()], ..self.clone() }
-    }
-
     /// The domain that reaches, in each direction, as far as this one or another with the same scales, or as either does in the sectors
     /// beside it.
     pub(in crate::closure) fn joined(&self, other: &Self) -> Self {

@@ -112,9 +112,9 @@ impl Integrated {
     /// agrees with the other.
     fn within(exponent: &Exponent, region: &TrustDomain) -> Option<Self> {
         let own = followed(region, exponent);
-        let elsewhere = region
-            .rounded(tuning::domain::EXACT_FOLLOWED)
-            .above(|points| exponent.values(points), tuning::domain::FULL_DROP);
+        let farthest = tuning::domain::EXACT_FOLLOWED * region.reach.iter().copied().fold(0.0, f64::max);
+        let ellipse = TrustDomain::whole(region.centre.clone(), region.scale.clone(), farthest);
+        let elsewhere = ellipse.above(|points| exponent.values(points), tuning::domain::FULL_DROP);
         Self::over(exponent, own.joined(&elsewhere))
     }
 

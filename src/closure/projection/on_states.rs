@@ -24,7 +24,7 @@ pub(in crate::closure) fn exact_on_states(
     functions: impl Fn(u32) -> Functions,
     orders: impl Iterator<Item = u32>,
 ) -> Option<Exponent> {
-    if !problem.impulses().is_empty() || !problem.walls().is_empty() {
+    if !is_smooth(problem) {
         return None;
     }
     let [few, more] = tuning::exact::AT_STATES.map(|count| states.evenly(count));
@@ -70,9 +70,14 @@ fn quadratic(space: &Functions, Gaussian { mean, covariance }: &Gaussian) -> Opt
     Some(Exponent { known: Vec::new(), space: space.clone(), constant: 0.0, coefficients })
 }
 
+/// Whether the residual is all of the equation: impulses are an integral in it, and walls a condition beside it.
+fn is_smooth(problem: &Problem) -> bool {
+    problem.impulses().is_empty() && problem.walls().is_empty()
+}
+
 /// The exact density near another one, by the residual at states.
 pub(in crate::closure) fn exact_near(problem: &Problem, states: &States, start: &Exponent) -> Option<Exponent> {
-    if !problem.impulses().is_empty() || !problem.walls().is_empty() || !start.known.is_empty() {
+    if !is_smooth(problem) || !start.known.is_empty() {
         return None;
     }
     let few = states.evenly(tuning::exact::AT_STATES[0]);
