@@ -246,7 +246,8 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
             boxed(probe.ask("density of the classical closure", || solution.density()))
         }
         4 | 5 => {
-            let mut grid = Grid::new();
+            // What two cores fill within the bound.
+            let mut grid = Grid::new().memory_limit(1.0);
             if !usual {
                 grid = grid.degree(2 + draw.below(4)).accuracy(draw.log_within(1e-4, 0.1));
             }
