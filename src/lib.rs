@@ -12,7 +12,7 @@
 //! | Is that right? | [`ClosureDensity::l1_estimate`]; [`Grid`], [`Simulation`], [`compare`] |
 //! | What lies in the far tail? | [`Splitting`] |
 //! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`Closure::modulated_transient`], [`ClosureDensity::relaxation`]; [`GridDensity::transient`], [`Envelope`] |
-//! | How likely, how often, how soon? | [`statistics`]; [`Survival`] and [`ClosureSurvival`] without Poisson's assumption |
+//! | How likely, how often, how soon? | [`statistics`]; [`Survival`] without Poisson's assumption |
 //! | Which parameter matters, and how much? | [`ClosureDensity::sensitivity`], [`GridDensity::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
 //! | Which parameters do measurements have, or does a demand need? | [`inverse`] |
 //! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
@@ -54,7 +54,7 @@ mod transient;
 
 pub use closed_form::ClosedForm;
 pub use closure::{
-    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, ClosureSurvival, Degrees, Origin, Reference,
+    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Reference,
     Sensitivity, Solution, Termination, Weight,
 };
 pub use density::{Counted, CountedImpacts, Crossing, Density, ExpPolynomial, Sampled, Support};

@@ -52,7 +52,6 @@ pub use classical::{Basis, ClassicalClosure, Solution, Termination};
 pub(crate) use closest::Cells;
 pub use density::ClosureDensity;
 pub(crate) use discretisation::trust_domain::TrustDomain;
-pub use dynamics::ClosureSurvival;
 pub use method::{Closure, Reference};
 pub use projection::Weight;
 pub(crate) use samples::Copula;

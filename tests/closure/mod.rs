@@ -15,7 +15,6 @@ mod sensitivity;
 mod sensitivity_at_walls;
 mod sensitivity_in_many_states;
 mod sensitivity_under_impulses;
-mod survival;
 mod thin_states;
 mod trajectories;
 mod walls;

@@ -5,11 +5,9 @@
 //! - `modulation`, `levels`: noise that rises and fades, and weights for each of its strengths;
 //! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response;
 //! - `start`: d at time 0; `transient`: d at later times;
-//! - `absorbed`, `survival`: the mass that is left between levels which absorb, and first passages;
 //! - `ensemble`: the same in three states and more, where trajectories carry it;
 //! - `law`, `entropy`: means, and the density of largest entropy that has them; `snapshot`: the exponential polynomial of a time.
 
-mod absorbed;
 mod early;
 mod ensemble;
 mod entropy;
@@ -22,7 +20,6 @@ mod moving_frame;
 mod relaxation;
 mod snapshot;
 mod start;
-mod survival;
 mod transient;
 
 use super::candidates::Origin;
@@ -43,7 +40,6 @@ use crate::problem::{Problem, Symmetry};
 use law::Law;
 pub(super) use moment_system::MomentSystem;
 use std::sync::{Arc, OnceLock};
-pub use survival::ClosureSurvival;
 
 /// What a closure is made from, as far as questions of time need it: they are answered on the nodes of its whole trust domain,
 /// under the weight of its reference, or under the density itself where the pilot's states carry it.

@@ -2,7 +2,7 @@ use super::Dynamics;
 use super::law::Law;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::locals;
-use crate::closure::discretisation::nodes::{self, NodalGenerator, Nodes, Table};
+use crate::closure::discretisation::nodes::{NodalGenerator, Nodes, Table};
 use crate::closure::projection::tempered;
 use crate::closure::reference::scaled_mass;
 use crate::closure::space::orthonormal::Orthonormal;
@@ -11,7 +11,6 @@ use crate::closure::tuning;
 use crate::fokker_planck::Local;
 use crate::numerics::{combination, weighted_product, weighted_sum};
 use crate::problem::Symmetry;
-use crate::states::States;
 use faer::prelude::*;
 use faer::{Mat, MatRef, Scale};
 
@@ -49,7 +48,7 @@ impl MomentSystem {
         let (mut system, locals) = Self::with_rates(dynamics, ladder, dynamics.nodes(most)?)?;
         system.rates = Mat::new();
         let (matrix, ladder) = (&system.matrix, &mut system.ladder);
-        while modes(matrix.get(1..*ladder.last()?, 1..*ladder.last()?), 0).is_none() {
+        while modes(matrix.get(1..*ladder.last()?, 1..*ladder.last()?)).is_none() {
             ladder.pop();
         }
         (system.ladder.len() > 1).then(|| system.smoothest(dynamics, &locals))
@@ -129,17 +128,7 @@ impl MomentSystem {
     /// 1 + δ at the nodes by the equations of the highest degree; and by those of the one below, with what the edge of the domain
     /// may add.
     pub(super) fn ratios(&self, [own, lower]: [&[f64]; 2]) -> [Vec<f64>; 2] {
-        self.combined(self.functions.values.get(..self.nodes.len(), ..), [own, lower])
-    }
-
-    /// The same anywhere.
-    pub(super) fn ratios_at(&self, points: &States, means: [&[f64]; 2]) -> [Vec<f64>; 2] {
-        let mut values = nodes::values(&self.space, points);
-        self.functions.transform(values.as_mut());
-        self.combined(values.as_ref(), means)
-    }
-
-    fn combined(&self, values: MatRef<'_, f64>, [own, lower]: [&[f64]; 2]) -> [Vec<f64>; 2] {
+        let values = self.functions.values.get(..self.nodes.len(), ..);
         let edge = self.edge.iter().chain(std::iter::repeat(&0.0));
         let below: Vec<f64> = lower.iter().zip(edge).map(|(d, edge)| d + edge).collect();
         [combination(values, own), combination(values, &below)]
@@ -229,7 +218,7 @@ impl MomentSystem {
     /// The eigenvalues as rates and frequencies, that of the stationary density first, of each degree, the highest first.
     pub(super) fn modes(&self) -> Vec<Vec<[f64; 2]>> {
         let of = |columns: &usize| {
-            let moving = modes(self.matrix.get(1..*columns, 1..*columns), 0).unwrap_or_default();
+            let moving = modes(self.matrix.get(1..*columns, 1..*columns)).unwrap_or_default();
             std::iter::once([0.0; 2]).chain(moving).collect()
         };
         self.ladder.iter().rev().map(of).collect()
@@ -244,16 +233,13 @@ impl MomentSystem {
     }
 }
 
-/// Rates and frequencies ≥ 0 of the modes of a matrix; none where one of them grows, measured by the slowest one but so many `lasting`
-/// ones, or an entry is not finite.
-pub(super) fn modes(matrix: MatRef<'_, f64>, lasting: usize) -> Option<Vec<[f64; 2]>> {
+/// Rates and frequencies ≥ 0 of the modes of a matrix; none where one of them grows, or an entry is not finite.
+fn modes(matrix: MatRef<'_, f64>) -> Option<Vec<[f64; 2]>> {
     if !matrix.is_all_finite() {
         return None;
     }
     let all = matrix.eigenvalues().ok()?;
-    let mut moduli: Vec<f64> = all.iter().map(|l| l.re.hypot(l.im)).collect();
-    moduli.sort_by(f64::total_cmp);
-    let slowest = moduli.get(lasting).copied().unwrap_or(f64::INFINITY);
+    let slowest = all.iter().map(|l| l.re.hypot(l.im)).fold(f64::INFINITY, f64::min);
     let grows = all.iter().any(|l| l.re > tuning::dynamics::GROWING * slowest);
     (!grows).then(|| all.iter().filter(|l| l.im >= 0.0).map(|l| [-l.re, l.im]).collect())
 }

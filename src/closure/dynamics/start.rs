@@ -4,8 +4,6 @@ use super::moment_system::MomentSystem;
 use crate::checks::require;
 use crate::closure::discretisation::nodes;
 use crate::closure::discretisation::trust_domain::TrustDomain;
-use crate::closure::space::Functions;
-use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::tuning;
 use crate::density::Frame;
 use crate::error::Result;
@@ -47,30 +45,24 @@ impl Beginning {
         let outside = (mass - 1.0).abs();
         let remedy = "it must lie inside the closure's domain and away from walls, and not be too narrow for its nodes";
         require(outside <= tuning::dynamics::OUTSIDE, "mass of the start in the domain", mass, remedy)?;
-        let means = inside.means(&system.space, &system.functions);
-        let coefficients = means.iter().map(|mean| mean / means[0]).collect();
+        let sums = weighted_sum(nodes::values(&system.space, &inside.points).as_ref(), &inside.masses);
+        let mut means = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
+        system.functions.transform(means.as_mut());
+        let coefficients = (0..sums.len()).map(|k| means[(0, k)] / means[(0, 0)]).collect();
         Ok(Beginning { time, coefficients, error: inside.error + outside })
     }
 }
 
 impl Weighted {
     /// No points.
-    pub(super) fn none(states: usize) -> Self {
+    fn none(states: usize) -> Self {
         Weighted { points: States::new(states), masses: Vec::new(), error: 0.0 }
     }
 
     /// Adds a point.
-    pub(super) fn enter(&mut self, x: &[f64], mass: f64) {
+    fn enter(&mut self, x: &[f64], mass: f64) {
         self.points.push(x);
         self.masses.push(mass);
-    }
-
-    /// The means of functions ψ, which are combinations of φ.
-    pub(super) fn means(&self, space: &Functions, functions: &Orthonormal) -> Vec<f64> {
-        let sums = weighted_sum(nodes::values(space, &self.points).as_ref(), &self.masses);
-        let mut means = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
-        functions.transform(means.as_mut());
-        (0..sums.len()).map(|k| means[(0, k)]).collect()
     }
 
     /// A start: a point by itself, a Gaussian on Gauss nodes of its own, other densities on those of the system.

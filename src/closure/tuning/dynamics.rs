@@ -25,24 +25,6 @@ pub(crate) const BASE: u32 = 8;
 pub(crate) const LOW_BASE: u32 = 4;
 /// The largest mass of a start outside of the domain.
 pub(crate) const OUTSIDE: f64 = 1e-3;
-/// The degrees of the moment equations between absorbing levels, of which the highest three in a row without a growing mode are
-/// taken: the largest distance of the first from the others is its error,
-pub(crate) const SURVIVAL_DEGREES: [u32; 5] = [24, 17, 12, 8, 6];
-/// times this, since the distances are small by chance as well.
-pub(crate) const GRAZED: f64 = 1.5;
-/// The share, in the error of the slowest rate, of the part of it that is lost where the mode should vanish: on 30 levels of three
-/// oscillators the error was 0.04 to 0.4 of that part, and the distances were larger from 0.13 on.
-pub(crate) const INFLOW: f64 = 0.12;
-/// The mode of that rate is found from so near to it, relative to the matrix,
-pub(crate) const NEXT_TO: f64 = 1e-12;
-/// in so many steps of inverse iteration.
-pub(crate) const MODE_STEPS: usize = 4;
-/// The least stationary probability between the levels.
-pub(crate) const LEAST_ROOM: f64 = 1e-3;
-/// Gauss nodes of a normal start between the levels,
-pub(crate) const CUT_NODES: usize = 64;
-/// so many standard deviations from its mean at most.
-pub(crate) const CUT_WIDTH: f64 = 8.0;
 /// Gauss nodes along each axis of a normal start.
 pub(crate) const START_NODES: usize = 40;
 /// The answer from a frame is defined where the density is above e^−18 = 1.5e-8 of its peak: what is beyond would be the

@@ -75,20 +75,6 @@ pub(super) fn of_closure(probe: &mut Probe, closure: &Closure, density: &Closure
     }
     probe.ask("autocovariance", || density.autocovariance(0, &[0.0, 1.0, lag]));
     probe.ask("spectral density", || density.spectral_density(0, &[0.0, 1.0, lag]));
-    let within = levels(&mut probe.draw);
-    let Some(survival) = probe.ask("survival by a closure", || density.survival(within)) else { return };
-    for probability in
-        probe.ask("probability of survival by a closure", || survival.probability(&start, &times)).unwrap_or_default()
-    {
-        // Of a narrow start the polynomials leave a little, below zero as well.
-        probe.value("probability of survival by a closure", -0.05 - probability.error, || Ok(probability.value));
-    }
-    probe.value("rate of passage by a closure", 0.0, || Ok(survival.rate().value));
-    probe.ask("mean time of survival by a closure", || survival.mean_time(&start));
-}
-
-fn levels(draw: &mut Draw) -> [f64; 2] {
-    [0; 2].map(|_| coefficient(draw, 0.5))
 }
 
 /// The densities on a grid in time, and survival.
@@ -107,8 +93,8 @@ pub(super) fn of_grid(probe: &mut Probe, density: &GridDensity) {
     for transient in transients.unwrap_or_default() {
         probe.value("mass in time", 0.5, || Ok(transient.density.moment(&none)?.value));
     }
-    let within = levels(&mut probe.draw);
-    let Some(survival) = probe.ask("survival", || density.survival(within)) else { return };
+    let [low, high] = [0; 2].map(|_| coefficient(&mut probe.draw, 0.5));
+    let Some(survival) = probe.ask("survival", || density.survival([low, high])) else { return };
     let probabilities = probe.ask("probability of survival", || {
         Probe::may_take_longer(6.0);
         survival.probability(&start, &times, 1e-2)
