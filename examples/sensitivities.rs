@@ -132,8 +132,8 @@ fn marginals(problem: &Problem, density: &ClosureDensity, found: &[Sensitivity])
     let x = between([low, high], 161);
     let curves = found.iter().enumerate().map(|(k, found)| {
         let points = values(&x, |x| found.marginal(0, x))?;
-        let scaled: Vec<[f64; 2]> = points.iter().map(|[x, p, _]| [*x, p * scale(&found.parameters()[0])]).collect();
-        Ok(curve(&found.parameters()[0], Style::Solid, k, &scaled))
+        let scaled: Vec<[f64; 2]> = points.iter().map(|[x, p, _]| [*x, p * scale(found.parameter())]).collect();
+        Ok(curve(found.parameter(), Style::Solid, k, &scaled))
     });
     let curves = curves.collect::<expoly::Result<Vec<_>>>()?;
     Ok(Panel::new(["displacement x [L]", "θ ∂p(x)/∂θ [1/L]"], Scale::Linear, curves))
@@ -143,7 +143,7 @@ fn marginals(problem: &Problem, density: &ClosureDensity, found: &[Sensitivity])
 fn tangents(closure: &Closure, problem: &Problem, found: &[Sensitivity], level: f64) -> expoly::Result<Panel> {
     let mut curves = Vec::new();
     for (colour, name) in ["beta", "mu"].into_iter().enumerate() {
-        let Some(found) = found.iter().find(|found| found.parameters()[0] == name) else { continue };
+        let Some(found) = found.iter().find(|found| found.parameter() == name) else { continue };
         let value = problem.parameters().iter().find(|(other, _)| other == name).map_or(1.0, |(_, value)| *value);
         let at = |factor: f64| exceedance(&closure.solve(&problem.with_parameter(name, factor * value)?)?, level);
         let points = values(&between([0.8, 1.2], 9), at)?;

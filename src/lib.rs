@@ -54,8 +54,8 @@ mod transient;
 
 pub use closed_form::ClosedForm;
 pub use closure::{
-    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Reference,
-    Sensitivity, Solution, Termination, Weight,
+    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Reference, Sensitivity, Solution,
+    Termination, Weight,
 };
 pub use density::{Counted, CountedImpacts, Crossing, Density, ExpPolynomial, Sampled, Support};
 pub use envelope::Envelope;

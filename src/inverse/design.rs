@@ -68,9 +68,9 @@ type Cost<'a> = Box<dyn Fn(&[HyperDual64]) -> HyperDual64 + 'a>;
 
 /// The parameters of least cost at which an answer has the value demanded of it.
 ///
-/// Newton's method on the conditions of Lagrange, cost′ + λ (ln A)′ = 0 and ln A = ln A₀, with the exact first and second derivatives
-/// of the answer A where the closure has them, and secants of the first ones where not. The order rises while the closure's own error of A
-/// is above the accuracy: an optimum at too low an order is one of another system.
+/// Newton's method on the conditions of Lagrange, cost′ + λ (ln A)′ = 0 and ln A = ln A₀, with the exact derivatives of the answer A
+/// and secants of them in the place of its second ones. The order rises while the closure's own error of A is above the accuracy: an
+/// optimum at too low an order is one of another system.
 ///
 /// # Reference
 /// J. Nocedal and S. J. Wright, Numerical Optimization, 2nd ed., Springer 2006, chapter 18, doi:10.1007/978-0-387-40065-5.
@@ -177,10 +177,7 @@ impl<'a> Design<'a> {
             if !accurate && at.log.abs() <= at.answer.error / at.answer.value && order < HIGHEST {
                 order += RISE;
             }
-            let second = match &at.curvature {
-                Some(exact) => exact.clone(),
-                None => secant.updated(&parameters, &at.slope),
-            };
+            let second = secant.updated(&parameters, &at.slope);
             let step = constrained([&slope, &at.slope], &(curvature + multiplier * second), at.log);
             let factor = limited(&parameters, step.as_slice(), LONGEST);
             let step: Vec<f64> = step.iter().map(|step| factor * step).collect();
@@ -222,36 +219,16 @@ impl<'a> Design<'a> {
             let remedy = "choose one that acts on the drift or the noise";
             return Err(Error::NotKnown { what: "parameters that change the demand".into(), remedy });
         }
-        let curvature = self.curvature(&density, answer.value, &slope)?;
-        Ok(Solved { log: (answer.value / self.value).ln(), density, answer, slope, curvature })
-    }
-
-    /// The second derivatives of ln A; none where they are not served.
-    fn curvature(&self, density: &ClosureDensity, answer: f64, slope: &DVector<f64>) -> Result<Option<DMatrix<f64>>> {
-        let count = self.names.len();
-        let places: Vec<[usize; 2]> = (0..count).flat_map(|k| (0..=k).map(move |l| [k, l])).collect();
-        let pairs: Vec<[&str; 2]> = places.iter().map(|pair| pair.map(|k| self.names[k].as_str())).collect();
-        let second = match density.second_sensitivities(&pairs) {
-            Ok(second) => second,
-            Err(Error::NotServed { .. }) => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        let mut curvature = DMatrix::zeros(count, count);
-        for ([k, l], second) in places.into_iter().zip(second) {
-            let value = self.demand.slope(&second)? / answer - slope[k] * slope[l];
-            (curvature[(k, l)], curvature[(l, k)]) = (value, value);
-        }
-        Ok(Some(curvature))
+        Ok(Solved { log: (answer.value / self.value).ln(), density, answer, slope })
     }
 }
 
-/// A density and its answer, with the derivatives of ln A, and ln A − ln A₀.
+/// A density and its answer, with the slope of ln A, and ln A − ln A₀.
 struct Solved {
     density: ClosureDensity,
     answer: Estimate,
     log: f64,
     slope: DVector<f64>,
-    curvature: Option<DMatrix<f64>>,
 }
 
 /// A design that was found.

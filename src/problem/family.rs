@@ -141,21 +141,6 @@ impl Problem {
         if fixed { Err(independent(parameter)) } else { Ok(motion) }
     }
 
-    /// The second derivative by two parameters, which may be the same.
-    ///
-    /// # Errors
-    /// As [`Problem::motion`].
-    pub(crate) fn second_motion(&self, [first, second]: [&str; 2]) -> Result<Motion> {
-        for name in [first, second] {
-            if self.number_of_wall(self.index_of_parameter(name)?).is_some() {
-                // The numbers of a wall are linear in themselves, and in no other parameter.
-                let operator = FokkerPlanck::zero(self.dimension());
-                return Ok(Motion { operator, walls: vec![[0.0; 2]; self.walls.len()] });
-            }
-        }
-        self.moved(&self.lifted(first, Some(second))?, [1, 1], |number| number.eps1eps2)
-    }
-
     /// A derivative of the definition: the coefficient of powers in the operator, and that part of the walls' own numbers.
     fn moved(&self, lifted: &Lifted, powers: [u32; 2], part: fn(HyperDual64) -> f64) -> Result<Motion> {
         let family = self.family()?;

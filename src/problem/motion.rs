@@ -10,7 +10,7 @@ use faer::{Col, Mat};
 /// What is left of rates by rounding, relative to the largest.
 const ROUNDING: f64 = 1e-12;
 
-/// The derivative of a problem by a parameter θ, or the second one by two.
+/// The derivative of a problem by a parameter θ.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     /// ∂f/∂θ and ∂B/∂θ at a fixed state, and what impulses have.
@@ -27,10 +27,6 @@ pub(crate) struct Motion {
 /// ∂f_x = η ∂_x f_x − η′ f_x, ∂f_v = η ∂_x f_v, ∂B_vv = η ∂_x B_vv.
 ///
 /// At a fixed x the density has the derivative ∂p/∂θ = ∂q/∂θ − ∂_x(η q).
-///
-/// By two parameters θ and φ, with ζ the second derivative of x, an operator T_η that is the one above, and f″ at a fixed x,
-///
-/// ∂²f/∂θ∂φ = f″ + T_η(φ) f′_θ + T_η(θ) f′_φ + T_η(θ) T_η(φ) f + T_(ζ − η(θ) η(φ)′) f.
 #[derive(Clone, Debug)]
 pub(crate) struct PlaneMotion {
     /// ∂f/∂θ and ∂B/∂θ at a fixed ξ.
@@ -125,20 +121,6 @@ impl Motion {
         PlaneMotion { operator, shift, restitution }
     }
 
-    /// The second motion there, which this is at a fixed state, given the first ones.
-    pub(crate) fn second_on_plane(&self, problem: &Problem, first: [&Motion; 2]) -> PlaneMotion {
-        let (shift, restitution) = self.of_walls(problem);
-        let [one, other] = first.map(|motion| motion.on_plane(problem));
-        let bend = [0, 1].map(|k| shift[k] - one.shift[k] * other.shift[1]);
-        let parts = [
-            stretched(&first[0].operator, other.shift),
-            stretched(&other.operator, one.shift),
-            stretched(problem.operator(), bend),
-        ];
-        let operator = parts.iter().flatten().fold(self.operator.clone(), |sum, part| sum.plus(part));
-        PlaneMotion { operator, shift, restitution }
-    }
-
     /// η of the coordinate in which walls stand still, and the rates of the restitutions.
     fn of_walls(&self, problem: &Problem) -> ([f64; 2], [f64; 2]) {
         let rates = problem.walls().iter().zip(&self.walls);
@@ -170,14 +152,6 @@ impl PlaneMotion {
     /// Whether a wall moves.
     pub(crate) fn moves(&self) -> bool {
         self.shift != [0.0; 2]
-    }
-}
-
-impl StillMotion {
-    /// The derivative of an operator next to no walls.
-    pub(crate) fn open(operator: FokkerPlanck) -> Self {
-        let shift = vec![[0.0; 2]; operator.dimension()];
-        StillMotion { operator, shift, restitution: Vec::new() }
     }
 }
 

@@ -47,9 +47,9 @@ fn closed_form(
             let log = |x: &[f64]| of(&|density| density.log_pdf(x).unwrap());
             let off = density.expectation(&|x| (found.relative(x).unwrap() - log(x)).abs())?.value;
             let size = found.size();
-            println!("{name} n = {order}, {}: {off:.1e} off, size {size:.2}", found.parameters()[0]);
-            assert_eq!(found.parameters()[0], names[j]);
-            assert!(off < 1e-8 * size.max(1.0), "{name} {order} {}: {off:e}", found.parameters()[0]);
+            println!("{name} n = {order}, {}: {off:.1e} off, size {size:.2}", found.parameter());
+            assert_eq!(found.parameter(), names[j]);
+            assert!(off < 1e-8 * size.max(1.0), "{name} {order} {}: {off:e}", found.parameter());
             for powers in [[2, 0], [0, 2], [4, 0], [2, 2]] {
                 let truth = of(&|density| density.moment(&powers).unwrap().value);
                 let moment = found.moment(&powers)?;
@@ -79,48 +79,6 @@ fn derivatives_of_exact_densities_are_exact() -> Result<()> {
     let parameters = [("c", 0.5), ("k", 1.0), ("mu", 0.3), ("g", 0.8), ("D", 0.5)];
     let problem = noisy(&parameters.map(|(_, value)| value)).problem()?;
     closed_form("displacement noise", &parameters, |p| noisy(p).exact().unwrap(), &problem)
-}
-
-/// Second derivatives of closed forms, pure and mixed, to 1e-6: of the moments, and pointwise. Measured are 1e-9 to 6e-7, the larger ones
-/// by the differences.
-#[test]
-fn second_derivatives_of_exact_densities_are_exact() -> Result<()> {
-    let values = [0.5, -1.0, 1.0, 0.3];
-    // One density for all answers of all pairs and both orders that take it.
-    let known = Shared::<[u64; 4], ExpPolynomial>::new();
-    let exact =
-        |p: [f64; 4]| known.get(p.map(f64::to_bits), || Duffing::new(p[0], p[1], p[2], p[3]).unwrap().exact().unwrap());
-    let problem = Duffing::new(values[0], values[1], values[2], values[3])?.problem()?;
-    let names = ["c", "k", "mu", "D"];
-    let places: Vec<[usize; 2]> = (0..4).flat_map(|k| (k..4).map(move |l| [k, l])).collect();
-    let pairs: Vec<[&str; 2]> = places.iter().map(|pair| pair.map(|k| names[k])).collect();
-    for order in [4, 6] {
-        let density = Closure::new(order).solve(&problem)?;
-        for ([k, l], found) in places.iter().copied().zip(density.second_sensitivities(&pairs)?) {
-            assert_eq!(found.parameters(), [names[k], names[l]]);
-            let of = |answer: &dyn Fn(&ExpPolynomial) -> f64| {
-                let at = |a: f64, b: f64| {
-                    let mut moved = values;
-                    moved[k] += a;
-                    moved[l] += b;
-                    answer(&exact(moved))
-                };
-                slope(|a| slope(|b| at(a, b), 4e-3), 4e-3)
-            };
-            for powers in [[2, 0], [0, 2], [4, 0], [2, 2]] {
-                let truth = of(&|density| density.moment(&powers).unwrap().value);
-                let moment = found.moment(&powers)?;
-                println!("n = {order}, {:?} {powers:?}: {moment} and {truth:.9}", found.parameters());
-                assert!((moment.value - truth).abs() < 1e-6 * truth.abs().max(1.0), "{moment} and {truth}");
-            }
-            for x in [[0.5, 0.3], [-1.2, 0.4]] {
-                let truth = of(&|density| density.pdf(&x).unwrap().value) / density.pdf(&x)?.value;
-                let relative = found.relative(&x)?;
-                assert!((relative - truth).abs() < 1e-6 * truth.abs().max(1.0), "{x:?}: {relative} and {truth}");
-            }
-        }
-    }
-    Ok(())
 }
 
 /// x″ + c x′ + x + μ x³ = F + ξ, whose force F makes the symmetric density of F = 0 lean.
@@ -171,11 +129,10 @@ v = "sqrt(2*D)"
 "#;
 
 /// Without a closed form, against differences of a grid: ∫ |p̃′ − p′| is within a factor of two of its own estimate, 9e-2 to 5e-4 of
-/// ∫ |p′|, and the moments' derivatives are right to 2e-4 at every order, the second ones to 2e-3 (measured are 4e-4 to 9e-4).
+/// ∫ |p′|, and the moments' derivatives are right to 2e-4 at every order.
 #[test]
 fn derivatives_without_a_closed_form_have_their_estimated_errors() -> Result<()> {
     let problem = Problem::from_toml(CUBIC)?;
-    let middle = Grid::new().accuracy(1e-7).solve(&problem)?.moment(&[2, 0])?.value;
     let densities = [4, 6, 8].map(|order| Closure::new(order).solve(&problem).unwrap());
     for name in ["e", "D", "mu"] {
         let h = 0.015;
@@ -203,12 +160,6 @@ fn derivatives_without_a_closed_form_have_their_estimated_errors() -> Result<()>
             let estimate = found.l1_estimate();
             println!("{name}: {apart:.2e} off of {size:.3}, estimated {estimate:.2e}");
             assert!(apart < 2.0 * estimate && estimate < 2.0 * apart && apart < 0.1 * size, "{name}: {apart:e}");
-            // The second derivative from the same values, by (−1, 16, −30, 16, −1)/12h².
-            let curvature = density.second_sensitivity([name, name])?.moment(&[2, 0])?;
-            let [a, b, c, d] = grids.each_ref().map(|grid| grid.moment(&[2, 0]).unwrap().value);
-            let truth = (16.0 * (b + c) - a - d - 30.0 * middle) / (12.0 * h * h);
-            println!("   twice: {curvature} and {truth:.5}");
-            assert!((curvature.value / truth - 1.0).abs() < 2e-3, "{name}: {curvature} and {truth}");
             for powers in [[2, 0], [0, 2], [4, 0], [0, 4]] {
                 let (truth, moment) = (of(&|density| density.moment(&powers).unwrap().value), found.moment(&powers)?);
                 println!("   {powers:?}: {moment} and {truth:.6}");

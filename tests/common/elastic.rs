@@ -73,11 +73,6 @@ impl Elastic {
     pub(crate) fn derivatives(&self, name: &str) -> [f64; 5] {
         slopes(2e-4, |h| self.moved(name, h).answers())
     }
-
-    /// Their second derivatives by two parameters, likewise: h⁴ of a sixth derivative and rounding over h², 1e-8 relative.
-    pub(crate) fn second_derivatives(&self, [first, second]: [&str; 2]) -> [f64; 5] {
-        slopes(2e-3, |h| slopes(2e-3, |g| self.moved(first, h).moved(second, g).answers()))
-    }
 }
 
 fn slopes(h: f64, at: impl Fn(f64) -> [f64; 5]) -> [f64; 5] {

@@ -147,7 +147,7 @@ fn table(system: System, options: &Options) -> Result<()> {
             for derivative in &all {
                 let [error, size] = [derivative.l1_estimate(), derivative.size()];
                 let warning = derivative.warning().unwrap_or("no warning");
-                println!("{}: L1 of p' {error:.2e} of {size:.2e}, {warning}", derivative.parameters()[0]);
+                println!("{}: L1 of p' {error:.2e} of {size:.2e}, {warning}", derivative.parameter());
             }
         }
         let of = |(_, powers): &(&str, Vec<u32>)| all.iter().map(|one| one.moment(powers)).collect::<Result<Vec<_>>>();

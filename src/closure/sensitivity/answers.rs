@@ -15,8 +15,7 @@ use crate::polynomial::power;
 use crate::states::States;
 use std::sync::Arc;
 
-/// The derivative ∂p/∂θ of a closure's density by a parameter θ, and of every answer that it gives; or the second derivative
-/// by two.
+/// The derivative ∂p/∂θ of a closure's density by a parameter θ, and of every answer that it gives.
 ///
 /// ∂Q/∂θ is a polynomial of the closure's order; next to walls it has the functions that Q has there, and the derivative of the
 /// singular part. With the offset of a wall the density moves: its nodes, its domain and the functions of Q. Its errors are the
@@ -26,26 +25,24 @@ use std::sync::Arc;
 /// impulses both are those of a process that does not jump out of the domain, and errors of second moments, some 0.4 % of them at n = 8,
 /// were up to 4 times the estimated ones, which have the part of ∂p/∂θ that lies beyond.
 ///
-/// In three states and more means and exceedances are those of the pilot's states, with standard errors, to which exceedances add the
-/// distance from those of p̃′: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l
-/// with Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so that dE g/dθ = E\[g s\], whose error is the product of those of
-/// s and of the solution for g. Second derivatives, of a few percent, are E\[g Σ d″_l ψ_l\] with the same matrix and E\[𝓖″ψ\] +
-/// E\[s_k 𝓖′_lψ\] + E\[s_l 𝓖′_kψ\] on the right. Next to walls, where impacts of the rate ν take ψ₋ to ψ₊, ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\]
-/// joins the matrix and ν E\[∇ψ_k₊·∂x₊/∂r r′\] the right side; with the offset of a wall displacements move along by x_i′ = η_i(x_i),
-/// which adds E\[Σ η_i ∂_i g\]; and s has beside the polynomials how the singular part of ln p moves with r and with the noise at the
-/// wall. Of the impact rate the slow impacts are known less well than means: what the two highest degrees of ψ change is a part of
-/// its error, and was half of it by r = 0.8 behind a filter. Other answers are those of the exponential polynomial whose moments have
-/// these derivatives.
+/// In three states and more means and exceedances are those of the pilot's states, with standard errors, to which exceedances add
+/// the distance from those of p̃′: ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l with Σ_l E\[ψ_l 𝓖ψ_k\] d′_l = −E\[𝓖′ψ_k\] for polynomials ψ, so
+/// that dE g/dθ = E\[g s\], whose error is the product of those of s and of the solution for g. Next to walls, where impacts of
+/// the rate ν take ψ₋ to ψ₊, ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\] joins the matrix and ν E\[∇ψ_k₊·∂x₊/∂r r′\] the right side; with the
+/// offset of a wall displacements move along by x_i′ = η_i(x_i), which adds E\[Σ η_i ∂_i g\]; and s has beside the polynomials
+/// how the singular part of ln p moves with r and with the noise at the wall. Of the impact rate the slow impacts are known less
+/// well than means: what the two highest degrees of ψ change is a part of its error, and was half of it by r = 0.8 behind a
+/// filter. Other answers are those of the exponential polynomial whose moments have these derivatives.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     pub(super) density: ClosureDensity,
-    pub(super) parameters: Vec<String>,
+    pub(super) parameter: String,
     /// The derivative of Q, with a constant that makes the derivative of the density one of a density.
     pub(super) slope: Slope,
     /// The derivatives of p̃ and of the reference at the density's nodes, times the weights, in the coordinate in which walls stand
     /// still,
     pub(super) masses: Vec<[f64; 2]>,
-    /// and what they have beside, at fixed states and by the first derivatives.
+    /// and what they have beside at fixed states.
     pub(super) carried: Carried,
     /// The derivative of the impact rate, where there are walls.
     pub(super) impacts: Option<Estimate>,
@@ -63,9 +60,9 @@ pub(super) struct Whole {
 }
 
 impl Sensitivity {
-    /// The name of the parameter, or of both.
-    pub fn parameters(&self) -> &[String] {
-        &self.parameters
+    /// The name of the parameter.
+    pub fn parameter(&self) -> &str {
+        &self.parameter
     }
 
     /// The density that this is a derivative of.
@@ -73,8 +70,8 @@ impl Sensitivity {
         &self.density
     }
 
-    /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ; by two parameters (∂²p/∂θ∂φ)/p. Its mean under p is
-    /// zero; by the offset of a wall it is the density there, which the wall takes from the motion or leaves to it.
+    /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ. Its mean under p is zero; by the offset of a wall it is the density there, which
+    /// the wall takes from the motion or leaves to it.
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
@@ -86,7 +83,7 @@ impl Sensitivity {
     }
 
     /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the nodes: ∂p/∂x ~ u^(g − 1)
-    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3; by two offsets it is so for every r < 1. Moments, tails and rates are finite all the same.
+    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
     pub fn size(&self) -> f64 {
         match &self.on_states {
             Some(states) => states.size,
@@ -128,7 +125,7 @@ impl Sensitivity {
     /// displacement: differences are its slope.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         if let Some(states) = &self.on_states {
-            let steps = self.steps(tuning::sensitivity::STEPS[0]);
+            let steps = self.steps(tuning::sensitivity::STEP);
             let slope = |x: &[f64]| states.displaced.slope(g, x, &steps);
             return states.expectation(g, states.displaced.moves().then_some(&slope));
         }
@@ -139,17 +136,10 @@ impl Sensitivity {
         if !self.carried.moves() {
             return still;
         }
-        let [first, second] = tuning::sensitivity::STEPS.map(|share| self.steps(share)[0]);
+        let step = self.steps(tuning::sensitivity::STEP)[0];
         let at = |x: &[f64], step: f64| g(&[x[0] + step, x[1]]);
-        let slopes = |x: &[f64]| {
-            let bend = if self.parameters.len() > 1 {
-                (at(x, second) - 2.0 * at(x, 0.0) + at(x, -second)) / (second * second)
-            } else {
-                0.0
-            };
-            [(at(x, first) - at(x, -first)) / (2.0 * first), bend]
-        };
-        still.plus(self.carried.mean(&self.density, slopes))
+        let slope = |x: &[f64]| (at(x, step) - at(x, -step)) / (2.0 * step);
+        still.plus(self.carried.mean(&self.density, slope))
     }
 
     /// The same in the coordinate in which walls stand still.
@@ -186,10 +176,8 @@ impl Sensitivity {
         if !self.carried.moves() || powers[0] == 0 {
             return Ok(still);
         }
-        let [first, second] = [1, 2].map(|k| [powers[0].saturating_sub(k), powers[1]]);
-        let factor = f64::from(powers[0]);
-        let slopes = |x: &[f64]| [factor * power(x, &first), factor * (factor - 1.0) * power(x, &second)];
-        Ok(still.plus(self.carried.mean(&self.density, slopes)))
+        let (factor, lower) = (f64::from(powers[0]), [powers[0] - 1, powers[1]]);
+        Ok(still.plus(self.carried.mean(&self.density, |x| factor * power(x, &lower))))
     }
 
     /// The derivative of P(x_i > `level`) for a state i.
@@ -221,7 +209,7 @@ impl Sensitivity {
         let beyond = sections.fold(Estimate::exact(0.0), Estimate::plus);
         // What is carried over the level by a wall that moves.
         if state == 0 && self.carried.moves() {
-            let through = self.sum_over(0, level, |x| self.carried.through(self.density.exponent(), x));
+            let through = self.sum_over(0, level, |x| self.carried.rate(x[0]));
             return Ok(beyond.plus(self.shared(through)));
         }
         Ok(beyond)
@@ -303,7 +291,7 @@ impl Sensitivity {
 
     /// (∂p/∂θ)/p in the coordinate in which walls stand still.
     fn at(&self, x: &[f64]) -> f64 {
-        self.slope.value(x) + self.carried.product(x)
+        self.slope.value(x)
     }
 
     /// ∫ g p dx over the other state.

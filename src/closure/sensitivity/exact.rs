@@ -6,7 +6,7 @@ use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
 use crate::closure::tuning;
-use crate::fokker_planck::{FokkerPlanck, Local, generator};
+use crate::fokker_planck::{FokkerPlanck, Local};
 use crate::numerics::{least_norm, weighted_product, weighted_sum};
 use crate::problem::Problem;
 use crate::states::States;
@@ -21,8 +21,6 @@ pub(super) struct Newton<'a> {
     basis: Orthonormal,
     measure: Vec<f64>,
     matrix: Mat<f64>,
-    /// The operator at the nodes.
-    own: Vec<Local>,
 }
 
 impl<'a> Newton<'a> {
@@ -68,7 +66,7 @@ impl<'a> Newton<'a> {
             system -= after.transpose() * missing;
         }
         let matrix = Mat::from_fn(count, count, |k, l| system[(k + 1, l + 1)]);
-        Some(Newton { density, space, basis, measure, matrix, own })
+        Some(Newton { density, space, basis, measure, matrix })
     }
 
     /// Q′ along the derivative of the operator. None where it is not finite.
@@ -77,37 +75,6 @@ impl<'a> Newton<'a> {
         let moved = moved.locals(points);
         let residual = |i: usize, gradient: &[f64], hessian: &[f64]| Local::residual(&moved[i], gradient, hessian);
         let residuals = sweep::at_jets(self.density.exponent(), points, residual);
-        self.solved(&residuals)
-    }
-
-    /// Q″ along the derivatives of the operator by two parameters and by both, given Q′ by each: the derivative of the residual
-    /// once more, r(f″, B″; Q) + [(B′ₖ∇Q + ∂B′ₖ − f′ₖ)·∇Q′ₗ + ½ B′ₖ:∇∇Q′ₗ] + [k ↔ l] + ∇Q′ₖ·B∇Q′ₗ beside what Q″ adds.
-    pub(super) fn second(
-        &self,
-        moved: [&FokkerPlanck; 2],
-        twice: &FokkerPlanck,
-        slope: [&Exponent; 2],
-    ) -> Option<Exponent> {
-        let points = &self.density.nodes;
-        let n = points.dimension();
-        let (moved, twice) = (moved.map(|moved| moved.locals(points)), twice.locals(points));
-        let jets = slope
-            .map(|slope| sweep::at_jets(slope, points, |_, gradient, hessian| (gradient.to_vec(), hessian.to_vec())));
-        let residuals = sweep::at_jets(self.density.exponent(), points, |i, gradient, hessian| {
-            let mut sum = twice[i].residual(gradient, hessian);
-            for (k, l) in [(0, 1), (1, 0)] {
-                let (slope, curvature) = &jets[l][i];
-                let mut reversed = vec![0.0; n];
-                moved[k][i].reversed(gradient, &mut reversed);
-                sum += generator((&reversed, &moved[k][i].diffusion), slope, curvature);
-            }
-            let ([k, l], diffusion) = ([&jets[0][i].0, &jets[1][i].0], &self.own[i].diffusion);
-            sum + (0..n * n).map(|ab| k[ab / n] * diffusion[ab] * l[ab % n]).sum::<f64>()
-        });
-        self.solved(&residuals)
-    }
-
-    fn solved(&self, residuals: &[f64]) -> Option<Exponent> {
         let source: Vec<f64> = self.measure.iter().zip(residuals).map(|(w, r)| w * r).collect();
         let source = weighted_sum(self.basis.values.as_ref(), &source);
         let right = Col::from_fn(self.space.len(), |k| -source[k + 1]);

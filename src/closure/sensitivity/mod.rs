@@ -1,7 +1,7 @@
 //! How a density moves with a parameter of its system.
 //!
 //! The derivative p′ of the stationary density by a parameter solves L p′ = −L′p, the same linear equation with another right
-//! side, and the second one L p″ = −L′ₖp′ₗ − L′ₗp′ₖ − L″p. Nothing is differenced and no search is differentiated.
+//! side. Nothing is differenced and no search is differentiated.
 //!
 //! - `moving`: what of a problem moves with a parameter, walls among it;
 //! - `exact`: of an exact density, from its Galerkin equations;
@@ -10,7 +10,6 @@
 //!   weight does;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
-//! - `second`: the second one, by either way;
 //! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`, `derived`: what it says at fixed states and at the walls, of moments,
 //!   tails, crossings, quantiles and first passages.
 
@@ -23,7 +22,6 @@ mod impacts;
 mod moving;
 mod on_states;
 mod projected;
-mod second;
 mod slope;
 mod tangent;
 mod walled;
@@ -49,7 +47,6 @@ use exact::Newton;
 use moving::Moving;
 use projected::Fit;
 use rayon::prelude::*;
-use second::Pairs;
 use slope::Slope;
 use tangent::{Derivative, Tangent};
 use walled::WalledTangent;
@@ -67,8 +64,8 @@ enum Solution<'a> {
     Walled(Box<WalledTangent<'a>>),
 }
 
-/// A first derivative.
-struct First<'a> {
+/// The derivative of a density.
+struct Found<'a> {
     slope: Slope,
     /// ∂ ln p̃/∂θ and ∂ ln p̂/∂θ at the density's nodes, each with mean zero.
     at_nodes: [Vec<f64>; 2],
@@ -115,50 +112,20 @@ impl ClosureDensity {
         let operators = moving.iter().map(|moving| &moving.operator);
         let linearised = self.linearised(problem, system.as_ref(), &symmetry, operators)?;
         let one = |(parameter, moving): (&&str, &Moving)| {
-            let found = linearised.first(self, moving, moving.grazes()).ok_or(self.failed())?;
+            let found = linearised.along(self, moving).ok_or(self.failed())?;
             // The rate of impacts is that of the density over the stretched length.
             let impacts = self.impacts_along(|points| {
                 let over = |along: Vec<f64>| along.into_iter().map(|s| s - moving.shift[1]).collect();
                 found.relative(self, points).map(over)
             });
-            let First { slope, at_nodes, reference } = found;
-            let whole = reference.as_ref().map(|reference| reference.whole(None));
-            let found = self.moving_with(vec![(*parameter).to_owned()], slope, at_nodes, whole);
+            let Found { slope, at_nodes, reference } = found;
+            let whole = reference.as_ref().map(Derivative::whole);
+            let found = self.moving_with(parameter, slope, at_nodes, whole);
             Ok(Sensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
         };
         // The first error is that of the first parameter.
         let found: Vec<Result<Sensitivity>> = parameters.par_iter().zip(&moving).map(one).collect();
         found.into_iter().collect()
-    }
-
-    /// The second derivative by two parameters, which may be the same. In three states and more its standard errors can be several times
-    /// too large; more [`pilot_states`](crate::Closure::pilot_states) help.
-    ///
-    /// # Errors
-    /// As [`ClosureDensity::sensitivity`]; [`Error::NotServed`] next to walls in three states and more.
-    ///
-    /// ```
-    /// use expoly::{Closure, models::{Duffing, Solved}};
-    /// let density = Closure::new(4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
-    /// // E v² = D/c.
-    /// let mixed = density.second_sensitivity(["c", "D"])?.moment(&[0, 2])?;
-    /// assert!((mixed.value + 1.0 / 0.2_f64.powi(2)).abs() < 1e-6);
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn second_sensitivity(&self, parameters: [&str; 2]) -> Result<Sensitivity> {
-        Ok(self.second_sensitivities(&[parameters])?.remove(0))
-    }
-
-    /// The second derivatives by several pairs of parameters, with what they have in common made once: their first derivatives, too.
-    ///
-    /// # Errors
-    /// As [`ClosureDensity::second_sensitivity`].
-    pub fn second_sensitivities(&self, pairs: &[[&str; 2]]) -> Result<Vec<Sensitivity>> {
-        let (problem, pairs) = (self.differentiable()?, Pairs::new(pairs));
-        if self.dimension() <= 2 {
-            return self.second_on_nodes(problem, &pairs);
-        }
-        if problem.walls().is_empty() { self.second_on_states(problem, &pairs) } else { Err(NOT_SERVED) }
     }
 
     /// The problem, if derivatives of its density are served.
@@ -170,7 +137,11 @@ impl ClosureDensity {
             _ => false,
         };
         if !stationary {
-            return Err(NOT_SERVED);
+            return Err(Error::NotServed {
+                method: "closure",
+                what: "derivatives by parameters of a density that is not stationary or that no moment equations gave",
+                remedy: "take differences of two densities, at `Problem::with_parameter`, or the grid's derivatives",
+            });
         }
         self.problem()
     }
@@ -252,7 +223,7 @@ impl ClosureDensity {
     /// The derivative of the density from those of its logarithm and of the reference's.
     fn moving_with(
         &self,
-        parameters: Vec<String>,
+        parameter: &str,
         slope: Slope,
         [own, other]: [Vec<f64>; 2],
         whole: Option<Whole>,
@@ -261,8 +232,8 @@ impl ClosureDensity {
             own.iter().zip(other).zip(&self.masses).map(|((own, other), m)| [own * m[0], other * m[1]]).collect();
         let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
         let (density, whole) = (self.clone(), whole.unwrap_or_else(none));
-        let carried = Carried::default();
-        Sensitivity { density, parameters, slope, masses, whole, carried, impacts: None, on_states: None }
+        let (parameter, carried) = (parameter.to_owned(), Carried::default());
+        Sensitivity { density, parameter, slope, masses, whole, carried, impacts: None, on_states: None }
     }
 
     /// The functions of the order with a symmetry, which a parameter may break that the density has. Next to walls it has none.
@@ -288,17 +259,11 @@ impl ClosureDensity {
     }
 }
 
-const NOT_SERVED: Error = Error::NotServed {
-    method: "closure",
-    what: "derivatives by parameters of a density that is not stationary or that no moment equations gave, and second ones next to walls in three states and more",
-    remedy: "take differences of two densities, at `Problem::with_parameter`, or the grid's derivatives",
-};
-
 impl<'a> Linearised<'a> {
-    /// The derivative along a motion, which `grazes` or comes with one that does. None where it is not finite.
-    fn first(&self, density: &ClosureDensity, moving: &Moving, grazes: bool) -> Option<First<'a>> {
+    /// The derivative along a motion. None where it is not finite.
+    fn along(&self, density: &ClosureDensity, moving: &Moving) -> Option<Found<'a>> {
         let (mut slope, along, reference) = match self {
-            Linearised { newton: Some(newton), .. } if !grazes => {
+            Linearised { newton: Some(newton), .. } if !moving.grazes() => {
                 (Slope { regular: newton.slope(&moving.operator)?, singular: Vec::new() }, None, None)
             }
             Linearised { fitted: Some((fit, solution)), .. } => {
@@ -316,11 +281,11 @@ impl<'a> Linearised<'a> {
         let (own, centre) = density.centred(slope.values(&density.nodes), 0);
         slope.regular.constant -= centre;
         let at_nodes = [own.clone(), along.unwrap_or(own)];
-        Some(First { slope, at_nodes, reference })
+        Some(Found { slope, at_nodes, reference })
     }
 }
 
-impl First<'_> {
+impl Found<'_> {
     /// ∂ ln q/∂θ at some points: of p̃, of the reference, and of the reference by the equations of the degree below.
     fn relative(&self, density: &ClosureDensity, points: &States) -> [Vec<f64>; 3] {
         let own = self.slope.values(points);

@@ -3,7 +3,7 @@ use crate::error::Result;
 use crate::fokker_planck::FokkerPlanck;
 use crate::problem::{PlaneMotion, Problem};
 
-/// What of a problem moves with a parameter, or to second order with two, in the coordinate in which walls stand still.
+/// What of a problem moves with a parameter, in the coordinate in which walls stand still.
 pub(super) struct Moving {
     pub(super) operator: FokkerPlanck,
     /// The rate of this coordinate at a fixed parameter, η = [0] + [1] x.
@@ -21,26 +21,6 @@ impl Moving {
             // As the coordinate stretches, the noise does more.
             let noise = moving.noise_at(corner) + moving.shift[1] * corner.intensity();
             GrazingMotion::new(corner, [moving.restitution_of(corner), noise])
-        };
-        Ok(Moving { singular: corners.iter().map(singular).collect(), ..moving })
-    }
-
-    /// What moves to second order with two parameters, with which this much moves to first order.
-    pub(super) fn second(
-        problem: &Problem,
-        parameters: [&str; 2],
-        first: [&Moving; 2],
-        corners: &[Corner],
-    ) -> Result<Self> {
-        let motions = [problem.motion(parameters[0])?, problem.motion(parameters[1])?];
-        let both = problem.second_motion(parameters)?;
-        let moving = Moving::from(both.second_on_plane(problem, motions.each_ref()));
-        let singular = |corner: &Corner| {
-            let [k, l] = first;
-            let of_each = |of: &dyn Fn(&Moving) -> f64| [of(k), of(l), of(&moving)];
-            let mut noise = of_each(&|moving| moving.noise_at(corner) + moving.shift[1] * corner.intensity());
-            noise[2] += k.noise_at(corner) * l.shift[1] + l.noise_at(corner) * k.shift[1];
-            GrazingMotion::second(corner, [of_each(&|moving| moving.restitution_of(corner)), noise])
         };
         Ok(Moving { singular: corners.iter().map(singular).collect(), ..moving })
     }

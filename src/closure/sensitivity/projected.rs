@@ -44,33 +44,7 @@ impl Fit {
             let moved = (1.0 - share) * p * s + tuning::projection::FLAT * share * flat * (s - mean);
             weight * e * (s - known) - moved * (e - 1.0)
         });
-        self.fitted(&source.collect::<Vec<_>>())
-    }
-
-    /// Q″ at the nodes, given those of Q′ and of s by two parameters and s″ by both, of which a part is known: the derivative of the
-    /// equation once more, with u = Q′ − s, ∫ w E ψψᵀ c″ = ∫ ψ [w E (s″ − uₖuₗ) − w′ₖ E uₗ − w′ₗ E uₖ − w″(E − 1)].
-    pub(super) fn second(&self, slope: [&[f64]; 2], s: [&[f64]; 2], twice: &[f64], known: &[f64]) -> Option<Exponent> {
-        let (share, theta) = (self.share, tuning::projection::FLAT);
-        let flat =
-            |of: &dyn Fn(usize) -> f64| -> f64 { self.nodes.iter().enumerate().map(|(i, n)| n[1] * of(i)).sum() };
-        let mean = s.map(|s| flat(&|i| s[i]));
-        let spread = flat(&|i| (s[0][i] - mean[0]) * (s[1][i] - mean[1]));
-        let mean_twice = flat(&|i| twice[i]);
-        let source = self.nodes.iter().enumerate().map(|(i, [p, flat, e])| {
-            let weight = (1.0 - share) * p + share * flat;
-            let [k, l] = [0, 1].map(|j| s[j][i]);
-            let [u, v] = [0, 1].map(|j| slope[j][i] - s[j][i]);
-            let flatter = [k - mean[0], l - mean[1]].map(|s| theta * s);
-            let moved = [0, 1].map(|j| (1.0 - share) * p * [k, l][j] + share * flat * flatter[j]);
-            let curved = theta * (twice[i] - mean_twice) - theta * theta * spread + flatter[0] * flatter[1];
-            let moved_twice = (1.0 - share) * p * (twice[i] + k * l) + share * flat * curved;
-            weight * e * (twice[i] - known[i] - u * v) - moved[0] * e * v - moved[1] * e * u - moved_twice * (e - 1.0)
-        });
-        self.fitted(&source.collect::<Vec<_>>())
-    }
-
-    fn fitted(&self, source: &[f64]) -> Option<Exponent> {
-        let psi = weighted_sum(self.basis.values.as_ref(), source);
+        let psi = weighted_sum(self.basis.values.as_ref(), &source.collect::<Vec<_>>());
         super::exponent(&self.space, &self.basis.coefficients(&psi))
     }
 }

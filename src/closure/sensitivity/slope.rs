@@ -1,6 +1,5 @@
 use crate::closure::density::exponent::Exponent;
-use crate::closure::space::sweep::{self, Differentiable};
-use crate::closure::space::{GrazingMotion, Jet};
+use crate::closure::space::GrazingMotion;
 use crate::states::States;
 use rayon::prelude::*;
 
@@ -35,22 +34,5 @@ impl Slope {
 
     fn singular(&self, x: &[f64]) -> f64 {
         self.singular.iter().map(|motion| motion.value(x)).sum()
-    }
-
-    /// The derivative in the displacement, state 0.
-    pub(super) fn along_displacement(&self, x: &[f64]) -> f64 {
-        let mut jet = Jet::zero(x.len());
-        self.regular.jet(x, &mut jet);
-        jet.gradient[0] + self.bends(x)
-    }
-
-    /// The same at some points.
-    pub(super) fn along_displacements(&self, points: &States) -> Vec<f64> {
-        let regular = sweep::at_jets(&self.regular, points, |_, gradient, _| gradient[0]);
-        regular.into_iter().zip(points.iter()).map(|(regular, x)| regular + self.bends(x)).collect()
-    }
-
-    fn bends(&self, x: &[f64]) -> f64 {
-        self.singular.iter().map(|motion| motion.slope(x)).sum()
     }
 }

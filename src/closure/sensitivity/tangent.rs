@@ -31,36 +31,6 @@ impl Jets {
         let (gradient, hessian) = derivatives.into_iter().unzip();
         Jets { value: function.values(points), gradient, hessian }
     }
-
-    /// The sum of a function and a multiple of another one.
-    fn plus(mut self, other: &Jets, factor: f64) -> Jets {
-        let add = |to: &mut [f64], from: &[f64]| to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
-        add(&mut self.value, &other.value);
-        self.gradient.iter_mut().zip(&other.gradient).for_each(|(to, from)| add(to, from));
-        self.hessian.iter_mut().zip(&other.hessian).for_each(|(to, from)| add(to, from));
-        self
-    }
-
-    /// The product of two functions.
-    fn times(&self, other: &Jets) -> Jets {
-        let product = |i: usize| {
-            let (f, g, df, dg) = (self.value[i], other.value[i], &self.gradient[i], &other.gradient[i]);
-            let n = df.len();
-            let gradient: Vec<f64> = (0..n).map(|a| f * dg[a] + g * df[a]).collect();
-            let second = |a: usize, b: usize| {
-                f * other.hessian[i][a * n + b] + g * self.hessian[i][a * n + b] + df[a] * dg[b] + df[b] * dg[a]
-            };
-            let hessian: Vec<f64> = (0..n * n).map(|k| second(k / n, k % n)).collect();
-            (f * g, gradient, hessian)
-        };
-        let mut all = Jets { value: Vec::new(), gradient: Vec::new(), hessian: Vec::new() };
-        for (value, gradient, hessian) in (0..self.value.len()).map(product) {
-            all.value.push(value);
-            all.gradient.push(gradient);
-            all.hessian.push(hessian);
-        }
-        all
-    }
 }
 
 /// The solution p̂ = ω u of the moment equations, u = Σ d_l ψ_l, with all that its derivatives have in common.
@@ -77,7 +47,6 @@ pub(super) struct Tangent<'a> {
     domain: &'a TrustDomain,
     /// Whether impulses act.
     struck: bool,
-    own: Nodal,
     log_weight: Jets,
     /// u, as a function and at the nodes.
     solution: Arc<Exponent>,
@@ -89,14 +58,6 @@ pub(super) struct Tangent<'a> {
     entering: Mat<f64>,
     /// and ∫ p̂^0.6 χ_j ψ_l/u dx, the part of Σ d′_l ψ_l/u that s can take up.
     taken: Mat<f64>,
-}
-
-/// An operator at the nodes.
-enum Nodal {
-    /// In strong form.
-    Strong(Vec<Local>),
-    /// The rates of ψ.
-    Weak(Mat<f64>),
 }
 
 /// p̂′/p̂ = s + Σ d′_l ψ_l/u.
@@ -125,25 +86,23 @@ impl<'a> Tangent<'a> {
         let columns = system.columns_of_degree(tuning::sensitivity::DEGREE);
         let lower = Orthonormal::new(functions.get(.., ..columns).to_owned(), &measure)?;
         let struck = !problem.impulses().is_empty();
-        let own = if struck { Nodal::Weak(system.rates.clone()) } else { Nodal::Strong(locals(problem, points)) };
         let over: Vec<f64> = measure.iter().zip(&ratio.value).map(|(w, u)| w / u).collect();
         let taken = weighted_product(lower.values.as_ref(), functions, &over);
         let entering = Mat::new();
-        let tangent =
-            Tangent { system, domain, struck, own, log_weight, solution, ratio, factors, lower, entering, taken };
-        Some(Tangent { entering: tangent.entering(), ..tangent })
+        let tangent = Tangent { system, domain, struck, log_weight, solution, ratio, factors, lower, entering, taken };
+        let entering = if struck { tangent.entering_weakly() } else { tangent.entering(&locals(problem, points)) };
+        Some(Tangent { entering, ..tangent })
     }
 
-    /// ∫ ψ_k L(ω u χ_j) dx.
-    fn entering(&self) -> Mat<f64> {
+    /// ∫ ψ_k L(ω u χ_j) dx by the rates of ψ.
+    fn entering_weakly(&self) -> Mat<f64> {
+        let weights: Vec<f64> = self.ratio.value.iter().zip(&self.system.measure).map(|(u, w)| u * w).collect();
+        weighted_product(self.system.rates.as_ref(), self.lower.values.as_ref(), &weights)
+    }
+
+    /// The same in strong form, with the operator at the nodes.
+    fn entering(&self, locals: &[Local]) -> Mat<f64> {
         let (system, u) = (self.system, &self.ratio);
-        let locals = match &self.own {
-            Nodal::Weak(rates) => {
-                let weights: Vec<f64> = u.value.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
-                return weighted_product(rates.as_ref(), self.lower.values.as_ref(), &weights);
-            }
-            Nodal::Strong(locals) => locals,
-        };
         // L(ω u χ)/ω = χ L(ω u)/ω + (u r + B∇u)·∇χ + ½ u B:∇∇χ with the reversed drift r.
         let n = system.nodes.points.dimension();
         let flow = |i: usize| {
@@ -164,7 +123,7 @@ impl<'a> Tangent<'a> {
         sweep::tabulate_rates(&space, &system.nodes.points, local, [values.as_mut(), images.as_mut()]);
         system.functions.transform(images.as_mut());
         self.lower.transform(images.as_mut());
-        let still = self.strong(locals, u);
+        let still = self.strong(locals);
         for j in 0..columns {
             let values = self.lower.values.col(j);
             (0..locals.len()).for_each(|i| images[(i, j)] += still[i] * values[i]);
@@ -174,32 +133,7 @@ impl<'a> Tangent<'a> {
 
     /// The derivative along an operator's. None where it is not finite.
     pub(super) fn along(&self, moved: &FokkerPlanck) -> Option<Derivative<'a>> {
-        self.renewed(&self.tested(&self.nodal(moved), &self.ratio))
-    }
-
-    /// The derivative along two operators', given those along each of them and the operator's own second derivative: L p̂″ =
-    /// −L′ₖ p̂′ₗ − L′ₗ p̂′ₖ − L″p̂. Of it g = p̂″/ω the part gₖ sₗ + sₖ gₗ − u sₖ sₗ is known. None where it is not finite.
-    pub(super) fn second(
-        &self,
-        moved: [&FokkerPlanck; 2],
-        twice: &FokkerPlanck,
-        first: [&Derivative<'a>; 2],
-    ) -> Option<Derivative<'a>> {
-        let points = &self.system.nodes.points;
-        let s = first.map(|first| Jets::of(&first.s.regular, points));
-        let left = first.map(|first| Jets::of(&self.system.function(&first.d), points));
-        let g = [0, 1].map(|k| self.ratio.times(&s[k]).plus(&left[k], 1.0));
-        let both = self.ratio.times(&s[0]).times(&s[1]);
-        let known = g[0].times(&s[1]).plus(&s[0].times(&g[1]), 1.0).plus(&both, -1.0);
-        let moved = moved.map(|moved| self.nodal(moved));
-        let parts = [
-            self.tested(&moved[0], &g[1]),
-            self.tested(&moved[1], &g[0]),
-            self.tested(&self.nodal(twice), &self.ratio),
-            self.tested(&self.own, &known),
-        ];
-        let fixed: Vec<f64> = (0..parts[0].len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect();
-        self.renewed(&fixed)
+        self.renewed(&self.tested(moved))
     }
 
     /// The solution for a source ∫ ψ_k L(ω g) dx, with a polynomial s that takes up as much of it as it can.
@@ -229,52 +163,41 @@ impl<'a> Tangent<'a> {
         Some(Derivative { system, solution, s, d, below }.centred(&density))
     }
 
-    /// An operator at the nodes, in the form that is right with impulses or without.
-    fn nodal(&self, operator: &FokkerPlanck) -> Nodal {
+    /// ∫ ψ_k L′(ω u) dx for the derivative L′ of an operator, in the form that is right with impulses or without.
+    fn tested(&self, moved: &FokkerPlanck) -> Vec<f64> {
         let (system, points) = (self.system, &self.system.nodes.points);
-        let locals = operator.locals(points);
+        let weighted = |of: &[f64]| of.iter().zip(&system.measure).map(|(value, w)| value * w).collect::<Vec<f64>>();
+        let locals = moved.locals(points);
         if !self.struck {
-            return Nodal::Strong(locals);
+            return weighted_sum(system.functions.values.get(..points.len(), ..), &weighted(&self.strong(&locals)));
         }
-        let impulses = &operator.impulse_terms();
+        let impulses = &moved.impulse_terms();
         let generator = NodalGenerator { points, locals: &locals, passages: &[], impulses, domain: self.domain };
         let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len(), system.space.len() + 1));
         generator.enter(&system.space, [values.as_mut(), rates.as_mut()]);
         system.functions.transform(rates.as_mut());
-        Nodal::Weak(rates)
+        weighted_sum(rates.as_ref(), &weighted(&self.ratio.value))
     }
 
-    /// ∫ ψ_k L(ω g) dx.
-    fn tested(&self, operator: &Nodal, g: &Jets) -> Vec<f64> {
-        let measure = &self.system.measure;
-        let weighted = |of: &[f64]| of.iter().zip(measure).map(|(value, w)| value * w).collect::<Vec<f64>>();
-        match operator {
-            Nodal::Strong(locals) => {
-                let values = self.system.functions.values.get(..measure.len(), ..);
-                weighted_sum(values, &weighted(&self.strong(locals, g)))
-            }
-            Nodal::Weak(rates) => weighted_sum(rates.as_ref(), &weighted(&g.value)),
-        }
-    }
-
-    /// L(ω g)/ω at the nodes.
-    fn strong(&self, operator: &[Local], g: &Jets) -> Vec<f64> {
+    /// L(ω u)/ω at the nodes.
+    fn strong(&self, operator: &[Local]) -> Vec<f64> {
+        let u = &self.ratio;
         let at = |i: usize| {
             let (gradient, hessian) = (&self.log_weight.gradient[i], &self.log_weight.hessian[i]);
             let local = &operator[i];
             let n = gradient.len();
             let mut reversed = vec![0.0; n];
             local.reversed(gradient, &mut reversed);
-            let mut sum = g.value[i] * local.residual(gradient, hessian);
+            let mut sum = u.value[i] * local.residual(gradient, hessian);
             for a in 0..n {
-                sum += reversed[a] * g.gradient[i][a];
+                sum += reversed[a] * u.gradient[i][a];
                 for b in 0..n {
-                    sum += 0.5 * local.diffusion[a * n + b] * g.hessian[i][a * n + b];
+                    sum += 0.5 * local.diffusion[a * n + b] * u.hessian[i][a * n + b];
                 }
             }
             sum
         };
-        (0..g.value.len()).map(at).collect()
+        (0..u.value.len()).map(at).collect()
     }
 }
 
@@ -296,29 +219,16 @@ impl Derivative<'_> {
 
     /// p̂′/p̂ at some points.
     pub(super) fn values(&self, points: &States) -> Vec<f64> {
-        self.parts(points).into_iter().map(|[s, left]| s + left).collect()
-    }
-
-    /// s and Σ d′_l ψ_l/u at some points.
-    fn parts(&self, points: &States) -> Vec<[f64; 2]> {
         let (left, ratio) = (self.system.function(&self.d).values(points), self.solution.values(points));
-        self.s.values(points).into_iter().zip(left.iter().zip(&ratio)).map(|(s, (left, u))| [s, left / u]).collect()
+        self.s.values(points).into_iter().zip(left.iter().zip(&ratio)).map(|(s, (left, u))| s + left / u).collect()
     }
 
-    /// p̂″/p̂ at some points, of which this is the part that was solved for.
-    pub(super) fn second_values(&self, first: [&Derivative<'_>; 2], points: &States) -> Vec<f64> {
-        let [k, l] = first.map(|first| first.parts(points));
-        let known = k.into_iter().zip(l).map(|([s, left], [t, other])| (s + left) * t + s * (t + other) - s * t);
-        self.values(points).into_iter().zip(known).map(|(own, known)| own + known).collect()
-    }
-
-    /// The nodes of the whole domain, with p̂′ there, or p̂″ given the first derivatives: by the equations of the highest degree, and
-    /// of the one below it.
-    pub(super) fn whole(&self, first: Option<[&Derivative<'_>; 2]>) -> Whole {
+    /// The nodes of the whole domain, with p̂′ there: by the equations of the highest degree, and of the one below it.
+    pub(super) fn whole(&self) -> Whole {
         let (system, points) = (self.system, &self.system.nodes.points);
         let ratio = self.solution.values(points);
         let densities: Vec<f64> = ratio.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
-        let along = first.map_or_else(|| self.values(points), |first| self.second_values(first, points));
+        let along = self.values(points);
         let other = system.combined_of(&self.below).into_iter().zip(system.combined_of(&self.d));
         let change: Vec<f64> = other.zip(&ratio).map(|((below, own), u)| (below - own) / u).collect();
         let below = along.iter().zip(change).map(|(along, change)| along + change).collect();

@@ -63,44 +63,8 @@ impl<'a> WalledTangent<'a> {
     /// The derivative along a motion. None where it is not finite.
     pub(super) fn along(&self, moving: &Moving) -> Option<Derivative<'a>> {
         let s = self.singular(moving);
-        let known = self.at_rows(&s).into_iter().zip(&self.ratio).map(|(s, u)| s * u).collect();
-        let mut source = self.carried(known, |i| self.ratio[i] * moving.shift[1]);
-        add(&mut source, &self.moved(moving, &self.ratio, |_| 0.0));
-        self.solved(s, &source)
-    }
-
-    /// The derivative along two motions, given those along each of them and what moves to second order: of g = p̂″/ω the part
-    /// u (Q₀″ + Q₀′ₖ Q₀′ₗ) + Q₀′ₖ Σ d′ₗψ + Q₀′ₗ Σ d′ₖψ is known. None where it is not finite.
-    pub(super) fn second(
-        &self,
-        moving: [&Moving; 2],
-        both: &Moving,
-        first: [&Derivative<'a>; 2],
-    ) -> Option<Derivative<'a>> {
-        let s = self.singular(both);
-        let twice = self.at_rows(&s);
-        let [k, l] = first.map(|first| self.at_rows(&first.s));
-        let [left_k, left_l] = first.map(|first| combination(self.system.functions.values.as_ref(), &first.d));
-        let g =
-            |s: &[f64], left: &[f64]| -> Vec<f64> { (0..s.len()).map(|i| self.ratio[i] * s[i] + left[i]).collect() };
-        let [g_k, g_l] = [g(&k, &left_k), g(&l, &left_l)];
-        let known =
-            (0..twice.len()).map(|i| self.ratio[i] * (twice[i] + k[i] * l[i]) + k[i] * left_l[i] + l[i] * left_k[i]);
-        let [stretch_k, stretch_l] = moving.map(|moving| moving.shift[1]);
-        // The rate of impacts is that of p̂ over the stretched length.
-        let stretched = |i: usize| {
-            let again = both.shift[1] - 2.0 * stretch_k * stretch_l;
-            g_k[i] * stretch_l + g_l[i] * stretch_k + self.ratio[i] * again
-        };
-        let mut source = self.carried(known.collect(), stretched);
-        for (moving, g, stretch) in [(moving[0], &g_l, stretch_l), (moving[1], &g_k, stretch_k)] {
-            let at_impacts = |i: usize| g[i] - self.ratio[i] * stretch;
-            let g: Vec<f64> = (0..g.len()).map(|i| if i < self.nodes() { g[i] } else { at_impacts(i) }).collect();
-            add(&mut source, &self.moved(moving, &g, |_| 0.0));
-        }
-        // ½ ∂²ψ/∂v² times twice the product of the rates of the velocity.
-        let bent = |side: usize| 2.0 * moving[0].restitution[side] * moving[1].restitution[side];
-        add(&mut source, &self.moved(both, &self.ratio, bent));
+        let mut source = self.carried(&s, moving.shift[1]);
+        add(&mut source, &self.moved(moving));
         self.solved(s, &source)
     }
 
@@ -113,24 +77,19 @@ impl<'a> WalledTangent<'a> {
         Slope { regular: self.system.function(&[0.0]), singular: moving.singular.clone() }
     }
 
-    /// The singular part of a derivative at nodes and at impacts, beside a constant.
-    fn at_rows(&self, s: &Slope) -> Vec<f64> {
-        let constant = s.regular.constant;
+    /// The sums of 𝓖ψ and of its jumps under the known part of p̂′/ω, of which impacts miss what the coordinate takes as it stretches.
+    fn carried(&self, s: &Slope, stretch: f64) -> Vec<f64> {
         let all = s.singulars(&self.system.nodes.points).into_iter().chain(s.singulars(&self.before));
-        all.map(|s| s + constant).collect()
-    }
-
-    /// The sums of 𝓖ψ and of its jumps under a known part of p̂′/ω, of which impacts miss what the `stretched` coordinate takes.
-    fn carried(&self, mut known: Vec<f64>, stretched: impl Fn(usize) -> f64) -> Vec<f64> {
-        (self.nodes()..known.len()).for_each(|i| known[i] -= stretched(i));
+        let mut known: Vec<f64> = all.zip(&self.ratio).map(|(s, u)| s * u).collect();
+        (self.nodes()..known.len()).for_each(|i| known[i] -= self.ratio[i] * stretch);
         known.iter_mut().zip(&self.weights).for_each(|(known, weight)| *known *= weight);
         weighted_sum(self.system.rates.as_ref(), &known)
     }
 
-    /// The sums of 𝓖′ψ and of the derivative of its jumps under ω g: ψ after an impact changes as the velocity there does, by the speed
-    /// before it, and to second order by `bent` times the square of the speed.
-    fn moved(&self, moving: &Moving, g: &[f64], bent: impl Fn(usize) -> f64) -> Vec<f64> {
-        let masses: Vec<f64> = g.iter().zip(&self.weights).map(|(g, weight)| g * weight).collect();
+    /// The sums of 𝓖′ψ and of the derivative of its jumps under p̂: ψ after an impact changes as the velocity there does, by the speed
+    /// before it.
+    fn moved(&self, moving: &Moving) -> Vec<f64> {
+        let masses: Vec<f64> = self.ratio.iter().zip(&self.weights).map(|(u, weight)| u * weight).collect();
         let (inside, impacts) = masses.split_at(self.nodes());
         let mut sum = vec![0.0; self.system.space.len() + 1];
         for (k, known) in self.derivatives.iter().enumerate() {
@@ -152,11 +111,11 @@ impl<'a> WalledTangent<'a> {
         }
         let change = |passage: &Passage| {
             let (v, side) = (passage.before[1], usize::from(passage.before[1] > 0.0));
-            ([0.0, -v * moving.restitution[side]], [0.0, 0.0, 0.0, v * v * bent(side)])
+            [0.0, -v * moving.restitution[side]]
         };
-        let changes: Vec<([f64; 2], [f64; 4])> = self.passages.iter().map(change).collect();
-        if changes.iter().any(|(first, second)| first[1] != 0.0 || second[3] != 0.0) {
-            let local = |i: usize| (&changes[i].0[..], &changes[i].1[..]);
+        let changes: Vec<[f64; 2]> = self.passages.iter().map(change).collect();
+        if changes.iter().any(|[_, change]| *change != 0.0) {
+            let local = |i: usize| (&changes[i][..], &[0.0; 4][..]);
             add(&mut sum, &weighted_sum(rates(self.system, &self.after, local).as_ref(), impacts));
         }
         let mut sums = Mat::from_fn(1, sum.len(), |_, k| sum[k]);

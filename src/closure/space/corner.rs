@@ -152,36 +152,22 @@ impl Corner {
     }
 }
 
-/// How the singular part S of ln p next to a wall moves with a parameter, or with two, at a given distance from the wall and a given
-/// velocity.
+/// How the singular part S of ln p next to a wall moves with a parameter, at a given distance from the wall and a given velocity.
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct GrazingMotion {
     corner: Corner,
+    /// At a parameter θ + ε₁.
     similarity: Option<Similarity<HyperDual64>>,
-    /// The part of S that is the derivative.
-    part: fn(HyperDual64) -> f64,
 }
 
 impl GrazingMotion {
     /// The motion as the restitution and the noise intensity at the wall move at these rates.
-    pub(in crate::closure) fn new(corner: &Corner, rates: [f64; 2]) -> Self {
-        Self::of(corner, rates.map(|rate| [rate, 0.0, 0.0]), |s| s.eps1)
-    }
-
-    /// ∂²S/∂θ∂φ, given the rates of restitution and intensity by θ, by φ, and by both.
-    pub(in crate::closure) fn second(corner: &Corner, rates: [[f64; 3]; 2]) -> Self {
-        Self::of(corner, rates, |s| s.eps1eps2)
-    }
-
-    fn of(corner: &Corner, rates: [[f64; 3]; 2], part: fn(HyperDual64) -> f64) -> Self {
-        let [restitution, intensity] = rates.map(|rates| rates.iter().any(|rate| *rate != 0.0));
-        let moves = corner.similarity.is_some() && (restitution || intensity && corner.grazes());
-        let moved = |at: f64, [k, l, both]: [f64; 3]| HyperDual64::new(at, k, l, both);
-        let similarity = || {
-            let restitution = moved(corner.wall.restitution(), rates[0]);
-            Similarity::new(restitution, moved(corner.intensity, rates[1]))
-        };
-        GrazingMotion { corner: corner.clone(), similarity: moves.then(similarity).flatten(), part }
+    pub(in crate::closure) fn new(corner: &Corner, [restitution, intensity]: [f64; 2]) -> Self {
+        let moves = corner.similarity.is_some() && (restitution != 0.0 || intensity != 0.0 && corner.grazes());
+        let moved = |at: f64, rate: f64| HyperDual64::new(at, rate, 0.0, 0.0);
+        let similarity =
+            || Similarity::new(moved(corner.wall.restitution(), restitution), moved(corner.intensity, intensity));
+        GrazingMotion { corner: corner.clone(), similarity: moves.then(similarity).flatten() }
     }
 
     /// Whether S moves at all.
@@ -192,14 +178,7 @@ impl GrazingMotion {
     /// The derivative of S at a state.
     pub(in crate::closure) fn value(&self, x: &[f64]) -> f64 {
         let [u, w] = self.corner.coordinates(x);
-        self.similarity.as_ref().map_or(0.0, |similarity| (self.part)(similarity.jet(u, w).value))
-    }
-
-    /// Its slope in the wall's displacement.
-    pub(in crate::closure) fn slope(&self, x: &[f64]) -> f64 {
-        let [u, w] = self.corner.coordinates(x);
-        let slope = |similarity: &Similarity<HyperDual64>| (self.part)(similarity.jet(u, w).gradient[0]);
-        self.corner.side() * self.similarity.as_ref().map_or(0.0, slope)
+        self.similarity.as_ref().map_or(0.0, |similarity| similarity.jet(u, w).value.eps1)
     }
 }
 

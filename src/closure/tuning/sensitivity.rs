@@ -20,9 +20,9 @@ pub(crate) const DEGREES: [u32; 4] = [2, 4, 6, 8];
 /// and the logarithm of the ratio of standard errors above which two degrees less are taken. Of 16 seeds of a filter, where both degrees
 /// are as noisy, some took the lower one with 0.7, which is 0.2 % off there; of a chain the highest degree is noisier by far more.
 pub(crate) const NOISIER: f64 = 1.4;
-/// The steps of the differences that are the slope of an integrand and its bend, relative to the domain's width: the square of the first
-/// and rounding over it are some 1e-10, those of the second over its square 1e-8.
-pub(crate) const STEPS: [f64; 2] = [1e-5, 1e-4];
+/// The step of the differences that are the slope of an integrand, relative to the domain's width: its square and rounding over it are some
+/// 1e-10.
+pub(crate) const STEP: f64 = 1e-5;
 /// The same for sections of a density, which are sums over draws: the square of it is some tenths of a percent.
 pub(crate) const WIDE_STEP: f64 = 5e-3;
 /// Nodes from a level to the edge of the domain.

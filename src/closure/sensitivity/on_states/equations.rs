@@ -13,8 +13,7 @@ use faer::prelude::*;
 use faer::{Accum, Mat, Par};
 
 /// The Galerkin equations for derivatives on the pilot's states, A d′ = −g with A_kl = E\[ψ_l 𝓖ψ_k\] and g_k = E\[𝓖′ψ_k\], so that
-/// ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l: E_p′\[𝓖ψ\] = −E_p\[𝓖′ψ\] for every ψ. Second derivatives p″ = p Σ d″_l ψ_l have the same matrix, and
-/// E\[𝓖″ψ\] + E\[s_k 𝓖′_l ψ\] + E\[s_l 𝓖′_k ψ\] in the place of g.
+/// ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l: E_p′\[𝓖ψ\] = −E_p\[𝓖′ψ\] for every ψ.
 ///
 /// Means are under weights of the states that make all means of 𝓖ψ zero, one for each block of consecutive states. Next to walls
 /// the impacts have rows of their own beside the states: A gets ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\], and g what a parameter changes in the
@@ -34,13 +33,6 @@ pub(super) struct StateEquations<'a> {
 struct Source {
     g: Mat<f64>,
     known: Option<Vec<Vec<f64>>>,
-}
-
-/// A measure under which the image of ψ under the derivative of a generator is averaged.
-#[derive(Clone, Copy)]
-pub(super) enum Measure<'m> {
-    Density,
-    Derivative(&'m Masses),
 }
 
 /// What the equations are made on.
@@ -131,18 +123,18 @@ impl<'a> StateEquations<'a> {
 
     /// The density itself.
     pub(super) fn density(&self) -> Masses {
-        let parts = (0..self.weights.len()).map(|t| (t, self.measure(Measure::Density, t)));
+        let parts = (0..self.weights.len()).map(|t| (t, self.measure(t)));
         Masses::gathered(&self.walk, parts.collect())
     }
 
-    /// The first derivatives along some motions, each with what moves in the singular parts next to walls, which no polynomial
+    /// The derivatives along some motions, each with what moves in the singular parts next to walls, which no polynomial
     /// follows: s = S′ + Σ d′_l ψ_l, and g has E\[S′ 𝓖ψ\] too. None where one is not finite.
-    pub(super) fn first<'m>(
+    pub(super) fn along<'m>(
         &self,
         along: impl Iterator<Item = (&'m StillMotion, &'m [GrazingMotion])>,
     ) -> Option<Vec<Masses>> {
         let source = |(motion, grazing): (&StillMotion, &[GrazingMotion])| {
-            let g = self.tested(&[(motion, Measure::Density)])?;
+            let g = self.tested(motion)?;
             if grazing.is_empty() {
                 return Some(Source { g, known: None });
             }
@@ -152,28 +144,14 @@ impl<'a> StateEquations<'a> {
         self.solved(&along.map(source).collect::<Option<Vec<_>>>()?)
     }
 
-    /// The second derivative along motions by two parameters and by both, given the first. None where it is not finite.
-    pub(super) fn second(&self, [k, l]: [&StillMotion; 2], twice: &StillMotion, along: [&Masses; 2]) -> Option<Masses> {
-        let [by_k, by_l] = along.map(Measure::Derivative);
-        let g = self.tested(&[(k, by_l), (l, by_k), (twice, Measure::Density)])?;
-        self.solved(&[Source { g, known: None }])?.pop()
-    }
-
-    /// Σ m 𝓖′ψ over all rows, 𝓖′ with the derivative of an operator and m the masses of a measure, its changes, and its own by
-    /// the functions of two degrees less. None where the images under impulses are no combinations of the functions.
-    fn tested(&self, terms: &[(&StillMotion, Measure<'_>)]) -> Option<Mat<f64>> {
+    /// Σ w 𝓖′ψ over all rows, 𝓖′ with the derivative of an operator, and its changes. None where the images under impulses are no
+    /// combinations of the functions.
+    fn tested(&self, motion: &StillMotion) -> Option<Mat<f64>> {
         let (walk, count) = (self.walk, self.walk.functions());
-        let moved =
-            |(motion, measure): &(&StillMotion, _)| Some((Moved::new(motion, walk.contacts, walk.products)?, *measure));
-        let terms: Vec<(Moved, Measure<'_>)> = terms.iter().map(moved).collect::<Option<_>>()?;
+        let moved = Moved::new(motion, walk.contacts, walk.products)?;
         let lots = walk.lots(
             || Mat::zeros(count, COLUMNS),
-            |sums, [_, t], place| {
-                for (moved, measure) in &terms {
-                    let table = walk.moved(moved, t, place);
-                    add_product(sums, &table, &self.measure(*measure, t));
-                }
-            },
+            |sums, [_, t], place| add_product(sums, &walk.moved(&moved, t, place), &self.measure(t)),
         );
         Some(lots.into_iter().fold(Mat::zeros(count, COLUMNS), |sum, lot| sum + lot))
     }
@@ -193,7 +171,7 @@ impl<'a> StateEquations<'a> {
         let lots = walk.lots(
             || Mat::zeros(count, COLUMNS),
             |sums, [_, t], place| {
-                let mut measure = self.measure(Measure::Density, t);
+                let mut measure = self.measure(t);
                 for (mut row, value) in measure.row_iter_mut().zip(&known[t]) {
                     row *= Scale(*value);
                 }
@@ -203,15 +181,10 @@ impl<'a> StateEquations<'a> {
         lots.into_iter().fold(Mat::zeros(count, COLUMNS), |sum, lot| sum + lot)
     }
 
-    /// The masses of a measure in the rows of a trajectory.
-    fn measure(&self, measure: Measure<'_>, t: usize) -> Mat<f64> {
+    /// The weights in the rows of a trajectory, with the [`COLUMNS`].
+    fn measure(&self, t: usize) -> Mat<f64> {
         let weights = &self.weights[t];
-        match measure {
-            Measure::Density => Mat::from_fn(weights.nrows(), COLUMNS, |row, column| {
-                weights[(row, if column == BELOW { 0 } else { column })]
-            }),
-            Measure::Derivative(masses) => masses.of(&self.walk, t),
-        }
+        Mat::from_fn(weights.nrows(), COLUMNS, |row, column| weights[(row, if column == BELOW { 0 } else { column })])
     }
 
     /// The derivatives with A d = −g, given each g, its changes, and its own by the functions of two degrees less. None where one is

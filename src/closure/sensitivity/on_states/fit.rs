@@ -13,8 +13,7 @@ use rayon::prelude::*;
 /// States whose functions are tabulated together.
 const STRETCH: usize = 4096;
 
-/// The most likely exponential polynomial, linearised: E_p̃ φ = E φ for its functions φ, so that Cov_p̃(φ) c′ = dE φ/dθ. Once more,
-/// Cov_p̃(φ) c″ = d²E φ/dθ² − Cov_p̃(φ, Q′_k Q′_l).
+/// The most likely exponential polynomial, linearised: E_p̃ φ = E φ for its functions φ, so that Cov_p̃(φ) c′ = dE φ/dθ.
 pub(super) struct Likely<'a> {
     space: Functions,
     products: Products,
@@ -53,14 +52,6 @@ impl<'a> Likely<'a> {
             self.take(&mut moved, self.points.par_iter().map(value).collect());
         }
         Some(Slope { regular: self.fitted(moved)?, singular })
-    }
-
-    /// Q″ from the second derivative's, given Q′ by both parameters, with E_p̃\[Q″ + Q′_k Q′_l\] = 0. None where it is not finite.
-    pub(super) fn second(&self, states: &States, masses: &[f64], slopes: [&Slope; 2]) -> Option<Exponent> {
-        let [k, l] = slopes.map(|slope| slope.values(self.points));
-        let mut moved = self.sums(states, masses);
-        self.take(&mut moved, k.iter().zip(&l).map(|(k, l)| k * l).collect());
-        self.fitted(moved)
     }
 
     /// Takes the means of a function's products with the constant and the functions, given its values at the points.

@@ -38,16 +38,6 @@ impl Masses {
         all
     }
 
-    /// The part of a trajectory.
-    pub(super) fn of(&self, walk: &Walk<'_>, t: usize) -> Mat<f64> {
-        let places: Vec<usize> = walk.places(t).collect();
-        Mat::from_fn(places.len(), COLUMNS, |row, column| match column {
-            0 => self.own[places[row]],
-            BELOW => self.below[places[row]],
-            _ => f64::from(self.changes[column - 1][places[row]]),
-        })
-    }
-
     /// Those on the states.
     pub(super) fn own(&self) -> &[f64] {
         &self.own[..self.states]

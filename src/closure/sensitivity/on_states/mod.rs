@@ -15,9 +15,7 @@ mod walk;
 mod weights;
 
 use super::Sensitivity;
-use super::carried::{Along, Carried};
 use super::exact::Newton;
-use super::second::Pairs;
 use super::slope::Slope;
 use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
@@ -81,80 +79,26 @@ impl ClosureDensity {
             let on_nodes = self.on_kept_nodes()?;
             let newton = self.newton(&on_nodes, problem, &symmetry)?;
             let one = |(name, motion): (&&str, &StillMotion)| {
-                Ok(self.moving_by(&[name], (self.exact_slope(&newton, &motion.operator)?.into(), None)))
+                Ok(self.moving_by(name, self.exact_slope(&newton, &motion.operator)?.into()))
             };
             return parameters.iter().zip(&along).map(one).collect();
         }
         let motion = self.origin()?;
         let grazing = self.grazing(motion, &along)?;
-        let moving = || along.iter().zip(grazing.iter().map(Vec::as_slice));
-        let Found { symmetry, masses, density } =
-            self.on_states(motion, &along, |equations| equations.first(moving()))?;
+        let Found { symmetry, masses, density } = self.on_states(motion, &along, &grazing)?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
         let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
-        let one = |((name, (moving, grazing)), masses): ((&&str, (&StillMotion, &[GrazingMotion])), Masses)| {
-            let slope = likely.slope(states, masses.own(), grazing.to_vec()).ok_or(self.failed())?;
+        let one = |((name, (moving, grazing)), masses): ((&&str, (&StillMotion, Vec<GrazingMotion>)), Masses)| {
+            let slope = likely.slope(states, masses.own(), grazing).ok_or(self.failed())?;
             let own = slope.values(states);
             let displaced = Displaced::new(&moving.shift);
             let impacts = self.impacts_on_states(problem, moving, &masses);
             let on_states = self.carried_by((motion, &symmetry), masses, &own, (&density, displaced));
-            let found = self.moving_by(&[name], (slope, None));
-            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), impacts, ..found })
+            let on_states = Some(Arc::new(on_states));
+            Ok(Sensitivity { on_states, impacts, ..self.moving_by(name, slope) })
         };
-        parameters.iter().zip(moving()).zip(masses).map(one).collect()
-    }
-
-    /// The second derivatives in three states and more.
-    pub(super) fn second_on_states(&self, problem: &Problem, pairs: &Pairs<'_>) -> Result<Vec<Sensitivity>> {
-        let first = pairs.names.iter().map(|name| problem.derivative(&[name]));
-        let twice = pairs.places.iter().map(|places| problem.derivative(&pairs.names(*places)));
-        let along = first.chain(twice).map(|operator| Ok(StillMotion::open(operator?))).collect::<Result<Vec<_>>>()?;
-        let (count, symmetry) = (pairs.names.len(), symmetry_of(problem, &along));
-        let twice = &along[count..];
-        if self.is_exact() {
-            let on_nodes = self.on_kept_nodes()?;
-            let newton = self.newton(&on_nodes, problem, &symmetry)?;
-            let first = along[..count].iter().map(|motion| self.exact_slope(&newton, &motion.operator));
-            let first = first.collect::<Result<Vec<_>>>()?;
-            let one = |(places, twice): (&[usize; 2], &StillMotion)| {
-                let slopes = places.map(|place| &first[place]);
-                let moved = places.map(|place| &along[place].operator);
-                let mut slope = newton.second(moved, &twice.operator, slopes).ok_or(self.failed())?;
-                slope.constant -=
-                    self.expectation(&|x| slope.value(x) + slopes[0].value(x) * slopes[1].value(x))?.value;
-                let first = slopes.map(|slope| slope.clone().into());
-                Ok(self.moving_by(&pairs.names(*places), (slope.into(), Some(first))))
-            };
-            return pairs.places.iter().zip(twice).map(one).collect();
-        }
-        let motion = self.origin()?;
-        let solve = |equations: &StateEquations<'_>| {
-            let mut found = equations.first(along[..count].iter().map(|motion| (motion, &[][..])))?;
-            for (places, twice) in pairs.places.iter().zip(twice) {
-                let motions = places.map(|place| &along[place]);
-                found.push(equations.second(motions, twice, places.map(|place| &found[place]))?);
-            }
-            Some(found)
-        };
-        let Found { symmetry, mut masses, density } = self.on_states(motion, &along, solve)?;
-        let states = self.pilot_states(motion)?;
-        let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
-        let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
-        let second = masses.split_off(count);
-        let first = masses.iter().map(|masses| likely.slope(states, masses.own(), Vec::new()).ok_or(self.failed()));
-        let first = first.collect::<Result<Vec<_>>>()?;
-        let values: Vec<Vec<f64>> = first.iter().map(|slope| slope.values(states)).collect();
-        let one = |(places, second): (&[usize; 2], Masses)| {
-            let slopes = places.map(|place| &first[place]);
-            let slope = likely.second(states, second.own(), slopes).ok_or(self.failed())?;
-            let [k, l] = places.map(|place| &values[place]);
-            let own: Vec<f64> = slope.values(states).iter().zip(k.iter().zip(l)).map(|(q, (k, l))| q + k * l).collect();
-            let on_states = self.carried_by((motion, &symmetry), second, &own, (&density, Displaced::new(&[])));
-            let found = self.moving_by(&pairs.names(*places), (slope.into(), Some(slopes.map(Slope::clone))));
-            Ok(Sensitivity { on_states: Some(Arc::new(on_states)), ..found })
-        };
-        pairs.places.iter().zip(second).map(one).collect()
+        parameters.iter().zip(along.iter().zip(grazing)).zip(masses).map(one).collect()
     }
 
     /// What moves in the singular parts next to walls along some motions.
@@ -181,12 +125,7 @@ impl ClosureDensity {
 
     /// What the equations of the highest degree give along some derivatives of the operator, or those of two degrees less if the
     /// highest are [noisier](tuning::sensitivity::NOISIER) than that: where functions are all but dependent on each other in the equations, their noise is large.
-    fn on_states(
-        &self,
-        motion: &Dynamics,
-        along: &[StillMotion],
-        solve: impl Fn(&StateEquations<'_>) -> Option<Vec<Masses>>,
-    ) -> Result<Found> {
+    fn on_states(&self, motion: &Dynamics, along: &[StillMotion], grazing: &[Vec<GrazingMotion>]) -> Result<Found> {
         let curved = |motion: &StillMotion| {
             motion.operator.impulse_terms().iter().flat_map(ImpulseTerm::fields).any(|(_, h)| h.degree() > 1)
         };
@@ -200,7 +139,7 @@ impl ClosureDensity {
         let ladder = Ground::ladder(motion, along).ok_or(self.too_few())?;
         let of_degree = |ground: &Ground| {
             let equations = StateEquations::new(ground, motion)?;
-            let masses = solve(&equations)?;
+            let masses = equations.along(along.iter().zip(grazing.iter().map(Vec::as_slice)))?;
             let found = Found { symmetry: ground.symmetry.clone(), masses, density: Arc::new(equations.density()) };
             Some((doubt(states, &found.masses), found))
         };
@@ -282,14 +221,9 @@ impl ClosureDensity {
         Ok(slope)
     }
 
-    /// The derivative of ln p̃, by two parameters with the first ones.
-    fn moving_by(&self, names: &[&str], (slope, first): (Slope, Option<[Slope; 2]>)) -> Sensitivity {
-        let names = names.iter().map(|&name| name.to_owned()).collect();
-        let along = first.map(|first| first.map(|slope| Along { slope, shift: [0.0; 2] }));
-        let nothing = || [Vec::new(), Vec::new()];
-        let carried = |along| Carried::second([0.0; 2], along, self, [nothing(), nothing()]);
-        let carried = along.map_or_else(Carried::default, carried);
-        Sensitivity { carried, ..self.moving_with(names, slope, nothing(), None) }
+    /// The derivative with that of ln p̃.
+    fn moving_by(&self, parameter: &str, slope: Slope) -> Sensitivity {
+        self.moving_with(parameter, slope, [Vec::new(), Vec::new()], None)
     }
 
     /// States with weights that sum to about 1, on which integrals of the density are taken.
