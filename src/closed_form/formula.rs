@@ -102,9 +102,6 @@ fn of_closure<'a>(density: &'a ClosureDensity, names: &'a [String]) -> Result<Fo
         String::from("Outside the trust domain the density is taken for zero, and log_p is minus infinity."),
     ];
     facts.extend(density.warning().map(|warning| format!("Warning: {warning}.")));
-    if density.is_guarded() {
-        facts.push(String::from("The steep fall that continues it there is not written out."));
-    }
     let domain = match density.cells_of_domain() {
         Some(cells) => Domain::Cells(cells),
         None => density.domain().map_or_else(Domain::Ellipsoid, Domain::Star),

@@ -28,7 +28,6 @@ use crate::memory::MemoryLimit;
 pub struct Closure {
     pub(super) order: Order,
     pub(super) weight: Weight,
-    pub(super) guard: bool,
     pub(super) seed: u64,
     pub(super) reference: Reference,
     /// None for the default, which depends on the method of integration.
@@ -71,12 +70,11 @@ impl Closure {
     /// The closure of order `order`, the highest degree of Q, from 1 to 16 (10 next to walls). Where a lower even order is exact, or
     /// nearer by its estimate, Q is of that one: [`Provenance::unknowns`](crate::Provenance::unknowns) counts its coefficients.
     ///
-    /// By default a pilot of 20 000 states at three times the intensity, the automatic [`Weight`], no guard, seed 0.
+    /// By default a pilot of 20 000 states at three times the intensity, the automatic [`Weight`], seed 0.
     pub fn new(order: u32) -> Self {
         Closure {
             order: Order::Fixed(order),
             weight: Weight::Automatic,
-            guard: false,
             seed: 0,
             reference: Reference::Automatic,
             states: None,
@@ -100,12 +98,6 @@ impl Closure {
     /// The weight of the tails in the fit.
     pub fn weight(self, weight: Weight) -> Self {
         Closure { weight, ..self }
-    }
-
-    /// Whether the density continues beyond its trust domain, falling steeply from its value at the edge, so that it is a
-    /// density on the whole space. Otherwise it is 0 there.
-    pub fn guard(self, guard: bool) -> Self {
-        Closure { guard, ..self }
     }
 
     /// The seed of the pilot's random numbers, 0 by default.

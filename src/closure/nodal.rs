@@ -38,7 +38,6 @@ pub(super) struct NodalClosure {
     pub(super) pilot: Pilot,
     pub(super) inflation: f64,
     pub(super) weight: Weight,
-    pub(super) guarded: bool,
     pub(super) seed: u64,
     pub(super) begin: Instant,
     /// Whether impulses alone are so rare that the density is rough.
@@ -143,7 +142,6 @@ impl NodalClosure {
             domain: kept.domain,
             moments,
             impacts: Vec::new(),
-            guarded: self.guarded,
             rare: self.rare,
             candidates,
             indication: Some(indication),

@@ -34,7 +34,6 @@ pub(super) struct Sampled {
     pub(super) problem: Problem,
     pub(super) family: Family,
     pub(super) pilot: Pilot,
-    pub(super) guarded: bool,
     /// Whether impulses alone are so rare that the density is rough.
     pub(super) rare: bool,
     /// Whether the moment equations of a higher degree are solved on a lattice.
@@ -253,7 +252,6 @@ impl Sampled {
             domain: TrustDomain::new(pilot, symmetry, centre, [None, None], tuning::domain::WIDENING),
             integrals: Integrals::Draws(Box::new(rule)),
             lattice,
-            guarded: self.guarded,
             rare: self.rare,
             candidates: vec![candidate],
             moments: found.moments,
@@ -306,7 +304,6 @@ impl Sampled {
             pilot: pilot.clone(),
             inflation: 1.0,
             weight: Weight::Density,
-            guarded: self.guarded,
             seed: self.seed,
             begin: self.begin,
             rare: false,

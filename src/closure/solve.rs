@@ -117,14 +117,14 @@ impl Closure {
             pilot.stationary &= samples == 1 || slowness < tuning::pilot::unmixed(samples);
             let stayed = tuning::pilot::stayed(slowness, samples);
             let problem = problem.clone();
-            let (guarded, seed, memory) = (self.guard, self.seed, self.memory);
+            let (seed, memory) = (self.seed, self.memory);
             let family = Family::new(&problem, &pilot, &self.degrees, &symmetry).ok_or(Error::NotServed {
                 method: METHOD,
                 what: "noise on a gap at a wall that depends on the state there",
                 remedy: "take the simulation",
             })?;
             let rare = is_rare(&problem, &pilot);
-            let nodal = Sampled { problem, rare, family, pilot, guarded, referred, seed, memory, begin };
+            let nodal = Sampled { problem, rare, family, pilot, referred, seed, memory, begin };
             let closed = |order| match self.order {
                 // Where trajectories stayed, a low order shows in less time whether there is a density at all.
                 Order::Fixed(_) if stayed && order > tuning::guess::LOW_DEGREE => {
@@ -272,7 +272,7 @@ impl Closure {
         };
         let start = self.start.as_ref().map(own);
         let (problem, pilot, inflation) = (problem.clone(), pilot.clone(), inflated.inflation);
-        let (weight, guarded, seed) = (self.weight, self.guard, self.seed);
+        let (weight, seed) = (self.weight, self.seed);
         Ok(NodalClosure {
             problem,
             discretisation,
@@ -280,7 +280,6 @@ impl Closure {
             pilot,
             inflation,
             weight,
-            guarded,
             seed,
             begin,
             rare: false,

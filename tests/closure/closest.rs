@@ -151,18 +151,6 @@ fn values_of_a_closest_density_have_their_errors() {
     assert!(again.truncated_mass() == density.truncated_mass() && again.contains(&[0.0, 0.0]).unwrap());
 }
 
-/// With the guard the density goes on falling beyond its cells; without it is 0 there.
-#[test]
-fn a_guard_continues_a_closest_density() {
-    let (_, grid) = relaxing();
-    let [plain, guarded] = [false, true].map(|guard| Closure::new(4).guard(guard).fit(&grid).unwrap());
-    let far = plain.bounds().iter().map(|[_, high]| 1.5 * high).collect::<Vec<f64>>();
-    let farther: Vec<f64> = far.iter().map(|x| 1.5 * x).collect();
-    assert!(!plain.contains(&far).unwrap() && plain.pdf(&far).unwrap().value == 0.0);
-    let [near, beyond] = [&far, &farther].map(|x| guarded.log_pdf(x).unwrap());
-    assert!(near.is_finite() && beyond < near - 5.0, "{near} and {beyond}");
-}
-
 /// A Duffing oscillator's density on a grid, fitted without its system: order 4 is it, order 2 is not, and an adaptive closure
 /// takes the order that it needs.
 #[test]

@@ -79,8 +79,7 @@ fn exact(closest: &ClosureDensity, problem: &Problem, pilot: &Pilot) -> Option<C
     let (centre, _) = pilot.spread(&symmetry);
     let region = TrustDomain::new(pilot, &symmetry, centre, [None, None], 1.0);
     let provenance = Provenance { nodes: None, reference: None, ..closest.provenance().clone() };
-    let guarded = closest.content.guarded;
-    Some(ClosureDensity::new(Content { guarded, provenance, ..exact_about(exponent, &region)? }))
+    Some(ClosureDensity::new(Content { provenance, ..exact_about(exponent, &region)? }))
 }
 
 impl ClosureDensity {

@@ -96,21 +96,6 @@ impl Cells {
         values[0]
     }
 
-    /// The point of the boxes that is next to a state, and how far it is, relative to the whole box around them.
-    pub(in crate::closure) fn nearest(&self, x: &[f64]) -> (Vec<f64>, f64) {
-        let bounds = self.bounds();
-        let into = |limits: &[[f64; 2]]| -> Vec<f64> {
-            x.iter().zip(limits).map(|(x, [low, high])| x.clamp(*low, *high)).collect()
-        };
-        let far = |y: &[f64]| -> f64 {
-            let parts = y.iter().zip(x).zip(&bounds).map(|((y, x), [low, high])| ((x - y) / (high - low)).powi(2));
-            parts.sum::<f64>().sqrt()
-        };
-        let all = self.limits.iter().map(|limits| into(limits)).map(|y| (far(&y), y));
-        let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.map_or((x.to_vec(), f64::INFINITY), |(far, y)| (y, far))
-    }
-
     /// The box around all.
     pub(in crate::closure) fn bounds(&self) -> Vec<[f64; 2]> {
         let along = |axis: usize| {

@@ -180,7 +180,6 @@ impl<'a> Closest<'a> {
             integrals: Integrals::Cells(cells),
             lattice: None,
             impacts: Vec::new(),
-            guarded: self.closure.guard,
             rare: false,
             candidates,
             indication: None,

@@ -35,7 +35,6 @@ pub(crate) struct Content {
     /// The pilot's impacts on each wall, in three states and more.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(in crate::closure) impacts: Vec<WallImpacts>,
-    pub(in crate::closure) guarded: bool,
     /// Whether impulses alone are so rare that the density is rough.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(in crate::closure) rare: bool,
@@ -76,7 +75,6 @@ impl Content {
             lattice: None,
             moments: Vec::new(),
             impacts: Vec::new(),
-            guarded: false,
             rare: false,
             candidates: vec![Candidate::exact(error)],
             indication: Some(Indication { indicator: 0.0, residual: 0.0 }),

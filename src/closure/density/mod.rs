@@ -196,7 +196,7 @@ impl ClosureDensity {
         &self.content.exponent.coefficients
     }
 
-    /// Whether a state lies in the trust domain. Outside, the density is 0, or the guard's.
+    /// Whether a state lies in the trust domain. Outside, the density is 0.
     ///
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
@@ -264,11 +264,6 @@ impl ClosureDensity {
         if let Integrals::Cells(cells) = &self.content.integrals { Some(cells) } else { None }
     }
 
-    /// Whether the density continues beyond its trust domain.
-    pub(crate) fn is_guarded(&self) -> bool {
-        self.content.guarded
-    }
-
     pub(super) fn trusts(&self, x: &[f64]) -> bool {
         match &self.content.integrals {
             Integrals::Panels { .. } => self.content.domain.contains(x),
@@ -278,20 +273,7 @@ impl ClosureDensity {
     }
 
     pub(super) fn log_density(&self, x: &[f64]) -> f64 {
-        let Content { exponent, domain, guarded, integrals, .. } = &self.content;
-        match integrals {
-            _ if self.trusts(x) => exponent.value(x),
-            _ if !*guarded => f64::NEG_INFINITY,
-            Integrals::Cells(cells) => {
-                let (nearest, far) = cells.nearest(x);
-                exponent.value(&nearest) - 2.0 * tuning::domain::STEEP * far
-            }
-            Integrals::Draws(rule) if rule.nest().is_some() => rule.nest().map_or(f64::NEG_INFINITY, |nest| {
-                let (nearest, far) = nest.nearest(x);
-                exponent.value(&nearest) - tuning::domain::STEEP * far
-            }),
-            _ => domain.continued(x, |x| exponent.value(x)),
-        }
+        if self.trusts(x) { self.content.exponent.value(x) } else { f64::NEG_INFINITY }
     }
 
     /// The relative error of the reference and of the integration, as a factor on the root mean square of an integrand under it.

@@ -279,17 +279,6 @@ impl TrustDomain {
             .sum()
     }
 
-    /// The guard: outside the domain, the value at the edge less at least `STEEP` for each time that the distance from
-    /// the centre exceeds the reach; −∞ behind walls.
-    pub(in crate::closure) fn continued(&self, x: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
-        if !self.between_walls(x[0]) {
-            return f64::NEG_INFINITY;
-        }
-        let excess = self.distance(x) / self.reach_towards(x).max(f64::MIN_POSITIVE);
-        let edge: Vec<f64> = self.centre.iter().zip(x).map(|(c, x)| c + (x - c) / excess).collect();
-        log(&edge) - self.fall(&edge, &log) * (excess - 1.0)
-    }
-
     /// The slope at which a logarithmic density falls outwards at a point of the edge, for each reach; at least `STEEP`.
     fn fall(&self, edge: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
         let near = 0.99;

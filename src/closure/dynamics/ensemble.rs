@@ -68,7 +68,6 @@ impl Closure {
                 problem: problem.clone(),
                 family: family.ok_or(Error::NotClosed { order: self.lowest(), reason })?,
                 pilot,
-                guarded: self.guard,
                 rare: false,
                 referred: false,
                 seed: self.seed,

@@ -38,7 +38,6 @@ pub(super) struct Asked<'a> {
     pub(super) degrees: &'a Degrees,
     /// The share of the tails in the fit.
     pub(super) tails: f64,
-    pub(super) guarded: bool,
 }
 
 impl Snapshot {
@@ -129,7 +128,6 @@ impl Snapshot {
             integrals: Integrals::Panels { rules: nodes.rules, lines, apart },
             lattice: None,
             impacts: Vec::new(),
-            guarded: asked.guarded,
             rare: dynamics.rare,
             candidates: vec![candidate],
             indication: None,

@@ -194,7 +194,7 @@ impl Closure {
         let reason = "neither a frame that moves with the density nor its moment equations hold it at one of the times";
         let mut best: Option<Content> = None;
         for order in orders {
-            let asked = Asked { order, degrees: &self.degrees, tails, guarded: self.guard };
+            let asked = Asked { order, degrees: &self.degrees, tails };
             let least = |best: &Option<Content>| best.as_ref().map_or(f64::INFINITY, |c| c.candidates[0].l1_estimate);
             if least(&best) <= target {
                 break;

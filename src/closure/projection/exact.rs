@@ -69,12 +69,7 @@ impl NodalClosure {
         let integrals = self.integrals(&exponent, Resolved { rules: nodes.rules, apart }, lines)?;
         let lattice = self.lattice.as_ref().map(|(lattice, _)| lattice.clone());
         let provenance = self.provenance(order, unknowns, solved);
-        Some(Content {
-            lattice,
-            guarded: self.guarded,
-            provenance,
-            ..Content::exact(exponent, domain, integrals, apart)
-        })
+        Some(Content { lattice, provenance, ..Content::exact(exponent, domain, integrals, apart) })
     }
 }
 

@@ -84,10 +84,6 @@ impl Lattice {
         (nodes.points, weights)
     }
 
-    pub(super) fn centre(&self) -> &[f64] {
-        &self.centre
-    }
-
     /// A state in multiples of the axes; nodes have whole ones.
     pub(super) fn place(&self, x: &[f64]) -> Vec<f64> {
         let mut place: Vec<f64> = Vec::with_capacity(x.len());

@@ -5,9 +5,6 @@ use super::nest::Nest;
 use crate::error::Result;
 use crate::states::States;
 
-/// Halvings of the way to a state that is not trusted.
-const HALVINGS: usize = 40;
-
 /// Where a line was laid, between the lines about it: the domain of exp(Q), which beyond their ends means nothing.
 impl Nest {
     /// The same with its lines, and their mirror images, at their places of the lattice.
@@ -71,23 +68,6 @@ impl Nest {
     /// Whether a state lies on the lines.
     pub(super) fn contains(&self, x: &[f64]) -> bool {
         self.ends_at(&self.without(x)).is_some_and(|[low, high]| (low..=high).contains(&x[self.state]))
-    }
-
-    /// A state on the lines near another one, and how far that is away, relative to the reach of the lines and of the others.
-    pub(in crate::closure) fn nearest(&self, x: &[f64]) -> (Vec<f64>, f64) {
-        let centre = self.lattice.centre();
-        let (others, mut share) = (self.without(x), 1.0);
-        for _ in 0..HALVINGS {
-            let inner: Vec<f64> = centre.iter().zip(&others).map(|(c, x)| c + share * (x - c)).collect();
-            if let Some([low, high]) = self.ends_at(&inner) {
-                let (own, mut nearest) = (x[self.state], inner);
-                let inside = own.clamp(low, high);
-                nearest.insert(self.state, inside);
-                return (nearest, 2.0 * (own - inside).abs() / (high - low) + 1.0 / share - 1.0);
-            }
-            share *= 0.9;
-        }
-        (x.to_vec(), f64::INFINITY)
     }
 
     /// Draws of all states but those given: the others from their copula, the thin one evenly from its line.

@@ -136,7 +136,7 @@ pub(crate) mod domain {
     pub(crate) const BY_REFERENCE: f64 = 1.2;
     /// A guess that rises again so far below its peak, in ln p, is not followed any farther.
     pub(crate) const RISING: f64 = 5.0;
-    /// The guard's least fall of ln p for each reach.
+    /// The least fall of ln p at the edge, for each reach.
     pub(crate) const STEEP: f64 = 20.0;
 }
 

@@ -219,7 +219,7 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
         method @ (0..=2) => {
             let closure =
                 if draw.with(0.1) { Closure::adaptive(draw.log_within(1e-3, 1.0)) } else { Closure::new(order) };
-            let mut closure = closure.seed(seed).guard(draw.with(0.1));
+            let mut closure = closure.seed(seed);
             if !usual {
                 closure = closure.pilot_states(1000 + draw.below(4000)).inflation(draw.within(1.0, 10.0));
             }
