@@ -1,10 +1,9 @@
 //! The closure under Poisson impulses, against closed forms, exact moments and simulations.
 
 use crate::simulation::impulses::{laws, struck};
-use expoly::models::Duffing;
 use expoly::{
-    Amplitude, Closure, Density, Error, Gaussian, Grid, Jumps, Problem, Result, Simulation, Start, Termination, Wall,
-    Weight, compare, statistics,
+    Amplitude, Closure, Density, Error, Gaussian, Grid, Jumps, Problem, Result, Simulation, Start, Wall, Weight,
+    compare, statistics,
 };
 use nalgebra::{dmatrix, dvector};
 
@@ -136,37 +135,9 @@ fn the_power_balance_includes_impulses() -> Result<()> {
 fn methods_that_serve_no_impulses_say_so() -> Result<()> {
     let problem = struck(0.3, &[laws(5.0, 0.2)[0]]);
     assert!(matches!(Grid::new().solve(&problem), Err(Error::NotServed { .. })));
+    assert!(matches!(Closure::classical(4).solve(&problem), Err(Error::NotServed { .. })));
     let walled = problem.with_wall(Wall::above(-0.5, 0.8)?)?;
     assert!(matches!(Closure::new(4).solve(&walled), Err(Error::NotServed { .. })));
-    assert!(matches!(Closure::classical(4).solve(&walled), Err(Error::NotServed { .. })));
-    Ok(())
-}
-
-/// The literature's closure by derivative moments: with two of them it is the closure under white noise of the same intensity,
-/// exactly. With four and more E v⁴ = 3.0909 of a linear oscillator is met to 1e-3 at order 6, where white noise has 3; at order 4 the
-/// kurtosis above 3 makes the leading form rise, so that its root is no density.
-#[test]
-fn derivative_moments_stand_for_impulses() -> Result<()> {
-    let problem = struck(0.0, &[laws(5.0, 0.2)[0]]);
-    let white = Problem::of(Duffing::new(0.2, 1.0, 0.0, 0.2)?)?;
-    let moment = |density: &dyn Density, power| density.moment(&[0, power]).unwrap().value;
-    let by_two = Closure::classical(4).derivative_moments(2).solve(&problem)?.density()?;
-    let under_white = Closure::classical(4).solve(&white)?.density()?;
-    for power in [2, 4] {
-        assert!((moment(&by_two, power) / moment(&under_white, power) - 1.0).abs() < 1e-10);
-    }
-    for moments in [4, 6] {
-        let classical = |order| Closure::classical(order).derivative_moments(moments).solve(&problem);
-        assert_eq!(classical(4)?.termination(), Termination::NotNormalisable);
-        let density = classical(6)?.density()?;
-        let [square, fourth] = [2, 4].map(|power| moment(&density, power));
-        println!("{moments}: E v² {square}, E v⁴ {fourth}");
-        assert!((square - 1.0).abs() < 1e-4 && (fourth - 3.090873786).abs() < 2e-3, "{square} {fourth}");
-    }
-    for moments in [0, 1, 17] {
-        let refused = Closure::classical(4).derivative_moments(moments).solve(&problem);
-        assert!(matches!(refused, Err(Error::OutOfRange { name: "derivative moments", .. })));
-    }
     Ok(())
 }
 

@@ -1,6 +1,5 @@
 //! The Galerkin equations on the whole space: ∫ r(x; a) ψ_k f_N dx = 0.
 
-use super::derivative_moments::DerivativeMoments;
 use super::hermite::{ProductTable, combination, derivative, in_hermite, standard_normal};
 use crate::fokker_planck::FokkerPlanck;
 use crate::polynomial::{Polynomial, monomials, total_degree};
@@ -21,8 +20,7 @@ pub(super) trait GalerkinEquations {
     fn polynomial(&self, a: &Col<f64>) -> Polynomial;
 }
 
-/// F_k(a) = c_k + Σ_i L_ki a_i + Σ_{i≤j} T_kij a_i a_j, with coefficients exact but for rounding; and the higher derivative moments
-/// of impulses.
+/// F_k(a) = c_k + Σ_i L_ki a_i + Σ_{i≤j} T_kij a_i a_j, with coefficients exact but for rounding.
 ///
 /// The operator is that in scaled coordinates, in which f_N is standard normal, and the unknowns are the coefficients of
 /// Q in the orthonormal Hermite basis; the same functions test the equation.
@@ -33,7 +31,6 @@ pub(super) struct HermiteGalerkin {
     constant: Col<f64>,
     linear: Mat<f64>,
     quadratic: Vec<Triple>,
-    impulses: Option<DerivativeMoments>,
 }
 
 /// One coefficient T_kij.
@@ -46,15 +43,13 @@ struct Triple {
 }
 
 impl HermiteGalerkin {
-    /// The equations of order `order` for an operator in scaled coordinates, impulses by their derivative moments up to order
-    /// `highest`.
-    pub(super) fn new(operator: &FokkerPlanck, order: u32, highest: u32) -> Self {
+    /// The equations of order `order` for an operator in scaled coordinates.
+    pub(super) fn new(operator: &FokkerPlanck, order: u32) -> Self {
         let states = operator.dimension();
         let basis = monomials(states, order).split_off(1);
         // The number of each basis function.
         let rows: HashMap<Vec<u32>, usize> = basis.iter().cloned().zip(0..).collect();
-        let impulses = DerivativeMoments::new(operator, &basis, highest);
-        let terms = OperatorSeries::new(&operator.diffusive());
+        let terms = OperatorSeries::new(operator);
         let table = ProductTable::new(terms.degree + order);
         let mut constant = Col::zeros(basis.len());
         for (m, c) in terms.constant.terms() {
@@ -70,7 +65,7 @@ impl HermiteGalerkin {
             });
         }
         let quadratic = terms.quadratic(&table, &basis, &rows, order);
-        HermiteGalerkin { states, basis, constant, linear, quadratic, impulses }
+        HermiteGalerkin { states, basis, constant, linear, quadratic }
     }
 }
 
@@ -83,10 +78,7 @@ impl GalerkinEquations for HermiteGalerkin {
             jacobian[(k, j)] += t.value * a[i];
         }
         // The linear part counts once and the quadratic part half of its derivative.
-        let mut residual = &self.constant + (&self.linear + &jacobian) * a * 0.5;
-        if let Some(impulses) = &self.impulses {
-            impulses.add(a, &mut residual, &mut jacobian);
-        }
+        let residual = &self.constant + (&self.linear + &jacobian) * a * 0.5;
         (residual, jacobian)
     }
 

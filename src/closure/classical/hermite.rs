@@ -13,7 +13,7 @@ pub(super) fn in_hermite(polynomial: &Polynomial) -> Polynomial {
 }
 
 /// The function of these coefficients in the Hermite basis, in powers of z.
-pub(super) fn in_powers(series: &Polynomial) -> Polynomial {
+fn in_powers(series: &Polynomial) -> Polynomial {
     converted(series, &hermite_in_powers(series.degree()))
 }
 

@@ -10,7 +10,6 @@
 //! 3. `search`, by `newton` and `homotopy`: a root;
 //! 4. `solution`: the last iterate, and whether it is a density.
 
-mod derivative_moments;
 mod galerkin;
 mod half_plane;
 mod hermite;
@@ -79,7 +78,6 @@ impl fmt::Display for Basis {
 pub struct ClassicalClosure {
     order: u32,
     basis: Basis,
-    moments: u32,
 }
 
 impl ClassicalClosure {
@@ -89,7 +87,7 @@ impl ClassicalClosure {
     /// Orders 1 and odd orders are allowed; they give a density only where the terms of odd leading degree vanish. At
     /// many orders the classical equations have no usable root, which the solution's [`Termination`] reports.
     pub(super) fn new(order: u32) -> Self {
-        ClassicalClosure { order, basis: Basis::default(), moments: 4 }
+        ClassicalClosure { order, basis: Basis::default() }
     }
 
     /// Chooses the basis for problems with a wall; without one it has no effect.
@@ -97,21 +95,12 @@ impl ClassicalClosure {
         ClassicalClosure { basis, ..self }
     }
 
-    /// The highest order of the derivative moments λE\[Y^k\] that stand for impulses, from 2 to 16; 4 by default, as in the literature
-    /// (H. T. Zhu, 2012, doi:10.1007/s11071-012-0418-y). With 2 impulses are white noise.
-    ///
-    /// It is the order of a generalised Fokker-Planck equation, whose own solutions are no densities wherever it is truncated; its
-    /// equations for polynomials of the closure's order n are exact from n on.
-    pub fn derivative_moments(self, moments: u32) -> Self {
-        ClassicalClosure { moments, ..self }
-    }
-
     /// Closes a problem: on the whole space or, of an oscillator above a wall, on the half plane y ≥ b.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for order 0, for order 1 above a wall in the classical basis, which has no function of odd
     /// degree, and for more than 20 000 coefficients; [`Error::NoStationaryDensity`] where the Gaussian closure finds no
-    /// bounded moments; [`Error::NotServed`] for impulses next to walls or with an H that depends on the state, and unless the only wall, if any, is one that the motion stays above, and
+    /// bounded moments; [`Error::NotServed`] for impulses, and unless the only wall, if any, is one that the motion stays above, and
     /// [`Error::NotADisplacement`] if state 0 is not a displacement there with state 1 as velocity.
     ///
     /// ```
@@ -163,12 +152,12 @@ impl ClassicalClosure {
     }
 
     fn in_open_space(&self, operator: &FokkerPlanck, gaussian: &Gaussian) -> Result<(Found, Frame)> {
-        let (frame, moments) = (Frame::new(gaussian)?, self.moments);
+        let frame = Frame::new(gaussian)?;
         let scaled = operator.in_frame(&frame);
         let linear = operator.linearised(gaussian).in_frame(&frame);
         let search = Search {
-            equations: |order| HermiteGalerkin::new(&scaled, order, moments),
-            linearised: |order| HermiteGalerkin::new(&linear, order, moments),
+            equations: |order| HermiteGalerkin::new(&scaled, order),
+            linearised: |order| HermiteGalerkin::new(&linear, order),
             half_space: false,
         };
         Ok((search.run(self.order), frame))
@@ -209,12 +198,7 @@ impl ClassicalClosure {
 
     /// Refuses orders that leave no coefficient to find, and those with too many.
     fn check(&self, problem: &Problem) -> Result<()> {
-        require((2..=16).contains(&self.moments), "derivative moments", self.moments.into(), "take 2 to 16 of them")?;
-        let walled = !problem.walls().is_empty();
-        if problem.impulses().iter().any(|impulse| walled || impulse.direction().is_none()) {
-            let what = "impulses next to walls, or that depend on the state";
-            return Err(Error::NotServed { method: METHOD, what, remedy: "take the simulation" });
-        }
+        problem.require_no_impulses(METHOD)?;
         let (name, order) = ("order of the closure", f64::from(self.order));
         let remedy = "at this order there is no coefficient to find; take order 1 or more";
         require(self.order > 0, name, order, remedy)?;
