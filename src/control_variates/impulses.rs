@@ -5,7 +5,7 @@ use crate::numerics::legendre::recurrence;
 use crate::polynomial::Polynomial;
 use std::collections::HashMap;
 
-/// λ E\[ψ(x + H Y) − ψ(x)\], or its derivative by parameters, of products of Legendre polynomials as combinations of these products: for each its terms, by
+/// λ E\[ψ(x + H Y) − ψ(x)\], or its derivative by a parameter, of products of Legendre polynomials as combinations of these products: for each its terms, by
 /// the place of the product in the list, where 0 is the constant.
 ///
 /// Impulses are jumps of the sampled states; their expectation has far less variance than the jumps themselves, and costs a few

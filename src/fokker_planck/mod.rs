@@ -224,15 +224,15 @@ impl FokkerPlanck {
         }
     }
 
-    /// Of an operator whose last two states are parameters ε₁ and ε₂, and of its `impulses`, the coefficient of powers of these.
-    pub(crate) fn coefficient(&self, powers: [u32; 2], impulses: &[Impulse<HyperDual64>]) -> Self {
-        let n = self.dimension() - 2;
-        let part = |p: &Polynomial| p.coefficient_of_last(powers);
+    /// Of an operator whose last state is a parameter ε, and of its `impulses`, the coefficient of this.
+    pub(crate) fn derivative(&self, impulses: &[Impulse<HyperDual64>]) -> Self {
+        let n = self.dimension() - 1;
+        let part = |p: &Polynomial| p.coefficient_of_last(1);
         FokkerPlanck {
             drift: self.drift[..n].iter().map(part).collect(),
             diffusion: self.diffusion[..n].iter().map(|row| row[..n].iter().map(part).collect()).collect(),
             impulses: Vec::new(),
-            moved: impulses.iter().filter_map(|impulse| ImpulseTerm::derivative(impulse, powers)).collect(),
+            moved: impulses.iter().filter_map(ImpulseTerm::derivative).collect(),
         }
     }
 

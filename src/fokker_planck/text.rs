@@ -124,10 +124,9 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
         let digits = f.precision();
         let (open, close, mean, to) =
             if self.latex { (r"\left(", r"\right)", r"\mathrm{E}", r"\to") } else { ("(", ")", "E", "->") };
-        let whole = self.operator.impulses().iter().map(|impulse| (impulse.clone(), 0));
-        let all =
-            whole.chain(self.operator.moved.iter().map(|term| (term.impulse(), term.order()))).collect::<Vec<_>>();
-        for (j, (impulse, order)) in all.iter().enumerate() {
+        let whole = self.operator.impulses().iter().map(|impulse| (impulse.clone(), false));
+        let all = whole.chain(self.operator.moved.iter().map(|term| (term.impulse(), true))).collect::<Vec<_>>();
+        for (j, (impulse, differentiated)) in all.iter().enumerate() {
             let size = if all.len() > 1 { format!("Y{}", j + 1) } else { "Y".to_owned() };
             let moved = |sign: char| {
                 let state = move |(i, h): (usize, &Polynomial)| match (h.is_zero(), h.degree(), h.constant_term()) {
@@ -139,12 +138,10 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
             };
             let rate = self.polynomial(digits, &Polynomial::constant(self.states(), impulse.jumps().rate()));
             // Of a derivative what is to be differentiated.
-            let by = match (order, self.latex) {
-                (0, _) => ["", ""],
-                (1, false) => ["d/dtheta [", "]"],
-                (_, false) => ["d2/dtheta1dtheta2 [", "]"],
-                (1, true) => [r"\frac{\partial}{\partial \theta}\left[", r"\right]"],
-                (_, true) => [r"\frac{\partial^2}{\partial \theta_1\,\partial \theta_2}\left[", r"\right]"],
+            let by = match (differentiated, self.latex) {
+                (false, _) => ["", ""],
+                (true, false) => ["d/dtheta [", "]"],
+                (true, true) => [r"\frac{\partial}{\partial \theta}\left[", r"\right]"],
             };
             write!(f, " + {}{rate} {open}{mean}[{begin}", by[0])?;
             if impulse.direction().is_some() {

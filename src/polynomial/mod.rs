@@ -250,11 +250,11 @@ impl Polynomial {
         self.evaluate(&inner).polynomial(states)
     }
 
-    /// The coefficient of powers of the last two variables, a polynomial in the others.
-    pub(crate) fn coefficient_of_last(&self, powers: [u32; 2]) -> Self {
-        let n = self.dimension - 2;
+    /// The coefficient of a power of the last variable, a polynomial in the others.
+    pub(crate) fn coefficient_of_last(&self, power: u32) -> Self {
+        let n = self.dimension - 1;
         let mut part = Polynomial::zero(n);
-        for (alpha, c) in self.terms().filter(|(alpha, _)| alpha[n..] == powers) {
+        for (alpha, c) in self.terms().filter(|(alpha, _)| alpha[n] == power) {
             part.add_term(&alpha[..n], c);
         }
         part

@@ -35,7 +35,7 @@ impl Arena {
 /// A polynomial that can be copied like a number: a handle into an [`Arena`].
 ///
 /// It implements [`Scalar`], so that a drift evaluated on symbols returns the drift's polynomials. Parameters may be dual
-/// numbers, a + b ε₁ + c ε₂ + d ε₁ε₂: then the last two variables of the arena are ε₁ and ε₂.
+/// numbers, a + b ε: then the last variable of the arena is ε.
 #[derive(Clone, Copy)]
 pub(crate) struct Symbol<'a>(Inner<'a>);
 
@@ -83,18 +83,16 @@ impl From<HyperDual64> for Symbol<'_> {
 
 /// Whether a dual number has no part but the real one.
 pub(crate) fn is_real(number: HyperDual64) -> bool {
-    [number.eps1, number.eps2, number.eps1eps2] == [0.0; 3]
+    number.eps1 == 0.0
 }
 
-/// A dual number as a polynomial whose last two variables are ε₁ and ε₂.
+/// A dual number as a polynomial whose last variable is ε.
 pub(crate) fn series(number: HyperDual64, variables: usize) -> Polynomial {
-    let HyperDual64 { re, eps1, eps2, eps1eps2, .. } = number;
-    let constant = Polynomial::constant(variables, re);
+    let constant = Polynomial::constant(variables, number.re);
     if is_real(number) {
         return constant;
     }
-    let [first, second] = [2, 1].map(|back| Polynomial::variable(variables, variables - back));
-    constant + &first * eps1 + &second * eps2 + &first * &second * eps1eps2
+    constant + Polynomial::variable(variables, variables - 1) * number.eps1
 }
 
 impl fmt::Debug for Symbol<'_> {

@@ -211,7 +211,7 @@ where
     }
 
     fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
-        fixed(&self.0.with(&mut |name, present| value(name, present)), 2).lifted()
+        fixed(&self.0.with(&mut |name, present| value(name, present)), 1).lifted()
     }
 }
 
@@ -228,7 +228,7 @@ where
     }
 
     fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
-        any_size(&self.0.with(&mut |name, present| value(name, present)), 2)?.lifted()
+        any_size(&self.0.with(&mut |name, present| value(name, present)), 1)?.lifted()
     }
 }
 

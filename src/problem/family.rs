@@ -11,7 +11,7 @@ pub(super) trait Family: Send + Sync {
     /// The problem with `value(name, present value)` for each parameter.
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem>;
 
-    /// The system with dual numbers for the parameters, a + b ε₁ + c ε₂ + d ε₁ε₂.
+    /// The system with dual numbers for the parameters, a + b ε.
     fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted>;
 
     /// The walls that the definition itself contains.
@@ -22,7 +22,7 @@ pub(super) trait Family: Send + Sync {
 
 /// A system with dual numbers for its parameters.
 pub(super) struct Lifted {
-    /// ε₁ and ε₂ are two more states, which do not move.
+    /// ε is one more state, which does not move.
     pub(super) operator: FokkerPlanck,
     /// Those of the operator with the dual numbers of rates and laws.
     pub(super) impulses: Vec<Impulse<HyperDual64>>,
@@ -31,9 +31,9 @@ pub(super) struct Lifted {
 }
 
 impl Lifted {
-    /// The coefficient of powers of ε₁ and ε₂ in the operator.
-    fn coefficient(&self, powers: [u32; 2]) -> FokkerPlanck {
-        self.operator.coefficient(powers, &self.impulses)
+    /// The coefficient of ε in the operator.
+    fn derivative(&self) -> FokkerPlanck {
+        self.operator.derivative(&self.impulses)
     }
 }
 
@@ -78,50 +78,35 @@ impl Problem {
         walls.into_iter().try_fold(made.without_walls(), Self::with_wall)
     }
 
-    /// The derivative of the Fokker-Planck operator by one parameter, ∂f/∂θ and ∂B/∂θ of the Itô drift f and of B = G Gᵀ, or by
-    /// two, which may be the same. It is exact: the definition runs on dual numbers. Of Poisson impulses it has ∂(λ E\[ψ(x + H Y) −
-    /// ψ(x)\])/∂θ, which its [`FokkerPlanck::generator`] contains.
+    /// The derivative of the Fokker-Planck operator by a parameter, ∂f/∂θ and ∂B/∂θ of the Itô drift f and of B = G Gᵀ. It is exact:
+    /// the definition runs on dual numbers. Of Poisson impulses it has ∂(λ E\[ψ(x + H Y) − ψ(x)\])/∂θ, which its
+    /// [`FokkerPlanck::generator`] contains.
     ///
     /// The stationary density's derivative p′ solves L p′ = −L′p with it.
     ///
     /// # Errors
-    /// [`Error::NotAName`] if no parameter has the name, [`Error::OutOfRange`] unless there are one or two names; [`Error::NotKnown`]
-    /// where the system is not [`Parametric`](crate::Parametric) and does not come from a text, or does not contain the
-    /// parameter; [`Error::NotServed`] for a parameter of walls, on which the operator does not act.
+    /// [`Error::NotAName`] if no parameter has the name; [`Error::NotKnown`] where the system is not
+    /// [`Parametric`](crate::Parametric) and does not come from a text, or does not contain the parameter; [`Error::NotServed`] for a parameter of walls, on which the operator does not act.
     ///
     /// ```
     /// use expoly::models::{Duffing, Solved};
     /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
-    /// let (by_damping, by_noise) = (problem.derivative(&["c"])?, problem.derivative(&["D"])?);
+    /// let (by_damping, by_noise) = (problem.derivative("c")?, problem.derivative("D")?);
     /// assert_eq!(by_damping.drift()[1].text(problem.states()).to_string(), "- v");
     /// assert!((by_noise.diffusion()[1][1].coefficient(&[0, 0]) - 2.0).abs() < 1e-15); // B = 2D
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn derivative(&self, parameters: &[&str]) -> Result<FokkerPlanck> {
-        let (first, second) = match *parameters {
-            [first] => (first, None),
-            [first, second] => (first, Some(second)),
-            _ => {
-                let remedy = "a derivative is by one parameter, or by two";
-                return Err(Error::OutOfRange { name: "number of parameters", value: parameters.len() as f64, remedy });
-            }
-        };
-        let mut of_walls = false;
-        for name in parameters {
-            of_walls |= self.number_of_wall(self.index_of_parameter(name)?).is_some();
-        }
-        let lifted = if of_walls { None } else { Some(self.lifted(first, second)?) };
+    pub fn derivative(&self, parameter: &str) -> Result<FokkerPlanck> {
+        let of_walls = self.number_of_wall(self.index_of_parameter(parameter)?).is_some();
+        let lifted = if of_walls { None } else { Some(self.lifted(parameter)?) };
         let Some(lifted) = lifted.filter(|lifted| lifted.walls.iter().flatten().all(|number| is_real(*number))) else {
             let (method, what) = ("a derivative of the equations", "a parameter of walls, which are none of them");
             let remedy =
                 "take the derivative of a density: `GridDensity::sensitivities` or `ClosureDensity::sensitivity`";
             return Err(Error::NotServed { method, what, remedy });
         };
-        let zero = |powers: [u32; 2]| lifted.coefficient(powers).is_zero();
-        if zero([1, 0]) || second.is_some() && zero([0, 1]) {
-            return Err(independent(if zero([1, 0]) { first } else { second.unwrap_or(first) }));
-        }
-        Ok(lifted.coefficient([1, u32::from(second.is_some())]))
+        let derivative = lifted.derivative();
+        if derivative.is_zero() { Err(independent(parameter)) } else { Ok(derivative) }
     }
 
     /// What of the problem moves with a parameter, whatever it is one of.
@@ -135,30 +120,20 @@ impl Problem {
             walls[wall][number] = 1.0;
             return Ok(Motion { operator: FokkerPlanck::zero(self.dimension()), walls });
         }
-        let lifted = self.lifted(parameter, None)?;
-        let motion = self.moved(&lifted, [1, 0], |number| number.eps1)?;
+        let (family, lifted) = (self.family()?, self.lifted(parameter)?);
+        for (wall, (rates, numbers)) in walls.iter_mut().zip(&lifted.walls).enumerate() {
+            let follows = self.follows(family, wall);
+            *rates = [0, 1].map(|k| if follows[k] { numbers[k].eps1 } else { 0.0 });
+        }
+        let motion = Motion { operator: lifted.derivative(), walls };
         let fixed = motion.operator.is_zero() && motion.walls.iter().flatten().all(|rate| *rate == 0.0);
         if fixed { Err(independent(parameter)) } else { Ok(motion) }
     }
 
-    /// A derivative of the definition: the coefficient of powers in the operator, and that part of the walls' own numbers.
-    fn moved(&self, lifted: &Lifted, powers: [u32; 2], part: fn(HyperDual64) -> f64) -> Result<Motion> {
-        let family = self.family()?;
-        let rates = |wall: usize| {
-            let numbers = lifted.walls.get(wall);
-            let follows = self.follows(family, wall);
-            numbers.map_or([0.0; 2], |numbers| [0, 1].map(|k| if follows[k] { part(numbers[k]) } else { 0.0 }))
-        };
-        let walls = (0..self.walls.len()).map(rates).collect();
-        Ok(Motion { operator: lifted.coefficient(powers), walls })
-    }
-
-    /// The system with dual numbers for one parameter, or for two, which may be the same.
-    fn lifted(&self, first: &str, second: Option<&str>) -> Result<Lifted> {
-        let seed = |name: &str, present: f64| {
-            let [first, second] = [Some(first), second].map(|by| f64::from(u8::from(by == Some(name))));
-            HyperDual64::new(present, first, second, 0.0)
-        };
+    /// The system with dual numbers for one parameter.
+    fn lifted(&self, parameter: &str) -> Result<Lifted> {
+        let seed =
+            |name: &str, present: f64| HyperDual64::new(present, f64::from(u8::from(name == parameter)), 0.0, 0.0);
         self.family()?.lifted(&seed)
     }
 

@@ -114,7 +114,7 @@ impl<P: Parameter> Jumps<P> {
     /// let problem = Problem::parametric(Hail { damping: 0.2, rate: 3.0, size: 0.5 })?;
     /// // λ E[(v + Y)² − v²] = λ (2 v m + 2 m²), by m.
     /// let v = expoly::Polynomial::variable(2, 1);
-    /// let by_size = problem.derivative(&["m"])?.generator(&(&v * &v));
+    /// let by_size = problem.derivative("m")?.generator(&(&v * &v));
     /// assert_eq!(by_size.text(problem.states()).to_string(), "6 + 6 v");
     /// # Ok::<(), expoly::Error>(())
     /// ```

@@ -59,7 +59,7 @@ impl<P: DualNum<Primitive = f64> + Copy + Send + Sync> Parameter for P {}
 ///
 /// let problem = Problem::parametric(Hardening { damping: 0.2, frequency: 2.0, intensity: 0.1 })?;
 /// assert_eq!(problem.parameters()[1], ("omega".into(), 2.0));
-/// let by_frequency = problem.derivative(&["omega"])?;
+/// let by_frequency = problem.derivative("omega")?;
 /// assert_eq!(by_frequency.drift()[1].text(problem.states()).to_string(), "- 4 x - 1.2 x^3");
 /// assert_eq!(problem.with_parameter("omega", 1.0)?.drift()[1].text(problem.states()).to_string(), "- x - 0.2 v - 0.3 x^3");
 /// # Ok::<(), expoly::Error>(())

@@ -164,7 +164,7 @@ fn a_text_has_the_derivatives_of_the_system() -> Result<()> {
     println!("E v² by the rate: {energy:.5} for 0.4");
     assert!((energy - 0.4).abs() < 4e-3);
     // Without white noise derivatives by the damping need no other noise.
-    assert!(Problem::from_toml(&text(""))?.derivative(&["c"]).is_ok());
+    assert!(Problem::from_toml(&text(""))?.derivative("c").is_ok());
     Ok(())
 }
 

@@ -11,7 +11,7 @@ use crate::system::{Amplitude, Parameter};
 use faer::{Mat, MatMut, MatRef};
 use num_dual::HyperDual64;
 
-/// Adds λ E\[φ(x + H Y) − φ(x)\], or its derivative by parameters, at nodes to the rates of functions, whose `values` at the nodes are the constant's and then theirs.
+/// Adds λ E\[φ(x + H Y) − φ(x)\], or its derivative by a parameter, at nodes to the rates of functions, whose `values` at the nodes are the constant's and then theirs.
 /// Impulses that would leave the domain are left out.
 ///
 /// Functions are polynomials that are of ordinary size on the domain alone, and grow fast beyond it: their exact expectation, by
@@ -43,7 +43,8 @@ pub(in crate::closure) fn add_rates(
                 None
             } else {
                 let mut slopes = Mat::zeros(after.len(), space.len() + 1);
-                let local = |k: usize| (&landings[k].drift[..], &landings[k].diffusion[..]);
+                let still = vec![0.0; points.dimension().pow(2)];
+                let local = |k: usize| (&landings[k].drift[..], &still[..]);
                 sweep::tabulate_rates(space, &after, local, [table.as_mut(), slopes.as_mut()]);
                 Some(slopes)
             };

@@ -42,7 +42,7 @@ impl Family for Text {
             let present = self.changed(name, found);
             present + (value(name, present.re) - present.re)
         };
-        let Read { form, names, walls } = Document(&self.text).equations(&seeded, 2)?;
+        let Read { form, names, walls } = Document(&self.text).equations(&seeded, 1)?;
         let n = names.variables();
         let padded = |mut entries: Vec<Polynomial>| {
             entries.resize(n, Polynomial::zero(n));
