@@ -44,18 +44,16 @@ fn run(options: &Options) -> Result<(), Error> {
     let simulation = Simulation::new().sampling_interval(0.2).samples(options.samples).seed(options.seed);
     let simulation = simulation.moments([[6, 0], [0, 6], [0, 8]]).levels([options.level]).spectrum(0, SEGMENT);
     let simulation = simulation.first_passage(options.level, 40.0, 8);
-    let corners = [0.2, 0.6].map(|y| [0.0, 1.0].map(|v| [options.wall + y, v])).concat();
-    let found = simulation.points(corners, [0.1, 0.3]).run(&problem)?;
+    let found = simulation.run(&problem)?;
     let made = found.provenance();
     println!("{} samples, time step {}, {:.1} s", shown(made.samples), shown(made.time_step), made.seconds);
     for exponents in [[1, 0], [2, 0], [0, 2], [0, 4], [6, 0], [0, 6], [0, 8]] {
         print(&format!("E y^{} v^{}", exponents[0], exponents[1]), found.moment(&exponents)?);
     }
-    for (place, density) in found.at_points() {
-        print(&format!("p({:.1}, {:.1})", place[0], place[1]), density);
+    for [y, v] in [0.2, 0.6].map(|y| [0.0, 1.0].map(|v| [options.wall + y, v])).concat() {
+        print(&format!("p({y:.1}, {v:.1})"), found.pdf(&[y, v])?);
     }
     print(&format!("up-crossings of {}, counted", options.level), found.upcrossing_rate(options.level)?);
-    print(&format!("up-crossings of {}, by Rice", options.level), found.upcrossing_rate_by_rice(options.level)?);
     passages(&found, options.level)?;
     if let (Some(rate), Some(speeds)) = (found.impact_rate(), found.impact_speeds()) {
         print("impacts per unit time", rate);

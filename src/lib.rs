@@ -15,7 +15,7 @@
 //! | How likely, how often, how soon? | [`statistics`]; [`Survival`] without Poisson's assumption |
 //! | Which parameter matters, and how much? | [`ClosureDensity::sensitivity`], [`GridDensity::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
 //! | Which parameters do measurements have, or does a demand need? | [`inverse`] |
-//! | How do I take it elsewhere: LaTeX, Python, Rust, MATLAB, JSON? | [`ClosedForm`] |
+//! | How do I take it elsewhere: LaTeX, Python, MATLAB, JSON? | [`ClosedForm`] |
 //! | Which order is enough, what depends on a parameter? | [`study`] |
 //! | Which systems are solved? | [`models`] |
 //!

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 
 /// The equation on one line, after a comment on its origin.
 pub(super) fn text(form: &ClosedForm, symbols: &[&str]) -> Result<String> {
-    let reason = "above a wall ln p has a singular part and kinks beside its polynomial; take Python, Rust or MATLAB, \
+    let reason = "above a wall ln p has a singular part and kinks beside its polynomial; take Python or MATLAB, \
         which have them, or JSON";
     let polynomial = form.log_polynomial().ok_or(Error::NoText { language: "LaTeX", reason })?;
     let names = form.names();

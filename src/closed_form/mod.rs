@@ -7,7 +7,6 @@ mod latex;
 mod matlab;
 mod names;
 mod python;
-mod rust;
 
 use crate::checks::dimension;
 use crate::closure::ClosureDensity;
@@ -44,7 +43,7 @@ impl From<ExpPolynomial> for ClosedDensity {
 
 /// A density that can leave the program: ln p with the names of its states.
 ///
-/// As LaTeX, Python, Rust or MATLAB it is usable without this library; as JSON it loads again to the same bits, errors,
+/// As LaTeX, Python or MATLAB it is usable without this library; as JSON it loads again to the same bits, errors,
 /// moments and provenance included, without being solved anew. It is a [`Density`] itself.
 ///
 /// ```
@@ -131,14 +130,6 @@ impl ClosedForm {
     /// [`Error::NoText`] where the density is of a form that is not written out.
     pub fn python(&self) -> Result<String> {
         Ok(python::text(&self.formula()?))
-    }
-
-    /// A Rust module without dependencies, as [`ClosedForm::python`].
-    ///
-    /// # Errors
-    /// As [`ClosedForm::python`].
-    pub fn rust(&self) -> Result<String> {
-        Ok(rust::text(&self.formula()?))
     }
 
     /// A MATLAB function file, to be saved as `log_p.m`; it takes arrays of equal size, element by element.

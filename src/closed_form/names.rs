@@ -2,13 +2,10 @@ use crate::error::{Error, Result};
 
 /// Words that have another meaning in one of the texts: the languages' keywords, and the names of functions and variables in
 /// scope where the states are arguments.
-const TAKEN: [&str; 4] = [
+const TAKEN: [&str; 3] = [
     // Python.
     "False None True and as assert async await break class continue def del elif else except finally for from global \
      if import in is lambda nonlocal not or pass raise return try while with yield",
-    // Rust.
-    "Self abstract become box const crate do dyn enum extern false final fn impl let loop macro match mod move mut \
-     override priv pub ref self static struct super trait true type typeof unsafe unsized use virtual where",
     // MATLAB.
     "case catch classdef elseif end function otherwise parfor persistent spmd switch",
     "Inf abs arrayfun atan2 expansion float floor grazing inside int inverse kinks knots legendre legendre_values \

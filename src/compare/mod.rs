@@ -3,9 +3,7 @@
 //! | distance | between | |
 //! |---|---|---|
 //! | ∫ \|p − q\| dx, Hellinger's, Kullback's and Leibler's | two densities | [`distances()`], [`l1`] |
-//! | the largest \|log₁₀ p/q\| down to a level | two densities, or marginals | [`log_ratio`], [`marginal_log_ratio`] |
-//! | ∫ \|p − q\| dx | marginals | [`marginal_l1`] |
-//! | E_p − E_q of all monomials | two densities | [`moment_differences`] |
+//! | the largest \|log₁₀ p/q\| down to a level | two densities | [`log_ratio`] |
 //! | L¹ and log ratio, bin by bin | a marginal and a histogram | [`with_histogram`] |
 //! | a lower bound of ∫ \|p − q\| dx | a density and states that it was not fitted to | [`l1_at_least`] |
 //!
@@ -15,14 +13,10 @@
 
 mod distances;
 mod histogram;
-mod marginal;
-mod moments;
 mod ratio;
 mod witness;
 
 pub use distances::{Distances, distances, l1};
 pub use histogram::{HistogramDistance, with_histogram};
-pub use marginal::{marginal_l1, marginal_log_ratio};
-pub use moments::moment_differences;
 pub use ratio::log_ratio;
 pub use witness::l1_at_least;

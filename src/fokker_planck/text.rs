@@ -2,20 +2,10 @@ use super::FokkerPlanck;
 use crate::polynomial::Polynomial;
 use std::fmt;
 
-/// The equation that is written.
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    /// 0 = L p.
-    Equation,
-    /// r = L exp(Q) / exp(Q).
-    Residual,
-}
-
-/// The Fokker-Planck equation, or the residual of exp(Q), as text or LaTeX with chosen names for the states.
+/// The Fokker-Planck equation as text or LaTeX with chosen names for the states.
 struct OperatorText<'a, A> {
     operator: &'a FokkerPlanck,
     names: &'a [A],
-    form: Form,
     latex: bool,
 }
 
@@ -32,63 +22,17 @@ impl FokkerPlanck {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn text<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
-        OperatorText { operator: self, names, form: Form::Equation, latex: false }
+        OperatorText { operator: self, names, latex: false }
     }
 
     /// The stationary equation in LaTeX.
     pub fn latex<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
-        OperatorText { operator: self, names, form: Form::Equation, latex: true }
-    }
-
-    /// The residual of exp(Q) in plain text, in derivatives of Q.
-    ///
-    /// ```
-    /// use expoly::models::{Linear, Solved};
-    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
-    /// assert_eq!(
-    ///     problem.operator().residual_text(&["x", "v"]).to_string(),
-    ///     "r = 0.5 + (- v) Q_x + (x + 0.5 v) Q_v + (0.5) (Q_vv + Q_v Q_v)"
-    /// );
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn residual_text<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
-        OperatorText { operator: self, names, form: Form::Residual, latex: false }
-    }
-
-    /// The residual of exp(Q) in LaTeX.
-    pub fn residual_latex<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
-        OperatorText { operator: self, names, form: Form::Residual, latex: true }
+        OperatorText { operator: self, names, latex: true }
     }
 }
 
 impl<A: AsRef<str>> fmt::Display for OperatorText<'_, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.form {
-            Form::Equation => self.equation(f),
-            Form::Residual => self.residual(f),
-        }
-    }
-}
-
-impl<A: AsRef<str>> OperatorText<'_, A> {
-    fn states(&self) -> usize {
-        self.operator.dimension()
-    }
-
-    fn name(&self, i: usize) -> &str {
-        self.names.get(i).map_or("?", AsRef::as_ref)
-    }
-
-    /// A polynomial with so many digits, or all.
-    fn polynomial(&self, precision: Option<usize>, p: &Polynomial) -> String {
-        let written = |text: &dyn fmt::Display| match precision {
-            None => text.to_string(),
-            Some(digits) => format!("{text:.digits$}"),
-        };
-        if self.latex { written(&p.latex(self.names)) } else { written(&p.text(self.names)) }
-    }
-
-    fn equation(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = f.precision();
         let (open, close) = if self.latex { (r"\left[\left(", r"\right) p\right]") } else { ("[(", ") p]") };
         f.write_str("0 =")?;
@@ -115,12 +59,30 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                 write!(f, " + {curvature}{open}{}{close}", self.polynomial(digits, &b))?;
             }
         }
-        self.impulses(f, ["p(", ")"], "p")
+        self.impulses(f)
+    }
+}
+
+impl<A: AsRef<str>> OperatorText<'_, A> {
+    fn states(&self) -> usize {
+        self.operator.dimension()
     }
 
-    /// λ (E[density before an impulse] − `own`) of each source, the density between two strings. Where H depends on the state the
-    /// transition is written. A derivative has the values of the parameters within its brackets.
-    fn impulses(&self, f: &mut fmt::Formatter<'_>, [begin, end]: [&str; 2], own: &str) -> fmt::Result {
+    fn name(&self, i: usize) -> &str {
+        self.names.get(i).map_or("?", AsRef::as_ref)
+    }
+
+    /// A polynomial with so many digits, or all.
+    fn polynomial(&self, precision: Option<usize>, p: &Polynomial) -> String {
+        let written = |text: &dyn fmt::Display| match precision {
+            None => text.to_string(),
+            Some(digits) => format!("{text:.digits$}"),
+        };
+        if self.latex { written(&p.latex(self.names)) } else { written(&p.text(self.names)) }
+    }
+
+    /// λ (E[p before an impulse] − p) of each source. Where H depends on the state the transition is written. A derivative has the values of the parameters within its brackets.
+    fn impulses(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = f.precision();
         let (open, close, mean, to) =
             if self.latex { (r"\left(", r"\right)", r"\mathrm{E}", r"\to") } else { ("(", ")", "E", "->") };
@@ -143,44 +105,15 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                 (true, false) => ["d/dtheta [", "]"],
                 (true, true) => [r"\frac{\partial}{\partial \theta}\left[", r"\right]"],
             };
-            write!(f, " + {}{rate} {open}{mean}[{begin}", by[0])?;
+            write!(f, " + {}{rate} {open}{mean}[p(", by[0])?;
             if impulse.direction().is_some() {
                 f.write_str(&moved('-'))?;
             } else {
                 let names: Vec<&str> = (0..self.states()).map(|i| self.name(i)).collect();
                 write!(f, "before {} {to} {}", names.join(", "), moved('+'))?;
             }
-            write!(f, "{end}] - {own}{close}{}", by[1])?;
+            write!(f, ")] - p{close}{}", by[1])?;
         }
         Ok(())
-    }
-
-    fn residual(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let digits = f.precision();
-        let spread = self.operator.diffusion_divergence();
-        let constant = self.operator.residual(&Polynomial::zero(self.states()));
-        let (open, close) = if self.latex { (r"\left(", r"\right)") } else { ("(", ")") };
-        write!(f, "r = {}", self.polynomial(digits, &constant))?;
-        for i in 0..self.states() {
-            let factor = &spread[i] - &self.operator.drift[i];
-            if !factor.is_zero() {
-                write!(f, " + {open}{}{close} {}", self.polynomial(digits, &factor), self.derivative(&[i]))?;
-            }
-        }
-        for i in 0..self.states() {
-            for j in i..self.states() {
-                let b = &self.operator.diffusion[i][j] * if i == j { 0.5 } else { 1.0 };
-                if !b.is_zero() {
-                    let (qi, qj, qij) = (self.derivative(&[i]), self.derivative(&[j]), self.derivative(&[i, j]));
-                    write!(f, " + {open}{}{close} {open}{qij} + {qi} {qj}{close}", self.polynomial(digits, &b))?;
-                }
-            }
-        }
-        self.impulses(f, if self.latex { [r"e^{Q(", ") - Q}"] } else { ["exp(Q(", ") - Q)"] }, "1")
-    }
-
-    fn derivative(&self, states: &[usize]) -> String {
-        let names: Vec<&str> = states.iter().map(|&i| self.name(i)).collect();
-        if self.latex { format!("Q_{{{}}}", names.join(" ")) } else { format!("Q_{}", names.concat()) }
     }
 }

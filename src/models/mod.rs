@@ -18,9 +18,8 @@
 //! | [`TunedAbsorber`] | x″ + c x′ + k x + μ x³ + s = ξ, m y″ = s = κ (x − y) + γ (x′ − y′) | none |
 //! | [`NonlinearEnergySink`] | the same with s = ν (x − y)³ + γ (x′ − y′) | none |
 //! | [`FilteredDuffing`] | Duffing under z, z′ = a (ξ − z) or z″ + 2ζω z′ + ω² z = ω² ξ | none |
-//! | [`VibroImpactDuffing`] | Duffing above a wall that need not stand at the rest position | for r = 1; for r near 1 the asymptotic [`EnergyAveraged`] |
+//! | [`VibroImpactDuffing`] | Duffing above a wall that need not stand at the rest position | for r = 1 |
 //! | [`ColouredVibroImpact`] | the same under z + ξ₀ with z′ = a (ξ − z) | none |
-//! | [`SoftWalls`] | x″ + c x′ + k x + μ x³ + U′ + γ x′ = ξ, U = e s²ᵐ and γ ~ sᵐ⁻¹ for s from −1 to 1 between walls | exp(−c H/D) for r = 1 |
 //! | [`ImpactAbsorber`] | a structure with an absorber between two stops | none |
 //!
 //! Every D is an intensity as in [`Intensity`](crate::Intensity); H = x′²/2 + G(x) is the energy per unit mass, G′ the restoring force.
@@ -33,7 +32,6 @@ mod cubic_damping;
 mod displacement_noise;
 mod duffing;
 mod duffing_van_der_pol;
-mod energy_averaged;
 mod energy_damping;
 mod filtered_duffing;
 mod follower;
@@ -42,7 +40,6 @@ mod linear;
 mod nonlinear_energy_sink;
 mod parametric_linear;
 mod quintic_duffing;
-mod soft_walls;
 mod tuned_absorber;
 mod van_der_pol_rayleigh;
 mod velocity_noise;
@@ -56,7 +53,6 @@ pub use cubic_damping::CubicDamping;
 pub use displacement_noise::DisplacementNoise;
 pub use duffing::Duffing;
 pub use duffing_van_der_pol::DuffingVanDerPol;
-pub use energy_averaged::EnergyAveraged;
 pub use energy_damping::EnergyDamping;
 pub use filtered_duffing::FilteredDuffing;
 pub use impact_absorber::ImpactAbsorber;
@@ -64,7 +60,6 @@ pub use linear::Linear;
 pub use nonlinear_energy_sink::NonlinearEnergySink;
 pub use parametric_linear::{ParametricLinear, PowerLaw};
 pub use quintic_duffing::QuinticDuffing;
-pub use soft_walls::SoftWalls;
 pub use tuned_absorber::TunedAbsorber;
 pub use van_der_pol_rayleigh::VanDerPolRayleigh;
 pub use velocity_noise::VelocityNoise;

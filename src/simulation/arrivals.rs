@@ -41,13 +41,13 @@ pub(super) const SECOND_HALF: Range<f64> = 0.5..1.0;
 /// The time steps whose arrivals are held: a span and the next one.
 const HELD: usize = 2 * SPAN as usize;
 
-/// The time steps that impulses are drawn for at once, before any are merged.
+/// The time steps that impulses are drawn for at once.
 const SPAN: u64 = 8;
 /// The most impulses of one source in a span: a multiple of what the length of a step allows on average.
 const MOST: u64 = 1 << 8;
 
 impl Sources {
-    /// Those of a problem, all amplitudes times `amplitude`, for steps of the length `step` before any are merged.
+    /// Those of a problem, all amplitudes times `amplitude`, for steps of the length `step`.
     pub(super) fn new(problem: &Problem, amplitude: f64, step: f64) -> Self {
         let source = |impulse: &Impulse| {
             let jumps = impulse.jumps();
@@ -188,8 +188,6 @@ fn amplitudes(amplitude: &Amplitude, a: &[u64; EIGHT], b: &[u64; EIGHT]) -> [f64
 pub(super) struct Arrivals {
     /// By the number of the step, those of each in order of time.
     steps: [Vec<Arrival>; HELD],
-    /// Whether a step is two steps of half its length.
-    merged: bool,
     /// The span that is drawn next; unknown before the first.
     next: Option<u64>,
     /// Lanes with the numbers of their impulses.
@@ -199,36 +197,30 @@ pub(super) struct Arrivals {
 
 impl Arrivals {
     /// Forgets what was drawn, for lanes that may be others.
-    pub(super) fn clear(&mut self, merged: bool) {
-        (self.merged, self.next) = (merged, None);
+    pub(super) fn clear(&mut self) {
+        self.next = None;
     }
 
     /// Draws those of all time steps up to one, from the one after the last on.
     #[inline(always)]
     pub(super) fn draw(&mut self, sources: &Sources, lanes: (Random, u64), step: u64) {
-        let last = step / self.span();
+        let last = step / SPAN;
         for span in self.next.unwrap_or(last)..=last {
             self.draw_span(sources, lanes, span);
         }
         self.next = Some(last + 1);
     }
 
-    /// The time steps in a span.
-    fn span(&self) -> u64 {
-        if self.merged { SPAN / 2 } else { SPAN }
-    }
-
     #[inline(always)]
     fn draw_span(&mut self, sources: &Sources, lanes: (Random, u64), span: u64) {
-        let length = self.span();
         let Arrivals { steps, drawn, .. } = self;
-        let place = |step: u64| (span * length + step) as usize % HELD;
-        (0..length).for_each(|step| steps[place(step)].clear());
+        let place = |step: u64| (span * SPAN + step) as usize % HELD;
+        (0..SPAN).for_each(|step| steps[place(step)].clear());
         sources.draw(lanes, span, drawn, |time, arrival| {
-            let time = time * length as f64;
+            let time = time * SPAN as f64;
             steps[place(time as u64)].push(Arrival { time: time.fract(), ..arrival });
         });
-        for list in (0..length).map(place) {
+        for list in (0..SPAN).map(place) {
             steps[list].sort_unstable_by(|a, b| a.time.total_cmp(&b.time));
         }
     }

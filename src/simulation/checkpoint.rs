@@ -102,7 +102,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("expoly-altered-{calibrated}-{}", std::process::id()));
         let simulation = Simulation::new().trajectories(2).samples(24).burn_in(1.0).bins(3).levels([0.5]);
         let simulation = simulation.control_variates(calibrated);
-        let simulation = simulation.spectrum(0, 8).first_passage(1.0, 3.0, 2).points([[0.0, 0.0]], [0.1, 0.1]);
+        let simulation = simulation.spectrum(0, 8).first_passage(1.0, 3.0, 2);
         simulation.checkpoint(&path, Duration::from_secs(60)).run(problem)?;
         let content = file::read(&path)?.unwrap_or_default();
         let _ = std::fs::remove_file(&path);
@@ -121,7 +121,7 @@ mod tests {
                 let tallies = state.batches.into_iter().map(|batch| batch.tally).collect();
                 let found = SimulatedDensity::new(tallies, state.plan, state.seconds, Stopped::Samples);
                 found.pdf(&[0.3, 0.1])?;
-                let _ = (found.moment(&[2, 0]), found.spectrum(0), found.first_passage(1.0), found.at_points());
+                let _ = (found.moment(&[2, 0]), found.spectrum(0), found.first_passage(1.0));
                 let _ = (found.stationarity(), found.distribution(0), found.impact_speeds(), found.provenance());
             }
         }

@@ -26,7 +26,7 @@ impl Density for SimulatedDensity {
         if (0..self.dimension()).any(|state| self.is_behind_wall(state, x[state])) {
             return Ok(NOTHING);
         }
-        Ok(self.with_both_errors(|d| d.histograms[histogram].at(x)))
+        Ok(self.histograms[histogram].at(x))
     }
 
     /// ln p; −∞ also where bins are nearly empty and the reconstruction is not positive.
@@ -40,7 +40,7 @@ impl Density for SimulatedDensity {
         if self.is_behind_wall(state, x) {
             return Ok(NOTHING);
         }
-        Ok(self.with_both_errors(|d| d.histograms[state].at(&[x])))
+        Ok(self.histograms[state].at(&[x]))
     }
 
     /// The range of the histograms.
@@ -55,7 +55,7 @@ impl Density for SimulatedDensity {
     /// [`Error::NotKnown`] for more states.
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
         let histogram = self.whole("the mean of a function")?;
-        Ok(self.with_both_errors(|d| d.histograms[histogram].mean(g)))
+        Ok(self.histograms[histogram].mean(g))
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
@@ -68,7 +68,7 @@ impl Density for SimulatedDensity {
         if self.is_behind_wall(0, x[0]) || self.is_behind_wall(1, x[1]) {
             return Ok(NOTHING);
         }
-        Ok(self.with_both_errors(|d| d.histograms[self.dimension()].at(&x)))
+        Ok(self.histograms[self.dimension()].at(&x))
     }
 
     /// The raw moment. Tracked are all total degrees up to 4 for up to three states; for more states all up to 2, and the
@@ -146,17 +146,13 @@ impl Sampled for SimulatedDensity {
 
     fn distribution(&self, state: usize) -> Result<Arc<dyn Counted>> {
         state_index("a state's index", state, self.dimension())?;
-        let of = |d: &Self, coarse| Distribution::new(&d.histograms[state], coarse);
-        let coarse = self.coarse.as_ref().map(|coarse| (of(coarse, None), self.bias_share()));
-        Ok(Arc::new(of(self, coarse)))
+        Ok(Arc::new(Distribution::new(&self.histograms[state])))
     }
 }
 
 impl CountedImpacts for SimulatedDensity {
     fn impact_speeds(&self, walls: &[usize]) -> Option<Arc<dyn Counted>> {
-        let of = |d: &Self, coarse| Some(Distribution::new(&d.speeds_at(walls)?, coarse));
-        let coarse = self.coarse.as_ref().and_then(|coarse| Some((of(coarse, None)?, self.bias_share())));
-        Some(Arc::new(of(self, coarse)?))
+        Some(Arc::new(Distribution::new(&self.speeds_at(walls)?)))
     }
 
     fn impact_flux(&self, walls: &[usize], power: u32) -> Option<Estimate> {

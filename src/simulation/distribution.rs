@@ -13,17 +13,14 @@ pub(super) struct Distribution {
     batches: Vec<(f64, Vec<f64>)>,
     /// The share of the samples outside the range.
     outside: f64,
-    /// The same with twice the time step, and the share of the change from there that is counted as an error.
-    coarse: Option<(Box<Distribution>, f64)>,
 }
 
 impl Distribution {
     /// From the histogram of a single state.
-    pub(super) fn new(histogram: &Histogram, coarse: Option<(Self, f64)>) -> Self {
+    pub(super) fn new(histogram: &Histogram) -> Self {
         let axis = histogram.axes()[0];
         let outside = histogram.outliers() as f64 / histogram.samples().max(1) as f64;
-        let coarse = coarse.map(|(coarse, share)| (Box::new(coarse), share));
-        Distribution { axis, batches: histogram.cumulated().collect(), outside, coarse }
+        Distribution { axis, batches: histogram.cumulated().collect(), outside }
     }
 
     fn probability(&self, count: impl Fn(&[f64]) -> f64) -> Estimate {
@@ -41,12 +38,9 @@ impl Distribution {
     /// A linear function of the samples below the edges, over the number of all samples.
     fn estimate(&self, count: impl Fn(&[f64]) -> f64) -> Estimate {
         let sums = |(samples, below): &(f64, Vec<f64>)| [count(below), *samples];
-        let share = |of: &Self| jackknife(&of.batches, sums, |[count, samples]| count / samples);
-        let fine = share(self);
+        let share = jackknife(&self.batches, sums, |[count, samples]| count / samples);
         // A probability without any sample has the error that one sample would have made.
-        let chance = if fine.value == 0.0 { self.one_sample() } else { fine.error };
-        let step = self.coarse.as_ref().map_or(0.0, |(coarse, part)| part * (share(coarse).value - fine.value));
-        Estimate::new(fine.value, chance.hypot(step))
+        if share.value == 0.0 { Estimate::new(0.0, self.one_sample()) } else { share }
     }
 
     fn one_sample(&self) -> f64 {
@@ -89,7 +83,7 @@ mod tests {
         let mut batch = Counts::new(&[axis]);
         let samples = counts.iter().enumerate().flat_map(|(k, n)| std::iter::repeat_n(k as f64 + 0.5, *n));
         samples.chain(std::iter::repeat_n(-1.0, outside)).for_each(|x| batch.add(&[axis], &[x]));
-        Ok(Distribution::new(&Histogram::new(&[axis], vec![batch.clone(), batch]), None))
+        Ok(Distribution::new(&Histogram::new(&[axis], vec![batch.clone(), batch])))
     }
 
     /// ∫ 3(x² + 1) dx over the bins is 4, 10, 22, 40: the integral x³ + 3x of that quadratic, to rounding, everywhere.

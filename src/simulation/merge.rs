@@ -46,13 +46,6 @@ impl SimulatedDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn merge(parts: impl IntoIterator<Item = Self>) -> Result<Self> {
-        let mut parts: Vec<Self> = parts.into_iter().collect();
-        let twins: Vec<Self> = parts.iter_mut().filter_map(|part| part.coarse.take().map(|twin| *twin)).collect();
-        if ![0, parts.len()].contains(&twins.len()) {
-            let (found, expected) = (format!("in {} of {} parts", twins.len(), parts.len()), String::from("in all"));
-            return Err(Error::OtherSimulation { what: "run with twice the time step", found, expected });
-        }
-        let coarse = if twins.is_empty() { None } else { Some(Box::new(SimulatedDensity::merge(twins)?)) };
         let mut parts = parts.into_iter();
         let first = parts.next().ok_or(Error::NoSamples { what: "the number of parts", least: 1 })?;
         let (plan, mut seconds) = (first.plan.clone(), first.provenance().seconds);
@@ -67,9 +60,7 @@ impl SimulatedDensity {
         for run in tallies.chunk_by(|a, b| a.origin.seed == b.origin.seed) {
             whole(run, plan.trajectories)?;
         }
-        let mut merged = SimulatedDensity::new(tallies, plan, seconds, stopped);
-        merged.coarse = coarse;
-        Ok(merged)
+        Ok(SimulatedDensity::new(tallies, plan, seconds, stopped))
     }
 }
 

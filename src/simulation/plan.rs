@@ -10,7 +10,7 @@ use super::{
 use crate::checks::positive;
 use crate::error::{Error, Result};
 use crate::polynomial::Polynomial;
-use crate::problem::{Problem, Wall, limits};
+use crate::problem::{Problem, Wall};
 use crate::simulation::tuning;
 use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 use serde::{Deserialize, Serialize};
@@ -61,14 +61,8 @@ pub(super) fn same_level(a: f64, b: f64) -> bool {
 
 impl Plan {
     pub(super) fn layout(&self) -> Layout {
-        let ends = [self.axes[0].edge(0), self.axes[0].edge(self.axes[0].bins())];
-        let recorders = Recorders::new(
-            &self.requests,
-            self.interval(),
-            (&self.levels, self.velocity()),
-            ends,
-            limits(&self.walls, 0),
-        );
+        let levels = self.velocity().map(|_| self.levels.as_slice());
+        let recorders = Recorders::new(&self.requests, self.interval(), levels);
         let layout = Layout::new(self.axes.clone(), self.plane, &self.requests.moments, recorders);
         layout.with(self.control_variates.clone(), self.displacements.len(), self.gates())
     }
@@ -168,7 +162,7 @@ impl Plan {
                 .all(|wall| wall.checked().is_ok() && moves(wall.state()) && wall.other().is_none_or(moves))
             && self.start.iter().all(|row| row.len() == states)
             && [0, 1, states + 1].contains(&self.start.len())
-            && self.requests.validate(states, self.interval(), limits(&self.walls, 0)).is_ok()
+            && self.requests.validate(states, self.interval()).is_ok()
             && self.control_variates.holds(states, tracked(), self.trajectories)
     }
 

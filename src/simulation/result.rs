@@ -19,8 +19,7 @@ use crate::simulation::tuning;
 ///
 /// Errors come from the spread between independent batches of trajectories, those of [`statistics`](crate::statistics) as
 /// well. Moments and rates are calibrated ([`Simulation::control_variates`](crate::Simulation::control_variates)), so that
-/// these errors are smaller than those of plain means, of moments many times. They cover chance, and with
-/// [`Simulation::two_steps`](crate::Simulation::two_steps) the time step too, except in histograms.
+/// these errors are smaller than those of plain means, of moments many times. They cover chance.
 #[derive(Clone, Debug)]
 pub struct SimulatedDensity {
     pub(super) batches: Vec<Tally>,
@@ -28,8 +27,6 @@ pub struct SimulatedDensity {
     pub(super) layout: Layout,
     /// Of each state alone, and of states 0 and 1 together.
     pub(super) histograms: Vec<Histogram>,
-    /// The same with twice the time step and the same noise.
-    pub(super) coarse: Option<Box<Self>>,
     calibrations: Calibrations,
     provenance: Provenance,
 }
@@ -45,7 +42,7 @@ impl SimulatedDensity {
         let histogram =
             |(k, axes)| Histogram::new(axes, batches.iter_mut().map(|b| std::mem::take(&mut b.counts[k])).collect());
         let histograms = layout.histograms().enumerate().map(histogram).collect();
-        SimulatedDensity { batches, plan, layout, histograms, coarse: None, calibrations, provenance }
+        SimulatedDensity { batches, plan, layout, histograms, calibrations, provenance }
     }
 
     /// The batches' tallies as they were before their counts went into the histograms.
@@ -57,22 +54,16 @@ impl SimulatedDensity {
         batches
     }
 
-    /// The same simulation with twice the time step and the same noise, if
-    /// [`Simulation::two_steps`](crate::Simulation::two_steps) was set.
-    pub fn coarse(&self) -> Option<&Self> {
-        self.coarse.as_deref()
-    }
-
-    /// A function of sums over all batches, with both parts of its error.
+    /// A function of sums over all batches, with its standard error.
     pub(super) fn estimate<const K: usize>(
         &self,
         sums: impl Fn(&Tally) -> [f64; K],
         value: impl Fn([f64; K]) -> f64,
     ) -> Estimate {
-        self.with_both_errors(|density| jackknife(&density.batches, &sums, &value))
+        jackknife(&self.batches, &sums, &value)
     }
 
-    /// A function of the tracked sums with these places, of which the first is the number of samples, with both parts of its
+    /// A function of the tracked sums with these places, of which the first is the number of samples, with its standard
     /// error. Sums of several places are added, those of none are not a number.
     ///
     /// Where the samples do not satisfy the moment equations of a degree, what these would change is a part of the error.
@@ -86,30 +77,13 @@ impl SimulatedDensity {
             places => places.iter().map(|&k| tracked[k]).sum(),
         };
         let sums = |tracked: &[f64]| places.map(|places| sum(tracked, places));
-        self.with_both_errors(|density| {
-            let plain = jackknife(&density.batches, |b| sums(&b.tracked(&density.layout)), &value);
-            let by = |calibration: &Calibration| jackknife(&calibration.sums, |tracked| sums(tracked), &value);
-            let Calibrations { best, missed } = &density.calibrations;
-            let calibrated = best.as_ref().map_or(plain, by);
-            let rounding = tuning::calibration::ROUNDING * (calibrated.value - plain.value);
-            let missed = missed.as_ref().map_or(0.0, |missed| by(missed).value - calibrated.value);
-            Estimate::new(calibrated.value, calibrated.error.hypot(rounding).hypot(missed))
-        })
-    }
-
-    /// The estimate, with the error of the time step added to its standard error if there is a coarse twin to estimate it.
-    ///
-    /// The bias is of order h², so that it is a third of the change from h to 2h. Beside a wall with r < 1 the impact rate
-    /// has a remainder of first order, which is the whole change.
-    pub(super) fn with_both_errors(&self, of: impl Fn(&Self) -> Estimate) -> Estimate {
-        let fine = of(self);
-        let Some(coarse) = &self.coarse else { return fine };
-        Estimate::new(fine.value, fine.error.hypot(self.bias_share() * (of(coarse).value - fine.value)))
-    }
-
-    /// The share of the change from h to 2h that is counted as an error.
-    pub(super) fn bias_share(&self) -> f64 {
-        if self.plan.walls.iter().any(|wall| wall.restitution() < 1.0) { 1.0 } else { 3.0_f64.recip() }
+        let plain = jackknife(&self.batches, |b| sums(&b.tracked(&self.layout)), &value);
+        let by = |calibration: &Calibration| jackknife(&calibration.sums, |tracked| sums(tracked), &value);
+        let Calibrations { best, missed } = &self.calibrations;
+        let calibrated = best.as_ref().map_or(plain, by);
+        let rounding = tuning::calibration::ROUNDING * (calibrated.value - plain.value);
+        let missed = missed.as_ref().map_or(0.0, |missed| by(missed).value - calibrated.value);
+        Estimate::new(calibrated.value, calibrated.error.hypot(rounding).hypot(missed))
     }
 
     /// Seed, counts, times.
@@ -159,22 +133,6 @@ impl SimulatedDensity {
             let [variance, _, fourth] = central(raw);
             fourth / variance.powi(2)
         })
-    }
-
-    /// The skewness about zero, E x³ / (E x²)^(3/2): the better estimate for a velocity, whose mean is known to be zero.
-    ///
-    /// # Errors
-    /// As [`SimulatedDensity::histogram`].
-    pub fn skewness_about_zero(&self, state: usize) -> Result<Estimate> {
-        self.of_moments(state, &|raw| raw[3] / raw[2].powf(1.5))
-    }
-
-    /// The kurtosis about zero, E x⁴ / (E x²)².
-    ///
-    /// # Errors
-    /// As [`SimulatedDensity::histogram`].
-    pub fn kurtosis_about_zero(&self, state: usize) -> Result<Estimate> {
-        self.of_moments(state, &|raw| raw[4] / raw[2].powi(2))
     }
 
     /// The number of impacts per unit time, at all walls together; none without a wall. [`Impacts`](crate::statistics::Impacts)

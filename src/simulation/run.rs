@@ -16,7 +16,7 @@ use super::{
     start::{Start, burn_in},
     timetable::{Times, Timetable, whole},
 };
-use crate::checks::{finite, positive, require, state_index};
+use crate::checks::{finite, positive, require};
 use crate::error::{Error, Result};
 use crate::problem::{Contact, LANES, Problem, TimeScales, Wall, limits, two_digits};
 use crate::simulation::tuning::{
@@ -62,52 +62,11 @@ impl<'a> Simulation<'a> {
     }
 
     /// Runs the simulation, its batches shared with other processes.
-    pub(super) fn run_among(self, problem: &Problem, processes: &impl Processes) -> Result<SimulatedDensity> {
-        if !self.two_steps {
-            return self.run_once(problem, processes, false);
-        }
-        let mut coarse = self.twin();
-        let mut fine = self.run_once(problem, processes, false)?;
-        let made = fine.provenance();
-        coarse.time_step = made.time_step.map(|h| 2.0 * h);
-        if let (Some(samples), Some(trajectories)) = (made.samples, made.trajectories) {
-            coarse.samples = samples / trajectories * coarse.trajectories;
-        }
-        coarse.ranges =
-            fine.layout.axes.iter().enumerate().map(|(i, axis)| (i, axis.edge(0), axis.edge(axis.bins()))).collect();
-        fine.coarse = Some(Box::new(coarse.run_once(problem, processes, true)?));
-        Ok(fine)
-    }
-
-    /// The options that determine the results, without those that end a run.
-    fn twin(&self) -> Self {
-        Simulation {
-            amplitude: self.amplitude,
-            trajectories: self.trajectories,
-            samples: self.samples,
-            two_steps: true,
-            burn_in: self.burn_in,
-            sampling_interval: self.sampling_interval,
-            seed: self.seed,
-            control_variates: self.control_variates,
-            memory: self.memory,
-            levels: self.levels.clone(),
-            start: self.start.clone(),
-            once: self.once,
-            bins: self.bins,
-            part: self.part,
-            requests: self.requests.clone(),
-            ..Simulation::new()
-        }
-    }
-
-    /// Runs the simulation, or its twin with the noise of two steps `merged` into one.
-    fn run_once(mut self, problem: &Problem, processes: &impl Processes, merged: bool) -> Result<SimulatedDensity> {
+    pub(super) fn run_among(mut self, problem: &Problem, processes: &impl Processes) -> Result<SimulatedDensity> {
         let begin = Instant::now();
         let deadline = self.time_budget.map(|budget| begin + budget.max(tuning::timetable::LEAST_BUDGET));
         let control = Control::new(self.progress.take(), deadline);
-        let Prepared { contacts, scheme, rate, timetable, samples, start } =
-            self.prepared(problem, merged, &control)?;
+        let Prepared { contacts, scheme, rate, timetable, samples, start } = self.prepared(problem, &control)?;
         let part = self.batches_of_part()?;
         let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new());
         let ensemble = self.ensemble(&scheme, &boundaries, timetable, control);
@@ -180,7 +139,7 @@ impl<'a> Simulation<'a> {
 
     fn collected(mut self, problem: &Problem, recording: bool) -> Result<Paths> {
         let control = Control::new(self.progress.take(), None);
-        let Prepared { contacts, scheme, timetable, samples, start, .. } = self.prepared(problem, false, &control)?;
+        let Prepared { contacts, scheme, timetable, samples, start, .. } = self.prepared(problem, &control)?;
         let numbers = samples as f64 * self.trajectories as f64 * problem.dimension() as f64;
         self.memory.holds("the sampled states", numbers, "take fewer samples, or raise `memory_limit`")?;
         let interval = timetable.interval_steps as f64 * scheme.step;
@@ -196,7 +155,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The scheme and the plan, after all options have been checked.
-    fn prepared<'p>(&self, problem: &'p Problem, merged: bool, control: &Control<'_>) -> Result<Prepared<'p>> {
+    fn prepared<'p>(&self, problem: &'p Problem, control: &Control<'_>) -> Result<Prepared<'p>> {
         let contacts = problem.contacts();
         self.validate(problem, &contacts)?;
         let times = self.times_of_one()?.map_or_else(|| self.times(problem), Ok)?;
@@ -216,20 +175,17 @@ impl<'a> Simulation<'a> {
             }
         };
         require(problem.impulse_rate() * step <= tuning::limits::MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
-        // Whole steps of twice the length, if such are to be taken at the same times.
-        let unit = if self.two_steps && !merged { 2.0 } else { 1.0 };
         let (step, timetable) = match self.once {
-            Some(time) => self.once(time, step, unit)?,
-            None => (step, self.timetable(step, times, unit)?),
+            Some(time) => self.once(time, step)?,
+            None => (step, self.timetable(step, times)?),
         };
         let samples = self.count();
         let scheme = Scheme::new(problem, self.amplitude, step);
-        let scheme = if merged { scheme.merging(problem) } else { scheme };
         let interval = timetable.interval_steps as f64 * step;
         self.memory.check()?;
-        self.requests.validate(problem.dimension(), interval, limits(problem.walls(), 0))?;
+        self.requests.validate(problem.dimension(), interval)?;
         self.memory.holds("the segments of the spectra", self.requests.kept(self.trajectories), SHORTER)?;
-        let start = Start::new(self, problem, step / if merged { 2.0 } else { 1.0 })?;
+        let start = Start::new(self, problem, step)?;
         Ok(Prepared { contacts, scheme, rate, timetable, samples, start })
     }
 
@@ -300,11 +256,10 @@ impl<'a> Simulation<'a> {
         if self.once.is_some() { 1 } else { self.samples.div_ceil(self.trajectories) }
     }
 
-    /// Burn-in and sampling in whole `unit`s of steps.
-    fn timetable(&self, step: f64, times: Times, unit: f64) -> Result<Timetable> {
-        let burn_in =
-            unit * whole(times.burn_in / (unit * step) / tuning::timetable::BURN_IN_STRETCHES as f64).max(1.0);
-        let interval = unit * (times.interval / (unit * step)).round().max(1.0);
+    /// Burn-in and sampling in whole steps.
+    fn timetable(&self, step: f64, times: Times) -> Result<Timetable> {
+        let burn_in = whole(times.burn_in / step / tuning::timetable::BURN_IN_STRETCHES as f64).max(1.0);
+        let interval = (times.interval / step).round().max(1.0);
         let path = self.trajectories as f64
             * (burn_in * tuning::timetable::BURN_IN_STRETCHES as f64 + interval * self.count() as f64);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
@@ -319,10 +274,6 @@ impl<'a> Simulation<'a> {
             let [low, high] = limits(walls, state);
             *lo = if low.is_finite() { low } else { *lo };
             *hi = if high.is_finite() { high } else { *hi };
-        }
-        for &(state, lo, hi) in &self.ranges {
-            let state = state_index("the state of a histogram's range", state, ends.len())?;
-            ends[state] = (lo, hi);
         }
         let axes = |bins: usize| ends.iter().map(move |&(lo, hi)| Axis::new(lo, hi, bins));
         let plane = match axes((self.bins / 2).max(3)).take(2).collect::<Result<Vec<_>>>()?[..] {

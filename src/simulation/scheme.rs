@@ -25,8 +25,6 @@ pub(super) struct Scheme<'a> {
     pub(super) arch: Arch,
     /// The time step h.
     pub(super) step: f64,
-    /// Whether a step takes the noise of two steps of half its length, so that both follow the same Brownian path.
-    pub(super) merged: bool,
     /// The impulses, for the steps that random numbers are drawn for.
     pub(super) impulses: Sources,
     /// The displacements, each with its velocity.
@@ -90,7 +88,6 @@ impl<'a> Scheme<'a> {
             field,
             arch,
             step,
-            merged: false,
             impulses: Sources::new(problem, amplitude, step),
             moved: (0..states).map(|i| f64::from(pairs.iter().all(|&(x, _)| x != i))).collect(),
             pairs,
@@ -102,11 +99,6 @@ impl<'a> Scheme<'a> {
             noise,
             induced: if corrected { -amplitude * amplitude } else { 0.0 },
         }
-    }
-
-    /// The same scheme, whose steps take the noise of two steps of half their length.
-    pub(super) fn merging(self, problem: &Problem) -> Self {
-        Scheme { merged: true, impulses: Sources::new(problem, self.amplitude, self.step / 2.0), ..self }
     }
 
     /// Whether the order of the noise fields matters; it is then drawn at random at every step.

@@ -56,7 +56,6 @@ pub struct Simulation<'a> {
     pub(super) samples: usize,
     /// None where it is to be chosen.
     pub(super) time_step: Option<f64>,
-    pub(super) two_steps: bool,
     /// None where it follows from the system's rates, as the next option.
     pub(super) burn_in: Option<f64>,
     pub(super) sampling_interval: Option<f64>,
@@ -66,7 +65,6 @@ pub struct Simulation<'a> {
     /// The time of the only sample, after the start.
     pub(super) once: Option<f64>,
     pub(super) bins: usize,
-    pub(super) ranges: Vec<(usize, f64, f64)>,
     pub(super) progress: Option<Callback<'a>>,
     pub(super) targets: Vec<Target<'a>>,
     pub(super) time_budget: Option<Duration>,
@@ -91,7 +89,6 @@ impl<'a> Simulation<'a> {
             trajectories: 1024,
             samples: 1_000_000,
             time_step: None,
-            two_steps: false,
             burn_in: None,
             sampling_interval: None,
             seed: 0,
@@ -99,7 +96,6 @@ impl<'a> Simulation<'a> {
             start: Start::Stationary,
             once: None,
             bins: 128,
-            ranges: Vec::new(),
             progress: None,
             targets: Vec::new(),
             time_budget: None,
@@ -137,43 +133,13 @@ impl<'a> Simulation<'a> {
     /// time. It is shorter where some state is more than six times faster, and at most a twentieth of the sampling interval
     /// and 1/640 of the burn-in. The choice costs a thousandth of a second.
     ///
-    /// Stationary means are off by O(h²), which standard errors do not include unless [`Simulation::two_steps`] is set.
-    /// Calibrated moments are free of that bias ([`Simulation::control_variates`]), so that the following numbers are those
-    /// of plain ones. Measured along common paths, for Duffing's oscillator with c = D = 0.5, k = 1, μ = 0.3, E v² changes by
-    /// 1.16 ± 0.02 % from h = 0.1 to 0.2 and by 4.88 ± 0.05 % from 0.2 to 0.4: the slope is 2.08 ± 0.03, and the bias 0.4 h²,
-    /// which is 0.04 % at the chosen h = 0.031. With noise in displacement or velocity, in either interpretation, it is about
-    /// the same. Beside walls (c = D = 0.2), against the Fokker-Planck equation and from h = 0.14 to 0.28, E v² has the
-    /// slopes 2.18 ± 0.13 and 2.09 ± 0.06 (b = 0 and 0.5, r = 1) and 1.85 ± 0.13 and 1.65 ± 0.07 (r = 0.9); its bias at 0.14
-    /// is 0.7 % at b = 0, and 1.8 and 1.3 % at b = 0.5. The impact rate is off by 0.17 % at most there. An elastic wall does
-    /// not cost the splitting its second order: the impact is inside the straight drift and falls at any instant of a step.
-    /// For r < 1 slow impacts break that rule and add a term of lower order. There trajectories take shorter steps
-    /// automatically, and the remaining error of the impact rate at b = 0.5, r = 0.7 was 0.05 ± 0.05 % at h = 0.08, 0.08 ±
-    /// 0.04 % at 0.04 and −0.017 ± 0.018 % at the chosen 0.015, where plain steps miss 2.0 and 1.0 % at the longer two.
+    /// Stationary means are off by O(h²), which standard errors do not include: E v² of a Duffing oscillator with c = D = 0.5 by
+    /// 0.4 h², 0.04 % at the chosen step; beside walls, with c = D = 0.2, by up to 1.8 % at h = 0.14, and impact rates by a tenth
+    /// of that. Calibrated moments are free of that bias ([`Simulation::control_variates`]). An elastic wall does not cost the
+    /// splitting its second order: the impact is inside the straight drift and falls at any instant of a step. For r < 1 slow
+    /// impacts break that rule; there trajectories take shorter steps by themselves. `expoly-measure time-step` prints all of this.
     pub fn time_step(self, time_step: f64) -> Self {
         Simulation { time_step: Some(time_step), ..self }
-    }
-
-    /// Runs with twice the time step as well, along the same Brownian paths, so that the change from one to the other gives
-    /// the bias of the time step: the error of every estimate then has both parts, √(s² + δ²), with the standard error s and
-    /// the bias δ. Off by default, since it takes half as long again.
-    ///
-    /// δ is a third of the change, as follows from the second order, and beside a wall with r < 1 all of it. Chance hardly
-    /// adds to it where trajectories under the same noise stay together.
-    ///
-    /// The second run follows the first without progress reports, and a checkpoint holds the first one only.
-    ///
-    /// ```
-    /// use expoly::{Density, Simulation, models::{Duffing, Solved}};
-    /// let problem = Duffing::new(0.5, 1.0, 0.3, 0.5)?.problem()?;
-    /// let result = Simulation::new().time_step(0.2).two_steps().samples(50_000).run(&problem)?;
-    /// let square = result.moment(&[0, 2])?;
-    /// assert_eq!(result.coarse().and_then(|c| c.provenance().time_step), Some(0.4));
-    /// // E v² = D/c = 1.
-    /// assert!(square.deviation(1.0) < 4.0);
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn two_steps(self) -> Self {
-        Simulation { two_steps: true, ..self }
     }
 
     /// The time that each trajectory runs before its first sample, rounded up to a multiple of 64 steps; by default it follows
@@ -267,17 +233,10 @@ impl<'a> Simulation<'a> {
     }
 
     /// The number of bins of each state's histogram, 128 by default. The joint histogram of states 0 and 1 has half as
-    /// many along each, but at least 3.
+    /// many along each, but at least 3. They cover the range of a pilot of 64 trajectories in the second half of its own burn-in,
+    /// at least four standard deviations to either side, widened by a quarter at both ends; at a wall they begin exactly there.
     pub fn bins(self, bins: usize) -> Self {
         Simulation { bins, ..self }
-    }
-
-    /// The range of one state's histogram. By default it is the range of a pilot of 64 trajectories in the second half of its
-    /// own burn-in, at least four standard deviations to either side, widened by a quarter at both ends. At a wall it begins
-    /// exactly there.
-    pub fn histogram_range(mut self, state: usize, lo: f64, hi: f64) -> Self {
-        self.ranges.push((state, lo, hi));
-        self
     }
 
     /// A callback for the progress of the simulation, called now and then from any of its threads; to stop the simulation, it
@@ -321,8 +280,7 @@ impl<'a> Simulation<'a> {
     /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over: the choice of the
     /// time step and the pilot count. The number of samples then depends on the machine; the result is, bit for bit, that of
     /// a run of that many samples. What has not come to an end after the budget, or after a second if that is more, is given
-    /// up: a pilot, or a round of long sampling intervals. The second simulation of [`Simulation::two_steps`] is as long as the
-    /// first one then is, and takes half as much time again.
+    /// up: a pilot, or a round of long sampling intervals.
     pub fn time_budget(self, budget: Duration) -> Self {
         Simulation { time_budget: Some(budget), ..self }
     }

@@ -61,14 +61,14 @@ impl Simulation<'_> {
     }
 
     /// The timetable of the only sample, with the longest step that ends at its time and is at most `step`, counted in `unit`s.
-    pub(super) fn once(&self, time: f64, step: f64, unit: f64) -> Result<(f64, Timetable)> {
+    pub(super) fn once(&self, time: f64, step: f64) -> Result<(f64, Timetable)> {
         let stretches = tuning::timetable::BURN_IN_STRETCHES as f64;
-        let each = ((time / (unit * step) - 1.0) / stretches).ceil().max(1.0);
+        let each = ((time / step - 1.0) / stretches).ceil().max(1.0);
         let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or an earlier time";
-        let path = self.trajectories as f64 * unit * (stretches * each + 1.0);
+        let path = self.trajectories as f64 * (stretches * each + 1.0);
         require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
-        let timetable = Timetable { burn_in_steps: (unit * each) as usize, interval_steps: unit as usize };
-        Ok((time / (unit * (stretches * each + 1.0)), timetable))
+        let timetable = Timetable { burn_in_steps: each as usize, interval_steps: 1 };
+        Ok((time / (stretches * each + 1.0), timetable))
     }
 }
 

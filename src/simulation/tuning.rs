@@ -13,10 +13,8 @@ pub(super) mod limits {
     pub(crate) const MOST_LEVELS: usize = 64;
     /// The most walls: one bit each of a word.
     pub(crate) const MOST_WALLS: usize = 64;
-    /// The most moments; each moment, point or state that is requested costs time at every sample.
+    /// The most moments; each moment or state that is requested costs time at every sample.
     pub(crate) const MOST_MOMENTS: usize = 64;
-    /// The most points.
-    pub(crate) const MOST_POINTS: usize = 256;
     /// The most states whose first passages are counted.
     pub(crate) const MOST_PASSAGES: usize = 16;
     /// The highest degree of a moment: beyond, a sum of powers is dominated by a single sample.
@@ -96,9 +94,6 @@ pub(super) mod timetable {
     pub(crate) const MOST_DEFAULT_INTERVAL: f64 = 2000.0;
     /// The time between samples in the shortest of the system's times: states closer than that add little.
     pub(crate) const INTERVAL: f64 = 3.0;
-    /// The velocity of a state is averaged in cells of this share of the range of its histogram, a third of the standard
-    /// deviation for a normal density.
-    pub(crate) const CELL: f64 = 1.0 / 36.0;
 }
 
 /// Standard errors, and what shows that a run was not stationary.

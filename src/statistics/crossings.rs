@@ -77,14 +77,6 @@ impl Crossings {
         Ok(ratio(self.rate(level)?, self.rate.value(self.mean)))
     }
 
-    /// The density of peaks at `level`, −(dν⁺/dy)/ν⁺(mean), for a narrow-band response.
-    ///
-    /// # Errors
-    /// As [`Crossings::rate`].
-    pub fn peak_density(&self, level: f64) -> Result<Estimate> {
-        Ok(ratio(self.rate.slope(finite("level", level)?).scaled(-1.0), self.rate.value(self.mean)))
-    }
-
     /// The probability that the displacement exceeds `level` at some time within `duration`, from a stationary start:
     /// 1 − P₀ exp(−ν⁺ T) with P₀ = P(X ≤ level), under Poisson's assumption.
     ///

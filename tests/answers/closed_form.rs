@@ -4,7 +4,6 @@ use crate::common::*;
 use expoly::models::Solved;
 use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Estimate, PolynomialDrift, Scalar};
 use serde_json::Value;
-use std::fmt::Write;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -145,43 +144,17 @@ fn check_octave(folder: &Path, name: &str, form: &ClosedForm) {
 fn other_languages_have_the_same_logarithm() {
     let folder = scratch("languages");
     let forms = forms();
-    let mut program = String::from("use std::io::BufRead;\n");
-    let mut calls = String::new();
     for (name, form) in forms {
         std::fs::write(folder.join(format!("{name}.txt")), lines(&points(form))).unwrap();
         check_python(&folder, name, form);
         check_octave(&folder, name, form);
-        writeln!(program, "mod {name} {{\n{}}}", form.rust().unwrap()).unwrap();
-        let arguments: Vec<String> = (0..form.dimension()).map(|i| format!("x[{i}]")).collect();
-        writeln!(calls, "\"{name}\" => {name}::log_p({}),", arguments.join(", ")).unwrap();
     }
-    write!(
-        program,
-        "fn main() {{\nlet which = std::env::args().nth(1).unwrap();\nfor line in \
-         std::io::stdin().lock().lines() {{\nlet x: Vec<f64> = \
-         line.unwrap().split(' ').map(|x| x.parse().unwrap()).collect();\nlet log = match &which[..] {{\n{calls}_ => \
-         f64::NAN,\n}};\nprintln!(\"{{log:?}}\");\n}}\n}}\n"
-    )
-    .unwrap();
-    let (source, binary) = (folder.join("program.rs"), folder.join("program"));
-    std::fs::write(&source, program).unwrap();
-    let rustc = Path::new(env!("CARGO")).with_file_name("rustc");
-    let arguments = ["--edition", "2021", "-Dwarnings", "-Adead_code", "-Aunused_parens", "-o"];
-    succeeded(&Command::new(rustc).args(arguments).arg(&binary).arg(&source).output().unwrap());
-    let ask = |name: &str| {
-        let list = std::fs::File::open(folder.join(format!("{name}.txt"))).unwrap();
-        succeeded(&Command::new(&binary).arg(name).stdin(list).output().unwrap())
-    };
-    for (name, form) in forms {
-        agree(form, &ask(name).lines().collect::<Vec<_>>(), &format!("{name}, Rust"));
-    }
-
     // The high order far from the origin is not in powers of the states, which would lose nine digits there.
     let (low, high) = (&forms[0].1, &forms[1].1);
     assert!(low.python().unwrap().contains("*(x**2*v**2)") && high.python().unwrap().contains("legendre("));
     let words = ["Trust domain", "order 14", "Trust domain: x >= -1.2", "Trust domain"];
     for ((_, form), word) in forms.iter().zip(words) {
-        for text in [form.python(), form.rust(), form.matlab()] {
+        for text in [form.python(), form.matlab()] {
             let text = text.unwrap();
             assert!(text.contains(word) && text.is_ascii() && !text.contains("NaN"), "{word}");
         }

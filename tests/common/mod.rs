@@ -6,7 +6,7 @@ pub(crate) mod moving;
 
 use expoly::models::{
     BistableHarvester, ColouredVibroImpact, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol,
-    EnergyDamping, FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, SoftWalls, Solved,
+    EnergyDamping, FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, Solved,
     TunedAbsorber, VanDerPolRayleigh, VelocityNoise, ViscoelasticIsolator,
 };
 use expoly::{
@@ -239,7 +239,6 @@ pub(crate) fn every_model() -> Vec<(&'static str, Problem)> {
             "coloured vibro-impact",
             ColouredVibroImpact::new(duffing(), 3.0, 0.1, [-0.5, 0.9]).unwrap().problem().unwrap(),
         ),
-        ("soft walls", SoftWalls::new(duffing(), [-0.6, 1.0], 0.8, 3, 0.5).unwrap().problem().unwrap()),
     ]
 }
 

@@ -4,7 +4,6 @@ mod dynamics;
 mod modulated;
 mod one_state;
 mod sensitivity;
-mod soft_walls;
 mod stationary;
 mod survival;
 mod walls;

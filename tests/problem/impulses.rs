@@ -54,8 +54,6 @@ fn the_equation_shows_impulses() -> Result<()> {
         text.contains("+ 2 (E[p(before x, v -> x, v + (1 + x) Y1)] - p)") && text.contains("(E[p(x, v - Y2)] - p)"),
         "{text}"
     );
-    let residual = problem.operator().residual_text(problem.states()).to_string();
-    assert!(residual.ends_with("(E[exp(Q(x, v - Y2) - Q)] - 1)"), "{residual}");
     Ok(())
 }
 

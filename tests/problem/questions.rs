@@ -2,7 +2,7 @@
 //! densities of all methods.
 
 use crate::common::*;
-use expoly::models::{EnergyAveraged, Solved, VibroImpactDuffing};
+use expoly::models::Solved;
 use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Reference, Simulation};
 
 /// Calls every method of a density of n states with lengths and states that are not its own.
@@ -57,8 +57,6 @@ fn a_wrong_length_is_refused_at_every_door() {
     all_doors("exact, four states", &chain_of_two().exact().unwrap());
     all_doors("power law", &parametric_linear().exact());
     all_doors("grid", &*on_grid("Duffing", &problem(duffing())));
-    let model = VibroImpactDuffing::new(duffing(), 0.0, 0.9).unwrap();
-    all_doors("averaged over the energy", &EnergyAveraged::new(&model).unwrap());
     closures_doors("closure", &closed("Duffing", &problem(duffing()), 4, 0));
     closures_doors("closure, one state", &Closure::new(4).solve(&problem(OrnsteinUhlenbeck)).unwrap());
     closures_doors("closure above a wall", &closed_above(4, -0.5, 0.9));

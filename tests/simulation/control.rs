@@ -204,31 +204,6 @@ fn differs<R>(outcome: Result<R>, option: &str) -> bool {
 }
 
 #[test]
-fn independent_runs_are_merged_to_a_more_precise_one() -> Result<()> {
-    let problem = Problem::of(Duffing::new(0.5, 1.0, 0.3, 0.5)?)?;
-    let run = |seed: u64| {
-        // Plain sums, which are added: control variates of all runs together are not those of each.
-        let run = Simulation::new().samples(200_000).time_step(0.02).seed(seed).control_variates(false);
-        run.histogram_range(0, -5.0, 5.0).histogram_range(1, -6.0, 6.0).run(&problem)
-    };
-    let runs = (0..4).map(run).collect::<Result<Vec<_>>>()?;
-    let squares = runs.iter().map(|run| run.moment(&[2, 0])).collect::<Result<Vec<_>>>()?;
-    let mean = squares.iter().map(|square| square.value).sum::<f64>() / 4.0;
-    let error = squares.iter().map(|square| square.error.powi(2)).sum::<f64>().sqrt() / 4.0;
-    let merged = SimulatedDensity::merge(runs)?;
-    let square = merged.moment(&[2, 0])?;
-    assert_eq!((merged.provenance().runs, merged.provenance().samples), (Some(4), Some(4 * 200_704)));
-    // The same sums in another order; and two estimates of one standard error from 256 batches, each known to 4.4 %.
-    assert!((square.value - mean).abs() < 1e-12);
-    assert!((square.error / error - 1.0).abs() < 0.1, "{} against {error}", square.error);
-    assert!(square.deviation(0.661714969204) < 4.0);
-    // Without common ranges the pilots of different seeds find different ones.
-    let free = [5, 6].map(|seed| Simulation::new().samples(1000).time_step(0.02).seed(seed).run(&problem));
-    assert!(differs(SimulatedDensity::merge(free.into_iter().collect::<Result<Vec<_>>>()?), "range or number of bins"));
-    Ok(())
-}
-
-#[test]
 fn precision_ends_a_run_and_the_run_can_be_repeated() -> Result<()> {
     let problem = problem()?;
     // Plain, so that errors fall little by little; calibrated ones fall at once where a higher degree has blocks enough.

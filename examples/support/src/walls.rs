@@ -112,8 +112,8 @@ impl Row {
             statistic("E y", row.mean, row.of_mean, row.variance.sqrt(), result.mean(0)?),
             statistic("Var y", row.variance, row.of_variance, row.variance, result.variance(0)?),
             statistic("E v^2", row.square, row.of_square, row.square, result.moment(&[0, 2])?),
-            statistic("skew v", row.skewness, row.of_square, 1.0, result.skewness_about_zero(1)?),
-            statistic("kurt v", row.kurtosis, row.of_square, row.kurtosis, result.kurtosis_about_zero(1)?),
+            statistic("skew v", row.skewness, row.of_square, 1.0, result.skewness(1)?),
+            statistic("kurt v", row.kurtosis, row.of_square, row.kurtosis, result.kurtosis(1)?),
             statistic("rate", row.impact_rate, row.of_rate, row.impact_rate, rate),
         ])
     }

@@ -99,20 +99,6 @@ impl Lanes {
         }
     }
 
-    /// The increments of steps that are twice as long as those that the random numbers are for: sums of two.
-    #[inline(always)]
-    fn draw_merged(&self, processes: usize, scale: f64, block: &mut [Lane]) {
-        for (place, w) in block.chunks_exact_mut(processes).enumerate() {
-            let place = self.taken + place as u64;
-            for k in 0..processes {
-                for l in 0..LANES {
-                    let [first, second] = self.random.normals(self.first + l as u64, k as u64, place);
-                    w[k][l] = scale * (first + second);
-                }
-            }
-        }
-    }
-
     /// Refuses states that are not finite or beyond the moduli `bounds`, if there are any.
     pub(super) fn check(&self, bounds: &[f64], time: f64, step: f64) -> Result<()> {
         let beyond = |i: usize, x: f64| !x.is_finite() || bounds.get(i).is_some_and(|&bound| x.abs() > bound);

@@ -82,7 +82,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
             let first = x[0];
             x[active..].fill(first);
         }
-        self.work.arrivals.clear(scheme.merged);
+        self.work.arrivals.clear();
         self.draw_arrivals(0);
         let mut ahead = self.begin(&mut x);
         // There impulses that are the same at all states need no pieces.
@@ -95,9 +95,6 @@ impl NullaryFnOnce for Advance<'_, '_> {
             let increments = &mut self.work.increments;
             if scheme.silent {
                 (offset, length) = (0, BLOCK.min((end - taken) as usize));
-            } else if scheme.merged {
-                (offset, length) = (0, BLOCK.min((end - taken) as usize));
-                self.lanes.draw_merged(processes, (h / 2.0).sqrt(), &mut increments[..length * processes]);
             } else {
                 offset = (taken % 2) as usize;
                 length = (BLOCK - offset).min((end - taken) as usize);

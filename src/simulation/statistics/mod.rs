@@ -3,12 +3,10 @@
 //! - `requests`, `options`: the user's requests;
 //! - `spectrum`: autocovariance and spectral density from segments;
 //! - `first_passage`: the time that a stationary state takes to reach a level;
-//! - `cells`: densities and up-crossings in small cells about points and levels;
 //! - `recorders`: the counting of each sample, the sums of a batch, and the buffers of each path;
 //! - `answers`: the results.
 
 mod answers;
-mod cells;
 mod first_passage;
 mod options;
 mod recorders;

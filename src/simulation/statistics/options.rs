@@ -1,4 +1,4 @@
-use super::requests::{PassageRequest, Point};
+use super::requests::PassageRequest;
 use crate::simulation::Simulation;
 
 impl Simulation<'_> {
@@ -41,15 +41,6 @@ impl Simulation<'_> {
     /// state 0 only the samples are used. The window is rounded to whole sampling intervals for each of the `bins`.
     pub fn first_passage(mut self, level: f64, window: f64, bins: usize) -> Self {
         self.requests.passages.push(PassageRequest { level, length: window, bins });
-        self
-    }
-
-    /// Points of the state space whose density is to be measured in cells of the given widths about each, for any number of
-    /// states. [`SimulatedDensity::at_points`](crate::SimulatedDensity::at_points) gives it, with the errors that the widths
-    /// make.
-    pub fn points(mut self, points: impl IntoIterator<Item = impl AsRef<[f64]>>, widths: impl AsRef<[f64]>) -> Self {
-        let point = |at: &[f64]| Point { at: at.to_vec(), widths: widths.as_ref().to_vec() };
-        self.requests.points.extend(points.into_iter().map(|at| point(at.as_ref())));
         self
     }
 }

@@ -1,7 +1,6 @@
 use super::{
-    cells::{PointCounts, Slab},
     first_passage::{PassageClock, PassageTally, PassageWindow},
-    requests::{Point, Requests},
+    requests::Requests,
     spectrum::{Segments, SpectralTally},
 };
 use crate::simulation::plan::same_level;
@@ -12,10 +11,6 @@ use serde::{Deserialize, Serialize};
 pub(in crate::simulation) struct Recorders {
     pub(super) spectra: Vec<(usize, Segments)>,
     pub(super) passages: Vec<FirstPassageRecorder>,
-    pub(super) points: Vec<Point>,
-    /// The cells about each level of state 0 whose up-crossings are counted, and the state that is its velocity.
-    pub(super) slabs: Vec<Slab>,
-    velocity: usize,
 }
 
 /// A level whose first passage is measured.
@@ -32,9 +27,6 @@ pub(super) struct FirstPassageRecorder {
 pub(in crate::simulation) struct Recordings {
     pub(super) spectra: Vec<SpectralTally>,
     pub(super) passages: Vec<PassageTally>,
-    pub(super) points: Vec<PointCounts>,
-    /// Σ max(v, 0) in three cells about each level.
-    pub(super) slabs: Vec<[f64; 3]>,
 }
 
 /// The parts of the paths of a batch that are kept until a segment or a window is whole.
@@ -60,37 +52,24 @@ pub(in crate::simulation) struct Sample<'a> {
 impl Recordings {
     /// The lengths of all lists.
     pub(in crate::simulation) fn sizes(&self) -> impl Iterator<Item = usize> {
-        let Recordings { spectra, passages, points, slabs } = self;
-        let lists = [spectra.len(), passages.len(), points.len(), slabs.len()];
+        let Recordings { spectra, passages } = self;
+        let lists = [spectra.len(), passages.len()];
         let sums = spectra.iter().flat_map(SpectralTally::sizes).chain(passages.iter().map(PassageTally::size));
         lists.into_iter().chain(sums)
     }
 }
 
 impl Recorders {
-    /// `levels` are those of state 0, which moves at the rate of `velocity` between `ends`, its walls at `limits`; samples are
-    /// `interval` apart.
-    pub(in crate::simulation) fn new(
-        requests: &Requests,
-        interval: f64,
-        (levels, velocity): (&[f64], Option<usize>),
-        ends: [f64; 2],
-        limits: [f64; 2],
-    ) -> Self {
+    /// `levels` are those of state 0 whose up-crossings are counted, if it is a displacement; samples are `interval` apart.
+    pub(in crate::simulation) fn new(requests: &Requests, interval: f64, levels: Option<&[f64]>) -> Self {
         let segments = |&(state, length): &(usize, usize)| (state, Segments::new(length, interval));
-        let crossing = |level: f64| levels.iter().position(|&y| same_level(y, level)).filter(|_| velocity.is_some());
+        let crossing = |level: f64| levels?.iter().position(|&y| same_level(y, level));
         let waiting = requests.passages.iter().filter_map(|requested| {
             let crossing = crossing(requested.level);
             let window = PassageWindow::new(requested.length, interval, requested.bins, crossing.is_some()).ok()?;
             Some(FirstPassageRecorder { level: requested.level, crossing, window })
         });
-        Recorders {
-            spectra: requests.spectra.iter().map(segments).collect(),
-            passages: waiting.collect(),
-            points: requests.points.clone(),
-            slabs: levels.iter().map(|&level| Slab::new(level, ends, limits)).collect(),
-            velocity: velocity.unwrap_or(0),
-        }
+        Recorders { spectra: requests.spectra.iter().map(segments).collect(), passages: waiting.collect() }
     }
 
     /// Empty records.
@@ -98,8 +77,6 @@ impl Recorders {
         Recordings {
             spectra: self.spectra.iter().map(|(_, segments)| segments.tally()).collect(),
             passages: self.passages.iter().map(|waiting| waiting.window.tally()).collect(),
-            points: vec![PointCounts::default(); self.points.len()],
-            slabs: vec![[0.0; 3]; self.slabs.len()],
         }
     }
 
@@ -131,12 +108,6 @@ impl Recorders {
         for ((waiting, tally), clock) in self.passages.iter().zip(&mut recordings.passages).zip(clocks) {
             let since = waiting.crossing.is_some_and(|k| crossed[k] >> lane & 1 == 1);
             tally.push(&waiting.window, clock, [x[0] >= waiting.level, since]);
-        }
-        for (point, counts) in self.points.iter().zip(&mut recordings.points) {
-            point.observe(counts, x);
-        }
-        for (slab, sums) in self.slabs.iter().zip(&mut recordings.slabs) {
-            slab.observe(sums, x[0], x[self.velocity]);
         }
     }
 }

@@ -1,5 +1,5 @@
 use super::{first_passage::PassageWindow, spectrum::Segments};
-use crate::checks::{dimension, finite, positive, require, state_index};
+use crate::checks::{dimension, finite, require, state_index};
 use crate::error::Result;
 use crate::simulation::tuning;
 use crate::simulation::{plan::same_level, run::at_most};
@@ -13,7 +13,6 @@ pub(in crate::simulation) struct Requests {
     /// States whose spectra are requested, each with the number of samples in a segment.
     pub(in crate::simulation) spectra: Vec<(usize, usize)>,
     pub(in crate::simulation) passages: Vec<PassageRequest>,
-    pub(in crate::simulation) points: Vec<Point>,
 }
 
 /// A level of state 0, the length of the windows in which its first passage is measured, and the number of times in one.
@@ -22,13 +21,6 @@ pub(in crate::simulation) struct PassageRequest {
     pub(in crate::simulation) level: f64,
     pub(in crate::simulation) length: f64,
     pub(in crate::simulation) bins: usize,
-}
-
-/// A point whose density is requested, and the widths of the cells about it.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-pub(in crate::simulation) struct Point {
-    pub(in crate::simulation) at: Vec<f64>,
-    pub(in crate::simulation) widths: Vec<f64>,
 }
 
 impl Requests {
@@ -49,10 +41,9 @@ impl Requests {
         lengths * trajectories as f64
     }
 
-    /// Checks all of them, for trajectories of `states` states that are sampled at `interval`, the first state between `limits`.
-    pub(in crate::simulation) fn validate(&self, states: usize, interval: f64, limits: [f64; 2]) -> Result<()> {
+    /// Checks all of them, for trajectories of `states` states that are sampled at `interval`.
+    pub(in crate::simulation) fn validate(&self, states: usize, interval: f64) -> Result<()> {
         at_most("number of moments", self.moments.len(), tuning::limits::MOST_MOMENTS, "at most 64 can be named")?;
-        at_most("number of points", self.points.len(), tuning::limits::MOST_POINTS, "at most 256 can be named")?;
         at_most(
             "number of first passages",
             self.passages.len(),
@@ -75,16 +66,6 @@ impl Requests {
             PassageWindow::new(length, interval, bins, false)?;
             let remedy = "its first passage is requested twice; one window can be given for each level";
             require(self.passages[..k].iter().all(|other| !same_level(other.level, level)), "level", level, remedy)?;
-        }
-        for Point { at, widths } in &self.points {
-            dimension("a point", at.len(), states)?;
-            dimension("the widths of the cells about a point", widths.len(), states)?;
-            at.iter().try_for_each(|&x| finite("point", x).map(|_| ()))?;
-            let remedy = "the width of the cells about a point must be finite and above zero";
-            widths.iter().try_for_each(|&width| positive("width", width, remedy).map(|_| ()))?;
-            let remedy = "the cells about a point reach 1.5 widths to either side and must not reach beyond a wall";
-            let room = (at[0] - limits[0]).min(limits[1] - at[0]);
-            require(room >= 1.5 * widths[0], "point", at[0], remedy)?;
         }
         Ok(())
     }

@@ -86,7 +86,6 @@ fn crossings(probe: &mut Probe, density: &dyn Density, pair: [usize; 2]) {
     for odd in ODD.into_iter().chain([0.3]) {
         probe.ask("crossing rate", || crossings.rate(odd));
         probe.ask("peaks above", || crossings.peak_exceedance(odd));
-        probe.ask("density of peaks", || crossings.peak_density(odd));
         probe.ask("first passage", || crossings.first_passage(odd, 10.0));
         probe.ask("first passage in an odd time", || crossings.first_passage(0.3, odd));
         let Some(maximum) = probe.ask("maximum", || crossings.maximum(odd)) else { continue };
@@ -99,19 +98,12 @@ fn crossings(probe: &mut Probe, density: &dyn Density, pair: [usize; 2]) {
 /// Distances from itself, and from the Gaussian closure.
 fn compared(probe: &mut Probe, problem: &Problem, density: &dyn Density) {
     probe.value("L1 from itself", 0.0, || Ok(compare::l1(density, density)?.value));
-    probe.ask("moments compared", || compare::moment_differences(density, density, 3));
     let level = probe.draw.of([1e-3, 0.0, f64::NAN, 1.0]);
     probe.ask("log ratio", || compare::log_ratio(density, density, level));
     let free = problem.without_walls();
-    let range = [density.bounds()[0][0], probe.draw.of(ODD)];
     let Some(gaussian) = probe.ask("Gaussian", || Closure::classical(2).solve(&free)?.density()) else { return };
     probe.ask("distances", || compare::distances(density, &gaussian));
     probe.ask("distances the other way", || compare::distances(&gaussian, density));
-    // 600 integrals over all other states each.
-    if density.dimension() <= 2 {
-        probe.ask("L1 of marginals", || compare::marginal_l1(density, &gaussian, 0, range));
-        probe.ask("ratio of marginals", || compare::marginal_log_ratio(density, &gaussian, 0, level));
-    }
 }
 
 /// A closure's estimates of itself, and its document.
@@ -123,7 +115,6 @@ pub(super) fn of_closure(probe: &mut Probe, density: &ClosureDensity, problem: &
     let symbols: Vec<&str> = problem.states().iter().map(String::as_str).collect();
     probe.ask("LaTeX", || form.latex(&symbols));
     probe.ask("Python", || form.python());
-    probe.ask("Rust", || form.rust());
     probe.ask("MATLAB", || form.matlab());
     let Some(text) = probe.ask("to_json", || form.to_json()) else { return };
     let Some(again) = probe.ask("from_json of to_json", || ClosedForm::from_json(&text)) else {

@@ -275,7 +275,7 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
                 simulation = simulation.start((0..n).map(|_| coefficient(draw, 0.5)).collect::<Vec<f64>>());
             }
             if draw.with(0.2) {
-                simulation = simulation.two_steps().bins(draw.below(300));
+                simulation = simulation.bins(draw.below(300));
             }
             let density = probe.ask("Simulation", || simulation.run(problem))?;
             probe.show(&format!("{:?}", density.provenance()));

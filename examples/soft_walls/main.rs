@@ -9,11 +9,14 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
+mod walls;
+
 use clap::Parser;
-use expoly::models::{Duffing, SoftWalls};
-use expoly::{Density, Estimate, Grid, GridDensity, compare};
+use expoly::models::Duffing;
+use expoly::{Density, Estimate, Grid, GridDensity};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
+use walls::{SoftWalls, rigid};
 
 /// An oscillator between soft walls and between rigid ones.
 #[derive(Clone, Debug, Parser)]
@@ -72,12 +75,18 @@ fn solve(soft: &SoftWalls, options: &Options, power: u32, energy: f64) -> expoly
     Grid::new().accuracy(options.accuracy).domain(domain).solve(&soft.problem()?)
 }
 
-/// ∫ |p − q| dy, with the kinks at the walls between the parts, and with the L¹ errors of both grids.
+/// ∫ |p − q| dy by the midpoint rule, with the kinks at the walls between the parts, and with the L¹ errors of both grids.
 fn distance(soft: &GridDensity, rigid: &GridDensity) -> expoly::Result<Estimate> {
+    const POINTS: u32 = 600;
     let [low, high] = soft.bounds()[0];
-    let parts = [[low, WALLS[0]], WALLS, [WALLS[1], high]];
-    let part = |range| compare::marginal_l1(soft, rigid, 0, range).map(|part| part.value);
-    let sum = parts.into_iter().try_fold(0.0, |sum, range| Ok::<_, expoly::Error>(sum + part(range)?))?;
+    let mut sum = 0.0;
+    for [low, high] in [[low, WALLS[0]], WALLS, [WALLS[1], high]] {
+        let width = (high - low) / f64::from(POINTS);
+        for k in 0..POINTS {
+            let y = low + (f64::from(k) + 0.5) * width;
+            sum += width * (soft.marginal(0, y)?.value - rigid.marginal(0, y)?.value).abs();
+        }
+    }
     Ok(Estimate::new(sum, soft.l1_estimate() + rigid.l1_estimate()))
 }
 
@@ -92,15 +101,14 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let names = ["r", "m", "stiffness K", "L1 of p(y)", "E y^2 off by", "E v^2 off by"];
     println!("{:>6}{:>6}{:>14}{:>22}{:>22}{:>22}", names[0], names[1], names[2], names[3], names[4], names[5]);
     for (colour, &r) in options.restitutions.iter().enumerate() {
-        let rigid = SoftWalls::new(duffing, WALLS, r, 3, 1.0)?.rigid()?;
-        let rigid = Grid::new().accuracy(options.accuracy).solve(&rigid)?;
+        let rigid = Grid::new().accuracy(options.accuracy).solve(&rigid(duffing, WALLS, r)?)?;
         let truth = [rigid.moment(&[2, 0])?, rigid.moment(&[0, 2])?];
         let energy = ENERGY * truth[1].value;
         let places = between([WALLS[0] - 0.4, 1.5], 191);
         let mut densities = vec![curve("rigid", Style::Solid, 0, &values(&places, |y| rigid.marginal(0, y))?)];
         let mut rows = Vec::new();
         for (k, &power) in options.powers.iter().enumerate() {
-            let soft = SoftWalls::new(duffing, WALLS, r, power, energy)?;
+            let soft = SoftWalls { oscillator: duffing, offsets: WALLS, restitution: r, power, energy };
             let density = solve(&soft, options, power, energy)?;
             let squares = [density.moment(&[2, 0])?, density.moment(&[0, 2])?];
             let [y, v] = [0, 1].map(|k| difference(squares[k], truth[k]));
