@@ -40,6 +40,7 @@ pub mod inverse;
 mod memory;
 pub mod models;
 mod numerics;
+mod parallel;
 mod polynomial;
 mod problem;
 mod provenance;

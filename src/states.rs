@@ -2,7 +2,6 @@
 
 use crate::error::{Error, Result};
 use crate::record::Read;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Index;
 use std::path::Path;
@@ -143,13 +142,10 @@ impl States {
         self.values.chunks_exact(self.dimension)
     }
 
-    pub(crate) fn par_iter(&self) -> rayon::slice::ChunksExact<'_, f64> {
-        self.values.par_chunks_exact(self.dimension)
-    }
-
-    /// Runs of `count` states, the last one perhaps shorter.
-    pub(crate) fn par_chunks(&self, count: usize) -> rayon::slice::Chunks<'_, f64> {
-        self.values.par_chunks(count * self.dimension)
+    /// The states of one of the runs of `length` states, the last one perhaps shorter, one after the other.
+    pub(crate) fn run(&self, run: usize, length: usize) -> &[f64] {
+        let length = length * self.dimension;
+        &self.values[run * length..self.values.len().min((run + 1) * length)]
     }
 
     /// Leaves out the states for which `keep` is false.

@@ -3,7 +3,7 @@ use crate::density::{Cell, Density, cell_lines};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Cells along each state to begin with.
@@ -177,7 +177,7 @@ fn over_cells(density: &dyn Density, reference: &dyn Density) -> Result<[Estimat
     let rules = NODES.map(Rule::legendre);
     let values = |x: &[f64]| -> Result<[Estimate; 3]> { Ok(with_errors(density.log_pdf(x)?.exp(), reference.pdf(x)?)) };
     let of = |cells: Vec<Cell>| -> Result<Vec<Piece>> {
-        cells.into_par_iter().map(|cell| Piece::new(cell, &rules, &values)).collect()
+        parallel::map_into(cells, |_, cell| Piece::new(cell, &rules, &values)).into_iter().collect()
     };
     let mut pieces = of(Cell::between(&cell_lines(&bounds, CELLS, through)))?;
     loop {

@@ -3,7 +3,7 @@ use crate::checks::require;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Lines along each state of the first scan, and of the second.
 const COARSE: usize = 64;
@@ -41,8 +41,9 @@ pub fn log_ratio(density: &dyn Density, reference: &dyn Density, level: f64) -> 
     };
     let (nodes, _) = density.weighted_states().or_else(|| reference.weighted_states()).ok_or_else(unknown)?;
     // Logarithms, since densities of many states may leave the range of numbers.
-    let values: Vec<[f64; 2]> =
-        nodes.par_iter().map(|x| Ok([density.log_pdf(x)?, reference.log_pdf(x)?])).collect::<Result<_>>()?;
+    let values =
+        parallel::map(nodes.len(), |k| Ok([density.log_pdf(nodes.state(k))?, reference.log_pdf(nodes.state(k))?]));
+    let values = values.into_iter().collect::<Result<Vec<[f64; 2]>>>()?;
     let peak = values.iter().map(|v| v[1]).fold(f64::NEG_INFINITY, f64::max);
     let inside = values.iter().enumerate().filter(|(_, v)| v[1] >= peak + level.ln());
     let decades = |v: &[f64; 2]| (v[0] - v[1]).abs() / std::f64::consts::LN_10;
@@ -109,22 +110,22 @@ pub(super) fn scanned(
         .map(|(k, i)| (k, k + (FINE + 1).pow(i as u32), i))
         .filter(|&(a, b, _)| inside(a) != inside(b))
         .collect();
-    let found: Result<Vec<(Pair, bool)>> = edges
-        .into_par_iter()
-        .map(|(a, b, along)| {
-            let (within, beyond) = if inside(a) { (a, b) } else { (b, a) };
-            let mut x = values[within].0.clone();
-            let (mut start, mut end) = (x[along], values[beyond].0[along]);
-            for _ in 0..BISECTIONS {
-                let middle = (start + end) / 2.0;
-                x[along] = middle;
-                if at(&x)?.1.value >= least { start = middle } else { end = middle }
-            }
-            x[along] = start;
-            Ok((at(&x)?, (0..n).all(|i| i == along || index(a, i) % 2 == 0)))
-        })
-        .collect();
-    found?.into_iter().for_each(|(value, on_second)| take(value, on_second));
+    let found = parallel::map_into(edges, |_, (a, b, along)| {
+        let (within, beyond) = if inside(a) { (a, b) } else { (b, a) };
+        let mut x = values[within].0.clone();
+        let (mut start, mut end) = (x[along], values[beyond].0[along]);
+        for _ in 0..BISECTIONS {
+            let middle = (start + end) / 2.0;
+            x[along] = middle;
+            if at(&x)?.1.value >= least { start = middle } else { end = middle }
+        }
+        x[along] = start;
+        Ok((at(&x)?, (0..n).all(|i| i == along || index(a, i) % 2 == 0)))
+    });
+    for found in found {
+        let (value, on_second) = found?;
+        take(value, on_second);
+    }
     let (value, stated) = every;
     Ok(Estimate::new(value, if value.is_finite() { value - second + stated } else { f64::INFINITY }))
 }
@@ -140,5 +141,9 @@ fn lattice(
         bounds.iter().enumerate().map(|(i, [low, high])| low + place(i) * (high - low)).collect()
     };
     let count = (steps + 1).pow(bounds.len() as u32);
-    (0..count).into_par_iter().map(point).map(|x| at(&x).map(|pair| (x, pair))).collect()
+    let value = |k: usize| {
+        let x = point(k);
+        at(&x).map(|pair| (x, pair))
+    };
+    parallel::map(count, value).into_iter().collect()
 }

@@ -3,8 +3,8 @@ use crate::checks::dimension;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
+use crate::parallel;
 use crate::states::States;
-use rayon::prelude::*;
 
 /// A lower bound of ∫ |p̃ − p| dx, p being the unknown density that independent `states` come from: E_p g − E_p̃ g with g =
 /// sign(q − p̃), for a `comparison` q that is closer to p.
@@ -49,14 +49,14 @@ pub fn l1_at_least(
         let [own, other] = [density, comparison].map(|density| density.log_pdf(x).unwrap_or(f64::NEG_INFINITY));
         f64::from(i8::from(other > own) - i8::from(other < own))
     };
-    let path = |path: &[f64]| path.chunks_exact(n).map(sign).sum::<f64>() / samples as f64;
-    let means: Vec<f64> = states.values().par_chunks_exact(samples * n).take(trajectories).map(path).collect();
+    let path = |k: usize| states.run(k, samples).chunks_exact(n).map(sign).sum::<f64>() / samples as f64;
+    let means: Vec<f64> = parallel::map(trajectories, path);
     let count = means.len() as f64;
     let mean = means.iter().sum::<f64>() / count;
     let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
     let own = match density.weighted_states() {
         Some((nodes, weights)) => {
-            let signs: Vec<f64> = nodes.par_iter().map(sign).collect();
+            let signs: Vec<f64> = parallel::map(nodes.len(), |k| sign(nodes.state(k)));
             let mass: f64 = weights.iter().sum();
             let own = signs.iter().zip(&weights).map(|(g, w)| g * w).sum::<f64>() / mass;
             let square: f64 = signs.iter().zip(&weights).map(|(g, w)| (w * (g - own)).powi(2)).sum();

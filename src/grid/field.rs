@@ -6,7 +6,7 @@ use super::shape::{MOST, Place, Shape, contracted, transformed};
 use super::tree::Cell;
 use crate::grid::tuning::refinement;
 use crate::numerics::Rule;
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::Arc;
 
 /// The coefficients of a density on its cells.
@@ -65,8 +65,8 @@ impl Field {
     pub(super) fn projected(mesh: &Arc<Mesh>, shape: Shape, g: impl Fn(&[f64]) -> f64 + Sync) -> Self {
         let mut field = Field::zero(mesh, shape);
         let tables = shape.tables(&shape.rule(8));
-        field.coefficients.par_chunks_exact_mut(shape.block()).zip(&mesh.cells).for_each(|(block, cell)| {
-            let mut x = [0.0; MOST];
+        parallel::on_runs(&mut field.coefficients, shape.block(), |number, block| {
+            let (cell, mut x) = (&mesh.cells[number], [0.0; MOST]);
             let values: Vec<f64> = nodes(cell, &tables)
                 .map(|(u, _)| {
                     (0..MOST).for_each(|axis| x[axis] = mesh.origin[axis] + u[axis]);
@@ -88,8 +88,8 @@ impl Field {
         // Distances from the one origin in those from the other.
         let shift: Place = std::array::from_fn(|axis| mesh.origin[axis] - self.mesh.origin[axis]);
         let moved = |cell: &Cell| Cell { lower: std::array::from_fn(|axis| cell.lower[axis] + shift[axis]), ..*cell };
-        field.coefficients.par_chunks_exact_mut(shape.block()).zip(&mesh.cells).for_each(|(block, cell)| {
-            let cell = moved(cell);
+        parallel::on_runs(&mut field.coefficients, shape.block(), |number, block| {
+            let cell = moved(&mesh.cells[number]);
             for (number, piece) in self.mesh.pieces(&cell) {
                 let from = &self.mesh.cells[number];
                 let mut sizes: [usize; MOST] = std::array::from_fn(|axis| self.shape.modes(axis));
@@ -207,7 +207,7 @@ impl Field {
             self.on_nodes(cell, &tables).map(|(x, weight, p)| weight * g(&x[..states], p)).sum()
         };
         // In the order of the cells, so that threads do not change the sum.
-        (0..self.mesh.cells.len()).into_par_iter().map(part).collect::<Vec<f64>>().iter().sum()
+        parallel::map(self.mesh.cells.len(), part).iter().sum()
     }
 
     /// The peak of a normal density with the same ∫ p² dx: a source in a single cell has none of it.

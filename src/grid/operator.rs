@@ -10,10 +10,10 @@ use super::mesh::{Mesh, Role};
 use super::shape::Shape;
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
+use crate::parallel;
 use crate::problem::{PlaneMotion, Problem};
 use faer::linalg::solvers::Solve;
 use faer::{ColMut, Mat};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 const FEWER: &str = "ask for less accuracy, or raise `memory_limit`";
@@ -83,7 +83,7 @@ impl Operator {
     fn part(problem: &Problem, layout: &Layout, shape: Shape, part: Part<'_>) -> Self {
         let mesh = &layout.mesh;
         let forms = Forms::new(problem, mesh.origin, shape, part);
-        let cells = (0..mesh.cells.len()).into_par_iter().map(|cell| forms.matrices(mesh, cell)).collect();
+        let cells = parallel::map(mesh.cells.len(), |cell| forms.matrices(mesh, cell));
         Operator { layout: layout.clone(), shape, cells }
     }
 
@@ -139,8 +139,8 @@ impl Operator {
     pub(super) fn inward(&self, u: &[f64], faces: &[f64]) -> Vec<f64> {
         let (block, size) = (self.shape.block(), self.shape.face());
         let mut inward = vec![0.0; u.len()];
-        let all = inward.par_chunks_exact_mut(block).zip(u.par_chunks_exact(block)).zip(&self.cells).enumerate();
-        all.for_each(|(cell, ((inward, u), matrices))| {
+        parallel::on_runs(&mut inward, block, |cell, inward| {
+            let (u, matrices) = (&u[cell * block..(cell + 1) * block], &self.cells[cell]);
             let own: Vec<f64> = self.faces(cell).flat_map(|at| &faces[at..at + size]).copied().collect();
             add_product(inward, &matrices.inner, u);
             add_product(inward, &matrices.inflow, &own);
@@ -151,12 +151,13 @@ impl Operator {
     /// What the unknowns of cells make of the equations of faces.
     pub(super) fn outward(&self, u: &[f64]) -> Vec<f64> {
         let (block, size) = (self.shape.block(), self.shape.face());
-        let of = |(matrices, u): (&Matrices, &[f64])| {
+        let of = |cell: usize| {
+            let (u, matrices) = (&u[cell * block..(cell + 1) * block], &self.cells[cell]);
             let mut outer = vec![0.0; matrices.outflow.nrows()];
             add_product(&mut outer, &matrices.outflow, u);
             outer
         };
-        let parts: Vec<Vec<f64>> = self.cells.par_iter().zip(u.par_chunks_exact(block)).map(of).collect();
+        let parts: Vec<Vec<f64>> = parallel::map(self.cells.len(), of);
         let mut sums = vec![0.0; self.at_faces()];
         for (cell, outer) in parts.iter().enumerate() {
             for (at, outer) in self.faces(cell).zip(outer.chunks_exact(size)) {
@@ -185,7 +186,7 @@ impl Operator {
         let regular = |block: Mat<f64>| {
             if block.norm_max() == 0.0 { Mat::identity(block.nrows(), block.ncols()) } else { block }
         };
-        Traces(self.between(more).into_par_iter().map(|block| regular(block).partial_piv_lu()).collect())
+        Traces(parallel::map_into(self.between(more), |_, block| regular(block).partial_piv_lu()))
     }
 }
 
@@ -197,9 +198,9 @@ impl Traces {
     /// The λ with which the equations of faces hold, whose part without λ is given.
     pub(super) fn solved(&self, mut without: Vec<f64>) -> Vec<f64> {
         let size = without.len() / self.0.len().max(1);
-        without.par_chunks_exact_mut(size.max(1)).zip(&self.0).for_each(|(part, factors)| {
+        parallel::on_runs(&mut without, size, |face, part| {
             part.iter_mut().for_each(|value| *value = -*value);
-            factors.solve_in_place(ColMut::from_slice_mut(part));
+            self.0[face].solve_in_place(ColMut::from_slice_mut(part));
         });
         without
     }

@@ -6,10 +6,10 @@ use crate::closure::{Closure, ClosureDensity, Sensitivity};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
+use crate::parallel;
 use crate::problem::Problem;
 use crate::states::States;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use rayon::prelude::*;
 
 /// The largest change of a parameter in a step, relative to itself.
 const LONGEST: f64 = 0.4;
@@ -150,7 +150,7 @@ impl Fitted {
         let sensitivities = density.sensitivities(&names)?;
         let (count, size) = (states.len(), names.len());
         let row = |x: &[f64]| sensitivities.iter().map(|by| by.relative(x)).collect::<Result<Vec<f64>>>();
-        let rows = states.par_iter().map(row).collect::<Result<Vec<_>>>()?;
+        let rows = parallel::map(count, |k| row(states.state(k))).into_iter().collect::<Result<Vec<_>>>()?;
         let scores = DMatrix::from_fn(count, size, |i, k| rows[i][k]);
         let score = DVector::from_fn(size, |k, _| scores.column(k).mean());
         let mut information = DMatrix::zeros(size, size);

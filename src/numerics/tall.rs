@@ -1,10 +1,10 @@
 //! Matrices of many rows and few columns, such as functions at many points: in stretches of rows, which are the same on any
 //! number of threads, and so are the results.
 
+use crate::parallel;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use rayon::prelude::*;
 
 /// Rows at a time, whose copies stay in a core's cache.
 const ROWS: usize = 256;
@@ -36,8 +36,7 @@ pub(super) fn summed(rows: usize, zero: &Mat<f64>, add: impl Fn(MatMut<'_, f64>,
         }
         sum
     };
-    let firsts: Vec<usize> = (0..rows).step_by(length).collect();
-    let parts: Vec<Mat<f64>> = firsts.into_par_iter().map(stretch).collect();
+    let parts = parallel::map(rows.div_ceil(length), |run| stretch(run * length));
     parts.into_iter().reduce(|sum, part| sum + part).unwrap_or_else(|| zero.clone())
 }
 
@@ -74,7 +73,7 @@ pub(crate) fn weighted_sum(a: MatRef<'_, f64>, weights: &[f64]) -> Vec<f64> {
 pub(crate) fn combination(a: MatRef<'_, f64>, c: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; a.nrows()];
     let right = MatRef::from_column_major_slice(c, c.len(), 1);
-    all.par_chunks_mut(ROWS).enumerate().for_each(|(part, to)| {
+    parallel::on_runs(&mut all, ROWS, |part, to| {
         let rows = a.get(.., ..c.len()).subrows(part * ROWS, to.len());
         let count = to.len();
         matmul(MatMut::from_column_major_slice_mut(to, count, 1), Accum::Replace, rows, right, 1.0, Par::Seq);
@@ -92,8 +91,7 @@ pub(crate) fn triangle(a: MatRef<'_, f64>, weights: &[f64]) -> Mat<f64> {
         let roots: Vec<f64> = weights[first..rows.min(first + length)].iter().map(|w| w.sqrt()).collect();
         scaled(a, first, &roots, |_| 0.0).qr().thin_R().to_owned()
     };
-    let firsts: Vec<usize> = (0..rows).step_by(length).collect();
-    let parts: Vec<Mat<f64>> = firsts.into_par_iter().map(of).collect();
+    let parts: Vec<Mat<f64>> = parallel::map(rows.div_ceil(length), |run| of(run * length));
     let mut all = Mat::zeros(parts.iter().map(Mat::nrows).sum(), columns);
     let mut at = 0;
     for part in &parts {
@@ -106,7 +104,7 @@ pub(crate) fn triangle(a: MatRef<'_, f64>, weights: &[f64]) -> Mat<f64> {
 
 /// Replaces A by the X with X R = A, for an upper triangle R.
 pub(crate) fn divide_by_triangle(a: MatMut<'_, f64>, triangle: MatRef<'_, f64>) {
-    stretches(a, ROWS).into_par_iter().for_each(|mut part| {
+    parallel::map_into(stretches(a, ROWS), |_, mut part| {
         // Rᵀ Xᵀ = Aᵀ.
         let mut transposed = part.as_ref().transpose().to_owned();
         solve_lower_triangular_in_place(triangle.transpose(), transposed.as_mut(), Par::Seq);

@@ -12,9 +12,9 @@ use super::{
     timetable::{Timetable, samples},
 };
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::problem::LANES;
 use crate::simulation::tuning::timetable::{BURN_IN_STRETCHES, LATE, PIECE};
-use rayon::prelude::*;
 
 /// Path-steps of one batch between two calls of the progress callback.
 const REPORT: u64 = 1 << 14;
@@ -197,14 +197,13 @@ impl<'a> Ensemble<'a> {
         items: &mut [I],
         task: impl Fn(usize, &mut I) -> Result<R> + Sync,
     ) -> Result<Vec<R>> {
-        let guarded = |(place, item): (usize, &mut I)| {
+        let guarded = |place: usize, item: &mut I| {
             task(place, item).inspect_err(|error| {
                 if !matches!(error, Error::Cancelled { .. }) {
                     self.control.fail(place);
                 }
             })
         };
-        let results: Vec<Result<R>> = items.par_iter_mut().enumerate().map(guarded).collect();
-        results.into_iter().collect()
+        parallel::map_into(items.iter_mut().collect(), guarded).into_iter().collect()
     }
 }

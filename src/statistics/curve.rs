@@ -4,7 +4,7 @@ use crate::density::Density;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::{Rule, legendre};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The most coefficients of a panel.
 const ORDER: usize = 16;
@@ -84,8 +84,8 @@ impl Curve {
         let mut panels: Vec<Panel> = Vec::new();
         let mut peak = 0.0_f64;
         while !pending.is_empty() {
-            let fitted: Result<Vec<Panel>> = pending.par_iter().map(|&ends| Panel::fitted(&f, &rule, ends)).collect();
-            let fitted = fitted?;
+            let fitted = parallel::map(pending.len(), |k| Panel::fitted(&f, &rule, pending[k]));
+            let fitted = fitted.into_iter().collect::<Result<Vec<Panel>>>()?;
             peak = fitted.iter().fold(peak, |peak, panel| peak.max(panel.largest));
             let full = panels.len() + 2 * fitted.len() > effort.most;
             pending.clear();

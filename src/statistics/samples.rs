@@ -1,12 +1,12 @@
 use crate::density::{Cell, Density, cell_lines};
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
+use crate::parallel;
 use crate::polynomial::of_one;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
-use rayon::prelude::*;
 
 /// Samples that one random stream makes.
 const BLOCK: usize = 1024;
@@ -91,18 +91,15 @@ fn in_blocks(
     seed: u64,
     draw: impl Fn(&mut ChaCha8Rng, &mut Vec<f64>) -> Result<()> + Sync,
 ) -> Result<States> {
-    let blocks: Result<Vec<Vec<f64>>> = (0..count.div_ceil(BLOCK))
-        .into_par_iter()
-        .map(|block| {
-            let mut stream = ChaCha8Rng::seed_from_u64(seed);
-            stream.set_stream(block as u64);
-            let size = BLOCK.min(count - block * BLOCK);
-            let mut drawn = Vec::with_capacity(dimension * size);
-            (0..size).try_for_each(|_| draw(&mut stream, &mut drawn))?;
-            Ok(drawn)
-        })
-        .collect();
-    Ok(States::from_values(dimension, blocks?.concat()))
+    let blocks = parallel::map(count.div_ceil(BLOCK), |block| {
+        let mut stream = ChaCha8Rng::seed_from_u64(seed);
+        stream.set_stream(block as u64);
+        let size = BLOCK.min(count - block * BLOCK);
+        let mut drawn = Vec::with_capacity(dimension * size);
+        (0..size).try_for_each(|_| draw(&mut stream, &mut drawn))?;
+        Ok(drawn)
+    });
+    Ok(States::from_values(dimension, blocks.into_iter().collect::<Result<Vec<_>>>()?.concat()))
 }
 
 fn cumulated(weights: impl Iterator<Item = f64>) -> Vec<f64> {
@@ -152,7 +149,7 @@ impl Piece {
 /// Cells on which the density varies little.
 fn pieces(density: &dyn Density) -> Result<Vec<Piece>> {
     let of = |cells: Vec<Cell>| -> Result<Vec<Piece>> {
-        cells.into_par_iter().map(|cell| Piece::new(density, cell)).collect()
+        parallel::map_into(cells, |_, cell| Piece::new(density, cell)).into_iter().collect()
     };
     let mut pieces = of(Cell::between(&cell_lines(&density.bounds(), CELLS, |_| Vec::new())))?;
     // Not by the highest values, of which one may be infinite.
@@ -234,15 +231,13 @@ fn proposed(density: &dyn Density, seed: u64) -> Result<(States, Vec<f64>)> {
         drawn.extend((0..n).map(|_| stream.sample::<f64, _>(StandardNormal)));
         Ok(())
     })?;
-    let weighted: Vec<(Vec<f64>, f64)> = normals
-        .par_iter()
-        .map(|z| {
-            let z = DVector::from_column_slice(z);
-            let x: Vec<f64> = (&mean + &lower * &z).iter().copied().collect();
-            let log = density.log_pdf(&x)? + z.norm_squared() / 2.0;
-            Ok((x, log))
-        })
-        .collect::<Result<_>>()?;
+    let weighted = parallel::map(normals.len(), |k| {
+        let z = DVector::from_column_slice(normals.state(k));
+        let x: Vec<f64> = (&mean + &lower * &z).iter().copied().collect();
+        let log = density.log_pdf(&x)? + z.norm_squared() / 2.0;
+        Ok((x, log))
+    });
+    let weighted = weighted.into_iter().collect::<Result<Vec<(Vec<f64>, f64)>>>()?;
     let top = weighted.iter().map(|(_, log)| *log).fold(f64::NEG_INFINITY, f64::max);
     let weights = weighted.iter().map(|(_, log)| (log - top).exp()).collect();
     Ok((States::from_values(n, weighted.into_iter().flat_map(|(x, _)| x).collect()), weights))

@@ -29,10 +29,10 @@ use super::space::orthonormal::Orthonormal;
 use super::tuning::{self as all, closest as tuning};
 use crate::density::Density;
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::problem::Symmetry;
 use crate::provenance::Provenance;
 use crate::states::States;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
 use target::Target;
@@ -273,10 +273,10 @@ impl<'a> Closest<'a> {
     /// The moments of the density that exp(Q) has too, where they are known.
     fn moments(&self, space: &Functions) -> Vec<Moment> {
         let exponents = space.polynomials().map_or(&[][..], |own| own.exponents());
-        let known = exponents.par_iter().filter_map(|powers| {
-            let moment = self.density.moment(powers).ok()?;
-            Some(Moment { powers: powers.clone(), value: moment.value, error: moment.error })
+        let known = parallel::map(exponents.len(), |k| {
+            let moment = self.density.moment(&exponents[k]).ok()?;
+            Some(Moment { powers: exponents[k].clone(), value: moment.value, error: moment.error })
         });
-        known.collect()
+        known.into_iter().flatten().collect()
     }
 }

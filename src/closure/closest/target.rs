@@ -4,9 +4,9 @@ use crate::density::{Cell, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::{Rule, legendre};
+use crate::parallel;
 use crate::problem::Symmetry;
 use crate::states::States;
-use rayon::prelude::*;
 
 /// A density at Gauss nodes of cells that resolve it, where it can be relied on.
 pub(super) struct Target<'a> {
@@ -161,13 +161,13 @@ impl<'a> Target<'a> {
     /// Cells with their values.
     fn evaluated(&self, cells: impl Iterator<Item = (Cell, usize)>) -> Result<Vec<Piece>> {
         let Target { rule, density, .. } = self;
-        let piece = |(cell, divided): (Cell, usize)| {
+        let piece = |_, (cell, divided): (Cell, usize)| {
             let mut nodes = (States::new(density.dimension()), Vec::new());
             add_nodes(&cell.limits, rule, &mut nodes);
             let values = nodes.0.iter().map(|x| self.value(x)).collect::<Result<Vec<Estimate>>>()?;
             Ok(Piece { cell, values, divided })
         };
-        cells.collect::<Vec<_>>().into_par_iter().map(piece).collect()
+        parallel::map_into(cells.collect(), piece).into_iter().collect()
     }
 
     /// The box around all cells.

@@ -22,11 +22,11 @@ use super::space::nested_spaces::{Smooth, SpaceFamily};
 use crate::closure::tuning;
 use crate::fokker_planck::{ImpulseTerm, Local};
 use crate::numerics::Rule;
+use crate::parallel;
 use crate::problem::Problem;
 use crate::states::States;
 use likelihood::likeliest;
 use nodes::{NodalGenerator, Nodes};
-use rayon::prelude::*;
 use trust_domain::TrustDomain;
 
 /// A jump that trajectories make where they meet a wall.
@@ -144,7 +144,7 @@ pub(super) fn locals(problem: &Problem, points: &States) -> Vec<Local> {
         problem.local(x, &mut local);
         local
     };
-    points.par_iter().map(local).collect()
+    parallel::map(points.len(), |k| local(points.state(k)))
 }
 
 /// Rules across a domain along each state, in two panels that meet at 0 or in the middle.

@@ -1,9 +1,9 @@
 use crate::closure::pilot::Pilot;
 use crate::closure::tuning;
+use crate::parallel;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive_states, states};
 use crate::states::States;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -57,7 +57,8 @@ impl TrustDomain {
                 most
             };
             let greater = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(b).map(|(a, b)| a.max(b)).collect();
-            pilot.states.par_chunks(CHUNK).map(part).reduce(|| vec![0.0; count], greater)
+            let parts = parallel::map(pilot.states.len().div_ceil(CHUNK), |run| part(pilot.states.run(run, CHUNK)));
+            parts.into_iter().fold(vec![0.0; count], greater)
         };
         let scale = largest(centre.len(), &|x, scale| {
             scale.iter_mut().zip(x.iter().zip(&centre)).for_each(|(s, (x, c))| *s = s.max((x - c).abs()));

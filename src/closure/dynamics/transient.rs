@@ -17,10 +17,10 @@ use crate::closure::tuning;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;
+use crate::parallel;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
 use crate::transient::{Start, Transient, check_times};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 impl Closure {
@@ -149,11 +149,11 @@ impl Closure {
                 known.extend(Snapshot::new(dynamics, system, d, beginning.error));
             }
         }
-        let at = |(known, time): (Vec<Snapshot>, &f64)| {
+        let at = |k: usize, known: Vec<Snapshot>| {
             let density = self.at_time(known, stationary.provenance())?;
-            Ok(Transient { time: *time, density, step_error: 0.0 })
+            Ok(Transient { time: times[k], density, step_error: 0.0 })
         };
-        known.into_par_iter().zip(times).map(at).collect()
+        parallel::map_into(known, at).into_iter().collect()
     }
 
     /// The closure whose reference gives the weight, a good one whatever this order is, and its density. Under rare impulses a high

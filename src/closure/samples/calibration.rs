@@ -11,10 +11,10 @@ use crate::closure::tuning::{self, pilot::TRAJECTORIES};
 use crate::control_variates::impulses::images;
 use crate::control_variates::regression;
 use crate::numerics::symmetric;
+use crate::parallel;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use rayon::prelude::*;
 
 /// Groups of trajectories whose spread is the standard error of statistics of impacts.
 const GROUPS: usize = 64;
@@ -171,7 +171,7 @@ impl Calibration {
         let paths =
             Paths { problem, pilot, contacts: &contacts, statistics, products: &products, sizes, samples, length };
 
-        let lots: Vec<(Sums, Vec<[Vec<f64>; 2]>)> = (0..LOTS).into_par_iter().map(|lot| paths.lot(lot)).collect();
+        let lots: Vec<(Sums, Vec<[Vec<f64>; 2]>)> = parallel::map(LOTS, |lot| paths.lot(lot));
         let mut halves = [Sums::new(sizes), Sums::new(sizes)];
         lots.iter().enumerate().for_each(|(lot, (sums, _))| halves[lot % 2].add(sums));
         let mut all = Sums::new(sizes);

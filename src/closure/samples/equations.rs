@@ -8,11 +8,11 @@ use crate::closure::tuning;
 use crate::control_variates::planes::Form;
 use crate::fokker_planck::Local;
 use crate::numerics::{Eight, add_gram, symmetric};
+use crate::parallel;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, Par};
-use rayon::prelude::*;
 
 /// Eight states with the coefficients of the operator there.
 #[derive(Clone, Debug)]
@@ -208,7 +208,8 @@ impl Likelihood<'_> {
             }
             sum
         };
-        let parts: Vec<Equations> = blocks.par_chunks(blocks.len().div_ceil(stretches).max(1)).map(stretch).collect();
+        let runs: Vec<&[usize]> = blocks.chunks(blocks.len().div_ceil(stretches).max(1)).collect();
+        let parts: Vec<Equations> = parallel::map(runs.len(), |run| stretch(runs[run]));
         let mut all = Equations::new(size);
         parts.iter().for_each(|part| all.add(part));
         let root = all.root.sqrt();

@@ -11,10 +11,10 @@ use crate::closure::tuning;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::exponentials;
+use crate::parallel;
 use crate::record::{Read, positive, states};
 use crate::states::States;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Draws that a thread takes at a time.
@@ -256,7 +256,7 @@ impl ImportanceRule {
         let n = self.products.dimension();
         let sampler = self.sampler(&[])?;
         let scale = (self.shifts.count() as f64).ln();
-        let blocks = (0..self.shifts.blocks_in_all()).into_par_iter().map(|block| {
+        let blocks = parallel::map(self.shifts.blocks_in_all(), |block| {
             let (mut values, mut base) = (Vec::with_capacity(BLOCK * n), Vec::with_capacity(BLOCK));
             self.block(&sampler, block, |x, logarithm| {
                 values.extend_from_slice(x);
@@ -264,7 +264,7 @@ impl ImportanceRule {
             });
             (values, base)
         });
-        let (values, base): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.unzip();
+        let (values, base): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.into_iter().unzip();
         let mut parts = Vec::with_capacity(tuning::density::SHIFTS);
         for blocks in base.chunks(self.shifts.blocks) {
             parts.push(parts.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
@@ -304,7 +304,7 @@ impl ImportanceRule {
             });
             sums
         };
-        let parts: Vec<Sums> = (0..self.shifts.starts.len() * blocks).into_par_iter().map(part).collect();
+        let parts = parallel::map(self.shifts.starts.len() * blocks, part);
         Ok(parts.chunks(blocks).map(|parts| parts.iter().fold([0.0; 3], added)).collect())
     }
 

@@ -7,9 +7,9 @@ use crate::closure::space::Corner;
 use crate::closure::tuning;
 use crate::estimate::Estimate;
 use crate::numerics::{Concave, Search, add_gram, definite, exponentials, symmetric};
+use crate::parallel;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef};
-use rayon::prelude::*;
 
 /// Draws in a block: its tables stay in a core's cache.
 pub(super) const BLOCK: usize = 512;
@@ -20,6 +20,11 @@ pub(super) const ROWS: usize = BLOCK + LANES;
 const STRETCH: usize = 8 * BLOCK;
 /// Matrices that are summed side by side hold about so many numbers together.
 pub(super) const ROOM: usize = 30_000_000;
+
+/// One of the runs of `length` masses, the last one perhaps shorter.
+fn run_of(masses: &[f64], length: usize, run: usize) -> &[f64] {
+    &masses[run * length..masses.len().min((run + 1) * length)]
+}
 
 /// Q = Σ a_k φ_k, with the mass of exp(Q) at each draw.
 #[derive(Clone, Debug)]
@@ -82,30 +87,25 @@ impl Likelihood<'_> {
 
     /// E|Σ a_k φ_k|, the constant first.
     pub(super) fn mean_size(&self, a: &[f64], masses: &[f64]) -> f64 {
-        let part = |scratch: &mut Scratch, (block, p): (usize, &[f64])| {
-            let mut sum = 0.0;
-            self.each(block * BLOCK, p.len(), scratch, |at, count, scratch| {
+        let part = |block: usize| {
+            let (p, mut sum) = (run_of(masses, BLOCK, block), 0.0);
+            self.each(block * BLOCK, p.len(), &mut self.products.scratch(), |at, count, scratch| {
                 let delta = self.products.sum(a, scratch);
                 sum += (0..count).map(|l| p[at + l] * delta[l].abs()).sum::<f64>();
             });
             sum
         };
-        let chunks = masses.par_chunks(BLOCK).enumerate();
-        let parts: Vec<f64> = chunks.map_init(|| self.products.scratch(), part).collect();
-        parts.iter().sum()
+        parallel::map(masses.len().div_ceil(BLOCK), part).iter().sum()
     }
 
     /// Q at each draw, the constant first.
     pub(super) fn combination(&self, a: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; self.nodes.base.len()];
-        q.par_chunks_mut(BLOCK).enumerate().for_each_init(
-            || self.products.scratch(),
-            |scratch, (block, q)| {
-                self.each(block * BLOCK, q.len(), scratch, |at, count, scratch| {
-                    q[at..at + count].copy_from_slice(&self.products.sum(a, scratch)[..count]);
-                });
-            },
-        );
+        parallel::on_runs(&mut q, BLOCK, |block, q| {
+            self.each(block * BLOCK, q.len(), &mut self.products.scratch(), |at, count, scratch| {
+                q[at..at + count].copy_from_slice(&self.products.sum(a, scratch)[..count]);
+            });
+        });
         q
     }
 
@@ -113,7 +113,7 @@ impl Likelihood<'_> {
     pub(super) fn integral(&self, q: &[f64]) -> Option<(f64, Vec<f64>)> {
         let mut masses: Vec<f64> = q.iter().zip(&self.nodes.base).map(|(q, base)| q + base).collect();
         let top = masses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        masses.par_chunks_mut(BLOCK).for_each(|masses| {
+        parallel::on_runs(&mut masses, BLOCK, |_, masses| {
             masses.iter_mut().for_each(|q| *q -= top);
             exponentials(masses);
         });
@@ -139,9 +139,9 @@ impl Likelihood<'_> {
     /// E φ_k, the constant left out.
     pub(super) fn means(&self, masses: &[f64]) -> Vec<f64> {
         let size = self.products.len() - 1;
-        let part = |scratch: &mut Scratch, (block, p): (usize, &[f64])| {
-            let mut sums = vec![ZERO; size];
-            self.each(block * BLOCK, p.len(), scratch, |at, count, scratch| {
+        let part = |block: usize| {
+            let (p, mut sums) = (run_of(masses, BLOCK, block), vec![ZERO; size]);
+            self.each(block * BLOCK, p.len(), &mut self.products.scratch(), |at, count, scratch| {
                 let p = lane(&p[at..at + count]);
                 for (k, sum) in sums.iter_mut().enumerate() {
                     let value = self.products.value(scratch, k + 1);
@@ -150,8 +150,7 @@ impl Likelihood<'_> {
             });
             sums.iter().map(|sum| sum.iter().sum()).collect()
         };
-        let chunks = masses.par_chunks(BLOCK).enumerate();
-        let parts: Vec<Vec<f64>> = chunks.map_init(|| self.products.scratch(), part).collect();
+        let parts: Vec<Vec<f64>> = parallel::map(masses.len().div_ceil(BLOCK), part);
         let mut sums = vec![0.0; size];
         parts.iter().for_each(|part| sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part));
         sums
@@ -224,7 +223,7 @@ impl Likelihood<'_> {
             });
             part
         };
-        starts.zip(ends.iter().copied()).collect::<Vec<_>>().into_par_iter().map(part).collect()
+        parallel::map_into(starts.zip(ends.iter().copied()).collect(), |_, ends| part(ends))
     }
 
     /// The factors of Cov φ.
@@ -260,7 +259,8 @@ impl Likelihood<'_> {
             }
             (sum, mass)
         };
-        let parts: Vec<_> = blocks.par_chunks(blocks.len().div_ceil(stretches).max(1)).map(stretch).collect();
+        let runs: Vec<&[usize]> = blocks.chunks(blocks.len().div_ceil(stretches).max(1)).collect();
+        let parts = parallel::map(runs.len(), |run| stretch(runs[run]));
         let (mut sum, mut mass) = (Mat::<f64>::zeros(size, size), 0.0);
         for (part, m) in &parts {
             sum += part;
@@ -272,12 +272,13 @@ impl Likelihood<'_> {
     /// An upper triangle R with RᵀR = Cov φ, by orthogonal transformations of the functions' table, which keep the digits that
     /// the covariance loses.
     pub(super) fn triangle(&self, masses: &[f64], means: &[f64]) -> Mat<f64> {
-        let stretch = |(stretch, p): (usize, &[f64])| {
+        let stretch = |stretch: usize| {
+            let p = run_of(masses, STRETCH, stretch);
             let mut table = Mat::<f64>::zeros(p.len() + LANES, means.len());
             self.centred(stretch * STRETCH, p, means, &mut self.products.scratch(), &mut table);
             table.get(..p.len(), ..).qr().thin_R().to_owned()
         };
-        let parts: Vec<Mat<f64>> = masses.par_chunks(STRETCH).enumerate().map(stretch).collect();
+        let parts: Vec<Mat<f64>> = parallel::map(masses.len().div_ceil(STRETCH), stretch);
         let stacked = |above: Mat<f64>, part: Mat<f64>| {
             let rows = above.nrows();
             let both = Mat::from_fn(rows + part.nrows(), means.len(), |i, k| {

@@ -3,9 +3,9 @@
 use crate::closure::density::exponent::Exponent;
 use crate::closure::tuning;
 use crate::numerics::exponentials;
+use crate::parallel;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
-use rayon::prelude::*;
 
 /// Places on a line at which exp(Q) is tabulated.
 const PLACES: usize = 121;
@@ -83,7 +83,8 @@ impl Lines {
             }
         }
         let values = exponent.values(&points);
-        let moments = |(q, [low, high]): (&[f64], &[f64; 2])| {
+        let moments = |line: usize| {
+            let (q, [low, high]) = (&values[line * knots.len()..(line + 1) * knots.len()], ends[line]);
             let along = |shares: &Vec<f64>| shares.iter().zip(q).map(|(share, q)| share * q).sum::<f64>();
             let mut p: Vec<f64> = shares.iter().map(along).collect();
             let top = p.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -97,8 +98,7 @@ impl Lines {
             let width = half * square.sqrt().max((PLACES as f64).recip());
             (0.5 * (low + high) + half * mean, width)
         };
-        let lines = values.par_chunks(knots.len()).zip(ends);
-        let (centre, width) = lines.map(moments).unzip();
+        let (centre, width) = parallel::map(ends.len(), moments).into_iter().unzip();
         Lines { state: self.state, points: self.points.clone(), centre, width }
     }
 

@@ -5,9 +5,9 @@ use crate::closure::space::Functions;
 use crate::closure::tuning;
 use crate::control_variates::regression;
 use crate::numerics::{symmetric, weighted_gram, weighted_sum};
+use crate::parallel;
 use crate::states::States;
 use faer::{Mat, Scale};
-use rayon::prelude::*;
 
 /// Groups of states, whose spread is the standard error of means over all of them.
 const GROUPS: usize = 64;
@@ -56,7 +56,7 @@ impl Means {
             .take(GROUPS)
             .map(|part| States::from_values(n, part.to_vec()))
             .collect();
-        let mut groups: Vec<Vec<f64>> = parts.par_iter().map(|part| sums(part, &equal)).collect();
+        let mut groups: Vec<Vec<f64>> = parallel::map(parts.len(), |k| sums(&parts[k], &equal));
         let count = groups.len() as f64;
         let values: Vec<f64> =
             (0..functions.len()).map(|k| groups.iter().map(|group| group[k]).sum::<f64>() / count).collect();
@@ -65,7 +65,7 @@ impl Means {
         let Some((points, masses)) = from.equations else { return Some(alone) };
         let [solved, below] = masses.map(|masses| sums(points, masses));
         let gram = |part: &States| weighted_gram(nodes::values(functions, part).get(.., 1..), &equal, &alone.values);
-        let grams: Vec<Mat<f64>> = parts[..COVERED].par_iter().map(gram).collect();
+        let grams: Vec<Mat<f64>> = parallel::map(COVERED, |k| gram(&parts[k]));
         let square = grams.iter().fold(Mat::zeros(solved.len(), solved.len()), |sum, gram| sum + gram);
         let covariance = symmetric(&square) * Scale((COVERED as f64 * from.states.len() as f64).recip());
         Some(alone.corrected([&solved, &below], &covariance, degrees))

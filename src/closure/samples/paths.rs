@@ -6,11 +6,11 @@ use super::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::closure::pilot::Pilot;
 use crate::closure::tuning::pilot::TRAJECTORIES;
 use crate::numerics::add_gram;
+use crate::parallel;
 use crate::problem::{Contact, Problem};
 use crate::simulation::{Collisions, Impact};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use rayon::prelude::*;
 
 /// What is counted at the impacts on each wall: Σ 1, Σ |w| and Σ w² of the speeds of approach, and the impacts in bins of |w|.
 #[derive(Clone, Copy, Debug)]
@@ -178,6 +178,6 @@ impl Paths<'_> {
             });
             sums.into_iter().fold(f64::NEG_INFINITY, f64::max)
         };
-        (0..TRAJECTORIES).into_par_iter().map(one).collect::<Vec<_>>().into_iter().fold(f64::NEG_INFINITY, f64::max)
+        parallel::map(TRAJECTORIES, one).into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 }

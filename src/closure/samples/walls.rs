@@ -10,11 +10,11 @@ use crate::closure::space::Corner;
 use crate::closure::tuning;
 use crate::estimate::Estimate;
 use crate::numerics::add_gram;
+use crate::parallel;
 use crate::problem::{Contact, Symmetry};
 use crate::states::States;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Nodes on a wall for integrals ∫ |w| exp(Q) g dw dz over the velocities w of approach and all other states z.
@@ -192,8 +192,7 @@ impl Likelihood<'_> {
                 }
                 sum
             };
-            let parts: Vec<Equations> =
-                (0..count.div_ceil(BLOCK)).step_by(STRETCH).collect::<Vec<_>>().into_par_iter().map(stretch).collect();
+            let parts: Vec<Equations> = parallel::map(count.div_ceil(BLOCK * STRETCH), |run| stretch(run * STRETCH));
             for part in &parts {
                 square += part.root;
                 mass += part.size;

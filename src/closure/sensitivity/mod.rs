@@ -38,6 +38,7 @@ use super::tuning;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
+use crate::parallel;
 use crate::polynomial::monomials;
 use crate::problem::{Problem, Symmetry};
 use crate::states::States;
@@ -46,7 +47,6 @@ use carried::Carried;
 use exact::Newton;
 use moving::Moving;
 use projected::Fit;
-use rayon::prelude::*;
 use slope::Slope;
 use tangent::{Derivative, Tangent};
 use walled::WalledTangent;
@@ -124,8 +124,7 @@ impl ClosureDensity {
             Ok(Sensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
         };
         // The first error is that of the first parameter.
-        let found: Vec<Result<Sensitivity>> = parameters.par_iter().zip(&moving).map(one).collect();
-        found.into_iter().collect()
+        parallel::map(moving.len(), |k| one((&parameters[k], &moving[k]))).into_iter().collect()
     }
 
     /// The problem, if derivatives of its density are served.

@@ -1,7 +1,7 @@
 use crate::closure::density::exponent::Exponent;
 use crate::closure::space::GrazingMotion;
+use crate::parallel;
 use crate::states::States;
-use rayon::prelude::*;
 
 /// The derivative of ln p by a parameter, in the coordinate in which walls stand still: a function, and what the singular parts
 /// next to walls contribute, which no function of the space can follow.
@@ -29,7 +29,7 @@ impl Slope {
 
     /// The part next to walls.
     pub(super) fn singulars(&self, points: &States) -> Vec<f64> {
-        points.par_iter().map(|x| self.singular(x)).collect()
+        parallel::map(points.len(), |k| self.singular(points.state(k)))
     }
 
     fn singular(&self, x: &[f64]) -> f64 {

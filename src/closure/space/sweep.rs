@@ -2,10 +2,10 @@
 
 use super::{Functions, Jet};
 use crate::numerics::{EIGHT, Eight, Number, stretches};
+use crate::parallel;
 use crate::states::States;
 use faer::MatMut;
 use pulp::{Arch, NullaryFnOnce};
-use rayon::prelude::*;
 
 /// Points that a thread takes at a time: their values of a hundred functions stay in a core's cache.
 const STRETCH: usize = 128;
@@ -25,9 +25,8 @@ pub(in crate::closure) trait Differentiable: Sync {
 /// A function at some points.
 pub(in crate::closure) fn values(function: &impl Function, points: &States) -> Vec<f64> {
     let mut values = vec![0.0; points.len()];
-    let stretches = values.par_chunks_mut(STRETCH).zip(points.par_chunks(STRETCH));
-    stretches.for_each(|(to, from)| {
-        let points = Points { from, states: points.dimension() };
+    parallel::on_runs(&mut values, STRETCH, |run, to| {
+        let points = Points::run(points, run);
         Arch::new().dispatch(Values { function, points, to });
     });
     values
@@ -36,21 +35,16 @@ pub(in crate::closure) fn values(function: &impl Function, points: &States) -> V
 /// The sums of φ₁ … φ_K over some points.
 pub(in crate::closure) fn sums(space: &Functions, points: &States) -> Vec<f64> {
     let mut sums = vec![0.0; space.len()];
-    let stretch = |from| {
-        let points = Points { from, states: points.dimension() };
-        Arch::new().dispatch(Sums { space, points })
-    };
-    let parts: Vec<Vec<f64>> = points.par_chunks(STRETCH).map(stretch).collect();
+    let stretch = |run| Arch::new().dispatch(Sums { space, points: Points::run(points, run) });
+    let parts: Vec<Vec<f64>> = parallel::map(points.len().div_ceil(STRETCH), stretch);
     parts.iter().for_each(|part| sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part));
     sums
 }
 
 /// Fills `table` with 1, φ₁ … φ_K, one row a point.
 pub(in crate::closure) fn tabulate(space: &Functions, points: &States, table: MatMut<'_, f64>) {
-    let stretches = stretches(table, STRETCH).into_par_iter().zip(points.par_chunks(STRETCH));
-    stretches.for_each(|(table, from)| {
-        let points = Points { from, states: points.dimension() };
-        Arch::new().dispatch(Table { space, points, table });
+    parallel::map_into(stretches(table, STRETCH), |run, table| {
+        Arch::new().dispatch(Table { space, points: Points::run(points, run), table });
     });
 }
 
@@ -63,11 +57,9 @@ pub(in crate::closure) fn tabulate_rates<'a>(
     [values, rates]: [MatMut<'_, f64>; 2],
 ) {
     let [values, rates] = [values, rates].map(|table| stretches(table, STRETCH));
-    let tables = values.into_par_iter().zip(rates).zip(points.par_chunks(STRETCH)).enumerate();
-    tables.for_each(|(stretch, ((values, rates), from))| {
-        let points = Points { from, states: points.dimension() };
-        let local = |i: usize| local(stretch * STRETCH + i);
-        Arch::new().dispatch(Rates { space, points, local, values, rates });
+    parallel::map_into(values.into_iter().zip(rates).collect(), |run, (values, rates)| {
+        let local = |i: usize| local(run * STRETCH + i);
+        Arch::new().dispatch(Rates { space, points: Points::run(points, run), local, values, rates });
     });
 }
 
@@ -77,12 +69,11 @@ pub(in crate::closure) fn at_jets<R: Send>(
     points: &States,
     of: impl Fn(usize, &[f64], &[f64]) -> R + Sync,
 ) -> Vec<R> {
-    let stretch = |(stretch, from)| {
-        let points = Points { from, states: points.dimension() };
-        let of = |i: usize, gradient: &[f64], hessian: &[f64]| of(stretch * STRETCH + i, gradient, hessian);
-        Arch::new().dispatch(Jets { function, points, of })
+    let stretch = |run: usize| {
+        let of = |i: usize, gradient: &[f64], hessian: &[f64]| of(run * STRETCH + i, gradient, hessian);
+        Arch::new().dispatch(Jets { function, points: Points::run(points, run), of })
     };
-    let parts: Vec<Vec<R>> = points.par_chunks(STRETCH).enumerate().map(stretch).collect();
+    let parts: Vec<Vec<R>> = parallel::map(points.len().div_ceil(STRETCH), stretch);
     parts.into_iter().flatten().collect()
 }
 
@@ -93,7 +84,12 @@ struct Points<'a> {
     states: usize,
 }
 
-impl Points<'_> {
+impl<'a> Points<'a> {
+    /// A run of the points.
+    fn run(points: &'a States, run: usize) -> Self {
+        Points { from: points.run(run, STRETCH), states: points.dimension() }
+    }
+
     fn len(&self) -> usize {
         self.from.len() / self.states
     }

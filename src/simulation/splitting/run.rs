@@ -8,13 +8,13 @@ use super::{
 };
 use crate::checks::{finite, positive, require, state_index};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::problem::{Problem, TimeScales, limits, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::tuning;
 use crate::simulation::{
     Simulation, boundaries::Boundaries, control::Control, run::at_most, scheme::Scheme, timetable::whole,
 };
-use rayon::prelude::*;
 use std::time::Instant;
 
 /// Path-steps of one replica between two calls of the progress callback.
@@ -62,7 +62,7 @@ impl Splitting<'_> {
         let most = (self.replicas * (thresholds.len() + 1) * self.particles * plan.steps) as u64 * cycles as u64;
         let control = Control::new(self.progress.take(), None);
         control.set(0, most);
-        let replica = |(index, states): (usize, &[f64])| -> Result<(Tally, u64)> {
+        let replica = |index: usize, states: &[f64]| -> Result<(Tally, u64)> {
             let mut population = Population::new(&scheme, self.seed, 1 + index as u64, self.particles);
             population.set_thresholds(&thresholds);
             population.place(&importance, &Particles::equal(n, states))?;
@@ -75,8 +75,8 @@ impl Splitting<'_> {
             };
             replica.run(&mut population, index, &plan, thresholds.len() + 1).inspect_err(|_| control.fail(index))
         };
-        let results: Vec<Result<(Tally, u64)>> =
-            rest.par_chunks(tuning::splitting::STATES * n).enumerate().map(replica).collect();
+        let starts: Vec<&[f64]> = rest.chunks(tuning::splitting::STATES * n).collect();
+        let results = parallel::map_into(starts, replica);
         let (replicas, steps): (Vec<Tally>, Vec<u64>) =
             results.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
 

@@ -4,11 +4,11 @@ use crate::closure::sensitivity::slope::Slope;
 use crate::closure::space::{Functions, GrazingMotion};
 use crate::control_variates::products::{LANES, Products};
 use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
+use crate::parallel;
 use crate::states::States;
 use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
 use pulp::Arch;
-use rayon::prelude::*;
 
 /// States whose functions are tabulated together.
 const STRETCH: usize = 4096;
@@ -30,10 +30,10 @@ impl<'a> Likely<'a> {
         let products = Products::of(&space);
         let count = space.len();
         // The constant's column makes the means.
-        let parts = points.par_chunks(STRETCH).zip(masses.par_chunks(STRETCH)).map(|(x, masses)| {
+        let parts = parallel::map(points.len().div_ceil(STRETCH), |run| {
+            let (x, masses) = (points.run(run, STRETCH), run_of(masses, run));
             weighted_gram(table(&products, points.dimension(), x).as_ref(), masses, &vec![0.0; count + 1])
         });
-        let parts: Vec<Mat<f64>> = parts.collect();
         let mut gram = Mat::zeros(count + 1, count + 1);
         parts.iter().for_each(|part| gram += part);
         let gram = symmetric(&gram);
@@ -49,7 +49,7 @@ impl<'a> Likely<'a> {
         let mut moved = self.sums(states, masses);
         if !singular.is_empty() {
             let value = |x: &[f64]| singular.iter().map(|motion| motion.value(x)).sum();
-            self.take(&mut moved, self.points.par_iter().map(value).collect());
+            self.take(&mut moved, parallel::map(self.points.len(), |k| value(self.points.state(k))));
         }
         Some(Slope { regular: self.fitted(moved)?, singular })
     }
@@ -64,11 +64,10 @@ impl<'a> Likely<'a> {
 
     /// The sums of the constant and of the functions over masses on states.
     fn sums(&self, states: &States, masses: &[f64]) -> Vec<f64> {
-        let parts = states
-            .par_chunks(STRETCH)
-            .zip(masses.par_chunks(STRETCH))
-            .map(|(x, masses)| weighted_sum(table(&self.products, states.dimension(), x).as_ref(), masses));
-        let parts: Vec<Vec<f64>> = parts.collect();
+        let parts = parallel::map(states.len().div_ceil(STRETCH), |run| {
+            let table = table(&self.products, states.dimension(), states.run(run, STRETCH));
+            weighted_sum(table.as_ref(), run_of(masses, run))
+        });
         (0..=self.space.len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect()
     }
 
@@ -81,6 +80,11 @@ impl<'a> Likely<'a> {
         let space = self.space.clone();
         finite.then_some(Exponent { known: Vec::new(), space, constant, coefficients })
     }
+}
+
+/// The masses of a run of states.
+fn run_of(masses: &[f64], run: usize) -> &[f64] {
+    &masses[run * STRETCH..masses.len().min((run + 1) * STRETCH)]
 }
 
 /// The constant and the functions at some states, one after the other in `x`.

@@ -1,8 +1,8 @@
 use super::walk::{LOTS, Walk};
 use crate::estimate::Estimate;
+use crate::parallel;
 use crate::states::States;
 use faer::{Mat, MatRef};
-use rayon::prelude::*;
 
 /// The columns of a measure on states: itself, what leaving out each lot changes in it to first order, and itself by the functions
 /// of two degrees less.
@@ -30,9 +30,12 @@ impl Masses {
                 all.below[place] = part[(row, BELOW)];
             }
         }
-        all.changes.par_iter_mut().zip(1..COLUMNS).for_each(|(change, set)| {
+        parallel::on_runs(&mut all.changes, 1, |set, changes| {
             for (t, part) in &parts {
-                walk.places(*t).zip(part.col(set).iter()).for_each(|(place, value)| change[place] = *value as f32);
+                for change in changes.iter_mut() {
+                    let column = part.col(set + 1);
+                    walk.places(*t).zip(column.iter()).for_each(|(place, value)| change[place] = *value as f32);
+                }
             }
         });
         all
@@ -69,7 +72,7 @@ impl Masses {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let change =
             |changes: &Vec<f32>| values.iter().zip(changes).map(|(g, mass)| (g - mean) * f64::from(*mass)).sum::<f64>();
-        self.changes.par_iter().map(change).collect()
+        parallel::map(self.changes.len(), |set| change(&self.changes[set]))
     }
 
     /// The derivative of the mean number of impacts per unit time, at a fixed time. Impacts at small speeds are known less well than

@@ -28,13 +28,13 @@ use crate::density::{CountedImpacts, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::fokker_planck::{FokkerPlanck, ImpulseTerm};
+use crate::parallel;
 use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use crate::states::States;
 use displaced::Displaced;
 use equations::{Ground, StateEquations};
 use fit::Likely;
 use masses::{Masses, doubt, jackknife};
-use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 
@@ -170,7 +170,8 @@ impl ClosureDensity {
         let size = match motion.pilot().filter(|_| displaced.moves()) {
             Some(pilot) => {
                 let fixed = |(x, w): (&[f64], &f64)| -displaced.value(self.exponent(), x) * w;
-                masses.distance(&pilot.states.par_iter().zip(density.own()).map(fixed).collect::<Vec<_>>())
+                let own = density.own();
+                masses.distance(&parallel::map(own.len(), |k| fixed((pilot.states.state(k), &own[k]))))
             }
             None => masses.size(),
         };
@@ -248,7 +249,7 @@ impl OnStates {
         let count = self.symmetry.count() as f64;
         let values = |g: &Integrand<'_>| -> Vec<f64> {
             let at = |x: &[f64]| self.symmetry.images(x).map(|image| g(&image)).sum::<f64>() / count;
-            pilot.states.par_iter().map(at).collect()
+            parallel::map(pilot.states.len(), |k| at(pilot.states.state(k)))
         };
         let own = values(g);
         let (mut value, mut changes) = (self.masses.mean(&own), self.masses.changes(&own));

@@ -4,12 +4,12 @@ use crate::closure::samples::Sites;
 use crate::closure::tuning::pilot::TRAJECTORIES;
 use crate::control_variates::impulses::Images;
 use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
+use crate::parallel;
 use crate::polynomial::Polynomial;
 use crate::problem::{Contact, Problem, StillMotion};
 use crate::simulation::{Collisions, Impact};
 use faer::{Mat, MatMut};
 use pulp::Arch;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Trajectories are summed in so many lots, each of which the jackknife leaves out once.
@@ -140,7 +140,7 @@ impl<'a> Walk<'a> {
             (lot..TRAJECTORIES).step_by(LOTS).for_each(|t| visit(&mut result, [lot, t], &mut place));
             result
         };
-        (0..LOTS).into_par_iter().map(lot).collect()
+        parallel::map(LOTS, lot)
     }
 
     /// Visits the states of a trajectory, eight at a time.
