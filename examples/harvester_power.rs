@@ -11,7 +11,7 @@
 
 use clap::Parser;
 use expoly::models::{BistableHarvester, Duffing};
-use expoly::{Closure, Result, Simulation};
+use expoly::{Closure, Density, Result, Simulation};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Panel, Scale, Style, View, band, between, curve, error_bars, values, write_figure};
 

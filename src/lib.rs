@@ -58,7 +58,7 @@ pub use closure::{
     Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Reference, Sensitivity, Solution,
     Termination, Weight,
 };
-pub use density::{Counted, CountedImpacts, Crossing, Density, ExpPolynomial, Sampled, Support};
+pub use density::{Crossing, Density, ExpPolynomial, Support};
 pub use envelope::Envelope;
 pub use error::{Error, Result};
 pub use estimate::Estimate;

@@ -16,6 +16,9 @@ pub enum Stopped {
     TimeBudget,
 }
 
+/// The method of a density that is known.
+pub(crate) const CLOSED_FORM: &str = "closed form";
+
 /// The record of how a result was computed, by any method. A field is `None` where the method has no such number.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -137,4 +140,11 @@ pub struct Provenance {
     pub pilot_seconds: Option<f64>,
     /// The wall-clock time in seconds; of a resumed run, all its sessions; of merged parts, their sum.
     pub seconds: f64,
+}
+
+impl Provenance {
+    /// That of a method without numbers.
+    pub(crate) fn of_method(method: &str) -> Self {
+        Provenance { method: method.to_owned(), ..Provenance::default() }
+    }
 }

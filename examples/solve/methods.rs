@@ -90,7 +90,7 @@ pub(crate) fn solve(
             let closure = Closure::new(order).seed(seed);
             let closure = if method == Method::Reference { closure.reference(Reference::Equations) } else { closure };
             match closure.solve(problem) {
-                Ok(found) => answered(&found, found.impact_rate(), found.provenance(), problem, questions),
+                Ok(found) => answered(&found, problem, questions),
                 Err(error @ Error::NotClosed { .. }) => Ok(refused("closure", order, &error, problem)),
                 Err(error) => Err(error.into()),
             }
@@ -98,18 +98,18 @@ pub(crate) fn solve(
         Method::Classical => {
             let solution = Closure::classical(order).solve(problem)?;
             match solution.density() {
-                Ok(density) => answered(&density, None, solution.provenance(), problem, questions),
+                Ok(density) => answered(&density, problem, questions),
                 Err(_) => Ok(Answer::new(solution.provenance(), problem.states())),
             }
         }
         Method::Grid => {
             let found = Grid::new().solve(problem)?;
-            answered(&found, found.impact_rate(), found.provenance(), problem, questions)
+            answered(&found, problem, questions)
         }
         Method::Simulation => {
             let moments = questions.moments.iter().map(|(_, powers)| powers);
             let found = Simulation::new().samples(samples as usize).seed(seed).moments(moments).run(problem)?;
-            answered(&found, found.impact_rate(), found.provenance(), problem, questions)
+            answered(&found, problem, questions)
         }
         Method::Splitting => {
             let asked = questions.marginal.iter().chain(&questions.exceedance);
@@ -134,12 +134,10 @@ fn at_place(problem: &Problem, state: usize, at: f64, found: expoly::Result<Esti
 /// The values of a density.
 fn answered(
     density: &dyn Density,
-    impact_rate: Option<Estimate>,
-    provenance: &Provenance,
     problem: &Problem,
     questions: &Questions,
 ) -> Result<Answer, Box<dyn std::error::Error>> {
-    let mut answer = Answer::new(provenance, problem.states());
+    let mut answer = Answer::new(density.provenance(), problem.states());
     let moments = questions.moments.iter().map(|(name, powers)| (name.clone(), density.moment(powers).into()));
     answer.moments = moments.collect();
     answer.pdf = questions.at.iter().map(|x| AtState { x: x.clone(), found: density.pdf(x).into() }).collect();
@@ -149,7 +147,7 @@ fn answered(
         let found = Marginal::new(density, *state)?.exceedance(*level);
         answer.exceedance.push(at_place(problem, *state, *level, found));
     }
-    answer.impact_rate = impact_rate.map(|rate| Ok(rate).into());
+    answer.impact_rate = density.impact_rate().map(|rate| Ok(rate).into());
     Ok(answer)
 }
 

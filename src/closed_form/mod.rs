@@ -10,12 +10,12 @@ mod python;
 
 use crate::checks::dimension;
 use crate::closure::ClosureDensity;
-use crate::density::{CountedImpacts, Crossing, Density, ExpPolynomial, Sampled};
+use crate::density::{Crossing, Density, Evidence, ExpPolynomial};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::file;
 use crate::polynomial::Polynomial;
-use crate::states::States;
+use crate::provenance::Provenance;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -203,12 +203,12 @@ impl Density for ClosedForm {
         fn bounds(&self) -> Vec<[f64; 2]>;
         fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate>;
         fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate>;
-        fn marginals_are_costly(&self) -> bool;
-        fn weighted_states(&self) -> Option<(States, Vec<f64>)>;
+        fn provenance(&self) -> &Provenance;
+        fn l1_estimate(&self) -> f64;
+        fn impact_rate(&self) -> Option<Estimate>;
+        fn evidence(&self) -> &dyn Evidence;
         fn moment(&self, powers: &[u32]) -> Result<Estimate>;
         fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;
         fn variance(&self, state: usize) -> Result<Estimate>;
-        fn sampled(&self) -> Option<&dyn Sampled>;
-        fn counted_impacts(&self) -> Option<&dyn CountedImpacts>;
     }
 }

@@ -20,6 +20,7 @@ use super::samples::{
 use super::space::degrees;
 use super::space::nested_spaces::Smooth;
 use super::tuning;
+use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::memory::MemoryLimit;

@@ -13,6 +13,7 @@ use super::samples::Family;
 use super::space::degrees::Degrees;
 use super::space::nested_spaces::Smooth;
 use super::tuning;
+use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
@@ -180,7 +181,7 @@ impl Closure {
             let last = last || self.reference == Reference::Automatic && problem.impulses().is_empty();
             let closed = self.on_panels(problem, [pilot, &inflated], begin);
             if let Ok(density) = closed {
-                let least = best.as_ref().map_or(f64::INFINITY, ClosureDensity::l1_estimate);
+                let least = best.as_ref().map_or(f64::INFINITY, Density::l1_estimate);
                 if density.l1_estimate() < least {
                     best = Some(density);
                 }
@@ -303,7 +304,7 @@ impl Closure {
         let mut best = closed(2);
         let (mut failures, mut patient) = (0, 2);
         for order in (4..=highest).step_by(2) {
-            let least = best.as_ref().map_or(f64::INFINITY, ClosureDensity::l1_estimate);
+            let least = best.as_ref().map_or(f64::INFINITY, Density::l1_estimate);
             if least <= target || failures >= patient {
                 break;
             }

@@ -39,7 +39,8 @@ pub fn log_ratio(density: &dyn Density, reference: &dyn Density, level: f64) -> 
         let remedy = "compare the marginals, or give a closure";
         Error::NotKnown { what: "the places where it could be compared".into(), remedy }
     };
-    let (nodes, _) = density.weighted_states().or_else(|| reference.weighted_states()).ok_or_else(unknown)?;
+    let (nodes, _) =
+        density.evidence().weighted_states().or_else(|| reference.evidence().weighted_states()).ok_or_else(unknown)?;
     // Logarithms, since densities of many states may leave the range of numbers.
     let values =
         parallel::map(nodes.len(), |k| Ok([density.log_pdf(nodes.state(k))?, reference.log_pdf(nodes.state(k))?]));

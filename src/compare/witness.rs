@@ -54,7 +54,7 @@ pub fn l1_at_least(
     let count = means.len() as f64;
     let mean = means.iter().sum::<f64>() / count;
     let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
-    let own = match density.weighted_states() {
+    let own = match density.evidence().weighted_states() {
         Some((nodes, weights)) => {
             let signs: Vec<f64> = parallel::map(nodes.len(), |k| sign(nodes.state(k)));
             let mass: f64 = weights.iter().sum();

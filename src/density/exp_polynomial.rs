@@ -4,6 +4,7 @@ use crate::checks::{coordinate, dimension, finite, point, positive};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::{Gaussian, Polynomial, total_degree};
+use crate::provenance::{CLOSED_FORM, Provenance};
 use crate::record::Read;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,7 @@ pub struct ExpPolynomial {
     coarse: TensorRule,
     /// ln ∫ exp(Q) dx.
     log_mass: Estimate,
+    provenance: Provenance,
 }
 
 impl ExpPolynomial {
@@ -47,13 +49,25 @@ impl ExpPolynomial {
             return Err(Error::NotNormalisable { order: q.degree(), direction });
         }
         let (rule, coarse) = TensorRule::fitted(&q, &frame, &support)?;
-        let mut density = ExpPolynomial { q, frame, support, noise, rule, coarse, log_mass: Estimate::exact(0.0) };
+        let (log_mass, provenance) = (Estimate::exact(0.0), Provenance::of_method("exponential polynomial"));
+        let mut density = ExpPolynomial { q, frame, support, noise, rule, coarse, log_mass, provenance };
         let mass = density.integral(Section::default(), |_| 1.0);
         let remedy = "Q is too steep to be integrated: give a scale that is about as wide as exp(Q)";
         positive("mass of exp(Q) relative to its peak", mass.value, remedy)?;
         let log_mass = mass.value.ln() + density.rule.top + density.frame.log_volume();
         density.log_mass = Estimate::new(log_mass, mass.error / mass.value);
         Ok(density)
+    }
+
+    /// The same with the record of how it was found.
+    pub(crate) fn with_provenance(self, provenance: Provenance) -> Self {
+        ExpPolynomial { provenance, ..self }
+    }
+
+    /// The same as a density that is exact, but for the error of its normalisation.
+    pub(crate) fn known(self) -> Self {
+        let l1_estimate = Some(self.log_mass.error);
+        self.with_provenance(Provenance { l1_estimate, ..Provenance::of_method(CLOSED_FORM) })
     }
 
     /// The density exp(Q) for `q` in the states themselves; `scale` is a Gaussian of roughly its location and width.
@@ -150,6 +164,11 @@ impl Density for ExpPolynomial {
         self.frame.dimension()
     }
 
+    /// That of the closure that found Q, or that Q is known.
+    fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         let p = self.log_pdf(x)?.exp();
         Ok(Estimate::new(p, p * self.log_mass.error))
@@ -214,17 +233,19 @@ struct Document {
     terms: Vec<(Vec<u32>, f64)>,
     support: Support,
     noise: f64,
+    provenance: Provenance,
 }
 
 impl From<ExpPolynomial> for Document {
     fn from(density: ExpPolynomial) -> Self {
-        let ExpPolynomial { q, frame, support, noise, .. } = density;
+        let ExpPolynomial { q, frame, support, noise, provenance, .. } = density;
         Document {
             origin: frame.origin().to_vec(),
             scale: frame.scale().row_iter().map(|row| row.iter().copied().collect()).collect(),
             terms: q.terms().map(|(alpha, c)| (alpha.to_vec(), c)).collect(),
             support,
             noise,
+            provenance,
         }
     }
 }
@@ -232,7 +253,8 @@ impl From<ExpPolynomial> for Document {
 impl TryFrom<Document> for ExpPolynomial {
     type Error = String;
 
-    fn try_from(Document { origin, scale, terms, support, noise }: Document) -> Read<Self> {
+    fn try_from(document: Document) -> Read<Self> {
+        let Document { origin, scale, terms, support, noise, provenance } = document;
         let n = origin.len();
         if n == 0 || scale.len() != n || scale.iter().any(|row| row.len() != n) {
             return Err(format!("the scale of the coordinates has not {n} rows of {n} numbers"));
@@ -244,6 +266,7 @@ impl TryFrom<Document> for ExpPolynomial {
             return Err(format!("a coefficient is not finite, or a degree above {HIGHEST}"));
         }
         let q = Polynomial::from_terms(n, terms).map_err(|error| error.to_string())?;
-        ExpPolynomial::new(q, frame, support, noise).map_err(|error| error.to_string())
+        let density = ExpPolynomial::new(q, frame, support, noise).map_err(|error| error.to_string())?;
+        Ok(density.with_provenance(provenance))
     }
 }

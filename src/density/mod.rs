@@ -1,26 +1,25 @@
 //! Densities, made by any method.
 
 mod cell;
+mod evidence;
 mod exp_polynomial;
 mod frame;
 mod leading_form;
-mod sampled;
 mod support;
 mod tensor;
 
 pub(crate) use cell::{Cell, lines as cell_lines};
+pub(crate) use evidence::{Counted, CountedImpacts, Evidence, Sampled, Values, central};
 pub use exp_polynomial::ExpPolynomial;
 pub(crate) use frame::Frame;
 pub(crate) use leading_form::escape_direction;
-pub(crate) use sampled::central;
-pub use sampled::{Counted, CountedImpacts, Sampled};
 pub use support::Support;
 
 use crate::checks::{coordinate, dimension, finite, require, state_index};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::power;
-use crate::states::States;
+use crate::provenance::Provenance;
 
 /// A stationary probability density on R^n, or on a part of it.
 ///
@@ -31,6 +30,32 @@ use crate::states::States;
 pub trait Density: Send + Sync {
     /// The number of states n.
     fn dimension(&self) -> usize;
+
+    /// How the density was made, with the estimates that its method makes of itself.
+    fn provenance(&self) -> &Provenance;
+
+    /// The estimate of the distance ∫ |p̃ − p| dx from the true density, between 0 and 2: 2 where the method makes none, as a
+    /// simulation, whose values have standard errors instead.
+    fn l1_estimate(&self) -> f64 {
+        self.provenance().l1_estimate.unwrap_or(2.0)
+    }
+
+    /// Why the density should not be relied on, if there is a reason.
+    fn warning(&self) -> Option<&str> {
+        self.provenance().warning.as_deref()
+    }
+
+    /// The mean number of impacts per unit time, at all walls together; none without a wall.
+    /// [`Impacts`](crate::statistics::Impacts) has it for each wall.
+    fn impact_rate(&self) -> Option<Estimate> {
+        None
+    }
+
+    /// What the density was made from.
+    #[doc(hidden)]
+    fn evidence(&self) -> &dyn Evidence {
+        &Values
+    }
 
     /// The density at `x`; 0 outside the support. Unit: one over the product of the states' units.
     ///
@@ -71,29 +96,6 @@ pub trait Density: Send + Sync {
             return Err(Error::NotKnown { what: "the joint density of these two states".into(), remedy });
         }
         self.pdf(&placed(states, x, self.dimension()))
-    }
-
-    /// States with weights whose weighted means are the density's means, if the density has such. The effective number of
-    /// independent ones among them is (Σw)²/Σw².
-    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
-        None
-    }
-
-    /// Whether a marginal density takes milliseconds and more, as an integral over draws does, or over two states and more.
-    /// Tables of marginals are coarser then.
-    fn marginals_are_costly(&self) -> bool {
-        self.dimension() > 2
-    }
-
-    /// The statistics of the density's samples, if it was made of samples. Values that were sampled together are correlated:
-    /// [`statistics`](crate::statistics) take the standard error of a combination of several values from here.
-    fn sampled(&self) -> Option<&dyn Sampled> {
-        None
-    }
-
-    /// The statistics of impacts, if the density counted some rather than integrated over walls.
-    fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {
-        None
     }
 
     /// The raw moment E[x₁^p₁ ⋯ x_n^p_n].

@@ -44,22 +44,6 @@ impl fmt::Debug for GridDensity {
 }
 
 impl GridDensity {
-    /// Mesh, domain, error estimates, time.
-    pub fn provenance(&self) -> &Provenance {
-        &self.provenance
-    }
-
-    /// The joint L¹ distance to the solution of one degree less on the same mesh, and to that with the leak and the shares of wells
-    /// as they may be. The first is the error of the lower degree, and with it an upper bound in practice.
-    pub fn l1_estimate(&self) -> f64 {
-        self.provenance.l1_estimate.unwrap_or(f64::INFINITY)
-    }
-
-    /// Impacts per unit time, at all walls together; none without a wall.
-    pub fn impact_rate(&self) -> Option<Estimate> {
-        self.fine.mesh.impacts().map(|(crossing, ..)| self.passing(crossing, 1)).reduce(Estimate::plus)
-    }
-
     /// A flux moment with its error.
     fn passing(&self, crossing: Crossing, power: u32) -> Estimate {
         let flux = self.estimate(|field| flux(field, crossing, power));
@@ -81,6 +65,17 @@ impl GridDensity {
 impl Density for GridDensity {
     fn dimension(&self) -> usize {
         self.states()
+    }
+
+    /// Mesh, domain, error estimates, time. The L¹ estimate is the joint distance to the solution of one degree less on the same mesh,
+    /// and to that with the leak and the shares of wells as they may be. The first is the error of the lower degree, and with it
+    /// an upper bound in practice.
+    fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    fn impact_rate(&self) -> Option<Estimate> {
+        self.fine.mesh.impacts().map(|(crossing, ..)| self.passing(crossing, 1)).reduce(Estimate::plus)
     }
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {

@@ -99,7 +99,8 @@ pub trait Solved {
     /// [`Error::NotNormalisable`](crate::Error::NotNormalisable), and as [`Problem::gaussian`], where the parameters
     /// leave no stationary density.
     fn exact(&self) -> Result<ExpPolynomial> {
-        ExpPolynomial::from_states(&self.log_polynomial()?, &self.problem()?.gaussian()?, Support::WholeSpace)
+        let scale = self.problem()?.gaussian()?;
+        Ok(ExpPolynomial::from_states(&self.log_polynomial()?, &scale, Support::WholeSpace)?.known())
     }
 
     /// The exact density above an elastic wall at `bound`, r = 1: the density without a wall, cut off and normalised
@@ -109,6 +110,7 @@ pub trait Solved {
     /// As [`Solved::exact`]; [`Error::OutOfRange`](crate::Error::OutOfRange) for a bound that is not finite,
     /// [`Error::NotServed`](crate::Error::NotServed) from six states on, where the box has too many nodes to be searched.
     fn exact_above(&self, bound: f64) -> Result<ExpPolynomial> {
-        ExpPolynomial::from_states(&self.log_polynomial()?, &self.problem()?.gaussian()?, Support::Above(bound))
+        let scale = self.problem()?.gaussian()?;
+        Ok(ExpPolynomial::from_states(&self.log_polynomial()?, &scale, Support::Above(bound))?.known())
     }
 }

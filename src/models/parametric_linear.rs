@@ -3,8 +3,10 @@ use crate::density::{Crossing, Density, moderate};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
+use crate::provenance::{CLOSED_FORM, Provenance};
 use crate::scalar::Scalar;
 use crate::system::{Intensity, Interpretation, Parameter, Parametric, PolynomialDrift};
+use std::sync::LazyLock;
 
 /// The linear oscillator with noise in damping and stiffness, x″ + 2α x′ (1 + η) + Ω² x (1 + ζ) = ξ, Stratonovich.
 ///
@@ -146,6 +148,12 @@ impl PowerLaw {
 impl Density for PowerLaw {
     fn dimension(&self) -> usize {
         2
+    }
+
+    fn provenance(&self) -> &Provenance {
+        static KNOWN: LazyLock<Provenance> =
+            LazyLock::new(|| Provenance { l1_estimate: Some(0.0), ..Provenance::of_method(CLOSED_FORM) });
+        &KNOWN
     }
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {

@@ -1,10 +1,11 @@
 use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level};
 use crate::checks::{coordinate, dimension, point, require, state_index};
-use crate::density::{Counted, CountedImpacts, Crossing, Density, Sampled, central, pair};
+use crate::density::{Counted, CountedImpacts, Crossing, Density, Evidence, Sampled, central, pair};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
 use crate::problem::{Wall, limits};
+use crate::provenance::Provenance;
 use std::sync::Arc;
 
 /// The density behind a wall.
@@ -126,6 +127,21 @@ impl Density for SimulatedDensity {
         self.flux(Crossing { velocity, ..Crossing::upward(level) }, 1)
     }
 
+    /// Seed, counts, times.
+    fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    fn impact_rate(&self) -> Option<Estimate> {
+        CountedImpacts::impact_flux(self, &self.walls(), 1)
+    }
+
+    fn evidence(&self) -> &dyn Evidence {
+        self
+    }
+}
+
+impl Evidence for SimulatedDensity {
     fn sampled(&self) -> Option<&dyn Sampled> {
         Some(self)
     }

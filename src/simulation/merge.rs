@@ -4,6 +4,7 @@ use super::{
     checkpoint::State,
     tally::{Origin, Tally},
 };
+use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::file;
 use crate::provenance::Stopped;

@@ -28,7 +28,7 @@ pub struct SimulatedDensity {
     /// Of each state alone, and of states 0 and 1 together.
     pub(super) histograms: Vec<Histogram>,
     calibrations: Calibrations,
-    provenance: Provenance,
+    pub(super) provenance: Provenance,
 }
 
 impl SimulatedDensity {
@@ -86,11 +86,6 @@ impl SimulatedDensity {
         Estimate::new(calibrated.value, calibrated.error.hypot(rounding).hypot(missed))
     }
 
-    /// Seed, counts, times.
-    pub fn provenance(&self) -> &Provenance {
-        &self.provenance
-    }
-
     /// The histogram of one state.
     ///
     /// # Errors
@@ -135,12 +130,6 @@ impl SimulatedDensity {
         })
     }
 
-    /// The number of impacts per unit time, at all walls together; none without a wall. [`Impacts`](crate::statistics::Impacts)
-    /// has it for each wall.
-    pub fn impact_rate(&self) -> Option<Estimate> {
-        CountedImpacts::impact_flux(self, &self.walls(), 1)
-    }
-
     /// The mean speed of approach at an impact; none without a wall.
     pub fn mean_impact_speed(&self) -> Option<Estimate> {
         CountedImpacts::mean_impact_speed(self, &self.walls(), 1)
@@ -181,7 +170,7 @@ impl SimulatedDensity {
     }
 
     /// The numbers of all walls.
-    fn walls(&self) -> Vec<usize> {
+    pub(super) fn walls(&self) -> Vec<usize> {
         (0..self.plan.walls.len()).collect()
     }
 

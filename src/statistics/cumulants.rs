@@ -39,7 +39,7 @@ impl Cumulants {
     pub fn new(density: &dyn Density, state: usize) -> Result<Self> {
         let states = density.dimension();
         let state = state_index("the state of cumulants", state, states)?;
-        if let Some(sampled) = density.sampled() {
+        if let Some(sampled) = density.evidence().sampled() {
             return Cumulants::sampled(sampled, state);
         }
         let mean = density.moment(&of_one(states, state, 1))?;

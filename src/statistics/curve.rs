@@ -32,7 +32,7 @@ impl Effort {
     /// The fineness for marginals of `density`. Where each of them is costly it is a mean over draws, accurate to some
     /// thousandths at best, and a much finer table would only follow their noise.
     pub(super) fn of(density: &dyn Density) -> Self {
-        if density.marginals_are_costly() {
+        if density.dimension() > 2 || density.evidence().integrates_on_draws() {
             Effort { start: 6, order: 8, tolerance: 1e-3, of_the_error: 1.0, most: 12 }
         } else {
             Effort::FINE

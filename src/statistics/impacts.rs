@@ -70,7 +70,7 @@ impl Impacts {
         if walls.is_empty() {
             return refused("a problem without a wall", "give the problem a wall by Problem::with_wall");
         }
-        if let Some(counted) = density.counted_impacts()
+        if let Some(counted) = density.evidence().counted_impacts()
             && let Some(counted) = Self::counted(counted, chosen, &walls)
         {
             return Ok(counted);

@@ -33,7 +33,7 @@ impl Marginal {
         let states = density.dimension();
         let state = state_index("the state of a marginal", state, states)?;
         let curve = Curve::new(|x| density.marginal(state, x), density.bounds()[state], Effort::of(density))?;
-        let counted = density.sampled().map(|sampled| sampled.distribution(state)).transpose()?;
+        let counted = density.evidence().sampled().map(|sampled| sampled.distribution(state)).transpose()?;
         Ok(Marginal { curve, counted })
     }
 

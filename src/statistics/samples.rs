@@ -66,7 +66,7 @@ pub fn samples(density: &dyn Density, count: usize, seed: u64) -> Result<(States
     if dimension <= 2 {
         return Ok((by_rejection(density, count, seed)?, None));
     }
-    let (states, weights) = density.weighted_states().map_or_else(|| proposed(density, seed), Ok)?;
+    let (states, weights) = density.evidence().weighted_states().map_or_else(|| proposed(density, seed), Ok)?;
     let [sum, squares] = weights.iter().fold([0.0; 2], |[sum, squares], w| [sum + w, squares + w * w]);
     if !(sum.is_finite() && sum > 0.0) {
         return Err(unknown_values());

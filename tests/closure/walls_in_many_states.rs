@@ -16,7 +16,7 @@ const BODIES: Bodies = Bodies {
 
 /// ∫ |p̃ − p| dx over the closure's own draws, for p up to a constant.
 fn l1_from(log_truth: impl Fn(&[f64]) -> f64, density: &ClosureDensity) -> f64 {
-    let (states, weights) = density.weighted_states().unwrap();
+    let (states, weights) = density.evidence().weighted_states().unwrap();
     let ratios: Vec<f64> = states.iter().map(|x| log_truth(x) - density.log_pdf(x).unwrap()).collect();
     let total: f64 = weights.iter().sum();
     let mean = ratios.iter().zip(&weights).map(|(ratio, w)| w * ratio).sum::<f64>() / total;

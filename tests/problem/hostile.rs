@@ -4,7 +4,7 @@ use crate::common::*;
 use expoly::models::{CubicDamping, DisplacementNoise, Duffing, DuffingChain, ParametricLinear, Solved};
 use expoly::{
     Basis, Closure, Crossing, Density, Error, Estimate, ExpPolynomial, Gaussian, Grid, Intensity, Oscillator,
-    Polynomial, PolynomialDrift, Problem, Scalar, Simulation, States, Support, Termination, Wall,
+    Polynomial, PolynomialDrift, Problem, Provenance, Scalar, Simulation, States, Support, Termination, Wall,
 };
 use nalgebra::{DMatrix, DVector, dmatrix};
 use std::f64::consts::PI;
@@ -440,11 +440,15 @@ fn nothing_panics_on_random_systems() {
 }
 
 /// A density that is high on a fine lattice, where every cell is evaluated first, and 1e-12 of that elsewhere.
-struct Lattice;
+#[derive(Default)]
+struct Lattice(Provenance);
 
 impl Density for Lattice {
     fn dimension(&self) -> usize {
         1
+    }
+    fn provenance(&self) -> &Provenance {
+        &self.0
     }
     fn pdf(&self, x: &[f64]) -> expoly::Result<Estimate> {
         let on_lattice = (x[0] * 2.0_f64.powi(30)).fract() == 0.0;
@@ -466,7 +470,7 @@ impl Density for Lattice {
 
 #[test]
 fn draws_from_what_is_no_density_end() {
-    let drawn = expoly::statistics::samples(&Lattice, 1, 1);
+    let drawn = expoly::statistics::samples(&Lattice::default(), 1, 1);
     assert!(matches!(drawn, Err(Error::NotKnown { .. })), "{drawn:?}");
 }
 

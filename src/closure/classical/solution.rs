@@ -78,10 +78,11 @@ impl Solution {
             Termination::Root | Termination::NotNormalisable => {
                 let q = significant(&self.q, self.noise);
                 let density = ExpPolynomial::new(q, self.frame.clone(), self.support.clone(), self.noise);
-                return density.map_err(|error| match error {
+                let density = density.map_err(|error| match error {
                     Error::NotNormalisable { direction, .. } => Error::NotNormalisable { order, direction },
                     other => other,
-                });
+                })?;
+                return Ok(density.with_provenance(self.provenance.clone()));
             }
             Termination::NoRoot => "no root of the classical Galerkin equations was found; try another order or basis",
             Termination::Stalled => "the iterations ran out before a root was found; try another order or basis",

@@ -6,10 +6,12 @@ use crate::checks::{coordinate, dimension, point};
 use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
 use crate::closure::samples::ImportanceRule;
-use crate::density::{CountedImpacts, Crossing, Density, moderate, pair, placed};
+use crate::closure::space::Corner;
+use crate::density::{CountedImpacts, Crossing, Density, Evidence, moderate, pair, placed};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::power;
+use crate::provenance::Provenance;
 use crate::states::States;
 
 impl ClosureDensity {
@@ -74,6 +76,32 @@ impl ClosureDensity {
 impl Density for ClosureDensity {
     fn dimension(&self) -> usize {
         self.content.dimension()
+    }
+
+    fn provenance(&self) -> &Provenance {
+        &self.content.provenance
+    }
+
+    /// The distance from the reference and the reference's own error, as far as it shows in its highest degrees. Of an exact density it
+    /// is what two rules of its integrals differ by.
+    fn l1_estimate(&self) -> f64 {
+        self.content.candidates[0].l1_estimate
+    }
+
+    fn impact_rate(&self) -> Option<Estimate> {
+        if !self.content.impacts.is_empty() {
+            return self.impact_flux(&(0..self.content.impacts.len()).collect::<Vec<_>>(), 1);
+        }
+        let walls = self.content.exponent.space.corners().iter().map(Corner::wall);
+        let rates = walls.map(|wall| {
+            let crossing = if wall.is_above() { Crossing::downward } else { Crossing::upward };
+            self.flux(crossing(wall.offset()), 1)
+        });
+        rates.filter_map(Result::ok).reduce(Estimate::plus)
+    }
+
+    fn evidence(&self) -> &dyn Evidence {
+        self
     }
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
@@ -144,18 +172,6 @@ impl Density for ClosureDensity {
         }
     }
 
-    /// The draws that integrals are taken on, in more than two states.
-    fn marginals_are_costly(&self) -> bool {
-        self.dimension() > 2 || matches!(self.content.integrals, Integrals::Draws(_))
-    }
-
-    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
-        match &self.content.integrals {
-            Integrals::Panels { .. } | Integrals::Cells(_) => None,
-            Integrals::Draws(rule) => rule.drawn().ok(),
-        }
-    }
-
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
         let [displacement, velocity] = crossing.states(self.dimension())?;
         let power = moderate(power)?;
@@ -163,6 +179,20 @@ impl Density for ClosureDensity {
             let speed = if crossing.upward { x[velocity] } else { -x[velocity] };
             if speed > 0.0 { speed.powi(power) } else { 0.0 }
         })
+    }
+}
+
+impl Evidence for ClosureDensity {
+    /// The draws that integrals are taken on, in more than two states.
+    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
+        match &self.content.integrals {
+            Integrals::Panels { .. } | Integrals::Cells(_) => None,
+            Integrals::Draws(rule) => rule.drawn().ok(),
+        }
+    }
+
+    fn integrates_on_draws(&self) -> bool {
+        matches!(self.content.integrals, Integrals::Draws(_))
     }
 
     fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {

@@ -17,9 +17,8 @@ use super::reference::Start;
 use super::samples::Copula;
 use crate::checks::point;
 use crate::closure::tuning;
-use crate::density::{CountedImpacts, Crossing, Density};
+use crate::density::Density;
 use crate::error::Result;
-use crate::estimate::Estimate;
 use crate::numerics::exponentials;
 use crate::polynomial::Polynomial;
 use crate::provenance::Provenance;
@@ -127,20 +126,9 @@ impl ClosureDensity {
         self
     }
 
-    /// How this density came about.
-    pub fn provenance(&self) -> &Provenance {
-        &self.content.provenance
-    }
-
     /// All densities that were tried, the chosen one first.
     pub fn candidates(&self) -> &[Candidate] {
         &self.content.candidates
-    }
-
-    /// The estimate of ∫ |p̃ − p| dx, between 0 and 2: the distance from the reference and the reference's own error,
-    /// as far as it shows in its highest degrees. Of an exact density it is what two rules of its integrals differ by.
-    pub fn l1_estimate(&self) -> f64 {
-        self.content.candidates[0].l1_estimate
     }
 
     /// The indicator η: the residual tested against polynomials of a higher degree than Q's, in a norm of p̃; infinite for a
@@ -157,11 +145,6 @@ impl ClosureDensity {
     /// Whether all Galerkin equations hold: an exact density is a root, most others are the best of their order and none.
     pub fn is_root(&self) -> bool {
         self.residual() <= tuning::density::ROOT
-    }
-
-    /// Why this density should not be relied on, if there is a reason.
-    pub fn warning(&self) -> Option<&str> {
-        self.content.provenance.warning.as_deref()
     }
 
     /// Whether the tails are estimated to be right to 0.25 decades down to 1e-5 of the peak.
@@ -218,19 +201,6 @@ impl ClosureDensity {
                 if self.content.impacts.is_empty() { one } else { one + tuning::domain::CUT_AT_WALLS }
             }
         }
-    }
-
-    /// The mean number of impacts per unit time at all walls together; none without a wall.
-    pub fn impact_rate(&self) -> Option<Estimate> {
-        if !self.content.impacts.is_empty() {
-            return self.impact_flux(&(0..self.content.impacts.len()).collect::<Vec<_>>(), 1);
-        }
-        let walls = self.content.exponent.space.corners().iter().map(super::space::Corner::wall);
-        let rates = walls.map(|wall| {
-            let crossing = if wall.is_above() { Crossing::downward } else { Crossing::upward };
-            self.flux(crossing(wall.offset()), 1)
-        });
-        rates.filter_map(Result::ok).reduce(Estimate::plus)
     }
 
     /// The start for the reference of a similar system.

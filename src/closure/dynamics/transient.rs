@@ -14,6 +14,7 @@ use crate::closure::method::{Closure, Order, Reference};
 use crate::closure::projection::Weight;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning;
+use crate::density::Density;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;

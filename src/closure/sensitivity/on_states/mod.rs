@@ -230,7 +230,7 @@ impl ClosureDensity {
     /// States with weights that sum to about 1, on which integrals of the density are taken.
     fn carrying_nodes(&self) -> Option<(States, Vec<f64>)> {
         if self.nodes.is_empty() {
-            return self.weighted_states();
+            return self.evidence().weighted_states();
         }
         Some((self.nodes.clone(), self.masses.iter().map(|masses| masses[0]).collect()))
     }

@@ -1,7 +1,38 @@
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::states::States;
 use std::fmt::Debug;
 use std::sync::Arc;
+
+/// What a density was made from, for statistics that take more of it than its values.
+pub trait Evidence {
+    /// States with weights whose weighted means are the density's means, if the density has such. The effective number of
+    /// independent ones among them is (Σw)²/Σw².
+    fn weighted_states(&self) -> Option<(States, Vec<f64>)> {
+        None
+    }
+
+    /// Whether a marginal density is an integral over draws, which takes milliseconds and more. Tables of marginals are coarser then.
+    fn integrates_on_draws(&self) -> bool {
+        false
+    }
+
+    /// The statistics of the density's samples, if it was made of samples. Values that were sampled together are correlated:
+    /// [`statistics`](crate::statistics) take the standard error of a combination of several values from here.
+    fn sampled(&self) -> Option<&dyn Sampled> {
+        None
+    }
+
+    /// The statistics of impacts, if the density counted some rather than integrated over walls.
+    fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {
+        None
+    }
+}
+
+/// A density that is known by its values alone.
+pub(crate) struct Values;
+
+impl Evidence for Values {}
 
 /// A distribution that was counted: values with their standard errors.
 pub trait Counted: Debug + Send + Sync {
