@@ -1,13 +1,18 @@
 //! A number with its error.
 
+use crate::record::number;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A value and its error: the standard error of a simulation, or the error estimate of a quadrature.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Estimate {
     /// The value.
+    #[serde(with = "number")]
     pub value: f64,
     /// One standard error where the value was sampled, the estimated error where it is an integral. Never negative.
+    #[serde(with = "number")]
     pub error: f64,
 }
 

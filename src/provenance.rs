@@ -2,6 +2,7 @@
 
 use crate::record::number;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The limit that ended a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -146,5 +147,25 @@ impl Provenance {
     /// That of a method without numbers.
     pub(crate) fn of_method(method: &str) -> Self {
         Provenance { method: method.to_owned(), ..Provenance::default() }
+    }
+}
+
+impl fmt::Display for Provenance {
+    /// The method with its size, the seed and the seconds, in one line: `closure, order 6, seed 0, 0.21 s`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.method)?;
+        let sizes = [
+            ("order", self.order.map(|order| order.to_string())),
+            ("origin", self.origin.clone()),
+            ("cells", self.cells.map(|cells| cells.to_string())),
+            ("degree", self.degree.map(|degree| degree.to_string())),
+            ("samples", self.samples.map(|samples| samples.to_string())),
+            ("time step", self.time_step.map(|step| step.to_string())),
+            ("particles", self.particles.map(|particles| particles.to_string())),
+            ("seed", self.seed.map(|seed| seed.to_string())),
+        ];
+        let known = sizes.into_iter().filter_map(|(name, size)| Some((name, size?)));
+        known.into_iter().try_for_each(|(name, size)| write!(f, ", {name} {size}"))?;
+        if self.seconds > 0.0 { write!(f, ", {:.2} s", self.seconds) } else { Ok(()) }
     }
 }

@@ -10,13 +10,14 @@ mod python;
 
 use crate::checks::dimension;
 use crate::closure::ClosureDensity;
-use crate::density::{Crossing, Density, Evidence, ExpPolynomial};
+use crate::density::{Crossing, Density, Evidence, ExpPolynomial, summary};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::file;
 use crate::polynomial::Polynomial;
 use crate::provenance::Provenance;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::path::Path;
 
 /// A density with a closed form.
@@ -210,5 +211,12 @@ impl Density for ClosedForm {
         fn moment(&self, powers: &[u32]) -> Result<Estimate>;
         fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate>;
         fn variance(&self, state: usize) -> Result<Estimate>;
+    }
+}
+
+impl fmt::Display for ClosedForm {
+    /// How it was made, its domain, moments and rates, and its estimate of the error, a line each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        summary(self, f)
     }
 }

@@ -1,5 +1,5 @@
 use super::tensor::{Section, TensorRule};
-use super::{Crossing, Density, Frame, Support, escape_direction, moderate, pair};
+use super::{Crossing, Density, Frame, Support, escape_direction, moderate, pair, summary};
 use crate::checks::{coordinate, dimension, finite, point, positive};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
@@ -8,6 +8,7 @@ use crate::provenance::{CLOSED_FORM, Provenance};
 use crate::record::Read;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A density p = C exp(Q) with a polynomial Q, on R^n, above a wall, or cut off at a given region.
 ///
@@ -268,5 +269,12 @@ impl TryFrom<Document> for ExpPolynomial {
         let q = Polynomial::from_terms(n, terms).map_err(|error| error.to_string())?;
         let density = ExpPolynomial::new(q, frame, support, noise).map_err(|error| error.to_string())?;
         Ok(density.with_provenance(provenance))
+    }
+}
+
+impl fmt::Display for ExpPolynomial {
+    /// How it was made, its domain, moments and rates, and its estimate of the error, a line each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        summary(self, f)
     }
 }

@@ -5,6 +5,7 @@ mod evidence;
 mod exp_polynomial;
 mod frame;
 mod leading_form;
+mod summary;
 mod support;
 mod tensor;
 
@@ -13,6 +14,7 @@ pub(crate) use evidence::{Counted, CountedImpacts, Evidence, Sampled, Values, ce
 pub use exp_polynomial::ExpPolynomial;
 pub(crate) use frame::Frame;
 pub(crate) use leading_form::escape_direction;
+pub(crate) use summary::summary;
 pub use support::Support;
 
 use crate::checks::{coordinate, dimension, finite, require, state_index};

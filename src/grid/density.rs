@@ -1,7 +1,7 @@
 use super::field::{Along, EVERYWHERE, Field};
 use super::kept::Kept;
 use crate::checks::{coordinate, dimension, point, require};
-use crate::density::{Crossing, Density};
+use crate::density::{Crossing, Density, summary};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::provenance::Provenance;
@@ -214,4 +214,11 @@ pub(super) fn flux(field: &Field, crossing: Crossing, power: u32) -> f64 {
         }
     };
     field.integral(&(0..field.shape.states).map(along).collect::<Vec<_>>())
+}
+
+impl fmt::Display for GridDensity {
+    /// How it was made, its domain, moments and rates, and its estimate of the error, a line each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        summary(self, f)
+    }
 }

@@ -41,6 +41,7 @@ use crate::fokker_planck::{FokkerPlanck, Local, noise_induced_drift};
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::system::Interpretation;
 use family::Family;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::fmt;
 use std::sync::Arc;
 
@@ -281,6 +282,29 @@ impl Problem {
     fn constant_diffusion(&self, diffusion: &mut [f64]) {
         let entries = self.operator().diffusion().iter().flatten();
         diffusion.iter_mut().zip(entries).for_each(|(value, b)| *value = b.constant_term());
+    }
+}
+
+impl fmt::Display for Problem {
+    /// The text of [`Problem::to_toml`], or the Fokker-Planck equation where names do not allow for it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.to_toml() {
+            Ok(text) => f.write_str(text.trim_end()),
+            Err(_) => write!(f, "{}", self.operator().text(self.states())),
+        }
+    }
+}
+
+/// As the text of [`Problem::to_toml`].
+impl Serialize for Problem {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        self.to_toml().map_err(ser::Error::custom)?.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Problem {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        Problem::from_toml(&String::deserialize(deserializer)?).map_err(de::Error::custom)
     }
 }
 

@@ -1,11 +1,12 @@
 use super::{SimulatedDensity, distribution::Distribution, passage::POWERS, plan::same_level};
 use crate::checks::{coordinate, dimension, point, require, state_index};
-use crate::density::{Counted, CountedImpacts, Crossing, Density, Evidence, Sampled, central, pair};
+use crate::density::{Counted, CountedImpacts, Crossing, Density, Evidence, Sampled, central, pair, summary};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
 use crate::problem::{Wall, limits};
 use crate::provenance::Provenance;
+use std::fmt;
 use std::sync::Arc;
 
 /// The density behind a wall.
@@ -198,5 +199,12 @@ impl SimulatedDensity {
         }
         let remedy = "a simulation of more than two states counts marginals and moments; take these, or a closure";
         Err(Error::NotKnown { what: what.to_owned(), remedy })
+    }
+}
+
+impl fmt::Display for SimulatedDensity {
+    /// How it was made, its domain, moments and rates, and its estimate of the error, a line each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        summary(self, f)
     }
 }

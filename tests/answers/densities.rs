@@ -571,3 +571,23 @@ fn distances_between_closed_forms() {
     let balance = energy_balance(&problem, &one).unwrap();
     assert!(balance.value.abs() < 1e-12);
 }
+
+/// A density prints how it was made, its domain, moments, rates and error, a line each; estimates and problems come back from JSON.
+#[test]
+fn answers_print_themselves_and_come_back_from_json() {
+    let problem = duffing_above(-0.3, 0.8);
+    let density = Closure::new(4).pilot_states(5120).solve(&problem).unwrap();
+    let text = density.to_string();
+    let names = ["closure", "domain", "means", "mean squares", "flux up", "impacts per unit time", "estimate of the L1"];
+    for (name, line) in names.iter().zip(text.lines()) {
+        assert!(line.starts_with(name), "{text}");
+    }
+    let square = density.moment(&[2, 0]).unwrap();
+    assert!(text.contains(&square.to_string()), "{text}");
+    let through = serde_json::to_string(&square).unwrap();
+    assert_eq!(serde_json::from_str::<Estimate>(&through).unwrap(), square);
+    let through = serde_json::to_string(&problem).unwrap();
+    let again: Problem = serde_json::from_str(&through).unwrap();
+    assert_eq!(again.to_string(), problem.to_string());
+    assert_eq!(again.walls(), problem.walls());
+}

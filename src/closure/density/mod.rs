@@ -17,7 +17,7 @@ use super::reference::Start;
 use super::samples::Copula;
 use crate::checks::point;
 use crate::closure::tuning;
-use crate::density::Density;
+use crate::density::{Density, summary};
 use crate::error::Result;
 use crate::numerics::exponentials;
 use crate::polynomial::Polynomial;
@@ -265,5 +265,12 @@ impl fmt::Debug for ClosureDensity {
             .field("provenance", self.provenance())
             .field("coefficients", &self.coefficients())
             .finish_non_exhaustive()
+    }
+}
+
+impl fmt::Display for ClosureDensity {
+    /// How it was made, its domain, moments and rates, and its estimate of the error, a line each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        summary(self, f)
     }
 }
