@@ -6,7 +6,7 @@
 use crate::common::*;
 use expoly::models::{Linear, Solved};
 use expoly::statistics::{Crossings, Cumulants, Impacts, Marginal, energy_balance, entropy, modes, samples};
-use expoly::{Density, Error, Estimate, Simulation, States, Wall, compare};
+use expoly::{Closure, Density, Error, Estimate, Problem, Simulation, States, Wall, compare};
 use std::f64::consts::{E, PI, TAU};
 
 /// exp of a formula on a lattice, normalised.
