@@ -9,7 +9,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
-use expoly::study::{OrderStudy, Part};
+use expoly::study::OrderStudy;
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 use support::dealt::Dealt;
 use support::figure::{orders::views, write_figure};
@@ -32,7 +32,7 @@ struct Options {
     /// Folder for the table and the figure
     #[arg(long, default_value = "out/order_convergence")]
     out: PathBuf,
-    /// Go on from the table of an interrupted run and from its parts instead of beginning anew, as a part does anyway
+    /// Go on from the table of an interrupted run instead of beginning anew, as a part does anyway
     #[arg(long)]
     resume: bool,
     /// Print one JSON object and write no files
@@ -43,8 +43,8 @@ struct Options {
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let (about, cases): (Vec<_>, Vec<_>) = options.setup.cases(&options.model)?.into_iter().unzip();
     let study = cases.into_iter().fold(OrderStudy::new(&options.orders), OrderStudy::case);
-    let part = options.dealt.part;
-    let study = study.part(part.number(), part.count());
+    let (k, n) = options.dealt.part;
+    let study = study.part(k, n);
     if options.json {
         println!("{}", serde_json::to_string_pretty(&study.run()?)?);
         return Ok(());
@@ -53,8 +53,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let stem = options.out.join(options.model.join("_"));
     let (rows, figure) = (stem.with_extension("csv"), stem.with_extension("svg"));
     std::fs::create_dir_all(&options.out)?;
-    if !options.resume && part == Part::WHOLE {
-        Part::files(&rows)?.iter().try_for_each(std::fs::remove_file)?;
+    if !options.resume && n == 1 && rows.exists() {
+        std::fs::remove_file(&rows)?;
     }
     let (bar, progress) = study_bar();
     let table = study.file(&rows).progress(progress).run()?;

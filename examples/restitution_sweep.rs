@@ -55,7 +55,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let table = Sweep::new(name, &between(range, count), &columns)
         .settings(&format!("{oscillator:?} {fixed} {closure:?}"))
         .file(file("csv"))
-        .part(options.dealt.part.number(), options.dealt.part.count())
+        .part(options.dealt.part.0, options.dealt.part.1)
         .progress(progress)
         .run(|value, near: Option<&ClosureDensity>| {
             let wall = wall(value)?;

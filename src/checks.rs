@@ -17,6 +17,11 @@ pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64> {
     require(value.is_finite(), name, value, "it must be a finite number")
 }
 
+/// Refuses a part of a number of parts that does not exist.
+pub(crate) fn part(k: usize, parts: usize) -> Result<f64> {
+    require((1..=parts).contains(&k), "number of the part", k as f64, "parts are counted from 1 to their number")
+}
+
 /// Refuses the index of a state that does not exist.
 pub(crate) fn state_index(what: &'static str, index: usize, states: usize) -> Result<usize> {
     if index < states { Ok(index) } else { Err(Error::Dimension { what, expected: states, found: index }) }

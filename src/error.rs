@@ -153,11 +153,13 @@ pub enum Error {
         /// Its least value.
         least: usize,
     },
-    /// The caller stopped the simulation.
-    #[error("the simulation was cancelled by its progress callback after {steps} path-steps")]
+    /// The caller stopped a simulation or a study.
+    #[error("cancelled by the progress callback after {done} {unit}; with a file it goes on from there")]
     Cancelled {
         /// How far it had come.
-        steps: u64,
+        done: u64,
+        /// Path-steps, or rows.
+        unit: &'static str,
     },
     /// The time budget of a simulation ended before every trajectory had a sample.
     #[error(
@@ -171,58 +173,28 @@ pub enum Error {
     /// A file could not be read or written.
     #[error("cannot {action} {path}: {reason}")]
     File {
-        /// To read, to write or to remove.
+        /// To read or to write.
         action: &'static str,
         /// The file.
         path: String,
         /// The operating system's message.
         reason: String,
     },
-    /// A file is no checkpoint, or is damaged.
-    #[error("{path} is no checkpoint to go on from: {problem}; restore it from a copy, or remove it to begin anew")]
-    NotACheckpoint {
+    /// A file is not one that this simulation or this study can go on from.
+    #[error("{path} is nothing to go on from: {problem}")]
+    NotThisRun {
         /// The file.
         path: String,
-        /// What is wrong with it.
+        /// What is wrong with it, and a remedy.
         problem: &'static str,
     },
-    /// Two states or results belong to different simulations.
-    #[error(
-        "these are different simulations: the {what} is {found} there and {expected} here; make it the same, or keep them in different files"
-    )]
-    OtherSimulation {
-        /// The first option that differs.
-        what: &'static str,
-        /// Its value in the file, or in the later part.
-        found: String,
-        /// Its value in the options, or in the first part.
-        expected: String,
+    /// Results are not the parts of one simulation.
+    #[error("these are not the parts of one simulation: {problem}")]
+    NotTheParts {
+        /// What is wrong with them, and a remedy.
+        problem: String,
     },
-    /// A checkpoint has no result yet.
-    #[error("the simulation in {path} has not ended: run it again with the same options, and it goes on from there")]
-    Unfinished {
-        /// The file.
-        path: String,
-    },
-    /// The parts to be merged are not the whole simulation.
-    #[error("trajectories {trajectories:?} of seed {seed} are missing: merge all parts of the simulation at once")]
-    MissingPart {
-        /// The seed of the simulation.
-        seed: u64,
-        /// The first trajectories that are missing.
-        trajectories: std::ops::Range<u64>,
-    },
-    /// Two of the parts to be merged hold the same trajectories.
-    #[error(
-        "trajectories {trajectories:?} of seed {seed} are there twice: merge each part once, and give independent runs different seeds"
-    )]
-    RepeatedPart {
-        /// The seed of the simulation.
-        seed: u64,
-        /// The first trajectories that are repeated.
-        trajectories: std::ops::Range<u64>,
-    },
-    /// Another process of a simulation on several ranks failed.
+    /// Another process of a simulation or a study on several ranks of MPI failed.
     #[error("rank {rank} failed: {reason}")]
     Rank {
         /// The process.
@@ -329,60 +301,6 @@ pub enum Error {
         language: &'static str,
         /// The obstacle, and a remedy.
         reason: &'static str,
-    },
-    /// The caller stopped a study.
-    #[error(
-        "the study was cancelled by its progress callback with {done} of {rows} rows done; with a file it goes on from there"
-    )]
-    StudyCancelled {
-        /// The rows that are there.
-        done: usize,
-        /// The rows of the whole study, or of the part of it that was run.
-        rows: usize,
-    },
-    /// A file holds the rows of another study.
-    #[error(
-        "{path} belongs to a study of other settings, or was written by another version: keep the two in different files"
-    )]
-    OtherStudy {
-        /// The file.
-        path: String,
-    },
-    /// A row of a study's file cannot be used.
-    #[error("row {row} of {path} is spoiled: {problem}; remove the row, and the study computes it anew")]
-    SpoiledStudy {
-        /// The file.
-        path: String,
-        /// The row, in the order of the file, from 0.
-        row: usize,
-        /// What is wrong with it.
-        problem: &'static str,
-    },
-    /// A file is not one of a study.
-    #[error("{path} holds no table of a study, and no parts of one are beside it: give the name of the table")]
-    NotAStudy {
-        /// The file.
-        path: String,
-    },
-    /// A study has no part of a number.
-    #[error("there is no part {part} of {parts}: parts are counted from 1 to their number")]
-    NoSuchPart {
-        /// The number of the part.
-        part: usize,
-        /// The number of parts.
-        parts: usize,
-    },
-    /// The parts of a study do not make up its table.
-    #[error(
-        "{missing} of {rows} rows of {path} are in none of its parts: run the parts that have not ended, or the study itself without parts, which computes what is missing"
-    )]
-    MissingRows {
-        /// The file of the table.
-        path: String,
-        /// The rows that are missing.
-        missing: usize,
-        /// The rows of the whole study.
-        rows: usize,
     },
     /// A table has no column of a name.
     #[error("there is no column {name:?}; there are {columns:?}")]

@@ -1,4 +1,4 @@
-//! Files that are read, removed, or written whole or not at all.
+//! Files that are read, or written whole or not at all.
 
 use crate::error::{Error, Result};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,12 +39,9 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<()> {
     written.map_err(|error| file_error("write", path, &error))
 }
 
-/// Removes a file; one that another process has removed is not missed.
-pub(crate) fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(file_error("remove", path, &error)),
-        _ => Ok(()),
-    }
+/// A file that nothing can go on from.
+pub(crate) fn not_this_run(path: &Path, problem: &'static str) -> Error {
+    Error::NotThisRun { path: path.display().to_string(), problem }
 }
 
 pub(crate) fn file_error(action: &'static str, path: &Path, error: &io::Error) -> Error {

@@ -49,13 +49,6 @@ impl Trajectories {
     pub(super) fn count(&self) -> usize {
         self.groups.iter().map(Lanes::trajectories).sum()
     }
-
-    /// Whether trajectories that were read are those of `range`.
-    pub(super) fn are(&self, range: &Range<u64>, seed: u64, states: usize) -> bool {
-        let firsts = range.clone().step_by(LANES);
-        firsts.clone().count() == self.groups.len()
-            && firsts.zip(&self.groups).all(|(first, lanes)| lanes.are(seed, first..range.end, states))
-    }
 }
 
 impl Batch {
@@ -63,12 +56,6 @@ impl Batch {
     pub(super) fn new(index: usize, tally: Tally, layout: &Layout, trajectories: Trajectories) -> Self {
         let buffers = layout.recorders.buffers(trajectories.count());
         Batch { index, done: 0, tally, trajectories, buffers, unreported: 0 }
-    }
-
-    /// Whether a batch that was read has the trajectories of `range` and the sums of the layout.
-    pub(super) fn fits(&self, range: &Range<u64>, layout: &Layout) -> bool {
-        self.trajectories.are(range, self.tally.origin.seed, layout.axes.len())
-            && layout.recorders.fit(&self.buffers, self.trajectories.count())
     }
 
     /// The path-steps taken so far.

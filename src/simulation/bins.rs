@@ -25,11 +25,6 @@ impl Axis {
         Ok(Axis { lo, width: length / bins as f64, bins })
     }
 
-    /// Whether an axis that was read is one, with no more than so many bins.
-    pub(super) fn holds(&self, most: usize) -> bool {
-        self.bins <= most && Axis::new(self.lo, self.edge(self.bins), self.bins).is_ok()
-    }
-
     /// The number of bins.
     pub(super) fn bins(&self) -> usize {
         self.bins
@@ -95,16 +90,6 @@ pub(super) struct Counts {
 impl Counts {
     pub(super) fn new(axes: &[Axis]) -> Self {
         Counts { cells: vec![0; axes.iter().map(Axis::bins).product()], outside: 0 }
-    }
-
-    /// The number of cells.
-    pub(super) fn len(&self) -> usize {
-        self.cells.len()
-    }
-
-    /// Whether counts that were read are no more than can be added.
-    pub(super) fn holds(&self) -> bool {
-        self.cells.iter().try_fold(self.outside, |sum, count| sum.checked_add(*count)).is_some_and(|sum| sum <= 1 << 53)
     }
 
     /// Counts one sample.

@@ -137,16 +137,6 @@ impl Blocks {
         let [r, other] = [k, l].map(|k| self.mean(tracked + k));
         first[tracked + l] - other * first[0] - r * second[0] + r * other * self.squared_lengths()
     }
-
-    /// Whether sums that were read can go on after so many samples.
-    pub(super) fn holds(&self, samples: usize) -> bool {
-        self.begun <= samples
-    }
-
-    /// The lengths of all lists, and the number of trajectories.
-    pub(super) fn sizes(&self) -> [usize; 4] {
-        [self.trajectories, self.closed.len(), self.open.len(), self.products.len()]
-    }
 }
 
 /// Adds Σ R s over some blocks, as a call that is compiled for every width of registers. Their width changes nothing but

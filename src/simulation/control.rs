@@ -5,6 +5,9 @@ use std::sync::{
 };
 use std::{fmt, ops::ControlFlow, time::Instant};
 
+/// The unit of a simulation's progress.
+pub(super) const PATH_STEPS: &str = "path-steps";
+
 /// The progress of a simulation or a study, in steps or rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
@@ -75,7 +78,7 @@ impl<'a> Control<'a> {
     /// Whether a batch is to go on with another stretch.
     pub(super) fn check(&self, place: usize) -> Result<()> {
         let stop = self.cancelled.load(Ordering::Relaxed) || self.failed.load(Ordering::Relaxed) < place;
-        if stop { Err(Error::Cancelled { steps: self.done() }) } else { Ok(()) }
+        if stop { Err(Error::Cancelled { done: self.done(), unit: PATH_STEPS }) } else { Ok(()) }
     }
 
     /// Whether work that can be given up anywhere is to go on.

@@ -69,27 +69,6 @@ impl ControlVariates {
         }
     }
 
-    /// Whether what was read can be evaluated, and fits into memory.
-    pub(super) fn holds(&self, states: usize, tracked: usize, trajectories: usize) -> bool {
-        let degree = |alpha: &Vec<u32>| alpha.iter().try_fold(0, |sum: u32, &power| sum.checked_add(power));
-        let box_holds = || {
-            (self.centre.len(), self.half_width.len()) == (states, states)
-                && self.centre.iter().all(|x| x.is_finite())
-                && self.half_width.iter().all(|&width| width > 0.0 && width.recip().is_finite() && width.is_finite())
-        };
-        let images_hold = || {
-            (self.impulses.is_empty() || self.impulses.len() == self.len())
-                && self.impulses.iter().flatten().all(|(place, c)| *place <= self.len() && c.is_finite())
-        };
-        self.is_empty()
-            || images_hold()
-                && box_holds()
-                && fits(states, self.len(), tracked, trajectories)
-                && self.exponents.iter().all(|alpha| {
-                    alpha.len() == states && degree(alpha).is_some_and(|d| d <= tuning::calibration::HIGHEST)
-                })
-    }
-
     /// The number of them.
     pub(super) fn len(&self) -> usize {
         self.exponents.len()

@@ -1,27 +1,28 @@
-use super::{
-    SimulatedDensity,
-    batch::deal,
-    checkpoint::State,
-    tally::{Origin, Tally},
-};
+use super::{SimulatedDensity, batch::deal, checkpoint::State, tally::Tally};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::file;
 use crate::provenance::Stopped;
 use std::{io, path::Path};
 
+const UNFINISHED: &str =
+    "it has no result yet: run the simulation again with the same options, and it goes on from there";
+
+const OTHER: &str = "two of them differ in the problem, the number of samples or another option than the seed; make these the \
+    same, and for runs of different seeds give the time step and the ranges of histograms";
+
 impl SimulatedDensity {
     /// The result in a checkpoint of [`Simulation::checkpoint`](crate::Simulation::checkpoint) whose run is over. The
     /// problem itself is not needed.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::NotACheckpoint`], and [`Error::Unfinished`] if the run has not ended.
+    /// [`Error::File`], and [`Error::NotThisRun`] also if the run has not ended.
     pub fn from_checkpoint(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let content = file::read(path)?;
         let content = content.ok_or_else(|| file::file_error("read", path, &io::ErrorKind::NotFound.into()))?;
         let state = State::from_file(path, &content)?;
-        let stopped = state.stopped.ok_or_else(|| Error::Unfinished { path: path.display().to_string() })?;
+        let stopped = state.stopped.ok_or_else(|| file::not_this_run(path, UNFINISHED))?;
         let tallies = state.batches.into_iter().map(|batch| batch.tally).collect();
         Ok(SimulatedDensity::new(tallies, state.plan, state.seconds, stopped))
     }
@@ -35,14 +36,14 @@ impl SimulatedDensity {
     /// [`Simulation::histogram_range`](crate::Simulation::histogram_range).
     ///
     /// # Errors
-    /// [`Error::NoSamples`] for no parts, [`Error::OtherSimulation`] naming the first option in which two of them differ,
-    /// [`Error::MissingPart`], [`Error::RepeatedPart`].
+    /// [`Error::NoSamples`] for no parts, [`Error::NotTheParts`] for those of different simulations, and where one is missing
+    /// or there twice.
     ///
     /// ```
     /// use expoly::{Density, SimulatedDensity, Simulation, models::{Duffing, Solved}};
     /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     /// let simulation = || Simulation::new().samples(20_000);
-    /// let halves = [simulation().part(1, 2).run(&problem)?, simulation().part(0, 2).run(&problem)?];
+    /// let halves = [simulation().part(2, 2).run(&problem)?, simulation().part(1, 2).run(&problem)?];
     /// assert_eq!(SimulatedDensity::merge(halves)?.moment(&[2, 0])?, simulation().run(&problem)?.moment(&[2, 0])?);
     /// # Ok::<(), expoly::Error>(())
     /// ```
@@ -53,7 +54,9 @@ impl SimulatedDensity {
         let stopped = first.provenance().stopped.unwrap_or(Stopped::Samples);
         let mut tallies = first.into_tallies();
         for part in parts {
-            plan.same_as(&part.plan, true)?;
+            if !plan.is_like(&part.plan) {
+                return Err(Error::NotTheParts { problem: String::from(OTHER) });
+            }
             seconds += part.provenance().seconds;
             tallies.extend(part.into_tallies());
         }
@@ -67,21 +70,22 @@ impl SimulatedDensity {
 
 /// Refuses batches of one run that are not all there, or there twice, or of different lengths.
 fn whole(run: &[Tally], trajectories: usize) -> Result<()> {
-    let ranges = deal(trajectories);
-    for [a, b] in run.windows(2).filter_map(|pair| <&[Tally; 2]>::try_from(pair).ok()) {
-        if a.origin == b.origin {
-            let Origin { seed, batch } = a.origin;
-            let trajectories = ranges.get(batch).cloned().unwrap_or_default();
-            return Err(Error::RepeatedPart { seed, trajectories });
-        }
-        if a.samples != b.samples {
-            let [found, expected] = [b, a].map(|t| t.samples.to_string());
-            return Err(Error::OtherSimulation { what: "number of samples per trajectory", found, expected });
-        }
+    let Some(first) = run.first() else { return Ok(()) };
+    if run.iter().any(|tally| tally.samples != first.samples) {
+        return Err(Error::NotTheParts { problem: String::from(OTHER) });
     }
-    let missing = (0..ranges.len()).find(|&k| run.get(k).is_none_or(|t| t.origin.batch != k));
-    match (missing, run) {
-        (Some(k), [any, ..]) => Err(Error::MissingPart { seed: any.origin.seed, trajectories: ranges[k].clone() }),
-        _ => Ok(()),
+    for (batch, range) in deal(trajectories).into_iter().enumerate() {
+        let there = match run.iter().filter(|tally| tally.origin.batch == batch).count() {
+            0 => "missing",
+            1 => continue,
+            _ => "there twice",
+        };
+        let seed = first.origin.seed;
+        let problem = format!(
+            "trajectories {range:?} of seed {seed} are {there}; merge all parts together, each once, and give independent \
+             runs different seeds"
+        );
+        return Err(Error::NotTheParts { problem });
     }
+    Ok(())
 }

@@ -73,6 +73,7 @@ mod tuning;
 pub use control::Progress;
 pub use histogram::Histogram;
 pub(crate) use paths::{Collisions, Impact, Paths};
+pub(crate) use plan::equations;
 pub use result::SimulatedDensity;
 pub(crate) use settling::{require_motion, require_settling, settled};
 pub use setup::Simulation;

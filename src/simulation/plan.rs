@@ -7,17 +7,14 @@ use super::{
     tally::Layout,
     timetable::Timetable,
 };
-use crate::checks::positive;
-use crate::error::{Error, Result};
 use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Wall};
-use crate::simulation::tuning;
 use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
 use serde::{Deserialize, Serialize};
 
 /// The options and settings that determine the results of a simulation of given length: two runs of one plan have the same
 /// results.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct Plan {
     /// The system's equations, term by term.
     pub(super) equations: Vec<String>,
@@ -40,7 +37,7 @@ pub(super) struct Plan {
 }
 
 /// The Itô equations of a problem as text, every coefficient with all its digits.
-pub(super) fn equations(problem: &Problem) -> Vec<String> {
+pub(crate) fn equations(problem: &Problem) -> Vec<String> {
     let text = |p: &Polynomial| p.terms().map(|(m, c)| format!("{c:?} x^{m:?}")).collect::<Vec<_>>().join(" + ");
     let rows = problem.operator().drift().iter().enumerate();
     rows.map(|(i, drift)| {
@@ -111,59 +108,9 @@ impl Plan {
         Pilot::path_steps(&self.timetable)
     }
 
-    /// Refuses another plan. Merging allows another seed.
-    pub(super) fn same_as(&self, other: &Self, any_seed: bool) -> Result<()> {
-        for ((what, here), (_, there)) in self.traits().into_iter().zip(other.traits()) {
-            if here != there && !(any_seed && what == "seed") {
-                return Err(Error::OtherSimulation { what, found: there, expected: here });
-            }
-        }
-        Ok(())
-    }
-
-    fn traits(&self) -> [(&'static str, String); 15] {
-        [
-            ("number of states", self.equations.len().to_string()),
-            ("system", self.equations.join(", ")),
-            ("list of walls", format!("{:?}", self.walls)),
-            ("seed", self.seed.to_string()),
-            ("number of trajectories", self.trajectories.to_string()),
-            ("time step", format!("{:?}", self.time_step)),
-            ("burn-in in steps", self.timetable.steps(BURN_IN_STRETCHES).to_string()),
-            ("sampling interval in steps", self.timetable.interval_steps.to_string()),
-            ("start", format!("{:?}", self.start)),
-            ("list of levels", format!("{:?}", self.levels)),
-            ("range or number of bins", format!("{:?}", self.axes)),
-            ("joint histogram", format!("{:?}", self.plane)),
-            ("list of displacements", format!("{:?}", self.displacements)),
-            ("list of further statistics", format!("{:?}", self.requests)),
-            ("list of control variates", format!("{:?}", self.control_variates)),
-        ]
-    }
-
-    /// Whether a plan that was read can be one, so that its buffers have a meaning and fit into memory.
-    pub(super) fn holds(&self) -> bool {
-        let states = self.equations.len();
-        let axes = || self.axes.iter().chain(self.plane.iter().flatten());
-        let empty = || Layout::new(self.axes.clone(), self.plane, &self.requests.moments, Recorders::default());
-        let tracked = || empty().with(ControlVariates::default(), 0, self.gates()).tracked();
-        let moves = |state: usize| self.velocity_of(state).is_some();
-        (2..=tuning::limits::MOST_TRAJECTORIES).contains(&self.trajectories)
-            && positive("time step", self.time_step, "").is_ok()
-            && self.timetable.holds(self.trajectories, 0)
-            && states > 0
-            && self.axes.len() == states
-            && self.plane.is_some() == (states > 1)
-            && axes().all(|axis| axis.holds(tuning::limits::MOST_BINS))
-            && self.displacements.iter().all(|&(displacement, velocity)| displacement.max(velocity) < states)
-            && self
-                .walls
-                .iter()
-                .all(|wall| wall.checked().is_ok() && moves(wall.state()) && wall.other().is_none_or(moves))
-            && self.start.iter().all(|row| row.len() == states)
-            && [0, 1, states + 1].contains(&self.start.len())
-            && self.requests.validate(states, self.interval()).is_ok()
-            && self.control_variates.holds(states, tracked(), self.trajectories)
+    /// Whether a run of another plan makes the same numbers but for the seed.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        *self == Plan { seed: self.seed, rate: self.rate, ..other.clone() }
     }
 
     /// Passages before the first one, as every batch of the plan begins with.

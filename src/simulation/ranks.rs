@@ -1,8 +1,8 @@
 use super::{SimulatedDensity, Simulation, processes::Processes};
 use crate::{error::Result, problem::Problem};
-use mpi::{Count, datatype::PartitionMut, traits::Communicator, traits::CommunicatorCollectives};
+use mpi::{Rank, traits::Communicator, traits::Root};
 
-/// The most bytes that all ranks together send at once: MPI counts them in 31 bits.
+/// The most bytes that a rank sends at once: MPI counts them in 31 bits.
 const AT_ONCE: usize = 1 << 30;
 
 impl Simulation<'_> {
@@ -34,27 +34,15 @@ impl<C: Communicator> Processes for Ranks<'_, C> {
         self.0.size() as usize
     }
 
-    fn exchange(&self, mine: Vec<u8>) -> Result<Vec<Vec<u8>>> {
-        let mut lengths = vec![0_u64; self.count()];
-        self.0.all_gather_into(&(mine.len() as u64), &mut lengths[..]);
-        let mut all = vec![Vec::new(); self.count()];
-        let chunk = AT_ONCE / self.count();
-        let longest = lengths.iter().max().map_or(0, |&length| length as usize);
-        for begin in (0..longest).step_by(chunk) {
-            let piece = |length: usize| begin.min(length)..(begin + chunk).min(length);
-            let counts: Vec<Count> = lengths.iter().map(|&length| piece(length as usize).len() as Count).collect();
-            let ends = counts.iter().scan(0, |end, count| {
-                *end += count;
-                Some(*end)
-            });
-            let places: Vec<Count> = ends.zip(&counts).map(|(end, count)| end - count).collect();
-            let mut received = vec![0_u8; counts.iter().sum::<Count>() as usize];
-            let mut partition = PartitionMut::new(&mut received[..], &counts[..], &places[..]);
-            self.0.all_gather_varcount_into(&mine[piece(mine.len())], &mut partition);
-            for ((whole, &place), &count) in all.iter_mut().zip(&places).zip(&counts) {
-                whole.extend_from_slice(&received[place as usize..(place + count) as usize]);
-            }
-        }
-        Ok(all)
+    fn exchange(&self, mine: Vec<u8>) -> Vec<Vec<u8>> {
+        let word_of = |rank: usize| {
+            let process = self.0.process_at_rank(rank as Rank);
+            let mut length = mine.len() as u64;
+            process.broadcast_into(&mut length);
+            let mut word = if rank == self.rank() { mine.clone() } else { vec![0; length as usize] };
+            word.chunks_mut(AT_ONCE).for_each(|piece| process.broadcast_into(piece));
+            word
+        };
+        (0..self.count()).map(word_of).collect()
     }
 }

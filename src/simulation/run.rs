@@ -3,7 +3,7 @@ use super::{
     batch::{Trajectories, deal},
     bins::Axis,
     boundaries::Boundaries,
-    control::Control,
+    control::{Control, PATH_STEPS},
     ensemble::Ensemble,
     generator::ControlVariates,
     paths::Paths,
@@ -16,7 +16,7 @@ use super::{
     start::{Start, burn_in},
     timetable::{Times, Timetable, whole},
 };
-use crate::checks::{finite, positive, require};
+use crate::checks::{finite, part, positive, require};
 use crate::error::{Error, Result};
 use crate::problem::{Contact, LANES, Problem, TimeScales, Wall, limits, two_digits};
 use crate::simulation::tuning::{
@@ -55,7 +55,7 @@ impl<'a> Simulation<'a> {
     /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any that the pilot met.
     /// - [`Error::Cancelled`]: the progress callback returned `Break`.
     /// - [`Error::OutOfTime`]: the time budget was over before every trajectory had a sample.
-    /// - [`Error::File`], [`Error::NotACheckpoint`], [`Error::OtherSimulation`]: a checkpoint that cannot be used.
+    /// - [`Error::File`], [`Error::NotThisRun`]: a checkpoint that cannot be used.
     /// - Those of the statistics given to [`Simulation::until`].
     pub fn run(self, problem: &Problem) -> Result<SimulatedDensity> {
         self.run_among(problem, &OneProcess)
@@ -73,7 +73,7 @@ impl<'a> Simulation<'a> {
         let pilot = Pilot::run(&ensemble, self.seed, &start);
         // Every process runs the pilot, but only some may be cancelled in it, and the others must not be left waiting.
         if any_of(processes, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [])?.0 {
-            return Err(Error::Cancelled { steps: ensemble.control.done() });
+            return Err(Error::Cancelled { done: ensemble.control.done(), unit: PATH_STEPS });
         }
         let pilot = pilot?;
         let (axes, plane) = self.axes(problem.walls(), pilot.intervals())?;
@@ -203,12 +203,11 @@ impl<'a> Simulation<'a> {
 
     /// The numbers of the batches to be run here.
     fn batches_of_part(&self) -> Result<Range<usize>> {
-        let (part, parts) = self.part;
+        let (k, parts) = self.part;
         let batches = deal(self.trajectories).len();
         at_most("number of parts", parts, batches, "each part needs a batch of its own, of at most 64")?;
-        let remedy = "parts are numbered from 0 and there must be at least one";
-        require(part < parts, "number of the part", part as f64, remedy)?;
-        Ok(part * batches / parts..(part + 1) * batches / parts)
+        part(k, parts)?;
+        Ok((k - 1) * batches / parts..k * batches / parts)
     }
 
     fn validate(&self, problem: &Problem, contacts: &[Contact]) -> Result<()> {

@@ -1,9 +1,10 @@
 use super::{
     batch::{Batch, Trajectories, deal},
     checkpoint::{Checkpoint, State},
+    control::PATH_STEPS,
     ensemble::Ensemble,
     plan::Plan,
-    processes::{Processes, all_gather, any_of, gather},
+    processes::{Processes, any_of, gather},
     result::SimulatedDensity,
     start::Start,
     tally::{Layout, Origin, Tally},
@@ -17,6 +18,9 @@ use std::{
     ops::Range,
     time::{Duration, Instant},
 };
+
+const OTHER: &str =
+    "it is the state of another problem, seed, part or option, or of more samples; keep the two in different files";
 
 /// A run in progress: the batches of this process, and the others that it shares the work with.
 pub(super) struct Session<'a, P> {
@@ -59,7 +63,7 @@ impl<P: Processes> Session<'_, P> {
             }
             if cancelled {
                 self.save(None)?;
-                return Err(Error::Cancelled { steps: self.path_steps() });
+                return Err(Error::Cancelled { done: self.path_steps(), unit: PATH_STEPS });
             }
             if given_up {
                 // Before the first round, batches that were resumed may be at different stretches, and there is no result.
@@ -124,7 +128,7 @@ impl<P: Processes> Session<'_, P> {
         let ranges = deal(self.plan.trajectories);
         let edge = |rank: usize| part.start + rank * part.len() / self.processes.count();
         let mine = edge(self.processes.rank())..edge(self.processes.rank() + 1);
-        let Some(state) = self.load()? else {
+        let Some(state) = self.load(part)? else {
             let seed = self.plan.seed;
             let fresh = mine.map(|index| {
                 let trajectories = Trajectories::new(ranges[index].clone(), seed, start);
@@ -135,44 +139,33 @@ impl<P: Processes> Session<'_, P> {
             self.batches = fresh.collect();
             return Ok(0);
         };
-        self.plan.same_as(&state.plan, false)?;
         self.seconds_before = state.seconds;
-        let indices: Vec<usize> = state.batches.iter().map(|b| b.index).collect();
-        if !indices.iter().copied().eq(part.clone()) {
-            let found = format!("batches {:?} to {:?} of {}", indices.first(), indices.last(), ranges.len());
-            let expected = format!("batches {} to {}", part.start, part.end - 1);
-            return Err(Error::OtherSimulation { what: "part", found, expected });
-        }
-        let done = state.batches.iter().map(|b| b.done).max().unwrap_or(0);
-        if samples(done) > self.samples {
-            let [found, expected] = [samples(done), self.samples].map(|n| n.to_string());
-            return Err(Error::OtherSimulation { what: "number of samples per trajectory", found, expected });
-        }
+        let done = state.done();
         self.batches = state.batches.into_iter().filter(|b| mine.contains(&b.index)).collect();
         Ok(done)
     }
 
-    /// The state in the checkpoint: rank 0 reads it and sends it to the others.
-    fn load(&self) -> Result<Option<State>> {
+    /// The state in the checkpoint, which must be that of this very run: rank 0 reads it and sends it to the others.
+    fn load(&self, part: Range<usize>) -> Result<Option<State>> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(None) };
         let mine = if self.processes.rank() == 0 { file::read(path) } else { Ok(None) };
-        // The content follows a byte that distinguishes an empty file from no file.
-        let mine = mine.map(|content| content.map_or(Vec::new(), |content| [&[1], &content[..]].concat()));
-        let words = all_gather(self.processes, mine)?;
-        let content = words.first().and_then(|word| word.split_first());
-        content.map(|(_, content)| State::from_file(path, content)).transpose()
+        let Some(content) = gather(self.processes, mine)?.swap_remove(0) else { return Ok(None) };
+        let state = State::from_file(path, &content)?;
+        let same_part = state.batches.iter().map(|b| b.index).eq(part);
+        let same = same_part && self.plan.seed == state.plan.seed && self.plan.is_like(&state.plan);
+        if same && samples(state.done()) <= self.samples {
+            return Ok(Some(state));
+        }
+        Err(file::not_this_run(path, OTHER))
     }
 
     /// Writes the checkpoint, if there is to be one: every rank sends its batches to rank 0.
     fn save(&self, stopped: Option<Stopped>) -> Result<()> {
         let Some(Checkpoint { path, .. }) = &self.checkpoint else { return Ok(()) };
-        let batches = gather(self.processes, self.batches.clone())?;
-        let written = if self.processes.rank() == 0 {
-            State { plan: self.plan.clone(), seconds: self.seconds(), stopped, batches }.to_file(path)
-        } else {
-            Ok(())
-        };
-        all_gather(self.processes, written.map(|()| Vec::new())).map(|_| ())
+        let batches = gather(self.processes, Ok(self.batches.clone()))?.concat();
+        let state = State { plan: self.plan.clone(), seconds: self.seconds(), stopped, batches };
+        let written = if self.processes.rank() == 0 { state.to_file(path) } else { Ok(()) };
+        gather(self.processes, written).map(drop)
     }
 
     /// Whether any process was cancelled; and whether any is out of time after a round, is due to write a checkpoint, or gave
@@ -186,7 +179,7 @@ impl<P: Processes> Session<'_, P> {
 
     /// The tallies of all processes, in the order of the batches.
     fn tallies(&self) -> Result<Vec<Tally>> {
-        gather(self.processes, self.batches.iter().map(|b| b.tally.clone()).collect())
+        Ok(gather(self.processes, Ok(self.batches.iter().map(|b| b.tally.clone()).collect::<Vec<_>>()))?.concat())
     }
 
     /// Whether there are targets and all are met.

@@ -100,7 +100,7 @@ impl<'a> Simulation<'a> {
             targets: Vec::new(),
             time_budget: None,
             checkpoint: None,
-            part: (0, 1),
+            part: (1, 1),
             requests: Requests::default(),
             control_variates: true,
             memory: MemoryLimit::default(),
@@ -298,10 +298,10 @@ impl<'a> Simulation<'a> {
         Simulation { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
     }
 
-    /// Runs only part `part` (from 0) of `parts` equal ones, on this machine: each is some of the 64 batches of
-    /// trajectories. [`SimulatedDensity::merge`] makes one result of all parts. The errors of a part's own result
-    /// come from its own batches; with a single batch they are not a number. Each part needs a checkpoint file of its own.
-    pub fn part(self, part: usize, parts: usize) -> Self {
-        Simulation { part: (part, parts), ..self }
+    /// Runs only part `k` (from 1) of `n` equal ones, on this machine: each is some of the 64 batches of trajectories.
+    /// [`SimulatedDensity::merge`] makes one result of all parts. The errors of a part's own result come from its own
+    /// batches; with a single batch they are not a number. Each part needs a checkpoint file of its own.
+    pub fn part(self, k: usize, n: usize) -> Self {
+        Simulation { part: (k, n), ..self }
     }
 }

@@ -176,35 +176,6 @@ impl Tally {
         let all = self.moments.iter().chain(crossings.iter().flatten()).chain(impacts.iter().flatten());
         all.copied().take(layout.tracked()).collect()
     }
-
-    /// Whether a tally that was read can go on like `empty`, one without samples.
-    pub(super) fn is_like(&self, empty: &Tally) -> bool {
-        let mut counts = self.counts.iter().chain(&self.passages.speeds);
-        self.sizes().eq(empty.sizes())
-            && self.trend.holds()
-            && self.blocks.holds(self.samples)
-            && counts.all(Counts::holds)
-    }
-
-    /// The lengths of all lists.
-    fn sizes(&self) -> impl Iterator<Item = usize> {
-        let Passages { impacts, crossings, crossed, speeds, taken, rests, record: _ } = &self.passages;
-        let lists = [
-            self.power.len(),
-            impacts.len(),
-            taken.len(),
-            rests.len(),
-            self.before.len(),
-            self.moments.len(),
-            self.values.len(),
-            crossings.len(),
-            crossed.len(),
-            self.trend.width(),
-        ];
-        let counts = [self.counts.len(), speeds.len()];
-        let bins = self.counts.iter().chain(speeds).map(Counts::len);
-        lists.into_iter().chain(counts).chain(bins).chain(self.recordings.sizes()).chain(self.blocks.sizes())
-    }
 }
 
 #[cfg(test)]
@@ -223,8 +194,6 @@ mod tests {
         assert_eq!((layout.monomials.len(), &layout.monomials[38]), (35 + 4, &vec![0, 7, 1]));
         let x = [2.0, -3.0, 5.0];
         let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, 1, &layout, Passages::new([0, 0, 3], None));
-        let other = Tally::new(tally.origin, 1, &layout, Passages::new([1, 0, 3], None));
-        assert!(tally.is_like(&tally) && !tally.is_like(&other));
         tally.observe(&layout, &x, 0, &[]);
         for (m, sum) in layout.monomials.iter().zip(&tally.moments) {
             assert_eq!(power(&x, m), *sum);

@@ -35,14 +35,6 @@ impl Timetable {
         steps.saturating_mul(trajectories) > tuning::timetable::LONG
     }
 
-    /// Whether so many trajectories with so many samples each are steps that can be counted exactly: 2⁵³, which at a billion a
-    /// second are a hundred days.
-    pub(super) fn holds(&self, trajectories: usize, samples: usize) -> bool {
-        let stretches = [(self.burn_in_steps, tuning::timetable::BURN_IN_STRETCHES), (self.interval_steps, samples)];
-        let path: f64 = stretches.iter().map(|&(steps, count)| steps as f64 * count as f64).sum();
-        self.burn_in_steps > 0 && self.interval_steps > 0 && trajectories as f64 * path <= 2.0_f64.powi(53)
-    }
-
     /// The time that `trajectories` take for so many samples each, with the time step h.
     pub(super) fn sampled_time(&self, samples: usize, trajectories: usize, h: f64) -> f64 {
         (samples * self.interval_steps) as f64 * h * trajectories as f64

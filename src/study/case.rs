@@ -3,6 +3,7 @@ use super::row::OrderRow;
 use super::truth::Truth;
 use crate::error::{Error, Result};
 use crate::problem::Problem;
+use crate::simulation::equations;
 use crate::statistics::energy_balance;
 use std::fmt;
 use std::time::Instant;
@@ -53,15 +54,18 @@ impl<'a> Case<'a> {
         self.methods.len()
     }
 
-    /// All settings that determine the rows, as text.
+    /// What the row of a method and an order is.
+    pub(super) fn key(&self, method: usize, order: u32) -> (&str, &str, u32) {
+        (&self.name, &self.methods[method].0, order)
+    }
+
+    /// The problem as text.
     pub(super) fn settings(&self) -> Result<String> {
-        let names: Vec<&String> =
-            std::iter::once(&self.name).chain(self.methods.iter().map(|(name, _)| name)).collect();
-        if let Some(name) = names.iter().find(|name| name.contains(['\n', '\r'])) {
-            return Err(Error::NotAName { name: (*name).clone(), problem: "a row of a table is one line" });
+        let mut names = std::iter::once(&self.name).chain(self.methods.iter().map(|(name, _)| name));
+        if let Some(name) = names.find(|name| name.contains(['\n', '\r'])) {
+            return Err(Error::NotAName { name: name.clone(), problem: "a row of a table is one line" });
         }
-        let operator = self.problem.operator();
-        Ok(format!("{names:?} {:?} {:?} {:?}", self.problem.walls(), operator.drift(), operator.diffusion()))
+        Ok(format!("{:?} {:?}", equations(&self.problem), self.problem.walls()))
     }
 
     pub(super) fn truth(&self) -> Result<Truth> {

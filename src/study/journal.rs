@@ -1,10 +1,11 @@
 //! Rows that are computed in parallel, each kept in a file as it finishes.
 
-use super::lines::{Heading, line, text};
-use super::part::Part;
+use super::lines::{Lines, text};
+use crate::checks::part;
 use crate::error::{Error, Result};
-use crate::file;
+use crate::file::file_error;
 use crate::simulation::Progress;
+use crate::simulation::processes::{Processes, gather};
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
@@ -20,38 +21,30 @@ type Callback<'a> = Box<dyn FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a
 /// Which rows a study computes, and where they go.
 pub(super) struct Output<'a> {
     pub(super) file: Option<PathBuf>,
-    /// Part k of n.
+    /// Part k of n, from 1.
     pub(super) part: (usize, usize),
     pub(super) progress: Option<Callback<'a>>,
 }
 
 /// A table that is filled row by row.
 pub(super) struct Journal<'a, R> {
-    heading: Heading,
-    part: Part,
-    output: Output<'a>,
-    /// The rows that are there.
-    rows: BTreeMap<usize, R>,
-    /// The length of this run's own file up to the end of its last whole line.
-    sound: u64,
-    /// The rows of this part that are missing, unit by unit.
-    missing: Vec<Vec<usize>>,
-    /// The rows of this part that are there.
-    done: usize,
-}
-
-/// Where rows are kept while others are computed.
-pub(super) struct Keeper<'a, R> {
+    lines: Lines,
     path: Option<PathBuf>,
-    /// The rows of this part.
+    /// What the file lacks before the next line.
+    before: String,
+    /// The rows of this part and process that are missing, unit by unit.
+    missing: Vec<Vec<usize>>,
+    /// The number of rows of this part and process.
     total: usize,
-    shared: Mutex<Shared<'a, R>>,
+    kept: Mutex<Kept<'a, R>>,
 }
 
-struct Shared<'a, R> {
-    file: Option<File>,
+/// The rows that are there, while others are computed.
+struct Kept<'a, R> {
     rows: BTreeMap<usize, R>,
+    /// The number of those of this part and process.
     done: usize,
+    file: Option<File>,
     progress: Option<Callback<'a>>,
     cancelled: bool,
 }
@@ -64,113 +57,105 @@ impl<'a> Output<'a> {
 }
 
 impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
-    /// The table of a study with these settings, with the rows that earlier runs and other parts have left. Each row has
-    /// its unit: what is computed together.
-    pub(super) fn new(output: Output<'a>, settings: &str, columns: &[String], units: &[usize]) -> Result<Self> {
-        let part = Part::new(output.part.0, output.part.1)?;
-        let heading = Heading::new(settings, columns, units.len())?;
-        let (mut rows, mut sound) = (BTreeMap::new(), 0);
-        if let Some(table) = &output.file {
-            rows = heading.union(table)?;
-            sound = heading.read::<R>(&part.file(table))?.sound;
-        }
+    /// The table with the rows that its file has. Each row has its unit: what is computed together. Units are dealt to the
+    /// parts in turn, and those of a part to the processes, so that who gets what depends on their numbers alone.
+    pub(super) fn new(output: Output<'a>, processes: &impl Processes, lines: Lines, units: &[usize]) -> Result<Self> {
+        let (k, n) = output.part;
+        part(k, n)?;
+        let mine = |unit: usize| unit % n + 1 == k && unit / n % processes.count() == processes.rank();
+        let Output { file: path, progress, .. } = output;
+        let (rows, before) = path.as_ref().map_or_else(|| Ok(Default::default()), |path| lines.read(path))?;
         let mut missing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        let mut done = 0;
-        for (row, &unit) in units.iter().enumerate().filter(|(_, unit)| part.holds(**unit)) {
+        let (mut total, mut done) = (0, 0);
+        for (row, &unit) in units.iter().enumerate().filter(|(_, unit)| mine(**unit)) {
+            total += 1;
             if rows.contains_key(&row) {
                 done += 1;
             } else {
                 missing.entry(unit).or_default().push(row);
             }
         }
-        let missing = missing.into_values().collect();
-        Ok(Journal { heading, part, output, rows, sound, missing, done })
+        let kept = Mutex::new(Kept { rows, done, file: None, progress, cancelled: false });
+        Ok(Journal { lines, path, before, missing: missing.into_values().collect(), total, kept })
     }
 
-    /// The rows of this part that are missing.
+    /// The rows that are to be computed.
     pub(super) fn missing(&self) -> impl Iterator<Item = usize> {
         self.missing.iter().flatten().copied()
     }
 
-    /// Has `work` compute the missing rows, unit by unit in parallel, and returns all rows that are there then. A table without
-    /// parts is whole, and is put in order.
+    /// Has `work` compute the missing rows, unit by unit in parallel, and returns all rows that are there then, and the number of
+    /// rows of the study.
     pub(super) fn run(
         self,
-        work: impl Fn(&[usize], &Keeper<'a, R>) -> Result<()> + Sync,
-    ) -> Result<BTreeMap<usize, R>> {
-        let own = self.output.file.as_ref().map(|table| self.part.file(table));
-        let total = self.done + self.missing().count();
-        let open = |path: &PathBuf| -> std::io::Result<File> {
-            let mut file = OpenOptions::new().create(true).append(true).open(path)?;
-            file.set_len(self.sound)?;
-            if self.sound == 0 {
-                file.write_all(self.heading.text.as_bytes())?;
-            }
-            Ok(file)
-        };
-        let opened = |path: &PathBuf| open(path).map_err(|error| file::file_error("write", path, &error));
-        let file = own.as_ref().filter(|_| !self.missing.is_empty()).map(opened).transpose()?;
-        let (done, progress) = (self.done, self.output.progress);
-        let shared = Mutex::new(Shared { file, rows: self.rows, done, progress, cancelled: false });
-        let keeper = Keeper { path: own, total, shared };
-        let worked: Vec<Result<()>> = self.missing.par_iter().with_max_len(1).map(|rows| work(rows, &keeper)).collect();
-        all(worked)?;
-        let rows = keeper.shared.into_inner().unwrap_or_else(PoisonError::into_inner).rows;
-        if let (Some(table), Part::WHOLE) = (&self.output.file, self.part) {
-            self.heading.complete(table, &rows)?;
+        work: impl Fn(&[usize], &Self) -> Result<()> + Sync,
+    ) -> Result<(BTreeMap<usize, R>, usize)> {
+        if let Some(path) = self.path.as_ref().filter(|_| !self.missing.is_empty()) {
+            let file = OpenOptions::new().create(true).append(true).open(path);
+            let begun = file.and_then(|mut file| file.write_all(self.before.as_bytes()).map(|()| file));
+            self.kept().file = Some(begun.map_err(|error| file_error("write", path, &error))?);
         }
-        Ok(rows)
+        let worked: Vec<Result<()>> = self.missing.par_iter().with_max_len(1).map(|rows| work(rows, &self)).collect();
+        all(worked)?;
+        Ok((self.kept.into_inner().unwrap_or_else(PoisonError::into_inner).rows, self.lines.count()))
     }
+
+    fn kept(&self) -> MutexGuard<'_, Kept<'a, R>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Computes a row with what else comes of it, unless the study has ended, and keeps the row unless it is there already.
+    pub(super) fn row<W>(&self, row: usize, compute: impl FnOnce() -> Result<(R, W)>) -> Result<W> {
+        let kept = self.kept();
+        if kept.cancelled {
+            return Err(Error::Cancelled { done: kept.done as u64, unit: "rows" });
+        }
+        drop(kept);
+        let computed = compute();
+        let mut kept = self.kept();
+        let outcome = computed.and_then(|(computed, more)| self.keep(&mut kept, row, computed).map(|()| more));
+        // No row that begins later would be of use.
+        kept.cancelled |= outcome.is_err();
+        outcome
+    }
+
+    /// Appends a row to the file and reports it.
+    fn keep(&self, kept: &mut Kept<'a, R>, row: usize, computed: R) -> Result<()> {
+        if kept.rows.contains_key(&row) {
+            return Ok(());
+        }
+        if let (Some(file), Some(path)) = (&mut kept.file, &self.path) {
+            // A single write: what kills the process leaves at most one broken line, and others may append to the file as well.
+            let written = file.write_all(self.lines.line(row, &computed)?.as_bytes()).and_then(|()| file.sync_data());
+            written.map_err(|error| file_error("write", path, &error))?;
+        }
+        kept.done += 1;
+        if let Some(progress) = kept.progress.as_mut().filter(|_| !kept.cancelled) {
+            let come = Progress { done: kept.done as u64, total: self.total as u64 };
+            kept.cancelled = progress(come, &text(&computed, false)?).is_break();
+        }
+        kept.rows.insert(row, computed);
+        Ok(())
+    }
+}
+
+/// The rows that all processes have, in order, and the number of those that are missing.
+pub(super) fn gathered<R: Serialize + DeserializeOwned>(
+    processes: &impl Processes,
+    mine: Result<(BTreeMap<usize, R>, usize)>,
+) -> Result<(Vec<R>, usize)> {
+    let mut missing = 0;
+    let mut all = BTreeMap::new();
+    for (rows, count) in gather(processes, mine)? {
+        all.extend(rows);
+        missing = count - all.len();
+    }
+    Ok((all.into_values().collect(), missing))
 }
 
 /// The first error, but before the cancellation of rows that were not begun the error that they were not begun for.
 pub(super) fn all(outcomes: impl IntoIterator<Item = Result<()>>) -> Result<()> {
     let mut errors: Vec<Error> = outcomes.into_iter().filter_map(Result::err).collect();
-    errors.sort_by_key(|error| matches!(error, Error::StudyCancelled { .. }));
+    errors.sort_by_key(|error| matches!(error, Error::Cancelled { .. }));
     errors.into_iter().next().map_or(Ok(()), Err)
-}
-
-impl<'a, R: Serialize> Keeper<'a, R> {
-    fn lock(&self) -> MutexGuard<'_, Shared<'a, R>> {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Computes a row with what else comes of it, unless the study has ended, and keeps the row unless it is there already.
-    pub(super) fn row<W>(&self, row: usize, compute: impl FnOnce() -> Result<(R, W)>) -> Result<W> {
-        let shared = self.lock();
-        if shared.cancelled {
-            return Err(Error::StudyCancelled { done: shared.done, rows: self.total });
-        }
-        drop(shared);
-        let computed = compute();
-        let mut shared = self.lock();
-        let kept = computed.and_then(|(computed, more)| shared.keep(row, computed, self).map(|()| more));
-        // No row that begins later would be of use.
-        shared.cancelled |= kept.is_err();
-        kept
-    }
-}
-
-impl<'a, R: Serialize> Shared<'a, R> {
-    /// Appends a row to the file and reports it.
-    fn keep(&mut self, row: usize, computed: R, keeper: &Keeper<'a, R>) -> Result<()> {
-        if self.rows.contains_key(&row) {
-            return Ok(());
-        }
-        if let (Some(file), Some(path)) = (&mut self.file, &keeper.path) {
-            // A single write: a run that is ended in the middle leaves at most one broken line, the last.
-            let written = file.write_all(line(row, &computed)?.as_bytes()).and_then(|()| file.sync_data());
-            written.map_err(|error| file::file_error("write", path, &error))?;
-        }
-        self.done += 1;
-        if let Some(progress) = &mut self.progress
-            && !self.cancelled
-        {
-            let row = text(&computed, false)?;
-            let come = Progress { done: self.done as u64, total: keeper.total as u64 };
-            self.cancelled = progress(come, row.trim_end()).is_break();
-        }
-        self.rows.insert(row, computed);
-        Ok(())
-    }
 }

@@ -1,143 +1,115 @@
-//! The files of a study: a heading that belongs to one study alone, and a line for each row.
+//! The rows of a study as lines of a CSV file.
 
-use super::part::Part;
+use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::file;
 use crate::record::checksum;
+use csv::{ReaderBuilder, StringRecord, WriterBuilder};
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The first two lines of every file of a study: a fingerprint of its settings with the number of its rows, and the names of
-/// its columns.
-pub(super) struct Heading {
-    pub(super) text: String,
-    /// The fields of a line.
-    fields: usize,
-    pub(super) rows: usize,
+const OTHER: &str = "it is no table of this study, or has rows that other settings or another version of the library made; keep \
+    the two in different files";
+
+/// The lines of a study: each begins with what its row is, the key, and ends with a fingerprint of the settings that made it.
+///
+/// Lines are only appended, each in a single write. Several files one behind another are a file: a heading in its middle is no
+/// row, and neither is a line that was cut off, which has no whole fingerprint at its end.
+pub(super) struct Lines {
+    heading: String,
+    /// The number of columns, without that of the fingerprints.
+    columns: usize,
+    /// The number of columns in a key.
+    key: usize,
+    numbers: BTreeMap<Vec<String>, usize>,
+    fingerprints: Vec<String>,
 }
 
-/// The content of one file. Rows stand in it in the order in which they finished, each with its number and, at its end, a
-/// checksum.
-pub(super) struct Content<R> {
-    pub(super) rows: BTreeMap<usize, R>,
-    /// The length of the file up to the end of its last whole line.
-    pub(super) sound: u64,
-}
-
-impl Heading {
-    /// The heading of a study with these settings.
-    pub(super) fn new(settings: &str, columns: &[String], rows: usize) -> Result<Self> {
-        let (version, fingerprint) = (env!("CARGO_PKG_VERSION"), checksum(settings.as_bytes()));
-        let names = text(&("row", columns, "check"), false)?;
-        let text = format!("# expoly {version} study {fingerprint:016x} of {rows} rows\n{names}");
-        Ok(Heading { text, fields: columns.len() + 2, rows })
-    }
-
-    /// The heading that a file begins with; none if it does not begin with a whole one.
-    pub(super) fn of(content: &[u8]) -> Option<Self> {
-        let mut ends = content.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at);
-        let (first, second) = (ends.next()?, ends.next()?);
-        let [title, names] = [&content[..first], &content[first + 1..second]].map(std::str::from_utf8);
-        let words: Vec<&str> = title.ok()?.split(' ').collect();
-        let ["#", "expoly", _, "study", _, "of", rows, "rows"] = words[..] else { return None };
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(names.ok()?.as_bytes());
-        let names = reader.records().next()?.ok()?;
-        let framed = names.len() > 2 && names.get(0) == Some("row") && names.iter().next_back() == Some("check");
-        let text = std::str::from_utf8(&content[..=second]).ok()?.to_owned();
-        Some(Heading { text, fields: names.len(), rows: rows.parse().ok().filter(|_| framed)? })
-    }
-
-    /// The rows of a file; none where it is not there, or ends within the heading.
+impl Lines {
+    /// Lines of these columns for rows with these keys and settings.
     ///
     /// # Errors
-    /// [`Error::OtherStudy`], [`Error::SpoiledStudy`], [`Error::File`].
-    pub(super) fn read<R: DeserializeOwned>(&self, path: &Path) -> Result<Content<R>> {
-        self.content(path, &file::read(path)?.unwrap_or_default())
+    /// [`Error::OutOfRange`] without rows, and for two with one key.
+    pub(super) fn new<K: Serialize>(columns: &[String], rows: &[(K, String)]) -> Result<Self> {
+        let remedy = "give it a value, or a problem, a method and an order";
+        require(!rows.is_empty(), "number of rows of the study", 0.0, remedy)?;
+        let mut numbers = BTreeMap::new();
+        for (row, (key, _)) in rows.iter().enumerate() {
+            let key = fields(&text(key, false)?).iter().map(str::to_owned).collect();
+            let remedy = "give each value once, and each method and order of a case";
+            require(numbers.insert(key, row).is_none(), "number of rows with one key", 2.0, remedy)?;
+        }
+        let fingerprint = |settings: &String| checksum(format!("{} {settings}", env!("CARGO_PKG_VERSION")).as_bytes());
+        Ok(Lines {
+            heading: text(&(columns, "settings"), false)?,
+            columns: columns.len(),
+            key: numbers.keys().next().map_or(0, Vec::len),
+            numbers,
+            fingerprints: rows.iter().map(|(_, settings)| format!("{:016x}", fingerprint(settings))).collect(),
+        })
     }
 
-    /// The rows in the content of a file.
-    pub(super) fn content<R: DeserializeOwned>(&self, path: &Path, content: &[u8]) -> Result<Content<R>> {
-        let heading = self.text.as_bytes();
-        let mut found = Content { rows: BTreeMap::new(), sound: 0 };
-        // A run that ended while it wrote the first lines has left a part of them.
-        if heading.starts_with(content) && content.len() < heading.len() {
-            return Ok(found);
-        }
-        let Some(body) = content.strip_prefix(heading) else {
-            return Err(Error::OtherStudy { path: path.display().to_string() });
-        };
-        let end = body.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
-        found.sound = (heading.len() + end) as u64;
-        let spoiled = |row: usize, problem| Error::SpoiledStudy { path: path.display().to_string(), row, problem };
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&body[..end]);
-        for (at, record) in reader.records().enumerate() {
-            let record = record.map_err(|_| spoiled(at, "it is no text"))?;
-            let number: Option<usize> = record.get(0).and_then(|number| number.parse().ok());
-            let number = number.filter(|number| *number < self.rows).ok_or(spoiled(at, "it has no number"))?;
-            if record.len() != self.fields {
-                return Err(spoiled(at, "it has not as many fields as there are columns"));
+    /// The rows in a file by their numbers, and what it lacks before the next line: its heading, or the end of the last line.
+    ///
+    /// # Errors
+    /// [`Error::NotThisRun`] for a file without the heading, and for a row of other settings; [`Error::File`].
+    pub(super) fn read<R: DeserializeOwned>(&self, path: &Path) -> Result<(BTreeMap<usize, R>, String)> {
+        let content = file::read(path)?.unwrap_or_default();
+        let content = String::from_utf8_lossy(&content);
+        let (mut rows, mut headed) = (BTreeMap::new(), false);
+        for line in content.lines() {
+            headed |= line == self.heading;
+            let fields = fields(line);
+            let key: Vec<String> = fields.iter().take(self.key).map(str::to_owned).collect();
+            let (Some(&row), true) = (self.numbers.get(&key), fields.len() == self.columns + 1) else { continue };
+            let (expected, found) = (&self.fingerprints[row], &fields[self.columns]);
+            if found.len() == expected.len() && found != expected {
+                return Err(file::not_this_run(path, OTHER));
             }
-            let fields: csv::StringRecord = record.iter().take(record.len() - 1).collect();
-            let (_, row): (usize, R) =
-                fields.deserialize(None).map_err(|_| spoiled(at, "a field is no number or no word of its column"))?;
-            if found.rows.insert(number, row).is_some() {
-                return Err(spoiled(at, "it is there twice"));
-            }
-            if record.get(fields.len()) != Some(digest(fields.iter()).as_str()) {
-                return Err(spoiled(at, "it does not agree with its checksum, so it was altered"));
+            let made: StringRecord = fields.iter().take(self.columns).collect();
+            if let (true, Ok(made)) = (found == expected, made.deserialize(None)) {
+                rows.entry(row).or_insert(made);
             }
         }
-        Ok(found)
+        // A process that was killed may have left a part of the heading.
+        if !headed && !self.heading.starts_with(&*content) {
+            return Err(file::not_this_run(path, OTHER));
+        }
+        let end = if content.is_empty() || content.ends_with('\n') { "" } else { "\n" };
+        Ok((rows, if headed { end.to_owned() } else { format!("{end}{}\n", self.heading) }))
     }
 
-    /// The rows of a table and of all its parts. Of a row that two of them have, computed by two runs at once, the first
-    /// counts.
-    pub(super) fn union<R: DeserializeOwned>(&self, table: &Path) -> Result<BTreeMap<usize, R>> {
-        let mut rows = BTreeMap::new();
-        for path in Part::files(table)? {
-            for (number, row) in self.read(&path)?.rows {
-                rows.entry(number).or_insert(row);
-            }
-        }
-        Ok(rows)
+    /// The line of a row.
+    pub(super) fn line(&self, row: usize, made: &impl Serialize) -> Result<String> {
+        Ok(text(&(made, &self.fingerprints[row]), false)? + "\n")
     }
 
-    /// Writes the table of all rows, in order, and removes its parts, whose rows it has.
-    pub(super) fn complete<R: Serialize>(&self, table: &Path, rows: &BTreeMap<usize, R>) -> Result<()> {
-        let lines = rows.iter().map(|(&number, row)| line(number, row));
-        let content = self.text.clone() + &lines.collect::<Result<String>>()?;
-        file::write(table, content.as_bytes())?;
-        Part::files(table)?.iter().filter(|path| *path != table).try_for_each(|part| file::remove(part))
+    /// The number of rows.
+    pub(super) fn count(&self) -> usize {
+        self.fingerprints.len()
     }
 }
 
-/// A row as it stands in a file: its number, its fields, and the checksum of both.
-pub(super) fn line(row: usize, computed: &impl Serialize) -> Result<String> {
-    let unchecked = text(&(row, computed), false)?;
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(unchecked.as_bytes());
-    let check = reader.records().next().and_then(std::result::Result::ok).map(|record| digest(record.iter()));
-    Ok(format!("{},{}\n", unchecked.trim_end_matches('\n'), check.unwrap_or_default()))
-}
-
-/// The checksum of fields as they are read, in hexadecimal.
-fn digest<'f>(fields: impl Iterator<Item = &'f str>) -> String {
-    let joined = fields.collect::<Vec<_>>().join("\u{1f}");
-    format!("{:016x}", checksum(joined.as_bytes()))
+/// The fields of a line.
+fn fields(line: &str) -> StringRecord {
+    let mut reader = ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
+    reader.records().next().and_then(std::result::Result::ok).unwrap_or_default()
 }
 
 /// The names of a row's fields.
 pub(super) fn columns<R: Serialize + Default>() -> Result<Vec<String>> {
-    let table = text(&R::default(), true)?;
-    Ok(table.lines().next().unwrap_or_default().split(',').map(str::to_owned).collect())
+    Ok(fields(&text(&R::default(), true)?).iter().map(str::to_owned).collect())
 }
 
-/// A row as CSV, below the names of its fields if `names`. Numbers keep all their bits, and a missing value is an empty
-/// field.
+/// A row as one line of CSV, or the `names` of its fields. Numbers keep all their bits, and a missing value is an empty field.
 pub(super) fn text(row: &impl Serialize, names: bool) -> Result<String> {
     let refused = |reason: String| Error::File { action: "write", path: String::from("a row of a study"), reason };
-    let mut writer = csv::WriterBuilder::new().has_headers(names).from_writer(Vec::new());
+    let mut writer = WriterBuilder::new().has_headers(names).from_writer(Vec::new());
     writer.serialize(row).map_err(|error| refused(error.to_string()))?;
     let bytes = writer.into_inner().map_err(|error| refused(error.to_string()))?;
-    String::from_utf8(bytes).map_err(|error| refused(error.to_string()))
+    let text = String::from_utf8(bytes).map_err(|error| refused(error.to_string()))?;
+    // Without the row below the names; with a reason of several lines on one.
+    let text = if names { text.lines().next().unwrap_or_default() } else { text.trim_end_matches('\n') };
+    Ok(text.replace(['\n', '\r'], " "))
 }

@@ -1,8 +1,11 @@
-use super::journal::{Journal, Output, all};
+use super::journal::{Journal, Output, all, gathered};
+use super::lines::Lines;
 use crate::checks::{dimension, finite, require};
 use crate::error::{Error, Result};
 use crate::simulation::Progress;
+use crate::simulation::processes::{OneProcess, Processes};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -34,16 +37,16 @@ pub struct Sweep<'a> {
     columns: Vec<String>,
     segment: usize,
     settings: String,
-    pub(super) output: Output<'a>,
+    output: Output<'a>,
 }
 
 /// The rows of a sweep, in the order of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepTable {
     /// The parameter's name, then those of the other columns.
-    pub(super) columns: Vec<String>,
-    pub(super) rows: Vec<Vec<f64>>,
-    pub(super) missing: usize,
+    columns: Vec<String>,
+    rows: Vec<Vec<f64>>,
+    missing: usize,
 }
 
 impl fmt::Debug for Sweep<'_> {
@@ -73,12 +76,13 @@ impl<'a> Sweep<'a> {
         Sweep { segment, ..self }
     }
 
-    /// A text with all other settings that the rows depend on: a file with other settings belongs to another study.
+    /// A text with all other settings that the rows depend on: a file with rows of other settings is refused.
     pub fn settings(self, settings: &str) -> Self {
         Sweep { settings: settings.to_owned(), ..self }
     }
 
     /// Keeps the rows in a CSV file, and goes on from it if it is there, as [`OrderStudy::file`](super::OrderStudy::file).
+    /// Values may be added behind the last whole segment; a row that started from another value is one of other settings.
     pub fn file(self, path: impl AsRef<Path>) -> Self {
         Sweep { output: Output { file: Some(path.as_ref().to_owned()), ..self.output }, ..self }
     }
@@ -97,43 +101,66 @@ impl<'a> Sweep<'a> {
     /// neighbours; `near` is that of the segment's middle value, none for the middle value itself.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a sweep without values, for one that is not finite, and for an empty segment;
+    /// [`Error::OutOfRange`] for a sweep without values, for one that is not finite or there twice, and for an empty segment;
     /// [`Error::Dimension`] where `solve` returns not one number for each column; as
     /// [`OrderStudy::run`](super::OrderStudy::run); and the errors of `solve`.
     pub fn run<W: Send + Sync>(
         self,
         solve: impl Fn(f64, Option<&W>) -> Result<(Vec<f64>, W)> + Sync,
     ) -> Result<SweepTable> {
-        let Sweep { parameter, values, columns, segment, settings, output } = self;
+        self.run_among(&OneProcess, solve)
+    }
+
+    /// The names of all columns.
+    fn names(&self) -> Vec<String> {
+        std::iter::once(&self.parameter).chain(&self.columns).cloned().collect()
+    }
+
+    /// Computes the sweep, its segments shared with other processes.
+    pub(super) fn run_among<W: Send + Sync>(
+        self,
+        processes: &impl Processes,
+        solve: impl Fn(f64, Option<&W>) -> Result<(Vec<f64>, W)> + Sync,
+    ) -> Result<SweepTable> {
+        let columns = self.names();
+        let (rows, missing) = gathered(processes, self.rows(processes, solve))?;
+        Ok(SweepTable { columns, rows, missing })
+    }
+
+    /// The rows that this process has in the end, and the number of all.
+    fn rows<W: Send + Sync>(
+        self,
+        processes: &impl Processes,
+        solve: impl Fn(f64, Option<&W>) -> Result<(Vec<f64>, W)> + Sync,
+    ) -> Result<(BTreeMap<usize, Vec<f64>>, usize)> {
+        let columns = self.names();
+        let Sweep { values, segment, settings, output, .. } = self;
         for &value in &values {
             finite("value of the sweep", value)?;
         }
-        for (name, count) in [("number of values of the sweep", values.len()), ("length of a segment", segment)] {
-            require(count > 0, name, 0.0, "it must be one at least")?;
-        }
-        let settings = format!("{parameter:?} {values:?} {columns:?} {segment} {settings:?}");
-        let columns: Vec<String> = std::iter::once(parameter).chain(columns).collect();
-        let segments: Vec<usize> = (0..values.len()).map(|row| row / segment).collect();
-        let journal = Journal::new(output, &settings, &columns, &segments)?;
-        let solved = |row: usize, near: Option<&W>| {
-            let (numbers, state) = solve(values[row], near)?;
-            dimension("the numbers of a row of the sweep", numbers.len(), columns.len() - 1)?;
-            Ok((std::iter::once(values[row]).chain(numbers).collect::<Vec<f64>>(), state))
-        };
+        require(segment > 0, "length of a segment", 0.0, "it must be one at least")?;
         // The middle of a row's segment.
         let middle = |row: usize| {
             let first = row / segment * segment;
             (first + (first + segment).min(values.len()) - 1) / 2
         };
-        let found = journal.run(|rows, keeper| {
+        // What a row depends on besides its own value: the value that it is started from.
+        let settings = |row: usize| format!("{settings:?} {:?}", values[middle(row)]);
+        let keyed: Vec<([f64; 1], String)> = (0..values.len()).map(|row| ([values[row]], settings(row))).collect();
+        let segments: Vec<usize> = (0..values.len()).map(|row| row / segment).collect();
+        let journal = Journal::new(output, processes, Lines::new(&columns, &keyed)?, &segments)?;
+        let solved = |row: usize, near: Option<&W>| {
+            let (numbers, state) = solve(values[row], near)?;
+            dimension("the numbers of a row of the sweep", numbers.len(), columns.len() - 1)?;
+            Ok((std::iter::once(values[row]).chain(numbers).collect::<Vec<f64>>(), state))
+        };
+        journal.run(|rows, journal| {
             let middle = middle(rows[0]);
-            let near = keeper.row(middle, || solved(middle, None))?;
+            let near = journal.row(middle, || solved(middle, None))?;
             let others = rows.par_iter().with_max_len(1).filter(|row| **row != middle);
-            let others = others.map(|&row| keeper.row(row, || solved(row, Some(&near)).map(|(row, _)| (row, ()))));
+            let others = others.map(|&row| journal.row(row, || solved(row, Some(&near)).map(|(row, _)| (row, ()))));
             all(others.collect::<Vec<_>>())
-        })?;
-        let missing = values.len() - found.len();
-        Ok(SweepTable { columns, rows: found.into_values().collect(), missing })
+        })
     }
 }
 
@@ -161,5 +188,69 @@ impl SweepTable {
         let at = self.columns.iter().position(|column| column == name);
         let at = at.ok_or_else(|| Error::NoColumn { name: name.to_owned(), columns: self.columns.clone() })?;
         Ok(self.rows.iter().map(|row| row[at]).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::processes::threads::among;
+    use std::fs;
+    use std::path::PathBuf;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    const VALUES: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+
+    fn solve(x: f64, near: Option<&f64>) -> Result<(Vec<f64>, f64)> {
+        Ok((vec![x.sqrt(), near.copied().unwrap_or(x)], x))
+    }
+
+    /// In six segments at most; with 9 processes some have none. Processes may share a file, or have none.
+    #[test]
+    fn any_number_of_processes_fills_the_same_table() {
+        let path = std::env::temp_dir().join(format!("expoly-sweep-{}.csv", std::process::id()));
+        let sweep = || Sweep::new("x", &VALUES, &["root", "from"]).segment(2);
+        let whole = sweep().run(solve).unwrap();
+        for count in [1, 2, 9] {
+            for table in among(count, |processes| sweep().run_among(processes, solve)) {
+                assert_eq!(table.unwrap(), whole, "{count} processes");
+            }
+            for table in among(count, |processes| sweep().file(&path).run_among(processes, solve)) {
+                assert_eq!(table.unwrap(), whole, "{count} processes");
+            }
+            assert_eq!(sweep().file(&path).run(|_, _: Option<&()>| unreachable!("all are there")).unwrap(), whole);
+            fs::remove_file(&path).unwrap();
+        }
+    }
+
+    /// A process that fails in the middle ends no other, and nothing that it had computed is computed again.
+    #[test]
+    fn what_a_process_loses_is_computed_by_others() {
+        let (solved, folder) = (AtomicUsize::new(0), std::env::temp_dir());
+        let file = |rank: usize| folder.join(format!("expoly-rank-{}-{rank}.csv", std::process::id()));
+        let run = |rank: usize| Sweep::new("x", &VALUES, &["root", "from"]).segment(1).file(file(rank));
+        let counted = |x: f64, near: Option<&f64>| {
+            solved.fetch_add(1, Ordering::Relaxed);
+            solve(x, near)
+        };
+        let failing = |x: f64, near: Option<&f64>| match x {
+            0.5 => Err(Error::NotClosed { order: 2, reason: "a failure" }),
+            _ => counted(x, near),
+        };
+        // Rows 1, 5 and 9 fall to the second of four.
+        let outcomes = among(4, |processes| run(processes.rank()).run_among(processes, failing));
+        assert!(matches!(outcomes[1], Err(Error::NotClosed { .. })));
+        assert!([0, 2, 3].iter().all(|k| matches!(outcomes[*k], Err(Error::Rank { rank: 1, .. }))));
+        let kept = solved.swap(0, Ordering::Relaxed);
+        assert!((8..=10).contains(&kept), "{kept}");
+        // The files one behind another are the file of the first of two processes, and the second has a copy.
+        let files: Vec<PathBuf> = (0..4).map(file).collect();
+        let all: String = files.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
+        files.iter().for_each(|path| fs::write(path, &all).unwrap());
+        for table in among(2, |processes| run(processes.rank()).run_among(processes, counted)) {
+            assert_eq!(table.unwrap().column("root").unwrap(), VALUES.map(f64::sqrt));
+        }
+        assert_eq!(solved.load(Ordering::Relaxed), 11 - kept);
+        files.iter().for_each(|path| fs::remove_file(path).unwrap());
     }
 }

@@ -115,7 +115,7 @@ fn a_run_that_is_cancelled_again_and_again_finds_the_same() -> Result<()> {
         for session in 1..sessions {
             let stop = cancel_beyond(total / sessions * session);
             match run().checkpoint(&file.0, Duration::ZERO).progress(stop).run(&problem) {
-                Err(Error::Cancelled { steps }) if (1..=total).contains(&steps) => cancelled += 1,
+                Err(Error::Cancelled { done, .. }) if (1..=total).contains(&done) => cancelled += 1,
                 outcome => assert!(bits(&outcome?)? == whole, "it came to its end"),
             }
         }
@@ -170,37 +170,37 @@ fn parts_are_merged_to_the_single_run() -> Result<()> {
         for parts in [2, 7] {
             let part = |k: usize| run().part(k, parts).run(&problem);
             // In an order of their own.
-            let merged = SimulatedDensity::merge((0..parts).rev().map(part).collect::<Result<Vec<_>>>()?)?;
+            let merged = SimulatedDensity::merge((1..=parts).rev().map(part).collect::<Result<Vec<_>>>()?)?;
             assert!(bits(&merged)? == single, "{trajectories} trajectories in {parts} parts");
         }
     }
     // A part of its own is a valid, less precise answer; parts may come from files; each must be there once.
     let file = Scratch::new("part");
     let run = || simulation(100).samples(2_000);
-    let first = run().part(0, 2).checkpoint(&file.0, Duration::from_secs(60)).run(&problem)?;
+    let first = run().part(1, 2).checkpoint(&file.0, Duration::from_secs(60)).run(&problem)?;
     assert_eq!(first.provenance().trajectories, Some(50));
-    let second = run().part(1, 2).run(&problem)?;
+    let second = run().part(2, 2).run(&problem)?;
     let read = SimulatedDensity::from_checkpoint(&file.0)?;
     let merged = bits(&SimulatedDensity::merge([second.clone(), read])?)?;
     assert!(merged == bits(&run().run(&problem)?)?);
-    let missing = SimulatedDensity::merge([second.clone()]).err();
-    assert_eq!(missing, Some(Error::MissingPart { seed: 11, trajectories: 0..1 }));
-    let twice = SimulatedDensity::merge([first.clone(), second.clone(), second.clone()]).err();
-    assert_eq!(twice, Some(Error::RepeatedPart { seed: 11, trajectories: 50..51 }));
-    let longer = run().samples(3_000).part(0, 2).run(&problem)?;
-    assert!(differs(SimulatedDensity::merge([longer, second.clone()]), "number of samples per trajectory"));
-    let other = run().time_step(0.04).part(0, 2).run(&problem)?;
-    assert!(differs(SimulatedDensity::merge([other, second]), "time step"));
+    let longer = run().samples(3_000).part(1, 2).run(&problem)?;
+    let other = run().time_step(0.04).part(1, 2).run(&problem)?;
+    let refused = [
+        (vec![second.clone()], "trajectories 0..1 of seed 11 are missing"),
+        (vec![first, second.clone(), second.clone()], "trajectories 50..51 of seed 11 are there twice"),
+        (vec![longer, second.clone()], "number of samples"),
+        (vec![other, second], "differ in the problem"),
+    ];
+    for (parts, said) in refused {
+        let error = SimulatedDensity::merge(parts).err();
+        assert!(matches!(&error, Some(Error::NotTheParts { problem }) if problem.contains(said)), "{said}: {error:?}");
+    }
     assert!(matches!(SimulatedDensity::merge([]), Err(Error::NoSamples { least: 1, .. })));
-    for (part, parts) in [(2, 2), (0, 0), (0, 65)] {
-        let refused = run().part(part, parts).run(&problem);
-        assert!(matches!(refused, Err(Error::OutOfRange { .. })), "part {part} of {parts}");
+    for (k, n) in [(0, 2), (3, 2), (1, 0), (1, 65)] {
+        let refused = run().part(k, n).run(&problem);
+        assert!(matches!(refused, Err(Error::OutOfRange { .. })), "part {k} of {n}");
     }
     Ok(())
-}
-
-fn differs<R>(outcome: Result<R>, option: &str) -> bool {
-    matches!(outcome, Err(Error::OtherSimulation { what, .. }) if what == option)
 }
 
 #[test]
@@ -271,71 +271,77 @@ fn checkpointed(problem: &Problem, file: &Path) -> Result<()> {
     simulation(10).checkpoint(file, Duration::from_secs(60)).run(problem).map(|_| ())
 }
 
+/// Whether a file is refused, with a reason that has these words.
+fn refused<R>(outcome: Result<R>, file: &Path, words: &str) -> bool {
+    let named = |path: &str| path == file.display().to_string();
+    matches!(outcome, Err(Error::NotThisRun { path, problem }) if named(&path) && problem.contains(words))
+}
+
 #[test]
 fn spoiled_checkpoints_are_refused_and_left_as_they_are() -> Result<()> {
     let (problem, file) = (problem()?, Scratch::new("spoiled"));
     checkpointed(&problem, &file.0)?;
     let Ok(whole) = fs::read(&file.0) else { unreachable!("it was written just now") };
     let resume = || simulation(10).checkpoint(&file.0, Duration::from_secs(60)).run(&problem);
-    let refused = |content: &[u8]| {
+    let spoiled = |content: &[u8]| {
         let written = fs::write(&file.0, content).is_ok();
-        let both = [resume().err(), SimulatedDensity::from_checkpoint(&file.0).err()];
-        let typed = both.iter().all(|error| matches!(error, Some(Error::NotACheckpoint { .. })));
-        written && typed && fs::read(&file.0).is_ok_and(|kept| kept == content)
+        let typed =
+            [resume(), SimulatedDensity::from_checkpoint(&file.0)].map(|both| refused(both, &file.0, "cut off"));
+        written && typed == [true; 2] && fs::read(&file.0).is_ok_and(|kept| kept == content)
     };
-    // Cut off anywhere, with any byte altered, with bytes after it, and a file of another kind.
+    // Cut off anywhere, with any byte altered, with bytes after it, a file of another kind, and an empty one.
     for k in 1..40 {
-        assert!(refused(&whole[..whole.len() * k / 40]), "{k} fortieths of it");
+        assert!(spoiled(&whole[..whole.len() * k / 40]), "{k} fortieths of it");
         let mut altered = whole.clone();
         altered[whole.len() * k / 40] ^= 1 << (k % 8);
-        assert!(refused(&altered), "a bit after {k} fortieths of it");
+        assert!(spoiled(&altered), "a bit after {k} fortieths of it");
     }
-    assert!(refused(&[&whole[..], b"more"].concat()) && refused(b"{ \"samples\": 1000 }"));
-    // A file without content is what some crashes leave: no state at all.
-    assert!(refused(b""));
+    assert!(spoiled(&[&whole[..], b"more"].concat()) && spoiled(b"{ \"samples\": 1000 }") && spoiled(b""));
     assert!(fs::write(&file.0, &whole).is_ok() && resume().is_ok());
 
     let folder = file.0.with_file_name("no-such-folder").join("state");
     let nowhere = simulation(10).checkpoint(&folder, Duration::ZERO).run(&problem);
     assert!(matches!(nowhere, Err(Error::File { action: "write", .. })));
     assert!(matches!(SimulatedDensity::from_checkpoint(&folder), Err(Error::File { action: "read", .. })));
-    let is_folder = simulation(10).checkpoint(std::env::temp_dir(), Duration::ZERO).run(&problem);
-    assert!(matches!(is_folder, Err(Error::File { action: "read", .. })));
     Ok(())
 }
 
 #[test]
-fn checkpoints_of_other_simulations_are_refused_by_name() -> Result<()> {
+fn checkpoints_of_other_simulations_are_refused() -> Result<()> {
     let (problem, file) = (problem()?, Scratch::new("other"));
     checkpointed(&problem, &file.0)?;
-    let resumed = |change: fn(Simulation<'_>) -> Simulation<'_>| {
-        change(simulation(10)).checkpoint(&file.0, Duration::from_secs(60)).run(&problem)
+    let changes: [fn(Simulation<'_>) -> Simulation<'_>; 10] = [
+        |s| s.seed(12),
+        |s| s.time_step(0.01),
+        |s| s.trajectories(20).samples(2000),
+        |s| s.burn_in(20.0),
+        |s| s.sampling_interval(3.0),
+        |s| s.levels([0.25]),
+        |s| s.start(correlated().0),
+        |s| s.bins(32),
+        |s| s.samples(10),
+        |s| s.part(1, 2),
+    ];
+    let other = |simulation: Simulation<'_>, problem: &Problem| {
+        refused(
+            simulation.checkpoint(&file.0, Duration::ZERO).run(problem),
+            &file.0,
+            "another problem, seed, part or option",
+        )
     };
-    assert!(differs(resumed(|s| s.seed(12)), "seed"));
-    assert!(differs(resumed(|s| s.time_step(0.01)), "time step"));
-    assert!(differs(resumed(|s| s.trajectories(20).samples(2000)), "number of trajectories"));
-    assert!(differs(resumed(|s| s.burn_in(20.0)), "burn-in in steps"));
-    assert!(differs(resumed(|s| s.sampling_interval(3.0)), "sampling interval in steps"));
-    assert!(differs(resumed(|s| s.levels([0.25])), "list of levels"));
-    assert!(differs(resumed(|s| s.start([0.5, 0.5])), "start"));
-    assert!(differs(resumed(|s| s.start(correlated().0)), "start"));
-    assert!(differs(resumed(|s| s.bins(32)), "range or number of bins"));
-    assert!(differs(resumed(|s| s.samples(10)), "number of samples per trajectory"));
-    assert!(differs(resumed(|s| s.part(0, 2)), "part"));
-    let other = |problem: Problem| simulation(10).checkpoint(&file.0, Duration::ZERO).run(&problem);
+    for (k, change) in changes.into_iter().enumerate() {
+        assert!(other(change(simulation(10)), &problem), "change {k}");
+    }
     let near =
         Problem::of(Duffing::new(0.2, 1.0, 0.300_000_000_000_000_04, 0.2)?)?.with_wall(Wall::above(0.2, 0.8)?)?;
-    assert!(differs(other(near), "system"));
-    assert!(differs(other(problem.without_walls().with_wall(Wall::above(0.2, 0.9)?)?), "list of walls"));
-    let single = simulation(10).levels([]).checkpoint(&file.0, Duration::ZERO).run(&Problem::of(Cubic)?);
-    assert!(differs(single, "number of states"));
-    let Err(error) = resumed(|s| s.seed(12)) else { unreachable!("the seed differs") };
-    assert!(error.to_string().contains("the seed is 11 there and 12 here"), "{error}");
+    assert!(other(simulation(10), &near));
+    assert!(other(simulation(10), &problem.without_walls().with_wall(Wall::above(0.2, 0.9)?)?));
+    assert!(other(simulation(10).levels([]), &Problem::of(Cubic)?));
 
     // A run that is not over has no result yet.
     let long = simulation(10).samples(1 << 20).checkpoint(&file.0, Duration::ZERO);
     assert!(matches!(long.progress(cancel_beyond(1_000_000)).run(&problem), Err(Error::Cancelled { .. })));
-    assert!(matches!(SimulatedDensity::from_checkpoint(&file.0), Err(Error::Unfinished { .. })));
+    assert!(refused(SimulatedDensity::from_checkpoint(&file.0), &file.0, "no result yet"));
     Ok(())
 }
 
@@ -434,6 +440,6 @@ fn a_run_reports_progress_and_can_be_cancelled() -> Result<()> {
     let result = Simulation::new().samples(50_000).progress(count).run(&problem)?;
     assert_eq!(last, (path_steps(&result), path_steps(&result)));
     let stopped = Simulation::new().samples(1 << 40).progress(|_| ControlFlow::Break(())).run(&problem);
-    assert!(matches!(stopped, Err(Error::Cancelled { steps }) if steps > 0));
+    assert!(matches!(stopped, Err(Error::Cancelled { done, .. }) if done > 0));
     Ok(())
 }

@@ -19,7 +19,6 @@ mod grid_walls;
 mod identification;
 mod impulses;
 mod memory;
-mod merge;
 mod public;
 #[cfg(feature = "mpi")]
 mod ranks;
@@ -61,8 +60,6 @@ enum Question {
     Impulses(impulses::Options),
     /// Does the memory of a simulation depend on its length?
     Memory(memory::Options),
-    /// The table of a study from its parts
-    Merge(merge::Options),
     /// What do the methods answer, by their defaults, on systems from public code?
     Public(public::Options),
     /// One simulation on all ranks of MPI, with all bits of its result
@@ -99,7 +96,6 @@ fn main() -> ExitCode {
         Question::Identification(options) => identification::run(&options),
         Question::Impulses(options) => impulses::run(&options),
         Question::Memory(options) => memory::run(&options),
-        Question::Merge(options) => merge::run(&options),
         Question::Public(options) => public::run(&options),
         #[cfg(feature = "mpi")]
         Question::Ranks(options) => ranks::run(&options),

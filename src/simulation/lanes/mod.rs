@@ -47,12 +47,6 @@ impl Lanes {
         lanes
     }
 
-    /// Whether lanes that were read are the first sixteen of `trajectories`.
-    pub(super) fn are(&self, seed: u64, trajectories: Range<u64>, states: usize) -> bool {
-        let Lanes { random, first, active, x, .. } = Lanes::new(seed, trajectories, states, |_| ());
-        (random, first, active, x.len()) == (self.random, self.first, self.active, self.x.len())
-    }
-
     /// The number of trajectories.
     pub(super) fn trajectories(&self) -> usize {
         self.active

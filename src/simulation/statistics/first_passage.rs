@@ -62,18 +62,9 @@ impl PassageWindow {
     pub(super) fn tally(&self) -> PassageTally {
         PassageTally { windows: 0.0, waited: 0.0, passages: vec![0.0; self.bins + 1] }
     }
-
-    /// Whether a clock that was read can be that of a trajectory in such a window.
-    pub(super) fn remembers(&self, clock: &PassageClock) -> bool {
-        clock.observed <= self.count && clock.passed.is_none_or(|passed| passed <= clock.observed)
-    }
 }
 
 impl PassageTally {
-    pub(super) fn size(&self) -> usize {
-        self.passages.len()
-    }
-
     /// Takes one observation of a trajectory: whether it is beyond the level, and whether it has passed it since the last
     /// one. The first observation of a window is its beginning; each trajectory has its own clock.
     pub(super) fn push(&mut self, window: &PassageWindow, clock: &mut PassageClock, [beyond, since]: [bool; 2]) {
@@ -194,7 +185,7 @@ mod tests {
             tally.push(&window, &mut clock, [false, since]);
         }
         assert_eq!((tally.windows, tally.waited, tally.passages), (1.0, 2.0, vec![0.0; 3]));
-        assert!(clock.passed == Some(1) && window.remembers(&clock));
+        assert_eq!(clock.passed, Some(1));
         Ok(())
     }
 

@@ -49,16 +49,6 @@ pub(in crate::simulation) struct Sample<'a> {
     pub(in crate::simulation) lane: usize,
 }
 
-impl Recordings {
-    /// The lengths of all lists.
-    pub(in crate::simulation) fn sizes(&self) -> impl Iterator<Item = usize> {
-        let Recordings { spectra, passages } = self;
-        let lists = [spectra.len(), passages.len()];
-        let sums = spectra.iter().flat_map(SpectralTally::sizes).chain(passages.iter().map(PassageTally::size));
-        lists.into_iter().chain(sums)
-    }
-}
-
 impl Recorders {
     /// `levels` are those of state 0 whose up-crossings are counted, if it is a displacement; samples are `interval` apart.
     pub(in crate::simulation) fn new(requests: &Requests, interval: f64, levels: Option<&[f64]>) -> Self {
@@ -86,15 +76,6 @@ impl Recorders {
             segments: vec![Vec::new(); trajectories * self.spectra.len()],
             clocks: vec![PassageClock::default(); trajectories * self.passages.len()],
         }
-    }
-
-    /// Whether buffers that were read are those of so many trajectories.
-    pub(in crate::simulation) fn fit(&self, buffers: &Buffers, trajectories: usize) -> bool {
-        let Buffers { segments, clocks } = buffers;
-        segments.len() == trajectories * self.spectra.len()
-            && clocks.len() == trajectories * self.passages.len()
-            && segments.iter().zip(self.spectra.iter().cycle()).all(|(path, (_, segment))| segment.remembers(path))
-            && clocks.iter().zip(self.passages.iter().cycle()).all(|(clock, waiting)| waiting.window.remembers(clock))
     }
 
     /// Counts one sample.

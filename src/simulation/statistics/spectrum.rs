@@ -75,11 +75,6 @@ impl Segments {
         }
     }
 
-    /// Whether a path that was read can be the beginning of such a segment.
-    pub(super) fn remembers(&self, path: &[f64]) -> bool {
-        path.len() < self.length
-    }
-
     /// |Σ_t y_t exp(−iω_j t)|². The transform fails only for buffers of a wrong length, which these are not.
     fn periodogram(&self, y: &[f64]) -> Vec<f64> {
         let (mut input, mut output) = (y.to_vec(), self.forward.make_output_vec());
@@ -116,10 +111,6 @@ impl fmt::Debug for Segments {
 }
 
 impl SpectralTally {
-    pub(super) fn sizes(&self) -> [usize; 2] {
-        [self.power.len(), self.products.len()]
-    }
-
     /// Takes one sample of a trajectory. `path` holds what its present segment has so far; it is empty at the start, and
     /// each trajectory has its own. Segments overlap by a half.
     pub(super) fn push(&mut self, segments: &Segments, path: &mut Vec<f64>, x: f64) {

@@ -9,8 +9,9 @@
 //! literature's closure stands beside it, `--exact` for systems of three to six states whose density is known, and `--known` for
 //! wells and linear systems, which have a density of order two or four. `--grid` compares the grid on the 500 with finer
 //! solutions. The tables go to `out/campaign/`, after each system: a campaign that was
-//! interrupted goes on from its table. `--part 2/16` closes a sixteenth of the systems, as the tasks of an array job do, and
-//! with the feature `mpi` `--ranks` a share on each rank. The seed and its index determine a system: `--only 17` repeats one.
+//! interrupted goes on from its table. `--part 2/16` closes a sixteenth of the systems, as the tasks of an array job do, each with a
+//! folder of its own: the tables one behind another are the whole one. The seed and its index determine a system: `--only 17`
+//! repeats one.
 //! Tables of seed 1 are kept in `examples/measure/tables/`, with seconds that were measured beside other work.
 
 mod exact;
@@ -24,10 +25,6 @@ mod walls;
 
 use crate::Outcome;
 use clap::Args;
-#[cfg(feature = "mpi")]
-use expoly::study::Part;
-#[cfg(feature = "mpi")]
-use mpi::{Threading, collective::SystemOperation, traits::Communicator, traits::CommunicatorCollectives};
 use runner::Campaign;
 use std::path::PathBuf;
 use support::dealt::Dealt;
@@ -71,13 +68,6 @@ pub(crate) struct Options {
     only: Option<usize>,
     #[command(flatten)]
     dealt: Dealt,
-    /// Make the table of its parts, and close nothing: an error says how many rows are missing
-    #[arg(long, conflicts_with = "part")]
-    merge: bool,
-    /// Deal the systems to the ranks of MPI
-    #[cfg(feature = "mpi")]
-    #[arg(long, conflicts_with_all = ["part", "merge"])]
-    ranks: bool,
     /// Folder for the table
     #[arg(long, default_value = "out/campaign")]
     out: PathBuf,
@@ -91,7 +81,7 @@ impl Options {
     /// The campaign with the table of this name, of so many systems by default.
     fn campaign(&self, table: &str, usual: usize, orders: &[u32]) -> Campaign {
         let (path, indices) = (self.out.join(table), self.indices(usual));
-        Campaign { path, seed: self.seed, indices, orders: orders.to_vec(), dealt: self.dealt, merge: self.merge }
+        Campaign { path, seed: self.seed, indices, orders: orders.to_vec(), dealt: self.dealt }
     }
 
     fn orders(&self, usual: &[u32]) -> Vec<u32> {
@@ -100,33 +90,6 @@ impl Options {
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
-    #[cfg(feature = "mpi")]
-    if options.ranks {
-        return on_ranks(options);
-    }
-    run_part(options)
-}
-
-/// A part on each rank, merged by rank 0.
-#[cfg(feature = "mpi")]
-fn on_ranks(options: &Options) -> Outcome {
-    let (universe, _) = mpi::initialize_with_threading(Threading::Funneled).ok_or("MPI is not to be had")?;
-    let world = universe.world();
-    let part = Part::new(world.rank() as usize + 1, world.size() as usize)?;
-    let own = run_part(&Options { dealt: Dealt { part }, ..options.clone() });
-    if part == Part::WHOLE {
-        return own;
-    }
-    let mut failed = 0;
-    world.all_reduce_into(&i32::from(own.is_err()), &mut failed, SystemOperation::sum());
-    match (own, failed, world.rank()) {
-        (Ok(()), 0, 0) => run_part(&Options { merge: true, ..options.clone() }),
-        (Ok(()), 1.., _) => Err(format!("{failed} other ranks failed").into()),
-        (own, ..) => own,
-    }
-}
-
-fn run_part(options: &Options) -> Outcome {
     match () {
         () if options.exact => exact::run(options),
         () if options.grid => grid::run(options),

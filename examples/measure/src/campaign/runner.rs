@@ -1,10 +1,10 @@
 //! The run of every campaign: a truth for each system, a row for each order, and a table that an interrupted campaign goes on
-//! from, or parts of it.
+//! from.
 
 use crate::Outcome;
-use expoly::{Problem, study::Part};
+use expoly::Problem;
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use support::dealt::Dealt;
 use support::file::{csv_of, read_csv, write_whole};
 
@@ -92,8 +92,6 @@ pub(crate) struct Campaign {
     pub(crate) orders: Vec<u32>,
     /// The systems that this run closes.
     pub(crate) dealt: Dealt,
-    /// Close none, and refuse a table that is not whole.
-    pub(crate) merge: bool,
 }
 
 /// A campaign's findings, with the systems that have none.
@@ -105,44 +103,25 @@ pub(crate) struct Findings<R> {
 }
 
 impl Campaign {
-    /// Closes the systems of this part at all orders, prints each row as it comes, and keeps the part's table after each system.
-    /// Rows that the table or any part of it has are not computed again. Without parts the table is whole then, and takes the
-    /// place of its parts; none are the findings of one part.
+    /// Closes the systems of this part at all orders, prints each row as it comes, and keeps the table after each system. Rows
+    /// that the table has are not computed again. None are the findings of one part.
     ///
     /// # Errors
-    /// Where a file is no table of this campaign, or cannot be written, and where rows are missing that are not to be computed.
+    /// Where the file is no table of this campaign, or cannot be written.
     pub(crate) fn findings<S: Named, T, R: Row>(
         &self,
         system: impl Fn(usize) -> expoly::Result<S>,
         truth: impl Fn(usize, &Problem) -> Result<T, String>,
         row: impl Fn(Place, &Problem, &T) -> expoly::Result<R>,
     ) -> Result<Option<Findings<R>>, Box<dyn std::error::Error>> {
-        let Dealt { part } = self.dealt;
-        let file = part.file(&self.path);
-        // The lines of this part's own file, and those of all others; a line of two counts once.
-        let (mut lines, mut others) = (self.begun::<R>(&file)?, Vec::new());
-        for other in Part::files(&self.path)?.iter().filter(|other| **other != file) {
-            others.extend(self.begun::<R>(other)?);
-        }
-        if part == Part::WHOLE {
-            for line in others.drain(..) {
-                if !has(&lines, line.place()) {
-                    lines.push(line);
-                }
-            }
-        }
+        let (k, n) = self.dealt.part;
+        let mut lines = self.begun::<R>()?;
         let all = |index| self.orders.iter().map(move |&order| Place { index, order });
         let missing = |lines: &[Line<R>]| {
-            let missing =
-                self.indices.clone().flat_map(all).filter(|&place| !has(lines, place) && !has(&others, place));
-            missing.collect::<Vec<_>>()
+            self.indices.clone().flat_map(all).filter(|&place| !has(lines, place)).collect::<Vec<_>>()
         };
         let left = missing(&lines);
-        if self.merge && !left.is_empty() {
-            let (rows, path) = (self.indices.len() * self.orders.len(), self.path.display());
-            return Err(format!("{} of {rows} rows of {path} are in none of its parts", left.len()).into());
-        }
-        for index in self.indices.clone().filter(|&index| part.holds(index)) {
+        for index in self.indices.clone().filter(|index| index % n + 1 == k) {
             let places: Vec<Place> = left.iter().copied().filter(|place| place.index == index).collect();
             if places.is_empty() {
                 continue;
@@ -166,39 +145,35 @@ impl Campaign {
                 }
                 lines.push(line);
             }
-            self.keep(&file, &lines)?;
+            self.keep(&lines)?;
         }
         if let Some(note) = self.dealt.note(&self.path, missing(&lines).len()) {
             println!("{note}");
             return Ok(None);
         }
-        self.merged(&mut lines)?;
         Ok(Some(self.sorted(lines)))
     }
 
-    /// Writes the lines of a table with parts, in order, and removes the parts.
-    fn merged<R: Row>(&self, lines: &mut [Line<R>]) -> Outcome {
-        let mut parts = Part::files(&self.path)?;
-        parts.retain(|path| *path != self.path);
-        if !parts.is_empty() {
-            lines.sort_by_key(|line| (line.place().index, line.place().order));
-            self.keep(&self.path, lines)?;
-            parts.iter().try_for_each(std::fs::remove_file)?;
+    /// The lines of an earlier run, or of those of several parts, one behind another.
+    fn begun<R: Row>(&self) -> Result<Vec<Line<R>>, Box<dyn std::error::Error>> {
+        let Some((header, rows)) = read_csv(&self.path)? else { return Ok(Vec::new()) };
+        let another = || format!("{} is the table of another campaign: move it, or give --out", self.path.display());
+        if header != columns::<R>() {
+            return Err(another().into());
         }
-        Ok(())
+        let mut lines: Vec<Line<R>> = Vec::new();
+        for fields in rows.iter().filter(|fields| **fields != header) {
+            let line = Line::read(fields, self.seed).ok_or_else(another)?;
+            if !has(&lines, line.place()) {
+                lines.push(line);
+            }
+        }
+        Ok(lines)
     }
 
-    /// The lines of a file of an earlier run.
-    fn begun<R: Row>(&self, path: &Path) -> Result<Vec<Line<R>>, Box<dyn std::error::Error>> {
-        let Some((header, rows)) = read_csv(path)? else { return Ok(Vec::new()) };
-        let lines: Option<Vec<Line<R>>> = rows.iter().map(|fields| Line::read(fields, self.seed)).collect();
-        let another = || format!("{} is the table of another campaign: move it, or give --out", path.display());
-        Ok(lines.filter(|_| header == columns::<R>()).ok_or_else(another)?)
-    }
-
-    fn keep<R: Row>(&self, path: &Path, lines: &[Line<R>]) -> Outcome {
+    fn keep<R: Row>(&self, lines: &[Line<R>]) -> Outcome {
         let table = csv_of(&columns::<R>(), lines.iter().map(|line| line.write(self.seed)))?;
-        Ok(write_whole(path, &table)?)
+        Ok(write_whole(&self.path, &table)?)
     }
 
     /// The lines of this run's systems and orders, in order.

@@ -1,9 +1,8 @@
-//! Files that simulations and studies go on from, damaged.
+//! Files that simulations go on from, damaged.
 
 use super::mutants::mutant;
 use super::probe::Probe;
 use expoly::models::{Duffing, Solved};
-use expoly::study::Sweep;
 use expoly::{Density, Problem, SimulatedDensity, Simulation, Wall};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -57,15 +56,13 @@ impl Files {
     }
 }
 
-/// The files of a study, of a simulation above a wall that has ended, and of one that was cancelled.
+/// The files of a simulation above a wall that has ended, and of one that was cancelled.
 fn sound(path: &Path) -> expoly::Result<Vec<File>> {
     let free = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     let walled = free.clone().with_wall(Wall::above(-0.5, 0.9)?)?;
     let read = |path: &Path| Ok(told(&SimulatedDensity::from_checkpoint(path)?));
     let ended = walled.clone();
     Ok(vec![
-        file(path, &|path| sweep(path, ALL), Box::new(|path| sweep(path, ALL)))?,
-        file(path, &|path| sweep(path, 3), Box::new(|path| sweep(path, ALL)))?,
         file(path, &|path| simulated(path, &walled, ALL), Box::new(read))?,
         file(path, &|path| simulated(path, &walled, ALL), Box::new(move |p| simulated(p, &ended, ALL)))?,
         file(path, &|path| simulated(path, &free, 1000), {
@@ -83,15 +80,6 @@ fn file(path: &Path, make: &dyn Fn(&Path) -> expoly::Result<String>, again: Agai
     let answer = again(path)?;
     let _ = std::fs::remove_file(path);
     Ok(File { content, answer, again })
-}
-
-/// A small study of numbers that cost nothing, cancelled after some rows.
-fn sweep(path: &Path, rows: u64) -> expoly::Result<String> {
-    let values: Vec<f64> = (0..7).map(|k| f64::from(k) / 3.0).collect();
-    let sweep = Sweep::new("alpha", &values, &["square", "root"]).segment(1).file(path);
-    let sweep = sweep.progress(|come, _| until(come.done, rows));
-    let table = sweep.run(|alpha, _: Option<&()>| Ok((vec![alpha * alpha, (alpha + 2.0).sqrt()], ())))?;
-    Ok(format!("{:?}", table.rows()))
 }
 
 fn until(done: u64, most: u64) -> ControlFlow<()> {

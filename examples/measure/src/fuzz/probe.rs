@@ -95,6 +95,6 @@ impl Probe {
 /// Whether an error contains more than what is wrong: a clause of some words after the first.
 fn has_remedy(error: &expoly::Error) -> bool {
     let text = error.to_string();
-    let stopped = matches!(error, expoly::Error::Cancelled { .. } | expoly::Error::StudyCancelled { .. });
+    let stopped = matches!(error, expoly::Error::Cancelled { .. });
     stopped || text.split([':', ';']).skip(1).any(|clause| clause.split_whitespace().count() > 2)
 }
