@@ -6,28 +6,16 @@ use crate::Outcome;
 use clap::Args;
 use expoly::models::{CubicDamping, Duffing, Solved};
 use expoly::study::{Case, OrderStudy, Sweep};
-use expoly::{Closure, ClosureDensity, Density, Error, Grid, Problem, Progress, Wall};
+use expoly::{Closure, ClosureDensity, Density, Grid, Problem, Progress, Wall};
 use mpi::{Threading, traits::Communicator};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::figure::between;
 
-/// What is studied where.
+/// Where the tables go.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Options {
-    /// Compute everything on each rank by itself
-    #[arg(long)]
-    alone: bool,
-    /// The values of the sweep
-    #[arg(long, default_value_t = 32)]
-    values: usize,
-    /// The values that start from one among them
-    #[arg(long, default_value_t = 4)]
-    segment: usize,
-    /// The orders of the study, separated by commas
-    #[arg(long, value_delimiter = ',', default_value = "2,4,6,8")]
-    orders: Vec<u32>,
     /// Folder for the tables
     #[arg(long, default_value = "out/studies")]
     out: PathBuf,
@@ -44,37 +32,21 @@ pub(crate) fn run(options: &Options) -> Outcome {
         rows.fetch_add(1, Ordering::Relaxed);
         ControlFlow::Continue(())
     };
-    let outcome = sweep(options, count, &world).and_then(|()| orders(options, count, &world));
-    println!("rank {rank}: {} rows computed", rows.into_inner());
-    Ok(outcome?)
-}
 
-/// The mean square and the impact rate over the restitution.
-fn sweep(
-    options: &Options,
-    count: impl FnMut(Progress, &str) -> ControlFlow<()> + Send,
-    world: &impl Communicator,
-) -> Result<(), Error> {
+    // The mean square and the impact rate over the restitution.
     let free = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
-    let solve = |r: f64, near: Option<&ClosureDensity>| {
-        let problem = free.clone().with_wall(Wall::above(0.2, r)?)?;
-        let density = Closure::new(6).starting_from(near).solve(&problem)?;
-        let rate = density.impact_rate().map_or(f64::NAN, |rate| rate.value);
-        Ok((vec![density.moment(&[2, 0])?.value, rate, density.l1_estimate()], density))
-    };
-    let sweep = Sweep::new("r", &between([1.0, 0.7], options.values), &["E y^2", "impact rate", "L1 estimate"])
-        .segment(options.segment)
-        .file(options.out.join("sweep.csv"))
-        .progress(count);
-    if options.alone { sweep.run(solve) } else { sweep.run_on(world, solve) }.map(drop)
-}
+    let sweep = Sweep::new("r", &between([1.0, 0.7], 32), &["E y^2", "impact rate", "L1 estimate"]);
+    sweep.segment(4).file(options.out.join("sweep.csv")).progress(count).run_on(
+        &world,
+        |r: f64, near: Option<&ClosureDensity>| {
+            let problem = free.clone().with_wall(Wall::above(0.2, r)?)?;
+            let density = Closure::new(6).starting_from(near).solve(&problem)?;
+            let rate = density.impact_rate().map_or(f64::NAN, |rate| rate.value);
+            Ok((vec![density.moment(&[2, 0])?.value, rate, density.l1_estimate()], density))
+        },
+    )?;
 
-/// Two closures of a Duffing oscillator and of one with cubic damping.
-fn orders(
-    options: &Options,
-    count: impl FnMut(Progress, &str) -> ControlFlow<()> + Send,
-    world: &impl Communicator,
-) -> Result<(), Error> {
+    // Two closures of a Duffing oscillator and of one with cubic damping.
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     let cubic = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
     let cases = [
@@ -85,7 +57,8 @@ fn orders(
         case.method("robust", |problem, order| Closure::new(order).solve(problem))
             .method("classical", |problem, order| Closure::classical(order).solve(problem))
     };
-    let study = cases.into_iter().map(methods).fold(OrderStudy::new(&options.orders), OrderStudy::case);
-    let study = study.file(options.out.join("orders.csv")).progress(count);
-    if options.alone { study.run() } else { study.run_on(world) }.map(drop)
+    let study = cases.into_iter().map(methods).fold(OrderStudy::new(&[2, 4, 6, 8]), OrderStudy::case);
+    study.file(options.out.join("orders.csv")).progress(count).run_on(&world)?;
+    println!("rank {rank}: {} rows computed", rows.into_inner());
+    Ok(())
 }
