@@ -64,7 +64,7 @@ pub struct Provenance {
     #[serde(with = "number::option")]
     pub condition: Option<f64>,
 
-    /// The seed of all random numbers; of merged runs the lowest one. Trajectory i of a simulation owns stream i.
+    /// The seed of all random numbers. Trajectory i of a simulation owns stream i.
     pub seed: Option<u64>,
     /// The states of a closure's pilot, without mirror images.
     pub pilot_states: Option<usize>,
@@ -84,8 +84,6 @@ pub struct Provenance {
     #[serde(with = "number::option")]
     pub weight_deviation: Option<f64>,
 
-    /// The number of independent runs, each with a seed of its own: 1 unless runs with several seeds are merged.
-    pub runs: Option<usize>,
     /// The number of independent trajectories.
     pub trajectories: Option<usize>,
     /// The number of samples in all.

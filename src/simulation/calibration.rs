@@ -41,7 +41,7 @@ impl Calibrations {
     /// None where a degree cannot be had.
     fn climb(&mut self, batches: &[Tally], layout: &Layout) -> Option<()> {
         let all = joined(batches.iter())?;
-        let halves = [0, 1].map(|half| joined(batches.iter().filter(|b| b.origin.batch % 2 == half)));
+        let halves = [0, 1].map(|half| joined(batches.iter().filter(|b| b.batch % 2 == half)));
         let blocks = halves.iter().flatten().map(|sums| sums.count).fold(f64::INFINITY, f64::min);
         let [even, odd] = halves;
         let (even, odd) = (even?, odd?);
@@ -58,7 +58,7 @@ impl Calibrations {
             }
             let (of_even, of_odd) = (slopes(&even, controls, tracked)?, slopes(&odd, controls, tracked)?);
             let calibrated = |b: usize| {
-                let beta = if batches[b].origin.batch.is_multiple_of(2) { &of_odd } else { &of_even };
+                let beta = if batches[b].batch.is_multiple_of(2) { &of_odd } else { &of_even };
                 let taken = |l: usize| (0..controls).map(|k| beta[(k, l)] * totals[b][tracked + k]).sum::<f64>();
                 plain[b].iter().enumerate().map(|(l, sum)| sum - taken(l)).collect()
             };

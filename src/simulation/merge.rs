@@ -8,8 +8,8 @@ use std::{io, path::Path};
 const UNFINISHED: &str =
     "it has no result yet: run the simulation again with the same options, and it goes on from there";
 
-const OTHER: &str = "two of them differ in the problem, the number of samples or another option than the seed; make these the \
-    same, and for runs of different seeds give the time step and the ranges of histograms";
+const OTHER: &str =
+    "two of them differ in the problem, the seed, the number of samples or another option; make these the same";
 
 impl SimulatedDensity {
     /// The result in a checkpoint of [`Simulation::checkpoint`](crate::Simulation::checkpoint) whose run is over. The
@@ -27,13 +27,8 @@ impl SimulatedDensity {
         Ok(SimulatedDensity::new(tallies, state.plan, state.seconds, stopped))
     }
 
-    /// The union of results of the same system with the same options.
-    ///
-    /// All parts ([`Simulation::part`](crate::Simulation::part)) of a simulation, in any order, give the result of the
-    /// single run, bit for bit. Whole runs with different seeds are independent of one another: their union is one
-    /// simulation with more trajectories. For that they need the same time step and the same histograms: set them by
-    /// [`Simulation::time_step`](crate::Simulation::time_step) and
-    /// [`Simulation::histogram_range`](crate::Simulation::histogram_range).
+    /// The result of the single run, bit for bit, from all of its parts ([`Simulation::part`](crate::Simulation::part)) in any
+    /// order.
     ///
     /// # Errors
     /// [`Error::NoSamples`] for no parts, [`Error::NotTheParts`] for those of different simulations, and where one is missing
@@ -60,31 +55,24 @@ impl SimulatedDensity {
             seconds += part.provenance().seconds;
             tallies.extend(part.into_tallies());
         }
-        tallies.sort_by_key(|t| t.origin);
-        for run in tallies.chunk_by(|a, b| a.origin.seed == b.origin.seed) {
-            whole(run, plan.trajectories)?;
-        }
+        tallies.sort_by_key(|tally| tally.batch);
+        whole(&tallies, plan.trajectories)?;
         Ok(SimulatedDensity::new(tallies, plan, seconds, stopped))
     }
 }
 
-/// Refuses batches of one run that are not all there, or there twice, or of different lengths.
-fn whole(run: &[Tally], trajectories: usize) -> Result<()> {
-    let Some(first) = run.first() else { return Ok(()) };
-    if run.iter().any(|tally| tally.samples != first.samples) {
+/// Refuses batches that are not all there, or there twice, or of different lengths.
+fn whole(tallies: &[Tally], trajectories: usize) -> Result<()> {
+    if tallies.iter().any(|tally| tally.samples != tallies[0].samples) {
         return Err(Error::NotTheParts { problem: String::from(OTHER) });
     }
     for (batch, range) in deal(trajectories).into_iter().enumerate() {
-        let there = match run.iter().filter(|tally| tally.origin.batch == batch).count() {
+        let there = match tallies.iter().filter(|tally| tally.batch == batch).count() {
             0 => "missing",
             1 => continue,
             _ => "there twice",
         };
-        let seed = first.origin.seed;
-        let problem = format!(
-            "trajectories {range:?} of seed {seed} are {there}; merge all parts together, each once, and give independent \
-             runs different seeds"
-        );
+        let problem = format!("trajectories {range:?} are {there}; merge all parts together, each once");
         return Err(Error::NotTheParts { problem });
     }
     Ok(())

@@ -245,18 +245,14 @@ impl SimulatedDensity {
 
 fn provenance(batches: &[Tally], plan: &Plan, seconds: f64, stopped: Stopped) -> Provenance {
     let ranges = deal(plan.trajectories);
-    let size = |b: &Tally| ranges.get(b.origin.batch).map_or(0, |range| (range.end - range.start) as usize);
-    let mut seeds: Vec<u64> = batches.iter().map(|b| b.origin.seed).collect();
-    seeds.sort_unstable();
-    seeds.dedup();
+    let size = |b: &Tally| ranges.get(b.batch).map_or(0, |range| (range.end - range.start) as usize);
     let own = |b: &Tally| plan.path_steps(size(b), b.samples) - plan.pilot_steps();
     Provenance {
         method: String::from("simulation"),
-        seed: Some(seeds.first().copied().unwrap_or(plan.seed)),
-        runs: Some(seeds.len()),
+        seed: Some(plan.seed),
         trajectories: Some(batches.iter().map(size).sum()),
         samples: Some(batches.iter().map(|b| size(b) * b.samples).sum()),
-        path_steps: Some(plan.pilot_steps() * seeds.len() as u64 + batches.iter().map(own).sum::<u64>()),
+        path_steps: Some(plan.pilot_steps() + batches.iter().map(own).sum::<u64>()),
         time_step: Some(plan.time_step),
         rate: plan.rate,
         burn_in: Some(plan.burn_in()),

@@ -7,7 +7,7 @@ use super::{
     processes::{Processes, any_of, gather},
     result::SimulatedDensity,
     start::Start,
-    tally::{Layout, Origin, Tally},
+    tally::{Layout, Tally},
     target::Target,
     timetable::{next_check, samples},
 };
@@ -132,8 +132,7 @@ impl<P: Processes> Session<'_, P> {
             let seed = self.plan.seed;
             let fresh = mine.map(|index| {
                 let trajectories = Trajectories::new(ranges[index].clone(), seed, start);
-                let origin = Origin { seed, batch: index };
-                let tally = Tally::new(origin, trajectories.count(), &self.layout, self.plan.passages());
+                let tally = Tally::new(index, trajectories.count(), &self.layout, self.plan.passages());
                 Batch::new(index, tally, &self.layout, trajectories)
             });
             self.batches = fresh.collect();
@@ -152,7 +151,7 @@ impl<P: Processes> Session<'_, P> {
         let Some(content) = gather(self.processes, mine)?.swap_remove(0) else { return Ok(None) };
         let state = State::from_file(path, &content)?;
         let same_part = state.batches.iter().map(|b| b.index).eq(part);
-        let same = same_part && self.plan.seed == state.plan.seed && self.plan.is_like(&state.plan);
+        let same = same_part && self.plan.is_like(&state.plan);
         if same && samples(state.done()) <= self.samples {
             return Ok(Some(state));
         }

@@ -35,17 +35,11 @@ pub(super) struct Layout {
     pub(super) images: Products,
 }
 
-/// Which trajectories a tally is of: batch number `batch` of the simulation with this seed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
-pub(super) struct Origin {
-    pub(super) seed: u64,
-    pub(super) batch: usize,
-}
-
 /// The sums and counts of one batch.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct Tally {
-    pub(super) origin: Origin,
+    /// The number of the batch.
+    pub(super) batch: usize,
     /// The number of samples of each trajectory.
     pub(super) samples: usize,
     /// Σ of each monomial; the first is the number of samples.
@@ -133,9 +127,9 @@ fn lower(exponents: &[u32]) -> Option<(usize, Vec<u32>)> {
 }
 
 impl Tally {
-    pub(super) fn new(origin: Origin, trajectories: usize, layout: &Layout, passages: Passages) -> Self {
+    pub(super) fn new(batch: usize, trajectories: usize, layout: &Layout, passages: Passages) -> Self {
         Tally {
-            origin,
+            batch,
             samples: 0,
             moments: vec![0.0; layout.monomials.len()],
             trend: Trend::new(layout.axes.len()),
@@ -193,7 +187,7 @@ mod tests {
         let layout = Layout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Recorders::default());
         assert_eq!((layout.monomials.len(), &layout.monomials[38]), (35 + 4, &vec![0, 7, 1]));
         let x = [2.0, -3.0, 5.0];
-        let mut tally = Tally::new(Origin { seed: 0, batch: 0 }, 1, &layout, Passages::new([0, 0, 3], None));
+        let mut tally = Tally::new(0, 1, &layout, Passages::new([0, 0, 3], None));
         tally.observe(&layout, &x, 0, &[]);
         for (m, sum) in layout.monomials.iter().zip(&tally.moments) {
             assert_eq!(power(&x, m), *sum);
