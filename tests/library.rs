@@ -11,5 +11,6 @@ mod common;
 mod documents;
 mod grid;
 mod inverse;
+mod pins;
 mod problem;
 pub(crate) mod simulation;
