@@ -1,6 +1,6 @@
 //! The closure in time: densities after a start, modes of relaxation, autocovariance and spectral density.
 
-use super::{Group, OPTIMA, Pins, power_of};
+use super::{EDGES, Group, OPTIMA, Pins, power_of};
 use crate::common::moving::{correlated, normal, van_der_pol};
 use crate::common::{OrnsteinUhlenbeck, duffing, duffing_above, problem};
 use expoly::models::{FilteredDuffing, Solved};
@@ -18,13 +18,13 @@ pub(super) const GROUPS: &[Group] = &[
 const STATES: usize = 5120;
 const TRAJECTORIES: usize = 2048;
 
-fn pin(pins: &mut Pins, found: &[Transient<ClosureDensity>], place: &[f64]) -> Result<()> {
+fn pin(pins: &mut Pins, share: f64, found: &[Transient<ClosureDensity>], place: &[f64]) -> Result<()> {
     for Transient { time, density, .. } in found {
         let n = density.dimension();
         let moments = [(0, 1), (1, 1), (0, 2), (1, 2)].map(|(state, power)| density.moment(&power_of(n, state, power)));
         let moments = moments.into_iter().collect::<Result<Vec<_>>>()?;
-        pins.estimates(&format!("t = {time} moments"), OPTIMA, &moments);
-        pins.all(&format!("t = {time} ln p and L1"), OPTIMA, &[density.log_pdf(place)?, density.l1_estimate()]);
+        pins.estimates(&format!("t = {time} moments"), share, &moments);
+        pins.all(&format!("t = {time} ln p and L1"), share, &[density.log_pdf(place)?, density.l1_estimate()]);
     }
     Ok(())
 }
@@ -39,7 +39,7 @@ fn filtered() -> Result<Problem> {
 
 fn from_a_point(pins: &mut Pins) -> Result<()> {
     let start = Start::Point(vec![1.0, 0.0]);
-    pin(pins, &closure(4).transient(&problem(duffing()), &start, &[1.0])?, &[0.3, 0.1])?;
+    pin(pins, EDGES, &closure(4).transient(&problem(duffing()), &start, &[1.0])?, &[0.3, 0.1])?;
     let line = closure(2).transient(&problem(OrnsteinUhlenbeck), &Start::Point(vec![1.5]), &[0.1, 2.0])?;
     for found in &line {
         let [first, second] = [1, 2].map(|power| found.moment(&[power]).unwrap());
@@ -49,30 +49,30 @@ fn from_a_point(pins: &mut Pins) -> Result<()> {
 }
 
 fn from_a_gaussian(pins: &mut Pins) -> Result<()> {
-    pin(pins, &closure(4).transient(&problem(duffing()), &correlated().0, &[0.5, 4.0])?, &[0.3, 0.1])
+    pin(pins, EDGES, &closure(4).transient(&problem(duffing()), &correlated().0, &[0.5, 4.0])?, &[0.3, 0.1])
 }
 
 fn above_a_wall(pins: &mut Pins) -> Result<()> {
     let found = closure(4).transient(&duffing_above(-0.5, 0.8), &normal([1.0, 0.0], 0.3), &[4.0])?;
-    pin(pins, &found, &[0.3, 0.1])
+    pin(pins, EDGES, &found, &[0.3, 0.1])
 }
 
 /// A normal distribution about x = 1.
 fn in_three_states(pins: &mut Pins) -> Result<()> {
     let closure = Closure::new(2).pilot_states(TRAJECTORIES);
     let start = Gaussian { mean: dvector![1.0, 0.0, 0.0], covariance: DMatrix::identity(3, 3) * 0.04 };
-    pin(pins, &closure.transient(&filtered()?, &Start::Gaussian(start), &[1.0])?, &[0.3, 0.1, 0.1])
+    pin(pins, OPTIMA, &closure.transient(&filtered()?, &Start::Gaussian(start), &[1.0])?, &[0.3, 0.1, 0.1])
 }
 
 /// How the stationary response forgets.
-pub(super) fn response(pins: &mut Pins, density: &ClosureDensity, count: usize) -> Result<()> {
-    pins.all("autocovariance", OPTIMA, &values(&density.autocovariance(0, &[0.0, 0.7, 3.0])?));
-    pins.all("spectral density", OPTIMA, &values(&density.spectral_density(0, &[0.0, 1.0, 3.0])?));
+pub(super) fn response(pins: &mut Pins, share: f64, density: &ClosureDensity, count: usize) -> Result<()> {
+    pins.all("autocovariance", share, &values(&density.autocovariance(0, &[0.0, 0.7, 3.0])?));
+    pins.all("spectral density", share, &values(&density.spectral_density(0, &[0.0, 1.0, 3.0])?));
     let modes = density.relaxation(count)?;
     let [rates, frequencies] =
         [0, 1].map(|k| modes.iter().map(|mode| [mode.rate, mode.frequency][k]).collect::<Vec<_>>());
-    pins.all("rates", OPTIMA, &rates);
-    pins.all("frequencies", OPTIMA, &frequencies);
+    pins.all("rates", share, &rates);
+    pins.all("frequencies", share, &frequencies);
     Ok(())
 }
 
@@ -81,5 +81,5 @@ fn values(estimates: &[expoly::Estimate]) -> Vec<f64> {
 }
 
 fn relaxation(pins: &mut Pins) -> Result<()> {
-    response(pins, &closure(4).solve(&van_der_pol())?, 4)
+    response(pins, EDGES, &closure(4).solve(&van_der_pol())?, 4)
 }

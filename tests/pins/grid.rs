@@ -1,6 +1,6 @@
 //! The grid: stationary densities, their derivatives and modes, densities in time, and the survival of levels.
 
-use super::{Group, OPTIMA, Pins, SUMS};
+use super::{Group, HALVINGS, OPTIMA, Pins, SUMS};
 use crate::common::moving::{Noisy, correlated, normal, two_wells};
 use crate::common::{OrnsteinUhlenbeck, between, duffing, duffing_above, inelastic, problem, van_der_pol};
 use expoly::models::{Linear, Solved};
@@ -27,40 +27,40 @@ fn grid() -> Grid {
     Grid::new().accuracy(1e-3)
 }
 
-fn pin(pins: &mut Pins, density: &GridDensity) -> Result<()> {
-    pins.density("p", SUMS, density, PLACES)?;
-    pins.estimates("crossings", SUMS, &[density.upcrossing_rate(0.4)?]);
-    itself(pins, density);
+fn pin(pins: &mut Pins, share: f64, density: &GridDensity) -> Result<()> {
+    pins.density("p", share, density, PLACES)?;
+    pins.estimates("crossings", share, &[density.upcrossing_rate(0.4)?]);
+    itself(pins, share, density);
     Ok(())
 }
 
 /// What the grid says of itself.
-fn itself(pins: &mut Pins, density: &GridDensity) {
-    pins.one("L1", OPTIMA, density.l1_estimate());
+fn itself(pins: &mut Pins, share: f64, density: &GridDensity) {
+    pins.one("L1", 1e3 * share, density.l1_estimate());
     pins.one("cells", SUMS, density.provenance().cells.unwrap() as f64);
 }
 
 fn of_a_cycle(pins: &mut Pins) -> Result<()> {
-    pin(pins, &grid().solve(&problem(van_der_pol()))?)
+    pin(pins, SUMS, &grid().solve(&problem(van_der_pol()))?)
 }
 
 /// A domain and a degree that are given.
 fn of_a_degree(pins: &mut Pins) -> Result<()> {
     let grid = grid().degree(5).domain([[-3.9, 3.9], [-6.2, 6.2]]);
-    pin(pins, &grid.solve(&problem(duffing()))?)
+    pin(pins, SUMS, &grid.solve(&problem(duffing()))?)
 }
 
 fn above_a_wall(pins: &mut Pins) -> Result<()> {
     let density = grid().solve(&duffing_above(-0.5, 0.8))?;
-    pin(pins, &density)?;
-    pins.estimates("impacts", SUMS, &[density.impact_rate().unwrap()]);
-    answers(pins, &density, &["D", "x.above.offset", "x.above.restitution"])
+    pin(pins, HALVINGS, &density)?;
+    pins.estimates("impacts", HALVINGS, &[density.impact_rate().unwrap()]);
+    answers(pins, HALVINGS, &density, &["D", "x.above.offset", "x.above.restitution"])
 }
 
 fn between_walls(pins: &mut Pins) -> Result<()> {
     let density = grid().solve(&between(inelastic()))?;
-    pin(pins, &density)?;
-    pins.estimates("impacts", SUMS, &[density.impact_rate().unwrap()]);
+    pin(pins, HALVINGS, &density)?;
+    pins.estimates("impacts", HALVINGS, &[density.impact_rate().unwrap()]);
     Ok(())
 }
 
@@ -68,7 +68,7 @@ fn in_one_state(pins: &mut Pins) -> Result<()> {
     let wells = Problem::from_toml("states = ['x']\ndrift.x = '0.1 + x - x^3'\nnoise.w.x = '0.8 + 0.1*x'")?;
     let density = grid().solve(&wells)?;
     pins.density("p", SUMS, &density, [&[0.2], &[-0.6]])?;
-    itself(pins, &density);
+    itself(pins, SUMS, &density);
     pins.all("rates", OPTIMA, &density.relaxation(3)?.iter().map(|mode| mode.rate).collect::<Vec<_>>());
     Ok(())
 }
@@ -143,26 +143,26 @@ fn time_in_one_state(pins: &mut Pins) -> Result<()> {
     Ok(())
 }
 
-fn answers(pins: &mut Pins, density: &GridDensity, names: &[&str]) -> Result<()> {
+fn answers(pins: &mut Pins, share: f64, density: &GridDensity, names: &[&str]) -> Result<()> {
     for by in density.sensitivities(names)? {
         let name = by.parameter();
         pins.estimates(
             &format!("by {name} moments"),
-            OPTIMA,
+            share,
             &[by.moment(&[1, 0])?, by.moment(&[2, 0])?, by.moment(&[0, 2])?],
         );
         let others = [by.exceedance(0, 0.5)?, by.marginal(0, 0.5)?, by.upcrossing_rate(0.4)?, by.pdf(PLACES[0])?];
-        pins.all(&format!("by {name} answers"), OPTIMA, &others.map(|answer| answer.value));
-        pins.all(&format!("by {name} size"), OPTIMA, &[by.relative(PLACES[0])?, by.size(), by.l1_estimate()]);
+        pins.all(&format!("by {name} answers"), share, &others.map(|answer| answer.value));
+        pins.all(&format!("by {name} size"), share, &[by.relative(PLACES[0])?, by.size(), by.l1_estimate()]);
         if let Some(rate) = by.impact_rate() {
-            pins.estimates(&format!("by {name} impacts"), OPTIMA, &[rate]);
+            pins.estimates(&format!("by {name} impacts"), share, &[rate]);
         }
     }
     Ok(())
 }
 
 fn derivatives(pins: &mut Pins) -> Result<()> {
-    answers(pins, &grid().solve(&duffing().problem()?)?, &["c", "mu", "D"])?;
+    answers(pins, OPTIMA, &grid().solve(&duffing().problem()?)?, &["c", "mu", "D"])?;
     let line = grid().solve(&Problem::parametric(Linear::new(0.5, 1.0, 0.5)?)?)?;
     pins.all("linear", OPTIMA, &[line.sensitivities(&["k"])?[0].moment(&[2, 0])?.value]);
     Ok(())

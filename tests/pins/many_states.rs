@@ -48,8 +48,8 @@ fn behind_a_filter(pins: &mut Pins) -> Result<()> {
     pin(pins, &low, THREE)?;
     pins.density("order 4", OPTIMA, &high, THREE)?;
     pins.all("distance", OPTIMA, &[compare::l1(&low, &high)?.value, compare::log_ratio(&low, &high, 1e-2)?.value]);
-    derivative(pins, &low.sensitivity("D")?)?;
-    response(pins, &low, 3)
+    derivative(pins, OPTIMA, &low.sensitivity("D")?)?;
+    response(pins, OPTIMA, &low, 3)
 }
 
 fn of_a_chain(pins: &mut Pins) -> Result<()> {
@@ -58,16 +58,16 @@ fn of_a_chain(pins: &mut Pins) -> Result<()> {
 
 /// A double well in a bath with memory, whose equations are solved on a lattice.
 fn by_a_reference(pins: &mut Pins) -> Result<()> {
-    let drift = "drift.x = 'v'\ndrift.v = 'x - a*x^3 + z'\ndrift.z = '-v - z'\nnoise.w.z = '1'\nparameters.a = 1.0";
+    let drift = "drift.x = 'v'\ndrift.v = 'x - x^3 + z'\ndrift.z = '-v - z'\nnoise.w.z = '1'";
     let problem = Problem::from_toml(&format!("states = ['x', 'v', 'z']\n{drift}"))?;
-    let density = closure(2).reference(Reference::Equations).solve(&problem.with_parameter("a", 1.0)?)?;
+    let density = closure(2).reference(Reference::Equations).solve(&problem)?;
     pin(pins, &density, THREE)
 }
 
 /// A voltage that nearly follows displacement and velocity.
 fn on_a_thin_sheet(pins: &mut Pins) -> Result<()> {
     let problem = Problem::from_toml(include_str!("../cases/harvester-bistable.toml"))?;
-    let density = closure(2).solve(&problem.with_parameter("c", 0.1)?)?;
+    let density = closure(2).solve(&problem)?;
     pins.density("p", OPTIMA, &density, [&[0.2, 3.0, 0.1], &[0.5, -5.0, -0.3]])?;
     pins.one("L1", OPTIMA, density.l1_estimate());
     Ok(())
@@ -84,8 +84,7 @@ fn impacts(pins: &mut Pins, density: &ClosureDensity, problem: &Problem) -> Resu
 /// With white noise beside that of the filter.
 fn coloured() -> Result<Problem> {
     let drift = "drift.x = 'v'\ndrift.v = 'z - c*v - x - 0.5*x^3'\ndrift.z = '-z'\nnoise.w.z = '1'\nnoise.u.v = '0.4'";
-    let problem = Problem::from_toml(&format!("states = ['x', 'v', 'z']\n{drift}\nparameters.c = 0.2"))?
-        .with_parameter("c", 0.2)?;
+    let problem = Problem::from_toml(&format!("states = ['x', 'v', 'z']\n{drift}\nparameters.c = 0.2"))?;
     problem.with_wall(Wall::above(-0.3, 0.8)?)
 }
 
@@ -95,7 +94,7 @@ fn behind_a_filter_above_a_wall(pins: &mut Pins) -> Result<()> {
     pin(pins, &density, THREE)?;
     impacts(pins, &density, &problem)?;
     let by = density.sensitivity("x.above.restitution")?;
-    derivative(pins, &by)?;
+    derivative(pins, OPTIMA, &by)?;
     pins.estimates("derivative of the impacts", OPTIMA, &[by.impact_rate().unwrap()]);
     Ok(())
 }

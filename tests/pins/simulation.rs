@@ -1,6 +1,6 @@
 //! The simulation: all that it measures, next to walls as well, and rare states by splitting.
 
-use super::{ERRORS, Group, Pins, SUMS};
+use super::{Group, OPTIMA, Pins, SUMS};
 use crate::common::{OrnsteinUhlenbeck, cubic_damping, problem};
 use crate::simulation::walls::{Bodies, Room, with_walls};
 use expoly::models::{Duffing, FilteredDuffing, Linear};
@@ -37,7 +37,7 @@ pub(super) fn pin(pins: &mut Pins, found: &SimulatedDensity) -> Result<()> {
     pins.estimates("shape", SUMS, &[found.skewness(0)?, found.kurtosis(0)?, found.kurtosis(1)?]);
     pins.estimates("mixed", SUMS, &[found.mean(1)?, found.moment(&[1, 1])?, found.moment(&[2, 2])?]);
     pins.within("balance", SUMS, &found.energy_balance().iter().flat_map(|b| [b.value, b.error]).collect::<Vec<_>>());
-    pins.all("drift", ERRORS, &found.stationarity());
+    pins.all("drift", OPTIMA, &found.stationarity());
     Ok(())
 }
 
@@ -203,7 +203,7 @@ fn splitting(pins: &mut Pins) -> Result<()> {
         pins.estimates(&format!("crossings of {level}"), SUMS, &[tails.upcrossing_rate(level)?]);
     }
     pins.estimates("beyond", SUMS, &[tails.exceedance(1, 3.0)?, tails.non_exceedance(0, 0.0)?]);
-    pins.one("stationarity", ERRORS, tails.stationarity());
+    pins.one("stationarity", OPTIMA, tails.stationarity());
     Ok(())
 }
 

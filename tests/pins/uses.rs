@@ -1,7 +1,7 @@
 //! What is built on the methods: studies, texts, closed forms, inverse problems, models.
 
 use super::simulation::small;
-use super::{Group, OPTIMA, Pins, SUMS};
+use super::{EDGES, Group, HALVINGS, OPTIMA, Pins, SUMS};
 use crate::common::{cubic_damping, duffing, duffing_above, every_model, problem, three_wells};
 use expoly::inverse::{Identification, uncertainty};
 use expoly::models::{
@@ -53,7 +53,7 @@ fn study_of_orders(pins: &mut Pins) -> Result<()> {
     for row in table.rows() {
         let what = format!("{} {}", row.method, row.order);
         let numbers = [row.l1, row.closest, row.tail, row.mean_square_x, row.mean_square_v, row.rate, row.balance];
-        pins.within(&what, OPTIMA, &numbers.map(|number| number.unwrap_or(-1.0)));
+        pins.within(&what, HALVINGS, &numbers.map(|number| number.unwrap_or(-1.0)));
         pins.within(&format!("{what} unknowns"), 0.0, &[row.unknowns.unwrap() as f64]);
     }
     Ok(())
@@ -66,8 +66,8 @@ fn sweep(pins: &mut Pins) -> Result<()> {
         let density = closure(4).starting_from(near).solve(&problem)?;
         Ok((vec![density.moment(&[2, 0])?.value, density.l1_estimate()], density))
     })?;
-    pins.all("squares", OPTIMA, &sweep.column("E x^2")?);
-    pins.all("L1", OPTIMA, &sweep.column("L1")?);
+    pins.all("squares", EDGES, &sweep.column("E x^2")?);
+    pins.all("L1", 100.0 * EDGES, &sweep.column("L1")?);
     Ok(())
 }
 
@@ -80,11 +80,11 @@ fn closed_forms(pins: &mut Pins) -> Result<()> {
     let exact = ClosedForm::new(three_wells().exact()?, &["x", "v"])?;
     let walled = ClosedForm::new(closure(4).solve(&duffing_above(-0.5, 0.9))?, &["x", "v"])?;
     let plain = ClosedForm::new(closure(4).solve(&problem(cubic_damping()))?, &["x", "v"])?;
-    for (name, form) in [("exact", exact), ("walled", walled), ("plain", plain)] {
+    for (name, share, form) in [("exact", OPTIMA, exact), ("walled", EDGES, walled), ("plain", EDGES, plain)] {
         let again = ClosedForm::from_json(&form.to_json()?)?;
         let x = [0.3, -0.4];
         pins.within(&format!("{name} after a round trip"), 0.0, &[again.log_pdf(&x)? - form.log_pdf(&x)?]);
-        pins.all(&format!("{name} density"), OPTIMA, &[again.log_pdf(&x)?, again.moment(&[2, 0])?.value]);
+        pins.all(&format!("{name} density"), share, &[again.log_pdf(&x)?, again.moment(&[2, 0])?.value]);
         let texts = [form.latex(&["x", "\\dot x"]), form.python(), form.matlab()];
         for (language, text) in ["LaTeX", "Python", "MATLAB"].into_iter().zip(texts) {
             pins.within(&format!("{name} {language}"), 0.0, &[text.as_deref().map_or(-1.0, letters)]);
@@ -128,7 +128,7 @@ fn generated(problem: &Problem) -> f64 {
 }
 
 fn texts(pins: &mut Pins) -> Result<()> {
-    let problem = Problem::from_toml(TEXT)?.with_parameter("c", 0.2)?;
+    let problem = Problem::from_toml(TEXT)?;
     let again = Problem::from_toml(&problem.to_toml()?)?;
     for (name, problem) in [("read", &problem), ("written and read", &again)] {
         pins.all(
