@@ -3,7 +3,7 @@
 use crate::common::moving::{Noisy, POWERS, correlated, normal};
 use crate::common::*;
 use expoly::models::Duffing;
-use expoly::{Closure, Envelope, Grid, Problem, Wall, compare};
+use expoly::{Closure, Density, Envelope, Grid, Problem, Wall, compare};
 
 /// Under noise that rises and fades the moments of first and second order obey equations of their own, with noise in the velocity
 /// as well, whose drift in Itô's sense is modulated too: they close under every weight. Measured are 3e-8, by the time steps of the

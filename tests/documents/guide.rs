@@ -4,7 +4,7 @@ use super::{Comparison, Document, cycle_error};
 use crate::common::*;
 use expoly::models::{Duffing, Solved};
 use expoly::statistics::{Crossings, Marginal};
-use expoly::{Grid, compare};
+use expoly::{Density, Grid, compare};
 
 fn guide() -> Document {
     Document::read("src/guide.md")

@@ -3,7 +3,7 @@
 use crate::common::moving::{POWERS, correlated, linear_after, moments};
 use crate::common::{l1_from, problem};
 use expoly::models::{Duffing, Linear};
-use expoly::{Error, Gaussian, Grid, GridDensity, PolynomialDrift, Scalar, Start};
+use expoly::{Density, Error, Gaussian, Grid, GridDensity, PolynomialDrift, Scalar, Start};
 use nalgebra::{dmatrix, dvector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;

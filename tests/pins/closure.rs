@@ -156,7 +156,7 @@ fn fitted(pins: &mut Pins) -> Result<()> {
 pub(super) fn derivative(pins: &mut Pins, share: f64, by: &Sensitivity) -> Result<()> {
     let n = by.density().dimension();
     let squares = [0, 1].map(|state| by.moment(&super::power_of(n, state, 2)).unwrap());
-    let name = &by.parameters()[0];
+    let name = by.parameter();
     pins.estimates(&format!("by {name} squares"), share, &squares);
     let place = [0.2, 0.3, -0.1, 0.2];
     let others = [by.exceedance(0, 0.5)?, by.marginal(0, 0.5)?, by.upcrossing_rate(0.4)?].map(|answer| answer.value);
@@ -170,9 +170,9 @@ fn derivatives(pins: &mut Pins) -> Result<()> {
     let problem = Problem::from_toml(&format!("{model}[parameters]\nc = 0.1\ng = 0.3\nD = 0.5"))?;
     for by in closure(4).solve(&problem)?.sensitivities(&["g", "D"])? {
         derivative(pins, EDGES, &by)?;
-        pins.one(&format!("by {} L1", by.parameters()[0]), 100.0 * EDGES, by.l1_estimate());
+        pins.one(&format!("by {} L1", by.parameter()), 100.0 * EDGES, by.l1_estimate());
         let far = [by.upper_quantile(0, 0.01)?, by.first_passage(1.5, 10.0)?].map(|answer| answer.value);
-        pins.all(&format!("by {} far", by.parameters()[0]), EDGES, &far);
+        pins.all(&format!("by {} far", by.parameter()), EDGES, &far);
     }
     Ok(())
 }
@@ -184,7 +184,7 @@ fn exact_derivatives(pins: &mut Pins) -> Result<()> {
 fn derivatives_at_a_wall(pins: &mut Pins, density: &ClosureDensity) -> Result<()> {
     for by in density.sensitivities(&["D", "x.above.offset", "x.above.restitution"])? {
         derivative(pins, EDGES, &by)?;
-        pins.estimates(&format!("by {} impacts", by.parameters()[0]), EDGES, &[by.impact_rate().unwrap()]);
+        pins.estimates(&format!("by {} impacts", by.parameter()), EDGES, &[by.impact_rate().unwrap()]);
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::{EDGES, Group, OPTIMA, Pins, power_of};
 use crate::common::moving::{correlated, normal, van_der_pol};
 use crate::common::{OrnsteinUhlenbeck, duffing, duffing_above, problem};
-use expoly::models::{FilteredDuffing, Solved};
+use expoly::models::FilteredDuffing;
 use expoly::{Closure, ClosureDensity, Density, Gaussian, Problem, Result, Start, Transient};
 use nalgebra::{DMatrix, dvector};
 

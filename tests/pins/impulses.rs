@@ -24,9 +24,6 @@ fn closure(pins: &mut Pins) -> Result<()> {
     let found =
         Closure::new(4).pilot_states(5120).transient(&struck(0.3, &[normal]), &Start::Gaussian(start), &[2.0])?;
     pins.estimates("in time", OPTIMA, &[found[0].moment(&[2, 0])?, found[0].moment(&[0, 2])?]);
-    let classical = Closure::classical(4).derivative_moments(4).solve(&struck(0.0, &[normal]))?;
-    let root = classical.log_polynomial();
-    pins.all("classical root", OPTIMA, &root.terms().map(|(_, c)| c).take(5).collect::<Vec<_>>());
     Ok(())
 }
 
@@ -37,7 +34,7 @@ fn derivatives(pins: &mut Pins) -> Result<()> {
     let density = Closure::new(4).pilot_states(5120).solve(&problem)?;
     let names: Vec<&str> = problem.parameters().iter().map(|(name, _)| name.as_str()).collect();
     for by in density.sensitivities(&names)? {
-        let name = &by.parameters()[0];
+        let name = by.parameter();
         pins.estimates(&format!("by {name}"), OPTIMA, &[by.moment(&[2, 0])?, by.moment(&[0, 2])?]);
     }
     Ok(())

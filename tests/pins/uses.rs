@@ -144,8 +144,6 @@ fn texts(pins: &mut Pins) -> Result<()> {
         0.0,
         &[letters(&operator.text(names).to_string()), letters(&operator.latex(names).to_string())],
     );
-    let residual = duffing().problem()?;
-    pins.within("residual", 0.0, &[letters(&residual.operator().residual_text(residual.states()).to_string())]);
     let found = small().run(&again)?;
     pins.estimates("simulated", SUMS, &[found.mean(0)?, found.moment(&[0, 2, 0])?]);
     Ok(())
