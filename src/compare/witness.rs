@@ -21,7 +21,7 @@ use crate::states::States;
 /// than these; those of p̃'s expectations.
 ///
 /// ```
-/// use expoly::{Closure, Problem, Simulation, compare, models::CubicDamping};
+/// use expoly::{Closure, Density, Problem, Simulation, compare, models::CubicDamping};
 /// let problem = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
 /// let [density, comparison] = [2, 6].map(|order| Closure::new(order).solve(&problem));
 /// let density = density?;

@@ -198,7 +198,7 @@ impl SimulatedDensity {
     /// burn-in. Not a number where the result is of a single batch.
     ///
     /// ```
-    /// use expoly::{Problem, Simulation, models::Linear};
+    /// use expoly::{Density, Problem, Simulation, models::Linear};
     /// let growing = Problem::of(Linear::new(-0.02, 1.0, 0.2)?)?; // damping below zero
     /// let result = Simulation::new().samples(100_000).run(&growing)?;
     /// assert!(result.stationarity().iter().all(|drift| *drift > 4.0));

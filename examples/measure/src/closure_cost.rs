@@ -6,7 +6,7 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::models::{CubicDamping, Duffing, DuffingChain, Solved};
-use expoly::{Closure, ClosureDensity, Problem, Wall};
+use expoly::{Closure, ClosureDensity, Density, Problem, Wall};
 use std::path::PathBuf;
 use std::time::Instant;
 use support::figure::{Curve, Panel, Scale, Style, View, write_figure};

@@ -8,7 +8,7 @@ use clap::Args;
 use expoly::models::{
     DisplacementNoise, Duffing, EnergyDamping, QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise,
 };
-use expoly::{Grid, compare};
+use expoly::{Density, Grid, compare};
 use std::path::PathBuf;
 use support::figure::{Curve, Panel, Scale, Style, View, write_figure};
 use support::shown;

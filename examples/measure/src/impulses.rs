@@ -8,7 +8,7 @@
 use crate::Outcome;
 use crate::cells::Cells;
 use clap::Args;
-use expoly::{Amplitude, Closure, Intensity, Jumps, Oscillator, Problem, Result, Scalar};
+use expoly::{Amplitude, Closure, Density, Intensity, Jumps, Oscillator, Problem, Result, Scalar};
 use std::time::Instant;
 
 /// The closure under Poisson impulses.

@@ -3,8 +3,8 @@
 
 use crate::Outcome;
 use clap::Args;
-use expoly::Simulation;
 use expoly::models::{Duffing, VibroImpactDuffing};
+use expoly::{Density, Simulation};
 use std::{error::Error, fs, time::Instant};
 
 /// How long to simulate.

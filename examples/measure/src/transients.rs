@@ -8,7 +8,7 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::models::{Duffing, Solved};
-use expoly::{Closure, Envelope, Gaussian, Grid, Problem, Result, Start, Transient, Wall, Weight, compare};
+use expoly::{Closure, Density, Envelope, Gaussian, Grid, Problem, Result, Start, Transient, Wall, Weight, compare};
 use nalgebra::{dmatrix, dvector};
 use std::time::Instant;
 

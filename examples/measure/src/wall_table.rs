@@ -7,7 +7,7 @@
 
 use crate::Outcome;
 use clap::Args;
-use expoly::Simulation;
+use expoly::{Density, Simulation};
 use std::time::Instant;
 use support::walls;
 

@@ -55,7 +55,7 @@ impl Closure {
     /// [`Error::NotClosed`] where no polynomial is found; the errors of the density's values.
     ///
     /// ```
-    /// use expoly::{Closure, Grid, Problem};
+    /// use expoly::{Closure, Density, Grid, Problem};
     /// // A limit cycle, x″ − (1 − x²) x′ + x = ξ, D = 1: quartics are off by a fifth, and order 8 by 4 %.
     /// let text = "states = ['x', 'v']\ndrift = { x = 'v', v = '(1 - x^2)*v - x' }\nnoise.w.v = 'sqrt(2)'";
     /// let exact = Grid::new().accuracy(1e-4).solve(&Problem::from_toml(text)?)?;

@@ -4,7 +4,7 @@ use super::Options;
 use super::runner::{Place, Row};
 use super::statistics::{quantile, share};
 use crate::Outcome;
-use expoly::{Closure, Problem, Reference};
+use expoly::{Closure, Density, Problem, Reference};
 use std::fmt;
 use std::time::Instant;
 use support::exact::{Exact, Truth};

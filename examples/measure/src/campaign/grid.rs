@@ -5,7 +5,7 @@ use super::runner::{Place, Row};
 use super::statistics::{quantile, share};
 use super::systems::System;
 use crate::Outcome;
-use expoly::{Grid, Problem, compare};
+use expoly::{Density, Grid, Problem, compare};
 use std::fmt;
 use std::time::Instant;
 
