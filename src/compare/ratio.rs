@@ -16,7 +16,7 @@ const BISECTIONS: usize = 40;
 /// In one state and in two the region is scanned on 160 lines along each, with its edges found on every line, where the
 /// largest ratio usually is; the error is the change from a scan of every second line, and the reference's own error where
 /// the ratio is largest. In more states the ratio is taken at the nodes of the density or of the reference,
-/// [`Density::weighted_states`]. Where p is not positive the answer is infinite.
+/// their draws. Where p is not positive the answer is infinite.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] unless 0 < `level` ≤ 1; [`Error::NotKnown`] if in more than two states neither density has nodes.

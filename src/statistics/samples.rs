@@ -37,7 +37,7 @@ const WIDENED: f64 = 1.25;
 /// In one state and in two the states are independent and exact, by rejection from a piecewise constant envelope: cells
 /// are halved until the density varies little on each, and an envelope that is below the density at a draw is raised, and all
 /// draws begin anew. Only a peak that is narrower than a cell and at no evaluated point would be missed. In more states they
-/// are drawn again from weighted ones: those that the density was integrated on, [`Density::weighted_states`], or draws from
+/// are drawn again from weighted ones: the draws that the density was integrated on, or draws from
 /// a normal density with the same mean and covariance; tails beyond these states are not there.
 ///
 /// The number beside the states is the effective number of independent ones among the weighted ones, (Σw)²/Σw², and none

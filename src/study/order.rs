@@ -81,9 +81,9 @@ impl<'a> OrderStudy<'a> {
     /// Computes the rows that are missing, and returns all that are there then.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a study without rows or with the same row twice, and for part 0 and parts above n;
-    /// [`Error::NotAName`] for a name of more than one line; [`Error::NotThisRun`] for a file with rows of other settings,
-    /// [`Error::File`]; [`Error::Cancelled`]; and the errors of truths and methods. A method that has no density at some order
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a study without rows or with the same row twice, and for part 0 and parts above n;
+    /// [`Error::NotAName`](crate::Error::NotAName) for a name of more than one line; [`Error::NotThisRun`](crate::Error::NotThisRun) for a file with rows of other settings,
+    /// [`Error::File`](crate::Error::File); [`Error::Cancelled`](crate::Error::Cancelled); and the errors of truths and methods. A method that has no density at some order
     /// makes a row, not an error.
     pub fn run(self) -> Result<OrderTable> {
         self.run_among(&OneProcess)
