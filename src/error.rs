@@ -186,7 +186,7 @@ pub enum Error {
         /// The file.
         path: String,
         /// What is wrong with it, and a remedy.
-        problem: &'static str,
+        problem: String,
     },
     /// Results are not the parts of one simulation.
     #[error("these are not the parts of one simulation: {problem}")]

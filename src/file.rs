@@ -40,8 +40,8 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<()> {
 }
 
 /// A file that nothing can go on from.
-pub(crate) fn not_this_run(path: &Path, problem: &'static str) -> Error {
-    Error::NotThisRun { path: path.display().to_string(), problem }
+pub(crate) fn not_this_run(path: &Path, problem: impl Into<String>) -> Error {
+    Error::NotThisRun { path: path.display().to_string(), problem: problem.into() }
 }
 
 pub(crate) fn file_error(action: &'static str, path: &Path, error: &io::Error) -> Error {

@@ -289,12 +289,16 @@ fn an_order_study_goes_on_where_it_is_told_to() {
     let (succeeded, text, _) = run("2,4", &[]);
     assert!(succeeded && text.contains("c = 0.2, k = 1, D = 0.2; against the exact density"), "{text}");
     let table = std::fs::read_to_string(out.join("linear.csv")).unwrap();
-    assert_eq!(table.lines().count(), 2 + 4);
+    assert_eq!(table.lines().count(), 1 + 4);
     assert!(out.join("linear.svg").exists() && out.join("linear.svg.csv").exists());
     assert!(run("2,4", &["--resume"]).0 && std::fs::read_to_string(out.join("linear.csv")).unwrap() == table);
-    let (succeeded, _, message) = run("2", &["--resume"]);
+    let (succeeded, _, message) = run("2,4", &["--resume", "--seed", "2"]);
     assert!(!succeeded && message.contains("linear.csv"), "{message}");
-    assert!(run("2", &[]).0);
+    // An order is added; a study that begins anew has its own rows alone.
+    assert!(run("2,4,6", &["--resume"]).0);
+    let longer = std::fs::read_to_string(out.join("linear.csv")).unwrap();
+    assert!(longer.starts_with(&table) && longer.lines().count() == 1 + 6, "{longer}");
+    assert!(run("2", &[]).0 && std::fs::read_to_string(out.join("linear.csv")).unwrap().lines().count() == 1 + 2);
 }
 
 #[test]

@@ -20,9 +20,9 @@ pub(crate) fn summary(density: &dyn Density, f: &mut Formatter<'_>) -> Result {
         line(f, name, &more(moments.join(", "), n))?;
     }
     let mean = density.moment(&of_one(n, 0, 1)).map(|mean| mean.value);
-    // Of the second state as the first one's velocity, where a density of displacements has it so.
+    // A density has no word on which state is the velocity of which; the line names what it takes for granted.
     if let (true, Ok(rate)) = (n > 1, mean.and_then(|level| density.flux(Crossing::upward(level), 1))) {
-        line(f, "flux up through the mean", &rate.to_string())?;
+        line(f, "up-crossings, x2 = x1'", &rate.to_string())?;
     }
     if let Some(rate) = density.impact_rate() {
         line(f, "impacts per unit time", &rate.to_string())?;

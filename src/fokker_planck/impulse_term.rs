@@ -1,7 +1,7 @@
 use super::Impulse;
 use crate::polynomial::{Arena, Polynomial, Symbol};
 use crate::system::Jumps;
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 
 /// λ E\[ψ(x + H(x) Y) − ψ(x)\], or its derivative by a parameter.
 ///
@@ -10,7 +10,7 @@ use num_dual::HyperDual64;
 /// x₊ = x + m₀.
 #[derive(Clone, Debug)]
 pub(crate) struct ImpulseTerm {
-    jumps: Jumps<HyperDual64>,
+    jumps: Jumps<Dual64>,
     /// The coefficients of 1 and ε in H, each by states.
     field: [Vec<Polynomial>; 2],
     /// The power of ε, at most one.
@@ -28,12 +28,12 @@ pub(crate) struct Landing {
 }
 
 /// The coefficients of 1 and ε.
-fn parts(number: HyperDual64) -> [f64; 2] {
-    [number.re, number.eps1]
+fn parts(number: Dual64) -> [f64; 2] {
+    [number.re, number.eps]
 }
 
 /// The coefficient of a power of ε.
-fn part(number: HyperDual64, power: u32) -> f64 {
+fn part(number: Dual64, power: u32) -> f64 {
     parts(number)[power as usize]
 }
 
@@ -41,12 +41,12 @@ impl ImpulseTerm {
     /// The generator of impulses itself.
     pub(crate) fn of(impulse: &Impulse) -> Self {
         let zero = impulse.field().iter().map(|h| Polynomial::zero(h.dimension())).collect();
-        let jumps = impulse.jumps().each(HyperDual64::from);
+        let jumps = impulse.jumps().each(Dual64::from);
         ImpulseTerm { jumps, field: [impulse.field().to_vec(), zero], power: 0 }
     }
 
     /// Its derivative, where ε is the last variable of H. None where it vanishes, since nothing depends on it.
-    pub(super) fn derivative(impulse: &Impulse<HyperDual64>) -> Option<Self> {
+    pub(super) fn derivative(impulse: &Impulse<Dual64>) -> Option<Self> {
         let states = impulse.field().len() - 1;
         let field =
             [0, 1].map(|power| impulse.field()[..states].iter().map(|h| h.coefficient_of_last(power)).collect());
@@ -68,7 +68,7 @@ impl ImpulseTerm {
     }
 
     /// Rate and law.
-    pub(crate) fn jumps(&self) -> &Jumps<HyperDual64> {
+    pub(crate) fn jumps(&self) -> &Jumps<Dual64> {
         &self.jumps
     }
 
@@ -121,16 +121,16 @@ impl ImpulseTerm {
     }
 
     /// H at a state.
-    pub(crate) fn field_at(&self, x: &[f64]) -> Vec<HyperDual64> {
+    pub(crate) fn field_at(&self, x: &[f64]) -> Vec<Dual64> {
         let at = |i: usize| {
             let [re, eps] = self.field.each_ref().map(|field| field[i].evaluate(x));
-            HyperDual64::new(re, eps, 0.0, 0.0)
+            Dual64::new(re, eps)
         };
         (0..x.len()).map(at).collect()
     }
 
     /// What impulses of the size `y` do at a state, given H there.
-    pub(crate) fn landing(&self, x: &[f64], field: &[HyperDual64], y: HyperDual64) -> Landing {
+    pub(crate) fn landing(&self, x: &[f64], field: &[Dual64], y: Dual64) -> Landing {
         let (rate, moves) = (self.jumps.rate(), || field.iter().map(|h| *h * y));
         let after = x.iter().zip(moves()).map(|(x, by)| x + by.re).collect();
         let mass = part(rate, self.power);

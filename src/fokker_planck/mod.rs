@@ -25,7 +25,7 @@ use crate::density::Frame;
 use crate::error::{Error, Result};
 use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
 use crate::system::Interpretation;
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 
 /// The Fokker-Planck operator as polynomials: the Itô drift f, the diffusion matrix B = G Gᵀ, and impulses.
 #[derive(Clone, Debug, PartialEq)]
@@ -225,7 +225,7 @@ impl FokkerPlanck {
     }
 
     /// Of an operator whose last state is a parameter ε, and of its `impulses`, the coefficient of this.
-    pub(crate) fn derivative(&self, impulses: &[Impulse<HyperDual64>]) -> Self {
+    pub(crate) fn derivative(&self, impulses: &[Impulse<Dual64>]) -> Self {
         let n = self.dimension() - 1;
         let part = |p: &Polynomial| p.coefficient_of_last(1);
         FokkerPlanck {
@@ -284,10 +284,9 @@ impl FokkerPlanck {
         }
     }
 
-    /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation. White
-    /// noise takes the place of impulses.
+    /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation.
     pub(crate) fn linearised(&self, gaussian: &Gaussian) -> Self {
-        let FokkerPlanck { drift, diffusion, .. } = self.diffusive();
+        let FokkerPlanck { drift, diffusion, .. } = self;
         let slope = |i: usize, j: usize| gaussian.expectation(&drift[i].derivative(j));
         let diffusion = |i: usize, j: usize| gaussian.expectation(&diffusion[i][j]);
         Self::linear(slope, gaussian.mean.as_slice(), diffusion)

@@ -1,6 +1,6 @@
 use super::Polynomial;
 use crate::scalar::Scalar;
-use num_dual::{DualNum, HyperDual64};
+use num_dual::{Dual64, DualNum};
 use num_traits::{One, Zero};
 use std::cell::RefCell;
 use std::fmt;
@@ -42,7 +42,7 @@ pub(crate) struct Symbol<'a>(Inner<'a>);
 #[derive(Clone, Copy)]
 enum Inner<'a> {
     /// A number needs no store, so that it can be made where no arena is at hand.
-    Constant(HyperDual64),
+    Constant(Dual64),
     Stored {
         arena: &'a Arena,
         index: usize,
@@ -58,7 +58,7 @@ impl<'a> Symbol<'a> {
         }
     }
 
-    fn map(self, number: impl Fn(HyperDual64) -> HyperDual64, polynomial: impl Fn(&Polynomial) -> Polynomial) -> Self {
+    fn map(self, number: impl Fn(Dual64) -> Dual64, polynomial: impl Fn(&Polynomial) -> Polynomial) -> Self {
         match self.0 {
             Inner::Constant(value) => Symbol(Inner::Constant(number(value))),
             Inner::Stored { arena, index } => {
@@ -75,24 +75,24 @@ impl From<f64> for Symbol<'_> {
     }
 }
 
-impl From<HyperDual64> for Symbol<'_> {
-    fn from(value: HyperDual64) -> Self {
+impl From<Dual64> for Symbol<'_> {
+    fn from(value: Dual64) -> Self {
         Symbol(Inner::Constant(value))
     }
 }
 
 /// Whether a dual number has no part but the real one.
-pub(crate) fn is_real(number: HyperDual64) -> bool {
-    number.eps1 == 0.0
+pub(crate) fn is_real(number: Dual64) -> bool {
+    number.eps == 0.0
 }
 
 /// A dual number as a polynomial whose last variable is ε.
-pub(crate) fn series(number: HyperDual64, variables: usize) -> Polynomial {
+pub(crate) fn series(number: Dual64, variables: usize) -> Polynomial {
     let constant = Polynomial::constant(variables, number.re);
     if is_real(number) {
         return constant;
     }
-    constant + Polynomial::variable(variables, variables - 1) * number.eps1
+    constant + Polynomial::variable(variables, variables - 1) * number.eps
 }
 
 impl fmt::Debug for Symbol<'_> {
@@ -144,34 +144,34 @@ impl Div<f64> for Symbol<'_> {
     }
 }
 
-impl Add<HyperDual64> for Symbol<'_> {
+impl Add<Dual64> for Symbol<'_> {
     type Output = Self;
 
-    fn add(self, constant: HyperDual64) -> Self {
+    fn add(self, constant: Dual64) -> Self {
         self + Symbol::from(constant)
     }
 }
 
-impl Sub<HyperDual64> for Symbol<'_> {
+impl Sub<Dual64> for Symbol<'_> {
     type Output = Self;
 
-    fn sub(self, constant: HyperDual64) -> Self {
+    fn sub(self, constant: Dual64) -> Self {
         self - Symbol::from(constant)
     }
 }
 
-impl Mul<HyperDual64> for Symbol<'_> {
+impl Mul<Dual64> for Symbol<'_> {
     type Output = Self;
 
-    fn mul(self, factor: HyperDual64) -> Self {
+    fn mul(self, factor: Dual64) -> Self {
         self * Symbol::from(factor)
     }
 }
 
-impl Div<HyperDual64> for Symbol<'_> {
+impl Div<Dual64> for Symbol<'_> {
     type Output = Self;
 
-    fn div(self, divisor: HyperDual64) -> Self {
+    fn div(self, divisor: Dual64) -> Self {
         self * Symbol::from(divisor.recip())
     }
 }
@@ -240,7 +240,7 @@ impl One for Symbol<'_> {
 
 impl Scalar for Symbol<'_> {}
 
-impl Scalar<HyperDual64> for Symbol<'_> {}
+impl Scalar<Dual64> for Symbol<'_> {}
 
 #[cfg(test)]
 mod tests {

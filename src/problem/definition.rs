@@ -9,7 +9,7 @@ use crate::fokker_planck::{FokkerPlanck, Impulse, noise_induced_drift};
 use crate::polynomial::{Arena, Polynomial, Symbol};
 use crate::scalar::Scalar;
 use crate::system::{Interpretation, Parameter, Parametric, PolynomialDrift, PolynomialSystem};
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 use std::sync::Arc;
 
 /// A system as its polynomials, and what came with it.
@@ -49,7 +49,7 @@ impl Problem {
     pub fn parametric<T, const N: usize, const M: usize>(system: T) -> Result<Self>
     where
         T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
-        T::With<HyperDual64>: PolynomialDrift<N, M, HyperDual64>,
+        T::With<Dual64>: PolynomialDrift<N, M, Dual64>,
     {
         let (parameters, copy) = parameters_of(&system)?;
         Self::fixed(system, parameters, Some(Box::new(FixedFamily::<T, N, M>(copy))))
@@ -82,7 +82,7 @@ impl Problem {
     pub fn parametric_system<T>(system: T) -> Result<Self>
     where
         T: PolynomialSystem + Parametric<With<f64> = T> + 'static,
-        T::With<HyperDual64>: PolynomialSystem<HyperDual64>,
+        T::With<Dual64>: PolynomialSystem<Dual64>,
     {
         let (parameters, copy) = parameters_of(&system)?;
         Self::any_size(system, parameters, Some(Box::new(AnyFamily(copy))))
@@ -185,7 +185,7 @@ impl<P: Parameter> PolynomialForm<P> {
     }
 }
 
-impl PolynomialForm<HyperDual64> {
+impl PolynomialForm<Dual64> {
     /// With the values of its parameters alone.
     pub(super) fn real(self) -> PolynomialForm<f64> {
         let PolynomialForm { drift, columns, interpretation, impulses } = self;
@@ -204,13 +204,13 @@ struct FixedFamily<T, const N: usize, const M: usize>(T);
 impl<T, const N: usize, const M: usize> Family for FixedFamily<T, N, M>
 where
     T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
-    T::With<HyperDual64>: PolynomialDrift<N, M, HyperDual64>,
+    T::With<Dual64>: PolynomialDrift<N, M, Dual64>,
 {
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
         Problem::parametric(self.0.with(&mut |name, present| value(name, present)))
     }
 
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted> {
         fixed(&self.0.with(&mut |name, present| value(name, present)), 1).lifted()
     }
 }
@@ -221,13 +221,13 @@ struct AnyFamily<T>(T);
 impl<T> Family for AnyFamily<T>
 where
     T: PolynomialSystem + Parametric<With<f64> = T> + 'static,
-    T::With<HyperDual64>: PolynomialSystem<HyperDual64>,
+    T::With<Dual64>: PolynomialSystem<Dual64>,
 {
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
         Problem::parametric_system(self.0.with(&mut |name, present| value(name, present)))
     }
 
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted> {
         any_size(&self.0.with(&mut |name, present| value(name, present)), 1)?.lifted()
     }
 }

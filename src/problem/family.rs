@@ -4,7 +4,7 @@ use super::{Motion, Problem, Wall};
 use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Impulse};
 use crate::polynomial::is_real;
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 
 /// What makes the problems of a system for any values of its parameters.
 pub(super) trait Family: Send + Sync {
@@ -12,7 +12,7 @@ pub(super) trait Family: Send + Sync {
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem>;
 
     /// The system with dual numbers for the parameters, a + b ε.
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted>;
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted>;
 
     /// The walls that the definition itself contains.
     fn walls(&self) -> &[Wall] {
@@ -25,9 +25,9 @@ pub(super) struct Lifted {
     /// ε is one more state, which does not move.
     pub(super) operator: FokkerPlanck,
     /// Those of the operator with the dual numbers of rates and laws.
-    pub(super) impulses: Vec<Impulse<HyperDual64>>,
+    pub(super) impulses: Vec<Impulse<Dual64>>,
     /// Offset and restitution of the walls that the definition itself contains.
-    pub(super) walls: Vec<[HyperDual64; 2]>,
+    pub(super) walls: Vec<[Dual64; 2]>,
 }
 
 impl Lifted {
@@ -123,7 +123,7 @@ impl Problem {
         let (family, lifted) = (self.family()?, self.lifted(parameter)?);
         for (wall, (rates, numbers)) in walls.iter_mut().zip(&lifted.walls).enumerate() {
             let follows = self.follows(family, wall);
-            *rates = [0, 1].map(|k| if follows[k] { numbers[k].eps1 } else { 0.0 });
+            *rates = [0, 1].map(|k| if follows[k] { numbers[k].eps } else { 0.0 });
         }
         let motion = Motion { operator: lifted.derivative(), walls };
         let fixed = motion.operator.is_zero() && motion.walls.iter().flatten().all(|rate| *rate == 0.0);
@@ -132,8 +132,7 @@ impl Problem {
 
     /// The system with dual numbers for one parameter.
     fn lifted(&self, parameter: &str) -> Result<Lifted> {
-        let seed =
-            |name: &str, present: f64| HyperDual64::new(present, f64::from(u8::from(name == parameter)), 0.0, 0.0);
+        let seed = |name: &str, present: f64| Dual64::new(present, f64::from(u8::from(name == parameter)));
         self.family()?.lifted(&seed)
     }
 

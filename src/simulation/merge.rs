@@ -8,9 +8,6 @@ use std::{io, path::Path};
 const UNFINISHED: &str =
     "it has no result yet: run the simulation again with the same options, and it goes on from there";
 
-const OTHER: &str =
-    "two of them differ in the problem, the seed, the number of samples or another option; make these the same";
-
 impl SimulatedDensity {
     /// The result in a checkpoint of [`Simulation::checkpoint`](crate::Simulation::checkpoint) whose run is over. The
     /// problem itself is not needed.
@@ -49,8 +46,8 @@ impl SimulatedDensity {
         let stopped = first.provenance().stopped.unwrap_or(Stopped::Samples);
         let mut tallies = first.into_tallies();
         for part in parts {
-            if !plan.is_like(&part.plan) {
-                return Err(Error::NotTheParts { problem: String::from(OTHER) });
+            if let Some(what) = plan.difference(&part.plan) {
+                return Err(Error::NotTheParts { problem: format!("of one {what} in the first; make it the same") });
             }
             seconds += part.provenance().seconds;
             tallies.extend(part.into_tallies());
@@ -63,8 +60,11 @@ impl SimulatedDensity {
 
 /// Refuses batches that are not all there, or there twice, or of different lengths.
 fn whole(tallies: &[Tally], trajectories: usize) -> Result<()> {
-    if tallies.iter().any(|tally| tally.samples != tallies[0].samples) {
-        return Err(Error::NotTheParts { problem: String::from(OTHER) });
+    let first = tallies.first().map_or(0, |tally| tally.samples);
+    if let Some(other) = tallies.iter().map(|tally| tally.samples).find(|samples| *samples != first) {
+        let problem =
+            format!("their trajectories have {first} and {other} samples; make the number of samples the same");
+        return Err(Error::NotTheParts { problem });
     }
     for (batch, range) in deal(trajectories).into_iter().enumerate() {
         let there = match tallies.iter().filter(|tally| tally.batch == batch).count() {

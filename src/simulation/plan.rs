@@ -108,9 +108,31 @@ impl Plan {
         Pilot::path_steps(&self.timetable)
     }
 
-    /// Whether a run of another plan makes the same numbers.
-    pub(super) fn is_like(&self, other: &Self) -> bool {
-        *self == Plan { rate: self.rate, ..other.clone() }
+    /// The first option by which a run of another plan makes other numbers, with both values.
+    pub(super) fn difference(&self, other: &Self) -> Option<String> {
+        if *self == (Plan { rate: self.rate, ..other.clone() }) {
+            return None;
+        }
+        let options = |plan: &Self| {
+            [
+                ("system", plan.equations.join(", ")),
+                ("list of walls", format!("{:?}", plan.walls)),
+                ("seed", plan.seed.to_string()),
+                ("number of trajectories", plan.trajectories.to_string()),
+                ("time step", plan.time_step.to_string()),
+                ("burn-in", plan.burn_in().to_string()),
+                ("sampling interval", plan.interval().to_string()),
+                ("start", format!("{:?}", plan.start)),
+                ("list of levels", format!("{:?}", plan.levels)),
+                ("number of bins", plan.axes[0].bins().to_string()),
+                ("list of further statistics", format!("{:?}", plan.requests)),
+            ]
+        };
+        let differing = options(self).into_iter().zip(options(other)).find(|(here, there)| here != there);
+        let text = |((what, here), (_, there)): ((&str, String), (&str, String))| {
+            format!("its {what} is {there}, here {here}")
+        };
+        Some(differing.map_or_else(|| String::from("its control variates or histograms are others"), text))
     }
 
     /// Passages before the first one, as every batch of the plan begins with.

@@ -19,9 +19,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-const OTHER: &str =
-    "it is the state of another problem, seed, part or option, or of more samples; keep the two in different files";
-
 /// A run in progress: the batches of this process, and the others that it shares the work with.
 pub(super) struct Session<'a, P> {
     pub(super) ensemble: Ensemble<'a>,
@@ -150,12 +147,17 @@ impl<P: Processes> Session<'_, P> {
         let mine = if self.processes.rank() == 0 { file::read(path) } else { Ok(None) };
         let Some(content) = gather(self.processes, mine)?.swap_remove(0) else { return Ok(None) };
         let state = State::from_file(path, &content)?;
-        let same_part = state.batches.iter().map(|b| b.index).eq(part);
-        let same = same_part && self.plan.is_like(&state.plan);
-        if same && samples(state.done()) <= self.samples {
-            return Ok(Some(state));
+        let other = || (!state.batches.iter().map(|b| b.index).eq(part)).then(|| String::from("it is of another part"));
+        let more = || {
+            let (there, asked) = (samples(state.done()), self.samples);
+            (there > asked).then(|| format!("it has {there} samples of a trajectory, and {asked} are asked for"))
+        };
+        match self.plan.difference(&state.plan).or_else(other).or_else(more) {
+            None => Ok(Some(state)),
+            Some(what) => {
+                Err(file::not_this_run(path, format!("{what}; make it the same, or keep the two in different files")))
+            }
         }
-        Err(file::not_this_run(path, OTHER))
     }
 
     /// Writes the checkpoint, if there is to be one: every rank sends its batches to rank 0.

@@ -18,6 +18,7 @@ pub struct Case<'a> {
     problem: Problem,
     truth: Known<'a>,
     methods: Vec<(String, Solve<'a>)>,
+    settings: String,
 }
 
 impl fmt::Debug for Case<'_> {
@@ -34,11 +35,11 @@ impl<'a> Case<'a> {
         truth: impl Fn(&Problem) -> Result<T> + Sync + 'a,
     ) -> Self {
         let truth = Box::new(move |problem: &Problem| truth(problem).map(Into::into));
-        Case { name: name.to_owned(), problem, truth, methods: Vec::new() }
+        Case { name: name.to_owned(), problem, truth, methods: Vec::new(), settings: String::new() }
     }
 
     /// Adds a method, which gets the problem and an order. A study's file identifies the problem by its equation and its
-    /// walls, but the method only by its name: options that matter belong into the name.
+    /// walls, but the method by its name: options that matter belong into the name, or into the [`settings`](Self::settings).
     pub fn method<A: Into<Answer>>(
         mut self,
         name: &str,
@@ -47,6 +48,12 @@ impl<'a> Case<'a> {
         let solve = Box::new(move |problem: &Problem, order| Answer::of(solve(problem, order)));
         self.methods.push((name.to_owned(), solve));
         self
+    }
+
+    /// A text with all that rows depend on besides the problem and the names of methods, such as a seed and how the truth was
+    /// made: a file with rows of other settings is refused.
+    pub fn settings(self, settings: &str) -> Self {
+        Case { settings: settings.to_owned(), ..self }
     }
 
     /// The number of methods.
@@ -59,13 +66,13 @@ impl<'a> Case<'a> {
         (&self.name, &self.methods[method].0, order)
     }
 
-    /// The problem as text.
-    pub(super) fn settings(&self) -> Result<String> {
+    /// The problem and the settings as text.
+    pub(super) fn identity(&self) -> Result<String> {
         let mut names = std::iter::once(&self.name).chain(self.methods.iter().map(|(name, _)| name));
         if let Some(name) = names.find(|name| name.contains(['\n', '\r'])) {
             return Err(Error::NotAName { name: name.clone(), problem: "a row of a table is one line" });
         }
-        Ok(format!("{:?} {:?}", equations(&self.problem), self.problem.walls()))
+        Ok(format!("{:?} {:?} {}", equations(&self.problem), self.problem.walls(), self.settings))
     }
 
     pub(super) fn truth(&self) -> Result<Truth> {

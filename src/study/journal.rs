@@ -4,9 +4,9 @@ use super::lines::{Lines, text};
 use crate::checks::part;
 use crate::error::{Error, Result};
 use crate::file::file_error;
+use crate::parallel;
 use crate::simulation::Progress;
 use crate::simulation::processes::{Processes, gather};
-use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -95,8 +95,7 @@ impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
             let begun = file.and_then(|mut file| file.write_all(self.before.as_bytes()).map(|()| file));
             self.kept().file = Some(begun.map_err(|error| file_error("write", path, &error))?);
         }
-        let worked: Vec<Result<()>> = self.missing.par_iter().with_max_len(1).map(|rows| work(rows, &self)).collect();
-        all(worked)?;
+        all(parallel::map(self.missing.len(), |unit| work(&self.missing[unit], &self)))?;
         Ok((self.kept.into_inner().unwrap_or_else(PoisonError::into_inner).rows, self.lines.count()))
     }
 

@@ -27,18 +27,16 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// Lines of these columns for rows with these keys and settings.
+    /// Lines of these columns for rows with these keys, each once, and settings.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] without rows, and for two with one key.
+    /// [`Error::OutOfRange`] without rows.
     pub(super) fn new<K: Serialize>(columns: &[String], rows: &[(K, String)]) -> Result<Self> {
         let remedy = "give it a value, or a problem, a method and an order";
         require(!rows.is_empty(), "number of rows of the study", 0.0, remedy)?;
         let mut numbers = BTreeMap::new();
         for (row, (key, _)) in rows.iter().enumerate() {
-            let key = fields(&text(key, false)?).iter().map(str::to_owned).collect();
-            let remedy = "give each value once, and each method and order of a case";
-            require(numbers.insert(key, row).is_none(), "number of rows with one key", 2.0, remedy)?;
+            numbers.insert(fields(&text(key, false)?).iter().map(str::to_owned).collect(), row);
         }
         let fingerprint = |settings: &String| checksum(format!("{} {settings}", env!("CARGO_PKG_VERSION")).as_bytes());
         Ok(Lines {

@@ -4,7 +4,8 @@ use super::lines::{Lines, columns};
 use super::row::OrderRow;
 use super::table::OrderTable;
 use super::truth::Truth;
-use crate::error::Result;
+use crate::checks::require;
+use crate::error::{Error, Result};
 use crate::simulation::Progress;
 use crate::simulation::processes::{OneProcess, Processes};
 use std::cmp::Reverse;
@@ -81,9 +82,9 @@ impl<'a> OrderStudy<'a> {
     /// Computes the rows that are missing, and returns all that are there then.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a study without rows or with the same row twice, and for part 0 and parts above n;
-    /// [`Error::NotAName`](crate::Error::NotAName) for a name of more than one line; [`Error::NotThisRun`](crate::Error::NotThisRun) for a file with rows of other settings,
-    /// [`Error::File`](crate::Error::File); [`Error::Cancelled`](crate::Error::Cancelled); and the errors of truths and methods. A method that has no density at some order
+    /// [`Error::OutOfRange`] for a study without rows, an order that is there twice, part 0 and parts above n;
+    /// [`Error::NotAName`] for a name of more than one line or of two methods; [`Error::NotThisRun`] for a file with rows of other settings,
+    /// [`Error::File`]; [`Error::Cancelled`]; and the errors of truths and methods. A method that has no density at some order
     /// makes a row, not an error.
     pub fn run(self) -> Result<OrderTable> {
         self.run_among(&OneProcess)
@@ -98,14 +99,24 @@ impl<'a> OrderStudy<'a> {
     /// The rows that this process has in the end, and the number of all.
     fn rows(self, processes: &impl Processes) -> Result<(BTreeMap<usize, OrderRow>, usize)> {
         let OrderStudy { cases, orders, output } = self;
+        for (k, order) in orders.iter().enumerate() {
+            let remedy = "it is there twice: give it once";
+            require(!orders[..k].contains(order), "order of the study", f64::from(*order), remedy)?;
+        }
         let (mut rows, mut keyed) = (Vec::new(), Vec::new());
         for (k, case) in cases.iter().enumerate() {
-            let settings = case.settings()?;
+            let settings = case.identity()?;
             for (method, &order) in
                 (0..case.methods()).flat_map(|method| orders.iter().map(move |order| (method, order)))
             {
                 rows.push((k, method, order));
                 keyed.push((case.key(method, order), settings.clone()));
+            }
+        }
+        for (k, (key, _)) in keyed.iter().enumerate() {
+            if keyed[..k].iter().any(|(other, _)| other == key) {
+                let problem = "two methods of one case have it, or of two cases of one name";
+                return Err(Error::NotAName { name: key.1.to_owned(), problem });
             }
         }
         // The costs of rows grow with their orders.

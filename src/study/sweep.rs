@@ -2,9 +2,9 @@ use super::journal::{Journal, Output, all, gathered};
 use super::lines::Lines;
 use crate::checks::{dimension, finite, require};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::simulation::Progress;
 use crate::simulation::processes::{OneProcess, Processes};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -135,8 +135,9 @@ impl<'a> Sweep<'a> {
     ) -> Result<(BTreeMap<usize, Vec<f64>>, usize)> {
         let columns = self.names();
         let Sweep { values, segment, settings, output, .. } = self;
-        for &value in &values {
+        for (k, &value) in values.iter().enumerate() {
             finite("value of the sweep", value)?;
+            require(!values[..k].contains(&value), "value of the sweep", value, "it is there twice: give it once")?;
         }
         require(segment > 0, "length of a segment", 0.0, "it must be one at least")?;
         // The middle of a row's segment.
@@ -157,9 +158,9 @@ impl<'a> Sweep<'a> {
         journal.run(|rows, journal| {
             let middle = middle(rows[0]);
             let near = journal.row(middle, || solved(middle, None))?;
-            let others = rows.par_iter().with_max_len(1).filter(|row| **row != middle);
-            let others = others.map(|&row| journal.row(row, || solved(row, Some(&near)).map(|(row, _)| (row, ()))));
-            all(others.collect::<Vec<_>>())
+            let others: Vec<usize> = rows.iter().copied().filter(|row| *row != middle).collect();
+            let solved = |_, row: usize| journal.row(row, || solved(row, Some(&near)).map(|(row, _)| (row, ())));
+            all(parallel::map_into(others, solved))
         })
     }
 }

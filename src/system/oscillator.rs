@@ -1,6 +1,6 @@
 use super::{Intensity, Jumps, Parameter, PolynomialDrift};
 use crate::scalar::Scalar;
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 
 /// A single oscillator x″ + h(x, x′) = ξ with white noise ξ, E[ξ(t)ξ(t+τ)] = 2D δ(τ).
 ///
@@ -64,4 +64,4 @@ macro_rules! oscillators {
     };
 }
 
-oscillators!(f64, HyperDual64);
+oscillators!(f64, Dual64);

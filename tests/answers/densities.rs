@@ -579,7 +579,7 @@ fn answers_print_themselves_and_come_back_from_json() {
     let density = Closure::new(4).pilot_states(5120).solve(&problem).unwrap();
     let text = density.to_string();
     let names =
-        ["closure", "domain", "means", "mean squares", "flux up", "impacts per unit time", "estimate of the L1"];
+        ["closure", "domain", "means", "mean squares", "up-crossings", "impacts per unit time", "estimate of the L1"];
     for (name, line) in names.iter().zip(text.lines()) {
         assert!(line.starts_with(name), "{text}");
     }

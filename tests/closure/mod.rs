@@ -18,4 +18,4 @@ mod sensitivity_under_impulses;
 mod thin_states;
 mod trajectories;
 mod walls;
-mod walls_in_many_states;
+pub(crate) mod walls_in_many_states;

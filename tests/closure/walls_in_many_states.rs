@@ -5,7 +5,7 @@ use expoly::models::{ColouredVibroImpact, Duffing};
 use expoly::statistics::{Impacts, Marginal};
 use expoly::{Closure, ClosureDensity, Density, Error, PolynomialDrift, Problem, Reference, Scalar, Simulation, Wall};
 
-const BODIES: Bodies = Bodies {
+pub(crate) const BODIES: Bodies = Bodies {
     masses: [1.0, 0.5],
     damping: [0.2, 0.3],
     stiffness: [1.0, 0.5],

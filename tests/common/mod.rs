@@ -12,7 +12,7 @@ use expoly::models::{
 use expoly::{
     Closure, ClosureDensity, Density, Grid, GridDensity, Intensity, Parametric, PolynomialDrift, Problem, Scalar, Wall,
 };
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -209,7 +209,7 @@ pub(crate) fn energy_sink() -> NonlinearEnergySink {
 fn parametric<T, const N: usize, const M: usize>(system: T) -> Problem
 where
     T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
-    T::With<HyperDual64>: PolynomialDrift<N, M, HyperDual64>,
+    T::With<Dual64>: PolynomialDrift<N, M, Dual64>,
 {
     Problem::parametric(system).unwrap()
 }

@@ -3,8 +3,9 @@
 use super::closure::derivative;
 use super::closure_in_time::response;
 use super::{Group, OPTIMA, Pins};
+use crate::closure::walls_in_many_states::BODIES;
 use crate::common::{chain_of_two, duffing};
-use crate::simulation::walls::{Bodies, Room, with_walls};
+use crate::simulation::walls::{Room, with_walls};
 use expoly::models::{FilteredDuffing, Solved};
 use expoly::statistics::Impacts;
 use expoly::{Closure, ClosureDensity, Density, Problem, Reference, Result, Wall, compare};
@@ -101,17 +102,9 @@ fn behind_a_filter_above_a_wall(pins: &mut Pins) -> Result<()> {
 
 /// Two bodies that hit each other.
 fn between_two_bodies(pins: &mut Pins) -> Result<()> {
-    let bodies = Bodies {
-        masses: [1.0, 0.5],
-        damping: [0.2, 0.3],
-        stiffness: [1.0, 0.5],
-        cubic: 0.3,
-        coupling: 0.6,
-        temperature: 0.8,
-    };
     let open = Room { own: [Room::OPEN; 2], difference: Room::OPEN };
     let against_each_other = Room { difference: [-0.4, Room::OPEN[1]], ..open };
-    let problem = with_walls(Problem::of(bodies)?, &against_each_other.walls(0.8, bodies.masses)?)?;
+    let problem = with_walls(Problem::of(BODIES)?, &against_each_other.walls(0.8, BODIES.masses)?)?;
     let density = closure(2).solve(&problem)?;
     pins.density("p", OPTIMA, &density, FOUR)?;
     impacts(pins, &density, &problem)

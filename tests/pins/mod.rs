@@ -6,15 +6,9 @@
 //! that share of the largest error, 1e-9 for a simulation, or a hundredth of the values' own tolerance, if that is more: an error that
 //! is a difference of two values has no more digits.
 //!
-//! The numbers are what was found, right or not: problems are too small, and accuracies too coarse, for any other use. After a change
-//! that is meant to move some of them,
-//!
-//! ```text
-//! cargo test --release --test library the_pins_are_written -- --ignored
-//! git diff tests/reference/pins.csv
-//! ```
-//!
-//! show each of them that has moved, to the last bit.
+//! The numbers are what was found, right or not: problems are too small, and accuracies too coarse, for any other use. Where some
+//! differ, the table of what was found is written beside the tests' other files, and the failure names it: after a change that is
+//! meant to move numbers it takes the place of the old one, and `git diff` shows each that has moved, to the last bit.
 
 mod answers;
 mod closure;
@@ -28,7 +22,7 @@ mod uses;
 use expoly::{Density, Estimate, Result};
 use std::fmt::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::{fs, path::PathBuf, sync::Mutex, thread};
+use std::{fs, path::Path, sync::Mutex, thread, time::Instant};
 
 /// The share for straight sums: simulations, statistics of a density that is known, equations on a mesh that is given.
 const SUMS: f64 = 1e-12;
@@ -132,9 +126,9 @@ fn computed() -> Vec<Pin> {
         loop {
             let k = next.fetch_add(1, Ordering::Relaxed);
             let Some(&(name, compute)) = groups.get(k) else { break };
-            let mut pins = Pins { group: name, found: Vec::new() };
+            let (mut pins, begin) = (Pins { group: name, found: Vec::new() }, Instant::now());
             compute(&mut pins).unwrap_or_else(|error| panic!("{name}: {error}"));
-            println!("{name}: {} numbers", pins.found.len());
+            println!("{name}: {} numbers, {:.2} s", pins.found.len(), begin.elapsed().as_secs_f64());
             found.lock().unwrap()[k] = pins.found;
         }
     };
@@ -143,17 +137,14 @@ fn computed() -> Vec<Pin> {
     found.into_inner().unwrap().concat()
 }
 
-fn path() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference/pins.csv")
-}
-
 /// The table as it was written.
 fn expected() -> Vec<Pin> {
     let pin = |line: &str| {
         let [name, value, tolerance] = line.split(',').collect::<Vec<_>>().try_into().unwrap();
         Pin { name: String::from(name), value: value.parse().unwrap(), tolerance: tolerance.parse().unwrap() }
     };
-    fs::read_to_string(path()).unwrap().lines().skip(1).map(pin).collect()
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/pins.csv");
+    fs::read_to_string(path).unwrap().lines().skip(1).map(pin).collect()
 }
 
 /// What differs: a number beyond its tolerance, or a name that stands on one side alone.
@@ -182,17 +173,19 @@ fn the_pins_hold() {
     let names: std::collections::BTreeSet<&str> = found.iter().map(|pin| pin.name.as_str()).collect();
     assert_eq!(names.len(), found.len(), "two pins have one name");
     let differences = differences(&expected, &found);
-    assert!(differences.is_empty(), "{} of {} differ:\n{}", differences.len(), found.len(), differences.join("\n"));
+    if !differences.is_empty() {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pins.csv");
+        fs::write(&path, table(&found)).unwrap();
+        let (count, all, path, list) = (differences.len(), found.len(), path.display(), differences.join("\n"));
+        panic!("{count} of {all} differ; {path} has what was found:\n{list}");
+    }
 }
 
-/// Writes the table anew.
-#[test]
-#[ignore = "replaces what is expected by what is found"]
-fn the_pins_are_written() {
+fn table(pins: &[Pin]) -> String {
     let mut table = String::from("name,value,tolerance\n");
-    for Pin { name, value, tolerance } in computed() {
+    for Pin { name, value, tolerance } in pins {
         assert!(!name.contains(','), "{name}");
         writeln!(table, "{name},{value:.16e},{tolerance:.0e}").unwrap();
     }
-    fs::write(path(), table).unwrap();
+    table
 }

@@ -134,14 +134,7 @@ fn above_a_wall(pins: &mut Pins) -> Result<()> {
 
 /// Walls on one of two bodies and between them.
 fn between_two_bodies(pins: &mut Pins) -> Result<()> {
-    let bodies = Bodies {
-        masses: [1.0, 0.4],
-        damping: [0.2, 0.1],
-        stiffness: [1.0, 0.5],
-        cubic: 0.2,
-        coupling: 0.5,
-        temperature: 0.8,
-    };
+    let bodies = Bodies::UNLIKE;
     let room = Room { own: [[-0.3, 7.0], [-7.0, 7.0]], difference: [-0.5, 0.8] };
     let problem = with_walls(Problem::of(bodies)?, &room.walls(0.8, bodies.masses)?)?;
     let found = small().run(&problem)?;

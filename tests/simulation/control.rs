@@ -188,8 +188,8 @@ fn parts_are_merged_to_the_single_run() -> Result<()> {
     let refused = [
         (vec![second.clone()], "trajectories 0..1 are missing"),
         (vec![first, second.clone(), second.clone()], "trajectories 50..51 are there twice"),
-        (vec![longer, second.clone()], "number of samples"),
-        (vec![other, second], "differ in the problem"),
+        (vec![longer, second.clone()], "have 30 and 20 samples"),
+        (vec![other, second], "time step"),
     ];
     for (parts, said) in refused {
         let error = SimulatedDensity::merge(parts).err();
@@ -310,33 +310,31 @@ fn spoiled_checkpoints_are_refused_and_left_as_they_are() -> Result<()> {
 fn checkpoints_of_other_simulations_are_refused() -> Result<()> {
     let (problem, file) = (problem()?, Scratch::new("other"));
     checkpointed(&problem, &file.0)?;
-    let changes: [fn(Simulation<'_>) -> Simulation<'_>; 10] = [
-        |s| s.seed(12),
-        |s| s.time_step(0.01),
-        |s| s.trajectories(20).samples(2000),
-        |s| s.burn_in(20.0),
-        |s| s.sampling_interval(3.0),
-        |s| s.levels([0.25]),
-        |s| s.start(correlated().0),
-        |s| s.bins(32),
-        |s| s.samples(10),
-        |s| s.part(1, 2),
+    type Change = fn(Simulation<'_>) -> Simulation<'_>;
+    let changes: [(Change, &str); 10] = [
+        (|s| s.seed(12), "seed is 11, here 12"),
+        (|s| s.time_step(0.01), "time step"),
+        (|s| s.trajectories(20).samples(2000), "number of trajectories is 10, here 20"),
+        (|s| s.burn_in(20.0), "burn-in"),
+        (|s| s.sampling_interval(3.0), "sampling interval"),
+        (|s| s.levels([0.25]), "list of levels"),
+        (|s| s.start(correlated().0), "start"),
+        (|s| s.bins(32), "number of bins"),
+        (|s| s.samples(10), "samples of a trajectory, and 1 are asked for"),
+        (|s| s.part(1, 2), "another part"),
     ];
-    let other = |simulation: Simulation<'_>, problem: &Problem| {
-        refused(
-            simulation.checkpoint(&file.0, Duration::ZERO).run(problem),
-            &file.0,
-            "another problem, seed, part or option",
-        )
+    let other = |simulation: Simulation<'_>, problem: &Problem, words: &str| {
+        refused(simulation.checkpoint(&file.0, Duration::ZERO).run(problem), &file.0, words)
     };
-    for (k, change) in changes.into_iter().enumerate() {
-        assert!(other(change(simulation(10)), &problem), "change {k}");
+    for (change, words) in changes {
+        assert!(other(change(simulation(10)), &problem, words), "{words}");
     }
     let near =
         Problem::of(Duffing::new(0.2, 1.0, 0.300_000_000_000_000_04, 0.2)?)?.with_wall(Wall::above(0.2, 0.8)?)?;
-    assert!(other(simulation(10), &near));
-    assert!(other(simulation(10), &problem.without_walls().with_wall(Wall::above(0.2, 0.9)?)?));
-    assert!(other(simulation(10).levels([]), &Problem::of(Cubic)?));
+    assert!(other(simulation(10), &near, "system"));
+    let wall = problem.without_walls().with_wall(Wall::above(0.2, 0.9)?)?;
+    assert!(other(simulation(10), &wall, "list of walls"));
+    assert!(other(simulation(10).levels([]), &Problem::of(Cubic)?, "system"));
 
     // A run that is not over has no result yet.
     let long = simulation(10).samples(1 << 20).checkpoint(&file.0, Duration::ZERO);

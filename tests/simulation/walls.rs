@@ -70,6 +70,16 @@ impl Room {
 }
 
 impl Bodies {
+    /// Two of unlike masses and springs.
+    pub(crate) const UNLIKE: Bodies = Bodies {
+        masses: [1.0, 0.4],
+        damping: [0.2, 0.1],
+        stiffness: [1.0, 0.5],
+        cubic: 0.2,
+        coupling: 0.5,
+        temperature: 0.8,
+    };
+
     pub(crate) fn potential(&self, [x, y]: [f64; 2]) -> f64 {
         let own = |i: usize, x: f64| self.stiffness[i] * x * x / 2.0 + self.cubic * x.powi(4) / 4.0;
         own(0, x) + own(1, y) + self.coupling * (x - y).powi(2) / 2.0
@@ -209,14 +219,7 @@ fn elastic_walls_on_two_bodies_leave_the_equilibrium() -> Result<()> {
 #[test]
 fn lossy_walls_on_two_bodies_keep_the_balance() -> Result<()> {
     for (case, r) in [0.3, 0.5, 0.7, 0.9, 0.3, 0.5, 0.7, 0.9].into_iter().enumerate() {
-        let bodies = Bodies {
-            masses: [1.0, 0.4],
-            damping: [0.2, 0.1],
-            stiffness: [1.0, 0.5],
-            cubic: 0.2,
-            coupling: 0.5,
-            temperature: 0.8,
-        };
+        let bodies = Bodies::UNLIKE;
         let room = if case < 4 {
             Room { own: [[-0.3, 7.0], [-7.0, 7.0]], difference: [-0.5, 0.8] }
         } else {

@@ -104,6 +104,8 @@ impl Setup {
         }
         let exact = exact.clone();
         let mut case = Case::new(about.name, problem.clone(), move |problem| self.truth(problem, exact.as_ref()));
+        // A method may be added to a table, but all rows of it are of the same other options.
+        case = case.settings(&format!("{:?}", Setup { method: Method::Both, ..self.clone() }));
         if self.method != Method::Classical {
             case = case.method("robust", |problem, order| {
                 let reference = match self.closest_to {

@@ -9,7 +9,7 @@ use crate::problem::Problem;
 use crate::states::States;
 use crate::system::{Amplitude, Parameter};
 use faer::{Mat, MatMut, MatRef};
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 
 /// Adds λ E\[φ(x + H Y) − φ(x)\], or its derivative by a parameter, at nodes to the rates of functions, whose `values` at the nodes are the constant's and then theirs.
 /// Impulses that would leave the domain are left out.
@@ -26,7 +26,7 @@ pub(in crate::closure) fn add_rates(
     mut rates: MatMut<'_, f64>,
 ) {
     for term in terms {
-        let fields: Vec<Vec<HyperDual64>> = points.iter().map(|x| term.field_at(x)).collect();
+        let fields: Vec<Vec<Dual64>> = points.iter().map(|x| term.field_at(x)).collect();
         for (y, w) in rule(&term.jumps().amplitude()) {
             let (mut rows, mut after, mut landings) = (Vec::new(), States::new(points.dimension()), Vec::new());
             for (row, (x, h)) in points.iter().zip(&fields).enumerate() {

@@ -6,7 +6,7 @@ use crate::control_variates::planes::Form;
 use crate::numerics::{Number, sixth_root};
 use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 /// A rigid wall as the place of the singularity (0, 0) in u ≥ 0, the distance from it, and w = u′.
@@ -156,15 +156,15 @@ impl Corner {
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct GrazingMotion {
     corner: Corner,
-    /// At a parameter θ + ε₁.
-    similarity: Option<Similarity<HyperDual64>>,
+    /// At a parameter θ + ε.
+    similarity: Option<Similarity<Dual64>>,
 }
 
 impl GrazingMotion {
     /// The motion as the restitution and the noise intensity at the wall move at these rates.
     pub(in crate::closure) fn new(corner: &Corner, [restitution, intensity]: [f64; 2]) -> Self {
         let moves = corner.similarity.is_some() && (restitution != 0.0 || intensity != 0.0 && corner.grazes());
-        let moved = |at: f64, rate: f64| HyperDual64::new(at, rate, 0.0, 0.0);
+        let moved = |at: f64, rate: f64| Dual64::new(at, rate);
         let similarity =
             || Similarity::new(moved(corner.wall.restitution(), restitution), moved(corner.intensity, intensity));
         GrazingMotion { corner: corner.clone(), similarity: moves.then(similarity).flatten() }
@@ -178,7 +178,7 @@ impl GrazingMotion {
     /// The derivative of S at a state.
     pub(in crate::closure) fn value(&self, x: &[f64]) -> f64 {
         let [u, w] = self.corner.coordinates(x);
-        self.similarity.as_ref().map_or(0.0, |similarity| similarity.jet(u, w).value.eps1)
+        self.similarity.as_ref().map_or(0.0, |similarity| similarity.jet(u, w).value.eps)
     }
 }
 

@@ -39,18 +39,14 @@ fn grazing_exponent(r: f64) -> Option<f64> {
     Some(g)
 }
 
-/// The same with its derivatives, by the function whose root it is: each step of Newton's method with the slope at the root adds
-/// one order of them.
+/// The same with its derivative, by the function whose root it is: a step of Newton's method with the slope at the root.
 fn exponent_of<T: DualNum<Primitive = f64> + Copy>(r: T) -> Option<T> {
     let root = grazing_exponent(r.re())?;
     let sides = |g: T| [(r.ln() * -(g * 3.0 + 2.0)).exp(), (-g + 1.0 / 6.0) * PI];
     let [power, angle] = sides(T::from(root)).map(|side| side.re());
     let (slope, rest) = (-3.0 * r.re().ln() * power + 2.0 * PI * angle.cos(), power - 2.0 * angle.sin());
-    let step = |g: T| {
-        let [power, angle] = sides(g);
-        g - (power - angle.sin() * 2.0 - rest) / slope
-    };
-    Some(step(step(T::from(root))))
+    let [moved, turned] = sides(T::from(root));
+    Some(T::from(root) - (moved - turned.sin() * 2.0 - rest) / slope)
 }
 
 /// The similarity solution of grazing impacts, S(u, w) = ln p for w p_u = D p_ww and p(0, w) = r⁻² p(0, −w/r).

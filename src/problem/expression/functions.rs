@@ -1,13 +1,13 @@
 //! Functions of numbers, and what takes the place of those that are no polynomials of states.
 
-use num_dual::{DualNum, HyperDual64};
+use num_dual::{Dual64, DualNum};
 
 /// A function of numbers and parameters.
 #[derive(Debug)]
 pub(super) struct Function {
     pub(super) name: &'static str,
     pub(super) real: fn(f64) -> f64,
-    pub(super) dual: fn(&HyperDual64) -> HyperDual64,
+    pub(super) dual: fn(&Dual64) -> Dual64,
 }
 
 pub(super) static FUNCTIONS: [Function; 5] = [

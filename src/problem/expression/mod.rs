@@ -10,7 +10,7 @@ use crate::fokker_planck::HIGHEST_DEGREE as HIGHEST;
 use crate::polynomial::{Polynomial, is_real, series};
 use crate::record::Read;
 use functions::{FUNCTIONS, Function, of_state};
-use num_dual::{DualNum, HyperDual64};
+use num_dual::{Dual64, DualNum};
 use parser::{Expression, parsed};
 
 /// No polynomial here has more terms.
@@ -34,7 +34,7 @@ pub(super) type Parsed<T> = Result<T, Fault>;
 /// The value of an expression: a number, which may be a dual one, or a polynomial.
 #[derive(Clone, Debug)]
 enum Term {
-    Number(HyperDual64),
+    Number(Dual64),
     Polynomial(Polynomial),
 }
 
@@ -110,7 +110,7 @@ pub(super) fn is_name(name: &str) -> bool {
 pub(super) struct Names {
     pub(super) states: Vec<String>,
     /// Dual numbers where derivatives are wanted.
-    pub(super) parameters: Vec<(String, HyperDual64)>,
+    pub(super) parameters: Vec<(String, Dual64)>,
     /// The variables beside the states: two with dual numbers.
     pub(super) more: usize,
 }
@@ -206,7 +206,7 @@ pub(super) fn polynomial(text: &str, names: &Names) -> Parsed<Polynomial> {
 }
 
 /// The number of an expression in parameters.
-pub(super) fn number(text: &str, parameters: &[(String, HyperDual64)]) -> Parsed<HyperDual64> {
+pub(super) fn number(text: &str, parameters: &[(String, Dual64)]) -> Parsed<Dual64> {
     let names = Names { parameters: parameters.to_vec(), ..Names::default() };
     match parsed(text)?.value(&names)? {
         Term::Number(number) if number.re.is_finite() => Ok(number),

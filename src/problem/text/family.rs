@@ -5,7 +5,7 @@ use crate::polynomial::Polynomial;
 use crate::problem::definition::PolynomialForm;
 use crate::problem::family::{Family, Lifted};
 use crate::problem::{Problem, Wall};
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 
 /// The problems of a text for all values of its parameters.
 pub(super) struct Text {
@@ -17,7 +17,7 @@ pub(super) struct Text {
 
 impl Text {
     /// The value of a parameter, given the one in the text.
-    pub(super) fn changed(&self, name: &str, value: HyperDual64) -> HyperDual64 {
+    pub(super) fn changed(&self, name: &str, value: Dual64) -> Dual64 {
         self.changes.iter().find(|(changed, _)| changed == name).map_or(value, |(_, value)| (*value).into())
     }
 }
@@ -36,9 +36,9 @@ impl Family for Text {
         Document(&self.text).problem(changes)
     }
 
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> HyperDual64) -> Result<Lifted> {
+    fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted> {
         // A parameter that is made of others moves with them.
-        let seeded = |name: &str, found: HyperDual64| {
+        let seeded = |name: &str, found: Dual64| {
             let present = self.changed(name, found);
             present + (value(name, present.re) - present.re)
         };
@@ -48,7 +48,7 @@ impl Family for Text {
             entries.resize(n, Polynomial::zero(n));
             entries
         };
-        let impulse = |impulse: Impulse<HyperDual64>| Impulse::new(*impulse.jumps(), padded(impulse.field().to_vec()));
+        let impulse = |impulse: Impulse<Dual64>| Impulse::new(*impulse.jumps(), padded(impulse.field().to_vec()));
         let form = PolynomialForm {
             drift: padded(form.drift),
             columns: form.columns.into_iter().map(padded).collect(),

@@ -6,7 +6,7 @@ use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::problem::expression::Names;
 use crate::system::{Amplitude, Jumps};
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 use toml::de::DeTable;
 
 /// The remedy for a law that is none.
@@ -21,7 +21,7 @@ impl Document<'_> {
         table: &DeTable<'_>,
         place: usize,
         names: &Names,
-    ) -> Result<Impulse<HyperDual64>> {
+    ) -> Result<Impulse<Dual64>> {
         let rate = match table.get("rate") {
             Some(rate) => self.dual(name, rate, &names.parameters)?,
             None => return self.wrong(place, name, "it has no rate; rate = 2.0 is two impulses per unit time"),
@@ -37,13 +37,13 @@ impl Document<'_> {
         Ok(Impulse::new(jumps, field))
     }
 
-    fn amplitude(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Amplitude<HyperDual64>> {
+    fn amplitude(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Amplitude<Dual64>> {
         let place = value.span().start;
         let laws = self.table(name, value)?;
         let (Some((law, numbers)), 1) = (laws.iter().next(), laws.len()) else { return self.wrong(place, name, LAWS) };
         let law = law.get_ref().as_ref();
         let numbers = self.table(law, numbers)?;
-        let all = |entries: &[&str]| -> Result<Vec<HyperDual64>> {
+        let all = |entries: &[&str]| -> Result<Vec<Dual64>> {
             self.known(numbers, law, entries)?;
             let number = |name: &&str| match numbers.get(*name) {
                 Some(value) => self.dual(name, value, &names.parameters),

@@ -7,7 +7,7 @@ use crate::problem::definition::PolynomialForm;
 use crate::problem::expression::{Fault, Names, is_name, number, polynomial, reserved};
 use crate::problem::{Problem, Wall};
 use crate::system::Interpretation;
-use num_dual::HyperDual64;
+use num_dual::Dual64;
 use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -21,7 +21,7 @@ pub(super) type Entry<'a> = Spanned<DeValue<'a>>;
 
 /// What a document says.
 pub(super) struct Read {
-    pub(super) form: PolynomialForm<HyperDual64>,
+    pub(super) form: PolynomialForm<Dual64>,
     pub(super) names: Names,
     pub(super) walls: Vec<Placed>,
 }
@@ -31,11 +31,11 @@ pub(super) struct Placed {
     place: usize,
     wall: Wall,
     /// Its offset and its restitution.
-    pub(super) numbers: [HyperDual64; 2],
+    pub(super) numbers: [Dual64; 2],
 }
 
 /// Gives a parameter another value.
-type Change<'a> = &'a dyn Fn(&str, HyperDual64) -> HyperDual64;
+type Change<'a> = &'a dyn Fn(&str, Dual64) -> Dual64;
 
 /// A document, for the lines of its errors.
 #[derive(Clone, Copy)]
@@ -70,12 +70,7 @@ impl Document<'_> {
     }
 
     /// An expression without states.
-    pub(super) fn dual(
-        self,
-        name: &str,
-        value: &Entry<'_>,
-        parameters: &[(String, HyperDual64)],
-    ) -> Result<HyperDual64> {
+    pub(super) fn dual(self, name: &str, value: &Entry<'_>, parameters: &[(String, Dual64)]) -> Result<Dual64> {
         let text = self.text(name, value)?;
         number(&text, parameters).or_else(|fault| self.wrong_within(value, &text, name, fault))
     }
@@ -137,13 +132,8 @@ impl Document<'_> {
         self.wrong(place, name, problem)
     }
 
-    fn parameters(
-        self,
-        root: &DeTable<'_>,
-        states: &[String],
-        change: Change<'_>,
-    ) -> Result<Vec<(String, HyperDual64)>> {
-        let mut parameters: Vec<(String, HyperDual64)> = Vec::new();
+    fn parameters(self, root: &DeTable<'_>, states: &[String], change: Change<'_>) -> Result<Vec<(String, Dual64)>> {
+        let mut parameters: Vec<(String, Dual64)> = Vec::new();
         let Some(value) = root.get("parameters") else { return Ok(parameters) };
         // A parameter may be made of those above it.
         for (key, value) in in_order(self.table("parameters", value)?) {
