@@ -1,8 +1,8 @@
 //! Does a structure at rest survive an earthquake?
 //!
 //! `cargo run --release --example earthquake` shakes x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ, D = 0.2, whose noise rises and fades with
-//! the envelope e(t) = a (e^(−0.09 t) − e^(−1.49 t)) of peak 1. The closure follows p(x, x′, t) by its moment equations; the grid
-//! follows it too, and the part of it that has not left |x| < 1.5: E x² over time, both methods' estimates of their L¹ errors, the
+//! the envelope e(t) = a (e^(−0.09 t) − e^(−1.49 t)) of peak 1. The closure is carried by trajectories; the grid follows
+//! p(x, x′, t) in time, and the part of it that has not left |x| < 1.5: E x² over time, both methods' estimates of their L¹ errors, the
 //! probability of being beyond at a time, survival, and what Poisson's assumption makes of the up-crossings. E x² is largest at
 //! t = 5.5, 0.424, and x is beyond ±1.5 then with the probability 0.015; the structure survives all of it with the probability
 //! 0.902, of which Poisson's assumption makes 0.86, since crossings come in clumps. At the end p is narrow, and the grid's mesh with
@@ -13,7 +13,7 @@
 use clap::Parser;
 use expoly::models::{Duffing, Solved};
 use expoly::statistics::Marginal;
-use expoly::{Closure, Crossing, Density, Envelope, Grid, Start, compare};
+use expoly::{Closure, Course, Crossing, Density, Envelope, Grid, Simulation, compare};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, curve, write_figure};
 
@@ -32,6 +32,9 @@ struct Options {
     /// Order of the closure
     #[arg(long, default_value_t = 6)]
     order: u32,
+    /// Trajectories of the simulation
+    #[arg(long, default_value_t = 102_400)]
+    trajectories: usize,
     /// L¹ accuracy of the grid
     #[arg(long, default_value = "1e-5")]
     accuracy: f64,
@@ -51,19 +54,22 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let envelope = Envelope::exponentials(amplitude, slow, fast)?;
     // Its domain holds the density under the strongest noise.
     let stationary = Grid::new().accuracy(options.accuracy).solve(&problem)?;
-    let (rest, level) = (Start::Point(vec![0.0, 0.0]), options.level);
+    let (course, level) = (Course::from([0.0, 0.0]).under(envelope.clone()), options.level);
     let times: Vec<f64> = (1..).map(|k| INTERVAL * f64::from(k)).take_while(|t| *t <= options.duration).collect();
-    let transients = stationary.modulated_transient(&envelope, &rest, &times, 1e-3)?;
-    let survival = stationary.survival([-level, level])?.modulated_probability(&envelope, &rest, &times, 1e-3)?;
-
-    let closed = Closure::new(options.order).modulated_transient(&problem, &envelope, &rest, &times)?;
+    let transients = stationary.transient(&course, &times, 1e-3)?;
+    let survival = stationary.survival([-level, level])?.probability(&course, &times, 1e-3)?;
+    let simulation = Simulation::new().trajectories(options.trajectories);
+    let counted = simulation.survival(&problem, [-level, level], &course, &times)?;
+    let closed = Closure::new(options.order).transient(&problem, &course, &times)?;
 
     let [mut spreads, mut closures, mut beyond, mut survived, mut poisson] = [(); 5].map(|()| Vec::<[f64; 2]>::new());
+    let mut shares = Vec::new();
     let (mut crossings, mut last) = (0.0, None);
     println!(
-        "     t      e   E x^2  closure       L1   closure ±    grid ±   P(|x| > {level})   survival               Poisson"
+        "     t      e   E x^2  closure       L1   closure ±    grid ±   P(|x| > {level})   survival               simulated           Poisson"
     );
-    for (k, ((transient, survival), closed)) in transients.iter().zip(&survival).zip(&closed).enumerate() {
+    let all = transients.iter().zip(&survival).zip(&counted).zip(&closed);
+    for (k, (((transient, survival), counted), closed)) in all.enumerate() {
         let (t, density) = (transient.time, &transient.density);
         let outward = [Crossing::upward(level), Crossing { upward: false, ..Crossing::upward(-level) }];
         let rate: f64 = outward
@@ -81,14 +87,16 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         closures.push([t, closed_square]);
         beyond.push([t, out]);
         survived.push([t, survival.value]);
+        shares.push([t, counted.value, counted.error]);
         poisson.push([t, (-crossings).exp()]);
         if k % LINE == 0 {
             let distance = compare::l1(&closed.density, density)?.value;
             let [own, grid] = [closed.density.l1_estimate(), density.l1_estimate()];
             println!(
-                "{t:6.1} {:6.3} {square:7.4}  {closed_square:7.4} {distance:8.1e} {own:11.1e} {grid:9.1e}   {out:10.6}   {:22} {:.4}",
+                "{t:6.1} {:6.3} {square:7.4}  {closed_square:7.4} {distance:8.1e} {own:11.1e} {grid:9.1e}   {out:10.6}   {:22} {:19} {:.4}",
                 envelope.value(t),
                 survival.to_string(),
+                counted.to_string(),
                 (-crossings).exp()
             );
         }
@@ -105,6 +113,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     ];
     let fates = vec![
         curve("survival", Style::Solid, 0, &survived),
+        curve("simulated", Style::Points, 3, &shares),
         curve("by Poisson's assumption", Style::Dashed, 1, &poisson),
         curve("beyond at this time", Style::Solid, 2, &beyond),
     ];
@@ -112,8 +121,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let views = [panel("intensity of the noise, and E x² [L²]", strengths), panel("probability", fates)];
     let caption = format!(
         "x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ from rest, D = 0.2, e = a (e^(−{slow}t) − e^(−{fast}t)) of peak 1; |x| < {level} survives. \
-         Grid of L¹ accuracy {:e}, closure of order {}.",
-        options.accuracy, options.order
+         Grid of L¹ accuracy {:e}, closure of order {}, {} trajectories, seed 0.",
+        options.accuracy, options.order, options.trajectories
     );
     write_figure(&options.out.join("survival.svg"), &caption, 2, &views)?;
     println!("figure: {}", options.out.join("survival.svg").display());

@@ -11,7 +11,7 @@
 
 use clap::Parser;
 use expoly::models::{Duffing, Solved};
-use expoly::{Closure, Density, Estimate, Grid, Problem, Simulation, Start, compare};
+use expoly::{Closure, Density, Estimate, Grid, Simulation, Start, compare};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, between, curve, error_bars, values, write_figure};
 
@@ -37,14 +37,6 @@ struct Options {
 
 /// The bottom of the right well, at rest.
 const START: [f64; 2] = [1.0, 0.0];
-/// Trajectories at one time: mean and variance of the displacement, and its density at some places.
-fn simulated(problem: &Problem, time: f64, options: &Options, x: &[f64]) -> expoly::Result<Simulated> {
-    let simulation = Simulation::new().trajectories(options.trajectories).start(START).transient(time).seed(1);
-    let density = simulation.run(problem)?;
-    Ok((density.moment(&[1, 0])?, density.variance(0)?, values(x, |x| density.histogram(0)?.density_at(&[x]))?))
-}
-
-type Simulated = (Estimate, Estimate, Vec<[f64; 3]>);
 
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let problem = Duffing::new(0.5, -1.0, 1.0, 0.3)?.problem()?;
@@ -60,6 +52,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let grid = Grid::new().accuracy(options.accuracy).solve(&problem)?;
     let (closed, on_grid) =
         (closure.transient(&problem, &start, &options.times)?, grid.transient(&start, &options.times, 1e-4)?);
+    let simulation = Simulation::new().trajectories(options.trajectories).seed(1);
+    let simulated = simulation.transient(&problem, &start, &options.times)?;
     let (x, places) = (between([-2.6, 2.6], 131), between([-2.3, 2.3], 24));
     let labels = ["displacement x [L]", "density p(x, t) [1/L]"];
     let (mut views, mut sampled) = (Vec::new(), [const { Vec::new() }; 2]);
@@ -67,9 +61,10 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         "{:>6}{:>24}{:>24}{:>24}{:>10}{:>10}  origin",
         "t", "E x: closure", "grid", "simulation", "L1", "estimate"
     );
-    for (closed, on_grid) in closed.iter().zip(&on_grid) {
-        let time = closed.time;
-        let (mean, variance, histogram) = simulated(&problem, time, options, &places)?;
+    for ((closed, on_grid), simulated) in closed.iter().zip(&on_grid).zip(&simulated) {
+        let (time, simulated) = (closed.time, &simulated.density);
+        let (mean, variance) = (simulated.moment(&[1, 0])?, simulated.variance(0)?);
+        let histogram = values(&places, |x| simulated.histogram(0)?.density_at(&[x]))?;
         let (density, truth) = (&closed.density, &on_grid.density);
         let cell = |estimate: Estimate| format!("{:>24}", estimate.to_string());
         let cells = [closed.moment(&[1, 0])?, on_grid.moment(&[1, 0])?, mean].map(cell).concat();

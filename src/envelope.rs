@@ -124,7 +124,7 @@ impl Envelope {
 
 impl Piece {
     /// e and its derivative; at the end of the piece, from within.
-    fn value(&self, time: f64) -> [f64; 2] {
+    pub(crate) fn value(&self, time: f64) -> [f64; 2] {
         match self.shape {
             Shape::Line { value, slope: 0.0 } => [value, 0.0],
             Shape::Line { value, slope } => [value + slope * (time - self.from), slope],

@@ -11,7 +11,7 @@
 //! | What is its density, as a formula p = C exp(Q)? | [`Closure`]; above a wall as well, with [`Wall`] |
 //! | Is that right? | [`ClosureDensity::l1_estimate`]; [`Grid`], [`Simulation`], [`compare`] |
 //! | What lies in the far tail? | [`Splitting`] |
-//! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`Closure::modulated_transient`], [`ClosureDensity::relaxation`]; [`GridDensity::transient`], [`Envelope`] |
+//! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`GridDensity::transient`], [`Simulation::transient`] on a [`Course`]; [`ClosureDensity::relaxation`] |
 //! | How likely, how often, how soon? | [`statistics`]; [`Survival`] without Poisson's assumption |
 //! | Which parameter matters, and how much? | [`ClosureDensity::sensitivity`], [`GridDensity::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
 //! | Which parameters do measurements have, or does a demand need? | [`inverse`] |
@@ -77,4 +77,4 @@ pub use states::States;
 pub use system::{
     Amplitude, Intensity, Interpretation, Jumps, Oscillator, Parameter, Parametric, PolynomialDrift, PolynomialSystem,
 };
-pub use transient::{Relaxation, Start, Transient};
+pub use transient::{Course, Relaxation, Start, Transient};

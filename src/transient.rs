@@ -2,6 +2,7 @@
 
 use crate::checks::{dimension, finite, positive, require};
 use crate::density::{Density, Frame};
+use crate::envelope::Envelope;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::Gaussian;
@@ -52,6 +53,46 @@ impl fmt::Debug for Start {
     }
 }
 
+impl From<&Start> for Start {
+    fn from(start: &Start) -> Self {
+        start.clone()
+    }
+}
+
+/// The course that a transient takes: where it starts, and how the noise rises and fades from then on. A start alone is a course
+/// under the noise as it stands.
+///
+/// ```
+/// use expoly::{Course, Envelope, Start};
+/// let still = Course::from([0.8, 0.0]);
+/// let shaken = Course::from(Start::Stationary).under(Envelope::steps([(0.0, 1.0), (3.0, 0.0)])?);
+/// # Ok::<(), expoly::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Course {
+    pub(crate) start: Start,
+    pub(crate) envelope: Option<Envelope>,
+}
+
+impl<S: Into<Start>> From<S> for Course {
+    fn from(start: S) -> Self {
+        Course { start: start.into(), envelope: None }
+    }
+}
+
+impl From<&Course> for Course {
+    fn from(course: &Course) -> Self {
+        course.clone()
+    }
+}
+
+impl Course {
+    /// The same with all columns of the noise times e(t).
+    pub fn under(self, envelope: Envelope) -> Self {
+        Course { envelope: Some(envelope), ..self }
+    }
+}
+
 impl Start {
     /// Refuses the start of another number of states, and numbers without a meaning.
     pub(crate) fn check(&self, states: usize) -> Result<()> {
@@ -81,6 +122,15 @@ pub(crate) fn check_times(times: &[f64], begin: f64, remedy: &'static str) -> Re
     })
 }
 
+/// Refuses levels that are not numbers, or leave no room between them.
+pub(crate) fn check_limits([low, high]: [f64; 2]) -> Result<()> {
+    for level in [low, high] {
+        require(!level.is_nan(), "level", level, "it must be a number, or infinite where there is none")?;
+    }
+    let remedy = "give a lower and an upper level in this order";
+    positive("room between the levels", (high - low).min(f64::MAX), remedy).map(|_| ())
+}
+
 /// A transient density at one time.
 #[derive(Clone, Debug)]
 pub struct Transient<D> {
@@ -89,7 +139,7 @@ pub struct Transient<D> {
     /// p(x, t), with the error estimates of its method; the steps' errors are in `step_error`.
     pub density: D,
     /// The sum of the time steps' error estimates up to here, relative to the root mean square of p; 0 for a closure, whose
-    /// equations are solved without steps.
+    /// equations are solved without steps, and for a simulation, whose errors are those of chance.
     pub step_error: f64,
 }
 

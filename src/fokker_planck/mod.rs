@@ -249,12 +249,6 @@ impl FokkerPlanck {
         !struck && self.drift.iter().chain(self.diffusion.iter().flatten()).all(Polynomial::is_zero)
     }
 
-    /// Another drift, and the diffusion times `share`.
-    pub(crate) fn with(&self, drift: Vec<Polynomial>, share: f64) -> Self {
-        let diffusion = self.diffusion.iter().map(|row| row.iter().map(|b| b * share).collect()).collect();
-        FokkerPlanck { drift, diffusion, impulses: self.impulses.clone(), moved: self.moved.clone() }
-    }
-
     /// The same operator for the time t/`unit`.
     pub(crate) fn in_time(&self, unit: f64) -> Self {
         let scaled = |row: &Vec<Polynomial>| row.iter().map(|p| p * unit).collect();

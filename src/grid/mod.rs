@@ -11,13 +11,13 @@
 //!   questions need;
 //!   `sensitivity`: its derivatives by parameters;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same operator;
-//! - `initial`, `course`, `transient`: a start, a mesh that follows the density, and p(x, t); `survival`: the part of it that has passed no level.
+//! - `initial`, `evolution`, `transient`: a start, a mesh that follows the density, and p(x, t); `survival`: the part of it that has passed no level.
 
 mod columns;
-mod course;
 mod density;
 mod dissection;
 mod elimination;
+mod evolution;
 mod field;
 mod flux;
 mod forms;

@@ -1,7 +1,7 @@
 //! First passages: the part of a density that has passed no level.
 
-use super::course::{Course, Plan};
 use super::density::GridDensity;
+use super::evolution::{Evolution, Plan};
 use super::field::Field;
 use super::flux::Part;
 use super::initial::Initial;
@@ -10,14 +10,13 @@ use super::operator::{Layout, Operator, Regular};
 use super::refinement::{Finer, finer};
 use super::relaxation::slowest;
 use super::shape::Shape;
-use crate::checks::{positive, require};
-use crate::envelope::Envelope;
+use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::grid::kept::Kept;
 use crate::grid::{require_accuracy, tuning};
 use crate::problem::TimeScales;
-use crate::transient::{Start, check_times};
+use crate::transient::{Course, Start, check_limits, check_times};
 use std::sync::Arc;
 
 /// Rates and mean times have the smallest cells at a grazing point: two degrees do not show what larger ones are off by.
@@ -57,7 +56,7 @@ impl GridDensity {
     /// use expoly::{Grid, Start, models::{Duffing, Solved}};
     /// let density = Grid::new().accuracy(1e-4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
     /// let below = density.survival([f64::NEG_INFINITY, 1.6269])?; // 2σ
-    /// let found = below.probability(&Start::Stationary, &[0.0, 20.0], 1e-3)?;
+    /// let found = below.probability(Start::Stationary, &[0.0, 20.0], 1e-3)?;
     /// assert!((found[0].value - 0.98122).abs() < 1e-4 && (found[1].value - 0.60285).abs() < 1e-4);
     /// assert!((below.rate()?.value - 0.022647).abs() < 1e-5); // P(T > t) ~ exp(−rate t)
     /// # Ok::<(), expoly::Error>(())
@@ -67,14 +66,7 @@ impl GridDensity {
             return Err(Error::NotADisplacement { state: 0 });
         }
         let [low, high] = within;
-        for level in within {
-            require(!level.is_nan(), "level", level, "it must be a number, or infinite where there is none")?;
-        }
-        positive(
-            "room between the levels",
-            (high - low).min(f64::MAX),
-            "give a lower and an upper level in this order",
-        )?;
+        check_limits(within)?;
         let mut domain = self.fine.mesh.domain();
         let absorbs = [low > domain[0][0], high < domain[0][1]];
         (0..2).filter(|&side| absorbs[side]).for_each(|side| domain[0][side] = within[side]);
@@ -130,27 +122,13 @@ impl Survival {
         self.operators[0].unknowns()
     }
 
-    /// P(T > t) at rising `times` t ≥ 0 after `start`. Of the stationary density, or of a Gaussian, the part beyond the
+    /// P(T > t) at rising `times` t ≥ 0 after the start. Of the stationary density, or of a Gaussian, the part beyond the
     /// levels has passed them at t = 0. Mesh and steps follow the density as in [`GridDensity::transient`].
     ///
     /// # Errors
     /// As [`GridDensity::transient`].
-    pub fn probability(&self, start: &Start, times: &[f64], accuracy: f64) -> Result<Vec<Estimate>> {
-        self.remaining(None, start, times, accuracy)
-    }
-
-    /// The same under modulated noise.
-    ///
-    /// # Errors
-    /// As [`GridDensity::modulated_transient`].
-    pub fn modulated_probability(
-        &self,
-        envelope: &Envelope,
-        start: &Start,
-        times: &[f64],
-        accuracy: f64,
-    ) -> Result<Vec<Estimate>> {
-        self.remaining(Some(envelope), start, times, accuracy)
+    pub fn probability(&self, course: impl Into<Course>, times: &[f64], accuracy: f64) -> Result<Vec<Estimate>> {
+        self.remaining(&course.into(), times, accuracy)
     }
 
     /// The rate ν of P(T > t) ~ exp(−ν t) for large t: the slowest eigenvalue, and the same for all starts. Its inverse is
@@ -189,13 +167,8 @@ impl Survival {
         Ok(Estimate::new(fine, (fine - coarse).abs() + fine * (initial.error + fine * self.leak())))
     }
 
-    fn remaining(
-        &self,
-        envelope: Option<&Envelope>,
-        start: &Start,
-        times: &[f64],
-        accuracy: f64,
-    ) -> Result<Vec<Estimate>> {
+    fn remaining(&self, course: &Course, times: &[f64], accuracy: f64) -> Result<Vec<Estimate>> {
+        let (start, envelope) = (&course.start, course.envelope.as_ref());
         check_times(times, 0.0, "it must not be negative")?;
         require_accuracy("accuracy of a survival", accuracy)?;
         let kept = &self.stationary.kept;
@@ -204,12 +177,12 @@ impl Survival {
         let [shape, _] = self.shapes();
         let plan = Plan { envelope, accuracy, degree: shape.degree, memory: kept.grid.memory };
         let stationary = [&self.stationary.fine, &self.stationary.coarse];
-        let mut course = Course::new(plan, &ground, &initial, stationary, times.last().copied().unwrap_or(0.0))?;
+        let mut evolution = Evolution::new(plan, &ground, &initial, stationary, times.last().copied().unwrap_or(0.0))?;
         let at = |time: &f64| {
             // A point has passed nothing before it has a density.
-            course.advance(*time)?;
-            let [fine, coarse] = course.fields.each_ref().map(Field::mass);
-            Ok(Estimate::new(fine, (fine - coarse).abs() + course.moved + initial.error + self.leak() * time))
+            evolution.advance(*time)?;
+            let [fine, coarse] = evolution.fields.each_ref().map(Field::mass);
+            Ok(Estimate::new(fine, (fine - coarse).abs() + evolution.moved + initial.error + self.leak() * time))
         };
         times.iter().map(at).collect()
     }

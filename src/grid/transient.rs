@@ -1,15 +1,14 @@
 //! Transient densities p(x, t), and the rates at which transients die.
 
-use super::course::{Course, Plan};
 use super::density::GridDensity;
+use super::evolution::{Evolution, Plan};
 use super::field::{Field, difference};
 use super::initial::Initial;
 use super::relaxation::slowest;
 use crate::density::Density;
-use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::grid::{require_accuracy, tuning};
-use crate::transient::{Relaxation, Start, Transient, check_times};
+use crate::transient::{Course, Relaxation, Transient, check_times};
 
 impl GridDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
@@ -45,54 +44,34 @@ impl GridDensity {
         slowest([&fine.operator, &coarse.operator], shift / 4.0, count)
     }
 
-    /// The densities at rising `times` after `start`, by a Rosenbrock method of order 4 that is stable for every step, on a mesh that
+    /// The densities at rising `times` after the start, by a Rosenbrock method of order 4 that is stable for every step, on a mesh that
     /// follows the density: it is refined before a step that it would not hold to half of `accuracy` in L¹, and coarsened behind.
     /// Each step may err by `accuracy`, relative to the root mean square of p; moments err much less, and 1e-4 is a good value. A
     /// point is followed as a Gaussian, with the moments of the Gaussian closure, until that may be off by the other half, which
     /// is part of the estimate; at least until one of its deviations is 0.03 of the stationary one.
     ///
+    /// The domain is that of the stationary density under the noise as it stands: the peak of an envelope should be about 1.
+    ///
     /// # Errors
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
     /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain or is too narrow for double precision there;
     /// [`Error::Dimension`] for a start in other than the problem's states; [`Error::NotResolved`] if the errors of the steps add up to
-    /// the density itself. Where the memory ends first, the provenance warns.
-    pub fn transient(&self, start: &Start, times: &[f64], accuracy: f64) -> Result<Vec<Transient<Self>>> {
-        self.evolved(None, start, times, accuracy)
-    }
-
-    /// The same under modulated noise, whose columns are multiplied by the envelope e(t). The domain is that of the stationary
-    /// density under the noise as it stands, e = 1: that noise should be about the strongest one, and the envelope's peak
-    /// about 1.
-    ///
-    /// # Errors
-    /// As [`GridDensity::transient`]; [`Error::DomainCut`] if the density has spread beyond the domain.
-    ///
+    /// the density itself; [`Error::DomainCut`] if it has spread beyond the domain under an envelope. Where the memory ends first, the provenance warns.
     /// ```
-    /// use expoly::{Envelope, Grid, Start, models::{Linear, Solved}};
+    /// use expoly::{Course, Envelope, Grid, models::{Linear, Solved}};
     /// let density = Grid::new().degree(6).solve(&Linear::new(0.5, 1.0, 0.5)?.problem()?)?;
-    /// let burst = Envelope::steps([(0.0, 1.0), (3.0, 0.0)])?;
-    /// let after = density.modulated_transient(&burst, &Start::Point(vec![0.0, 0.0]), &[3.0, 4.0], 1e-4)?;
+    /// let burst = Course::from([0.0, 0.0]).under(Envelope::steps([(0.0, 1.0), (3.0, 0.0)])?);
+    /// let after = density.transient(burst, &[3.0, 4.0], 1e-4)?;
     /// let [during, later] = [0, 1].map(|k| after[k].moment(&[0, 2]));
     /// assert!(later?.value < 0.7 * during?.value);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn modulated_transient(
-        &self,
-        envelope: &Envelope,
-        start: &Start,
-        times: &[f64],
-        accuracy: f64,
-    ) -> Result<Vec<Transient<Self>>> {
-        self.evolved(Some(envelope), start, times, accuracy)
+    pub fn transient(&self, course: impl Into<Course>, times: &[f64], accuracy: f64) -> Result<Vec<Transient<Self>>> {
+        self.evolved(&course.into(), times, accuracy)
     }
 
-    fn evolved(
-        &self,
-        envelope: Option<&Envelope>,
-        start: &Start,
-        times: &[f64],
-        accuracy: f64,
-    ) -> Result<Vec<Transient<Self>>> {
+    fn evolved(&self, course: &Course, times: &[f64], accuracy: f64) -> Result<Vec<Transient<Self>>> {
+        let (start, envelope) = (&course.start, course.envelope.as_ref());
         require_accuracy("accuracy of a transient", accuracy)?;
         let ground = self.kept.ground(self.fine.mesh.domain(), self.fine.mesh.sides, accuracy);
         let [first, last] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0.0));
@@ -100,16 +79,16 @@ impl GridDensity {
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
         let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
         let plan = Plan { envelope, accuracy, degree, memory: self.kept.grid.memory };
-        let mut course = Course::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
+        let mut evolution = Evolution::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
         let at = |time: &f64| {
-            course.advance(*time)?;
-            let [fine, coarse] = course.fields.clone();
+            evolution.advance(*time)?;
+            let [fine, coarse] = evolution.fields.clone();
             let mut density = self.clone();
             // What a leak moves between wells grows with time to that of the stationary density.
             density.provenance.l1_estimate = Some(difference(&fine, &coarse) + self.changed() + initial.error);
             density.provenance.cells = Some(fine.mesh.cells.len());
             density.provenance.unknowns = Some(fine.coefficients.len());
-            if course.exhausted {
+            if evolution.exhausted {
                 density.provenance.warning =
                     Some("the memory does not suffice for the mesh: raise `memory_limit`".into());
             }
@@ -117,7 +96,7 @@ impl GridDensity {
             if envelope.is_some() {
                 density.require_inside()?;
             }
-            Ok(Transient { time: *time, density, step_error: course.error })
+            Ok(Transient { time: *time, density, step_error: evolution.error })
         };
         times.iter().map(at).collect()
     }

@@ -1,6 +1,5 @@
 //! Problems: a system as data, made once from its definition, with its walls.
 
-mod amplified;
 mod contact;
 mod definition;
 mod expression;
@@ -175,15 +174,6 @@ impl Problem {
     /// The Fokker-Planck operator: Itô drift and diffusion matrix as polynomials.
     pub fn operator(&self) -> &FokkerPlanck {
         &self.equations.operator
-    }
-
-    /// The operator with all intensities of white noise times `share`, and the drift that it induces with them.
-    pub(crate) fn under_noise(&self, share: f64) -> FokkerPlanck {
-        let mut drift = self.operator().drift().to_vec();
-        for (f, induced) in drift.iter_mut().zip(self.induced_drift()) {
-            *f = &*f - &(induced * (1.0 - share));
-        }
-        self.operator().with(drift, share)
     }
 
     /// The drift that the noise induces, which Itô's has beyond that as it was written.

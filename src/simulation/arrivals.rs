@@ -42,7 +42,7 @@ pub(super) const SECOND_HALF: Range<f64> = 0.5..1.0;
 const HELD: usize = 2 * SPAN as usize;
 
 /// The time steps that impulses are drawn for at once.
-const SPAN: u64 = 8;
+pub(super) const SPAN: u64 = 8;
 /// The most impulses of one source in a span: a multiple of what the length of a step allows on average.
 const MOST: u64 = 1 << 8;
 

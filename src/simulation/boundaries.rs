@@ -29,6 +29,8 @@ pub(super) struct Boundaries {
     pub(super) chatters: Vec<Chatter>,
     /// The levels whose up-crossings by state 0 are counted.
     pub(super) levels: Vec<f64>,
+    /// The limits that state 0 leaves at its first passage.
+    within: Option<[f64; 2]>,
     /// The bins of the speeds at impacts, if these are counted.
     speeds: Option<Axis>,
     /// Whether each passage is recorded, not only counted.
@@ -59,6 +61,7 @@ impl Boundaries {
             chatters: contacts.iter().enumerate().filter_map(at_rest).collect(),
             grazing,
             levels,
+            within: None,
             speeds: None,
             recording: false,
             shortest_rest: f64::INFINITY,
@@ -76,6 +79,23 @@ impl Boundaries {
     /// The same boundaries, with or without a record of all passages.
     pub(super) fn recording(self, recording: bool) -> Self {
         Boundaries { recording, ..self }
+    }
+
+    /// The same boundaries, with limits of state 0 that trajectories leave.
+    pub(super) fn within(self, within: Option<[f64; 2]>) -> Self {
+        Boundaries { within, ..self }
+    }
+
+    /// Whether every step is to be seen: for crossings of levels, or for first passages.
+    #[inline(always)]
+    pub(super) fn are_watched(&self) -> bool {
+        !self.levels.is_empty() || self.within.is_some()
+    }
+
+    /// Whether a displacement is beyond the limits.
+    #[inline(always)]
+    pub(super) fn is_beyond(&self, x: f64) -> bool {
+        self.within.is_some_and(|[low, high]| (x <= low) | (x >= high))
     }
 
     /// No passages yet.
@@ -129,6 +149,9 @@ impl Boundaries {
                 write_lane(state, l, x);
             }
         }
+        for l in (0..LANES).filter(|&l| self.within.is_some() && !beyond[l] && counted(l)) {
+            passages.left |= u64::from(self.is_beyond(x[0][l])) << l;
+        }
         for (k, &level) in self.levels.iter().enumerate() {
             let (before, after) = (from[0], x[0]);
             let mut any = false;
@@ -179,6 +202,7 @@ impl Boundaries {
                 x[i] += tau * x[v];
             }
         }
+        passages.left |= u64::from(self.is_beyond(x[0])) << lane;
         for (k, &level) in self.levels.iter().enumerate() {
             self.count(k, level, lane, [before, x[0]], self.velocities[0].map_or(0.0, |v| x[v]), passages);
         }

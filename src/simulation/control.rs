@@ -1,4 +1,5 @@
 use crate::error::{Error, Result};
+use crate::parallel;
 use std::sync::{
     Mutex, MutexGuard, PoisonError,
     atomic::{AtomicBool, AtomicUsize, Ordering},
@@ -55,10 +56,6 @@ impl<'a> Control<'a> {
         self.meter.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn fail(&self, place: usize) {
-        self.failed.fetch_min(place, Ordering::Relaxed);
-    }
-
     /// Sets what has been done and what there is to do.
     pub(super) fn set(&self, done: u64, total: u64) {
         self.meter().progress = Progress { done, total };
@@ -93,5 +90,22 @@ impl<'a> Control<'a> {
     /// The path-steps reported.
     pub(super) fn done(&self) -> u64 {
         self.meter().progress.done
+    }
+
+    /// Each item is one task, which is given its place; results are in the order of the items, and the error is the first in
+    /// that order.
+    pub(super) fn on_all<I: Send, R: Send>(
+        &self,
+        items: &mut [I],
+        task: impl Fn(usize, &mut I) -> Result<R> + Sync,
+    ) -> Result<Vec<R>> {
+        let guarded = |place: usize, item: &mut I| {
+            task(place, item).inspect_err(|error| {
+                if !matches!(error, Error::Cancelled { .. }) {
+                    self.failed.fetch_min(place, Ordering::Relaxed);
+                }
+            })
+        };
+        parallel::map_into(items.iter_mut().collect(), guarded).into_iter().collect()
     }
 }

@@ -11,8 +11,7 @@ use super::{
     tally::Layout,
     timetable::{Timetable, samples},
 };
-use crate::error::{Error, Result};
-use crate::parallel;
+use crate::error::Result;
 use crate::problem::LANES;
 use crate::simulation::tuning::timetable::{BURN_IN_STRETCHES, LATE, PIECE};
 
@@ -60,7 +59,7 @@ impl<'a> Ensemble<'a> {
             }
             Ok(())
         };
-        self.on_all(batches, all_the_way).map(|_| ())
+        self.control.on_all(batches, all_the_way).map(|_| ())
     }
 
     /// Takes a batch through its next stretch and returns the time steps.
@@ -117,7 +116,7 @@ impl<'a> Ensemble<'a> {
     /// passages are recorded.
     pub(super) fn collect(&self, mut groups: Vec<Trajectories>, stretches: usize, bounds: &[f64]) -> Result<Paths> {
         let dimension = self.scheme.states;
-        let parts = self.on_all(&mut groups, |place, group| {
+        let parts = self.control.on_all(&mut groups, |place, group| {
             let mut paths = vec![Paths::new(dimension, samples(stretches)); group.count()];
             let mut x = vec![0.0; dimension];
             self.through(place, group, stretches, bounds, |stretch, number, lanes, record| {
@@ -188,22 +187,5 @@ impl<'a> Ensemble<'a> {
             visit(group, lanes, passages, work);
         }
         Ok(steps as u64)
-    }
-
-    /// Each item is one task, which is given its place; results are in the order of the items, and the error is the first in
-    /// that order.
-    pub(super) fn on_all<I: Send, R: Send>(
-        &self,
-        items: &mut [I],
-        task: impl Fn(usize, &mut I) -> Result<R> + Sync,
-    ) -> Result<Vec<R>> {
-        let guarded = |place: usize, item: &mut I| {
-            task(place, item).inspect_err(|error| {
-                if !matches!(error, Error::Cancelled { .. }) {
-                    self.control.fail(place);
-                }
-            })
-        };
-        parallel::map_into(items.iter_mut().collect(), guarded).into_iter().collect()
     }
 }

@@ -22,6 +22,7 @@
 //! - `plan`, `timetable`: the options that determine the results, and the times of samples;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
 //!   `checkpoint` (the state in a file), `processes` and `ranks` (several processes);
+//! - `transient`: trajectories from a start on, under noise that rises and fades as well;
 //! - `splitting`: rare states;
 //! - `statistics`: the statistics that are taken on request, beside the standard ones;
 //! - `setup`, `run`, `result`, `merge`, `density`: the user's options, the run, and the result.
@@ -67,6 +68,7 @@ mod tally;
 mod target;
 mod time_step;
 mod timetable;
+mod transient;
 mod trend;
 mod tuning;
 

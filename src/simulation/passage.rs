@@ -15,6 +15,9 @@ pub(super) struct Passages {
     pub(super) crossings: Vec<[f64; POWERS]>,
     /// For each level the lanes that have crossed it since this was last cleared, one bit each.
     pub(super) crossed: Vec<u64>,
+    /// The lanes that have left the limits of state 0 since this was last cleared, one bit each.
+    #[serde(skip)]
+    pub(super) left: u64,
     /// The speeds of approach at impacts, for each wall.
     pub(super) speeds: Vec<Counts>,
     /// Σ ½(v₋² − v₊²) over the impacts, for each state v that is a velocity.
@@ -58,6 +61,7 @@ impl Passages {
             impacts: vec![[0.0; POWERS]; walls],
             crossings: vec![[0.0; POWERS]; levels],
             crossed: vec![0; levels],
+            left: 0,
             speeds: axis.map_or(Vec::new(), |axis| vec![Counts::new(&[axis]); walls]),
             taken: vec![0.0; states],
             rests: vec![[0.0; 2]; walls],
@@ -68,6 +72,7 @@ impl Passages {
     /// Clears the lanes of the passages, which belong to one group only.
     pub(super) fn forget(&mut self) {
         self.crossed.fill(0);
+        self.left = 0;
         self.record.clear();
     }
 }

@@ -29,7 +29,7 @@ impl Pilot {
         let firsts = (FIRST..FIRST + tuning::timetable::PILOT_TRAJECTORIES).step_by(LANES);
         let mut groups: Vec<_> =
             firsts.map(|first| Trajectories::new(first..first + LANES as u64, seed, start)).collect();
-        let seen = ensemble.on_all(&mut groups, |place, group| {
+        let seen = ensemble.control.on_all(&mut groups, |place, group| {
             let (mut reach, mut x) = (nothing.clone(), vec![0.0; nothing.len()]);
             ensemble.through(place, group, BURN_IN_STRETCHES, &[], |stretch, _, lanes, _| {
                 for lane in (0..lanes.trajectories()).filter(|_| 2 * stretch >= BURN_IN_STRETCHES) {
@@ -56,7 +56,7 @@ impl Pilot {
 
 /// The range of one state.
 #[derive(Clone, Copy, Debug)]
-struct Reach {
+pub(super) struct Reach {
     count: f64,
     sum: f64,
     squares: f64,
@@ -65,13 +65,14 @@ struct Reach {
 }
 
 impl Reach {
-    const NONE: Reach = Reach { count: 0.0, sum: 0.0, squares: 0.0, lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+    pub(super) const NONE: Reach =
+        Reach { count: 0.0, sum: 0.0, squares: 0.0, lo: f64::INFINITY, hi: f64::NEG_INFINITY };
 
-    fn of(x: f64) -> Self {
+    pub(super) fn of(x: f64) -> Self {
         Reach { count: 1.0, sum: x, squares: x * x, lo: x, hi: x }
     }
 
-    fn joined(self, other: Self) -> Self {
+    pub(super) fn joined(self, other: Self) -> Self {
         Reach {
             count: self.count + other.count,
             sum: self.sum + other.sum,
@@ -88,7 +89,7 @@ impl Reach {
 
     /// An interval that later samples will hardly leave: the extremes, at least four standard deviations about the mean,
     /// widened by a quarter of its length at both ends.
-    fn interval(&self) -> (f64, f64) {
+    pub(super) fn interval(&self) -> (f64, f64) {
         let mean = self.sum / self.count;
         let deviation = (self.squares / self.count - mean * mean).max(0.0).sqrt();
         let (lo, hi) = (self.lo.min(mean - 4.0 * deviation), self.hi.max(mean + 4.0 * deviation));

@@ -64,8 +64,7 @@ impl<'a> Simulation<'a> {
     /// Runs the simulation, its batches shared with other processes.
     pub(super) fn run_among(mut self, problem: &Problem, processes: &impl Processes) -> Result<SimulatedDensity> {
         let begin = Instant::now();
-        let deadline = self.time_budget.map(|budget| begin + budget.max(tuning::timetable::LEAST_BUDGET));
-        let control = Control::new(self.progress.take(), deadline);
+        let control = self.control(begin);
         let Prepared { contacts, scheme, rate, timetable, samples, start } = self.prepared(problem, &control)?;
         let part = self.batches_of_part()?;
         let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new());
@@ -93,7 +92,7 @@ impl<'a> Simulation<'a> {
             requests: self.requests,
             control_variates: ControlVariates::default(),
         };
-        if self.control_variates && self.once.is_none() {
+        if self.control_variates {
             plan.control_variates = ControlVariates::new(problem, &plan.layout(), self.trajectories);
         }
         // The pilot counts nothing; only the trajectories that are sampled do.
@@ -154,15 +153,24 @@ impl<'a> Simulation<'a> {
         Ok(Paths { interval, ..paths })
     }
 
+    /// Progress and time budget of what began at an instant.
+    pub(super) fn control<'c>(&mut self, begin: Instant) -> Control<'c>
+    where
+        'a: 'c,
+    {
+        let deadline = self.time_budget.map(|budget| begin + budget.max(tuning::timetable::LEAST_BUDGET));
+        Control::new(self.progress.take(), deadline)
+    }
+
     /// The scheme and the plan, after all options have been checked.
     fn prepared<'p>(&self, problem: &'p Problem, control: &Control<'_>) -> Result<Prepared<'p>> {
         let contacts = problem.contacts();
         self.validate(problem, &contacts)?;
-        let times = self.times_of_one()?.map_or_else(|| self.times(problem), Ok)?;
+        let times = self.times(problem)?;
         let (step, rate) = match self.time_step {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
-                let given = self.burn_in.is_some() || self.sampling_interval.is_some() || self.once.is_some();
+                let given = self.burn_in.is_some() || self.sampling_interval.is_some();
                 let often = problem.impulse_rate() / tuning::time_step::MOST_IMPULSES;
                 let few =
                     often * times.burn_in <= MOST_DEFAULT_STEPS && often * times.interval <= MOST_DEFAULT_INTERVAL;
@@ -175,10 +183,7 @@ impl<'a> Simulation<'a> {
             }
         };
         require(problem.impulse_rate() * step <= tuning::limits::MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
-        let (step, timetable) = match self.once {
-            Some(time) => self.once(time, step)?,
-            None => (step, self.timetable(step, times)?),
-        };
+        let timetable = self.timetable(step, times)?;
         let samples = self.count();
         let scheme = Scheme::new(problem, self.amplitude, step);
         let interval = timetable.interval_steps as f64 * step;
@@ -210,7 +215,7 @@ impl<'a> Simulation<'a> {
         Ok((k - 1) * batches / parts..k * batches / parts)
     }
 
-    fn validate(&self, problem: &Problem, contacts: &[Contact]) -> Result<()> {
+    pub(super) fn validate(&self, problem: &Problem, contacts: &[Contact]) -> Result<()> {
         if !self.levels.is_empty() && problem.velocity_of(0).is_none() {
             return Err(Error::NotADisplacement { state: 0 });
         }
@@ -230,7 +235,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The times that were given, and in place of others those that follow from the system's rates.
-    fn times(&self, problem: &Problem) -> Result<Times> {
+    pub(super) fn times(&self, problem: &Problem) -> Result<Times> {
         if let Some(burn_in) = self.burn_in {
             let sound = burn_in.is_finite() && burn_in >= 0.0;
             require(sound, "burn-in", burn_in, "it must be finite and not negative")?;
@@ -252,7 +257,7 @@ impl<'a> Simulation<'a> {
 
     /// The number of samples of each trajectory.
     fn count(&self) -> usize {
-        if self.once.is_some() { 1 } else { self.samples.div_ceil(self.trajectories) }
+        self.samples.div_ceil(self.trajectories)
     }
 
     /// Burn-in and sampling in whole steps.
@@ -268,7 +273,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The bins, on the intervals that the pilot found.
-    fn axes(&self, walls: &[Wall], mut ends: Vec<(f64, f64)>) -> Result<(Vec<Axis>, Option<[Axis; 2]>)> {
+    pub(super) fn axes(&self, walls: &[Wall], mut ends: Vec<(f64, f64)>) -> Result<(Vec<Axis>, Option<[Axis; 2]>)> {
         for (state, (lo, hi)) in ends.iter_mut().enumerate() {
             let [low, high] = limits(walls, state);
             *lo = if low.is_finite() { low } else { *lo };

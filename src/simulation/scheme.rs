@@ -1,4 +1,5 @@
 use super::arrivals::Sources;
+use crate::envelope::Piece;
 use crate::fokker_planck::noise_induced_drift;
 use crate::problem::{Contact, Field, Kicks, LANES, Lane, Nearness, Problem, Strike};
 use crate::{polynomial::Polynomial, system::Interpretation};
@@ -42,8 +43,21 @@ pub(super) struct Scheme<'a> {
     /// A factor of all noises.
     amplitude: f64,
     noise: Noise,
+    modulation: Option<Modulation>,
     /// The multiple of the noise-induced drift that is added to the drift as written to make the Stratonovich drift.
     induced: f64,
+}
+
+/// A stretch of time in which white noise rises and fades without a jump.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Modulation {
+    /// The envelope e(t) in it.
+    pub(super) piece: Piece,
+    /// When it begins, and the steps that were taken before.
+    pub(super) begin: f64,
+    pub(super) before: u64,
+    /// The largest e of the whole course.
+    pub(super) peak: f64,
 }
 
 /// The dependence of the noise on the state.
@@ -97,7 +111,32 @@ impl<'a> Scheme<'a> {
             silent: !problem.operator().has_white_noise(),
             amplitude,
             noise,
+            modulation: None,
             induced: if corrected { -amplitude * amplitude } else { 0.0 },
+        }
+    }
+
+    /// The same for noise that rises and fades.
+    pub(super) fn modulated(self, modulation: Option<Modulation>) -> Self {
+        Scheme { modulation, ..self }
+    }
+
+    /// e in the middle of a step, by which the step's increments are multiplied: it differs from their true deviation by O(h²).
+    #[inline(always)]
+    pub(super) fn gain(&self, step: u64) -> f64 {
+        self.modulation.map_or(1.0, |Modulation { piece, begin, before, .. }| {
+            piece.value(begin + ((step - before) as f64 + 0.5) * self.step)[0]
+        })
+    }
+
+    /// Multiplies the increments of successive steps, from step number `first` on.
+    #[inline(always)]
+    pub(super) fn modulate(&self, first: u64, increments: &mut [Lane]) {
+        if self.modulation.is_some() {
+            for (step, w) in (first..).zip(increments.chunks_exact_mut(self.processes.max(1))) {
+                let gain = self.gain(step);
+                w.iter_mut().flatten().for_each(|w| *w *= gain);
+            }
         }
     }
 
@@ -113,15 +152,24 @@ impl<'a> Scheme<'a> {
         Scratch { lanes, drift: vec![0.0; n], diffusion: vec![0.0; n * n] }
     }
 
-    /// F(h/2) W(h) F(h/2) for the increments √h Z = `w` of each process; `reversed` is the order of the fields.
+    /// F(h/2) W(h) F(h/2) for the increments e √h Z = `w` of each process in step number `step`; `reversed` is the order of the
+    /// fields.
     #[inline(always)]
-    pub(super) fn kick(&self, x: &mut [Lane], h: f64, w: &[Lane], reversed: &[bool; LANES], scratch: &mut Scratch) {
+    pub(super) fn kick(
+        &self,
+        x: &mut [Lane],
+        (h, step): (f64, u64),
+        w: &[Lane],
+        reversed: &[bool; LANES],
+        scratch: &mut Scratch,
+    ) {
         if let Noise::Constant { noise, .. } = &self.noise {
             self.field.kicks(self.arch, x, w, &self.through(noise, h, None, (1, &[])));
             return;
         }
         let Scratch { lanes: [middle, other], .. } = scratch;
-        self.field.drift_flow(self.arch, x, h / 2.0, &self.moved, self.induced, middle);
+        let induced = if self.induced == 0.0 { 0.0 } else { self.induced * self.gain(step).powi(2) };
+        self.field.drift_flow(self.arch, x, h / 2.0, &self.moved, induced, middle);
         if self.curved() {
             let [any, all] = [reversed.contains(&true), !reversed.contains(&false)];
             for k in 0..w.len() {
@@ -148,17 +196,24 @@ impl<'a> Scheme<'a> {
                 }
             }
         }
-        self.field.drift_flow(self.arch, middle, h / 2.0, &self.moved, self.induced, x);
+        self.field.drift_flow(self.arch, middle, h / 2.0, &self.moved, induced, x);
     }
 
     /// The same for one state.
-    pub(super) fn kick_alone(&self, x: &mut [f64], h: f64, w: &[f64], reversed: bool, scratch: &mut Scratch) {
+    pub(super) fn kick_alone(
+        &self,
+        x: &mut [f64],
+        (h, step): (f64, u64),
+        w: &[f64],
+        reversed: bool,
+        scratch: &mut Scratch,
+    ) {
         if let Noise::Constant { noise, .. } = &self.noise {
             self.field.kick(x, w, &self.through(noise, h, None, (1, &[])));
             return;
         }
         let [mut lanes, w] = [&*x, w].map(|values| values.iter().map(|&value| [value; LANES]).collect::<Vec<_>>());
-        self.kick(&mut lanes, h, &w, &[reversed; LANES], scratch);
+        self.kick(&mut lanes, (h, step), &w, &[reversed; LANES], scratch);
         x.iter_mut().zip(&lanes).for_each(|(x, lanes)| *x = lanes[0]);
     }
 
@@ -218,11 +273,12 @@ impl<'a> Scheme<'a> {
         drift
     }
 
-    /// B at a state, by rows.
+    /// B at a state, by rows, of the strongest noise.
     pub(super) fn noise_at(&self, x: &[f64]) -> Vec<f64> {
         let mut diffusion = vec![0.0; self.states * self.states];
         self.field.diffusion(x, &mut diffusion);
-        diffusion.iter_mut().for_each(|b| *b *= self.amplitude * self.amplitude);
+        let strongest = self.amplitude * self.modulation.map_or(1.0, |modulation| modulation.peak);
+        diffusion.iter_mut().for_each(|b| *b *= strongest * strongest);
         diffusion
     }
 
@@ -315,7 +371,7 @@ mod tests {
             for reversed in [false, true] {
                 let mut x = from.to_vec();
                 straight(&mut x);
-                scheme.kick_alone(&mut x, h, &w, reversed, &mut scratch);
+                scheme.kick_alone(&mut x, (h, 0), &w, reversed, &mut scratch);
                 straight(&mut x);
                 for (mean, m) in means.iter_mut().zip(&all) {
                     *mean += weight / 2.0 * x.iter().zip(m).map(|(x, power)| x.powi(*power as i32)).product::<f64>();

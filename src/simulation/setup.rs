@@ -62,8 +62,6 @@ pub struct Simulation<'a> {
     pub(super) seed: u64,
     pub(super) levels: Vec<f64>,
     pub(super) start: Start,
-    /// The time of the only sample, after the start.
-    pub(super) once: Option<f64>,
     pub(super) bins: usize,
     pub(super) progress: Option<Callback<'a>>,
     pub(super) targets: Vec<Target<'a>>,
@@ -94,7 +92,6 @@ impl<'a> Simulation<'a> {
             seed: 0,
             levels: Vec::new(),
             start: Start::Stationary,
-            once: None,
             bins: 128,
             progress: None,
             targets: Vec::new(),

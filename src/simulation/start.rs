@@ -1,8 +1,4 @@
-use super::{
-    Simulation,
-    timetable::{Times, Timetable},
-};
-use crate::checks::{positive, require};
+use super::Simulation;
 use crate::density::Frame;
 use crate::error::{Error, Result};
 use crate::problem::{Contact, Problem, TimeScales, reflect};
@@ -17,22 +13,6 @@ impl Simulation<'_> {
     /// Gaussian closure. Other densities are refused.
     pub fn start(self, start: impl Into<transient::Start>) -> Self {
         Simulation { start: start.into(), ..self }
-    }
-
-    /// Takes one sample of each trajectory, at `time` after the start, instead of samples of a stationary response. Burn-in,
-    /// sampling interval, number of samples and control variates have no effect, and a time step is the longest one allowed.
-    ///
-    /// ```
-    /// use expoly::{Density, Simulation, models::{Linear, Solved}};
-    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
-    /// let found = Simulation::new().start([0.8, 0.0]).transient(3.0).trajectories(10_240).run(&problem)?;
-    /// let omega = 0.9375_f64.sqrt();
-    /// let mean = 0.8 * (-0.75_f64).exp() * ((3.0 * omega).cos() + 0.25 / omega * (3.0 * omega).sin());
-    /// assert!(found.moment(&[1, 0])?.deviation(mean) < 4.0);
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn transient(self, time: f64) -> Self {
-        Simulation { once: Some(time), ..self }
     }
 
     /// Refuses a start without a meaning.
@@ -52,24 +32,6 @@ impl Simulation<'_> {
         let value = |contact: &Contact| at[contact.wall.state()];
         beyond.map_or(Ok(()), |contact| Err(Error::OutOfRange { name: "start", value: value(contact), remedy }))
     }
-
-    /// The times of the only sample, if there is but one.
-    pub(super) fn times_of_one(&self) -> Result<Option<Times>> {
-        let remedy = "the start itself is known: take a later time";
-        let times = |time| Ok(Times { burn_in: positive("time of a transient", time, remedy)?, interval: time });
-        self.once.map(times).transpose()
-    }
-
-    /// The timetable of the only sample, with the longest step that ends at its time and is at most `step`, counted in `unit`s.
-    pub(super) fn once(&self, time: f64, step: f64) -> Result<(f64, Timetable)> {
-        let stretches = tuning::timetable::BURN_IN_STRETCHES as f64;
-        let each = ((time / step - 1.0) / stretches).ceil().max(1.0);
-        let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or an earlier time";
-        let path = self.trajectories as f64 * (stretches * each + 1.0);
-        require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
-        let timetable = Timetable { burn_in_steps: each as usize, interval_steps: 1 };
-        Ok((time / (stretches * each + 1.0), timetable))
-    }
 }
 
 /// Where trajectories begin.
@@ -87,7 +49,7 @@ impl Start {
     /// The start given to the simulation, or near 0, or beside the walls that exclude 0; each state spreads as far as the
     /// noise at 0 takes it in four steps, or as far as its density where it would take too long to leave.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Result<Self> {
-        let free = matches!(simulation.start, transient::Start::Stationary) && simulation.once.is_none();
+        let free = matches!(simulation.start, transient::Start::Stationary);
         // Without time scales nothing says that they would take too long.
         let wide = if free { wide(problem, step).ok().flatten() } else { None };
         let wide = wide.map(|wide| wide.iter().map(|deviation| simulation.amplitude * deviation).collect());

@@ -3,7 +3,9 @@
 use crate::common::moving::{POWERS, correlated, linear_after, moments, normal, two_wells, van_der_pol};
 use crate::common::*;
 use expoly::models::Linear;
-use expoly::{Closure, ClosureDensity, Density, Envelope, Error, Gaussian, Grid, Origin, Result, Start, Wall, compare};
+use expoly::{
+    Closure, ClosureDensity, Course, Density, Envelope, Error, Gaussian, Grid, Origin, Result, Start, Wall, compare,
+};
 use nalgebra::{DMatrix, Vector2, dmatrix, dvector};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -33,7 +35,7 @@ fn a_linear_oscillator_keeps_its_gaussian() {
 #[test]
 fn one_state_starts_from_a_point() {
     let problem = problem(OrnsteinUhlenbeck);
-    let found = Closure::new(2).transient(&problem, &Start::Point(vec![1.5]), &[1e-5, 0.1, 0.7, 6.0]).unwrap();
+    let found = Closure::new(2).transient(&problem, Start::Point(vec![1.5]), &[1e-5, 0.1, 0.7, 6.0]).unwrap();
     for transient in found.iter().skip(1) {
         let (mean, variance) = (1.5 * (-transient.time).exp(), 1.0 - (-2.0 * transient.time).exp());
         let [first, second] = [1, 2].map(|power| transient.moment(&[power]).unwrap());
@@ -125,17 +127,17 @@ fn walls_are_met_in_time() {
 fn densities_are_starts_too() -> Result<()> {
     let (problem, closure) = (two_wells(), Closure::new(8));
     let stationary: Arc<ClosureDensity> = Arc::new(closure.solve(&problem)?);
-    let still = closure.transient(&problem, &Start::Density(stationary.clone()), &[0.3, 3.0])?;
+    let still = closure.transient(&problem, Start::Density(stationary.clone()), &[0.3, 3.0])?;
     for transient in &still {
         let distance = compare::l1(&transient.density, &*stationary)?;
         println!("t = {}: {distance}, estimate {:.1e}", transient.time, transient.density.l1_estimate());
         assert!(distance.value < 1e-4);
     }
-    let mut from_start = closure.transient(&problem, &normal([1.0, 0.0], 0.4), &[6.0, 10.0])?;
+    let mut from_start = closure.transient(&problem, normal([1.0, 0.0], 0.4), &[6.0, 10.0])?;
     let end = from_start.pop().unwrap().density;
     let middle = from_start.pop().unwrap().density;
     let near = middle.l1_estimate();
-    let again = closure.transient(&problem, &Start::Density(Arc::new(middle)), &[4.0])?.remove(0).density;
+    let again = closure.transient(&problem, Start::Density(Arc::new(middle)), &[4.0])?.remove(0).density;
     let distance = compare::l1(&again, &end)?;
     println!("in two parts: {distance}, the first of them {near:.1e}");
     assert!(distance.value < near);
@@ -177,8 +179,8 @@ fn questions_of_time_without_a_meaning_are_refused() {
     ] {
         assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
     }
-    let endless =
-        Closure::new(4).modulated_transient(&oscillator, &Envelope::steps([(0.0, 1.0)]).unwrap(), &wide, &[1e9]);
+    let endless = Course::from(&wide).under(Envelope::steps([(0.0, 1.0)]).unwrap());
+    let endless = Closure::new(4).transient(&oscillator, endless, &[1e9]);
     assert!(matches!(endless, Err(Error::OutOfRange { name: "last time of a transient", .. })), "{:?}", endless.err());
     for start in [Start::Point(vec![0.0]), Start::Gaussian(Gaussian { mean: dvector![0.0], covariance: dmatrix![1.0] })]
     {

@@ -204,7 +204,7 @@ fn derivatives_that_the_closure_has_not_are_refused() -> Result<()> {
     assert!(matches!(density.sensitivity("nu"), Err(Error::NotAName { .. })));
     let document: ClosureDensity = serde_json::from_str(&serde_json::to_string(&density).unwrap()).unwrap();
     assert!(matches!(document.sensitivity("c"), Err(Error::NotKnown { .. })));
-    let moving = Closure::new(4).transient(&duffing, &vec![0.5, 0.0].into(), &[2.0])?.remove(0);
+    let moving = Closure::new(4).transient(&duffing, [0.5, 0.0], &[2.0])?.remove(0);
     assert!(moving.density.sensitivity("c").is_err());
     let found = density.sensitivity("c")?;
     assert!(matches!(found.moment(&[2]), Err(Error::Dimension { .. })));

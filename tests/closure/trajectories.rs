@@ -89,11 +89,10 @@ fn a_filtered_linear_oscillator_relaxes_with_its_own_eigenvalues() {
 fn a_chain_is_as_its_trajectories_are() {
     let chain = chain();
     let (start, times) = (normal(4), [0.5, 6.0]);
-    let found =
-        Closure::new(4).pilot_states(1 << 17).transient(&chain, &Start::Gaussian(start.clone()), &times).unwrap();
-    for found in &found {
-        let simulation = Simulation::new().start(start.clone()).transient(found.time).trajectories(1 << 17).seed(3);
-        let simulated = simulation.run(&chain).unwrap();
+    let found = Closure::new(4).pilot_states(1 << 17).transient(&chain, start.clone(), &times).unwrap();
+    let simulated = Simulation::new().trajectories(1 << 17).seed(3).transient(&chain, start, &times).unwrap();
+    for (found, simulated) in found.iter().zip(simulated) {
+        let simulated = simulated.density;
         let estimate = found.density.l1_estimate();
         println!("t = {}: estimate {estimate:.1e}, {}", found.time, found.density.candidates()[0].origin);
         assert!(found.density.warning().is_none() && estimate < 0.05);
@@ -132,7 +131,7 @@ fn a_chain_is_as_its_trajectories_are() {
 fn the_start_is_forgotten() {
     let chain = chain();
     let closure = Closure::new(4).pilot_states(65_536);
-    let late = closure.transient(&chain, &Start::Point(vec![0.5, 0.0, 0.0, 0.0]), &[60.0]).unwrap().remove(0);
+    let late = closure.transient(&chain, Start::Point(vec![0.5, 0.0, 0.0, 0.0]), &[60.0]).unwrap().remove(0);
     let kept = closure.transient(&chain, &Start::Stationary, &[1.0]).unwrap().remove(0);
     for transient in [late, kept] {
         let square = transient.moment(&[0, 2, 0, 0]).unwrap();
@@ -158,7 +157,4 @@ fn what_trajectories_cannot_carry_is_refused() {
     assert!(matches!(refused(&chain, &moved, &[1e-12]), Error::NotClosed { .. }));
     let walled = chain.clone().with_wall(Wall::above(-0.5, 0.8).unwrap()).unwrap();
     assert!(matches!(refused(&walled, &point, &[1.0]), Error::NotServed { .. }));
-    let envelope = expoly::Envelope::steps([(0.0, 1.0)]).unwrap();
-    let modulated = closure.modulated_transient(&chain, &envelope, &point, &[1.0]);
-    assert!(matches!(modulated, Err(Error::NotServed { .. })));
 }

@@ -112,7 +112,7 @@ fn a_point_start_agrees_with_a_simulation() {
     const PATHS: usize = 200_000;
     const STEP: f64 = 0.032;
     let times = [0.8, 1.6, 3.2, 6.4];
-    let densities = duffing().transient(&Start::Point(vec![1.0, 0.0]), &times, 5e-5).unwrap();
+    let densities = duffing().transient(Start::Point(vec![1.0, 0.0]), &times, 5e-5).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut sums = [[0.0; 10]; 4];
     let kick = (2.0 * 0.2 * STEP).sqrt();

@@ -143,15 +143,15 @@ fn survival_agrees_with_a_count() {
 #[test]
 fn starts_of_every_kind_survive() {
     let survival = below(2.0 * SIGMA);
-    let found = survival.probability(&Start::Point(vec![0.0, 0.0]), &[0.0, 0.1, 5.0, 10.0], 1e-3).unwrap();
+    let found = survival.probability(Start::Point(vec![0.0, 0.0]), &[0.0, 0.1, 5.0, 10.0], 1e-3).unwrap();
     println!("{found:?}");
     // The projected Gaussian has this mass to 1e-5.
     assert!((found[0].value - 1.0).abs() < 1e-4 && found[0].value == found[1].value);
     assert!(found[3].value < found[2].value && found[2].value < 1.0);
-    let cut = survival.probability(&gaussian(2.0 * SIGMA, 0.2), &[0.0], 1e-3).unwrap();
+    let cut = survival.probability(gaussian(2.0 * SIGMA, 0.2), &[0.0], 1e-3).unwrap();
     println!("{cut:?}");
     assert!((cut[0].value - 0.5).abs() < 1e-4, "{cut:?}");
-    let beyond = survival.probability(&gaussian(9.0 * SIGMA, 0.2), &[0.0], 1e-3).unwrap();
+    let beyond = survival.probability(gaussian(9.0 * SIGMA, 0.2), &[0.0], 1e-3).unwrap();
     assert!(beyond[0].value.abs() < 1e-6, "{beyond:?}");
 }
 

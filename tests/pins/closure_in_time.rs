@@ -40,7 +40,7 @@ fn filtered() -> Result<Problem> {
 fn from_a_point(pins: &mut Pins) -> Result<()> {
     let start = Start::Point(vec![1.0, 0.0]);
     pin(pins, EDGES, &closure(4).transient(&problem(duffing()), &start, &[1.0])?, &[0.3, 0.1])?;
-    let line = closure(2).transient(&problem(OrnsteinUhlenbeck), &Start::Point(vec![1.5]), &[0.1, 2.0])?;
+    let line = closure(2).transient(&problem(OrnsteinUhlenbeck), Start::Point(vec![1.5]), &[0.1, 2.0])?;
     for found in &line {
         let [first, second] = [1, 2].map(|power| found.moment(&[power]).unwrap());
         pins.estimates(&format!("one state t = {}", found.time), OPTIMA, &[first, second]);
@@ -53,7 +53,7 @@ fn from_a_gaussian(pins: &mut Pins) -> Result<()> {
 }
 
 fn above_a_wall(pins: &mut Pins) -> Result<()> {
-    let found = closure(4).transient(&duffing_above(-0.5, 0.8), &normal([1.0, 0.0], 0.3), &[4.0])?;
+    let found = closure(4).transient(&duffing_above(-0.5, 0.8), normal([1.0, 0.0], 0.3), &[4.0])?;
     pin(pins, EDGES, &found, &[0.3, 0.1])
 }
 
@@ -61,7 +61,7 @@ fn above_a_wall(pins: &mut Pins) -> Result<()> {
 fn in_three_states(pins: &mut Pins) -> Result<()> {
     let closure = Closure::new(2).pilot_states(TRAJECTORIES);
     let start = Gaussian { mean: dvector![1.0, 0.0, 0.0], covariance: DMatrix::identity(3, 3) * 0.04 };
-    pin(pins, OPTIMA, &closure.transient(&filtered()?, &Start::Gaussian(start), &[1.0])?, &[0.3, 0.1, 0.1])
+    pin(pins, OPTIMA, &closure.transient(&filtered()?, Start::Gaussian(start), &[1.0])?, &[0.3, 0.1, 0.1])
 }
 
 /// How the stationary response forgets.

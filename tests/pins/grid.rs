@@ -4,7 +4,7 @@ use super::{Group, HALVINGS, OPTIMA, Pins, SUMS};
 use crate::common::moving::{Noisy, correlated, normal, two_wells};
 use crate::common::{OrnsteinUhlenbeck, between, duffing, duffing_above, inelastic, problem, van_der_pol};
 use expoly::models::{Linear, Solved};
-use expoly::{Density, Envelope, Estimate, Grid, GridDensity, Problem, Result, Start, Transient};
+use expoly::{Course, Density, Envelope, Estimate, Grid, GridDensity, Problem, Result, Start, Transient};
 
 pub(super) const GROUPS: &[Group] = &[
     ("grid between walls", between_walls),
@@ -93,10 +93,10 @@ fn moments(pins: &mut Pins, what: &str, found: &[Transient<GridDensity>]) -> Res
 
 fn in_time(pins: &mut Pins) -> Result<()> {
     let stationary = grid().solve(&problem(duffing()))?;
-    moments(pins, "from a Gaussian", &stationary.transient(&normal([1.0, 0.0], 0.3), &[0.5, 2.0], 1e-2)?)?;
-    moments(pins, "from a point", &stationary.transient(&Start::Point(vec![0.8, -0.5]), &[2.0], 1e-2)?)?;
+    moments(pins, "from a Gaussian", &stationary.transient(normal([1.0, 0.0], 0.3), &[0.5, 2.0], 1e-2)?)?;
+    moments(pins, "from a point", &stationary.transient(Start::Point(vec![0.8, -0.5]), &[2.0], 1e-2)?)?;
     let above = grid().solve(&duffing_above(-0.5, 1.0))?;
-    moments(pins, "above a wall", &above.transient(&normal([1.0, 0.0], 0.3), &[1.0], 1e-2)?)
+    moments(pins, "above a wall", &above.transient(normal([1.0, 0.0], 0.3), &[1.0], 1e-2)?)
 }
 
 fn under_modulated_noise(pins: &mut Pins) -> Result<()> {
@@ -108,7 +108,11 @@ fn under_modulated_noise(pins: &mut Pins) -> Result<()> {
     ];
     for (name, envelope) in &envelopes {
         pins.all(&format!("{name} envelope"), SUMS, &[envelope.value(0.7), envelope.peak()]);
-        moments(pins, name, &stationary.modulated_transient(envelope, &correlated().0, &[1.0], 1e-2)?)?;
+        moments(
+            pins,
+            name,
+            &stationary.transient(Course::from(&correlated().0).under(envelope.clone()), &[1.0], 1e-2)?,
+        )?;
     }
     Ok(())
 }
@@ -122,7 +126,7 @@ fn survival(pins: &mut Pins) -> Result<()> {
     pins.estimates("from the stationary density", OPTIMA, &below.probability(&Start::Stationary, &[0.0, 2.0], 1e-2)?);
     pins.estimates("from a Gaussian", OPTIMA, &below.probability(&rest, &[1.0], 1e-2)?);
     let fading = Envelope::steps([(0.0, 1.0), (0.5, 0.3)])?;
-    pins.estimates("under fading noise", OPTIMA, &below.modulated_probability(&fading, &rest, &[1.0], 1e-2)?);
+    pins.estimates("under fading noise", OPTIMA, &below.probability(Course::from(&rest).under(fading), &[1.0], 1e-2)?);
     Ok(())
 }
 
@@ -135,7 +139,7 @@ fn survival_above_a_wall(pins: &mut Pins) -> Result<()> {
 
 fn time_in_one_state(pins: &mut Pins) -> Result<()> {
     let density = grid().solve(&problem(OrnsteinUhlenbeck))?;
-    let found = density.transient(&Start::Point(vec![1.5]), &[0.5, 2.0], 1e-3)?;
+    let found = density.transient(Start::Point(vec![1.5]), &[0.5, 2.0], 1e-3)?;
     let moments: Vec<Estimate> = found.iter().map(|found| found.moment(&[2])).collect::<Result<_>>()?;
     pins.estimates("square", OPTIMA, &moments);
     let below = density.survival([f64::NEG_INFINITY, 1.0])?;

@@ -22,7 +22,7 @@ fn closure(pins: &mut Pins) -> Result<()> {
     }
     let start = Gaussian { mean: dvector![0.5, 0.0], covariance: dmatrix![0.2, 0.0; 0.0, 0.2] };
     let found =
-        Closure::new(4).pilot_states(5120).transient(&struck(0.3, &[normal]), &Start::Gaussian(start), &[2.0])?;
+        Closure::new(4).pilot_states(5120).transient(&struck(0.3, &[normal]), Start::Gaussian(start), &[2.0])?;
     pins.estimates("in time", OPTIMA, &[found[0].moment(&[2, 0])?, found[0].moment(&[0, 2])?]);
     Ok(())
 }

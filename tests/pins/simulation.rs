@@ -6,7 +6,8 @@ use crate::simulation::walls::{Bodies, Room, with_walls};
 use expoly::models::{Duffing, FilteredDuffing, Linear};
 use expoly::statistics::Impacts;
 use expoly::{
-    Density, Estimate, Gaussian, Histogram, Problem, Result, SimulatedDensity, Simulation, Splitting, Tolerance, Wall,
+    Density, Estimate, Gaussian, Histogram, Problem, Result, SimulatedDensity, Simulation, Splitting, Start, Tolerance,
+    Wall,
 };
 use nalgebra::{dmatrix, dvector};
 
@@ -156,8 +157,8 @@ fn at_rest(pins: &mut Pins) -> Result<()> {
 
 fn in_time(pins: &mut Pins) -> Result<()> {
     let start = Gaussian { mean: dvector![0.8, 0.0], covariance: dmatrix![0.1, 0.02; 0.02, 0.2] };
-    for (name, simulation) in [("point", small().start([0.8, 0.1])), ("Gaussian", small().start(start))] {
-        let found = simulation.transient(2.0).trajectories(4096).run(&problem(cubic_damping()))?;
+    for (name, start) in [("point", Start::Point(vec![0.8, 0.1])), ("Gaussian", Start::Gaussian(start))] {
+        let found = small().trajectories(4096).transient(&problem(cubic_damping()), start, &[2.0])?.remove(0);
         let moments = [[1, 0], [0, 1], [2, 0], [0, 2]].map(|powers| found.moment(&powers));
         pins.estimates(name, SUMS, &moments.into_iter().collect::<Result<Vec<_>>>()?);
     }

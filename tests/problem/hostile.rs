@@ -519,7 +519,7 @@ fn what_does_not_settle_has_no_density() {
     }
     // Without a drift there is a density at each time all the same, with the variance t.
     let spreading =
-        Simulation::new().start(vec![0.0]).transient(2.0).run(&Problem::from_toml(driftless).unwrap()).unwrap();
+        Simulation::new().transient(&Problem::from_toml(driftless).unwrap(), [0.0], &[2.0]).unwrap().remove(0);
     assert!(spreading.moment(&[2]).unwrap().deviation(2.0) < 4.0);
     let frozen = Problem::from_toml(include_str!("../cases/two-oscillators-frozen.toml")).unwrap();
     let error = Closure::new(4).pilot_states(16_384).solve(&frozen).map(|_| ()).unwrap_err();

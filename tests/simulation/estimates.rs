@@ -1,10 +1,9 @@
 //! The simulation against closed forms, a reference table, and itself.
 
-use crate::common::moving::{POWERS, correlated, linear_after, moments};
 use expoly::{
     Closure, Crossing, Density, Error, Estimate, Gaussian, Interpretation, PolynomialDrift, Problem, Result, Scalar,
     SimulatedDensity, Simulation, Start, Wall,
-    models::{Duffing, Linear, Solved},
+    models::{Duffing, Linear},
 };
 use nalgebra::{DMatrix, dvector};
 use support::walls::{self, Statistic};
@@ -312,8 +311,6 @@ fn impossible_options_are_refused() -> Result<()> {
         new().levels([f64::NAN]),
         new().levels((0..65).map(f64::from)),
         new().start([f64::NAN, 0.0]),
-        new().start([0.5, 0.0]).transient(0.0),
-        new().start([0.5, 0.0]).transient(f64::NAN),
         new().start(Gaussian { mean: dvector![0.0, 0.0], covariance: DMatrix::zeros(2, 2) }),
         new().bins(2),
         new().bins(usize::MAX),
@@ -332,39 +329,6 @@ fn impossible_options_are_refused() -> Result<()> {
     assert!(matches!(behind, Err(Error::OutOfRange { name: "start", .. })));
     let density = Start::Density(std::sync::Arc::new(Closure::new(2).solve(&free)?));
     assert!(matches!(new().start(density).run(&free), Err(Error::NotServed { method: "simulation", .. })));
-    Ok(())
-}
-
-/// Means and second moments of a linear oscillator at times after a normal start, by 2^16 trajectories: fifteen within four
-/// standard errors, with a root mean square of 0.6 to 1.5 of them.
-#[test]
-fn transients_have_the_moments_of_a_linear_oscillator() -> Result<()> {
-    let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
-    let trajectories = || Simulation::new().start(correlated().0).trajectories(1 << 16).seed(5);
-    let mut squares = 0.0;
-    for time in [0.01, 0.8, 7.0] {
-        let found = trajectories().transient(time).run(&problem)?;
-        assert_eq!(found.provenance().samples, Some(1 << 16));
-        let (mean, spread) = linear_after(time);
-        for (powers, truth) in POWERS.into_iter().zip(moments(mean, spread)) {
-            let moment = found.moment(&powers)?;
-            println!("t = {time}, {powers:?}: {moment}, {:.1} standard errors off", moment.deviation(truth));
-            assert!(moment.deviation(truth) < 4.0, "t = {time}, {powers:?}: {moment} and {truth}");
-            squares += moment.deviation(truth).powi(2);
-        }
-    }
-    let root = (squares / 15.0).sqrt();
-    assert!((0.6..1.5).contains(&root), "{root}");
-    // One sample of each trajectory has no use for control variates, whether asked for before or after.
-    let found = |simulation: Simulation<'_>| simulation.run(&problem)?.moment(&[2, 0]);
-    let few = || trajectories().trajectories(2000);
-    assert_eq!(found(few().transient(0.8))?, found(few().transient(0.8).control_variates(true))?);
-    // Next to a wall every trajectory starts on its side, and a saved result has its start.
-    let walled = problem.with_wall(Wall::above(0.5, 0.8)?)?;
-    let states = trajectories().trajectories(2000).transient(1e-6).states(&walled)?;
-    let lowest = states.iter().map(|x| x[0]).fold(f64::INFINITY, f64::min);
-    println!("lowest {lowest}");
-    assert!(states.len() == 2000 && lowest >= 0.5);
     Ok(())
 }
 

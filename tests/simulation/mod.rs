@@ -7,4 +7,5 @@ pub(crate) mod impulses;
 mod statistics;
 mod steps;
 mod tails;
+mod transient;
 pub(crate) mod walls;

@@ -8,7 +8,7 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::models::{Duffing, Solved};
-use expoly::{Closure, Density, Envelope, Gaussian, Grid, Problem, Result, Start, Transient, Wall, Weight, compare};
+use expoly::{Closure, Course, Density, Envelope, Gaussian, Grid, Problem, Result, Start, Wall, Weight, compare};
 use nalgebra::{dmatrix, dvector};
 use std::time::Instant;
 
@@ -75,19 +75,18 @@ pub(crate) fn run(options: &Options) -> Outcome {
             grid = grid.domain(domain);
         }
         let stationary = grid.solve(&problem)?;
-        let truth = match &envelope {
-            None => stationary.transient(&start, times, 1e-4)?,
-            Some(envelope) => stationary.modulated_transient(envelope, &start, times, 1e-4)?,
+        let steady = envelope.is_none();
+        let course = match envelope {
+            None => Course::from(start),
+            Some(envelope) => Course::from(start).under(envelope),
         };
+        let truth = stationary.transient(&course, times, 1e-4)?;
         let cells = |of: &dyn Fn(usize) -> Result<String>| (0..times.len()).map(of).collect::<Result<String>>();
         println!("{name:>14}     grid {}", cells(&|k| Ok(format!("{:>18.1e}", truth[k].density.l1_estimate())))?);
         for &order in &options.orders {
             let begin = Instant::now();
             let closure = Closure::new(order).weight(Weight::Density);
-            let found: Vec<Transient<_>> = match &envelope {
-                None => closure.transient(&problem, &start, times)?,
-                Some(envelope) => closure.modulated_transient(&problem, envelope, &start, times)?,
-            };
+            let found = closure.transient(&problem, &course, times)?;
             let seconds = begin.elapsed().as_secs_f64();
             let cell = |k: usize| {
                 let distance = compare::l1(&found[k].density, &truth[k].density)?.value;
@@ -95,7 +94,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
             };
             println!("{name:>14}  n = {order:<2} {}  {seconds:.2}", cells(&cell)?);
         }
-        if envelope.is_none() {
+        if steady {
             let own = Closure::new(6).solve(&problem)?.relaxation(4)?;
             for (own, grid) in own.iter().zip(stationary.relaxation(4)?).skip(1) {
                 let apart = (own.rate - grid.rate).hypot(own.frequency - grid.frequency);

@@ -2,7 +2,6 @@
 
 use super::Dynamics;
 use super::law::Law;
-use super::modulation::Modulated;
 use super::moving_frame::MovingFrame;
 use super::snapshot::Snapshot;
 use super::start::Weighted;
@@ -43,12 +42,12 @@ struct Sight {
 impl<'a> Early<'a> {
     /// The frames of a start. None of other densities than points and Gaussians, and none under impulses, which leave a part of
     /// the density where it is and take another part away at once.
-    pub(super) fn new(system: Modulated<'a>, start: &Start) -> Option<Self> {
-        let problem = system.problem;
+    pub(super) fn new(problem: &'a Problem, start: &Start) -> Option<Self> {
         if !problem.impulses().is_empty() {
             return None;
         }
-        let [high, low] = tuning::dynamics::FRAME_DEGREES.map(|degree| MovingFrame::new(system, start, degree));
+        let [high, low] =
+            tuning::dynamics::FRAME_DEGREES.map(|degree| MovingFrame::new(problem.operator(), start, degree));
         let early = Early { problem, frames: [high?, low?] };
         early.clear_of_walls().then_some(early)
     }

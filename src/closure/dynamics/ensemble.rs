@@ -1,5 +1,5 @@
-//! Transients in three states and more: trajectories from the start find where the density is at a time, and its means are theirs
-//! and those of the moment equations.
+//! Transients in three states and more and under noise that rises and fades: trajectories from the start find where the density is at
+//! a time, and its means are theirs and, under steady noise, those of the moment equations.
 
 use super::moment_system::MomentSystem;
 use super::start::{Beginning, Weighted};
@@ -15,7 +15,8 @@ use crate::error::{Error, Result};
 use crate::numerics::propagated;
 use crate::problem::{Problem, Symmetry, TimeScales};
 use crate::simulation::Simulation;
-use crate::transient::{Start, Transient};
+use crate::states::States;
+use crate::transient::{Course, Start, Transient};
 use faer::Mat;
 use std::time::Instant;
 
@@ -24,29 +25,35 @@ impl Closure {
     pub(super) fn carried_transient(
         &self,
         problem: &Problem,
-        start: &Start,
+        course: &Course,
         times: &[f64],
     ) -> Result<Vec<Transient<ClosureDensity>>> {
+        let Course { start, envelope } = course;
+        let steady = envelope.is_none();
         let begin = Instant::now();
         let at = |time: f64, density| Transient { time, density, step_error: 0.0 };
         self.check(problem.dimension(), tuning::space::HIGHEST_ORDER)?;
         match start {
-            Start::Stationary => {
+            Start::Stationary if steady => {
                 let density = self.solve(problem)?;
                 return Ok(times.iter().map(|time| at(*time, density.clone())).collect());
             }
             Start::Density(_) => {
-                let what = "a density as the start in three states and more";
+                let what = "a density as the start where trajectories carry it";
                 return Err(Error::NotServed {
                     method: "closure",
                     what,
                     remedy: "take a point or a normal distribution",
                 });
             }
-            Start::Point(_) | Start::Gaussian(_) => {}
+            Start::Point(_) | Start::Gaussian(_) | Start::Stationary => {}
         }
         if let Some(first) = times.first() {
-            positive("first time of a transient", *first, "in three states and more the start itself is no answer")?;
+            positive(
+                "first time of a transient",
+                *first,
+                "where trajectories carry the density the start itself is no answer",
+            )?;
         }
         if let Some(&last) = times.last() {
             let longest = TimeScales::of(problem)?.short(tuning::dynamics::LONGEST);
@@ -55,12 +62,13 @@ impl Closure {
         }
         // The equations have means up to their own degree, whatever the order of their weight.
         let order = Order::Fixed(self.highest().clamp(tuning::dynamics::CARRIED_BASE, tuning::dynamics::CARRIED_MOST));
-        let base = Closure { order, ..self.clone() }.solve(problem)?;
-        let solved = base.dynamics.as_ref().and_then(|dynamics| Solved::new(dynamics, start, times));
-        let count = self.states.unwrap_or(tuning::dynamics::ENSEMBLE);
-        let closed = |(k, &time): (usize, &f64)| {
-            let simulation = Simulation::new().start(start.clone()).transient(time).trajectories(count);
-            let pilot = Pilot::of(simulation.seed(self.seed).states(problem)?, time);
+        let base = if steady { Some(Closure { order, ..self.clone() }.solve(problem)?) } else { None };
+        let dynamics = base.as_ref().and_then(|base| base.dynamics.as_ref());
+        let solved = dynamics.and_then(|dynamics| Solved::new(dynamics, start, times));
+        let simulation = Simulation::new().trajectories(self.states.unwrap_or(tuning::dynamics::ENSEMBLE));
+        let states = simulation.seed(self.seed).states_at(problem, course, times)?;
+        let closed = |(k, (time, states)): (usize, (f64, States))| {
+            let pilot = Pilot::of(states, time);
             let symmetry = Symmetry::none(problem.dimension());
             let family = Family::new(problem, &pilot, &self.degrees, &symmetry);
             let reason = "the trajectories lie on a surface: take a later time";
@@ -79,7 +87,7 @@ impl Closure {
             let highest = tuning::space::HIGHEST_ORDER;
             Ok(at(time, self.at_order(highest, true, |order| sampled.at_time(order, equations))?))
         };
-        times.iter().enumerate().map(closed).collect()
+        times.iter().copied().zip(states).enumerate().map(closed).collect()
     }
 }
 

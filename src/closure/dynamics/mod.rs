@@ -2,10 +2,9 @@
 //!
 //! - `moment_system`: the moment equations of a fixed weight, dd/dt = A d, and the degree up to which they are stable;
 //! - `hermite`, `moving_frame`, `early`: a density that is still narrow, in coordinates that move with it;
-//! - `modulation`, `levels`: noise that rises and fades, and weights for each of its strengths;
 //! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response;
 //! - `start`: d at time 0; `transient`: d at later times;
-//! - `ensemble`: the same in three states and more, where trajectories carry it;
+//! - `ensemble`: the same in three states and more, and under noise that rises and fades, where trajectories carry it;
 //! - `law`, `entropy`: means, and the density of largest entropy that has them; `snapshot`: the exponential polynomial of a time.
 
 mod early;
@@ -13,8 +12,6 @@ mod ensemble;
 mod entropy;
 mod hermite;
 mod law;
-mod levels;
-mod modulation;
 mod moment_system;
 mod moving_frame;
 mod relaxation;
@@ -184,7 +181,7 @@ impl ClosureDensity {
     /// What the closure is made from, and its moment equations.
     pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
         let dynamics = self.origin()?;
-        served(self.dimension(), dynamics.problem.walls().len())?;
+        served(self.dimension(), dynamics.problem.walls().len(), true)?;
         let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
         let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         Ok((dynamics, dynamics.system().ok_or(refusal)?))
@@ -192,7 +189,15 @@ impl ClosureDensity {
 }
 
 /// Refuses questions of time that the equations have no answer to.
-fn served(states: usize, walls: usize) -> Result<()> {
-    let (what, remedy) = ("time next to walls in three states and more", "take the simulation");
-    if states > 2 && walls > 0 { Err(Error::NotServed { method: "closure", what, remedy }) } else { Ok(()) }
+fn served(states: usize, walls: usize, steady: bool) -> Result<()> {
+    let (what, remedy) = if steady {
+        ("time next to walls in three states and more", "take the simulation")
+    } else {
+        ("walls under noise that rises and fades", "take the simulation, or in two states the grid")
+    };
+    if (states > 2 || !steady) && walls > 0 {
+        Err(Error::NotServed { method: "closure", what, remedy })
+    } else {
+        Ok(())
+    }
 }

@@ -12,7 +12,7 @@ use crate::fokker_planck::Local;
 use crate::numerics::{combination, weighted_product, weighted_sum};
 use crate::problem::Symmetry;
 use faer::prelude::*;
-use faer::{Mat, MatRef, Scale};
+use faer::{Mat, MatRef};
 
 /// The moment equations of functions ψ_k that are orthonormal under a fixed weight ω, ψ₀ = 1.
 ///
@@ -152,42 +152,11 @@ impl MomentSystem {
         1 + all.iter().take_while(|alpha| alpha.iter().sum::<u32>() <= degree).count()
     }
 
-    /// The part of A that is in proportion to the intensity of the noise.
-    pub(super) fn noise(&self, dynamics: &Dynamics) -> Option<Mat<f64>> {
-        let Dynamics { problem, domain, .. } = dynamics;
-        let induced = problem.induced_drift();
-        let local = |x: &[f64]| {
-            let mut local = Local::new(x.len());
-            problem.local(x, &mut local);
-            local.drift.iter_mut().zip(&induced).for_each(|(f, induced)| *f = induced.evaluate(x));
-            local
-        };
-        let locals: Vec<Local> = self.nodes.points.iter().map(local).collect();
-        let points = &self.nodes.points;
-        let generator = NodalGenerator { points, locals: &locals, passages: &[], impulses: &[], domain };
-        let table = Table::new(generator, &self.space, &self.measure)?;
-        Some(weighted_product(table.rates.as_ref(), table.functions.values.as_ref(), &self.measure))
-    }
-
     /// The law with some means, by the equations of the highest degree and by those of the one below it. None where it has no
     /// variance.
     pub(super) fn law(&self, means: [&[f64]; 2]) -> Option<Law> {
         let ratios = self.ratios(means);
         Law::new(self.nodes.points.clone(), &self.measure, ratios.each_ref().map(Vec::as_slice))
-    }
-
-    /// The largest modulus of an eigenvalue of A, by powers.
-    pub(super) fn radius(&self) -> f64 {
-        let matrix = self.matrix(false);
-        // Any vector with a part in every mode serves.
-        let mut v = Mat::from_fn(matrix.ncols(), 1, |k, _| ((k as f64 + 1.0) * 0.754_877_666).fract() - 0.5);
-        let mut radius = f64::MIN_POSITIVE;
-        for _ in 0..tuning::dynamics::POWERS {
-            let next = matrix * &v;
-            radius = (next.norm_l2() / v.norm_l2()).max(f64::MIN_POSITIVE);
-            v = next * Scale(1.0 / radius);
-        }
-        radius
     }
 
     /// ∫ ω |δ| of the functions of the highest degrees.

@@ -1,12 +1,12 @@
 //! A density that is still narrow, in coordinates that move and stretch with it.
 
 use super::hermite::{Products, Table, hermite};
-use super::modulation::Modulated;
 use crate::closure::tuning;
 use crate::density::Frame;
 use crate::fokker_planck::FokkerPlanck;
 use crate::numerics::runge_kutta;
 use crate::polynomial::{Gaussian, Polynomial};
+use crate::problem::gaussian_after;
 use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
 
@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 /// the degrees that are left out feed the others, and the error grows at once.
 #[derive(Clone)]
 pub(super) struct MovingFrame<'a> {
-    system: Modulated<'a>,
+    operator: &'a FokkerPlanck,
     degree: usize,
     pub(super) time: f64,
     place: Place,
@@ -42,8 +42,7 @@ impl Place {
 
 impl<'a> MovingFrame<'a> {
     /// The frame of a start: a Gaussian, or a point as soon as noise has made it one. None of other densities.
-    pub(super) fn new(system: Modulated<'a>, start: &Start, degree: usize) -> Option<Self> {
-        let operator = system.problem.operator();
+    pub(super) fn new(operator: &'a FokkerPlanck, start: &Start, degree: usize) -> Option<Self> {
         let states = operator.dimension();
         let (time, gaussian) = match start {
             Start::Gaussian(gaussian) => (0.0, gaussian.clone()),
@@ -53,14 +52,14 @@ impl<'a> MovingFrame<'a> {
                     tuning::dynamics::POINT / slopes.fold(f64::MIN_POSITIVE, |most, slope| most.max(slope.abs()));
                 let point =
                     Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(states, states) };
-                (time, system.gaussian_after(&point, time))
+                (time, gaussian_after(operator, &point, time))
             }
             Start::Stationary | Start::Density(_) => return None,
         };
         let reach = operator.drift().iter().chain(operator.diffusion().iter().flatten()).map(Polynomial::degree);
         let side = degree + 1 + reach.max().unwrap_or(0) as usize;
         let place = Place { scale: gaussian.scale().ok()?, mean: gaussian.mean, density: Table::one(states, side) };
-        Some(MovingFrame { system, degree, time, place })
+        Some(MovingFrame { operator, degree, time, place })
     }
 
     /// The coordinates; none once they are not finite.
@@ -84,24 +83,21 @@ impl<'a> MovingFrame<'a> {
             if self.time >= end {
                 break;
             }
-            let stretch = self.system.stretch(self.time);
-            let (t, until) = (self.time, end.min(stretch.until()));
-            let (first, speed) = self.rate(&self.place, &stretch.operator(t))?;
+            let left = end - self.time;
+            let (first, speed) = self.rate(&self.place)?;
             let longest = tuning::dynamics::FRAME_STEP / speed;
-            let h = (until - t) / ((until - t) / longest).ceil().max(1.0);
-            let rate = |place: &Place, part: f64| {
-                self.rate(place, &stretch.operator(t + h * part)).map(|(rate, _)| rate).ok_or(())
-            };
+            let h = left / (left / longest).ceil().max(1.0);
+            let rate = |place: &Place, _: f64| self.rate(place).map(|(rate, _)| rate).ok_or(());
             self.place = runge_kutta(&self.place, &first, h, rate, |place, rate, time| place.moved(time, rate)).ok()?;
-            self.time = if h == until - t { until } else { t + h };
+            self.time = if h == left { end } else { self.time + h };
         }
         Some(())
     }
 
     /// The rates of change at a place, and how fast that is.
-    fn rate(&self, place: &Place, operator: &FokkerPlanck) -> Option<(Place, f64)> {
+    fn rate(&self, place: &Place) -> Option<(Place, f64)> {
         let n = place.mean.len();
-        let local = operator.in_frame(&Frame::of(place.mean.clone(), place.scale.clone())?);
+        let local = self.operator.in_frame(&Frame::of(place.mean.clone(), place.scale.clone())?);
         let mut products = Products::of(place.density.clone());
         let carried: Vec<Table> = local.drift().iter().map(|f| products.with(f)).collect();
         let spread: Vec<Vec<Table>> =

@@ -2,8 +2,6 @@
 
 use super::Dynamics;
 use super::early::Early;
-use super::levels::March;
-use super::modulation::Modulated;
 use super::served;
 use super::snapshot::{Asked, Snapshot};
 use super::start::{Beginning, Weighted};
@@ -15,17 +13,16 @@ use crate::closure::projection::Weight;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::tuning;
 use crate::density::Density;
-use crate::envelope::Envelope;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;
 use crate::parallel;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
-use crate::transient::{Start, Transient, check_times};
+use crate::transient::{Course, Start, Transient, check_times};
 use std::sync::Arc;
 
 impl Closure {
-    /// The densities of a problem at rising `times` after `start`, each closed by this order.
+    /// The densities of a problem at rising `times` after a start, each closed by this order.
     ///
     /// The moment equations under the weight of the stationary density are linear, dd/dt = A d, and solved exactly: no time
     /// step, and the same effort for every time. A density that is narrow yet is followed in coordinates that move and stretch
@@ -34,91 +31,54 @@ impl Closure {
     /// estimate of its error is the answer, and [`Candidate::origin`] is whether the means are those of the frame or of the
     /// weight. Next to walls it is the expansion alone.
     ///
-    /// In three states and more trajectories from the start, 262 144 or [`Closure::pilot_states`], find where the density is at each
-    /// time. Its means are theirs, corrected by those of the moment equations as far as these are more accurate: to some 1e-6 of the
+    /// In three states and more, and under noise that rises and fades in any number, trajectories from the start
+    /// ([`Simulation::transient`](crate::Simulation::transient)), 262 144 or [`Closure::pilot_states`], find where the density is at
+    /// each time. Its means are theirs; under steady noise they are corrected by those of the moment equations as far as these are more accurate: to some 1e-6 of the
     /// low moments early, before the equations of finite degree fail, and again where the start is forgotten. Q is the most likely
-    /// density with these means.
+    /// density with these means. Under an envelope the noise of 262 144 trajectories is a part of every answer and of its estimate.
     ///
     /// # Errors
-    /// Those of [`Closure::solve`]; [`Error::NotServed`] in three states and more next to walls, or if the start is a density;
+    /// Those of [`Closure::solve`]; [`Error::NotServed`] where trajectories carry the density, next to walls or if the start is a density;
     /// [`Error::Dimension`] for the start of another number of states, [`Error::OutOfRange`] if times do not rise from 0 on or more
     /// than a thousandth of the start lies outside of the domain, [`Error::NotClosed`] where the equations have a growing mode at
     /// every degree.
     ///
     /// ```
-    /// use expoly::{Closure, Density, Gaussian, Start, models::{Linear, Solved}};
+    /// use expoly::{Closure, Density, Gaussian, models::{Linear, Solved}};
     /// use nalgebra::{dmatrix, dvector};
     /// // A linear oscillator at rest at x = 0.8: its mean is the free motion's.
     /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
     /// let start = Gaussian { mean: dvector![0.8, 0.0], covariance: dmatrix![0.2, 0.0; 0.0, 0.2] };
-    /// let at = Closure::new(2).transient(&problem, &Start::Gaussian(start), &[1.0, 3.0])?;
+    /// let at = Closure::new(2).transient(&problem, start, &[1.0, 3.0])?;
     /// let omega = 0.9375_f64.sqrt();
     /// let mean = |t: f64| 0.8 * (-0.25 * t).exp() * ((omega * t).cos() + 0.25 / omega * (omega * t).sin());
     /// assert!((at[1].moment(&[1, 0])?.value - mean(3.0)).abs() < 1e-7);
     /// assert!(at[1].density.l1_estimate() < 1e-7);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn transient(&self, problem: &Problem, start: &Start, times: &[f64]) -> Result<Vec<Transient<ClosureDensity>>> {
-        self.evolved(problem, None, start, times)
-    }
-
-    /// The same under modulated noise, whose columns are multiplied by the envelope e(t): the equations are dd/dt = (A₀ + e² A₁) d.
-    /// Where noise has faded the density would be narrow under the weight of the strongest noise; then the equations go on under
-    /// that of three tenths of its intensity, and so on, and back where noise rises again.
-    ///
-    /// # Errors
-    /// As [`Closure::transient`]; [`Error::NotServed`] in three states and more; [`Error::OutOfRange`] for a last time that is more than 50 000 steps away, each as long as the
-    /// fastest motion that the equations hold.
-    ///
-    /// ```
-    /// use expoly::{Closure, Density, Envelope, Start, models::{Linear, Solved}};
-    /// // From rest under noise of D = 0.5 for one time unit, and none from then on.
-    /// let problem = Linear::new(0.5, 1.0, 0.5)?.problem()?;
-    /// let burst = Envelope::steps([(0.0, 1.0), (1.0, 0.0)])?;
-    /// let rest = Start::Point(vec![0.0, 0.0]);
-    /// let at = Closure::new(2).modulated_transient(&problem, &burst, &rest, &[1.0, 2.0])?;
-    /// // 2D ∫ g(t − s)² ds over the burst, with the displacement g after a unit blow.
-    /// assert!((at[0].moment(&[2, 0])?.value - 0.192324).abs() < 1e-6);
-    /// assert!((at[1].moment(&[2, 0])?.value - 0.460460).abs() < 1e-6);
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn modulated_transient(
+    pub fn transient(
         &self,
         problem: &Problem,
-        envelope: &Envelope,
-        start: &Start,
+        course: impl Into<Course>,
         times: &[f64],
     ) -> Result<Vec<Transient<ClosureDensity>>> {
-        self.evolved(problem, Some(envelope), start, times)
+        self.evolved(problem, &course.into(), times)
     }
 
-    fn evolved(
-        &self,
-        problem: &Problem,
-        envelope: Option<&Envelope>,
-        start: &Start,
-        times: &[f64],
-    ) -> Result<Vec<Transient<ClosureDensity>>> {
-        let modulation = Modulated { problem, envelope };
+    fn evolved(&self, problem: &Problem, course: &Course, times: &[f64]) -> Result<Vec<Transient<ClosureDensity>>> {
+        let Course { start, envelope } = course;
         start.check(problem.dimension())?;
-        served(problem.dimension(), problem.walls().len())?;
+        served(problem.dimension(), problem.walls().len(), envelope.is_none())?;
         check_times(times, 0.0, "it is counted from the start on")?;
         let walled = !problem.walls().is_empty();
         let highest = if walled { tuning::space::HIGHEST_ORDER_AT_WALLS } else { tuning::space::HIGHEST_ORDER };
         self.check(problem.dimension(), highest)?;
-        if problem.dimension() > 2 {
-            return if envelope.is_some() { Err(UNMODULATED) } else { self.carried_transient(problem, start, times) };
+        if problem.dimension() > 2 || envelope.is_some() {
+            return self.carried_transient(problem, course, times);
         }
-        let strongest = modulation.strongest()?;
-        let (base, stationary) = self.weighted(&strongest)?;
-        // The stationary density is that under the noise as it stands.
-        let own = match start {
-            Start::Stationary if modulation.peak() != 1.0 => Some(Start::Density(Arc::new(base.solve(problem)?))),
-            _ => None,
-        };
-        let start = own.as_ref().unwrap_or(start);
+        let stationary = self.weighted(problem)?;
         let (dynamics, system) = stationary.motion()?;
-        let (early, beginning) = followed(modulation, start, times, dynamics);
+        let (early, beginning) = followed(problem, start, times, dynamics);
         // The equations go on from a frame, if it knows all times before.
         let goes_on = |begin: f64| times.iter().zip(&early).all(|(time, early)| *time >= begin || early.is_some());
         let beginning = beginning.filter(|(time, _)| goes_on(*time));
@@ -130,25 +90,15 @@ impl Closure {
         let mut known: Vec<Vec<Snapshot>> = early.into_iter().map(|early| early.into_iter().collect()).collect();
         let reached = times.partition_point(|time| *time < beginning.time);
         let (later, known_later) = (&times[reached..], &mut known[reached..]);
-        if envelope.is_some() {
-            let mut march = March::new(&base, modulation, &stationary, &beginning);
-            if let (Some(march), Some(last)) = (&march, later.last()) {
-                march.require_reached(*last)?;
-            }
-            for (time, known) in later.iter().zip(known_later) {
-                known.extend(march.as_mut().and_then(|march| march.advance(*time).and_then(|()| march.snapshot())));
-            }
-        } else {
-            let spans: Vec<f64> = later.iter().map(|time| time - beginning.time).collect();
-            let d = |lower: bool| {
-                let matrix = system.matrix(lower);
-                propagated(matrix, &beginning.coefficients[..matrix.ncols()], &spans)
-            };
-            let (own, lower) = rayon::join(|| d(false), || d(true));
-            for (k, known) in known_later.iter_mut().enumerate() {
-                let d = [&own, &lower].map(|d| d.col_as_slice(k));
-                known.extend(Snapshot::new(dynamics, system, d, beginning.error));
-            }
+        let spans: Vec<f64> = later.iter().map(|time| time - beginning.time).collect();
+        let d = |lower: bool| {
+            let matrix = system.matrix(lower);
+            propagated(matrix, &beginning.coefficients[..matrix.ncols()], &spans)
+        };
+        let (own, lower) = rayon::join(|| d(false), || d(true));
+        for (k, known) in known_later.iter_mut().enumerate() {
+            let d = [&own, &lower].map(|d| d.col_as_slice(k));
+            known.extend(Snapshot::new(dynamics, system, d, beginning.error));
         }
         let at = |k: usize, known: Vec<Snapshot>| {
             let density = self.at_time(known, stationary.provenance())?;
@@ -157,18 +107,16 @@ impl Closure {
         parallel::map_into(known, at).into_iter().collect()
     }
 
-    /// The closure whose reference gives the weight, a good one whatever this order is, and its density. Under rare impulses a high
-    /// order may have a weight under which modes grow where a lower one has not.
-    fn weighted(&self, problem: &Problem) -> Result<(Self, ClosureDensity)> {
+    /// The density whose reference gives the weight, a good one whatever this order is. Under rare impulses a high order may have a
+    /// weight under which modes grow where a lower one has not.
+    fn weighted(&self, problem: &Problem) -> Result<ClosureDensity> {
         let degrees = if problem.walls().is_empty() { Degrees::complete() } else { self.degrees.clone() };
-        let of_order = |order| -> Result<(Self, ClosureDensity)> {
+        let of_order = |order| -> Result<ClosureDensity> {
             let (order, weight, degrees) = (Order::Fixed(order), Weight::Density, degrees.clone());
-            // On nodes in one state and in two.
-            let reference = if problem.dimension() > 2 { Reference::Automatic } else { Reference::Equations };
-            let base = Closure { order, weight, degrees, reference, ..self.clone() };
-            let density = base.solve(problem)?;
+            let density =
+                Closure { order, weight, degrees, reference: Reference::Equations, ..self.clone() }.solve(problem)?;
             density.motion()?;
-            Ok((base, density))
+            Ok(density)
         };
         let first = of_order(self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS));
         match first {
@@ -214,23 +162,16 @@ impl Closure {
     }
 }
 
-/// The refusal of modulated noise where trajectories carry the density.
-const UNMODULATED: Error = Error::NotServed {
-    method: "closure",
-    what: "modulated noise in three states and more",
-    remedy: "take noise that does not change, or a simulation of one's own",
-};
-
 /// What moving frames know at each time, and the last density that is good enough to go on from.
 fn followed(
-    system: Modulated<'_>,
+    problem: &Problem,
     start: &Start,
     times: &[f64],
     dynamics: &Arc<Dynamics>,
 ) -> (Vec<Option<Snapshot>>, Option<(f64, Weighted)>) {
     let mut known: Vec<Option<Snapshot>> = times.iter().map(|_| None).collect();
     let mut good = None;
-    let Some(mut early) = Early::new(system, start) else { return (known, good) };
+    let Some(mut early) = Early::new(problem, start) else { return (known, good) };
     let mut stretches = 0;
     'times: for (known, &time) in known.iter_mut().zip(times) {
         // A point is none of the frame's densities before noise has spread it.

@@ -66,23 +66,3 @@ pub(crate) const FIRST: u32 = 4;
 pub(crate) const EXCESS: u32 = 4;
 /// They are known down to e^−18 of their peak.
 pub(crate) const DROP: f64 = 18.0;
-/// A weight is left for the next wider one where second moments exceed so many times its own,
-pub(crate) const WIDE: f64 = 1.2;
-/// and for the next narrower one where they are below this share of its own
-pub(crate) const NARROW: f64 = 0.5;
-/// and below so many times that one's.
-pub(crate) const FITS: f64 = 1.0;
-/// The largest mass that the domain of a narrower one may leave out.
-pub(crate) const LEFT_OUT: f64 = 1e-5;
-/// The share of the intensities from one level to the next,
-pub(crate) const FALL: f64 = 0.3;
-/// and how many there are below the first.
-pub(crate) const LEVELS: usize = 6;
-/// Steps of modulated equations times the largest modulus of an eigenvalue: the classical Runge-Kutta method is stable up to 2.8.
-pub(crate) const MODULATED_STEP: f64 = 1.2;
-/// Steps between two looks at the width.
-pub(crate) const MODULATED_STEPS: f64 = 16.0;
-/// The most steps in all: a quarter of a minute.
-pub(crate) const MOST_MODULATED_STEPS: f64 = 5e4;
-/// Products that the largest modulus of an eigenvalue is found by.
-pub(crate) const POWERS: usize = 40;

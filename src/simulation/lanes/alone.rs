@@ -72,11 +72,12 @@ impl Advance<'_, '_> {
                 lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
             };
             let resting = boundaries.resting(state);
+            let deviation = step.sqrt() * scheme.gain(number);
             for two in shorter.chunks_mut(2) {
-                two.iter_mut().zip(pair(draw())).for_each(|(increment, z)| *increment = step.sqrt() * z);
+                two.iter_mut().zip(pair(draw())).for_each(|(increment, z)| *increment = deviation * z);
             }
             let reversed = scheme.curved() && draw()[0] & 1 == 1;
-            scheme.kick_alone(state, step, shorter, reversed, scratch);
+            scheme.kick_alone(state, (step, number), shorter, reversed, scratch);
             boundaries.hold(state, resting, step, (&mut lanes.rested, l), passages);
             self.drift_struck(l, number, middle..over, step / 2.0);
         }

@@ -3,6 +3,7 @@ mod steps;
 
 pub(super) use steps::{Workspace, read_lane, write_lane};
 
+use super::arrivals::SPAN;
 use super::pilot::FIRST;
 use super::random::Random;
 use crate::problem::{LANES, Lane};
@@ -45,6 +46,16 @@ impl Lanes {
             lanes.set_state(l, &state);
         }
         lanes
+    }
+
+    /// The time steps taken so far.
+    pub(super) fn taken(&self) -> u64 {
+        self.taken
+    }
+
+    /// Turns to the random numbers of steps of another length, of which none were used.
+    pub(super) fn turn_over(&mut self) {
+        self.taken = self.taken.next_multiple_of(SPAN);
     }
 
     /// The number of trajectories.

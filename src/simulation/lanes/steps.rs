@@ -86,7 +86,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
         self.draw_arrivals(0);
         let mut ahead = self.begin(&mut x);
         // There impulses that are the same at all states need no pieces.
-        let straight = boundaries.walls.is_empty() && boundaries.levels.is_empty() && scheme.impulses.are_additive();
+        let straight = boundaries.walls.is_empty() && !boundaries.are_watched() && scheme.impulses.are_additive();
         let mut any_ahead = ahead.contains(&true);
         let end = self.lanes.taken + self.steps as u64;
         while self.lanes.taken < end {
@@ -100,13 +100,14 @@ impl NullaryFnOnce for Advance<'_, '_> {
                 length = (BLOCK - offset).min((end - taken) as usize);
                 let drawn = (offset + length).next_multiple_of(2);
                 self.lanes.draw(processes, h.sqrt(), &mut increments[..drawn * processes]);
+                scheme.modulate(taken, &mut increments[offset * processes..drawn * processes]);
             }
             let (mut step, stop) = (offset, offset + length);
             while step < stop {
                 // Levels are checked after each step, lanes that are ahead wait for the others, and the last step ends with
                 // half a drift.
                 let free = (stop - step).min((end - 1 - self.lanes.taken) as usize);
-                let stops = any_ahead || !boundaries.levels.is_empty() || !(straight || scheme.impulses.is_empty());
+                let stops = any_ahead || boundaries.are_watched() || !(straight || scheme.impulses.is_empty());
                 let free = if stops { 0 } else { free };
                 self.draw_arrivals(free);
                 let taken = self.lanes.taken;
@@ -130,7 +131,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
                         }
                     }
                     kicked.copy_from_slice(&x);
-                    scheme.kick(kicked, h, &increments[step * processes..][..processes], &coins, scratch);
+                    scheme.kick(kicked, (h, taken), &increments[step * processes..][..processes], &coins, scratch);
                     step += 1;
                     self.lanes.taken += 1;
                     for l in (0..LANES).filter(|&l| any_ahead && ahead[l]) {

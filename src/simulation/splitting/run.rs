@@ -8,7 +8,6 @@ use super::{
 };
 use crate::checks::{finite, positive, require, state_index};
 use crate::error::{Error, Result};
-use crate::parallel;
 use crate::problem::{Problem, TimeScales, limits, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::tuning;
@@ -62,7 +61,7 @@ impl Splitting<'_> {
         let most = (self.replicas * (thresholds.len() + 1) * self.particles * plan.steps) as u64 * cycles as u64;
         let control = Control::new(self.progress.take(), None);
         control.set(0, most);
-        let replica = |index: usize, states: &[f64]| -> Result<(Tally, u64)> {
+        let replica = |index: usize, states: &mut &[f64]| -> Result<(Tally, u64)> {
             let mut population = Population::new(&scheme, self.seed, 1 + index as u64, self.particles);
             population.set_thresholds(&thresholds);
             population.place(&importance, &Particles::equal(n, states))?;
@@ -73,12 +72,10 @@ impl Splitting<'_> {
                 watched: &watched,
                 control: &control,
             };
-            replica.run(&mut population, index, &plan, thresholds.len() + 1).inspect_err(|_| control.fail(index))
+            replica.run(&mut population, index, &plan, thresholds.len() + 1)
         };
-        let starts: Vec<&[f64]> = rest.chunks(tuning::splitting::STATES * n).collect();
-        let results = parallel::map_into(starts, replica);
-        let (replicas, steps): (Vec<Tally>, Vec<u64>) =
-            results.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
+        let mut starts: Vec<&[f64]> = rest.chunks(tuning::splitting::STATES * n).collect();
+        let (replicas, steps): (Vec<Tally>, Vec<u64>) = control.on_all(&mut starts, replica)?.into_iter().unzip();
 
         let cycle = plan.steps as f64 * spans.step;
         let provenance = Provenance {

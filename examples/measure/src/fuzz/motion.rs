@@ -4,7 +4,7 @@ use super::densities::ODD;
 use super::probe::Probe;
 use super::systems::coefficient;
 use crate::draw::Draw;
-use expoly::{Closure, ClosureDensity, Density, Envelope, Gaussian, GridDensity, Problem, Result, Start};
+use expoly::{Closure, ClosureDensity, Course, Density, Envelope, Gaussian, GridDensity, Problem, Result, Start};
 use nalgebra::{DMatrix, DVector};
 
 /// Somewhere within some bounds, or nowhere.
@@ -66,7 +66,7 @@ pub(super) fn of_closure(probe: &mut Probe, closure: &Closure, density: &Closure
     if let Some(envelope) = probe.ask("Envelope", || envelope) {
         probe.ask("modulated transient", || {
             Probe::may_take_longer(6.0);
-            closure.modulated_transient(problem, &envelope, &start, &times)
+            closure.transient(problem, Course::from(&start).under(envelope.clone()), &times)
         });
     }
     let (count, lag) = (probe.draw.of([0, 1, 5, usize::MAX]), probe.draw.of(ODD));

@@ -27,7 +27,7 @@ pub(super) struct Plan<'a> {
 
 /// Densities of two degrees on one mesh, which has cells where they need them: it is refined before a step that it would not hold,
 /// and coarsened behind.
-pub(super) struct Course<'a> {
+pub(super) struct Evolution<'a> {
     plan: Plan<'a>,
     ground: &'a Ground<'a>,
     /// The coarsest mesh.
@@ -49,7 +49,7 @@ pub(super) struct Course<'a> {
     pub(super) exhausted: bool,
 }
 
-impl<'a> Course<'a> {
+impl<'a> Evolution<'a> {
     /// Begins with a start; `stationary` are the solutions of both degrees, and `end` is the last time.
     pub(super) fn new(
         plan: Plan<'a>,
@@ -66,7 +66,7 @@ impl<'a> Course<'a> {
         let steppers = Self::steppers(plan, ground, &layout)?;
         let (time, step) = (initial.time, (end - initial.time) / tuning::FIRST);
         let fields = [field, coarse];
-        Ok(Course {
+        Ok(Evolution {
             plan,
             ground,
             base,
