@@ -1,7 +1,8 @@
 //! How much damping is needed?
 //!
 //! Answer, by `cargo run --release --example design`: the parameters of least cost at which a displacement is exceeded with a
-//! given probability, in a few solutions each, and what a grid says of them.
+//! given probability, in a few solutions each, and what a grid says of them. A density has the derivatives of its answers by the
+//! parameters, so that any optimiser with constraints finds them: here sequential quadratic programming, by the crate `slsqp`.
 //!
 //! - A Duffing oscillator x″ + c x′ + x + μ x³ = ξ, D = 0.2: c and μ for P(x > 2.5) = 1e-4 at the least (c/0.2)² + (μ/0.3)².
 //! - A damping that grows with the displacement, x″ + c x′ + e x² x′ + 0.1 x′³ + x + μ x³ = ξ, D = 0.3: c, μ and e for
@@ -12,9 +13,10 @@
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
-use expoly::inverse::{Demand, Design};
 use expoly::statistics::Marginal;
-use expoly::{Grid, Problem};
+use expoly::{Closure, ClosureDensity, Grid, Problem, Result};
+use slsqp::{Func, StopTols, minimize};
+use std::cell::RefCell;
 use std::process::ExitCode;
 
 /// Designs of least cost.
@@ -71,27 +73,113 @@ const TASKS: [Task; 3] = [
     ("Duffing above a wall", [DUFFING, WALL], &[("c", 0.2), ("x.above.offset", 0.5)], [1.8, 1e-3]),
 ];
 
-fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
+/// The order by which the order rises while the closure's own error of the probability is above two hundredths, and the highest.
+const RISE: u32 = 2;
+const HIGHEST: u32 = 16;
+const ACCURACY: f64 = 0.02;
+/// Parameters may become five times larger or smaller.
+const REACH: f64 = 5.0;
+/// The relative change of the cost and the parameters that ends a search, and the most solutions in one.
+const SETTLED: f64 = 1e-5;
+const MOST: usize = 40;
+
+/// The probability of an exceedance with its derivatives, at any parameters.
+struct Exceedance<'a> {
+    problem: &'a Problem,
+    names: Vec<&'a str>,
+    level: f64,
+    order: u32,
+    /// The last parameters, the density there, ln P and its derivatives.
+    last: Option<(Vec<f64>, ClosureDensity, f64, Vec<f64>)>,
+    solves: usize,
+}
+
+impl Exceedance<'_> {
+    fn problem(&self, values: &[f64]) -> Result<Problem> {
+        let mut all = self.names.iter().zip(values);
+        all.try_fold(self.problem.clone(), |problem, (name, value)| problem.with_parameter(name, *value))
+    }
+
+    /// ln P and its derivatives, from one density, which is found from the last one on.
+    fn at(&mut self, values: &[f64]) -> Result<(f64, Vec<f64>)> {
+        if self.last.as_ref().is_none_or(|(at, ..)| at != values) {
+            let closure = Closure::new(self.order).starting_from(self.last.as_ref().map(|last| &last.1));
+            let density = closure.solve(&self.problem(values)?)?;
+            let probability = Marginal::new(&density, 0)?.exceedance(self.level)?.value;
+            let by = density.sensitivities(&self.names)?;
+            let slopes = by.iter().map(|by| Ok(by.exceedance(0, self.level)?.value / probability));
+            let slopes = slopes.collect::<Result<_>>()?;
+            self.last = Some((values.to_vec(), density, probability.ln(), slopes));
+            self.solves += 1;
+        }
+        Ok(self.last.as_ref().map(|(.., log, slopes)| (*log, slopes.clone())).unwrap_or_default())
+    }
+}
+
+/// The least Σ (parameter/unit)² with a probability of at most `wanted`, and that cost, by sequential quadratic programming.
+fn least(exceedance: &mut Exceedance<'_>, units: &[f64], from: &[f64], wanted: f64) -> Result<(Vec<f64>, f64)> {
+    let cost = |x: &[f64], slope: Option<&mut [f64]>, _: &mut ()| {
+        if let Some(slope) = slope {
+            slope.iter_mut().zip(x).zip(units).for_each(|((slope, x), unit)| *slope = 2.0 * x / (unit * unit));
+        }
+        x.iter().zip(units).map(|(x, unit)| (x / unit).powi(2)).sum()
+    };
+    let (exceedance, failure) = (RefCell::new(exceedance), RefCell::new(None));
+    let excess = |x: &[f64], slope: Option<&mut [f64]>, _: &mut ()| match exceedance.borrow_mut().at(x) {
+        Ok((log, slopes)) => {
+            if let Some(slope) = slope {
+                slope.copy_from_slice(&slopes);
+            }
+            log - wanted.ln()
+        }
+        Err(error) => {
+            failure.borrow_mut().get_or_insert(error);
+            f64::NAN
+        }
+    };
+    let bounds: Vec<(f64, f64)> =
+        from.iter().map(|x| (x / REACH, x * REACH)).map(|(a, b)| (a.min(b), a.max(b))).collect();
+    let settled = StopTols { ftol_rel: SETTLED, xtol_rel: SETTLED, ..StopTols::default() };
+    let found = minimize(cost, from, &bounds, &[&excess as &dyn Func<()>], (), MOST, Some(settled));
+    // A density that does not exist ends the search.
+    if let Some(error) = failure.into_inner() {
+        return Err(error);
+    }
+    let (Ok((_, parameters, cost)) | Err((_, parameters, cost))) = found;
+    Ok((parameters, cost))
+}
+
+fn run(options: &Options) -> std::result::Result<(), Box<dyn std::error::Error>> {
     for (name, text, units, [level, wanted]) in TASKS {
         let problem = Problem::from_toml(&text.concat())?;
-        let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
-        let cost = |x: &[_]| {
-            let relative = x.iter().zip(units).map(|(x, (_, unit))| *x / *unit);
-            relative.map(|x| x * x).sum()
+        let (names, units): (Vec<&str>, Vec<f64>) = units.iter().copied().unzip();
+        let present =
+            |name: &&str| problem.parameters().iter().find(|(other, _)| other == name).map_or(0.0, |(_, x)| *x);
+        let mut parameters: Vec<f64> = names.iter().map(present).collect();
+        let (order, last, solves) = (options.order, None, 0);
+        let mut exceedance = Exceedance { problem: &problem, names, level, order, last, solves };
+        // An optimum at too low an order is one of another system.
+        let (cost, found) = loop {
+            let (better, cost) = least(&mut exceedance, &units, &parameters, wanted)?;
+            parameters = better;
+            let density = Closure::new(exceedance.order).solve(&exceedance.problem(&parameters)?)?;
+            let found = Marginal::new(&density, 0)?.exceedance(level)?;
+            if found.error <= ACCURACY * found.value || exceedance.order >= HIGHEST {
+                break (cost, found);
+            }
+            (exceedance.order, exceedance.last) = (exceedance.order + RISE, None);
         };
-        let demand = Demand::Exceedance { state: 0, level };
-        let found = Design::new(&problem, &names, demand, wanted, cost).order(options.order).run()?;
         println!("{name}: P(x > {level}) = {wanted:e} at the least cost");
-        for (name, value) in found.parameters() {
+        for (name, value) in exceedance.names.iter().zip(&parameters) {
             println!("  {name} = {value:.5}");
         }
-        println!("  cost {:.5}, {} solutions, order {}", found.cost(), found.solves(), found.order());
-        println!("  P by the closure {}", found.answer());
-        if !(found.converged() && found.is_accurate()) {
+        println!("  cost {cost:.5}, {} solutions, order {}", exceedance.solves, exceedance.order);
+        println!("  P by the closure {found}");
+        if (found.value / wanted - 1.0).abs() > 1e-3 || found.error > ACCURACY * found.value {
             println!("  not converged to the accuracy");
         }
         if options.accuracy > 0.0 {
-            let grid = Grid::new().accuracy(options.accuracy).solve(found.problem())?;
+            let grid = Grid::new().accuracy(options.accuracy).solve(&exceedance.problem(&parameters)?)?;
             println!("  P by a grid {}", Marginal::new(&grid, 0)?.exceedance(level)?);
         }
     }

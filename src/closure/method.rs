@@ -152,11 +152,6 @@ impl Closure {
         Closure { memory: MemoryLimit::gibibytes(gibibytes), ..self }
     }
 
-    /// The same closure at another order.
-    pub(crate) fn of_order(self, order: u32) -> Self {
-        Closure { order: Order::Fixed(order), ..self }
-    }
-
     pub(super) fn highest(&self) -> u32 {
         match self.order {
             Order::Fixed(order) => order,

@@ -56,7 +56,9 @@ impl GridDensity {
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
     /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain or is too narrow for double precision there;
     /// [`Error::Dimension`] for a start in other than the problem's states; [`Error::NotResolved`] if the errors of the steps add up to
-    /// the density itself; [`Error::DomainCut`] if it has spread beyond the domain under an envelope. Where the memory ends first, the provenance warns.
+    /// the density itself; [`Error::DomainCut`] if it has spread beyond the domain under an envelope. Where the memory ends
+    /// first, the provenance warns.
+    ///
     /// ```
     /// use expoly::{Course, Envelope, Grid, models::{Linear, Solved}};
     /// let density = Grid::new().degree(6).solve(&Linear::new(0.5, 1.0, 0.5)?.problem()?)?;

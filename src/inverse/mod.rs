@@ -1,20 +1,17 @@
-//! Inverse problems: parameters from measured states, and from a demand on the answer.
+//! Inverse problems: parameters from measured states, and what their errors make of an answer.
 //!
-//! Both go by the derivatives of the closure's density, [`ClosureDensity::sensitivities`](crate::ClosureDensity::sensitivities),
+//! They go by the derivatives of the closure's density, [`ClosureDensity::sensitivities`](crate::ClosureDensity::sensitivities),
 //! so that a few solutions are enough.
 //!
 //! - [`Identification`]: the most likely parameters of measured states, with errors that hold for a correlated record too, or
 //!   the combination of parameters that cannot be found;
-//! - [`Design`]: the parameters of least cost that meet a demand, such as an exceedance of 1e-4;
 //! - [`uncertainty`]: what the errors of parameters make of an answer: a band on the density.
 
-mod design;
 mod identification;
 mod newton;
 mod student;
 mod uncertainty;
 
-pub use design::{Demand, Design, Designed};
 pub use identification::{Identification, Identified};
 pub use uncertainty::uncertainty;
 

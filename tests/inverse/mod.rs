@@ -1,4 +1,3 @@
-//! Parameters from measured states, and from a demand.
+//! Parameters from measured states.
 
-mod design;
 mod identification;
