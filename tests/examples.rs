@@ -5,9 +5,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
 
+use expoly::Estimate;
 use expoly::models::{Duffing, Solved};
 use expoly::statistics::Marginal;
-use expoly::Estimate;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
