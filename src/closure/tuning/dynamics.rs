@@ -1,68 +1,73 @@
 //! Densities in time.
 
-/// The degrees of the moment equations, of which the highest stable one is taken.
+/// The degrees of the moment equations in time in one state and two, of which the highest stable one is taken.
 pub(crate) const DEGREES: [u32; 8] = [10, 12, 14, 16, 18, 20, 22, 24];
-/// The degrees in three states and more, as far as they are so few functions,
+/// The degrees of the moment equations in time in three states and more, as far as their functions are few enough.
 pub(crate) const DEGREES_OF_MANY: [u32; 6] = [2, 4, 6, 8, 10, 12];
+/// The most functions of the moment equations in time in three states and more.
 pub(crate) const MOST_FUNCTIONS: usize = 500;
-/// and the nodes times functions there: two tables of so many numbers take 400 MB.
+/// The most nodes times functions of moment equations in three states and more: two tables of so many numbers take 400 MB.
 pub(crate) const MOST_ENTRIES: usize = 25_000_000;
-/// The least and the highest order of the density whose moment equations they are there.
+/// The least order of the stationary density under which the moment equations of a transient in three states and more are taken.
 pub(crate) const CARRIED_BASE: u32 = 4;
-/// See [`CARRIED_BASE`].
+/// The highest order of the stationary density under which the moment equations of a transient in three states and more are taken.
 pub(crate) const CARRIED_MOST: u32 = 6;
-/// The trajectories of a transient in three states and more.
+/// The trajectories of a transient in three states and more, or under noise that rises and fades, unless their number is given.
 pub(crate) const ENSEMBLE: usize = 1 << 18;
-/// The latest time there, in the shortest of the system's times: as long as the longest burn-in. A bound on work.
+/// The latest time of a transient that trajectories carry, in the shortest of the system's times: as long as the longest burn-in, a
+/// bound on work.
 pub(crate) const LONGEST: f64 = 2e3;
-/// A mode that grows at more than this share of the slowest rate is a growing one. Rounding leaves 1e-9 of it.
+/// A mode of the moment equations is a growing one if it grows at more than this share of the slowest rate. Rounding leaves 1e-9 of
+/// it.
 pub(crate) const GROWING: f64 = 1e-6;
-/// Modes of two degrees are the same within this factor on the error of the higher one.
+/// Modes of two degrees are the same if they differ by at most this factor times the error of the one of the higher degree.
 pub(crate) const SAME_MODE: f64 = 3.0;
-/// The least order of the stationary closure whose reference gives the weight.
+/// The least order of the stationary closure whose reference gives the weight of the moment equations in time.
 pub(crate) const BASE: u32 = 8;
-/// The order under impulses where modes grow under the weight of that one.
+/// The order under impulses of the stationary closure that gives the weight in time, where modes grow under the weight of a higher
+/// one.
 pub(crate) const LOW_BASE: u32 = 4;
-/// The largest mass of a start outside of the domain.
+/// The largest mass of a start outside of the domain of the moment equations.
 pub(crate) const OUTSIDE: f64 = 1e-3;
-/// Gauss nodes along each axis of a normal start.
+/// Gauss nodes along each axis of a normal start in one state and two.
 pub(crate) const START_NODES: usize = 40;
-/// The answer from a frame is defined where the density is above e^−18 = 1.5e-8 of its peak: what is beyond would be the
-/// largest part of its error.
+/// The answer from a moving frame is defined where ln p is less than this below its peak, at p above e^−18 = 1.5e-8 of it: what is
+/// beyond would be the largest part of its error.
 pub(crate) const FRAME_KEPT: f64 = 18.0;
 /// The answer at a time is defined within so many standard deviations about the mean.
 pub(crate) const FARTHEST: f64 = 14.0;
-/// Gauss nodes along each state on which the mass of an answer is taken again,
+/// Gauss nodes along each state on which the mass of an answer at a time is taken again, since a polynomial may rise between the
+/// nodes.
 pub(crate) const OTHER_NODES: usize = 97;
-/// and the difference from which on it counts.
+/// The relative difference of the masses of an answer at a time on two sets of nodes from which on it counts as an error.
 pub(crate) const UNEVEN: f64 = 0.02;
-/// Degrees of Hermite's polynomials in moving frames, whose distance is the error of the first.
+/// The degrees of Hermite's polynomials in two moving frames of the same density, whose distance is the error of the first.
 pub(crate) const FRAME_DEGREES: [usize; 2] = [14, 10];
-/// The time step of a frame times the rate at which it changes.
+/// The longest time step of a moving frame times the rate at which the frame changes.
 pub(crate) const FRAME_STEP: f64 = 0.05;
-/// Steps between two looks at the error.
+/// The most steps of a moving frame between two estimates of its error.
 pub(crate) const FRAME_STEPS: usize = 4;
-/// So many looks at most: a bound on work.
+/// The most estimates of the error of a moving frame: a bound on work.
 pub(crate) const FRAME_STRETCHES: usize = 1200;
-/// Gauss nodes along each axis of a frame.
+/// Gauss nodes along each axis of a moving frame.
 pub(crate) const FRAME_NODES: usize = 24;
-/// The box in which a frame's polynomials are written, in standard deviations.
+/// The half-width of the box on which the polynomials of a moving frame are written, in standard deviations.
 pub(crate) const FRAME_BOX: f64 = 6.0;
-/// Below this error, in L¹, the moment equations of the stationary weight go on from a frame,
+/// The moment equations of the stationary weight go on from a moving frame whose error, in L¹, is below this.
 pub(crate) const FRAME_GOOD: f64 = 1e-3;
-/// and above this one it is given up.
+/// A moving frame is given up where its error, in L¹, is above this.
 pub(crate) const FRAME_LOST: f64 = 0.05;
-/// A frame ends where a wall is so many standard deviations from its middle.
+/// A moving frame ends where a wall is so many standard deviations from its middle.
 pub(crate) const CLEAR_OF_WALLS: f64 = 5.0;
-/// Of a point, noise has made a Gaussian after this share of the fastest time of its linear motion.
+/// Noise makes a Gaussian of a point within this share of the fastest time of its linear motion.
 pub(crate) const POINT: f64 = 1e-3;
-/// The ratio of a density to its weight is cut off at this factor before its logarithm is taken.
+/// The ratio of a density in time to its weight is cut off at this factor, upwards and downwards, before its logarithm is taken.
 pub(crate) const CUT: f64 = 1e12;
-/// Densities of largest entropy are sought within so many standard deviations of the mean,
+/// Densities of largest entropy are sought within so many standard deviations of the mean.
 pub(crate) const WIDEST: f64 = 8.0;
-/// of this degree first,
+/// The degree of the first density of largest entropy, unless the order is lower.
 pub(crate) const FIRST: u32 = 4;
-/// and up to so many degrees above the order.
+/// Densities of largest entropy are sought up to so many degrees above the order.
 pub(crate) const EXCESS: u32 = 4;
-/// They are known down to e^−18 of their peak.
+/// A density of largest entropy is known where ln p is less than this below its peak, at p above e^−18 of it.
 pub(crate) const DROP: f64 = 18.0;
