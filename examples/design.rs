@@ -1,7 +1,7 @@
 //! How much damping is needed?
 //!
 //! Answer, by `cargo run --release --example design`: the parameters of least cost at which a displacement is exceeded with a
-//! given probability, in a few solutions each, and what a grid says of them. A density has the derivatives of its answers by the
+//! given probability, in some tens of solutions each, and what a grid says of them. A density has the derivatives of its answers by the
 //! parameters, so that any optimiser with constraints finds them: here sequential quadratic programming, by the crate `slsqp`.
 //!
 //! - A Duffing oscillator x″ + c x′ + x + μ x³ = ξ, D = 0.2: c and μ for P(x > 2.5) = 1e-4 at the least (c/0.2)² + (μ/0.3)².
@@ -14,7 +14,7 @@
 
 use clap::Parser;
 use expoly::statistics::Marginal;
-use expoly::{Closure, ClosureDensity, Grid, Problem, Result};
+use expoly::{Closure, ClosureDensity, Grid, Problem, Reference, Result};
 use slsqp::{Func, StopTols, minimize};
 use std::cell::RefCell;
 use std::process::ExitCode;
@@ -77,11 +77,16 @@ const TASKS: [Task; 3] = [
 const RISE: u32 = 2;
 const HIGHEST: u32 = 16;
 const ACCURACY: f64 = 0.02;
-/// Parameters may become five times larger or smaller.
-const REACH: f64 = 5.0;
+/// Parameters change by at most this share of themselves in a search, so that no density is far from the one before.
+const REACH: f64 = 0.5;
 /// The relative change of the cost and the parameters that ends a search, and the most solutions in one.
 const SETTLED: f64 = 1e-5;
-const MOST: usize = 40;
+const MOST: usize = 20;
+
+/// The closure by its moment equations, which derivatives come from.
+fn closure(order: u32) -> Closure {
+    Closure::new(order).reference(Reference::Equations)
+}
 
 /// The probability of an exceedance with its derivatives, at any parameters.
 struct Exceedance<'a> {
@@ -103,7 +108,7 @@ impl Exceedance<'_> {
     /// ln P and its derivatives, from one density, which is found from the last one on.
     fn at(&mut self, values: &[f64]) -> Result<(f64, Vec<f64>)> {
         if self.last.as_ref().is_none_or(|(at, ..)| at != values) {
-            let closure = Closure::new(self.order).starting_from(self.last.as_ref().map(|last| &last.1));
+            let closure = closure(self.order).starting_from(self.last.as_ref().map(|last| &last.1));
             let density = closure.solve(&self.problem(values)?)?;
             let probability = Marginal::new(&density, 0)?.exceedance(self.level)?.value;
             let by = density.sensitivities(&self.names)?;
@@ -116,29 +121,33 @@ impl Exceedance<'_> {
     }
 }
 
-/// The least Σ (parameter/unit)² with a probability of at most `wanted`, and that cost, by sequential quadratic programming.
+/// The least Σ u² of parameters u in their units with a probability of at most `wanted`, and that cost, by sequential quadratic
+/// programming near some first ones.
 fn least(exceedance: &mut Exceedance<'_>, units: &[f64], from: &[f64], wanted: f64) -> Result<(Vec<f64>, f64)> {
-    let cost = |x: &[f64], slope: Option<&mut [f64]>, _: &mut ()| {
+    let cost = |u: &[f64], slope: Option<&mut [f64]>, _: &mut ()| {
         if let Some(slope) = slope {
-            slope.iter_mut().zip(x).zip(units).for_each(|((slope, x), unit)| *slope = 2.0 * x / (unit * unit));
+            slope.iter_mut().zip(u).for_each(|(slope, u)| *slope = 2.0 * u);
         }
-        x.iter().zip(units).map(|(x, unit)| (x / unit).powi(2)).sum()
+        u.iter().map(|u| u * u).sum()
     };
     let (exceedance, failure) = (RefCell::new(exceedance), RefCell::new(None));
-    let excess = |x: &[f64], slope: Option<&mut [f64]>, _: &mut ()| match exceedance.borrow_mut().at(x) {
-        Ok((log, slopes)) => {
-            if let Some(slope) = slope {
-                slope.copy_from_slice(&slopes);
+    let excess = |u: &[f64], slope: Option<&mut [f64]>, _: &mut ()| {
+        let values: Vec<f64> = u.iter().zip(units).map(|(u, unit)| u * unit).collect();
+        match exceedance.borrow_mut().at(&values) {
+            Ok((log, slopes)) => {
+                if let Some(slope) = slope {
+                    slope.iter_mut().zip(slopes).zip(units).for_each(|((slope, by), unit)| *slope = by * unit);
+                }
+                log - wanted.ln()
             }
-            log - wanted.ln()
-        }
-        Err(error) => {
-            failure.borrow_mut().get_or_insert(error);
-            f64::NAN
+            Err(error) => {
+                failure.borrow_mut().get_or_insert(error);
+                f64::NAN
+            }
         }
     };
-    let bounds: Vec<(f64, f64)> =
-        from.iter().map(|x| (x / REACH, x * REACH)).map(|(a, b)| (a.min(b), a.max(b))).collect();
+    let bounds = |u: &f64| (u - REACH * u.abs(), u + REACH * u.abs());
+    let bounds: Vec<(f64, f64)> = from.iter().map(bounds).collect();
     let settled = StopTols { ftol_rel: SETTLED, xtol_rel: SETTLED, ..StopTols::default() };
     let found = minimize(cost, from, &bounds, &[&excess as &dyn Func<()>], (), MOST, Some(settled));
     // A density that does not exist ends the search.
@@ -155,20 +164,28 @@ fn run(options: &Options) -> std::result::Result<(), Box<dyn std::error::Error>>
         let (names, units): (Vec<&str>, Vec<f64>) = units.iter().copied().unzip();
         let present =
             |name: &&str| problem.parameters().iter().find(|(other, _)| other == name).map_or(0.0, |(_, x)| *x);
-        let mut parameters: Vec<f64> = names.iter().map(present).collect();
+        let mut relative: Vec<f64> = names.iter().zip(&units).map(|(name, unit)| present(name) / unit).collect();
+        let in_units = |u: &[f64]| -> Vec<f64> { u.iter().zip(&units).map(|(u, unit)| u * unit).collect() };
         let (order, last, solves) = (options.order, None, 0);
         let mut exceedance = Exceedance { problem: &problem, names, level, order, last, solves };
-        // An optimum at too low an order is one of another system.
+        let mut before = f64::INFINITY;
         let (cost, found) = loop {
-            let (better, cost) = least(&mut exceedance, &units, &parameters, wanted)?;
-            parameters = better;
-            let density = Closure::new(exceedance.order).solve(&exceedance.problem(&parameters)?)?;
+            let (better, cost) = least(&mut exceedance, &units, &relative, wanted)?;
+            relative = better;
+            let density = closure(exceedance.order).solve(&exceedance.problem(&in_units(&relative))?)?;
             let found = Marginal::new(&density, 0)?.exceedance(level)?;
+            let settled = (cost - before).abs() <= 10.0 * SETTLED * cost;
+            before = cost;
+            if !settled {
+                continue;
+            }
             if found.error <= ACCURACY * found.value || exceedance.order >= HIGHEST {
                 break (cost, found);
             }
+            // An optimum at too low an order is one of another system.
             (exceedance.order, exceedance.last) = (exceedance.order + RISE, None);
         };
+        let parameters = in_units(&relative);
         println!("{name}: P(x > {level}) = {wanted:e} at the least cost");
         for (name, value) in exceedance.names.iter().zip(&parameters) {
             println!("  {name} = {value:.5}");

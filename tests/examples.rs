@@ -308,6 +308,7 @@ fn an_order_study_goes_on_where_it_is_told_to() {
 #[test]
 fn a_design_is_optimal_by_the_closed_form() {
     let output = run("design", &["--accuracy", "0"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     let value = |name: &str| -> f64 {
         let line = text.lines().find(|line| line.trim_start().starts_with(name)).unwrap();

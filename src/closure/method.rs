@@ -5,10 +5,14 @@ use super::density::ClosureDensity;
 use super::projection::Weight;
 use super::reference::Start;
 use super::space::degrees::Degrees;
-use super::tuning;
 use crate::checks::{positive, require};
+use crate::closure::HIGHEST_ORDER;
 use crate::error::Result;
 use crate::memory::MemoryLimit;
+
+/// The factor on a pilot's noise intensities by which its states reach the tails. Halved or doubled, it makes an L¹ error of
+/// nine closures of orders 4 to 8 up to 5.8 times as large, or 19 % larger.
+const INFLATION: f64 = 3.0;
 
 /// The exponential-polynomial closure as a method: a value that can be applied to any problem.
 ///
@@ -78,7 +82,7 @@ impl Closure {
             seed: 0,
             reference: Reference::Automatic,
             states: None,
-            inflation: tuning::pilot::INFLATION,
+            inflation: INFLATION,
             degrees: Degrees::complete(),
             start: None,
             memory: MemoryLimit::default(),
@@ -155,7 +159,7 @@ impl Closure {
     pub(super) fn highest(&self) -> u32 {
         match self.order {
             Order::Fixed(order) => order,
-            Order::Adaptive(_) => tuning::space::HIGHEST_ORDER,
+            Order::Adaptive(_) => HIGHEST_ORDER,
         }
     }
 

@@ -23,11 +23,18 @@
 //! `method` holds the options, and `solve` the way from a problem to the steps: `nodal` takes them on Gauss nodes in one and two
 //! states, also next to walls. In three and more, `sampled` and `samples`, the pilot's states take the place of the reference:
 //! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
-//! reference as well. Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls. `tuning` lists the constants that decide something, step by step.
+//! reference as well. Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls.
 //!
 //! `dynamics` follows densities in time, by the moment equations that `reference` solves for the stationary one.
 //!
 //! `classical` is the literature's method.
+//!
+//! Constants stand where they are used, those of several steps here; each has its unit and the origin of its value. *Bounds on work* are the
+//! largest sizes that were worth their time; *rounding* is what sums of some thousand terms leave of sixteen digits. Where two changes
+//! are given, the value was halved and doubled, and they are those of the L¹ error that changed most among nine closures: of orders 4
+//! to 8, of [`CubicDamping`](crate::models::CubicDamping) in two forms, of [`DuffingVanDerPol`](crate::models::DuffingVanDerPol) in two,
+//! and of Duffing's oscillator above two walls. Other random numbers alone, as a pilot has them with another time step, change them by
+//! up to 7 %.
 
 mod candidates;
 mod classical;
@@ -45,8 +52,8 @@ mod samples;
 mod sensitivity;
 mod solve;
 mod space;
-mod tuning;
 
+use crate::numerics::Search;
 pub use candidates::{Candidate, Origin};
 pub use classical::{Basis, ClassicalClosure, Solution, Termination};
 pub(crate) use closest::Cells;
@@ -58,3 +65,81 @@ pub(crate) use samples::Copula;
 pub use sensitivity::Sensitivity;
 pub use space::degrees::Degrees;
 pub(crate) use space::{CLOSEST, Corner, PER_UNIT, SMALLEST, STEPS, Similarity, TAYLOR};
+
+/// A number as small as this, relative to its parts, is rounding: what sums over some thousand nodes leave of sixteen digits. None
+/// of nine closures of orders 4 to 8 depends on it.
+const ROUNDING: f64 = 1e-12;
+/// An equation whose residual is this small, relative to its parts, is solved, and what follows from its solution is right to this:
+/// linear systems, whose conditions multiply the rounding of their entries. None of nine closures of orders 4 to 8 depends on it.
+const SOLVED: f64 = 1e-9;
+/// Steps of a converging iteration are at most this share of the one before, in the measure of the iteration: those of Newton's
+/// method near a solution are far smaller, and what falls more slowly has come down to noise. Halved or doubled, it changes L¹
+/// errors of nine closures of orders 4 to 8 by up to 0 or −3 %.
+const CONVERGING: f64 = 0.5;
+/// An estimated L¹ error above this is worth another attempt, and a warning if that does not help; that of a derivative counts
+/// relative to its size. None of nine closures of orders 4 to 8 depends on it.
+const UNRELIABLE: f64 = 0.2;
+/// The trajectories of a pilot: path-steps are cheapest in multiples of so many.
+const PILOT_TRAJECTORIES: usize = 512;
+/// The radius of the trust domain, next to walls and in many states, relative to the farthest of the pilot's states, and the
+/// variance of draws relative to that of these states.
+const WIDENING: f64 = 1.1;
+/// The share of the pilot's states, the farthest ones, that is left out of the trust domain next to walls in three states and
+/// more.
+const CUT_AT_WALLS: f64 = 5e-5;
+/// The answer is defined where the reference is above e^−13.8 = 1e-6 of its peak. Halved or doubled, it changes L¹ errors of
+/// nine closures of orders 4 to 8 by up to +47 % or +7 %.
+const KEPT_DROP: f64 = 13.8;
+/// The domain of an exact density, and any domain next to walls in two states, ends at e^−32 = 1e-14 of the peak.
+const FULL_DROP: f64 = 32.0;
+/// Gauss nodes along each state, in one state and in two.
+const FINE_NODES: [usize; 2] = [240, 80];
+/// The degree of the first guess of ln p beside its singular part next to walls, its least order on a lattice, and the order
+/// that is tried first where trajectories stayed where they began.
+const LOW_DEGREE: u32 = 4;
+/// The search for the most likely density: its tolerance, in standard deviations of ln p, is far below the states' noise.
+const LIKELIHOOD_SEARCH: Search = Search { tolerance: 1e-6, most: 80 };
+/// The highest order of a closure.
+const HIGHEST_ORDER: u32 = 16;
+/// The highest order of a closure next to walls in two states, for which a wall's reference is accurate enough.
+const HIGHEST_ORDER_AT_WALLS: u32 = 10;
+/// The degree of a reference above the order of the closure, by the number of states; four have too many functions for more.
+const REFERENCE_EXCESS: [u32; 4] = [8, 8, 8, 4];
+/// The most functions of a reference on a lattice (degree 18 in three states, 10 in four) and of equations for derivatives on
+/// samples: a bound on work. Where the density of samples two degrees higher has more, only those of one and of two states are
+/// taken beyond the order.
+const MOST_FUNCTIONS: usize = 800;
+/// The power of the density under which the weight of a reference is fitted: flatter than the density, for the tails' sake.
+/// Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +6 % or +34 %.
+const WEIGHT_POWER: f64 = 0.6;
+/// A reference with an L¹ error as small as this needs no further attempt, and a density as close to it may be exact. None of
+/// nine closures of orders 4 to 8 depends on it.
+const FINE_REFERENCE: f64 = 2e-5;
+/// A reference on Gauss nodes with an L¹ error above this is not used, as the pilot's own fit is better; on a lattice, where
+/// the search starts from that fit, it does not go on from such an error. None of nine closures of orders 4 to 8 depends on it.
+const UNUSABLE: f64 = 1.0;
+/// The power of the density that stands for its tails in the weight of a fit.
+const TAILS_POWER: f64 = 0.3;
+/// The most steps of Newton's method towards an exact density, each of which converges. None of nine closures of orders 4 to 8
+/// depends on it.
+const EXACT_STEPS: usize = 12;
+/// The tails of a density are compared with the reference's down to this share of the peak. Halved or doubled, it changes L¹
+/// errors of nine closures of orders 4 to 8 by up to −28 % or −6 %, by the tails that are then not fitted.
+const LOWEST_COMPARED: f64 = 1e-5;
+/// The tails of a density are accurate within so many decades of the reference, and right where they have cost as much in L¹ as
+/// they may. Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +7 % or −3 %.
+const TAILS_ENOUGH: f64 = 0.25;
+/// Draws for integrals of a density: a standard error of some tenths of a percent for fourth moments in ten states.
+const DRAWS: usize = 400_000;
+/// The fewest consecutive states of a block next to walls, so that most impacts belong to the block of the states that they
+/// lead to.
+const LENGTH_AT_WALLS: usize = 5;
+/// The fewest blocks of states for each function whose moment equation is used.
+const BLOCKS_EACH: usize = 60;
+/// The fewest blocks of a trajectory, if it has as many states.
+const LEAST_BLOCKS: usize = 5;
+/// The most nodes of the maximisation: a bound on work.
+const MOST_NODES: usize = 1 << 18;
+/// A lattice of fewer nodes is enough, and a lattice gives the mass of an exact density, if means by one half of its nodes are
+/// within this of those by all, in standard deviations.
+const EVEN_LATTICE: f64 = 1e-5;

@@ -18,7 +18,7 @@ use super::reference::{ReferenceDensity, Start, normalised};
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::nested_spaces::NestedSpaces;
 use super::space::orthonormal::Orthonormal;
-use super::tuning;
+use crate::closure::{DRAWS, SOLVED, UNUSABLE, WEIGHT_POWER};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
@@ -27,6 +27,21 @@ use crate::provenance::Provenance;
 use crate::states::States;
 use faer::{Mat, MatRef};
 use std::time::Instant;
+
+/// The power of the reference under which it is smoothed, so that its ripples in the tails do not count.
+const SMOOTHED: f64 = 0.5;
+/// The pilot's states whose likelihood is taken: enough for a guard against gross errors. None of nine closures of orders 4 to
+/// 8 depends on it.
+const VALIDATION_STATES: usize = 4000;
+/// Two rules for a density that is not exact agree, relative to its mass and second moments, to this part of its estimated L¹
+/// error.
+const SHARE: f64 = 0.01;
+/// The least and the largest relative difference that two rules for a density that is not exact may be asked for: the edge of its
+/// domain, where it is 1e-6 of its peak, lies between nodes.
+const BOUNDS: [f64; 2] = [1e-4, 1e-2];
+/// A density whose two rules differ by more than this part of its mass and second moments has no integral: it rises between the
+/// nodes.
+const RISING: f64 = 0.1;
 
 /// The parts of a closure that are the same at all orders of one system.
 pub(super) struct NodalClosure {
@@ -94,7 +109,7 @@ impl NodalClosure {
         }
         let all = &table.functions.values;
         let values = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| all[(kept.nodes[i], k)]);
-        let validation_states = self.pilot.states.evenly(tuning::candidates::VALIDATION_STATES);
+        let validation_states = self.pilot.states.evenly(VALIDATION_STATES);
         let functions = (&table.functions, values.as_ref());
         let scoring = self.scoring(&nested, &reference, &kept, functions, &validation_states);
         let mut tried = self.tried(&scoring, &kept);
@@ -108,7 +123,7 @@ impl NodalClosure {
         let candidates: Vec<Candidate> = tried.iter().map(|f| f.candidate).collect();
         let Fitted { mut exponent, .. } = tried.swap_remove(0);
         let rules = self.resolved(&exponent, &kept.domain, candidates[0].l1_estimate);
-        if rules.apart.is_nan() || rules.apart > tuning::panels::RISING {
+        if rules.apart.is_nan() || rules.apart > RISING {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
         let lines = if rules.rules == discretisation.nodes.rules {
@@ -155,16 +170,16 @@ impl NodalClosure {
             let Resolved { rules, apart } = rules;
             return Some(Integrals::Panels { rules, lines, apart });
         };
-        let rule = ImportanceRule::new(exponent, copula, tuning::density::DRAWS, self.seed)?;
+        let rule = ImportanceRule::new(exponent, copula, DRAWS, self.seed)?;
         // The density is normalised on the lattice.
-        Some(Integrals::Draws(Box::new(rule.with_log_mass(Estimate::new(-exponent.constant, tuning::SOLVED)))))
+        Some(Integrals::Draws(Box::new(rule.with_log_mass(Estimate::new(-exponent.constant, SOLVED)))))
     }
 
     /// All functions at the nodes and at impacts. None where they are linearly dependent under the first guess.
     fn tabulated(&self, nested: &NestedSpaces) -> Option<Table> {
         let Discretisation { nodes, guess, .. } = &self.discretisation;
         // Between the flat weights and the steep ones that the functions are used with.
-        let measure = tempered(&guess.values(&nodes.points), &nodes.weights, tuning::reference::FLATNESS);
+        let measure = tempered(&guess.values(&nodes.points), &nodes.weights, WEIGHT_POWER);
         Table::new(self.discretisation.generator(), &nested.all, &measure)
     }
 
@@ -182,9 +197,8 @@ impl NodalClosure {
         let target: Vec<f64> = kept.nodes.iter().map(|&i| reference.logarithm[i]).collect();
         let target = normalised(&target, &weights);
         let fixed: Vec<f64> = kept.nodes.iter().map(|&i| discretisation.fixed[i]).collect();
-        let smooth =
-            project((functions, values), &fixed, &target, &tempered(&target, &weights, tuning::candidates::SMOOTHED))
-                .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
+        let smooth = project((functions, values), &fixed, &target, &tempered(&target, &weights, SMOOTHED))
+            .map_or_else(|| target.clone(), |p| normalised(&p.logarithm, &weights));
         let likelihood = self.likelihood(reference, validation_states);
         let values = values.get(.., ..nested.answer_columns);
         let space = nested.answer.clone();
@@ -207,8 +221,7 @@ impl NodalClosure {
     fn tried(&self, scoring: &Scoring<'_>, kept: &Retained) -> Vec<Fitted> {
         let discretisation = &self.discretisation;
         let mut tried = scoring.candidates(self.weight);
-        let doubted = scoring.reference.error > tuning::reference::UNKNOWN
-            || !tried.first().is_some_and(|f| f.candidate.accepted);
+        let doubted = scoring.reference.error > UNUSABLE || !tried.first().is_some_and(|f| f.candidate.accepted);
         if doubted && self.lattice.is_none() {
             // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
             let fit = likeliest(
@@ -232,8 +245,8 @@ impl NodalClosure {
         if !self.discretisation.family.is_smooth() || self.lattice.is_some() {
             return Resolved { rules: given.clone(), apart: 0.0 };
         }
-        let [least, most] = tuning::panels::BOUNDS;
-        resolved(domain, |points| exponent.values(points), given, (tuning::panels::SHARE * estimate).clamp(least, most))
+        let [least, most] = BOUNDS;
+        resolved(domain, |points| exponent.values(points), given, (SHARE * estimate).clamp(least, most))
     }
 
     pub(super) fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> Provenance {

@@ -1,7 +1,7 @@
 //! The pilot: a short simulation that finds where the density is, before anything is computed.
 
-use super::tuning;
 use crate::checks::require;
+use crate::closure::PILOT_TRAJECTORIES;
 use crate::error::{Error, Result};
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, Symmetry, TimeScales};
@@ -10,6 +10,37 @@ use crate::states::States;
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
+
+/// The time step of a pilot times the fastest rate: moments are off by some tenths of a percent. Halved or doubled, it changes
+/// L¹ errors of nine closures of orders 4 to 8 by up to +5 % or −3 %.
+const STEP: f64 = 0.4;
+/// The time step of a pilot times the fastest rate next to walls in three states and more, whose impacts no calibration
+/// corrects: E xy of an oscillator under filtered noise above a wall was off by 0.5 % with 0.4, and by up to 0.27 % with 0.1.
+const STEP_AT_WALLS: f64 = 0.04;
+/// The most impulses in the shortest of the system's times, on average: a bound on work.
+const MOST_OFTEN: f64 = 1e3;
+/// The most impulses in a time step of a pilot, on average: a bound on work.
+const MOST_IMPULSES: f64 = 4.0;
+/// The time between states of a pilot times the fastest rate. Halved or doubled, it changes L¹ errors of nine closures of
+/// orders 4 to 8 by up to +7 % or +6 %.
+const INTERVAL: f64 = 4.0;
+/// How often the time step of a pilot is halved after explosions, at most. None of nine closures of orders 4 to 8 depends on
+/// it.
+const HALVINGS: u32 = 3;
+/// How often the burn-in of a pilot is doubled while its samples still change, at most. None of nine closures of orders 4 to 8
+/// depends on it.
+const DOUBLINGS: u32 = 5;
+/// Mean squares over the two halves of the samples of a stationary pilot differ by at most so many standard errors. None of
+/// nine closures of orders 4 to 8 depends on it.
+const DRIFTING: f64 = 6.0;
+/// Groups of a pilot's trajectories, whose spread is the standard error of the difference between the halves of its samples.
+/// None of nine closures of orders 4 to 8 depends on it.
+const GROUPS: usize = 32;
+/// A pilot is made longer or finer only up to so many time steps of all trajectories, where noise does not depend on the state:
+/// a bound on work, of seconds.
+const MOST_PATH_STEPS: f64 = 2.5e8;
+/// An impulse costs as much as so many time steps of a trajectory.
+const ALONE: f64 = 16.0;
 
 /// The states that a pilot has visited once stationary.
 #[derive(Clone, Debug)]
@@ -40,18 +71,18 @@ impl<'a> PilotPlan<'a> {
     pub(super) fn new(problem: &'a Problem, seed: u64) -> Result<Self> {
         let scales = TimeScales::of(problem)?;
         let walled = problem.dimension() > 2 && !problem.walls().is_empty();
-        let step = if walled { tuning::pilot::STEP_AT_WALLS } else { tuning::pilot::STEP };
+        let step = if walled { STEP_AT_WALLS } else { STEP };
         let rate = problem.impulse_rate();
         let remedy = "they are more than a thousand in the shortest of the system's times: take white noise of the same intensity";
-        require(rate * scales.short(1.0) <= tuning::pilot::MOST_OFTEN, "rate of the impulses", rate, remedy)?;
-        let step = scales.short(step).min(tuning::pilot::MOST_IMPULSES / rate);
-        let interval = scales.short(tuning::pilot::INTERVAL);
+        require(rate * scales.short(1.0) <= MOST_OFTEN, "rate of the impulses", rate, remedy)?;
+        let step = scales.short(step).min(MOST_IMPULSES / rate);
+        let interval = scales.short(INTERVAL);
         Ok(PilotPlan { problem, seed, step, burn_in: burn_in(problem, &scales, step)?, interval })
     }
 
     /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.
     pub(super) fn slower(self, factor: f64, count: usize) -> Self {
-        let most = tuning::pilot::MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);
+        let most = MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);
         let factor = factor.min(most).max(1.0);
         PilotPlan { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
     }
@@ -59,9 +90,9 @@ impl<'a> PilotPlan<'a> {
     /// The time steps of all trajectories of a pilot of `count` states; noise that depends on the state makes each of them
     /// slower, in proportion to its terms, and so do impulses, at each of which a trajectory goes on alone.
     fn path_steps(&self, count: usize, burn_in: f64, step: f64) -> f64 {
-        let samples = count.div_ceil(tuning::pilot::TRAJECTORIES) as f64;
-        let path_steps = tuning::pilot::TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step;
-        let alone = tuning::pilot::ALONE * self.problem.impulse_rate() * step;
+        let samples = count.div_ceil(PILOT_TRAJECTORIES) as f64;
+        let path_steps = PILOT_TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step;
+        let alone = ALONE * self.problem.impulse_rate() * step;
         path_steps * (1.0 + self.problem.operator().varying_noise() as f64 + alone)
     }
 
@@ -88,7 +119,7 @@ impl<'a> PilotPlan<'a> {
         let scale = gaussian.scale().ok()? * inflation.sqrt();
         let mut stream = ChaCha8Rng::seed_from_u64(self.seed);
         let mut states = States::new(self.problem.dimension());
-        for _ in 0..count.div_ceil(tuning::pilot::TRAJECTORIES) * tuning::pilot::TRAJECTORIES {
+        for _ in 0..count.div_ceil(PILOT_TRAJECTORIES) * PILOT_TRAJECTORIES {
             let z = DVector::from_fn(states.dimension(), |_, _| stream.sample(StandardNormal));
             states.push((&gaussian.mean + &scale * z).as_slice());
         }
@@ -101,23 +132,23 @@ impl<'a> PilotPlan<'a> {
         loop {
             let simulation = Simulation::new()
                 .amplified(inflation.sqrt())
-                .trajectories(tuning::pilot::TRAJECTORIES)
+                .trajectories(PILOT_TRAJECTORIES)
                 .samples(count)
                 .time_step(step)
                 .burn_in(burn_in)
                 .sampling_interval(self.interval)
                 .seed(self.seed);
-            let affords = |burn_in, step| self.path_steps(count, burn_in, step) <= tuning::pilot::MOST_PATH_STEPS;
+            let affords = |burn_in, step| self.path_steps(count, burn_in, step) <= MOST_PATH_STEPS;
             match simulation.paths(self.problem) {
                 Ok(Paths { states, collisions, interval }) => {
-                    require_motion(&states, states.len() / tuning::pilot::TRAJECTORIES)?;
+                    require_motion(&states, states.len() / PILOT_TRAJECTORIES)?;
                     let stationary = stationary(&states);
-                    if stationary || doubled == tuning::pilot::DOUBLINGS || !affords(2.0 * burn_in, step) {
+                    if stationary || doubled == DOUBLINGS || !affords(2.0 * burn_in, step) {
                         return Ok(Pilot { states, collisions, interval, inflation, stationary });
                     }
                     (burn_in, doubled) = (2.0 * burn_in, doubled + 1);
                 }
-                Err(Error::Exploded { .. }) if halved < tuning::pilot::HALVINGS && affords(burn_in, step / 2.0) => {
+                Err(Error::Exploded { .. }) if halved < HALVINGS && affords(burn_in, step / 2.0) => {
                     (step, halved) = (step / 2.0, halved + 1);
                 }
                 Err(error) => return Err(error),
@@ -163,7 +194,7 @@ impl Pilot {
 
     /// The number of states of each trajectory.
     pub(super) fn samples(&self) -> usize {
-        self.states.len() / tuning::pilot::TRAJECTORIES
+        self.states.len() / PILOT_TRAJECTORIES
     }
 
     /// The number of consecutive states of a trajectory that are worth one independent state, at least 1: the square of the
@@ -180,9 +211,7 @@ impl Pilot {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             let alone = values.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (values.len() * values.len()) as f64;
             let paths = values.chunks_exact(samples).map(|path| path.iter().sum::<f64>() / samples as f64);
-            paths.map(|m| (m - mean).powi(2)).sum::<f64>()
-                / (tuning::pilot::TRAJECTORIES * tuning::pilot::TRAJECTORIES) as f64
-                / alone
+            paths.map(|m| (m - mean).powi(2)).sum::<f64>() / (PILOT_TRAJECTORIES * PILOT_TRAJECTORIES) as f64 / alone
         };
         let of = |i: usize, power: i32| slowness(self.states.iter().map(|x| x[i].powi(power)).collect());
         let own = |i: usize| if symmetry.flips(i) { of(i, 2) } else { of(i, 1).max(of(i, 2)) };
@@ -205,28 +234,27 @@ impl Pilot {
 /// Whether means of squares agree between the earlier and the later half of each trajectory's samples.
 fn stationary(states: &States) -> bool {
     let n = states.dimension();
-    let samples = states.len() / tuning::pilot::TRAJECTORIES;
-    let group = tuning::pilot::TRAJECTORIES / tuning::pilot::GROUPS * samples * n;
+    let samples = states.len() / PILOT_TRAJECTORIES;
+    let group = PILOT_TRAJECTORIES / GROUPS * samples * n;
     (0..n).all(|i| {
         let square = |part: &[f64]| part.chunks_exact(n).map(|x| x[i] * x[i]).sum::<f64>() / (part.len() / n) as f64;
         let differences: Vec<f64> = states
             .values()
             .chunks_exact(group)
-            .take(tuning::pilot::GROUPS)
+            .take(GROUPS)
             .map(|group| {
                 let trajectories = group.chunks_exact(samples * n);
                 let change = trajectories.map(|trajectory| {
                     let (early, late) = trajectory.split_at(samples / 2 * n);
                     square(late) - square(early)
                 });
-                change.sum::<f64>() * tuning::pilot::GROUPS as f64 / tuning::pilot::TRAJECTORIES as f64
+                change.sum::<f64>() * GROUPS as f64 / PILOT_TRAJECTORIES as f64
             })
             .collect();
-        let mean = differences.iter().sum::<f64>() / tuning::pilot::GROUPS as f64;
-        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>()
-            / (tuning::pilot::GROUPS * tuning::pilot::GROUPS) as f64;
+        let mean = differences.iter().sum::<f64>() / GROUPS as f64;
+        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (GROUPS * GROUPS) as f64;
         let level = square(states.values());
         // A change below a hundredth does not matter for a pilot.
-        mean.abs() <= tuning::pilot::DRIFTING * variance.sqrt() || mean.abs() <= 0.01 * level
+        mean.abs() <= DRIFTING * variance.sqrt() || mean.abs() <= 0.01 * level
     })
 }

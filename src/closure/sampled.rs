@@ -19,7 +19,7 @@ use super::samples::{
 };
 use super::space::degrees;
 use super::space::nested_spaces::Smooth;
-use super::tuning;
+use crate::closure::{DRAWS, EVEN_LATTICE, LOW_DEGREE, MOST_FUNCTIONS, MOST_NODES, SOLVED, UNRELIABLE, WIDENING};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
@@ -29,6 +29,19 @@ use crate::problem::Problem;
 use crate::provenance::Provenance;
 use crate::states::States;
 use std::time::Instant;
+
+/// The factor by which the domain is widened for an exact density on a lattice, whose nodes it must not exhaust.
+const EXACT_ON_LATTICE: f64 = 1.8;
+/// The factor by which the domain of a lattice that carries a reference is widened.
+const BY_REFERENCE: f64 = 1.2;
+/// A reference on a lattice, where the calibrated means are the alternative, is not used with an L¹ error above this.
+const UNSOLVED: f64 = 0.1;
+/// A reference on a lattice is not used where a moment of it is farther than so many standard errors from the pilot's.
+const CONTRADICTED: f64 = 5.0;
+/// The most nodes times functions of a reference on a lattice: four tables of so many numbers take 500 MB.
+const MOST_ENTRIES: usize = 16_000_000;
+/// A lower order is tried where at least this share of the estimated error is chance, which a lower order has less of.
+const BY_CHANCE: f64 = 0.5;
 
 /// The parts of a closure on samples that are the same at all orders of one system.
 pub(super) struct Sampled {
@@ -63,10 +76,8 @@ impl Sampled {
 
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
     fn far_lattice(&self, copula: Copula, exponent: &Exponent) -> (Copula, Option<(Lattice, Estimate)>) {
-        let far = copula.clone().followed(tuning::domain::EXACT_ON_LATTICE);
-        let Some((lattice, nodes)) =
-            Lattice::finest(&self.pilot, self.family.symmetry(), &far, tuning::likelihood::MOST_NODES)
-        else {
+        let far = copula.clone().followed(EXACT_ON_LATTICE);
+        let Some((lattice, nodes)) = Lattice::finest(&self.pilot, self.family.symmetry(), &far, MOST_NODES) else {
             return (copula, None);
         };
         let mut logs = exponent.values(&nodes.points);
@@ -74,7 +85,7 @@ impl Sampled {
         let (top, mass) = scaled_mass(&logs, &vec![1.0; logs.len()]);
         let masses: Vec<f64> = logs.iter().map(|log| (log - top).exp() / mass).collect();
         let uneven = unevenness(&nodes, &self.family, &masses);
-        if uneven > tuning::likelihood::EVEN {
+        if uneven > EVEN_LATTICE {
             (copula, None)
         } else {
             (far, Some((lattice, Estimate::new(mass.ln() + top, uneven))))
@@ -92,7 +103,7 @@ impl Sampled {
         let mut best = of_order(order);
         for lower in (1..order.div_ceil(2)).rev().map(|half| 2 * half) {
             let least = best.as_ref().map_or(f64::INFINITY, |(density, _)| density.l1_estimate());
-            if best.as_ref().is_ok_and(|(_, by_chance)| !by_chance) && least <= tuning::UNRELIABLE {
+            if best.as_ref().is_ok_and(|(_, by_chance)| !by_chance) && least <= UNRELIABLE {
                 break;
             }
             match of_order(lower) {
@@ -118,7 +129,7 @@ impl Sampled {
 
     /// The same in a trust domain, and whether most of its estimate is chance.
     fn on_states(&self, order: u32, copula: Copula) -> Result<(ClosureDensity, bool)> {
-        let copula = if self.referred { copula.followed(tuning::domain::BY_REFERENCE) } else { copula };
+        let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };
         let reason =
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
         let exact = self.lowest_exact(order);
@@ -140,7 +151,7 @@ impl Sampled {
             }
         }
         let [estimate, chance] = found.l1_estimate;
-        let by_chance = !found.exact && chance >= tuning::likelihood::BY_CHANCE * estimate;
+        let by_chance = !found.exact && chance >= BY_CHANCE * estimate;
         let mut content = self.content(order, found, copula.clone())?;
         content.provenance.without_reference = without_reference;
         Ok((self.moving(content, copula), by_chance))
@@ -207,7 +218,7 @@ impl Sampled {
         let (copula, lattice) =
             if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         // About as many stay on this side of all walls.
-        let draws = tuning::density::DRAWS * (1 + contacts.len());
+        let draws = DRAWS * (1 + contacts.len());
         // An exact density goes on beyond the lines.
         let nest = found.nest.filter(|_| !found.exact).map(|nest| nest.holding(&pilot.states, &copula));
         let least = (pilot.states.len() as f64).recip();
@@ -250,7 +261,7 @@ impl Sampled {
         Ok(Content {
             exponent,
             reference: None,
-            domain: TrustDomain::new(pilot, symmetry, centre, [None, None], tuning::domain::WIDENING),
+            domain: TrustDomain::new(pilot, symmetry, centre, [None, None], WIDENING),
             integrals: Integrals::Draws(Box::new(rule)),
             lattice,
             rare: self.rare,
@@ -274,21 +285,20 @@ impl Sampled {
         copula: &Copula,
     ) -> std::result::Result<ClosureDensity, &'static str> {
         let coarse = "no lattice that fits into memory resolves the density";
-        let guess =
-            if order < tuning::guess::LOW_DEGREE { self.on_samples(tuning::guess::LOW_DEGREE, copula) } else { None };
+        let guess = if order < LOW_DEGREE { self.on_samples(LOW_DEGREE, copula) } else { None };
         let guess = guess.as_ref().unwrap_or(found);
         let Sampled { problem, family: functions, pilot, .. } = self;
         let (degrees, symmetry) = (functions.degrees(), functions.symmetry());
         let (centre, _) = pilot.spread(symmetry);
-        let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], tuning::domain::WIDENING);
+        let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], WIDENING);
         let half_width = functions.box_around()[1].to_vec();
         let family = Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width };
         let (lattice, nodes) = guess.lattice.as_ref().ok_or(coarse)?;
         let functions = family.functions(family.reference_degree(order)).len();
-        if functions > tuning::space::MOST {
+        if functions > MOST_FUNCTIONS {
             return Err("its moment equations are too many: take a lower order");
         }
-        let room = tuning::reference::MOST_ENTRIES / functions;
+        let room = MOST_ENTRIES / functions;
         let (lattice, nodes) = if nodes.points.len() <= room {
             (lattice.clone(), nodes.clone())
         } else {
@@ -312,13 +322,13 @@ impl Sampled {
         };
         let unsolved = "its moment equations have no good solution";
         let mut content = nodal.content(order).map_err(|_| unsolved)?;
-        if content.reference.as_ref().is_some_and(|reference| reference.error > tuning::reference::UNSOLVED) {
+        if content.reference.as_ref().is_some_and(|reference| reference.error > UNSOLVED) {
             return Err(unsolved);
         }
         for own in &mut content.moments {
             let Some(known) = found.moments.iter().find(|known| known.powers == own.powers) else { continue };
-            let apart = (own.value - known.value).abs() - tuning::SOLVED * own.value.abs();
-            if apart > tuning::reference::CONTRADICTED * known.error.hypot(own.error) {
+            let apart = (own.value - known.value).abs() - SOLVED * own.value.abs();
+            if apart > CONTRADICTED * known.error.hypot(own.error) {
                 return Err("the pilot's moments contradict the solution of its moment equations");
             }
             // The more accurate of the two.

@@ -12,7 +12,7 @@ use super::sampled::Sampled;
 use super::samples::Family;
 use super::space::degrees::Degrees;
 use super::space::nested_spaces::Smooth;
-use super::tuning;
+use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, LOW_DEGREE, UNRELIABLE};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
@@ -20,6 +20,48 @@ use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Symmetry, Wall};
 use crate::simulation::require_settling;
 use std::time::Instant;
+
+/// Impulses alone are rare where fewer than this come in the time in which volumes of the state space shrink by a factor e at
+/// rest: the density is rough or unbounded there, and no polynomial follows it.
+const RARE: f64 = 2.0;
+/// The states of the pilot from which the drift is followed to rest, where impulses are counted against the rate at which
+/// volumes of the state space shrink.
+const FLOWS: usize = 8;
+/// The states of a pilot, without their mirror images, where nodes carry the density. Halved or doubled, it changes L¹ errors
+/// of nine closures of orders 4 to 8 by up to −28 % or +7 %.
+const STATES: usize = 20_000;
+/// The states of a pilot, without their mirror images, where they carry the density themselves. Halved or doubled, it makes the
+/// standard error of E x² of an oscillator under filtered noise 1.8 or 0.44 times as large.
+const CARRYING_STATES: usize = 102_400;
+/// The states of a pilot that carry the density next to walls in three states and more, where functions with kinks have larger
+/// variances: the L¹ distance of the displacement and its velocity from a long simulation, 5e-3, is 9e-3 with a quarter of
+/// them.
+const CARRYING_STATES_AT_WALLS: usize = 409_600;
+/// A kurtosis above this is that of a power tail, in which an inflated pilot spreads too wide for any polynomial; limit cycles,
+/// wells and hardening springs are below 3 or near it. None of nine closures of orders 4 to 8 depends on it.
+const HEAVY: f64 = 8.0;
+/// Where more consecutive states of a trajectory than this are worth one independent state, the pilot's states are taken
+/// farther apart.
+const CORRELATED: f64 = 3.0;
+/// The largest factor by which a pilot's states are taken farther apart: a bound on work.
+const LONGER: f64 = 64.0;
+/// Where so many consecutive states of a trajectory, taken farther apart, are still worth only one, the trajectories have not
+/// left their starts.
+const UNMIXED: f64 = 16.0;
+/// Where this share of all states of a trajectory is worth only one, the trajectories have not left their starts: those of a
+/// Brownian motion are all worth one.
+const UNMIXED_SHARE: f64 = 0.75;
+/// The number of states worth one from which on trajectories of so many states have not left their starts.
+fn unmixed(samples: usize) -> f64 {
+    UNMIXED.min(UNMIXED_SHARE * samples as f64)
+}
+/// Whether trajectories of so many states have stayed where they began, as in wells that nothing leaves; of fewer than eight it shows
+/// too little.
+fn have_stayed(slowness: f64, samples: usize) -> bool {
+    samples >= 8 && slowness > UNMIXED_SHARE * samples as f64
+}
+/// The fewest states of a pilot between two walls that suffice for the likelihood of a density.
+const LEAST_BETWEEN: usize = 100;
 
 const METHOD: &str = "closure";
 /// What trajectories do that never leave the well where they began.
@@ -83,7 +125,7 @@ impl Closure {
 
     fn in_open_space(&self, problem: &Problem, begin: Instant) -> Result<ClosureDensity> {
         let dimension = problem.dimension();
-        self.check(dimension, tuning::space::HIGHEST_ORDER)?;
+        self.check(dimension, HIGHEST_ORDER)?;
         if self.reference == Reference::Grid && (dimension > 2 || !problem.impulses().is_empty()) {
             let what = "a grid as the reference in three states and more, or under impulses";
             let remedy = "take another reference, or leave out `reference`";
@@ -106,17 +148,17 @@ impl Closure {
                     remedy,
                 });
             }
-            let default = if walled { tuning::pilot::CARRYING_STATES_AT_WALLS } else { tuning::pilot::CARRYING_STATES };
+            let default = if walled { CARRYING_STATES_AT_WALLS } else { CARRYING_STATES };
             let states = self.states.unwrap_or(default);
             let mut pilot = plan.pilot(states, 1.0)?;
             let (mut slow, mut slowness) = pilot.slowest(&symmetry);
-            if slowness > tuning::pilot::CORRELATED {
-                pilot = plan.slower(slowness.min(tuning::pilot::LONGER), states).pilot(states, 1.0)?;
+            if slowness > CORRELATED {
+                pilot = plan.slower(slowness.min(LONGER), states).pilot(states, 1.0)?;
                 (slow, slowness) = pilot.slowest(&symmetry);
             }
             let samples = pilot.samples();
-            pilot.stationary &= samples == 1 || slowness < tuning::pilot::unmixed(samples);
-            let stayed = tuning::pilot::stayed(slowness, samples);
+            pilot.stationary &= samples == 1 || slowness < unmixed(samples);
+            let stayed = have_stayed(slowness, samples);
             let problem = problem.clone();
             let (seed, memory) = (self.seed, self.memory);
             let family = Family::new(&problem, &pilot, &self.degrees, &symmetry).ok_or(Error::NotServed {
@@ -128,19 +170,19 @@ impl Closure {
             let nodal = Sampled { problem, rare, family, pilot, referred, seed, memory, begin };
             let closed = |order| match self.order {
                 // Where trajectories stayed, a low order shows in less time whether there is a density at all.
-                Order::Fixed(_) if stayed && order > tuning::guess::LOW_DEGREE => {
-                    nodal.closed(tuning::guess::LOW_DEGREE).and_then(|_| nodal.best_up_to(order))
+                Order::Fixed(_) if stayed && order > LOW_DEGREE => {
+                    nodal.closed(LOW_DEGREE).and_then(|_| nodal.best_up_to(order))
                 }
                 Order::Fixed(_) => nodal.best_up_to(order),
                 Order::Adaptive(_) => nodal.closed(order),
             };
-            let closed = self.at_order(tuning::space::HIGHEST_ORDER, true, |order| of_use(closed(order)?, order));
+            let closed = self.at_order(HIGHEST_ORDER, true, |order| of_use(closed(order)?, order));
             return closed.map_err(|error| match error {
                 Error::NotClosed { .. } if stayed => Error::NoDensity { state: slow, behaviour: STAYING },
                 error => error,
             });
         }
-        let pilot = plan.pilot(self.states.unwrap_or(tuning::pilot::STATES), 1.0)?;
+        let pilot = plan.pilot(self.states.unwrap_or(STATES), 1.0)?;
         if self.reference == Reference::Equations || !problem.impulses().is_empty() {
             self.by_equations(problem, (&plan, &pilot), begin)
         } else {
@@ -171,7 +213,7 @@ impl Closure {
     /// By the moment equations on Gauss nodes in the pilot's trust domain.
     fn by_equations(&self, problem: &Problem, run: (&PilotPlan<'_>, &Pilot), begin: Instant) -> Result<ClosureDensity> {
         let (plan, pilot) = run;
-        let states = self.states.unwrap_or(tuning::pilot::STATES);
+        let states = self.states.unwrap_or(STATES);
         let mut best: Option<ClosureDensity> = None;
         let mut inflation = self.inflation;
         loop {
@@ -191,7 +233,7 @@ impl Closure {
             // Where ln p does not scale with the intensity, the initial ln p may be far off; with less inflation its error is
             // smaller.
             match best {
-                Some(density) if last || density.l1_estimate() <= tuning::UNRELIABLE => return Ok(density),
+                Some(density) if last || density.l1_estimate() <= UNRELIABLE => return Ok(density),
                 _ => inflation = (inflated.inflation / 2.0).max(1.0),
             }
         }
@@ -201,7 +243,7 @@ impl Closure {
     fn on_panels(&self, problem: &Problem, pilots: [&Pilot; 2], begin: Instant) -> Result<ClosureDensity> {
         let [own, inflated] = pilots;
         // With heavy tails an inflated pilot spreads too wide for any polynomial to fit.
-        let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > tuning::pilot::HEAVY;
+        let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > HEAVY;
         let symmetry = problem.symmetry();
         let (centre, half_width) = inflated.spread(&symmetry);
         let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
@@ -209,12 +251,12 @@ impl Closure {
             if heavy { None } else { Discretisation::new(problem, [own, inflated], family, self.highest()) };
         let rare = is_rare(problem, own);
         let nodal = NodalClosure { rare, ..self.nodal(problem, discretisation, pilots, begin)? };
-        self.at_order(tuning::space::HIGHEST_ORDER, false, |order| nodal.closed(order))
+        self.at_order(HIGHEST_ORDER, false, |order| nodal.closed(order))
     }
 
     /// The closure of an oscillator next to one wall, or between two.
     fn next_to_walls(&self, problem: &Problem, walls: [Option<Wall>; 2], begin: Instant) -> Result<ClosureDensity> {
-        self.check(2, tuning::space::HIGHEST_ORDER_AT_WALLS)?;
+        self.check(2, HIGHEST_ORDER_AT_WALLS)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
         match self.reference {
             Reference::States => {
@@ -242,18 +284,18 @@ impl Closure {
         };
         let plan = PilotPlan::new(&met, self.seed)?;
         let run = |inflation: f64| {
-            let pilot = plan.pilot(self.states.unwrap_or(tuning::pilot::STATES), inflation)?;
+            let pilot = plan.pilot(self.states.unwrap_or(STATES), inflation)?;
             Ok(if turned { pilot.mirrored() } else { pilot })
         };
         let inflated = run(self.inflation)?;
         let pilot = run(1.0)?.between([None, walls[1].map(|wall| wall.offset())]);
-        if pilot.states.len() < tuning::pilot::LEAST_BETWEEN {
+        if pilot.states.len() < LEAST_BETWEEN {
             let reason = "hardly a state of the pilot lies between the walls: take more `pilot_states`, or the grid";
             return Err(Error::NotClosed { order: self.lowest(), reason });
         }
         let discretisation = walled::walled(problem, &inflated, walls);
         let nodal = self.nodal(problem, discretisation, [&pilot, &inflated], begin)?;
-        self.at_order(tuning::space::HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
+        self.at_order(HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
     }
 
     fn nodal(
@@ -324,8 +366,8 @@ impl Closure {
 
 /// Whether impulses alone are so rare that the density is rough.
 fn is_rare(problem: &Problem, pilot: &Pilot) -> bool {
-    let few = pilot.states.iter().step_by((pilot.states.len() / tuning::impulses::FLOWS).max(1));
-    problem.impulses_while_shrinking(few).is_some_and(|count| count < tuning::impulses::RARE)
+    let few = pilot.states.iter().step_by((pilot.states.len() / FLOWS).max(1));
+    problem.impulses_while_shrinking(few).is_some_and(|count| count < RARE)
 }
 
 /// Refuses a density whose estimated error is the largest that there is. On Gauss nodes in open space such an estimate may be that

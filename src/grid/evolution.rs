@@ -11,10 +11,31 @@ use super::start::Ground;
 use super::tree::Tree;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
-use crate::grid::tuning::{march as tuning, refinement::HOPELESS};
+use crate::grid::{HOPELESS, SHARE};
 use crate::memory::MemoryLimit;
 use crate::states::States;
 use std::sync::Arc;
+
+/// The least factor by which the length of a step in time changes: each new length costs new factors of the matrix, as much as
+/// one to two steps.
+const CHANGE: f64 = 1.6;
+/// The least factor by which the length of a step in time changes under modulated noise, where every step has factors of the
+/// matrix of its own.
+const FINE_CHANGE: f64 = 1.4;
+/// The largest factor by which the length of a step in time grows from one step to the next.
+const GROWTH: f64 = 4.0;
+/// The whole time of a transient over its first step.
+const FIRST: f64 = 400.0;
+/// In a transient two cells are joined where the pair would have this part of its share of the aim, or less, in its highest
+/// degree.
+const LOOSE: f64 = 0.8;
+/// The number of steps in time after which a mesh is searched for cells to be joined.
+const LOOK: usize = 4;
+/// Cells of a transient's mesh are joined only if this part of all cells or less is left: a new mesh costs new factors of the
+/// matrix.
+const WORTH: f64 = 0.8;
+/// The steps in time after which a transient is given up.
+const MAX_STEPS: usize = 20_000;
 
 /// What a density is followed by: the noise's envelope, and the accuracy of mesh and steps.
 #[derive(Clone, Copy, Debug)]
@@ -59,12 +80,12 @@ impl<'a> Evolution<'a> {
         end: f64,
     ) -> Result<Self> {
         let shapes = [0, 1].map(|less| Shape { states: ground.domain.len(), degree: plan.degree - less });
-        let aim = tuning::SHARE * plan.accuracy;
+        let aim = SHARE * plan.accuracy;
         let (layout, field, exhausted) = initial.held(ground, stationary[0], (shapes[0], plan.memory), aim)?;
         let coarse = initial.field(stationary[1], &layout.mesh, shapes[1])?;
         let base = ground.mesh_for(&States::new(ground.domain.len())).tree;
         let steppers = Self::steppers(plan, ground, &layout)?;
-        let (time, step) = (initial.time, (end - initial.time) / tuning::FIRST);
+        let (time, step) = (initial.time, (end - initial.time) / FIRST);
         let fields = [field, coarse];
         Ok(Evolution {
             plan,
@@ -76,7 +97,7 @@ impl<'a> Evolution<'a> {
             step,
             last: f64::INFINITY,
             // The first mesh may be finer than it need be.
-            since: tuning::LOOK - 1,
+            since: LOOK - 1,
             steps: 0,
             error: 0.0,
             moved: 0.0,
@@ -96,8 +117,8 @@ impl<'a> Evolution<'a> {
     /// [`Error::OutOfRange`] if the steps become too many, [`Error::NotResolved`] if their errors add up to the density itself.
     pub(super) fn advance(&mut self, end: f64) -> Result<()> {
         // Where every step needs new factors anyway its length follows the error more closely.
-        let change = if self.plan.envelope.is_some() { tuning::FINE_CHANGE } else { tuning::CHANGE };
-        let (aim, tolerance) = (tuning::SHARE * self.plan.accuracy, self.plan.accuracy);
+        let change = if self.plan.envelope.is_some() { FINE_CHANGE } else { CHANGE };
+        let (aim, tolerance) = (SHARE * self.plan.accuracy, self.plan.accuracy);
         let mut refused = 0;
         while self.time < end {
             let piece = self.plan.envelope.map(|envelope| envelope.piece(self.time));
@@ -109,7 +130,7 @@ impl<'a> Evolution<'a> {
             let step = left / if again { same.round() } else { (fewest - 1e-9).ceil().max(1.0) };
             self.last = step;
             self.steps += 1;
-            if self.steps > tuning::MAX_STEPS || self.step < f64::EPSILON * left {
+            if self.steps > MAX_STEPS || self.step < f64::EPSILON * left {
                 let remedy = "too many steps are needed to get there: take an earlier time or a larger accuracy";
                 return Err(Error::OutOfRange { name: "time", value: end, remedy });
             }
@@ -132,7 +153,7 @@ impl<'a> Evolution<'a> {
                 match finer(&next, aim, self.plan.memory) {
                     Finer::Enough => {}
                     Finer::Layout(layout) => {
-                        self.move_to(&layout, step * lasts.min(tuning::GROWTH))?;
+                        self.move_to(&layout, step * lasts.min(GROWTH))?;
                         continue;
                     }
                     Finer::Exhausted => self.exhausted = true,
@@ -149,13 +170,13 @@ impl<'a> Evolution<'a> {
             self.fields[0] = next;
             // The error of a longer step grows with the fourth power of the length.
             if step * lasts > self.step * change {
-                self.step = (step * lasts).min(self.step * tuning::GROWTH);
+                self.step = (step * lasts).min(self.step * GROWTH);
             }
             self.since += 1;
-            if self.since >= tuning::LOOK {
+            if self.since >= LOOK {
                 self.since = 0;
                 if let Some(mesh) = self.coarser(aim) {
-                    self.move_to(&Layout::new(mesh), step * lasts.min(tuning::GROWTH))?;
+                    self.move_to(&Layout::new(mesh), step * lasts.min(GROWTH))?;
                 }
             }
         }
@@ -175,12 +196,12 @@ impl<'a> Evolution<'a> {
     /// The mesh in which cells are joined, pair by pair, where that holds the density well enough; none if it saves little.
     fn coarser(&self, aim: f64) -> Option<Mesh> {
         let own = &self.fields[0].mesh;
-        let share = tuning::LOOSE * aim / own.cells.len() as f64;
+        let share = LOOSE * aim / own.cells.len() as f64;
         let mut mesh = Mesh::clone(own);
         while let Some(coarser) = self.joined(&mesh, share).filter(|joined| joined.cells.len() < mesh.cells.len()) {
             mesh = coarser;
         }
-        (mesh.cells.len() as f64 <= tuning::WORTH * own.cells.len() as f64).then_some(mesh)
+        (mesh.cells.len() as f64 <= WORTH * own.cells.len() as f64).then_some(mesh)
     }
 
     /// The mesh in which the pairs of cells are one whose part of the highest degree is then at most `share`; none if there are none.

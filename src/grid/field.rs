@@ -4,10 +4,13 @@ use super::legendre::Table;
 use super::mesh::Mesh;
 use super::shape::{MOST, Place, Shape, contracted, transformed};
 use super::tree::Cell;
-use crate::grid::tuning::refinement;
 use crate::numerics::Rule;
 use crate::parallel;
 use std::sync::Arc;
+
+/// The part of the highest degree in a cell counts as at least this share of that of the degree below: about what one degree
+/// gains where the density is resolved.
+const BELOW: f64 = 0.1;
 
 /// The coefficients of a density on its cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -268,7 +271,7 @@ impl Field {
                     let own = block.iter().enumerate().filter(|(c, _)| self.shape.degrees(*c)[axis] == k);
                     cell.root_volume() * own.map(|(_, c)| c * c).sum::<f64>().sqrt()
                 };
-                if axis < self.shape.states { part(degree).max(refinement::BELOW * part(degree - 1)) } else { 0.0 }
+                if axis < self.shape.states { part(degree).max(BELOW * part(degree - 1)) } else { 0.0 }
             })
         };
         self.blocks().zip(&self.mesh.cells).map(of).collect()

@@ -11,7 +11,6 @@ use crate::checks::require;
 use crate::density::{Density, Frame};
 use crate::envelope::Envelope;
 use crate::error::Result;
-use crate::grid::tuning::march as tuning;
 use crate::memory::MemoryLimit;
 use crate::numerics::Rule;
 use crate::polynomial::Gaussian;
@@ -20,6 +19,10 @@ use crate::transient::Start;
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 use std::sync::Arc;
+
+/// The smallest standard deviation of a Gaussian start over the width of the domain: cells are a few thousandths of the
+/// deviation, and must not lose their width to rounding.
+const THINNEST: f64 = 1e-9;
 
 /// A start, at the time from which on it has a density that a mesh holds.
 #[derive(Clone)]
@@ -75,7 +78,7 @@ impl Initial {
                 let deviation = gaussian.covariance[(axis, axis)].sqrt();
                 let remedy =
                     "next to the domain it is too narrow for double precision: take a later time or a wider start";
-                require(deviation > tuning::THINNEST * (high - low), "deviation of the start", deviation, remedy)?;
+                require(deviation > THINNEST * (high - low), "deviation of the start", deviation, remedy)?;
             }
         }
         let mut layout = Layout::new(ground.mesh_for(self.sample().as_ref().unwrap_or(&ground.pilot.states)));

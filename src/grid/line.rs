@@ -6,13 +6,32 @@ use super::refinement::refined;
 use super::shape::{MOST, Shape};
 use super::tree::Tree;
 use crate::error::{Error, Result};
-use crate::grid::tuning::{line as tuning, refinement};
+use crate::grid::{HALVINGS, ROUNDS};
 use crate::numerics::{Rule, eigenvalues};
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
 use crate::states::States;
 use nalgebra::DMatrix;
 use std::sync::Arc;
+
+/// Nodes of the Gauss rule for the exponent ∫ 2f/B dx of a density of one state over a step.
+const NODES: usize = 20;
+/// The first step along the line of a single state, over the standard deviation of the pilot's states.
+const STEP: f64 = 0.1;
+/// The share of the distance from where the steps along a line began that adds to the standard deviation which a step is in
+/// proportion to.
+const GROWTH: f64 = 0.5;
+/// The most steps along a line to one side of where they began: with their growth they reach over a hundred powers of ten.
+const STEPS: usize = 4000;
+/// The density of one state has ended where the logarithm of what is left has fallen by so much below its highest value: to
+/// 1e-26 of it.
+const DEPTH: f64 = 60.0;
+/// A mesh of one state is fine enough for the closed form where so much is left in the highest degree of all cells together,
+/// in L¹.
+const RESOLVED: f64 = 1e-13;
+/// What is left in the highest degree of the closed form of one state where its mesh is fine enough, over the largest
+/// exponent: p has the rounding of that.
+const ROUNDING: f64 = 1e-15;
 
 /// The logarithm of an unnormalised density.
 #[derive(Clone, Debug)]
@@ -39,7 +58,7 @@ impl Line {
             let beyond = zeros.iter().filter(|zero| side * (**zero - inside) > 0.0).copied();
             beyond.min_by(|a, b| (a - inside).abs().total_cmp(&(b - inside).abs()))
         });
-        let mut line = Line { drift, diffusion, rule: Rule::legendre(tuning::NODES), ends, steps: vec![[inside, 0.0]] };
+        let mut line = Line { drift, diffusion, rule: Rule::legendre(NODES), ends, steps: vec![[inside, 0.0]] };
         line.extend(-1.0, scale, ends[0])?;
         line.extend(1.0, scale, ends[1])?;
         line.steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -50,8 +69,8 @@ impl Line {
     fn extend(&mut self, side: f64, scale: f64, end: Option<f64>) -> Result<()> {
         let [start, mut sum] = self.steps[0];
         let (mut x, mut highest) = (start, self.log(start, 0.0));
-        for _ in 0..tuning::STEPS {
-            let length = tuning::STEP * (scale + tuning::GROWTH * (x - start).abs());
+        for _ in 0..STEPS {
+            let length = STEP * (scale + GROWTH * (x - start).abs());
             let length = end.map_or(length, |end| length.min((end - x).abs() / 2.0));
             let next = x + side * length;
             sum += self.integral(x, next);
@@ -60,7 +79,7 @@ impl Line {
             let log = self.log(x, sum);
             highest = highest.max(log);
             let left = end.map_or((x - start).abs(), |end| (end - x).abs());
-            if log + left.ln() < highest + scale.ln() - tuning::DEPTH {
+            if log + left.ln() < highest + scale.ln() - DEPTH {
                 return Ok(());
             }
         }
@@ -105,7 +124,7 @@ impl Line {
         let (low, high) = (self.steps[0][0], self.steps[self.steps.len() - 1][0]);
         let highest = self.steps.iter().map(|[x, sum]| self.log(*x, *sum)).fold(f64::NEG_INFINITY, f64::max);
         let mut tree = Tree::new(&[vec![low, high]]);
-        for _ in 0..crate::grid::tuning::mesh::HALVINGS {
+        for _ in 0..HALVINGS {
             tree.leaves().iter().for_each(|leaf| {
                 tree.halve(*leaf, 0);
             });
@@ -114,8 +133,8 @@ impl Line {
         let shape = Shape { states: 1, degree };
         // exp of a sum has the sum's rounding: no mesh takes it away.
         let largest = self.steps.iter().map(|[_, sum]| sum.abs()).fold(0.0, f64::max);
-        let resolved = tuning::RESOLVED.max(tuning::ROUNDING * largest);
-        for _ in 0..refinement::ROUNDS {
+        let resolved = RESOLVED.max(ROUNDING * largest);
+        for _ in 0..ROUNDS {
             let field = self.normalised(mesh, shape, highest);
             match refined(&field.mesh, &field.highest(), resolved) {
                 Some(finer) => mesh = finer,

@@ -5,8 +5,20 @@ use super::shape::Place;
 use super::stationary::Stationary;
 use super::tree::Cell;
 use super::wells::Wells;
-use crate::grid::tuning::wells as tuning;
+use crate::grid::KEPT;
 use crate::states::States;
+
+/// A well, and the way from one to another, is resolved as if it had this share of the density at least. For the way 0.01
+/// would do in most cases; 1 takes half as many cells more.
+const LEAST: f64 = 0.1;
+/// The least probability between two wells, with one of 1 in each, for which the way between them is resolved: where less is
+/// there, beyond barriers of 40 temperatures, rounding decides what the wells exchange.
+const BETWEEN: f64 = 1e-15;
+/// A cell that no well fills is that of a well without a pin if it has more than this share of the pilot's states.
+const MANY: f64 = 0.01;
+/// A cell with many of the pilot's states is that of a well without a pin if all wells have less in it than this part of its
+/// share of the states.
+const MISSED: f64 = 0.01;
 
 impl Stationary {
     /// What is left in the highest degree of each cell. Each well counts as if it had some of the density at least: cells that are
@@ -18,18 +30,18 @@ impl Stationary {
         if pins.len() == 1 {
             return all;
         }
-        let wells: Vec<usize> = (0..pins.len()).filter(|well| self.wells.kept(*well) > tuning::KEPT[1]).collect();
+        let wells: Vec<usize> = (0..pins.len()).filter(|well| self.wells.kept(*well) > KEPT[1]).collect();
         let highest: Vec<Vec<Place>> = wells.iter().map(|well| self.wells.well(*well).highest()).collect();
         let mut add = |own: &[Place], factor: &dyn Fn(usize) -> f64| {
             let cells = all.iter_mut().zip(own).enumerate();
             cells.for_each(|(cell, (all, own))| all.iter_mut().zip(own).for_each(|(a, b)| *a += factor(cell) * b));
         };
         for (k, well) in wells.iter().enumerate() {
-            add(&highest[k], &|_| (tuning::LEAST - shares[*well]).max(0.0));
+            add(&highest[k], &|_| (LEAST - shares[*well]).max(0.0));
             for other in wells.iter().filter(|other| *other != well && !self.wells.alike([*well, **other])) {
                 let between = self.between([*well, *other]);
                 // Each pair comes twice.
-                add(&highest[k], &|cell| tuning::LEAST * between[cell]);
+                add(&highest[k], &|cell| LEAST * between[cell]);
             }
         }
         all
@@ -48,15 +60,14 @@ impl Stationary {
             part
         };
         let parts: Vec<f64> = self.operator.layout.mesh.cells.iter().enumerate().map(part).collect();
-        let scale = if mass > tuning::BETWEEN { mass.recip() } else { 0.0 };
+        let scale = if mass > BETWEEN { mass.recip() } else { 0.0 };
         parts.iter().map(|part| scale * part).collect()
     }
 
     /// The places of the pins of the next mesh, as states: of several that of each well.
     pub(super) fn places(&self) -> Vec<Vec<f64>> {
         let place = |field: &Field| field.mesh.centre(field.peak());
-        let wells: Vec<usize> =
-            (0..self.wells.pins.len()).filter(|well| self.wells.kept(*well) > tuning::KEPT[0]).collect();
+        let wells: Vec<usize> = (0..self.wells.pins.len()).filter(|well| self.wells.kept(*well) > KEPT[0]).collect();
         match &wells[..] {
             [] | [_] => vec![place(&self.density.field)],
             wells => wells.iter().map(|well| place(self.wells.well(*well))).collect(),
@@ -72,7 +83,7 @@ impl Stationary {
             let volume = mesh.cells[cell].root_volume().powi(2);
             (0..self.wells.pins.len()).map(|well| self.wells.well(well).mean(cell).abs() * volume).sum()
         };
-        let missed = |cell: &usize| counts[*cell] > tuning::MANY && within(*cell) < tuning::MISSED * counts[*cell];
+        let missed = |cell: &usize| counts[*cell] > MANY && within(*cell) < MISSED * counts[*cell];
         let most = (0..counts.len()).filter(missed).max_by(|a, b| counts[*a].total_cmp(&counts[*b]));
         most.map(|cell| mesh.centre(cell))
     }

@@ -45,7 +45,6 @@ mod survival;
 mod tails;
 mod transient;
 mod tree;
-mod tuning;
 mod wells;
 
 pub use density::GridDensity;
@@ -60,6 +59,30 @@ use pilot::Pilot;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Halvings of the domain along each state before any state of the pilot or any solution counts.
+const HALVINGS: usize = 2;
+/// The smallest cell along the velocity at a wall with r < 1, in standard deviations of the velocity. The density is singular
+/// at the grazing point: the error of impact rates falls with a power of this number, 2 for r near 1, 1.5 for r = 0.7 and 1
+/// for r = 0.5, that of moments faster.
+const GRAZING: f64 = 1e-3;
+/// The width of the narrowest cell over that of the domain: less would be lost to rounding.
+const NARROWEST: f64 = 1e-12;
+/// An estimate in L¹, or a sum of the relative errors of steps in time, of this size is no estimate of a density.
+const HOPELESS: f64 = 0.5;
+/// The most solutions on the way to a mesh that is fine enough; each takes a fifth of the error or less.
+const ROUNDS: usize = 40;
+/// The largest part of the probability passing a pin that rounding takes away.
+const ROUNDING: f64 = 1e-13;
+/// A loss of probability above so many times what rounding hides is a leak at the edges of the domain.
+const HIDDEN: f64 = 10.0;
+/// Parts of what comes from a pin that come back to it before they arrive at another: with less than the first the pin is none
+/// of a well, with less than the second its well is not resolved on its own. With less than the third at any pin the exchanges
+/// of wells are not compared between degrees.
+const KEPT: [f64; 3] = [0.5, 0.9, 0.999];
+/// The part of the accuracy, in L¹, to which the mesh of a transient is refined, and by which the Gaussian that spreads from a
+/// point may be off.
+const SHARE: f64 = 0.5;
 
 /// A discontinuous Galerkin method that refines its mesh until the density is as accurate as it is asked to be, for problems of one
 /// state or two.

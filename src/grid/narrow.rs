@@ -4,11 +4,22 @@ use super::mesh::Side;
 use super::start::Ground;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
-use crate::grid::tuning::march as tuning;
+use crate::grid::SHARE;
 use crate::numerics::Rule;
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::problem::{ModulatedMoments, Problem, gaussian_after};
 use nalgebra::{DMatrix, DVector};
+
+/// What spreads from a point is followed as a Gaussian at least until the standard deviation of a state is this part of the
+/// stationary one.
+const NARROW: f64 = 0.03;
+/// What spreads from a point is followed as a Gaussian only up to where a wall or a level is nearer than so many standard
+/// deviations; 8 leave out 1e-15 of the mass.
+const APART: f64 = 8.0;
+/// The factor by which each step in time of a Gaussian that spreads from a point is longer than the one before.
+const NARROW_GROWTH: f64 = 1.1;
+/// The most steps in time of a Gaussian that spreads from a point, after which the noise counts as too weak to spread it.
+const NARROW_STEPS: usize = 800;
 
 /// A density that spreads from a point, as the Gaussian g with the moments of the Gaussian closure.
 ///
@@ -41,7 +52,7 @@ impl<'a> Narrow<'a> {
     ) -> Result<Self> {
         let Ground { problem, pilot, .. } = ground;
         let states = x.len();
-        let wide: Vec<f64> = (0..states).map(|axis| tuning::NARROW * pilot.deviation(axis)).collect();
+        let wide: Vec<f64> = (0..states).map(|axis| NARROW * pilot.deviation(axis)).collect();
         let is_wide = |g: &Gaussian| (0..states).any(|i| g.covariance[(i, i)].sqrt() >= wide[i]);
         // From far below the time in which noise spreads it so far, by steps that grow by a tenth, anew at each step of the noise.
         let operator = problem.operator().diffusive();
@@ -59,19 +70,19 @@ impl<'a> Narrow<'a> {
         };
         let closed = |side: &usize| ground.sides[*side] != Side::Open;
         let mut step = least;
-        for _ in 0..tuning::NARROW_STEPS {
+        for _ in 0..NARROW_STEPS {
             let left = first - narrow.time;
             let before = narrow.gaussian.mean[0];
             let last = left > 0.0 && step >= left && narrow.gaussian.covariance.diagonal().sum() > 0.0;
-            step = if narrow.advance(if last { left } else { step }) { least } else { tuning::NARROW_GROWTH * step };
+            step = if narrow.advance(if last { left } else { step }) { least } else { NARROW_GROWTH * step };
             let mean = narrow.gaussian.mean[0];
             // A wall or a level must not cut it, in the next step neither.
-            let reach = tuning::APART * narrow.gaussian.covariance[(0, 0)].sqrt() + 2.0 * (mean - before).abs();
+            let reach = APART * narrow.gaussian.covariance[(0, 0)].sqrt() + 2.0 * (mean - before).abs();
             let near = (0..2).filter(closed).any(|side| (ground.domain[0][side] - mean).abs() < reach);
             if last {
                 narrow.time = first;
             }
-            if last || near || (narrow.error >= tuning::SHARE * accuracy && is_wide(&narrow.gaussian)) {
+            if last || near || (narrow.error >= SHARE * accuracy && is_wide(&narrow.gaussian)) {
                 return Ok(narrow);
             }
         }

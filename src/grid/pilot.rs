@@ -2,13 +2,29 @@
 
 use super::shape::{MOST, Place};
 use crate::error::Result;
-use crate::grid::tuning::pilot as tuning;
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, TimeScales};
 use crate::simulation::{Simulation, settled};
 use crate::states::States;
 use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
+
+/// Trajectories of the pilot's main run, which starts near rest.
+const TRAJECTORIES: usize = 64;
+/// States of the pilot's main run. With 20 000 to 100 000 the meshes that follow have as many cells.
+const STATES: usize = 20_480;
+/// Trajectories of the pilot's run from farther starts, which finds wells that the main run misses.
+const SCATTERED: usize = 16;
+/// States of each trajectory in the pilot's run from farther starts.
+const EACH: usize = 60;
+/// The standard deviation of the pilot's farther starts over the distance of the outermost state of its main run from the
+/// middle. The time step from there is shorter by the same factor.
+const FARTHER: f64 = 5.0;
+/// The time step of the pilot's run from farther starts, in the shortest of the system's times, before it is shortened for the
+/// steeper forces there.
+const STEP: f64 = 0.4;
+/// The time between states in the pilot's run from farther starts, in the shortest of the system's times.
+const INTERVAL: f64 = 4.0;
 
 /// States that trajectories have visited, with their mirror images.
 #[derive(Clone, Debug)]
@@ -23,10 +39,9 @@ impl Pilot {
     /// [`Error::Exploded`](crate::Error::Exploded) with every time step that was tried, [`Error::NoDensity`](crate::Error::NoDensity)
     /// where trajectories keep growing or end at a point.
     pub(super) fn new(problem: &Problem) -> Result<Self> {
-        let mut pilot = Pilot { states: settled(problem, [tuning::TRAJECTORIES, tuning::STATES])? };
+        let mut pilot = Pilot { states: settled(problem, [TRAJECTORIES, STATES])? };
         let (reach, middle, states) = (pilot.reach(), pilot.middle(), problem.dimension());
-        let deviation =
-            |axis: usize| tuning::FARTHER * (reach[axis][1] - middle[axis]).max(middle[axis] - reach[axis][0]);
+        let deviation = |axis: usize| FARTHER * (reach[axis][1] - middle[axis]).max(middle[axis] - reach[axis][0]);
         let covariance = DMatrix::from_fn(states, states, |i, j| if i == j { deviation(i).powi(2) } else { 0.0 });
         let start = Gaussian { mean: DVector::from_fn(states, |axis, _| middle[axis]), covariance };
         // From too far trajectories may explode with any step.
@@ -84,10 +99,10 @@ impl Pilot {
 fn scattered(problem: &Problem, start: Gaussian) -> Result<States> {
     let scales = TimeScales::of(problem)?;
     Simulation::new()
-        .trajectories(tuning::SCATTERED)
-        .samples(tuning::EACH * tuning::SCATTERED)
+        .trajectories(SCATTERED)
+        .samples(EACH * SCATTERED)
         .start(Start::Gaussian(start))
-        .time_step(scales.short(tuning::STEP) / tuning::FARTHER)
-        .sampling_interval(scales.short(tuning::INTERVAL))
+        .time_step(scales.short(STEP) / FARTHER)
+        .sampling_interval(scales.short(INTERVAL))
         .states(problem)
 }

@@ -7,8 +7,28 @@ use super::shape::Place;
 use super::stationary::{Question, Stationary, solve};
 use crate::error::{Error, Result};
 use crate::grid::GridProgress;
-use crate::grid::tuning::{mesh, refinement as tuning};
+use crate::grid::{NARROWEST, ROUNDS};
 use crate::memory::MemoryLimit;
+
+/// A cell is not divided along a state along which its indicator is below this share of that along the other.
+const ALONE: f64 = 0.1;
+/// A cell is halved twice along a state if its indicator is so many times its share: that is what a halving takes of it at
+/// degree 6 to 8.
+const TWICE: f64 = 200.0;
+/// Cells may be halved twice in one round where less than this, in L¹, is left in the highest degrees of all cells. That saves
+/// a solution of five to seven; with 1e-2 narrow cycles and wells take 1.5 to 2 times the cells.
+const SETTLED: f64 = 1e-3;
+/// After a test by two degrees has failed, the refinement aims at this part of the indicator that would be expected to
+/// suffice.
+const CAUTION: f64 = 0.5;
+/// The smallest factor by which a failed test by two degrees lowers the aim of the refinement.
+const LEAST: f64 = 0.02;
+/// A mesh that a density on its way through time has outgrown is refined for this part of the aim: one that is just fine
+/// enough would not be so for long.
+const AHEAD: f64 = 0.5;
+/// A mesh of so many cells has an indicator below 1, or it resolves nothing: meshes from the pilot's states begin with
+/// hundreds of cells and an indicator below 1.
+const BEGUN: usize = 5000;
 
 /// Solutions of two degrees on one mesh.
 #[derive(Debug)]
@@ -47,7 +67,7 @@ pub(super) fn resolve(
         let progress = GridProgress { rounds, cells: layout.mesh.cells.len(), indicator, estimate: None };
         report(progress)?;
         require_begun(progress)?;
-        let enough = indicator <= aim || rounds >= tuning::ROUNDS || exhausted;
+        let enough = indicator <= aim || rounds >= ROUNDS || exhausted;
         if let Some(mesh) = if enough { None } else { refined(&layout.mesh, &unresolved, aim) } {
             let finer = Layout::new(mesh);
             match finer.fits(fine.operator.shape, question.memory) {
@@ -58,7 +78,7 @@ pub(super) fn resolve(
                 Err(_) => exhausted = true,
             }
         }
-        if missed.is_some() && rounds < tuning::ROUNDS {
+        if missed.is_some() && rounds < ROUNDS {
             continue;
         }
         let mut coarse = solve(question, &layout, degree - 1, &fine.wells.places_of_pins())?;
@@ -72,8 +92,8 @@ pub(super) fn resolve(
         let stays = fine.wells.pins.len() > 1 && estimate > 0.5 * last[0] && indicator < 0.1 * last[1];
         last = [estimate, indicator];
         let least = estimate <= 2.0 * rounding || stays;
-        let done = estimate <= target || least || exhausted || rounds >= tuning::ROUNDS;
-        aim = aim.min(indicator) * (tuning::CAUTION * target / estimate).max(tuning::LEAST);
+        let done = estimate <= target || least || exhausted || rounds >= ROUNDS;
+        aim = aim.min(indicator) * (CAUTION * target / estimate).max(LEAST);
         let next = if done { None } else { refined(&layout.mesh, &unresolved, aim) };
         match next.map(Layout::new) {
             Some(finer) if finer.fits(fine.operator.shape, question.memory).is_ok() => layout = finer,
@@ -89,7 +109,7 @@ pub(super) fn resolve(
 
 /// Refuses a mesh of many cells whose highest degree holds as much as the density itself: refining it leads nowhere.
 fn require_begun(GridProgress { cells, indicator, .. }: GridProgress) -> Result<()> {
-    let begun = indicator < 1.0 || cells < tuning::BEGUN;
+    let begun = indicator < 1.0 || cells < BEGUN;
     let reason = || {
         format!(
             "{cells} cells resolve nothing: the density is too narrow for its domain, or the drift has no stationary density"
@@ -117,7 +137,7 @@ pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
     if indicator(&unresolved) <= aim {
         return Finer::Enough;
     }
-    match refined(&field.mesh, &unresolved, tuning::AHEAD * aim).map(Layout::new) {
+    match refined(&field.mesh, &unresolved, AHEAD * aim).map(Layout::new) {
         None => Finer::Enough,
         Some(layout) if layout.fits(field.shape, memory).is_ok() => Finer::Layout(layout),
         Some(_) => Finer::Exhausted,
@@ -130,7 +150,7 @@ pub(super) fn refined(own: &Mesh, unresolved: &[Place], aim: f64) -> Option<Mesh
     let share = aim / own.cells.len() as f64;
     let (root, states) = (tree.root(), own.states());
     // Before the solution takes shape what is left in the highest degree says where to divide, and not how finely.
-    let settled = indicator(unresolved) < tuning::SETTLED;
+    let settled = indicator(unresolved) < SETTLED;
     let mut divided = false;
     for (number, along) in unresolved.iter().enumerate() {
         let largest = along.iter().fold(0.0, |a: f64, b| a.max(*b));
@@ -138,12 +158,12 @@ pub(super) fn refined(own: &Mesh, unresolved: &[Place], aim: f64) -> Option<Mesh
             continue;
         }
         let cell = own.cells[number];
-        let wide = |axis: usize| cell.width[axis] > mesh::NARROWEST * root.width[axis];
-        let marked = |axis: &usize| along[*axis] > share && along[*axis] > tuning::ALONE * largest && wide(*axis);
+        let wide = |axis: usize| cell.width[axis] > NARROWEST * root.width[axis];
+        let marked = |axis: &usize| along[*axis] > share && along[*axis] > ALONE * largest && wide(*axis);
         let mut parts = vec![own.leaf(number)];
         for axis in (0..states).filter(marked) {
             divided = true;
-            for _ in 0..if settled && along[axis] > tuning::TWICE * share { 2 } else { 1 } {
+            for _ in 0..if settled && along[axis] > TWICE * share { 2 } else { 1 } {
                 parts = parts
                     .into_iter()
                     .flat_map(|leaf| {

@@ -2,17 +2,27 @@
 
 use super::operator::{Operator, Regular};
 use crate::error::Result;
-use crate::grid::tuning;
 use crate::numerics::eigenvalues;
 use crate::transient::Relaxation;
 use nalgebra::{Complex, DMatrix, DVector};
+
+/// The most vectors of the Krylov space for relaxation rates. Each costs one solve with the factors; a few dozen eigenvalues
+/// next to the shift are then known to rounding.
+const KRYLOV: usize = 80;
+/// The eigenvalues nearest to zero are compared with earlier ones each time the Krylov space has so many more vectors.
+const CHECKED: usize = 10;
+/// An eigenvalue μ has converged where it changes by less than this between two comparisons, relative to |μ + shift|.
+const STAYS: f64 = 1e-11;
+/// Eigenvalues of two degrees are the same mode if they are no farther apart, in units of their modulus or of the shift if
+/// that is larger.
+const SAME: f64 = 2e-2;
 
 /// The eigenvalues of an operator next to zero, by rate and frequency ≥ 0: by Arnoldi's method on (K + `shift`)⁻¹ (W. E. Arnoldi, 1951,
 /// doi:10.1090/qam/42792), whose largest eigenvalues 1/(μ + shift) belong to the smallest μ, until the `count` nearest to zero stay.
 fn spectrum(operator: &Operator, shift: f64, count: usize) -> Result<Vec<[f64; 2]>> {
     let factors = operator.factors(Regular::Shift(shift));
     let size = operator.unknowns();
-    let krylov = tuning::march::KRYLOV.min(size);
+    let krylov = KRYLOV.min(size);
     // Any vector with a part in every slow mode serves; this one has no symmetry of a mesh.
     let start = DVector::from_fn(size, |i, _| ((i as f64 + 1.0) * 0.754_877_666).fract() - 0.5);
     let mut basis = vec![&start / start.norm()];
@@ -32,11 +42,10 @@ fn spectrum(operator: &Operator, shift: f64, count: usize) -> Result<Vec<[f64; 2
         if k + 1 == krylov || norm < 1e-14 * hessenberg.column(k).norm() {
             return Ok(rates(&hessenberg, k + 1, shift));
         }
-        if (k + 1) % tuning::march::CHECKED == 0 {
+        if (k + 1) % CHECKED == 0 {
             let found = rates(&hessenberg, k + 1, shift);
-            let stays = |(a, b): (&[f64; 2], &[f64; 2])| {
-                (a[0] - b[0]).hypot(a[1] - b[1]) < tuning::march::STAYS * (a[0] + shift).hypot(a[1])
-            };
+            let stays =
+                |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) < STAYS * (a[0] + shift).hypot(a[1]);
             if before.len() >= count && found.iter().zip(&before).take(count).all(stays) {
                 return Ok(found);
             }
@@ -56,7 +65,7 @@ pub(super) fn slowest([fine, coarse]: [&Operator; 2], shift: f64, count: usize) 
     let (fine, coarse) = rayon::join(|| spectrum(fine, shift, nearest), || spectrum(coarse, shift, nearest));
     let (mut fine, coarse) = (fine?, coarse?);
     let apart = |a: &[f64; 2]| coarse.iter().map(|b| (a[0] - b[0]).hypot(a[1] - b[1])).fold(f64::INFINITY, f64::min);
-    fine.retain(|mode| apart(mode) <= tuning::march::SAME * mode[0].hypot(mode[1]).max(shift));
+    fine.retain(|mode| apart(mode) <= SAME * mode[0].hypot(mode[1]).max(shift));
     Ok(Relaxation::slowest(fine, &coarse, count))
 }
 

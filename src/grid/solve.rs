@@ -10,12 +10,29 @@ use super::pilot::Pilot;
 use super::refinement::{Pair, resolve};
 use super::start::Ground;
 use super::stationary::{Question, Stationary};
-use super::{Grid, GridProgress, shape, start, stationary, tuning};
+use super::{Grid, GridProgress, shape, start, stationary};
 use crate::checks::positive;
 use crate::error::{Error, Result};
+use crate::grid::{GRAZING, HOPELESS};
 use crate::problem::{COLLAPSE, Problem, Wall};
 use crate::provenance::Provenance;
 use std::sync::Arc;
+
+/// How often a domain that loses too much at its edges is doubled.
+const DOUBLINGS: usize = 2;
+/// The share of the accuracy, in L¹, that what is lost at the edges of a domain may change before the domain is doubled.
+const SHARE: f64 = 0.2;
+/// Accuracies in L¹, each with the degree of the polynomials for accuracies that are not finer; the first pair that fits
+/// decides.
+const DEGREES: [(f64, usize); 3] = [(3e-6, 6), (3e-8, 8), (0.0, 10)];
+/// The degree of the polynomials at any accuracy where there is a level or a wall with r < 1, next to which the density is not
+/// smooth.
+const GRAZED_DEGREE: usize = 6;
+/// The degree of the polynomials for the closed form of one state, where none is given.
+const DEGREE: usize = 10;
+/// The lowest degree of the polynomials for the closed form of one state: with a lower one what is left in the highest degree
+/// of a cell falls too slowly to come to rounding.
+const LEAST: usize = 6;
 
 impl Grid {
     /// The density, on a mesh that is fine next to the speed 0 at walls with r < 1 and at `other` sides of state 0.
@@ -31,7 +48,7 @@ impl Grid {
         }
         let sides = walls.map(|wall| wall.map_or(Side::Open, |wall| Side::Wall(wall.restitution())));
         let own = sides.map(|side| start::smallest(side, self.accuracy));
-        let grazed = [0, 1].map(|side| own[side].or(other[side].then_some(tuning::mesh::GRAZING)));
+        let grazed = [0, 1].map(|side| own[side].or(other[side].then_some(GRAZING)));
         let degree = self.degree_for(self.accuracy, grazed != [None; 2]);
         let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
         let rounds = std::cell::Cell::new(0);
@@ -55,8 +72,8 @@ impl Grid {
             }
             let ground = Ground { problem, pilot: &pilot, domain, sides, grazed };
             let pair = resolve(question, ground.mesh(), (degree, self.accuracy), pilot.peak(), &mut report)?;
-            let cut = pair.fine.leak.at_edges() && pair.fine.returned().size() > tuning::domain::SHARE * self.accuracy;
-            let fixed = self.domain.is_some() || doubled == tuning::domain::DOUBLINGS;
+            let cut = pair.fine.leak.at_edges() && pair.fine.returned().size() > SHARE * self.accuracy;
+            let fixed = self.domain.is_some() || doubled == DOUBLINGS;
             rounds.set(rounds.get() + pair.rounds);
             if !cut || fixed || pair.exhausted {
                 return self.density(problem, walls, pilot.clone(), pair, (rounds.get(), cut));
@@ -67,7 +84,7 @@ impl Grid {
 
     /// The density of one state in closed form, on a mesh that holds it to rounding.
     fn on_a_line(&self, problem: &Problem, pilot: Pilot) -> Result<GridDensity> {
-        let degree = self.degree.map_or(tuning::line::DEGREE, |degree| degree.max(tuning::line::LEAST));
+        let degree = self.degree.map_or(DEGREE, |degree| degree.max(LEAST));
         let peak = pilot.peak();
         // Where the noise vanishes trajectories may leave one side for ever, on which nothing is stationary.
         let on = |inside: f64| Line::new(problem, inside, pilot.deviation(0));
@@ -135,7 +152,7 @@ impl Grid {
         } else {
             walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
         };
-        if fine.wells.determined && (l1_estimate.is_nan() || l1_estimate >= tuning::refinement::HOPELESS) {
+        if fine.wells.determined && (l1_estimate.is_nan() || l1_estimate >= HOPELESS) {
             return Err(Error::NotResolved { estimate: l1_estimate, reason: warning.unwrap_or_default() });
         }
         let provenance = Provenance {
@@ -173,8 +190,8 @@ impl Grid {
     }
 
     pub(super) fn degree_for(&self, accuracy: f64, grazed: bool) -> usize {
-        let by_accuracy = tuning::mesh::DEGREES.iter().find(|(least, _)| accuracy >= *least);
-        let smooth = by_accuracy.map_or(tuning::mesh::GRAZED_DEGREE, |(_, degree)| *degree);
-        self.degree.unwrap_or(if grazed { tuning::mesh::GRAZED_DEGREE } else { smooth })
+        let by_accuracy = DEGREES.iter().find(|(least, _)| accuracy >= *least);
+        let smooth = by_accuracy.map_or(GRAZED_DEGREE, |(_, degree)| *degree);
+        self.degree.unwrap_or(if grazed { GRAZED_DEGREE } else { smooth })
     }
 }

@@ -5,9 +5,31 @@ use super::mesh::{Mesh, Side};
 use super::pilot::Pilot;
 use super::shape::{MOST, Place};
 use super::tree::{Cell, Tree};
-use crate::grid::tuning::{domain, mesh as tuning};
+use crate::grid::{GRAZING, HALVINGS, NARROWEST};
 use crate::problem::Problem;
 use crate::states::States;
+
+/// The sides of the domain over the distances of the pilot's outermost states from their mean. A Gaussian has fallen to 1e-60
+/// there; from 2 to 8 the number of cells changes by a fifth, since far cells are wide.
+const WIDENING: f64 = 4.0;
+/// A cell is divided if it is wider than so many standard deviations of the states in it. A cell that they fill evenly is √12
+/// = 3.46 wide; with 4 smooth densities take three times the cells, with 12 one solution more.
+const WIDE: f64 = 6.0;
+/// The fewest sampled states in a cell of the first mesh for which it is divided.
+const FEW: usize = 20;
+/// The smallest cell along the velocity at a level, in standard deviations of the velocity, over the root of the accuracy:
+/// next to a level the density falls as the square root of the speed, and rates are off with the square of the smallest cell.
+/// For Duffing's oscillator below 1.5σ a rate is off by 4e-7 relative with cells of 0.1 σ, by 4e-8 with those of 0.03 σ and by
+/// less than 1e-8 with those of 0.01 σ, which take half as many cells more.
+const LEVEL: f64 = 10.0;
+/// The least and the greatest size of the smallest cell along the velocity at a level, in standard deviations of the velocity,
+/// whatever the accuracy.
+const LEVELS: [f64; 2] = [1e-2, 1e-1];
+/// Cells next to a grazing point are graded along the displacement up to this speed, in standard deviations of the velocity.
+const GRADED: f64 = 1.5;
+/// The width of cells next to a grazing point over s³/9D, the distance from the wall over which the density at a speed s
+/// changes.
+const LAYER: f64 = 4.0;
 
 /// What a mesh is laid out for.
 #[derive(Clone, Debug)]
@@ -27,15 +49,15 @@ pub(super) struct Ground<'a> {
 pub(super) fn smallest(side: Side, accuracy: f64) -> Option<f64> {
     match side {
         Side::Open => None,
-        Side::Level => Some((tuning::LEVEL * accuracy.sqrt()).clamp(tuning::LEVELS[0], tuning::LEVELS[1])),
-        Side::Wall(restitution) => (restitution < 1.0).then_some(tuning::GRAZING),
+        Side::Level => Some((LEVEL * accuracy.sqrt()).clamp(LEVELS[0], LEVELS[1])),
+        Side::Wall(restitution) => (restitution < 1.0).then_some(GRAZING),
     }
 }
 
 /// The box of several times the reach of the pilot's states, `doubled` several times, up to `limits`.
 pub(super) fn domain(pilot: &Pilot, states: usize, doubled: usize, limits: [Option<f64>; 2]) -> Vec<[f64; 2]> {
     let (reach, middle) = (pilot.reach(), pilot.middle());
-    let widening = domain::WIDENING * f64::from(1 << doubled.min(20));
+    let widening = WIDENING * f64::from(1 << doubled.min(20));
     let mut all: Vec<[f64; 2]> =
         (0..states).map(|axis| reach[axis].map(|edge| middle[axis] + widening * (edge - middle[axis]))).collect();
     limits
@@ -71,7 +93,7 @@ impl Ground<'_> {
         });
         let mut tree = Tree::new(&lines.collect::<Vec<_>>());
         for axis in 0..states {
-            for _ in 0..tuning::HALVINGS {
+            for _ in 0..HALVINGS {
                 tree.leaves().iter().for_each(|leaf| {
                     tree.halve(*leaf, axis);
                 });
@@ -102,7 +124,7 @@ impl Ground<'_> {
         }
         let mut open: Vec<(usize, Vec<Place>)> = all.into_iter().collect();
         while let Some((leaf, points)) = open.pop() {
-            if points.len() < tuning::FEW {
+            if points.len() < FEW {
                 continue;
             }
             let cell = tree.cell(leaf);
@@ -111,8 +133,8 @@ impl Ground<'_> {
                 let mean = points.iter().map(|u| u[axis]).sum::<f64>() / count;
                 (points.iter().map(|u| (u[axis] - mean).powi(2)).sum::<f64>() / count).sqrt()
             };
-            let narrow = |axis: usize| tuning::NARROWEST * root.width[axis];
-            let wide = |axis: &usize| cell.width[*axis] > (tuning::WIDE * deviation(*axis)).max(narrow(*axis));
+            let narrow = |axis: usize| NARROWEST * root.width[axis];
+            let wide = |axis: &usize| cell.width[*axis] > (WIDE * deviation(*axis)).max(narrow(*axis));
             let axes: Vec<usize> = (0..states).filter(wide).collect();
             if axes.is_empty() {
                 continue;
@@ -140,8 +162,8 @@ impl Ground<'_> {
         let place = [root.lower[0], root.upper(0)][side];
         let strength = self.problem.operator().diffusion()[1][1].evaluate(&[origin + place, 0.0]) / 2.0;
         let deviation = self.pilot.deviation(1);
-        let layer = |s: f64| tuning::LAYER * s.powi(3) / (9.0 * strength.max(f64::MIN_POSITIVE));
-        let narrowest = |axis: usize| tuning::NARROWEST * root.width[axis];
+        let layer = |s: f64| LAYER * s.powi(3) / (9.0 * strength.max(f64::MIN_POSITIVE));
+        let narrowest = |axis: usize| NARROWEST * root.width[axis];
         let mut open = tree.at_side(0, side);
         while let Some(leaf) = open.pop() {
             let cell: Cell = tree.cell(leaf);
@@ -152,7 +174,7 @@ impl Ground<'_> {
             if grazes && tall {
                 let first = tree.halve(leaf, 1);
                 open.extend([first, first + 1]);
-            } else if wide && fastest < tuning::GRADED * deviation {
+            } else if wide && fastest < GRADED * deviation {
                 let first = tree.halve(leaf, 0);
                 open.push(first + side);
             }

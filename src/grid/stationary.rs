@@ -9,10 +9,18 @@ use super::operator::{Factors, Layout, Operator, Solution};
 use super::pins::{Pin, Pinned};
 use super::wells::Wells;
 use crate::error::{Error, Result};
-use crate::grid::tuning::wells as tuning;
+use crate::grid::{HIDDEN, ROUNDING};
 use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 use crate::states::States;
+
+/// The share of the accuracy, in L¹, that rounding may change before a further pin is set, for a well of its own.
+const SHARE: f64 = 0.1;
+/// What rounding may change in any case, in L¹, before a further pin is set. Of a single well it changes 1e-12 to 1e-10, which
+/// is part of the estimate.
+const APART: f64 = 1e-9;
+/// The number of pins at which no further one is set, whatever rounding changes.
+const MOST: usize = 12;
 
 /// What a stationary density is solved for.
 #[derive(Clone, Copy)]
@@ -57,7 +65,7 @@ impl Leak {
 
     /// Whether the domain's edges lose more than rounding does.
     pub(super) fn at_edges(self) -> bool {
-        self.lost.abs() > tuning::HIDDEN * self.rounding
+        self.lost.abs() > HIDDEN * self.rounding
     }
 }
 
@@ -77,9 +85,9 @@ pub(super) fn solve(question: Question<'_>, layout: &Layout, degree: usize, plac
         let pinned = Pinned::new(&operator, &cells)?;
         let elsewhere = pinned.elsewhere(&operator)?;
         let next = elsewhere.field.farthest();
-        let rounding = tuning::ROUNDING * pinned.rate();
-        let together = rounding * elsewhere.field.size() <= (tuning::SHARE * question.target).max(tuning::APART);
-        if together || cells.contains(&next) || cells.len() == tuning::MOST {
+        let rounding = ROUNDING * pinned.rate();
+        let together = rounding * elsewhere.field.size() <= (SHARE * question.target).max(APART);
+        if together || cells.contains(&next) || cells.len() == MOST {
             return Stationary::new(question, operator, pinned, elsewhere);
         }
         cells.push(next);
@@ -102,7 +110,7 @@ impl Stationary {
         let fed = |(pin, share): (&Pin, &f64)| pin.rate * share - pin.passing(p);
         let fed: Vec<f64> = wells.pins.iter().zip(&wells.shares).map(fed).collect();
         let passing: f64 = wells.pins.iter().map(|pin| pin.passing(p).abs()).sum();
-        let leak = Leak { lost: fed.iter().sum(), rounding: tuning::ROUNDING * passing };
+        let leak = Leak { lost: fed.iter().sum(), rounding: ROUNDING * passing };
         let [mut balance, at_faces] = operator.balance(&p.coefficients, &density.faces);
         wells.pins.iter().zip(&fed).for_each(|(pin, fed)| pin.feed(&mut balance, -fed));
         let largest = |x: &[f64]| x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));

@@ -13,8 +13,9 @@ use super::shape::Shape;
 use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
+use crate::grid::ROUNDS;
 use crate::grid::kept::Kept;
-use crate::grid::{require_accuracy, tuning};
+use crate::grid::require_accuracy;
 use crate::problem::TimeScales;
 use crate::transient::{Course, Start, check_limits, check_times};
 use std::sync::Arc;
@@ -97,7 +98,7 @@ fn resolved(
     let Kept { problem, grid, .. } = kept;
     let degree = grid.degree_for(grid.accuracy, true);
     let shift = 1.0 / TimeScales::of(problem)?.memory();
-    for _ in 0..tuning::refinement::ROUNDS {
+    for _ in 0..ROUNDS {
         let operator = Operator::new(problem, &layout, degree, Part::Whole, grid.memory)?;
         let start = start(&layout.mesh, operator.shape)?;
         let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.field;

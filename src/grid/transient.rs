@@ -7,8 +7,12 @@ use super::initial::Initial;
 use super::relaxation::slowest;
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::grid::{require_accuracy, tuning};
+use crate::grid::require_accuracy;
 use crate::transient::{Course, Relaxation, Transient, check_times};
+
+/// The largest density at the edge of the domain, relative to the peak, that a transient under an envelope may have: the
+/// domain cuts one with more.
+const CUT: f64 = 1e-3;
 
 impl GridDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
@@ -110,7 +114,7 @@ impl GridDensity {
 
     /// Refuses a density that the domain cuts, and enters the level at its edges.
     fn require_inside(&mut self) -> Result<()> {
-        let accepted = tuning::domain::CUT;
+        let accepted = CUT;
         self.edges = self.fine.at_edges();
         for &(state, side, level) in &self.edges {
             if level.is_nan() || level > accepted {

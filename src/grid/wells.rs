@@ -12,10 +12,22 @@ use super::operator::{Operator, Solution};
 use super::pins::Pin;
 use super::stationary::Question;
 use crate::error::{Error, Result};
-use crate::grid::tuning::wells as tuning;
+use crate::grid::{HIDDEN, KEPT, ROUNDING};
 use crate::problem::Symmetry;
 use crate::states::States;
 use nalgebra::{DMatrix, DVector};
+
+/// The largest part of what comes from one pin that rounding makes arrive at another. Since columns keep their sums it is far
+/// less: of 216 solutions of two unlike wells (16 to 80 temperatures, damping 0.1 and 1) none has more than a third of this.
+const EXCHANGED: f64 = 3e-17;
+/// The exchange of two wells may be off by so many times what that of another degree differs by: two numbers may be near by
+/// chance.
+const NEAR: f64 = 3.0;
+/// The least part of what comes from one pin that counts as arriving at another, so that wells have shares where nothing
+/// arrives by rounding, or by what the part may be off by.
+const NOTHING: f64 = 1e-200;
+/// Shares of wells that rounding, leaks or another degree may change by so much are not determined by the equation.
+const UNDETERMINED: f64 = 0.1;
 
 /// The wells and their shares.
 #[derive(Debug)]
@@ -41,14 +53,14 @@ impl Wells {
         let moves = DMatrix::from_fn(count, count, |i, j| pins[i].arrives(&pins[j]));
         // The loss on the way from each pin at the edges, or what rounding hides.
         let lost = |to: f64| {
-            if (1.0 - to).abs() > tuning::HIDDEN * tuning::ROUNDING { (1.0 - to).abs() } else { tuning::EXCHANGED }
+            if (1.0 - to).abs() > HIDDEN * ROUNDING { (1.0 - to).abs() } else { EXCHANGED }
         };
         let lost: Vec<f64> = moves.column_iter().map(|to| lost(to.sum())).collect();
         // What is below zero is off by at least as much.
         let off = DMatrix::from_fn(count, count, |i, j| lost[j].max(-2.0 * moves[(i, j)]));
         let images = images(&question.problem.symmetry(), &pins);
         let (shares, changes) = (DVector::zeros(count), Vec::new());
-        let arrives = moves.map(|part| part.max(tuning::NOTHING));
+        let arrives = moves.map(|part| part.max(NOTHING));
         let mut wells = Wells { pins, shares, changes, determined: true, arrives, off, images };
         wells.weigh(question.states);
         wells
@@ -59,7 +71,7 @@ impl Wells {
         let count = self.pins.len();
         let mut shares = self.stationary(&self.arrives);
         let mut changes = self.changed();
-        if changes.iter().any(|change| change.amax() >= tuning::UNDETERMINED) {
+        if changes.iter().any(|change| change.amax() >= UNDETERMINED) {
             shares = self.counted(states);
             // All may be in one well, or none.
             let unit = |i: usize| DVector::from_fn(count, |j, _| f64::from(u8::from(i == j)));
@@ -79,11 +91,11 @@ impl Wells {
         if count == 1 || self.places_of_pins() != other.places_of_pins() {
             return;
         }
-        if self.determined && (0..count).all(|well| self.kept(well) > tuning::KEPT[2]) {
+        if self.determined && (0..count).all(|well| self.kept(well) > KEPT[2]) {
             for (i, j) in (0..count).flat_map(|j| (0..count).map(move |i| (i, j))) {
                 // A pin's strength depends on the degree; what a well loses per unit time does not.
                 let arrives = other.arrives[(i, j)] * other.pins[j].rate / self.pins[j].rate;
-                self.off[(i, j)] = self.off[(i, j)].max(tuning::NEAR * (arrives - self.arrives[(i, j)]).abs());
+                self.off[(i, j)] = self.off[(i, j)].max(NEAR * (arrives - self.arrives[(i, j)]).abs());
             }
             self.weigh(states);
         }
@@ -104,7 +116,7 @@ impl Wells {
     /// from its lowest value to its highest one.
     fn changed(&self) -> Vec<DVector<f64>> {
         let count = self.pins.len();
-        let least = (&self.arrives - &self.off).map(|part| part.max(tuning::NOTHING));
+        let least = (&self.arrives - &self.off).map(|part| part.max(NOTHING));
         let known = self.stationary(&least);
         let pairs = (0..count).flat_map(|j| (0..count).filter(move |i| *i != j).map(move |i| (i, j)));
         let change = |(i, j): (usize, usize)| {

@@ -6,9 +6,12 @@ use super::{
     timetable::Timetable,
 };
 use crate::problem::LANES;
-use crate::simulation::tuning;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+
+/// The number of batches of trajectories, which standard errors are made from: enough for an error known to 9 %, few enough to
+/// be cheap.
+const BATCHES: usize = 64;
 
 /// Neighbouring trajectories, in groups of lanes of which the last may have idle ones.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -33,9 +36,9 @@ pub(super) struct Batch {
 /// Deals trajectories 0..`trajectories` to batches: their number does not depend on the number of threads. Whole groups of
 /// lanes stay together where that leaves at least half as many batches.
 pub(super) fn deal(trajectories: usize) -> Vec<Range<u64>> {
-    let unit = if trajectories >= tuning::errors::BATCHES * LANES / 2 { LANES } else { 1 };
+    let unit = if trajectories >= BATCHES * LANES / 2 { LANES } else { 1 };
     let units = trajectories.div_ceil(unit);
-    let batches = units.min(tuning::errors::BATCHES);
+    let batches = units.min(BATCHES);
     let edge = |b: usize| ((b * units / batches) * unit).min(trajectories) as u64;
     (0..batches).map(|b| edge(b)..edge(b + 1)).collect()
 }
@@ -72,10 +75,7 @@ mod tests {
     fn every_trajectory_is_dealt_once() {
         for trajectories in [1, 2, 7, 63, 64, 65, 511, 512, 513, 1000, 1024, 5000] {
             let ranges = deal(trajectories);
-            assert!(
-                ranges.len() <= tuning::errors::BATCHES
-                    && ranges.len() >= trajectories.min(tuning::errors::BATCHES / 2)
-            );
+            assert!(ranges.len() <= BATCHES && ranges.len() >= trajectories.min(BATCHES / 2));
             assert_eq!(ranges[0].start, 0);
             assert!(ranges.windows(2).all(|w| w[0].end == w[1].start) && ranges.iter().all(|r| !r.is_empty()));
             assert_eq!(ranges[ranges.len() - 1].end, trajectories as u64);

@@ -10,7 +10,9 @@ use super::{
     scheme::Scheme,
 };
 use crate::problem::{Contact, LANES, Lane, Nearness};
-use crate::simulation::tuning;
+
+/// The shortest rest on a wall that is counted, as a part of the time between two samples; a default time step is not longer.
+const SHORTEST_REST: f64 = 0.05;
 
 /// The most impacts in one straight piece. Between two walls they go on, and a body between a wall and another body may hit both
 /// infinitely many times in a finite time: the rest of such a piece is left out.
@@ -72,7 +74,7 @@ impl Boundaries {
     /// recorded for control variates.
     pub(super) fn counting(self, plan: &Plan) -> Self {
         let recording = !plan.control_variates.is_empty();
-        let shortest_rest = tuning::grazing::SHORTEST_REST * plan.interval();
+        let shortest_rest = SHORTEST_REST * plan.interval();
         Boundaries { levels: plan.levels.clone(), speeds: plan.impact_speeds(), recording, shortest_rest, ..self }
     }
 

@@ -1,7 +1,15 @@
 use super::{blocks::Blocks, tally::Layout, tally::Tally};
 use crate::control_variates::regression;
-use crate::simulation::tuning;
+use crate::simulation::UNEVEN_WEIGHTS;
 use faer::Mat;
+
+/// Blocks of samples that each control variate needs, in either half of the batches.
+const BLOCKS_EACH: usize = 30;
+/// The variance of a calibrated mean counts as at least this part of the plain one: below, it is rounding.
+const LEAST: f64 = 1e-8;
+/// The least E x⁴/(E x²)² of calibrated moments that are those of a density: it is at least 1, and the rest is room for
+/// chance.
+const LEAST_KURTOSIS: f64 = 0.9;
 
 /// The tracked sums with chance taken off, by the control variates 𝓖ψ.
 ///
@@ -52,7 +60,7 @@ impl Calibrations {
         let mut least = 0.0;
         for (degree, controls) in layout.control_variates.degrees() {
             // The higher the degree, the rarer are the states that determine the regression.
-            let needed = (controls * tuning::calibration::BLOCKS_EACH).max(4_usize.pow(degree));
+            let needed = (controls * BLOCKS_EACH).max(4_usize.pow(degree));
             if (needed as f64) > blocks {
                 break;
             }
@@ -63,11 +71,11 @@ impl Calibrations {
                 plain[b].iter().enumerate().map(|(l, sum)| sum - taken(l)).collect()
             };
             let sums: Vec<Vec<f64>> = (0..batches.len()).map(calibrated).collect();
-            let gain = |(before, after): (&f64, &f64)| (after / before).max(tuning::calibration::LEAST).ln();
+            let gain = |(before, after): (&f64, &f64)| (after / before).max(LEAST).ln();
             let left: f64 = before.iter().zip(&spread(&sums)).filter(|(b, _)| **b > 0.0).map(gain).sum();
             let weight_deviation = weight_deviation(&all, controls, tracked)?;
             let calibration = Calibration { degree, weight_deviation, sums };
-            if weight_deviation > tuning::errors::UNEVEN || !are_of_a_density(&calibration.sums, layout) {
+            if weight_deviation > UNEVEN_WEIGHTS || !are_of_a_density(&calibration.sums, layout) {
                 self.missed = Some(calibration);
                 break;
             }
@@ -87,7 +95,7 @@ fn are_of_a_density(sums: &[Vec<f64>], layout: &Layout) -> bool {
         Some(total(place) / total(0))
     };
     let holds = |i: usize| match (mean(i, 2), mean(i, 4)) {
-        (Some(square), Some(fourth)) => fourth >= tuning::calibration::LEAST_KURTOSIS * square * square,
+        (Some(square), Some(fourth)) => fourth >= LEAST_KURTOSIS * square * square,
         _ => true,
     };
     (0..layout.axes.len()).all(holds)

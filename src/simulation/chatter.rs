@@ -3,7 +3,14 @@ use super::lanes::{read_lane, write_lane};
 use super::passage::Passages;
 use super::scheme::Scheme;
 use crate::problem::{Contact, LANES, Lane};
-use crate::simulation::tuning::grazing::{FLIGHT_STEPS, SHORTEST_FLIGHT, SHORTEST_LEAVING};
+
+/// The fewest steps of a flight between two impacts on a wall where no white noise acts on the velocity.
+const FLIGHT_STEPS: f64 = 8.0;
+/// The shortest flight between two impacts on a wall without noise, in time steps: a trajectory with a shorter one comes to
+/// rest.
+const SHORTEST_FLIGHT: f64 = 1.0 / 4096.0;
+/// The shortest step of a trajectory that is about to leave its rest on a wall, in time steps.
+const SHORTEST_LEAVING: f64 = 1.0 / 256.0;
 
 /// Shorter steps for trajectories that chatter without noise, and their rest on the wall.
 ///

@@ -13,7 +13,12 @@ use super::{
 };
 use crate::error::Result;
 use crate::problem::LANES;
-use crate::simulation::tuning::timetable::{BURN_IN_STRETCHES, LATE, PIECE};
+use crate::simulation::BURN_IN_STRETCHES;
+
+/// The number of the stretch of a burn-in after which states are compared with the samples, where these are few.
+const LATE: usize = 48;
+/// The most steps of trajectories in lockstep before their states are checked: some milliseconds.
+const PIECE: usize = 1 << 12;
 
 /// Path-steps of one batch between two calls of the progress callback.
 const REPORT: u64 = 1 << 14;

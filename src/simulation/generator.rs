@@ -11,9 +11,19 @@ use crate::control_variates::{
 };
 use crate::polynomial::monomials;
 use crate::problem::{LANES, Lane, Problem, limits};
-use crate::simulation::tuning;
 use pulp::NullaryFnOnce;
 use serde::{Deserialize, Serialize};
+
+/// The highest degree of a polynomial ψ for control variates. With a higher degree the rest of a moment after the regression
+/// depends on the far tail, where few samples are, and standard errors tend to be too small.
+const HIGHEST: u32 = 6;
+/// The most control variates for each state: more take more time than a quarter of the simulation's own.
+const MOST_EACH: usize = 25;
+/// The box on which the polynomials for control variates are Legendre's, as a part of the range of the histograms: some two
+/// and a half standard deviations to either side.
+const BOX: f64 = 0.4;
+/// The most numbers that calibration keeps for all trajectories together: a quarter of a gigabyte.
+const MOST_NUMBERS: usize = 1 << 25;
 
 /// The polynomials ψ whose images 𝓖ψ under the generator are control variates: products of Legendre polynomials on a box, of
 /// rising degree; none where the simulation is not calibrated.
@@ -36,7 +46,7 @@ impl ControlVariates {
         let (axes, tracked) = (&layout.axes, layout.tracked());
         let states = axes.len();
         let mut exponents = Vec::new();
-        for degree in (2..=tuning::calibration::HIGHEST).step_by(2) {
+        for degree in (2..=HIGHEST).step_by(2) {
             let mut all = monomials(states, degree);
             all.retain(|alpha| alpha.iter().any(|&power| power > 0) && symmetry.keeps(alpha));
             all.sort_by_key(|alpha| alpha.iter().sum::<u32>());
@@ -47,9 +57,9 @@ impl ControlVariates {
         }
         let side = |(i, axis): (usize, &Axis)| {
             let (lo, hi) = (axis.edge(0), axis.edge(axis.bins()));
-            let half_width = tuning::calibration::BOX * (hi - lo) / 2.0;
+            let half_width = BOX * (hi - lo) / 2.0;
             if symmetry.flips(i) {
-                (0.0, tuning::calibration::BOX * lo.abs().max(hi.abs()))
+                (0.0, BOX * lo.abs().max(hi.abs()))
             } else {
                 match limits(walls, i).map(f64::is_finite) {
                     [true, true] => ((lo + hi) / 2.0, (hi - lo) / 2.0),
@@ -81,7 +91,7 @@ impl ControlVariates {
     /// Each even degree with the number of polynomials up to it.
     pub(super) fn degrees(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         let count = |most: u32| self.exponents.iter().take_while(|alpha| alpha.iter().sum::<u32>() <= most).count();
-        let degrees = (2..=tuning::calibration::HIGHEST).step_by(2).map(move |degree| (degree, count(degree)));
+        let degrees = (2..=HIGHEST).step_by(2).map(move |degree| (degree, count(degree)));
         let mut before = 0;
         degrees.filter(move |&(_, count)| std::mem::replace(&mut before, count) < count)
     }
@@ -92,8 +102,7 @@ impl ControlVariates {
 }
 
 fn fits(states: usize, controls: usize, tracked: usize, trajectories: usize) -> bool {
-    controls <= tuning::calibration::MOST_EACH * states
-        && (controls + tracked).saturating_mul(trajectories) <= tuning::calibration::MOST_NUMBERS
+    controls <= MOST_EACH * states && (controls + tracked).saturating_mul(trajectories) <= MOST_NUMBERS
 }
 
 /// Room for the tracked monomials and 𝓖ψ at sixteen states.

@@ -1,5 +1,9 @@
 use crate::problem::Wall;
-use crate::simulation::tuning;
+
+/// The least ratio a of the speed of a trajectory beside a wall with r < 1 to what noise adds to it in one step.
+const RESOLUTION: f64 = 3.0;
+/// The number m of steps for which a wall with r < 1 must be out of reach where a step does not resolve the speed.
+const FORESIGHT: f64 = 2.0;
 
 /// Shorter steps for trajectories that graze the wall, and so the end of chattering.
 ///
@@ -55,16 +59,10 @@ impl Grazing {
         let gain = (noise * step).sqrt();
         // √(2D (mτ)³) = ε|b|.
         let rounding = (f64::EPSILON * offset.abs()).powi(2) / noise.max(f64::MIN_POSITIVE);
-        let unresolved = rounding.cbrt() / tuning::grazing::FORESIGHT;
+        let unresolved = rounding.cbrt() / FORESIGHT;
         let (speed, height) = if restitution < 1.0 {
             // From mτ|v| ≤ u with |v| = a √(2Dh) and from 2D(mτ)³ ≤ u², at τ = h.
-            (
-                tuning::grazing::RESOLUTION * gain,
-                tuning::grazing::FORESIGHT
-                    * step
-                    * gain
-                    * tuning::grazing::RESOLUTION.max(tuning::grazing::FORESIGHT.sqrt()),
-            )
+            (RESOLUTION * gain, FORESIGHT * step * gain * RESOLUTION.max(FORESIGHT.sqrt()))
         } else {
             (0.0, 0.0)
         };
@@ -74,10 +72,10 @@ impl Grazing {
     /// The step at the height u and the velocity v, both below their bounds, if it must be shorter than usual.
     #[inline]
     pub(super) fn step_at(&self, u: f64, v: f64) -> Option<f64> {
-        let resolved = v * v / (tuning::grazing::RESOLUTION * tuning::grazing::RESOLUTION * self.noise);
+        let resolved = v * v / (RESOLUTION * RESOLUTION * self.noise);
         let mut step = self.step;
         while step > resolved && step > self.shortest {
-            let time = tuning::grazing::FORESIGHT * step;
+            let time = FORESIGHT * step;
             if time * v.abs() <= u && self.noise * time * time * time <= u * u {
                 break;
             }
@@ -100,7 +98,7 @@ mod tests {
         // Half the speed is resolved by a quarter of the step.
         assert_eq!(grazing.step_at(0.0, -0.501 * speed), Some(h / 4.0));
         // At rest at the height √(2D (mτ)³), with τ a little above h/8.
-        let higher = (noise * (1.01 * tuning::grazing::FORESIGHT * h / 8.0).powi(3)).sqrt();
+        let higher = (noise * (1.01 * FORESIGHT * h / 8.0).powi(3)).sqrt();
         assert_eq!(grazing.step_at(higher, 0.0), Some(h / 8.0));
         for (u, v) in [(0.0, speed), (height, 0.0), (0.99 * height, 0.5 * speed), (f64::NAN, f64::NAN)] {
             assert_eq!(grazing.step_at(u, v), None, "{u}, {v}");

@@ -70,7 +70,6 @@ mod time_step;
 mod timetable;
 mod transient;
 mod trend;
-mod tuning;
 
 pub use control::Progress;
 pub use histogram::Histogram;
@@ -83,3 +82,17 @@ pub use splitting::{Splitting, Tails};
 pub(crate) use start::burn_in;
 pub use statistics::{FirstPassage, Spectrum};
 pub use target::Tolerance;
+
+/// The most levels whose crossings one simulation counts: each costs time in every step.
+const MOST_LEVELS: usize = 64;
+/// The time step as a part of the time scale 1/ω of the motion: ωh. The bias of means is (ωh)²/10, about: below 0.02 %.
+const RESOLUTION: f64 = 0.04;
+/// The most impulses in a time step that is chosen, on average. They are exact for any number; it bounds their work in a step.
+const USUAL_IMPULSES: f64 = 2.0;
+/// The stretches that a burn-in is divided into; the pilot's states are taken between them.
+const BURN_IN_STRETCHES: usize = 64;
+/// The default time between two samples, in the shortest of the system's times: states closer than that add little.
+const SAMPLING_INTERVAL: f64 = 3.0;
+/// The largest standard deviation about 1 that chance makes of the weights with which blocks of samples satisfy the moment
+/// equations.
+const UNEVEN_WEIGHTS: f64 = 0.5;

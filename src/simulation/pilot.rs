@@ -1,8 +1,10 @@
 use super::{batch::Trajectories, ensemble::Ensemble, start::Start, timetable::Timetable};
 use crate::error::Result;
 use crate::problem::LANES;
-use crate::simulation::tuning;
-use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
+use crate::simulation::BURN_IN_STRETCHES;
+
+/// The trajectories of the pilot, which finds the ranges of histograms.
+const PILOT_TRAJECTORIES: u64 = 64;
 
 /// The number of the pilot's first trajectory, which is also its stream: beyond every sampled one.
 pub(super) const FIRST: u64 = 1 << 32;
@@ -20,13 +22,13 @@ pub(super) struct Pilot {
 impl Pilot {
     /// The path-steps that the pilot takes.
     pub(super) fn path_steps(timetable: &Timetable) -> u64 {
-        tuning::timetable::PILOT_TRAJECTORIES * timetable.steps(BURN_IN_STRETCHES) as u64
+        PILOT_TRAJECTORIES * timetable.steps(BURN_IN_STRETCHES) as u64
     }
 
     /// Runs the pilot through the burn-in and takes the range of its states in the second half.
     pub(super) fn run(ensemble: &Ensemble<'_>, seed: u64, start: &Start) -> Result<Self> {
         let nothing = vec![Reach::NONE; start.states()];
-        let firsts = (FIRST..FIRST + tuning::timetable::PILOT_TRAJECTORIES).step_by(LANES);
+        let firsts = (FIRST..FIRST + PILOT_TRAJECTORIES).step_by(LANES);
         let mut groups: Vec<_> =
             firsts.map(|first| Trajectories::new(first..first + LANES as u64, seed, start)).collect();
         let seen = ensemble.control.on_all(&mut groups, |place, group| {

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Wall};
-use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
+use crate::simulation::BURN_IN_STRETCHES;
 use serde::{Deserialize, Serialize};
 
 /// The options and settings that determine the results of a simulation of given length: two runs of one plan have the same

@@ -13,7 +13,9 @@ use crate::density::{CountedImpacts, Sampled, central};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::provenance::{Provenance, Stopped};
-use crate::simulation::tuning;
+
+/// The relative error of the correction that calibration makes: the ridge of the regression, and the rounding of its sums.
+const ROUNDING: f64 = 1e-8;
 
 /// The stationary density by a simulation: every value with its standard error.
 ///
@@ -81,7 +83,7 @@ impl SimulatedDensity {
         let by = |calibration: &Calibration| jackknife(&calibration.sums, |tracked| sums(tracked), &value);
         let Calibrations { best, missed } = &self.calibrations;
         let calibrated = best.as_ref().map_or(plain, by);
-        let rounding = tuning::calibration::ROUNDING * (calibrated.value - plain.value);
+        let rounding = ROUNDING * (calibrated.value - plain.value);
         let missed = missed.as_ref().map_or(0.0, |missed| by(missed).value - calibrated.value);
         Estimate::new(calibrated.value, calibrated.error.hypot(rounding).hypot(missed))
     }

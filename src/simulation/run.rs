@@ -19,13 +19,29 @@ use super::{
 use crate::checks::{finite, part, positive, require};
 use crate::error::{Error, Result};
 use crate::problem::{Contact, LANES, Problem, TimeScales, Wall, limits, two_digits};
-use crate::simulation::tuning::{
-    self,
-    limits::{MOST_BINS, MOST_LEVELS, MOST_TRAJECTORIES, MOST_WALLS},
-    timetable::{MOST_DEFAULT_INTERVAL, MOST_DEFAULT_STEPS},
-};
+use crate::simulation::{BURN_IN_STRETCHES, MOST_LEVELS, RESOLUTION, SAMPLING_INTERVAL, USUAL_IMPULSES};
 use crate::states::States;
-use std::{ops::Range, time::Instant};
+use std::{
+    ops::Range,
+    time::{Duration, Instant},
+};
+
+/// The most trajectories of a simulation, which holds all of them at once: about a third of a gigabyte.
+const MOST_TRAJECTORIES: usize = 1 << 20;
+/// The most bins of the histogram of a state: every batch holds its histograms, also the joint one, in memory.
+const MOST_BINS: usize = 1024;
+/// The most impulses in a time step, on average: their numbers are drawn by a sum over the possible ones.
+const MOST_IMPULSES: f64 = 8.0;
+/// The most walls of a problem that is simulated: each is one bit of a word.
+const MOST_WALLS: usize = 64;
+/// The shortest time after which a round of a run is given up on its way, however small the time budget, so that sessions of
+/// any length get on.
+const LEAST_BUDGET: Duration = Duration::from_secs(1);
+/// The most steps of a burn-in where no time is an option: at most 2000 times the shortest time of the system without its
+/// wall, in 25 steps each, and impacts may be twenty times faster.
+const MOST_DEFAULT_STEPS: f64 = 1e6;
+/// The most steps between two samples where no time is an option; without a wall there are 75.
+const MOST_DEFAULT_INTERVAL: f64 = 2000.0;
 
 const SHORTER: &str = "take shorter segments or fewer trajectories, or raise `memory_limit`";
 
@@ -149,7 +165,7 @@ impl<'a> Simulation<'a> {
         let all = self.trajectories as u64;
         let group = |first: u64| Trajectories::new(first..all.min(first + LANES as u64), self.seed, &start);
         let groups = (0..all).step_by(LANES).map(group).collect();
-        let paths = ensemble.collect(groups, tuning::timetable::BURN_IN_STRETCHES + samples, &pilot.bounds())?;
+        let paths = ensemble.collect(groups, BURN_IN_STRETCHES + samples, &pilot.bounds())?;
         Ok(Paths { interval, ..paths })
     }
 
@@ -158,7 +174,7 @@ impl<'a> Simulation<'a> {
     where
         'a: 'c,
     {
-        let deadline = self.time_budget.map(|budget| begin + budget.max(tuning::timetable::LEAST_BUDGET));
+        let deadline = self.time_budget.map(|budget| begin + budget.max(LEAST_BUDGET));
         Control::new(self.progress.take(), deadline)
     }
 
@@ -171,7 +187,7 @@ impl<'a> Simulation<'a> {
             Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
             None => {
                 let given = self.burn_in.is_some() || self.sampling_interval.is_some();
-                let often = problem.impulse_rate() / tuning::time_step::MOST_IMPULSES;
+                let often = problem.impulse_rate() / USUAL_IMPULSES;
                 let few =
                     often * times.burn_in <= MOST_DEFAULT_STEPS && often * times.interval <= MOST_DEFAULT_INTERVAL;
                 require(given || few, "rate of the impulses", problem.impulse_rate(), TOO_OFTEN)?;
@@ -182,7 +198,7 @@ impl<'a> Simulation<'a> {
                 (step, Some(rate))
             }
         };
-        require(problem.impulse_rate() * step <= tuning::limits::MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
+        require(problem.impulse_rate() * step <= MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
         let timetable = self.timetable(step, times)?;
         let samples = self.count();
         let scheme = Scheme::new(problem, self.amplitude, step);
@@ -201,7 +217,7 @@ impl<'a> Simulation<'a> {
         timetable: Timetable,
         control: Control<'b>,
     ) -> Ensemble<'b> {
-        let stretches = tuning::timetable::BURN_IN_STRETCHES + self.count();
+        let stretches = BURN_IN_STRETCHES + self.count();
         control.set(0, Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
         Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, control }
     }
@@ -248,10 +264,10 @@ impl<'a> Simulation<'a> {
         }
         TimeScales::require_drift(problem)?;
         let scales = TimeScales::of(problem)?;
-        let long = || Ok(two_digits(burn_in(problem, &scales, scales.short(tuning::time_step::RESOLUTION))?));
+        let long = || Ok(two_digits(burn_in(problem, &scales, scales.short(RESOLUTION))?));
         Ok(Times {
             burn_in: self.burn_in.map_or_else(long, Ok)?,
-            interval: self.sampling_interval.unwrap_or_else(|| two_digits(scales.short(tuning::timetable::INTERVAL))),
+            interval: self.sampling_interval.unwrap_or_else(|| two_digits(scales.short(SAMPLING_INTERVAL))),
         })
     }
 
@@ -262,10 +278,9 @@ impl<'a> Simulation<'a> {
 
     /// Burn-in and sampling in whole steps.
     fn timetable(&self, step: f64, times: Times) -> Result<Timetable> {
-        let burn_in = whole(times.burn_in / step / tuning::timetable::BURN_IN_STRETCHES as f64).max(1.0);
+        let burn_in = whole(times.burn_in / step / BURN_IN_STRETCHES as f64).max(1.0);
         let interval = (times.interval / step).round().max(1.0);
-        let path = self.trajectories as f64
-            * (burn_in * tuning::timetable::BURN_IN_STRETCHES as f64 + interval * self.count() as f64);
+        let path = self.trajectories as f64 * (burn_in * BURN_IN_STRETCHES as f64 + interval * self.count() as f64);
         // Beyond 2⁵³ steps are no longer counted exactly; at a billion a second that is a hundred days.
         let remedy = "a simulation of more than 2^53 path-steps never ends: take a longer time step or fewer samples";
         require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;

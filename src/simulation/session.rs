@@ -12,7 +12,7 @@ use super::{
     timetable::{next_check, samples},
 };
 use crate::error::{Error, Result};
-use crate::simulation::tuning::timetable::BURN_IN_STRETCHES;
+use crate::simulation::BURN_IN_STRETCHES;
 use crate::{file, provenance::Stopped};
 use std::{
     ops::Range,

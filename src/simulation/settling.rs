@@ -4,8 +4,26 @@ use super::Simulation;
 use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
 use crate::problem::{Problem, TimeScales};
-use crate::simulation::tuning::settling as tuning;
 use crate::states::States;
+
+/// The time step of trajectories that show whether they settle, in the shortest of the system's times: their states show where
+/// the density is, not what it is.
+const STEP: f64 = 0.4;
+/// The time between states of trajectories that show whether they settle, in the shortest of the system's times.
+const INTERVAL: f64 = 4.0;
+/// How often a time step with which trajectories explode is halved before they count as exploding with any.
+const HALVINGS: usize = 6;
+/// The numbers of trajectories and of states where nothing but whether trajectories settle is asked.
+const FEW: [usize; 2] = [64, 20_480];
+/// Trajectories whose median distance from the middle grows by so much from the first quarter to the last have not settled.
+const GROWING: f64 = 5.0;
+/// Factors by which the times between states are longer in turn until the median distance from the middle grows by less than
+/// the number beside the factor, from the first quarter to the last. A distance that diffuses, or whose square is an energy
+/// that does, grows by 1.6, 2.1 and 2.5.
+const LONGER: [(f64, f64); 3] = [(4.0, 1.15), (16.0, 1.15), (64.0, 1.35)];
+/// Trajectories have ended at a point where their median distance from the middle falls to this part from the first quarter to
+/// the last: e^−λt does within a few hundred of the shortest times.
+const ENDED: f64 = 1e-2;
 
 /// States of some trajectories from near rest, `count` of them. Where they explode time steps are halved; where they grow from the first
 /// quarter to the last, as after a start at a state of rest that they leave, runs with longer times between states show whether they go
@@ -18,23 +36,23 @@ pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> R
     TimeScales::require_drift(problem)?;
     TimeScales::require_moderate(problem)?;
     let scales = TimeScales::of(problem)?;
-    let (mut step, mut halved) = (scales.short(tuning::STEP), 0);
+    let (mut step, mut halved) = (scales.short(STEP), 0);
     let mut run = |longer: f64| loop {
         let simulation = Simulation::new().trajectories(trajectories).samples(count).time_step(step);
-        match simulation.sampling_interval(scales.short(longer * tuning::INTERVAL)).states(problem) {
-            Err(Error::Exploded { .. }) if halved < tuning::HALVINGS => (step, halved) = (step / 2.0, halved + 1),
+        match simulation.sampling_interval(scales.short(longer * INTERVAL)).states(problem) {
+            Err(Error::Exploded { .. }) if halved < HALVINGS => (step, halved) = (step / 2.0, halved + 1),
             found => return found.and_then(|states| Ok((spread(&states, count / trajectories)?, states))),
         }
     };
     let growing = |spreads: &[[f64; 2]], factor: f64| spreads.iter().position(|[early, late]| *late > factor * early);
     let (spreads, first) = run(1.0)?;
-    let bounded = growing(&spreads, tuning::GROWING).is_none();
+    let bounded = growing(&spreads, GROWING).is_none();
     // A root of time shows in a longer run alone.
     if bounded && scales.settles() {
         return Ok(first);
     }
     let mut grown = None;
-    for (longer, factor) in tuning::LONGER {
+    for (longer, factor) in LONGER {
         let (spreads, states) = run(longer)?;
         grown = growing(&spreads, factor);
         // Where all is much slower than farther out, they had no time to grow.
@@ -56,7 +74,7 @@ pub(crate) fn require_settling(problem: &Problem) -> Result<()> {
     if TimeScales::of(problem)?.settles() && !rests(problem) {
         return Ok(());
     }
-    settled(problem, tuning::FEW).map(|_| ())
+    settled(problem, FEW).map(|_| ())
 }
 
 /// Refuses trajectories of `each` states that all end at a point, where the states are enough to show it.
@@ -90,7 +108,7 @@ fn spread(states: &States, each: usize) -> Result<Vec<[f64; 2]>> {
         })
     };
     let spreads: Vec<[f64; 2]> = (0..states.dimension()).map(of).collect();
-    if spreads.iter().all(|[early, late]| *late <= tuning::ENDED * early) {
+    if spreads.iter().all(|[early, late]| *late <= ENDED * early) {
         let behaviour = "come to rest: drift and noise vanish there, so let some noise act at that point";
         return Err(Error::NoDensity { state: 0, behaviour });
     }

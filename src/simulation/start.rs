@@ -2,8 +2,17 @@ use super::Simulation;
 use crate::density::Frame;
 use crate::error::{Error, Result};
 use crate::problem::{Contact, Problem, TimeScales, reflect};
-use crate::simulation::tuning;
 use crate::transient;
+
+/// The noise of so many time steps spreads the default start: enough for trajectories to differ, too little to leave the rest
+/// position.
+const SPREAD_STEPS: f64 = 4.0;
+/// The time in units of 1/λ for which a burn-in goes on after small motions that grow as e^λt have come from the start to the
+/// width of the density: one trajectory in twenty starts so near to rest that it needs more.
+const LEAVING: f64 = 3.0;
+/// The longest time that trajectories are given to leave a state of rest at which small motions grow, in the shortest of the
+/// system's times: a bound on work.
+const LONGEST_LEAVING: f64 = 20_000.0;
 
 impl Simulation<'_> {
     /// Where trajectories start: a point, or points drawn from a normal distribution, reflected at walls. By default, as with
@@ -93,7 +102,7 @@ impl Start {
 
 /// How far each state starts from the state of rest: as the noise there takes it in some time steps.
 fn spread(problem: &Problem, amplitude: f64, step: f64) -> Vec<f64> {
-    let time = tuning::timetable::SPREAD_STEPS * step;
+    let time = SPREAD_STEPS * step;
     let variance = |i: usize| {
         let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * amplitude);
         let impulses = problem.impulses().iter().map(|impulse| {
@@ -116,7 +125,7 @@ fn spread(problem: &Problem, amplitude: f64, step: f64) -> Vec<f64> {
 /// # Errors
 /// Those of [`TimeScales::of`].
 pub(crate) fn burn_in(problem: &Problem, scales: &TimeScales, step: f64) -> Result<f64> {
-    Ok(scales.memory().max(leaving(problem, scales, step)?.min(scales.short(tuning::timetable::LONGEST_LEAVING))))
+    Ok(scales.memory().max(leaving(problem, scales, step)?.min(scales.short(LONGEST_LEAVING))))
 }
 
 /// The time in which trajectories leave a state that they start near, for that far away which their density has; 0 where they stay.
@@ -127,12 +136,12 @@ fn leaving(problem: &Problem, scales: &TimeScales, step: f64) -> Result<f64> {
     }
     let (spread, deviations) = (spread(problem, 1.0, step), TimeScales::deviations(problem)?);
     let far = deviations.iter().zip(&spread).map(|(end, start)| end / start).fold(1.0, f64::max);
-    Ok((tuning::timetable::LEAVING + far.ln()) / growth)
+    Ok((LEAVING + far.ln()) / growth)
 }
 
 /// The deviations of the Gaussian closure, where trajectories that start near rest would take too long to leave.
 fn wide(problem: &Problem, step: f64) -> Result<Option<Vec<f64>>> {
     let scales = TimeScales::of(problem)?;
-    let long = leaving(problem, &scales, step)? > scales.short(tuning::timetable::LONGEST_LEAVING);
+    let long = leaving(problem, &scales, step)? > scales.short(LONGEST_LEAVING);
     if long { Ok(Some(TimeScales::deviations(problem)?)) } else { Ok(None) }
 }

@@ -7,14 +7,22 @@ use super::{
     tally::{Layout, Tally},
 };
 use crate::problem::{COLLAPSE, Wall};
-use crate::simulation::tuning;
+use crate::simulation::UNEVEN_WEIGHTS;
+
+/// The mean square of a state that changes by more standard errors from one half of a run to the other has not become
+/// stationary.
+const DRIFTING: f64 = 4.0;
+/// The fewest batches whose spread shows the correlation times of states: from so many it is known to about a third.
+const LEAST_BATCHES: usize = 32;
+/// The fewest samples of a trajectory whose two halves are compared; fewer are compared with states late in the burn-in.
+const LEAST_TREND: usize = 16;
 
 /// As [`SimulatedDensity::stationarity`](super::SimulatedDensity::stationarity).
 pub(super) fn drifts(batches: &[Tally], states: usize) -> Vec<f64> {
     let of_state = |i: usize| {
         let sums = |b: &Tally| {
             let [(n1, first), (n2, second)] = b.trend.halves(i, b.samples);
-            if b.samples < tuning::errors::LEAST_TREND {
+            if b.samples < LEAST_TREND {
                 [b.before[0], b.before[i + 1], n1 + n2, first + second]
             } else {
                 [n1, first, n2, second]
@@ -29,7 +37,7 @@ pub(super) fn drifts(batches: &[Tally], states: usize) -> Vec<f64> {
 /// The state with the longest correlation time ∫₀^∞ R(τ) dτ/R(0) of x_i or x_i², and that time: by the spread of its means
 /// over batches relative to that of independent samples. None where batches are too few for it.
 fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, f64)> {
-    if batches.len() < tuning::errors::LEAST_BATCHES {
+    if batches.len() < LEAST_BATCHES {
         return None;
     }
     let states = layout.axes.len();
@@ -60,7 +68,7 @@ pub(super) fn warning(batches: &[Tally], layout: &Layout, plan: &Plan, missed: O
         ));
     }
     let drifts = drifts(batches, layout.axes.len());
-    if let Some((state, drift)) = drifts.iter().enumerate().find(|(_, drift)| drift.abs() > tuning::errors::DRIFTING) {
+    if let Some((state, drift)) = drifts.iter().enumerate().find(|(_, drift)| drift.abs() > DRIFTING) {
         return Some(format!(
             "not stationary: the mean square of state {state} still changes, by {drift:.1} standard errors; take a longer \
              burn-in, if there is a stationary density at all"
@@ -73,7 +81,7 @@ pub(super) fn warning(batches: &[Tally], layout: &Layout, plan: &Plan, missed: O
         return Some(CHATTER.to_owned());
     }
     missed.map(|Calibration { degree, weight_deviation, .. }| {
-        if *weight_deviation > tuning::errors::UNEVEN {
+        if *weight_deviation > UNEVEN_WEIGHTS {
             format!(
                 "the samples do not satisfy the moment equations of degree {degree}: they need weights 1 ± {weight_deviation:.2}; \
                  take a longer burn-in, more samples or a shorter time step, if there is a stationary density with such moments at all"

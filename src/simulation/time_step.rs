@@ -10,8 +10,21 @@ use super::{
 use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
 use crate::problem::{Contact, LANES, Problem, TimeScales, two_digits};
-use crate::simulation::tuning;
+use crate::simulation::{RESOLUTION, SAMPLING_INTERVAL, USUAL_IMPULSES};
 use nalgebra::DMatrix;
+
+/// The time step beside a wall with r < 1 as a part of the time scale 1/ω of the motion, where the bias of means is (ωh)²/3,
+/// about: below 0.05 %.
+const BESIDE_LOSSY_WALL: f64 = 0.03;
+/// The largest product ωh of a state's rate and the time step anywhere on the way of a trajectory; at 2 the steps would be
+/// unstable.
+const LARGEST: f64 = 0.25;
+/// The stretches that a try of a time step is divided into; rates are taken after each of the second half.
+const STRETCHES: usize = 64;
+/// The most time steps that are tried, each at most half the one before.
+const ATTEMPTS: usize = 12;
+/// The most steps in a stretch of a try of a time step, which reports no progress. Default times never take so many.
+const MOST_STEPS: f64 = 4096.0;
 
 /// The first of the trajectories for the choice, one group of lanes with streams of their own.
 const FIRST: u64 = 1 << 33;
@@ -37,26 +50,26 @@ impl Simulation<'_> {
     ) -> Result<(f64, f64)> {
         TimeScales::require_moderate(problem)?;
         let lossy = contacts.iter().any(|contact| contact.wall.restitution() < 1.0);
-        let resolution = if lossy { tuning::time_step::BESIDE_LOSSY_WALL } else { tuning::time_step::RESOLUTION };
+        let resolution = if lossy { BESIDE_LOSSY_WALL } else { RESOLUTION };
         // Twenty steps between samples, and 640 to the end of the burn-in, are enough for any system.
         let burn_in = if times.burn_in > 0.0 { times.burn_in / 640.0 } else { f64::INFINITY };
-        let slow = TimeScales::of(problem)?.short(tuning::timetable::INTERVAL);
+        let slow = TimeScales::of(problem)?.short(SAMPLING_INTERVAL);
         // A wall may hold the trajectories where they would hardly ever be without it, and all rates are larger.
         let at_rest = |contact: &Contact| rate(problem, self.amplitude, &contact.at_rest(problem.dimension()));
         let at_wall = contacts.iter().map(at_rest).fold(0.0, f64::max);
-        let longest = (times.interval.min(slow) / 20.0).min(burn_in).min(tuning::time_step::LARGEST / at_wall);
-        let longest = longest.min(tuning::time_step::MOST_IMPULSES / problem.impulse_rate());
+        let longest = (times.interval.min(slow) / 20.0).min(burn_in).min(LARGEST / at_wall);
+        let longest = longest.min(USUAL_IMPULSES / problem.impulse_rate());
         let mut step = longest;
         let mut attempt = 0;
         loop {
             attempt += 1;
             match self.rates(problem, contacts, step, times, control) {
-                Err(error @ Error::Exploded { .. }) if attempt == tuning::time_step::ATTEMPTS => return Err(error),
+                Err(error @ Error::Exploded { .. }) if attempt == ATTEMPTS => return Err(error),
                 Err(Error::Exploded { .. }) => step /= 4.0,
                 Err(error) => return Err(error),
                 Ok((rate, largest)) => {
-                    let fits = (resolution / rate).min(tuning::time_step::LARGEST / largest).min(longest);
-                    if fits >= step / 2.0 || attempt == tuning::time_step::ATTEMPTS {
+                    let fits = (resolution / rate).min(LARGEST / largest).min(longest);
+                    if fits >= step / 2.0 || attempt == ATTEMPTS {
                         return Ok((two_digits(fits), rate));
                     }
                     step = fits;
@@ -79,18 +92,17 @@ impl Simulation<'_> {
         let start = Start::new(self, problem, step)?;
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
-        let steps = (time / step / tuning::time_step::STRETCHES as f64).ceil().clamp(1.0, tuning::time_step::MOST_STEPS)
-            as usize;
+        let steps = (time / step / STRETCHES as f64).ceil().clamp(1.0, MOST_STEPS) as usize;
         let (mut passages, mut work) = (boundaries.passages(), Workspace::new(&scheme));
         let (mut squares, mut largest, mut count) = (0.0, 0.0_f64, 0.0);
-        for stretch in 0..tuning::time_step::STRETCHES {
-            if stretch == tuning::time_step::STRETCHES / 2 {
+        for stretch in 0..STRETCHES {
+            if stretch == STRETCHES / 2 {
                 passages = boundaries.passages();
             }
             lanes.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
             lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
             control.check_anywhere()?;
-            if stretch >= tuning::time_step::STRETCHES / 2 {
+            if stretch >= STRETCHES / 2 {
                 for x in &lanes.states() {
                     let rate = rate(problem, self.amplitude, x);
                     squares += rate * rate;

@@ -1,5 +1,13 @@
-use crate::simulation::tuning;
+use crate::simulation::BURN_IN_STRETCHES;
 use serde::{Deserialize, Serialize};
+
+/// Samples of each trajectory before the first check of precision.
+const FIRST_CHECK: usize = 8;
+/// Path-steps of all trajectories in one round, about: some hundredths of a second.
+const ROUND: usize = 1 << 21;
+/// Path-steps of all trajectories beyond which a stretch can be given up on its way, at the price of a copy of their states:
+/// more than about a second.
+const LONG: usize = 1 << 26;
 
 /// The time before the first sample and that between two, in the user's unit of time.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +40,7 @@ impl Timetable {
     /// Whether stretch number `stretch` is long for so many trajectories.
     pub(super) fn is_long(&self, stretch: usize, trajectories: usize) -> bool {
         let steps = self.steps(stretch + 1) - self.steps(stretch);
-        steps.saturating_mul(trajectories) > tuning::timetable::LONG
+        steps.saturating_mul(trajectories) > LONG
     }
 
     /// The time that `trajectories` take for so many samples each, with the time step h.
@@ -43,27 +51,24 @@ impl Timetable {
     /// The end of the next round: stretches that every trajectory completes before the next decision. It depends on
     /// `trajectories`, their number in the whole simulation, so that rounds end at the same places in all its parts.
     pub(super) fn next_round(&self, done: usize, trajectories: usize) -> usize {
-        let (first, steps) = if done < tuning::timetable::BURN_IN_STRETCHES {
-            (0, self.burn_in_steps)
-        } else {
-            (tuning::timetable::BURN_IN_STRETCHES, self.interval_steps)
-        };
-        let round = (tuning::timetable::ROUND / trajectories.saturating_mul(steps)).max(1);
+        let (first, steps) =
+            if done < BURN_IN_STRETCHES { (0, self.burn_in_steps) } else { (BURN_IN_STRETCHES, self.interval_steps) };
+        let round = (ROUND / trajectories.saturating_mul(steps)).max(1);
         let end = first + ((done - first) / round + 1).saturating_mul(round);
-        if first == 0 { end.min(tuning::timetable::BURN_IN_STRETCHES) } else { end }
+        if first == 0 { end.min(BURN_IN_STRETCHES) } else { end }
     }
 }
 
 /// The samples of each trajectory after so many stretches.
 pub(super) fn samples(stretches: usize) -> usize {
-    stretches.saturating_sub(tuning::timetable::BURN_IN_STRETCHES)
+    stretches.saturating_sub(BURN_IN_STRETCHES)
 }
 
 /// The number of samples per trajectory at the first check of precision after `samples`: each check is an eighth after the
 /// one before. Where they fall depends on nothing else, so that a run that stops there can be repeated bit for bit; and they
 /// are few, since each check of a standard error that is itself uncertain is one more chance to stop too soon.
 pub(super) fn next_check(samples: usize) -> usize {
-    let mut check = tuning::timetable::FIRST_CHECK;
+    let mut check = FIRST_CHECK;
     while check <= samples {
         check += check / 8;
     }

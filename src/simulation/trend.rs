@@ -1,5 +1,7 @@
-use crate::simulation::tuning;
 use serde::{Deserialize, Serialize};
+
+/// The most blocks of time for which a batch keeps the sums of squares of its states; of more, neighbours are joined.
+const MOST_BLOCKS: usize = 32;
 
 /// Σ 1 and Σ x_i² over equal blocks of time, however long the simulation becomes: when all blocks are full, neighbours
 /// are joined and blocks are twice as long from there on.
@@ -16,13 +18,13 @@ pub(super) struct Trend {
 impl Trend {
     pub(super) fn new(states: usize) -> Self {
         let width = states + 1;
-        Trend { length: 1, width, sums: Vec::with_capacity(tuning::errors::MOST_BLOCKS * width) }
+        Trend { length: 1, width, sums: Vec::with_capacity(MOST_BLOCKS * width) }
     }
 
     /// Adds a state, which is sample number `sample` of its trajectory, from 0.
     pub(super) fn add(&mut self, sample: usize, x: &[f64]) {
         let width = self.width;
-        while sample / self.length >= tuning::errors::MOST_BLOCKS {
+        while sample / self.length >= MOST_BLOCKS {
             let joined = self.sums.chunks(2 * width).flat_map(|pair| {
                 let (first, second) = pair.split_at(width);
                 first.iter().enumerate().map(move |(i, sum)| sum + second.get(i).copied().unwrap_or(0.0))

@@ -2,9 +2,19 @@
 
 use super::galerkin::GalerkinEquations;
 use super::newton::{Iterate, Outcome, newton};
-use crate::closure::tuning;
 use faer::prelude::Solve;
 use faer::{Col, Mat};
+
+/// The most steps along the path of a homotopy: a bound on work.
+const PATH_STEPS: usize = 600;
+/// The longest step along the path of a homotopy, in the norm of the coefficients and of the path's parameter together.
+const LONGEST: f64 = 0.3;
+/// The shortest step along the path of a homotopy, in the norm of the coefficients and of the path's parameter together.
+const SHORTEST: f64 = 1e-7;
+/// Correctors on the path of a homotopy that need more iterations than this halve the step.
+const CORRECTIONS: usize = 6;
+/// The path of a homotopy goes to infinity where coefficients in an orthonormal basis are larger than this.
+const FAR_AWAY: f64 = 1e4;
 
 /// Follows (1 − s) F₀(a) + s F₁(a) = 0 from a root of F₀ at s = 0 to s = 1 by its arc length, so that the path may turn
 /// back in s (H. B. Keller, 1977, in Applications of Bifurcation Theory, pp. 359-384). Ends with Newton's method on F₁.
@@ -16,7 +26,7 @@ pub(super) fn homotopy<E: GalerkinEquations>(easy: &E, hard: &E, start: Col<f64>
     let mut tangent = with_last(Col::zeros(unknowns), 1.0);
     let mut length: f64 = 0.02;
     let mut iterations = 0;
-    for _ in 0..tuning::classical::PATH_STEPS {
+    for _ in 0..PATH_STEPS {
         let Some(next_tangent) = path_tangent(systems, &point, &tangent) else { break };
         let remaining = (1.0 - point[unknowns]) / next_tangent[unknowns];
         let reach = if remaining > 0.0 { length.min(remaining) } else { length };
@@ -24,15 +34,15 @@ pub(super) fn homotopy<E: GalerkinEquations>(easy: &E, hard: &E, start: Col<f64>
         iterations += count;
         let Some(corrected) = corrected.filter(|c| (c - &point).norm_l2() < 2.0 * reach + 1e-12) else {
             length = reach * 0.5;
-            if length < tuning::classical::SHORTEST {
+            if length < SHORTEST {
                 break;
             }
             continue;
         };
         (point, tangent) = (corrected, next_tangent);
-        length = if count <= 3 { (length * 1.5).min(tuning::classical::LONGEST) } else { length };
+        length = if count <= 3 { (length * 1.5).min(LONGEST) } else { length };
         let s = point[unknowns];
-        if s < -0.5 || point.norm_max() > tuning::classical::FAR_AWAY {
+        if s < -0.5 || point.norm_max() > FAR_AWAY {
             break;
         }
         if s >= 1.0 - 1e-9 {
@@ -81,7 +91,7 @@ fn correct<E: GalerkinEquations>(
     tangent: &Col<f64>,
 ) -> (Option<Col<f64>>, usize) {
     let mut point = predicted.clone();
-    for count in 1..=tuning::classical::CORRECTIONS {
+    for count in 1..=CORRECTIONS {
         let (matrix, f) = bordered(systems, &point, tangent);
         let step = matrix.partial_piv_lu().solve(with_last(-f, 0.0));
         if !step.is_all_finite() {
@@ -92,5 +102,5 @@ fn correct<E: GalerkinEquations>(
             return (Some(point), count);
         }
     }
-    (None, tuning::classical::CORRECTIONS)
+    (None, CORRECTIONS)
 }

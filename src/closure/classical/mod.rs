@@ -38,6 +38,10 @@ use solution::rounding_noise;
 use std::fmt;
 use std::time::Instant;
 
+/// Iterations before the search for a root of the literature's closure, or for the fixed point of its weight, counts as
+/// stalled; roots are found in 4 to 20.
+const STEPS: usize = 60;
+
 const METHOD: &str = "classical closure";
 
 /// The basis of the polynomial Q where there is a wall.

@@ -1,9 +1,14 @@
 //! Damped Newton iteration.
 
 use super::galerkin::GalerkinEquations;
-use crate::closure::tuning;
+use crate::closure::classical::STEPS;
 use faer::Col;
 use faer::prelude::Solve;
+
+/// How often a step of Newton's method is halved at most, in the literature's closure: down to 2⁻¹².
+const HALVINGS: u32 = 12;
+/// A full step of Newton's method this small, relative to the iterate, is at the level of the Jacobian's own rounding.
+const STEP: f64 = 1e-11;
 
 /// How an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,14 +35,14 @@ pub(super) struct Iterate {
 pub(super) fn newton(equations: &impl GalerkinEquations, start: Col<f64>) -> Iterate {
     let (mut f, mut jacobian) = equations.evaluate(&start);
     let mut last = Iterate { a: start, outcome: Outcome::Stalled, iterations: 0, residual: f.norm_l2() };
-    while last.iterations < tuning::classical::STEPS {
+    while last.iterations < STEPS {
         last.iterations += 1;
         let step = jacobian.partial_piv_lu().solve(-&f);
         // A singular Jacobian makes a step that is infinite or no number.
         if !step.is_all_finite() {
             return Iterate { outcome: Outcome::NoDescent, ..last };
         }
-        let converged = step.norm_l2() <= tuning::classical::STEP * (1.0 + last.a.norm_l2());
+        let converged = step.norm_l2() <= STEP * (1.0 + last.a.norm_l2());
         let trial = |length: f64| {
             let a = &last.a + &step * length;
             let (f, jacobian) = equations.evaluate(&a);
@@ -50,7 +55,7 @@ pub(super) fn newton(equations: &impl GalerkinEquations, start: Col<f64>) -> Ite
             let (a, residual) = if better { (a, f.norm_l2()) } else { (last.a, last.residual) };
             return Iterate { a, outcome: Outcome::Root, residual, iterations: last.iterations };
         }
-        let lowered = (0..=tuning::classical::HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|length| {
+        let lowered = (0..=HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|length| {
             let (a, f, jacobian) = trial(length);
             (f.norm_l2() <= (1.0 - 1e-4 * length) * last.residual).then_some((a, f, jacobian))
         });

@@ -13,7 +13,7 @@ use crate::closure::pilot::Pilot;
 use crate::closure::projection::exact::exact_about;
 use crate::closure::projection::on_states::exact_near;
 use crate::closure::projection::tempered;
-use crate::closure::tuning::{self as all, closest as tuning};
+use crate::closure::{HIGHEST_ORDER, REFERENCE_EXCESS};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -22,6 +22,16 @@ use crate::problem::Problem;
 use crate::provenance::Provenance;
 use faer::Mat;
 use std::time::Instant;
+
+/// The accuracies, in L¹, of the first and the second grid that stands for a reference.
+const ACCURACIES: [f64; 2] = [1e-3, 1e-5];
+/// A second, finer grid stands for the reference where the error of the first is above this share of the estimated L¹ distance.
+const MINOR: f64 = 0.1;
+/// The most memory of a grid that stands for a reference, in GiB: a bound on work, which makes it a matter of seconds.
+const MEMORY: f64 = 0.3;
+/// In two states the moment equations' answer is taken where its estimate is below this share of that by a grid. None of nine
+/// closures depends on the value.
+const BETTER: f64 = 0.5;
 
 impl Closure {
     /// The closest to the density of a grid, which in one state is a closed form.
@@ -35,16 +45,16 @@ impl Closure {
         begin: Instant,
     ) -> Result<ClosureDensity> {
         let mut found: Option<ClosureDensity> = None;
-        for accuracy in tuning::ACCURACIES {
+        for accuracy in ACCURACIES {
             // A grid that this ends has what it reached as its estimate.
-            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(tuning::MEMORY)).solve(problem);
+            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(MEMORY)).solve(problem);
             let grid = match grid {
                 Ok(grid) => grid,
                 Err(error) => return found.ok_or(error),
             };
             let symmetry = problem.symmetry();
             let mut closest = Closest::new(&grid, self, &symmetry)?;
-            let closed = self.at_order(all::space::HIGHEST_ORDER, false, |order| {
+            let closed = self.at_order(HIGHEST_ORDER, false, |order| {
                 let mut content = closest.content(order, begin)?;
                 content.indication = closest.indication(problem, &content.exponent, order);
                 content.provenance.reference = Some(match problem.dimension() {
@@ -60,7 +70,7 @@ impl Closure {
             if let Some(exact) = exact(&closed, problem, pilot) {
                 return Ok(exact);
             }
-            let limited = closest.target.error > tuning::MINOR * closed.l1_estimate();
+            let limited = closest.target.error > MINOR * closed.l1_estimate();
             let last = !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy;
             found = Some(closed);
             if last {
@@ -86,7 +96,7 @@ impl ClosureDensity {
     /// Whether the density of moment equations is the better answer: in two states, and by far, since a grid's estimate is the better
     /// one.
     pub(in crate::closure) fn is_worse_than(&self, by_equations: &Self) -> bool {
-        let better = by_equations.l1_estimate() < tuning::BETTER * self.l1_estimate();
+        let better = by_equations.l1_estimate() < BETTER * self.l1_estimate();
         self.dimension() > 1 && by_equations.content.candidates[0].accepted && better
     }
 }
@@ -96,7 +106,7 @@ impl Closest<'_> {
     fn indication(&self, problem: &Problem, exponent: &Exponent, order: u32) -> Option<Indication> {
         let Target { points, weights, .. } = &self.target;
         let locals = locals(problem, points);
-        let excess = all::space::EXCESS[problem.dimension() - 1] - 2;
+        let excess = REFERENCE_EXCESS[problem.dimension() - 1] - 2;
         let values = nodes::values(&self.family().functions(order + excess), points);
         let measure = tempered(&exponent.values(points), weights, 1.0);
         let residuals = exponent.residuals(points, |i| &locals[i]);

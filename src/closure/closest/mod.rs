@@ -26,7 +26,7 @@ use super::samples::Moment;
 use super::space::Functions;
 use super::space::nested_spaces::Smooth;
 use super::space::orthonormal::Orthonormal;
-use super::tuning::{self as all, closest as tuning};
+use crate::closure::{HIGHEST_ORDER, LOWEST_COMPARED};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::parallel;
@@ -36,6 +36,26 @@ use crate::states::States;
 use std::collections::BTreeMap;
 use std::time::Instant;
 use target::Target;
+
+/// Gauss nodes along each side of a cell. 6 give the same distances to a hundredth for twice the nodes.
+const ALONG: usize = 4;
+/// The density is followed down to this share of its peak: 1e-4 leaves 1e-3 of a heavy tail's mass out, with 1e-8 the tail decides.
+const LEVEL: f64 = 1e-6;
+/// The tail of a density is what is below this share of its peak.
+const TAIL: f64 = 1e-3;
+/// The share of the mass above which a tail is heavy. A normal density of two states has 1e-3 in its tail, one of one state a fifth
+/// of that.
+const HEAVY: f64 = 0.002;
+/// The L¹ distance of the closest polynomial above which none is sought without the tail: what is farther off is so in the middle
+/// too.
+const FAR: f64 = 0.5;
+/// Gauss nodes along each side of a cell in the finer rule by which integrals of exp(Q) are checked.
+const FINER: usize = 6;
+/// Cells are divided while two rules for the mass of exp(Q) differ by more than this share of the distance that is found, with the
+/// density's own error.
+const APART: f64 = 1e-2;
+/// The most rounds of division of the cells on which two rules for the mass of exp(Q) differ.
+const ROUNDS: usize = 5;
 
 const METHOD: &str = "closure";
 
@@ -66,14 +86,14 @@ impl Closure {
     pub fn fit(&self, density: &dyn Density) -> Result<ClosureDensity> {
         let begin = Instant::now();
         let states = density.dimension();
-        self.check(states, all::space::HIGHEST_ORDER)?;
+        self.check(states, HIGHEST_ORDER)?;
         if states > 2 {
             let (what, remedy) = ("a density of three states and more to be close to", "solve the problem");
             return Err(Error::NotServed { method: METHOD, what, remedy });
         }
         let symmetry = Symmetry::none(states);
         let mut closest = Closest::new(density, self, &symmetry)?;
-        self.at_order(all::space::HIGHEST_ORDER, false, |order| Ok(ClosureDensity::new(closest.content(order, begin)?)))
+        self.at_order(HIGHEST_ORDER, false, |order| Ok(ClosureDensity::new(closest.content(order, begin)?)))
     }
 }
 
@@ -93,7 +113,7 @@ impl<'a> Closest<'a> {
     /// # Errors
     /// Those of the density's values.
     pub(super) fn new(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry) -> Result<Self> {
-        Self::above(density, closure, symmetry, tuning::LEVEL)
+        Self::above(density, closure, symmetry, LEVEL)
     }
 
     /// Where the density is above a share of its peak.
@@ -110,13 +130,13 @@ impl<'a> Closest<'a> {
         let whole = self.on_cells(order, begin);
         let estimate = |content: &Content| content.candidates[0].l1_estimate;
         // What is farther off is so in the middle too.
-        let far = whole.as_ref().is_ok_and(|whole| estimate(whole) > tuning::FAR);
-        if far || self.target.tail() <= tuning::HEAVY {
+        let far = whole.as_ref().is_ok_and(|whole| estimate(whole) > FAR);
+        if far || self.target.tail() <= HEAVY {
             return whole;
         }
         let above_tail = match self.above_tail.take() {
             Some(above) => above,
-            None => Box::new(Self::above(self.density, self.closure, self.symmetry, tuning::TAIL)?),
+            None => Box::new(Self::above(self.density, self.closure, self.symmetry, TAIL)?),
         };
         let without = self.above_tail.insert(above_tail).on_cells(order, begin);
         match (whole, without) {
@@ -135,10 +155,10 @@ impl<'a> Closest<'a> {
             let distance = best.0.candidate.l1_estimate;
             let differences = self.differences(&best.0.exponent);
             apart = differences.iter().sum();
-            let share = tuning::APART * (distance + self.target.error);
+            let share = APART * (distance + self.target.error);
             let coarse = |k: usize| differences[k].is_nan() || differences[k] > share / differences.len() as f64;
             let count = (0..differences.len()).filter(|k| coarse(*k)).count();
-            if apart <= share || round == tuning::ROUNDS || !self.target.has_room(count) {
+            if apart <= share || round == ROUNDS || !self.target.has_room(count) {
                 break;
             }
             self.target.divide(coarse)?;
@@ -231,7 +251,7 @@ impl<'a> Closest<'a> {
         let peak = target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let off = |(q, p): (&f64, &f64)| (q + shift - p).abs();
         let pairs = || fit.logarithm.iter().zip(&target);
-        let tail = pairs().filter(|(_, p)| **p > peak + all::candidates::TAIL.ln()).map(off).fold(0.0, f64::max);
+        let tail = pairs().filter(|(_, p)| **p > peak + LOWEST_COMPARED.ln()).map(off).fold(0.0, f64::max);
         let likely = pairs().zip(weights).map(|((q, p), w)| w * p.exp() * (p - q - shift)).sum();
         // exp(Q) has the mass 1 on the cells, and p less.
         let [own, target] = [&fit.logarithm, &target].map(|log| tempered(log, weights, 1.0));
@@ -266,7 +286,7 @@ impl<'a> Closest<'a> {
             let masses: Vec<f64> = logs.iter().zip(&weights).map(|(q, w)| w * q.exp()).collect();
             masses.chunks(each).map(|masses| masses.iter().sum()).collect()
         };
-        let [own, finer] = [tuning::ALONG, tuning::FINER].map(|count| sums(self.target.finer(count)));
+        let [own, finer] = [ALONG, FINER].map(|count| sums(self.target.finer(count)));
         own.iter().zip(finer).map(|(own, finer)| (own - finer).abs()).collect()
     }
 

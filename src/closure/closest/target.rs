@@ -1,5 +1,5 @@
 use super::cells::{Cells, add_nodes};
-use crate::closure::tuning::closest as tuning;
+use crate::closure::closest::{ALONG, TAIL};
 use crate::density::{Cell, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
@@ -7,6 +7,27 @@ use crate::numerics::{Rule, legendre};
 use crate::parallel;
 use crate::problem::Symmetry;
 use crate::states::States;
+
+/// The fewest cells in one state and in two, so that a density without cells of its own has some where its mass is.
+const FEWEST: [usize; 2] = [64, 256];
+/// The factor on the fewest cells where too much of the mass of a density without cells of its own is not on them, or not known.
+const MORE: usize = 16;
+/// The share of the mass that is not on the cells, or not known, from which on a density without cells of its own gets more of
+/// them.
+const LOST: f64 = 0.01;
+/// The most nodes on all cells, of which each has a row of all functions: a bound on work and memory.
+const MOST_NODES: usize = 160_000;
+/// The share of the peak that stands for all values that are smaller, or not known: next to nothing.
+const FLOOR: f64 = 1e-9;
+/// A value of the density is known where its error is below this share of it. Without this limit the error of a grid, which sits in
+/// its tails, decides high orders: a distance of 2.8e-3 in place of 5e-4.
+const KNOWN: f64 = 0.3;
+/// The most divisions of a cell because it lies at the edge of what is known of the density.
+const AT_EDGES: usize = 2;
+/// A cell is divided while the highest Legendre polynomial that its nodes resolve makes more than this share of its mass.
+const ROUGH: f64 = 0.1;
+/// A cell with at most this share of the whole mass is not divided for the roughness of the density on it.
+const SLIGHT: f64 = 1e-6;
 
 /// A density at Gauss nodes of cells that resolve it, where it can be relied on.
 pub(super) struct Target<'a> {
@@ -45,22 +66,22 @@ impl<'a> Target<'a> {
     pub(super) fn new(density: &'a dyn Density, symmetry: &'a Symmetry, level: f64) -> Result<Self> {
         let found = Self::on_cells(density, symmetry, level, 1)?;
         // Cells that the density does not name may have missed where its mass is.
-        let resolved = found.error < tuning::LOST || density.cells().len() > 1;
-        if resolved { Ok(found) } else { Self::on_cells(density, symmetry, level, tuning::MORE) }
+        let resolved = found.error < LOST || density.cells().len() > 1;
+        if resolved { Ok(found) } else { Self::on_cells(density, symmetry, level, MORE) }
     }
 
     /// The same from `more` times the fewest cells on.
     fn on_cells(density: &'a dyn Density, symmetry: &'a Symmetry, level: f64, more: usize) -> Result<Self> {
         let mut cells: Vec<Cell> = density.cells().into_iter().map(|limits| Cell { limits }).collect();
         // A cell of a grid has more than a cubic in it.
-        let least = (more * tuning::FEWEST[density.dimension() - 1]).max(cells.len() + 1);
+        let least = (more * FEWEST[density.dimension() - 1]).max(cells.len() + 1);
         while cells.len() < least {
             cells = cells.iter().flat_map(Cell::children).collect();
         }
         let mut target = Target {
             density,
             symmetry,
-            rule: Rule::legendre(tuning::ALONG),
+            rule: Rule::legendre(ALONG),
             pieces: Vec::new(),
             peak: 0.0,
             points: States::new(density.dimension()),
@@ -79,8 +100,8 @@ impl<'a> Target<'a> {
             let roughness: Vec<[f64; 2]> = target.pieces.iter().map(|piece| piece.roughness(&target.rule)).collect();
             let mass: f64 = roughness.iter().map(|[mass, _]| mass).sum();
             let next = |(piece, [own, rough]): (&Piece, &[f64; 2])| {
-                let at_edge = 4 * piece.good(least) < 3 * piece.values.len() && piece.divided < tuning::AT_EDGES;
-                let coarse = *rough > tuning::ROUGH * own && *own > tuning::SLIGHT * mass;
+                let at_edge = 4 * piece.good(least) < 3 * piece.values.len() && piece.divided < AT_EDGES;
+                let coarse = *rough > ROUGH * own && *own > SLIGHT * mass;
                 (at_edge || coarse).then_some(piece.divided + usize::from(at_edge))
             };
             let next: Vec<Option<usize>> = target.pieces.iter().zip(&roughness).map(next).collect();
@@ -128,7 +149,7 @@ impl<'a> Target<'a> {
     /// Whether there is room for the halves of so many cells.
     pub(super) fn has_room(&self, count: usize) -> bool {
         let states = self.density.dimension() as u32;
-        (self.len() + count * (2_usize.pow(states) - 1)) * tuning::ALONG.pow(states) <= tuning::MOST_NODES
+        (self.len() + count * (2_usize.pow(states) - 1)) * ALONG.pow(states) <= MOST_NODES
     }
 
     /// Nodes on all cells with more along each side than the target's own, `count` of them.
@@ -142,7 +163,7 @@ impl<'a> Target<'a> {
     /// The cells with the density on them, normalised, for integrals with a relative error.
     pub(super) fn cells(&self, error: f64) -> Cells {
         let density = self.logarithm.iter().map(|log| log.exp() / self.mass).collect();
-        Cells::new(self.pieces.iter().map(|piece| piece.cell.clone()), tuning::ALONG, density, error)
+        Cells::new(self.pieces.iter().map(|piece| piece.cell.clone()), ALONG, density, error)
     }
 
     /// The mean of p over the mirror images of a state.
@@ -178,17 +199,17 @@ impl<'a> Target<'a> {
     /// The share of the mass in the tail.
     pub(super) fn tail(&self) -> f64 {
         let values = self.pieces.iter().flat_map(|piece| &piece.values).zip(&self.weights);
-        let tail = values.filter(|(p, _)| p.value < tuning::TAIL * self.peak);
+        let tail = values.filter(|(p, _)| p.value < TAIL * self.peak);
         tail.map(|(p, w)| w * p.value).sum::<f64>() / self.mass
     }
 
     /// Enters the nodes of all cells.
     fn gather(&mut self) -> Result<()> {
-        (self.points, self.weights) = self.finer(tuning::ALONG);
-        let (floor, mut error) = (tuning::FLOOR * self.peak, 0.0);
+        (self.points, self.weights) = self.finer(ALONG);
+        let (floor, mut error) = (FLOOR * self.peak, 0.0);
         (self.logarithm, self.mass) = (Vec::with_capacity(self.weights.len()), 0.0);
         for (p, w) in self.pieces.iter().flat_map(|piece| &piece.values).zip(&self.weights) {
-            let known = if p.error < tuning::KNOWN * p.value { p.value.max(floor) } else { floor };
+            let known = if p.error < KNOWN * p.value { p.value.max(floor) } else { floor };
             self.logarithm.push(known.ln());
             self.mass += w * p.value;
             error += w * p.error;
@@ -207,7 +228,7 @@ impl<'a> Target<'a> {
 impl Piece {
     /// The number of nodes with a value above the least one and its own error.
     fn good(&self, least: f64) -> usize {
-        let good = |p: &&Estimate| p.value > least && p.error < tuning::KNOWN * p.value;
+        let good = |p: &&Estimate| p.value > least && p.error < KNOWN * p.value;
         self.values.iter().filter(good).count()
     }
 
@@ -215,18 +236,18 @@ impl Piece {
     fn roughness(&self, rule: &Rule) -> [f64; 2] {
         let states = self.cell.limits.len();
         let highest = |t: f64| {
-            let mut p = [0.0; tuning::ALONG];
+            let mut p = [0.0; ALONG];
             legendre::values(t, &mut p);
-            p[tuning::ALONG - 1]
+            p[ALONG - 1]
         };
         let (mut mass, mut sums) = (0.0, vec![0.0; states]);
         for (k, p) in self.values.iter().enumerate() {
-            let node = |axis: usize| k / tuning::ALONG.pow((states - 1 - axis) as u32) % tuning::ALONG;
+            let node = |axis: usize| k / ALONG.pow((states - 1 - axis) as u32) % ALONG;
             let weight = (0..states).fold(p.value, |weight, axis| weight * rule.weights[node(axis)] / 2.0);
             mass += weight;
             sums.iter_mut().enumerate().for_each(|(axis, sum)| *sum += weight * highest(rule.nodes[node(axis)]));
         }
-        let norm = (2 * tuning::ALONG - 1) as f64 * self.cell.volume();
+        let norm = (2 * ALONG - 1) as f64 * self.cell.volume();
         [self.cell.volume() * mass, norm * sums.iter().fold(0.0, |most: f64, sum| most.max(sum.abs()))]
     }
 }

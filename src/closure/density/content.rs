@@ -1,5 +1,6 @@
 use super::exponent::Exponent;
 use super::impacts::WallImpacts;
+use crate::closure::UNRELIABLE;
 use crate::closure::candidates::indicator::Indication;
 use crate::closure::candidates::{Candidate, Origin};
 use crate::closure::closest::Cells;
@@ -7,12 +8,23 @@ use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::ReferenceDensity;
 use crate::closure::samples::{ImportanceRule, Lattice, Moment};
 use crate::closure::space::degrees::HIGHEST;
-use crate::closure::tuning;
 use crate::numerics::Rule;
 use crate::problem::COLLAPSE;
 use crate::provenance::Provenance;
 use crate::record::{Read, exponents};
 use serde::{Deserialize, Serialize};
+
+/// The standard errors by which a density's own impact rate may be off from the counted one, in three states and more, beyond a
+/// small share of it.
+const ERRORS: f64 = 3.0;
+/// The share of the counted impact rate by which a density's own may be off, in three states and more, beyond some standard
+/// errors.
+const SHARE: f64 = 0.003;
+/// The moment equations serve where the error of their reference is at most this share of the whole estimate: in one state, where a
+/// grid is a closed form that takes no time, and in two.
+const SERVES: [f64; 2] = [0.01, 0.6];
+/// The moment equations serve where their estimate, in L¹, is at most this, whatever share of it is the error of their reference.
+const SMALL: f64 = 1e-4;
 
 /// The most nodes of a rule along one state in a file.
 const MOST_NODES: usize = 2000;
@@ -101,23 +113,21 @@ impl Content {
         } else if self.exponent.space.corners().iter().any(|corner| corner.wall().collapses()) {
             // Where a trajectory collapses onto a wall, this is the reason for the large estimate.
             Some(COLLAPSE)
-        } else if chosen.origin != Origin::Exact
-            && self.impacts.iter().any(|wall| wall.contradicts(tuning::walls::ERRORS, tuning::walls::SHARE))
-        {
+        } else if chosen.origin != Origin::Exact && self.impacts.iter().any(|wall| wall.contradicts(ERRORS, SHARE)) {
             Some("next to a wall the density is off: its own impact rate is not that of its statistics of impacts")
         } else if self.rare {
             Some(
                 "impulses are so rare that the density is rough or unbounded where the motion comes to rest between them",
             )
-        } else if chosen.l1_estimate > tuning::UNRELIABLE
+        } else if chosen.l1_estimate > UNRELIABLE
             && matches!(chosen.origin, Origin::StationaryWeight | Origin::MovingFrame)
         {
             Some(
                 "the estimated error is large: the density is too narrow for its polynomials at this time; take a later one",
             )
-        } else if chosen.l1_estimate > tuning::UNRELIABLE && matches!(chosen.origin, Origin::Closest { .. }) {
+        } else if chosen.l1_estimate > UNRELIABLE && matches!(chosen.origin, Origin::Closest { .. }) {
             Some("no exponential polynomial of this order is near the density: take a higher order, or the grid")
-        } else if chosen.l1_estimate > tuning::UNRELIABLE {
+        } else if chosen.l1_estimate > UNRELIABLE {
             Some("the estimated error is large: take a higher order")
         } else {
             None
@@ -128,10 +138,10 @@ impl Content {
     pub(in crate::closure) fn is_served_by_equations(&self) -> bool {
         let chosen = self.candidates[0];
         let error = self.reference.as_ref().map_or(f64::INFINITY, |reference| reference.error);
-        let share = tuning::closest::SERVES[self.dimension().min(2) - 1];
-        let small = error <= share * chosen.l1_estimate || chosen.l1_estimate <= tuning::closest::SMALL;
+        let share = SERVES[self.dimension().min(2) - 1];
+        let small = error <= share * chosen.l1_estimate || chosen.l1_estimate <= SMALL;
         // What would be warned of is compared with a grid before.
-        chosen.accepted && (chosen.origin == Origin::Exact || small && chosen.l1_estimate <= tuning::UNRELIABLE)
+        chosen.accepted && (chosen.origin == Origin::Exact || small && chosen.l1_estimate <= UNRELIABLE)
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.

@@ -1,6 +1,6 @@
+use crate::closure::SOLVED;
 use crate::closure::space::sweep::{self, Differentiable, Function};
 use crate::closure::space::{Corner, Functions, Jet};
-use crate::closure::tuning;
 use crate::density::escape_direction;
 use crate::fokker_planck::Local;
 use crate::numerics::Number;
@@ -37,8 +37,8 @@ impl Exponent {
     pub(in crate::closure) fn is_normalisable(&self) -> bool {
         self.space.polynomials().is_some_and(|polynomials| {
             let q = polynomials.in_powers(&self.coefficients);
-            let least = tuning::SOLVED * q.max_coefficient();
-            escape_direction(&q.filtered(|_, c| c.abs() > least), false, tuning::SOLVED).is_none()
+            let least = SOLVED * q.max_coefficient();
+            escape_direction(&q.filtered(|_, c| c.abs() > least), false, SOLVED).is_none()
         })
     }
 

@@ -16,7 +16,7 @@ use super::dynamics::Dynamics;
 use super::reference::Start;
 use super::samples::Copula;
 use crate::checks::point;
-use crate::closure::tuning;
+use crate::closure::{CUT_AT_WALLS, ROUNDING, SOLVED, TAILS_ENOUGH};
 use crate::density::{Density, summary};
 use crate::error::Result;
 use crate::numerics::exponentials;
@@ -28,6 +28,9 @@ use exponent::Exponent;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 use std::sync::Arc;
+
+/// The norm ‖F‖ of the Galerkin equations below which all of them hold to rounding.
+const ROOT: f64 = 1e-8;
 
 /// The closure's answer: p = C exp(Q) on its trust domain, with estimates of its own error.
 ///
@@ -69,9 +72,9 @@ impl ClosureDensity {
         let chosen = content.candidates[0];
         content.provenance = Provenance {
             method: String::from("closure"),
-            termination: content.indication.map(|indication| {
-                String::from(if indication.residual > tuning::density::ROOT { "least residual" } else { "root" })
-            }),
+            termination: content
+                .indication
+                .map(|indication| String::from(if indication.residual > ROOT { "least residual" } else { "root" })),
             origin: Some(chosen.origin.to_string()),
             warning: content.warning().map(str::to_owned),
             l1_estimate: Some(chosen.l1_estimate),
@@ -144,12 +147,12 @@ impl ClosureDensity {
 
     /// Whether all Galerkin equations hold: an exact density is a root, most others are the best of their order and none.
     pub fn is_root(&self) -> bool {
-        self.residual() <= tuning::density::ROOT
+        self.residual() <= ROOT
     }
 
     /// Whether the tails are estimated to be right to 0.25 decades down to 1e-5 of the peak.
     pub fn tails_are_accurate(&self) -> bool {
-        self.content.candidates[0].tail_estimate <= tuning::candidates::ENOUGH
+        self.content.candidates[0].tail_estimate <= TAILS_ENOUGH
     }
 
     /// ln p as a polynomial of the states, valid on the trust domain; `None` where walls add terms that are no polynomials.
@@ -198,7 +201,7 @@ impl ClosureDensity {
             Integrals::Draws(rule) => {
                 let one = (self.content.provenance.pilot_states.unwrap_or(1) as f64).recip();
                 let one = rule.nest().map_or(one, |nest| nest.beyond().max(one));
-                if self.content.impacts.is_empty() { one } else { one + tuning::domain::CUT_AT_WALLS }
+                if self.content.impacts.is_empty() { one } else { one + CUT_AT_WALLS }
             }
         }
     }
@@ -254,7 +257,7 @@ impl ClosureDensity {
             (Integrals::Draws(rule), lattice) if lattice.is_some() || rule.nest().is_some() => rule.log_mass().error,
             (Integrals::Draws(_), _) => 0.0,
         };
-        let least = if self.content.lattice.is_some() { tuning::SOLVED } else { tuning::ROUNDING };
+        let least = if self.content.lattice.is_some() { SOLVED } else { ROUNDING };
         self.content.reference.as_ref().map_or(by_rules.max(least), |reference| reference.error + by_rules)
     }
 }

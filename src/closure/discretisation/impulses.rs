@@ -3,13 +3,19 @@
 use super::trust_domain::TrustDomain;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::{Functions, sweep};
-use crate::closure::tuning;
 use crate::fokker_planck::{Impulse, ImpulseTerm, Landing};
 use crate::problem::Problem;
 use crate::states::States;
 use crate::system::{Amplitude, Parameter};
 use faer::{Mat, MatMut, MatRef};
 use num_dual::Dual64;
+
+/// Gauss nodes for the amplitudes of Poisson impulses without an exponential tail; 6 to 40 give the same to a tenth for the
+/// normal law.
+const AMPLITUDES: usize = 12;
+/// Gauss nodes for the amplitudes of Poisson impulses with an exponential tail: those that leave the domain are left out, so
+/// that 20 nodes leave an L¹ error of 1e-2 in one state.
+const ONE_SIDED: usize = 60;
 
 /// Adds λ E\[φ(x + H Y) − φ(x)\], or its derivative by a parameter, at nodes to the rates of functions, whose `values` at the nodes are the constant's and then theirs.
 /// Impulses that would leave the domain are left out.
@@ -62,10 +68,8 @@ pub(in crate::closure) fn add_rates(
 /// The amplitudes at which impulses are taken.
 fn rule<P: Parameter>(amplitude: &Amplitude<P>) -> Vec<(P, f64)> {
     amplitude.rule(match amplitude {
-        Amplitude::Normal { .. } | Amplitude::Uniform { .. } | Amplitude::TwoPoint { .. } => {
-            tuning::impulses::AMPLITUDES
-        }
-        Amplitude::Exponential { .. } | Amplitude::Laplace { .. } => tuning::impulses::ONE_SIDED,
+        Amplitude::Normal { .. } | Amplitude::Uniform { .. } | Amplitude::TwoPoint { .. } => AMPLITUDES,
+        Amplitude::Exponential { .. } | Amplitude::Laplace { .. } => ONE_SIDED,
     })
 }
 

@@ -1,11 +1,11 @@
 //! The start: the exponential polynomial under which the pilot's states are most likely.
 
 use super::nodes::{self, Nodes};
+use crate::closure::LIKELIHOOD_SEARCH;
 use crate::closure::density::exponent::{Exponent, known_values};
 use crate::closure::projection::tempered;
 use crate::closure::reference::scaled_mass;
 use crate::closure::space::{Corner, Functions, sweep};
-use crate::closure::tuning;
 use crate::numerics::{Concave, combination, definite, weighted_gram, weighted_sum};
 use crate::states::States;
 use faer::MatRef;
@@ -32,7 +32,7 @@ pub(in crate::closure) fn likeliest(
 /// `values` holds the functions at the nodes, without the constant.
 fn most_likely(values: MatRef<'_, f64>, fixed: &[f64], weights: &[f64], mean: &[f64]) -> Option<Vec<f64>> {
     let likelihood = Likelihood { values, fixed, weights, mean };
-    Some(tuning::guess::SEARCH.ascend(&likelihood, vec![0.0; values.ncols()], None)?.a)
+    Some(LIKELIHOOD_SEARCH.ascend(&likelihood, vec![0.0; values.ncols()], None)?.a)
 }
 
 /// The mean log-likelihood of states as a function of a.

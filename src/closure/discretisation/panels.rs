@@ -6,9 +6,22 @@
 
 use super::nodes::Nodes;
 use super::trust_domain::TrustDomain;
-use crate::closure::tuning::panels as tuning;
 use crate::numerics::{Rule, exponentials};
 use crate::states::States;
+
+/// The ratio of the nodes along one state to those of the coarser rule that they are compared with.
+const FEWER: [usize; 2] = [5, 4];
+/// Gauss nodes on a panel, and those of the coarser rule that they are compared with.
+const EACH: [usize; 2] = [16, 12];
+/// Panels along each state before any is halved.
+const FIRST: usize = 4;
+/// The most nodes of rules on panels along all states: a bound on work.
+const MOST: usize = 1 << 20;
+/// The relative difference of two rules must fall by this factor as panels are halved; where it does not, the edge of the domain is
+/// what they differ by.
+const FALLS: f64 = 0.7;
+/// Panels are halved no more once the difference of two rules has not fallen enough so many times in a row.
+const STALLED: usize = 2;
 
 /// Rules along the states, and what another one differs by in mass and second moments, relative to these.
 pub(in crate::closure) struct Resolved {
@@ -27,7 +40,7 @@ pub(in crate::closure) fn resolved(
     let (bounds, integrand) = (domain.bounds(), Integrand { domain, log });
     let whole: Vec<Vec<f64>> = bounds.iter().map(|bounds| bounds.to_vec()).collect();
     let fewer = |axis: usize| {
-        let count = given[axis].nodes.len() * tuning::FEWER[1] / tuning::FEWER[0];
+        let count = given[axis].nodes.len() * FEWER[1] / FEWER[0];
         Rule::legendre(count).on(bounds[axis][0], bounds[axis][1])
     };
     let (_, apart) = integrand.differences(given, &whole, fewer);
@@ -35,16 +48,16 @@ pub(in crate::closure) fn resolved(
         return Resolved { rules: given.to_vec(), apart };
     }
     let mut found = Resolved { rules: given.to_vec(), apart: f64::INFINITY };
-    let [own, less] = tuning::EACH.map(Rule::legendre);
+    let [own, less] = EACH.map(Rule::legendre);
     let mut edges: Vec<Vec<f64>> = bounds.iter().map(|[low, high]| evenly(*low, *high)).collect();
     let mut stalled = 0;
-    while stalled < tuning::STALLED {
+    while stalled < STALLED {
         let rules: Vec<Rule> = edges.iter().map(|edges| on_panels(edges, &own)).collect();
-        if rules.iter().map(|rule| rule.nodes.len()).product::<usize>() > tuning::MOST {
+        if rules.iter().map(|rule| rule.nodes.len()).product::<usize>() > MOST {
             break;
         }
         let (differences, apart) = integrand.differences(&rules, &edges, |axis| on_panels(&edges[axis], &less));
-        stalled = if apart < tuning::FALLS * found.apart { 0 } else { stalled + 1 };
+        stalled = if apart < FALLS * found.apart { 0 } else { stalled + 1 };
         found = Resolved { rules, apart };
         if apart <= tolerance {
             break;
@@ -58,7 +71,7 @@ pub(in crate::closure) fn resolved(
 
 /// The edges of equal panels.
 fn evenly(low: f64, high: f64) -> Vec<f64> {
-    (0..=tuning::FIRST).map(|k| low + (high - low) * k as f64 / tuning::FIRST as f64).collect()
+    (0..=FIRST).map(|k| low + (high - low) * k as f64 / FIRST as f64).collect()
 }
 
 /// A rule on each of the panels between some edges.

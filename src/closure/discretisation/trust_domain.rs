@@ -1,11 +1,16 @@
 use crate::closure::pilot::Pilot;
-use crate::closure::tuning;
 use crate::parallel;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive_states, states};
 use crate::states::States;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
+
+/// A guess that rises again so far below its peak, in ln p, is not followed any farther.
+const RISING: f64 = 5.0;
+/// The least slope of the fall of ln p at the edge of the domain, per length of its reach, by which the mass beyond is
+/// estimated.
+const STEEP: f64 = 20.0;
 
 /// Angular sectors in two states.
 const SECTORS: usize = 48;
@@ -135,7 +140,7 @@ impl TrustDomain {
             let mut step = inner;
             while step < RAY
                 && ray[step] > highest - drop
-                && !(ray[step + 1] > ray[step] && ray[step] < highest - tuning::domain::RISING)
+                && !(ray[step + 1] > ray[step] && ray[step] < highest - RISING)
             {
                 step += 1;
             }
@@ -284,7 +289,7 @@ impl TrustDomain {
     fn fall(&self, edge: &[f64], log: impl Fn(&[f64]) -> f64) -> f64 {
         let near = 0.99;
         let inner: Vec<f64> = self.centre.iter().zip(edge).map(|(c, edge)| c + near * (edge - c)).collect();
-        ((log(&inner) - log(edge)) / (1.0 - near)).max(tuning::domain::STEEP)
+        ((log(&inner) - log(edge)) / (1.0 - near)).max(STEEP)
     }
 
     fn between_walls(&self, x: f64) -> bool {

@@ -9,11 +9,11 @@ use crate::closure::candidates::Origin;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes;
 use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::dynamics::FARTHEST;
 use crate::closure::reference::ReferenceDensity;
 use crate::closure::space::Functions;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
-use crate::closure::tuning;
 use crate::density::Frame;
 use crate::numerics::{Rule, weighted_sum};
 use crate::problem::Problem;
@@ -21,6 +21,17 @@ use crate::states::States;
 use crate::transient::Start;
 use std::f64::consts::TAU;
 use std::sync::Arc;
+
+/// The degrees of Hermite's polynomials in two moving frames of the same density, whose distance is the error of the first.
+const FRAME_DEGREES: [usize; 2] = [14, 10];
+/// The most steps of a moving frame between two estimates of its error.
+const FRAME_STEPS: usize = 4;
+/// Gauss nodes along each axis of a moving frame.
+const FRAME_NODES: usize = 24;
+/// The half-width of the box on which the polynomials of a moving frame are written, in standard deviations.
+const FRAME_BOX: f64 = 6.0;
+/// A moving frame ends where a wall is so many standard deviations from its middle.
+const CLEAR_OF_WALLS: f64 = 5.0;
 
 /// Two frames at the same time.
 pub(super) struct Early<'a> {
@@ -46,8 +57,7 @@ impl<'a> Early<'a> {
         if !problem.impulses().is_empty() {
             return None;
         }
-        let [high, low] =
-            tuning::dynamics::FRAME_DEGREES.map(|degree| MovingFrame::new(problem.operator(), start, degree));
+        let [high, low] = FRAME_DEGREES.map(|degree| MovingFrame::new(problem.operator(), start, degree));
         let early = Early { problem, frames: [high?, low?] };
         early.clear_of_walls().then_some(early)
     }
@@ -59,7 +69,7 @@ impl<'a> Early<'a> {
     /// Goes on to a time, or some steps towards it. None where the density is no longer known, or comes near a wall.
     pub(super) fn advance(&mut self, end: f64) -> Option<()> {
         let [high, low] = &mut self.frames;
-        high.advance(end, tuning::dynamics::FRAME_STEPS)?;
+        high.advance(end, FRAME_STEPS)?;
         low.advance(high.time, usize::MAX)?;
         self.clear_of_walls().then_some(())
     }
@@ -68,14 +78,14 @@ impl<'a> Early<'a> {
         let Some(frame) = self.frames[0].frame() else { return false };
         self.problem.walls().iter().all(|wall| {
             let deviation = frame.scale().row(0).norm();
-            (wall.offset() - frame.origin()[0]).abs() > tuning::dynamics::CLEAR_OF_WALLS * deviation
+            (wall.offset() - frame.origin()[0]).abs() > CLEAR_OF_WALLS * deviation
         })
     }
 
     fn sight(&self) -> Option<Sight> {
         let [high, low] = &self.frames;
         let (frame, other) = (high.frame()?, low.frame()?);
-        let rule = Rule::hermite(tuning::dynamics::FRAME_NODES);
+        let rule = Rule::hermite(FRAME_NODES);
         let (states, count) = (frame.dimension(), rule.nodes.len());
         let (mut points, mut weights, mut ratios) = (States::new(states), Vec::new(), [Vec::new(), Vec::new()]);
         let mut z = vec![0.0; states];
@@ -112,8 +122,8 @@ impl<'a> Early<'a> {
         let Sight { frame, points, weights, ratios, error } = self.sight()?;
         let states = frame.dimension();
         let deviation: Vec<f64> = (0..states).map(|i| frame.scale().row(i).norm()).collect();
-        let (mean, reach) = (frame.origin().to_vec(), tuning::dynamics::FARTHEST);
-        let half_width: Vec<f64> = deviation.iter().map(|s| tuning::dynamics::FRAME_BOX * s).collect();
+        let (mean, reach) = (frame.origin().to_vec(), FARTHEST);
+        let half_width: Vec<f64> = deviation.iter().map(|s| FRAME_BOX * s).collect();
         let polynomials = Smooth::complete(mean.clone(), half_width);
         // Both are polynomials of these spaces, which Gauss nodes hold exactly.
         let fitted = |space: &Functions, values: &[f64]| -> Option<Vec<f64>> {
@@ -129,7 +139,7 @@ impl<'a> Early<'a> {
         let normal = fitted(&quadratic, &logarithm)?;
         let weight =
             Exponent { known: Vec::new(), space: quadratic, constant: normal[0], coefficients: normal[1..].to_vec() };
-        let space = polynomials.functions(tuning::dynamics::FRAME_DEGREES[0] as u32);
+        let space = polynomials.functions(FRAME_DEGREES[0] as u32);
         let mut correction = fitted(&space, &ratios[0])?;
         correction[0] -= 1.0;
         let domain = TrustDomain::whole(mean.clone(), deviation.clone(), reach);

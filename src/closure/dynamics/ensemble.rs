@@ -5,12 +5,12 @@ use super::moment_system::MomentSystem;
 use super::start::{Beginning, Weighted};
 use super::{Dynamics, Law};
 use crate::checks::{positive, require};
+use crate::closure::HIGHEST_ORDER;
 use crate::closure::density::ClosureDensity;
 use crate::closure::method::{Closure, Order};
 use crate::closure::pilot::Pilot;
 use crate::closure::sampled::Sampled;
 use crate::closure::samples::Family;
-use crate::closure::tuning;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;
 use crate::problem::{Problem, Symmetry, TimeScales};
@@ -19,6 +19,16 @@ use crate::states::States;
 use crate::transient::{Course, Start, Transient};
 use faer::Mat;
 use std::time::Instant;
+
+/// The least order of the stationary density under which the moment equations of a transient in three states and more are taken.
+const CARRIED_BASE: u32 = 4;
+/// The highest order of the stationary density under which the moment equations of a transient in three states and more are taken.
+const CARRIED_MOST: u32 = 6;
+/// The trajectories of a transient in three states and more, or under noise that rises and fades, unless their number is given.
+const ENSEMBLE: usize = 1 << 18;
+/// The latest time of a transient that trajectories carry, in the shortest of the system's times: as long as the longest burn-in, a
+/// bound on work.
+const LONGEST: f64 = 2e3;
 
 impl Closure {
     /// The densities at some times, where trajectories carry them.
@@ -32,7 +42,7 @@ impl Closure {
         let steady = envelope.is_none();
         let begin = Instant::now();
         let at = |time: f64, density| Transient { time, density, step_error: 0.0 };
-        self.check(problem.dimension(), tuning::space::HIGHEST_ORDER)?;
+        self.check(problem.dimension(), HIGHEST_ORDER)?;
         match start {
             Start::Stationary if steady => {
                 let density = self.solve(problem)?;
@@ -56,16 +66,16 @@ impl Closure {
             )?;
         }
         if let Some(&last) = times.last() {
-            let longest = TimeScales::of(problem)?.short(tuning::dynamics::LONGEST);
+            let longest = TimeScales::of(problem)?.short(LONGEST);
             let remedy = "trajectories go there step by step, and long before it the density is the stationary one";
             require(last <= longest, "last time of a transient", last, remedy)?;
         }
         // The equations have means up to their own degree, whatever the order of their weight.
-        let order = Order::Fixed(self.highest().clamp(tuning::dynamics::CARRIED_BASE, tuning::dynamics::CARRIED_MOST));
+        let order = Order::Fixed(self.highest().clamp(CARRIED_BASE, CARRIED_MOST));
         let base = if steady { Some(Closure { order, ..self.clone() }.solve(problem)?) } else { None };
         let dynamics = base.as_ref().and_then(|base| base.dynamics.as_ref());
         let solved = dynamics.and_then(|dynamics| Solved::new(dynamics, start, times));
-        let simulation = Simulation::new().trajectories(self.states.unwrap_or(tuning::dynamics::ENSEMBLE));
+        let simulation = Simulation::new().trajectories(self.states.unwrap_or(ENSEMBLE));
         let states = simulation.seed(self.seed).states_at(problem, course, times)?;
         let closed = |(k, (time, states)): (usize, (f64, States))| {
             let pilot = Pilot::of(states, time);
@@ -84,7 +94,7 @@ impl Closure {
             };
             let law = solved.as_ref().and_then(|solved| solved.law(k));
             let equations = law.as_ref().map(|law| (&law.points, law.masses.each_ref().map(Vec::as_slice)));
-            let highest = tuning::space::HIGHEST_ORDER;
+            let highest = HIGHEST_ORDER;
             Ok(at(time, self.at_order(highest, true, |order| sampled.at_time(order, equations))?))
         };
         times.iter().copied().zip(states).enumerate().map(closed).collect()

@@ -6,16 +6,26 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::likelihood::Likelihood;
 use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::dynamics::FARTHEST;
 use crate::closure::projection::distance;
 use crate::closure::reference::{ReferenceDensity, scaled_mass};
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
-use crate::closure::tuning;
+use crate::closure::{FINE_NODES, LIKELIHOOD_SEARCH, UNRELIABLE};
 use crate::numerics::{Concave, weighted_sum};
 use crate::states::States;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use std::sync::Arc;
+
+/// Densities of largest entropy are sought within so many standard deviations of the mean.
+const WIDEST: f64 = 8.0;
+/// The degree of the first density of largest entropy, unless the order is lower.
+const FIRST: u32 = 4;
+/// Densities of largest entropy are sought up to so many degrees above the order.
+const EXCESS: u32 = 4;
+/// A density of largest entropy is known where ln p is less than this below its peak, at p above e^−18 of it.
+const DROP: f64 = 18.0;
 
 /// exp(Q) with a law's means of all polynomials up to a degree, which is the density of largest entropy among those that have
 /// them (E. T. Jaynes, 1957, doi:10.1103/PhysRev.106.620).
@@ -31,7 +41,7 @@ struct Likeliest {
 impl Likeliest {
     /// On a domain that may be too large. None where the means are no density's.
     fn new(law: &Law, degree: u32, within: &TrustDomain) -> Option<Self> {
-        let nodes = Nodes::gauss(within, tuning::nodes::FINE[law.mean.len().min(2) - 1]);
+        let nodes = Nodes::gauss(within, FINE_NODES[law.mean.len().min(2) - 1]);
         let (centre, half_width) = within.box_around();
         let space = Smooth::complete(centre, half_width).functions(degree);
         if nodes.len() < 2 * space.len() {
@@ -45,7 +55,7 @@ impl Likeliest {
         let fixed = vec![0.0; nodes.len()];
         let values = functions.values.get(.., 1..);
         let likelihood = Likelihood { values, fixed: &fixed, weights: &nodes.weights, mean: &means };
-        let found = tuning::guess::SEARCH.ascend(&likelihood, vec![0.0; means.len()], None)?;
+        let found = LIKELIHOOD_SEARCH.ascend(&likelihood, vec![0.0; means.len()], None)?;
         let gradient = likelihood.gradient(&found.at);
         let covariance = likelihood.curvature(&found.at, &gradient)?;
         // Δ·Cov⁻¹Δ is the mean square of the change of ln p, and so its root more than the L¹ distance.
@@ -60,21 +70,20 @@ impl Likeliest {
         let (top, mass) = scaled_mass(&exponent.values(&nodes.points), &nodes.weights);
         exponent.constant -= top + mass.ln();
         let log = |points: &States| exponent.values(points);
-        let domain =
-            within.to_first_fall(&law.mean, &law.deviation, log, tuning::dynamics::DROP, tuning::dynamics::FARTHEST);
+        let domain = within.to_first_fall(&law.mean, &law.deviation, log, DROP, FARTHEST);
         Some(Likeliest { doubt: root(&apart) + root(&gradient), exponent, domain })
     }
 
     /// ∫ |p − q| for another one, on this one's domain.
     fn distance_from(&self, other: &Self) -> f64 {
-        let nodes = Nodes::gauss(&self.domain, tuning::nodes::FINE[self.domain.centre.len().min(2) - 1]);
+        let nodes = Nodes::gauss(&self.domain, FINE_NODES[self.domain.centre.len().min(2) - 1]);
         let [own, other] = [self, other].map(|found| found.exponent.values(&nodes.points));
         distance(&own, &other, &nodes.weights)
     }
 }
 
 impl Snapshot {
-    /// The law's density of largest entropy, of one of the degrees from `lowest` to [`tuning::dynamics::EXCESS`] above `highest`:
+    /// The law's density of largest entropy, of one of the degrees from `lowest` to [`EXCESS`] above `highest`:
     /// the one that is nearest to that of two degrees less. That distance, and what the difference of the law's own two degrees
     /// makes of it, estimate its error. None where the means are no density's.
     ///
@@ -83,13 +92,13 @@ impl Snapshot {
     pub(super) fn of_largest_entropy(&self, [lowest, highest]: [u32; 2]) -> Option<Self> {
         let law = &self.law;
         let everywhere = |points: &States| vec![0.0; points.len()];
-        let domain = self.domain.to_first_fall(&law.mean, &law.deviation, everywhere, 1.0, tuning::dynamics::WIDEST);
-        let mut last = Likeliest::new(law, tuning::dynamics::FIRST.min(lowest), &domain)?;
+        let domain = self.domain.to_first_fall(&law.mean, &law.deviation, everywhere, 1.0, WIDEST);
+        let mut last = Likeliest::new(law, FIRST.min(lowest), &domain)?;
         let mut best: Option<(f64, Likeliest)> = None;
-        for degree in (tuning::dynamics::FIRST + 2..=highest + tuning::dynamics::EXCESS).step_by(2) {
+        for degree in (FIRST + 2..=highest + EXCESS).step_by(2) {
             let Some(found) = Likeliest::new(law, degree, &last.domain) else { break };
             let error = found.distance_from(&last) + found.doubt;
-            if found.doubt > tuning::UNRELIABLE {
+            if found.doubt > UNRELIABLE {
                 break;
             }
             if degree >= lowest && best.as_ref().is_none_or(|(least, _)| error < *least) {

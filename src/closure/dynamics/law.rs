@@ -1,7 +1,7 @@
 //! A density by its means: what the moment equations have to say of it.
 
+use crate::closure::ROUNDING;
 use crate::closure::samples::Moment;
-use crate::closure::tuning;
 use crate::polynomial::power;
 use crate::states::States;
 
@@ -37,7 +37,7 @@ impl Law {
             let [value, other] =
                 self.masses.each_ref().map(|masses| values.iter().zip(masses).map(|(x, w)| x * w).sum::<f64>());
             let size: f64 = values.iter().zip(&self.masses[0]).map(|(x, w)| (x * w).abs()).sum();
-            Moment { powers, value, error: (value - other).abs() + tuning::ROUNDING * size }
+            Moment { powers, value, error: (value - other).abs() + ROUNDING * size }
         };
         let all = |degree: u32| -> Vec<Vec<u32>> {
             if self.points.dimension() == 1 {

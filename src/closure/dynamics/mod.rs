@@ -29,7 +29,7 @@ use super::pilot::Pilot;
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::Functions;
 use super::space::nested_spaces::{Smooth, SpaceFamily};
-use super::tuning;
+use crate::closure::{FINE_NODES, WIDENING};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::numerics::{Rule, exponentials};
@@ -37,6 +37,11 @@ use crate::problem::{Problem, Symmetry};
 use law::Law;
 pub(super) use moment_system::MomentSystem;
 use std::sync::{Arc, OnceLock};
+
+/// The most nodes times functions of moment equations in three states and more: two tables of so many numbers take 400 MB.
+const MOST_ENTRIES: usize = 25_000_000;
+/// The answer at a time is defined within so many standard deviations about the mean.
+const FARTHEST: f64 = 14.0;
 
 /// What a closure is made from, as far as questions of time need it: they are answered on the nodes of its whole trust domain,
 /// under the weight of its reference, or under the density itself where the pilot's states carry it.
@@ -90,7 +95,7 @@ impl Dynamics {
         rare: bool,
     ) -> Self {
         let (centre, _) = pilot.spread(&Symmetry::none(problem.dimension()));
-        let domain = TrustDomain::new(pilot, &problem.symmetry(), centre, [None, None], tuning::domain::WIDENING);
+        let domain = TrustDomain::new(pilot, &problem.symmetry(), centre, [None, None], WIDENING);
         let (centre, half_width) = domain.box_around();
         Dynamics {
             problem: problem.clone(),
@@ -133,7 +138,7 @@ impl Dynamics {
     fn nodes(&self, most: usize) -> Option<Nodes> {
         match &self.carrier {
             Carrier::Rules(_) if self.family.is_smooth() => {
-                Some(Nodes::gauss(&self.domain, tuning::nodes::FINE[self.domain.centre.len().min(2) - 1]))
+                Some(Nodes::gauss(&self.domain, FINE_NODES[self.domain.centre.len().min(2) - 1]))
             }
             Carrier::Rules(rules) => Some(Nodes::tensor(&self.domain, rules.clone())),
             Carrier::States(carrier) => {
@@ -154,7 +159,7 @@ impl Dynamics {
     fn ladder(&self) -> (Vec<Functions>, usize) {
         let ladder = self.family.ladder();
         let functions = ladder.last().map_or(1, |space| space.len() + 1);
-        (ladder, tuning::dynamics::MOST_ENTRIES / functions)
+        (ladder, MOST_ENTRIES / functions)
     }
 
     /// The moment equations; none where they are unstable at every degree.

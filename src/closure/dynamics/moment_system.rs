@@ -3,16 +3,20 @@ use super::law::Law;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::locals;
 use crate::closure::discretisation::nodes::{NodalGenerator, Nodes, Table};
+use crate::closure::dynamics::MOST_ENTRIES;
 use crate::closure::projection::tempered;
 use crate::closure::reference::scaled_mass;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::{Functions, Polynomials};
-use crate::closure::tuning;
 use crate::fokker_planck::Local;
 use crate::numerics::{combination, weighted_product, weighted_sum};
 use crate::problem::Symmetry;
 use faer::prelude::*;
 use faer::{Mat, MatRef};
+
+/// A mode of the moment equations is a growing one if it grows at more than this share of the slowest rate. Rounding leaves 1e-9 of
+/// it.
+const GROWING: f64 = 1e-6;
 
 /// The moment equations of functions ψ_k that are orthonormal under a fixed weight ω, ψ₀ = 1.
 ///
@@ -68,7 +72,7 @@ impl MomentSystem {
         let nodes = if dynamics.problem.impulses().is_empty() {
             Nodes::tensor(&dynamics.domain, dynamics.rules().to_vec())
         } else {
-            dynamics.nodes(tuning::dynamics::MOST_ENTRIES)?
+            dynamics.nodes(MOST_ENTRIES)?
         };
         let (system, locals) = Self::with_rates(dynamics, ladder, nodes)?;
         Some(system.smoothest(dynamics, &locals))
@@ -209,6 +213,6 @@ fn modes(matrix: MatRef<'_, f64>) -> Option<Vec<[f64; 2]>> {
     }
     let all = matrix.eigenvalues().ok()?;
     let slowest = all.iter().map(|l| l.re.hypot(l.im)).fold(f64::INFINITY, f64::min);
-    let grows = all.iter().any(|l| l.re > tuning::dynamics::GROWING * slowest);
+    let grows = all.iter().any(|l| l.re > GROWING * slowest);
     (!grows).then(|| all.iter().filter(|l| l.im >= 0.0).map(|l| [-l.re, l.im]).collect())
 }

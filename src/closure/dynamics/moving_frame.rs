@@ -1,7 +1,6 @@
 //! A density that is still narrow, in coordinates that move and stretch with it.
 
 use super::hermite::{Products, Table, hermite};
-use crate::closure::tuning;
 use crate::density::Frame;
 use crate::fokker_planck::FokkerPlanck;
 use crate::numerics::runge_kutta;
@@ -9,6 +8,11 @@ use crate::polynomial::{Gaussian, Polynomial};
 use crate::problem::gaussian_after;
 use crate::transient::Start;
 use nalgebra::{DMatrix, DVector};
+
+/// The longest time step of a moving frame times the rate at which the frame changes.
+const FRAME_STEP: f64 = 0.05;
+/// Noise makes a Gaussian of a point within this share of the fastest time of its linear motion.
+const POINT: f64 = 1e-3;
 
 /// p(x, t) = φ(z)/|L| Σ d_α h_α(z) up to a degree, with x = m + L z, the standard normal density φ and Hermite's polynomials.
 ///
@@ -48,8 +52,7 @@ impl<'a> MovingFrame<'a> {
             Start::Gaussian(gaussian) => (0.0, gaussian.clone()),
             Start::Point(x) => {
                 let slopes = operator.drift().iter().flat_map(|f| f.gradient(x));
-                let time =
-                    tuning::dynamics::POINT / slopes.fold(f64::MIN_POSITIVE, |most, slope| most.max(slope.abs()));
+                let time = POINT / slopes.fold(f64::MIN_POSITIVE, |most, slope| most.max(slope.abs()));
                 let point =
                     Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(states, states) };
                 (time, gaussian_after(operator, &point, time))
@@ -85,7 +88,7 @@ impl<'a> MovingFrame<'a> {
             }
             let left = end - self.time;
             let (first, speed) = self.rate(&self.place)?;
-            let longest = tuning::dynamics::FRAME_STEP / speed;
+            let longest = FRAME_STEP / speed;
             let h = left / (left / longest).ceil().max(1.0);
             let rate = |place: &Place, _: f64| self.rate(place).map(|(rate, _)| rate).ok_or(());
             self.place = runge_kutta(&self.place, &first, h, rate, |place, rate, time| place.moved(time, rate)).ok()?;

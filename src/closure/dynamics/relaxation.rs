@@ -3,7 +3,6 @@
 use super::moment_system::MomentSystem;
 use crate::checks::{finite, require, state_index};
 use crate::closure::density::ClosureDensity;
-use crate::closure::tuning;
 use crate::density::Density;
 use crate::error::Result;
 use crate::estimate::Estimate;
@@ -11,6 +10,9 @@ use crate::numerics::{Resolvent, propagated, weighted_sum};
 use crate::transient::Relaxation;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
+
+/// Modes of two degrees are the same if they differ by at most this factor times the error of the one of the higher degree.
+const SAME_MODE: f64 = 3.0;
 
 impl ClosureDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0. They are
@@ -104,7 +106,7 @@ impl ClosureDensity {
 /// A mode of the highest degree as it stands at the degree where it differs least from the one below: where low degrees hold
 /// it already, higher ones add rounding. `modes` are those of all degrees, the highest first.
 fn settled(mode: Relaxation, modes: &[Vec<[f64; 2]>]) -> Relaxation {
-    let near = tuning::dynamics::SAME_MODE * mode.error;
+    let near = SAME_MODE * mode.error;
     let mut best = mode;
     for pair in modes[1..].windows(2) {
         let of_degree = Relaxation::slowest(pair[0].clone(), &pair[1], pair[0].len());

@@ -9,16 +9,26 @@ use crate::closure::density::exponent::{Exponent, known_values};
 use crate::closure::discretisation::lines;
 use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::trust_domain::TrustDomain;
+use crate::closure::dynamics::FARTHEST;
 use crate::closure::projection::{distance, mixed, project};
 use crate::closure::reference::{ReferenceDensity, normalised};
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::closure::space::orthonormal::Orthonormal;
-use crate::closure::tuning;
+use crate::closure::{FINE_NODES, KEPT_DROP, LOWEST_COMPARED};
 use crate::numerics::exponentials;
 use crate::problem::Symmetry;
 use crate::provenance::Provenance;
 use std::sync::Arc;
+
+/// The answer from a moving frame is defined where ln p is less than this below its peak, at p above e^−18 = 1.5e-8 of it: what is
+/// beyond would be the largest part of its error.
+const FRAME_KEPT: f64 = 18.0;
+/// Gauss nodes along each state on which the mass of an answer at a time is taken again, since a polynomial may rise between the
+/// nodes.
+const OTHER_NODES: usize = 97;
+/// The relative difference of the masses of an answer at a time on two sets of nodes from which on it counts as an error.
+const UNEVEN: f64 = 0.02;
 
 /// A density p̂ = ω (1 + δ) at one time.
 pub(super) struct Snapshot {
@@ -70,13 +80,13 @@ impl Snapshot {
         let dynamics = &self.dynamics;
         let reference = &self.reference;
         let log = |points: &_| reference.values(points);
-        let reach = tuning::dynamics::FARTHEST;
+        let reach = FARTHEST;
         let in_frame = self.origin == Origin::MovingFrame;
-        let drop = if in_frame { tuning::dynamics::FRAME_KEPT } else { tuning::domain::KEPT };
+        let drop = if in_frame { FRAME_KEPT } else { KEPT_DROP };
         let domain = self.domain.to_first_fall(&self.law.mean, &self.law.deviation, log, drop, reach);
         let smooth = self.is_smooth();
         let nodes = if smooth {
-            Nodes::gauss(&domain, tuning::nodes::FINE[self.law.mean.len().min(2) - 1])
+            Nodes::gauss(&domain, FINE_NODES[self.law.mean.len().min(2) - 1])
         } else {
             Nodes::tensor(&domain, dynamics.rules().to_vec())
         };
@@ -106,7 +116,7 @@ impl Snapshot {
         let exponent = Exponent { known, space, constant, coefficients: fit.coefficients };
         let (error, apart) = (reference.error + (1.0 - mass).abs(), uneven(&exponent, &domain));
         let peak = target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let tails = own.iter().zip(&target).filter(|(_, t)| **t > peak + tuning::candidates::TAIL.ln());
+        let tails = own.iter().zip(&target).filter(|(_, t)| **t > peak + LOWEST_COMPARED.ln());
         let candidate = Candidate {
             origin: self.origin,
             l1_estimate: distance(&own, &target, &nodes.weights).hypot(error + apart).min(2.0),
@@ -141,10 +151,10 @@ impl Snapshot {
 /// How far the mass of a density, which is 1 on the nodes, is from that on others: beyond the accuracy of plain Gauss nodes next
 /// to walls, a polynomial rises between the nodes.
 fn uneven(exponent: &Exponent, domain: &TrustDomain) -> f64 {
-    let others = Nodes::gauss(domain, tuning::dynamics::OTHER_NODES);
+    let others = Nodes::gauss(domain, OTHER_NODES);
     let mut density = exponent.values(&others.points);
     exponentials(&mut density);
     let mass: f64 = density.iter().zip(&others.weights).map(|(p, w)| w * p).sum();
     let apart = (mass - 1.0).abs();
-    if apart < tuning::dynamics::UNEVEN { 0.0 } else { apart }
+    if apart < UNEVEN { 0.0 } else { apart }
 }

@@ -4,13 +4,17 @@ use super::moment_system::MomentSystem;
 use crate::checks::require;
 use crate::closure::discretisation::nodes;
 use crate::closure::discretisation::trust_domain::TrustDomain;
-use crate::closure::tuning;
 use crate::density::Frame;
 use crate::error::Result;
 use crate::numerics::{Rule, combination, weighted_sum};
 use crate::states::States;
 use crate::transient::Start;
 use faer::Mat;
+
+/// The largest mass of a start outside of the domain of the moment equations.
+const OUTSIDE: f64 = 1e-3;
+/// Gauss nodes along each axis of a normal start in one state and two.
+const START_NODES: usize = 40;
 
 /// Points with the masses that a density has there.
 #[derive(Debug)]
@@ -44,7 +48,7 @@ impl Beginning {
         let mass: f64 = inside.masses.iter().sum();
         let outside = (mass - 1.0).abs();
         let remedy = "it must lie inside the closure's domain and away from walls, and not be too narrow for its nodes";
-        require(outside <= tuning::dynamics::OUTSIDE, "mass of the start in the domain", mass, remedy)?;
+        require(outside <= OUTSIDE, "mass of the start in the domain", mass, remedy)?;
         let sums = weighted_sum(nodes::values(&system.space, &inside.points).as_ref(), &inside.masses);
         let mut means = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
         system.functions.transform(means.as_mut());
@@ -71,7 +75,7 @@ impl Weighted {
         let mut all = Weighted::none(states);
         // In more states few enough that their product is, and enough for the moments of the highest degree.
         let exact = system.highest_degree() as usize / 2 + 2;
-        let nodes = if states > 2 { exact } else { tuning::dynamics::START_NODES };
+        let nodes = if states > 2 { exact } else { START_NODES };
         match start {
             Start::Point(x) => all.enter(x, 1.0),
             Start::Gaussian(gaussian) => {

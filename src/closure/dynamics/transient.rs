@@ -11,7 +11,7 @@ use crate::closure::density::content::Content;
 use crate::closure::method::{Closure, Order, Reference};
 use crate::closure::projection::Weight;
 use crate::closure::space::degrees::Degrees;
-use crate::closure::tuning;
+use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;
@@ -20,6 +20,18 @@ use crate::problem::Problem;
 use crate::provenance::Provenance;
 use crate::transient::{Course, Start, Transient, check_times};
 use std::sync::Arc;
+
+/// The least order of the stationary closure whose reference gives the weight of the moment equations in time.
+const BASE: u32 = 8;
+/// The order under impulses of the stationary closure that gives the weight in time, where modes grow under the weight of a higher
+/// one.
+const LOW_BASE: u32 = 4;
+/// The most estimates of the error of a moving frame: a bound on work.
+const FRAME_STRETCHES: usize = 1200;
+/// The moment equations of the stationary weight go on from a moving frame whose error, in L¹, is below this.
+const FRAME_GOOD: f64 = 1e-3;
+/// A moving frame is given up where its error, in L¹, is above this.
+const FRAME_LOST: f64 = 0.05;
 
 impl Closure {
     /// The densities of a problem at rising `times` after a start, each closed by this order.
@@ -71,7 +83,7 @@ impl Closure {
         served(problem.dimension(), problem.walls().len(), envelope.is_none())?;
         check_times(times, 0.0, "it is counted from the start on")?;
         let walled = !problem.walls().is_empty();
-        let highest = if walled { tuning::space::HIGHEST_ORDER_AT_WALLS } else { tuning::space::HIGHEST_ORDER };
+        let highest = if walled { HIGHEST_ORDER_AT_WALLS } else { HIGHEST_ORDER };
         self.check(problem.dimension(), highest)?;
         if problem.dimension() > 2 || envelope.is_some() {
             return self.carried_transient(problem, course, times);
@@ -118,11 +130,9 @@ impl Closure {
             density.motion()?;
             Ok(density)
         };
-        let first = of_order(self.highest().clamp(tuning::dynamics::BASE, tuning::space::HIGHEST_ORDER_AT_WALLS));
+        let first = of_order(self.highest().clamp(BASE, HIGHEST_ORDER_AT_WALLS));
         match first {
-            Err(Error::NotClosed { .. }) if !problem.impulses().is_empty() => {
-                of_order(tuning::dynamics::LOW_BASE).or(first)
-            }
+            Err(Error::NotClosed { .. }) if !problem.impulses().is_empty() => of_order(LOW_BASE).or(first),
             first => first,
         }
     }
@@ -130,14 +140,14 @@ impl Closure {
     /// The closure of one time, of the snapshot with the smaller error: of the given order, or the lowest even one that meets the
     /// target, or else the best.
     fn at_time(&self, mut known: Vec<Snapshot>, provenance: &Provenance) -> Result<ClosureDensity> {
-        let highest = self.highest().min(tuning::space::HIGHEST_ORDER_AT_WALLS).max(self.lowest());
+        let highest = self.highest().min(HIGHEST_ORDER_AT_WALLS).max(self.lowest());
         let polynomial = known.iter().filter(|snapshot| snapshot.is_smooth());
         let likeliest: Vec<Snapshot> =
             polynomial.filter_map(|known| known.of_largest_entropy([self.lowest(), highest])).collect();
         known.extend(likeliest);
         let (orders, target): (Vec<u32>, f64) = match self.order {
             Order::Fixed(order) => (vec![order], 0.0),
-            Order::Adaptive(target) => ((2..=tuning::space::HIGHEST_ORDER_AT_WALLS).step_by(2).collect(), target),
+            Order::Adaptive(target) => ((2..=HIGHEST_ORDER_AT_WALLS).step_by(2).collect(), target),
         };
         let tails = if let Weight::Tails(share) = self.weight { share } else { 0.0 };
         let reason = "neither a frame that moves with the density nor its moment equations hold it at one of the times";
@@ -180,10 +190,10 @@ fn followed(
         }
         loop {
             let error = early.error();
-            if error > tuning::dynamics::FRAME_LOST || stretches > tuning::dynamics::FRAME_STRETCHES {
+            if error > FRAME_LOST || stretches > FRAME_STRETCHES {
                 break 'times;
             }
-            if error < tuning::dynamics::FRAME_GOOD {
+            if error < FRAME_GOOD {
                 good = early.weighted().map(|weighted| (early.time(), weighted));
             }
             if early.time() >= time {

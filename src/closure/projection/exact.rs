@@ -12,10 +12,25 @@ use crate::closure::projection::{distance, project, tempered};
 use crate::closure::reference::scaled_mass;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
-use crate::closure::tuning;
+use crate::closure::{CONVERGING, EXACT_STEPS, FINE_NODES, FINE_REFERENCE, FULL_DROP, ROUNDING, SOLVED};
 use crate::numerics::{Rule, least_norm, weighted_product};
 use crate::states::States;
 use faer::{Col, Mat};
+
+/// The largest factor by which the domain is widened for an exact density on Gauss nodes.
+const EXACT_FOLLOWED: f64 = 3.0;
+/// The orders at which known densities are exact: those below the order of the closure are tried.
+const LOWER_ORDERS: [u32; 4] = [2, 4, 6, 8];
+/// A density whose L¹ distance from the reference exceeds the reference's own error by this factor is not exact. Halved, it
+/// misses the exact density of two wells at order 6.
+const POLISHABLE: f64 = 30.0;
+/// The root mean square of the residual, relative to its parts, above which no exact density is near. None of nine closures of
+/// orders 4 to 8 depends on it.
+const NEAR: f64 = 0.3;
+/// Two rules for an exact density agree to this part of its mass and second moments.
+const EXACT: f64 = 1e-10;
+/// An exact density has no known integrals where two rules differ by more than this part of its mass and second moments.
+const UNKNOWN: f64 = 1e-6;
 
 impl NodalClosure {
     /// The exact density next to the chosen one, or the density of a lower order if that is exact: the equations of the
@@ -30,9 +45,9 @@ impl NodalClosure {
         let discretisation = &self.discretisation;
         let solution = |exponent: &Exponent| polished(discretisation, exponent, kept);
         // The distance of an exact density from the reference is the reference's own error.
-        let polishable = tuning::exact::POLISHABLE * scoring.reference.doubt + tuning::reference::FINE;
+        let polishable = POLISHABLE * scoring.reference.doubt + FINE_REFERENCE;
         let measure = tempered(&scoring.target, &kept.weights, 1.0);
-        let lower = tuning::exact::LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
+        let lower = LOWER_ORDERS.iter().filter(|lower| **lower < order).find_map(|&lower| {
             let space = discretisation.family.nested(lower).answer;
             let functions = Orthonormal::new(nodes::values(&space, &kept.points), &measure)?;
             let fit = project((&functions, functions.values.as_ref()), &scoring.fixed, &scoring.target, &measure)?;
@@ -91,7 +106,7 @@ fn log_normaliser(exponent: &Exponent, nodes: &Nodes) -> f64 {
 /// A domain about a region as far as exp(Q) falls.
 fn followed(region: &TrustDomain, exponent: &Exponent) -> TrustDomain {
     let log = |points: &States| exponent.values(points);
-    region.following(log, tuning::domain::FULL_DROP, tuning::domain::EXACT_FOLLOWED)
+    region.following(log, FULL_DROP, EXACT_FOLLOWED)
 }
 
 /// Where an exact density is integrated: its domain with nodes, rules along the states, and what two rules differ by.
@@ -107,18 +122,18 @@ impl Integrated {
     /// agrees with the other.
     fn within(exponent: &Exponent, region: &TrustDomain) -> Option<Self> {
         let own = followed(region, exponent);
-        let farthest = tuning::domain::EXACT_FOLLOWED * region.reach.iter().copied().fold(0.0, f64::max);
+        let farthest = EXACT_FOLLOWED * region.reach.iter().copied().fold(0.0, f64::max);
         let ellipse = TrustDomain::whole(region.centre.clone(), region.scale.clone(), farthest);
-        let elsewhere = ellipse.above(|points| exponent.values(points), tuning::domain::FULL_DROP);
+        let elsewhere = ellipse.above(|points| exponent.values(points), FULL_DROP);
         Self::over(exponent, own.joined(&elsewhere))
     }
 
     fn over(exponent: &Exponent, domain: TrustDomain) -> Option<Self> {
-        let given = Nodes::gauss(&domain, tuning::nodes::FINE[domain.centre.len().min(2) - 1]).rules;
-        let found = resolved(&domain, |points| exponent.values(points), &given, tuning::panels::EXACT);
+        let given = Nodes::gauss(&domain, FINE_NODES[domain.centre.len().min(2) - 1]).rules;
+        let found = resolved(&domain, |points| exponent.values(points), &given, EXACT);
         let lines = if found.rules == given { lines(&domain) } else { found.rules.clone() };
         let nodes = Nodes::tensor(&domain, found.rules);
-        (found.apart <= tuning::panels::UNKNOWN).then_some(Integrated { domain, nodes, lines, apart: found.apart })
+        (found.apart <= UNKNOWN).then_some(Integrated { domain, nodes, lines, apart: found.apart })
     }
 }
 
@@ -138,7 +153,7 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
         .for_each(|passage| [passage.before, passage.after].iter().for_each(|x| ends.push(x)));
     let walls = nodes::values(&exponent.space, &ends);
     let mut last = f64::INFINITY;
-    for _ in 0..tuning::exact::STEPS {
+    for _ in 0..EXACT_STEPS {
         let log = current.values(points);
         let measure = tempered(&log, weights, 1.0);
         // The residual, its part that the drift makes, and the drift of its linearisation.
@@ -154,12 +169,12 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
             .zip(&measure)
             .fold([0.0; 2], |[square, parts], ((r, along, _), w)| [square + w * r * r, parts + w * along]);
         let size = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
-        if size < tuning::ROUNDING {
+        if size < ROUNDING {
             return Some(current);
         }
-        let solved = size < tuning::SOLVED;
+        let solved = size < SOLVED;
         // The negation also excludes NaN.
-        if !(solved || size < tuning::exact::NEAR && size < tuning::CONVERGING * last) {
+        if !(solved || size < NEAR && size < CONVERGING * last) {
             return None;
         }
         last = size;
@@ -189,7 +204,7 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
         // Next to an exact solution many functions about a wall do nothing: the least step is taken.
         let matrix = Mat::from_fn(count, count, |k, l| system[(k + 1, l + 1)] * scale[l]);
         let right = Col::from_fn(count, |k| -system[(k + 1, 0)]);
-        let step = least_norm(&matrix, &right, tuning::SOLVED * matrix.norm_l2())?;
+        let step = least_norm(&matrix, &right, SOLVED * matrix.norm_l2())?;
         for k in 0..count {
             current.coefficients[k] += scale[k] * step[k];
         }

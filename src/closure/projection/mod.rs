@@ -8,12 +8,20 @@ pub(super) mod on_states;
 
 use super::space::orthonormal::{Orthonormal, near_orthonormal};
 use crate::checks::{finite, require};
-use crate::closure::tuning;
+use crate::closure::TAILS_POWER;
 use crate::error::Result;
+use crate::numerics::Search;
 use crate::numerics::{Concave, Summit, combination, definite, exponentials, weighted_gram, weighted_sum};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef};
 use std::fmt;
+
+/// The search for the closest exponential polynomial: its tolerance is a distance between logarithms.
+const SEARCH: Search = Search { tolerance: 1e-10, most: 60 };
+/// The powers of the weight under which least squares give a start for a fit where those under the weight itself do not.
+const FLATTER: [f64; 3] = [0.6, 0.3, 0.1];
+/// The distance, in the measure that a fit makes least, at which a start by least squares is good enough.
+const NEAR: f64 = 0.1;
 
 /// The weight of the tails in the fit of Q.
 ///
@@ -110,8 +118,8 @@ impl Closeness<'_> {
             self.value(&c, &self.combination(&c)).map(|(value, _)| (-value, c))
         };
         let mut starts: Vec<_> = least_squares(&factors, self.measure).into_iter().collect();
-        for share in tuning::projection::FLATTER {
-            if starts.last().is_some_and(|(cost, _)| *cost < tuning::projection::NEAR) {
+        for share in FLATTER {
+            if starts.last().is_some_and(|(cost, _)| *cost < NEAR) {
                 break;
             }
             // The rule's own weights are flattened too, which does no harm in a start.
@@ -119,7 +127,7 @@ impl Closeness<'_> {
             starts.extend(self.gram(&flat).and_then(|factors| least_squares(&factors, &flat)));
         }
         let (cost, start) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        tuning::projection::SEARCH.ascend(self, start, (cost < tuning::projection::NEAR).then_some(factors))
+        SEARCH.ascend(self, start, (cost < NEAR).then_some(factors))
     }
 
     /// The factors of Σ w ψψᵀ, which is semidefinite to rounding.
@@ -177,7 +185,7 @@ pub(super) fn tempered(logarithm: &[f64], weights: &[f64], theta: f64) -> Vec<f6
 /// (1 − λ) p + λ p^0.3 times the quadrature weights, both parts with sum 1, for p given by its logarithm.
 pub(super) fn mixed(logarithm: &[f64], weights: &[f64], share: f64) -> Vec<f64> {
     let density = tempered(logarithm, weights, 1.0);
-    let flat = tempered(logarithm, weights, tuning::projection::FLAT);
+    let flat = tempered(logarithm, weights, TAILS_POWER);
     density.iter().zip(flat).map(|(p, t)| (1.0 - share) * p + share * t).collect()
 }
 

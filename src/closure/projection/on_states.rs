@@ -8,7 +8,7 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::locals;
 use crate::closure::pilot::normal_density;
 use crate::closure::space::{Functions, sweep};
-use crate::closure::tuning;
+use crate::closure::{CONVERGING, EXACT_STEPS, ROUNDING, SOLVED};
 use crate::fokker_planck::Local;
 use crate::numerics::{least_norm, triangle};
 use crate::polynomial::{Gaussian, monomials};
@@ -16,6 +16,12 @@ use crate::problem::Problem;
 use crate::states::States;
 use faer::{Col, Mat};
 use nalgebra::DVector;
+
+/// The states at which the residual of an exact density is to vanish, and those by which its root is first guessed: bounds on
+/// work, as three times as many give the same.
+const AT_STATES: [usize; 2] = [4000, 20_000];
+/// The most functions of an exact density that is sought at states of the pilot: a bound on work.
+const MOST: usize = 150;
 
 /// The exact density of the lowest of some orders at which there is one, in the functions of that order; its constant is 0.
 pub(in crate::closure) fn exact_on_states(
@@ -27,13 +33,13 @@ pub(in crate::closure) fn exact_on_states(
     if !is_smooth(problem) {
         return None;
     }
-    let [few, more] = tuning::exact::AT_STATES.map(|count| states.evenly(count));
+    let [few, more] = AT_STATES.map(|count| states.evenly(count));
     let (locals, normal) = (locals(problem, &few), normal_density(problem));
     orders.filter(|order| *order > 1).map(functions).find_map(|space| {
         if let Some(normal) = &normal {
             return quadratic(&space, normal);
         }
-        if space.len() > tuning::exact::MOST || few.len() < 2 * space.len() {
+        if space.len() > MOST || few.len() < 2 * space.len() {
             return None;
         }
         let start = by_scores(&space, &more)?;
@@ -63,7 +69,7 @@ fn quadratic(space: &Functions, Gaussian { mean, covariance }: &Gaussian) -> Opt
     let listed = |alpha: &Vec<u32>| polynomials.exponents().contains(alpha);
     let all = monomials(mean.len(), 2);
     let missing = all.iter().filter(|alpha| !listed(alpha)).map(coefficient);
-    if missing.fold(0.0, |most: f64, c| most.max(c.abs())) > tuning::SOLVED {
+    if missing.fold(0.0, |most: f64, c| most.max(c.abs())) > SOLVED {
         return None;
     }
     let coefficients = polynomials.exponents().iter().map(coefficient).collect();
@@ -80,7 +86,7 @@ pub(in crate::closure) fn exact_near(problem: &Problem, states: &States, start: 
     if !is_smooth(problem) || !start.known.is_empty() {
         return None;
     }
-    let few = states.evenly(tuning::exact::AT_STATES[0]);
+    let few = states.evenly(AT_STATES[0]);
     (few.len() >= 2 * start.space.len()).then(|| root((&few, &locals(problem, &few)), start.clone()))?
 }
 
@@ -110,7 +116,7 @@ fn by_scores(space: &Functions, states: &States) -> Option<Vec<f64>> {
     let r = triangle(slopes.as_ref(), &vec![(count as f64).recip(); count * dimension]);
     let svd = r.thin_svd().ok()?;
     let (sizes, along) = (svd.S(), svd.V().transpose() * bends);
-    let cut = tuning::SOLVED * sizes[0];
+    let cut = SOLVED * sizes[0];
     let parts = Col::from_fn(size, |k| if sizes[k] > cut { -along[k] / (sizes[k] * sizes[k]) } else { 0.0 });
     let a = svd.V() * parts;
     Some((0..size).map(|k| a[k]).collect())
@@ -121,7 +127,7 @@ fn root((states, locals): (&States, &[Local]), start: Exponent) -> Option<Expone
     let (count, size) = (states.len(), start.space.len());
     let measure = vec![(count as f64).recip(); count];
     let (mut current, mut last) = (start, f64::INFINITY);
-    for step in 0..tuning::exact::STEPS {
+    for step in 0..EXACT_STEPS {
         let linearised = sweep::at_jets(&current, states, |i, gradient, hessian| {
             let mut reversed = vec![0.0; gradient.len()];
             locals[i].reversed(gradient, &mut reversed);
@@ -131,9 +137,9 @@ fn root((states, locals): (&States, &[Local]), start: Exponent) -> Option<Expone
         let [square, parts] =
             linearised.iter().fold([0.0; 2], |[square, parts], (r, part, _)| [square + r * r, parts + part]);
         let own = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
-        let solved = own < tuning::SOLVED;
+        let solved = own < SOLVED;
         // From the start the first step may lead away; the negation also excludes NaN.
-        if !(solved || step == 1 || own < tuning::CONVERGING * last) {
+        if !(solved || step == 1 || own < CONVERGING * last) {
             return None;
         }
         last = own;
@@ -147,7 +153,7 @@ fn root((states, locals): (&States, &[Local]), start: Exponent) -> Option<Expone
         let r = triangle(system.as_ref(), &measure);
         let right = Col::from_fn(size, |k| -r[(k, size)]);
         let matrix = r.get(..size, ..size).to_owned();
-        let change = least_norm(&matrix, &right, tuning::ROUNDING * matrix.norm_l2())?;
+        let change = least_norm(&matrix, &right, ROUNDING * matrix.norm_l2())?;
         current.coefficients.iter_mut().enumerate().for_each(|(k, a)| *a += scale[k] * change[k]);
         if solved {
             return Some(current).filter(Exponent::is_normalisable);

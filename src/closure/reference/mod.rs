@@ -13,7 +13,7 @@ use super::space::Functions;
 use super::space::nested_spaces::{NestedSpaces, Truncation};
 use super::space::sweep::{self, Function};
 use crate::checks::dimension;
-use crate::closure::tuning;
+use crate::closure::{CONVERGING, FINE_REFERENCE, ROUNDING, UNUSABLE, WEIGHT_POWER};
 use crate::error::Result;
 use crate::numerics::{Number, exponentials};
 use crate::polynomial::power;
@@ -21,6 +21,31 @@ use crate::record::{Read, number};
 use crate::states::States;
 use moment_equations::resolve;
 use serde::{Deserialize, Serialize};
+
+/// The most weights of a reference, each renewed from the solution under the one before. None of nine closures of orders 4 to 8
+/// depends on it.
+const RENEWALS: usize = 8;
+/// The weight of a reference settles within so many renewals from an initial one. Halved or doubled, it changes L¹ errors of
+/// nine closures of orders 4 to 8 by up to −7 % or +5 %.
+const SETTLING: usize = 3;
+/// The error of a reference may grow by more than this factor once while its weight settles. Halved or doubled, it changes L¹
+/// errors of nine closures of orders 4 to 8 by up to +1 % or 0.
+const PATIENCE: f64 = 2.0;
+/// Two errors of a reference count as the same up to this factor: a later density is then preferred to an earlier one, and a
+/// weight that starts from that of a similar system has settled once its correction is the same as there. Halved or doubled, it
+/// changes L¹ errors of nine closures of orders 4 to 8 by up to −8 % or +7 %.
+const SAME: f64 = 1.5;
+/// Where the initial weight of a reference leads to an L¹ error above this, another one is tried. None of nine closures of
+/// orders 4 to 8 depends on it.
+const GOOD: f64 = 0.05;
+/// A reference's error below this share of the answer's distance from it needs no further attempt. None of nine closures of
+/// orders 4 to 8 depends on it.
+const MINOR: f64 = 0.7;
+/// The factor at which the ratio of a reference's density to its weight is cut off, upwards and downwards, before its logarithm
+/// is taken. Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +4 % or ±1 %.
+const CUT: f64 = 20.0;
+/// The ratio of a density in time to its weight is cut off at this factor, upwards and downwards, before its logarithm is taken.
+const CUT_IN_TIME: f64 = 1e12;
 
 /// A start for a reference: the weight of a similar system's, and the size of its correction.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +93,7 @@ pub(crate) struct ReferenceDensity {
 impl ReferenceDensity {
     /// The density of a time, with an estimate of its error: ω (1 + δ) with a δ that is not small.
     pub(super) fn in_time(weight: Exponent, space: Functions, correction: Vec<f64>, error: f64) -> Self {
-        let (logarithm, cut) = (Vec::new(), tuning::dynamics::CUT);
+        let (logarithm, cut) = (Vec::new(), CUT_IN_TIME);
         ReferenceDensity { weight, space, correction, error, size: 1.0, cut, logarithm, doubt: error, solved: 1 }
     }
 
@@ -90,8 +115,8 @@ impl ReferenceDensity {
         let whole = Self::with_truncation(discretisation, nested, table, nested.whole, start, &fit);
         let Some(cut) = nested.cut else { return whole };
         let minor = |whole: &Self| {
-            whole.error <= tuning::reference::FINE
-                || whole.error <= tuning::reference::MINOR * whole.distance_to_answer(discretisation, nested, table)
+            whole.error <= FINE_REFERENCE
+                || whole.error <= MINOR * whole.distance_to_answer(discretisation, nested, table)
         };
         if whole.as_ref().is_some_and(minor) {
             return whole;
@@ -113,12 +138,12 @@ impl ReferenceDensity {
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
         let similar = start.and_then(|start| Self::renewed(discretisation, nested, table, truncation, start.clone()));
-        if similar.as_ref().is_some_and(|similar| similar.error <= tuning::reference::GOOD) {
+        if similar.as_ref().is_some_and(|similar| similar.error <= GOOD) {
             return similar;
         }
         let afresh = |weight| Self::renewed(discretisation, nested, table, truncation, Start { weight, settled: 0.0 });
         let first = afresh(discretisation.guess.clone());
-        if first.as_ref().is_some_and(|first| first.error <= tuning::reference::GOOD) {
+        if first.as_ref().is_some_and(|first| first.error <= GOOD) {
             return first;
         }
         let second = fit().and_then(afresh);
@@ -148,7 +173,7 @@ impl ReferenceDensity {
         let mut change = f64::INFINITY;
         // One bad weight may be followed by a good one; after a second one the search ends.
         let mut strikes = 0;
-        for solved in 1..=tuning::reference::RENEWALS {
+        for solved in 1..=RENEWALS {
             let measure = tempered(&log, &nodes.weights, 1.0);
             let (top, mass) = scaled_mass(&log, &nodes.weights);
             let passages: Vec<f64> = discretisation
@@ -161,19 +186,18 @@ impl ReferenceDensity {
                 break;
             };
             let error = found.error;
-            if discretisation.is_on_lattice() && error > tuning::reference::UNKNOWN {
+            if discretisation.is_on_lattice() && error > UNUSABLE {
                 break;
             }
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
-            strikes += u32::from(error > tuning::reference::PATIENCE * least);
+            strikes += u32::from(error > PATIENCE * least);
             if strikes > 1 {
                 break;
             }
-            let target: Vec<f64> =
-                log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d, tuning::reference::CUT)).collect();
+            let target: Vec<f64> = log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d, CUT)).collect();
             let before = std::mem::replace(&mut change, found.size);
             // Of two that are about as good the later one is better in the tails.
-            if error < tuning::reference::SAME * least {
+            if error < SAME * least {
                 best = Some(ReferenceDensity {
                     weight: weight.clone(),
                     space: nested.all.clone(),
@@ -183,15 +207,12 @@ impl ReferenceDensity {
                     doubt: error,
                     solved,
                     size: found.size,
-                    cut: tuning::reference::CUT,
+                    cut: CUT,
                 });
             }
             // After the first renewals the correction is the part that a polynomial of the weight's degree cannot represent.
-            let settled = solved > 1 && change <= tuning::reference::SAME * settled;
-            if change < tuning::ROUNDING
-                || settled
-                || (solved > tuning::reference::SETTLING && change > tuning::CONVERGING * before)
-                || solved == tuning::reference::RENEWALS
+            let settled = solved > 1 && change <= SAME * settled;
+            if change < ROUNDING || settled || (solved > SETTLING && change > CONVERGING * before) || solved == RENEWALS
             {
                 break;
             }
@@ -200,7 +221,7 @@ impl ReferenceDensity {
                 (&table.functions, values),
                 &discretisation.fixed,
                 &target,
-                &tempered(&target, &nodes.weights, tuning::reference::FLATNESS),
+                &tempered(&target, &nodes.weights, WEIGHT_POWER),
             ) else {
                 break;
             };
@@ -316,12 +337,12 @@ fn log_ratio(correction: f64, cut: f64) -> f64 {
 
 /// The cut of a stationary reference.
 fn cut() -> f64 {
-    tuning::reference::CUT
+    CUT
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
 fn is_cut(cut: &f64) -> bool {
-    *cut == tuning::reference::CUT
+    *cut == CUT
 }
 
 /// The highest of some logarithms, and the sum over the nodes of their exponentials relative to it.

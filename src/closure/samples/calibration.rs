@@ -5,9 +5,10 @@ use super::paths::{ImpactStatistics, Paths};
 use super::products::Products;
 use crate::closure::density::impacts::WallImpacts;
 use crate::closure::pilot::Pilot;
+use crate::closure::samples::{LEAST_WEIGHT, MANY};
 use crate::closure::space::Functions;
 use crate::closure::space::degrees::Degrees;
-use crate::closure::tuning::{self, pilot::TRAJECTORIES};
+use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, PILOT_TRAJECTORIES};
 use crate::control_variates::impulses::images;
 use crate::control_variates::regression;
 use crate::numerics::symmetric;
@@ -15,6 +16,9 @@ use crate::parallel;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
+
+/// The degrees of the functions ψ whose moment equations may calibrate the pilot's means.
+const DEGREES: [u32; 6] = [2, 4, 6, 8, 10, 12];
 
 /// Groups of trajectories whose spread is the standard error of statistics of impacts.
 const GROUPS: usize = 64;
@@ -139,18 +143,16 @@ impl Calibration {
         wanted: usize,
     ) -> Option<Self> {
         let symmetry = family.symmetry();
-        let samples = pilot.states.len() / TRAJECTORIES;
-        let least = if family.corners().is_empty() { 1 } else { tuning::calibration::LENGTH_AT_WALLS };
-        let most = (samples / tuning::calibration::LEAST_BLOCKS).max(1);
+        let samples = pilot.states.len() / PILOT_TRAJECTORIES;
+        let least = if family.corners().is_empty() { 1 } else { LENGTH_AT_WALLS };
+        let most = (samples / LEAST_BLOCKS).max(1);
         let length = (pilot.slowness(symmetry).ceil() as usize).max(least).min(most);
-        let blocks = (samples / length) * TRAJECTORIES;
+        let blocks = (samples / length) * PILOT_TRAJECTORIES;
         let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
         // From below, so that the many functions of a high degree in many states are not listed in vain.
-        let tested = tuning::calibration::DEGREES.iter().map(|&degree| (degree, exponents(degree)));
-        let allowed = tested.take_while(|(degree, tests)| {
-            tests.len() * tuning::calibration::BLOCKS_EACH <= blocks
-                && (*degree <= 6 || tests.len() <= tuning::space::MANY)
-        });
+        let tested = DEGREES.iter().map(|&degree| (degree, exponents(degree)));
+        let allowed = tested
+            .take_while(|(degree, tests)| tests.len() * BLOCKS_EACH <= blocks && (*degree <= 6 || tests.len() <= MANY));
         let (mut degrees, mut exponents) = (vec![(None, 0)], Vec::new());
         for (degree, tests) in allowed {
             degrees.push((Some(degree), tests.len()));
@@ -203,7 +205,7 @@ impl Calibration {
         };
         // A few far states must not determine the regression of a high degree alone; where they do so at every degree, the
         // pilot has not mixed.
-        let sound = found.iter().position(|tested| weight(tested) > tuning::calibration::LEAST_WEIGHT).unwrap_or(0);
+        let sound = found.iter().position(|tested| weight(tested) > LEAST_WEIGHT).unwrap_or(0);
         let smallest_weight = weight(found.get(sound)?);
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
         let mut calibration = Calibration {
@@ -231,8 +233,8 @@ impl Calibration {
             let first = self.functions + wall * ImpactStatistics::EACH;
             let columns = first..first + ImpactStatistics::EACH;
             let groups = (0..GROUPS).map(|g| {
-                let members = (g..TRAJECTORIES).step_by(GROUPS);
-                let share = GROUPS as f64 / TRAJECTORIES as f64;
+                let members = (g..PILOT_TRAJECTORIES).step_by(GROUPS);
+                let share = GROUPS as f64 / PILOT_TRAJECTORIES as f64;
                 columns.clone().map(|k| members.clone().map(|t| self.residuals[(t, k)]).sum::<f64>() * share).collect()
             });
             WallImpacts::new(self.means[columns.clone()].to_vec(), groups.collect(), self.speed_bin)
@@ -243,18 +245,18 @@ impl Calibration {
     /// The standard error of E Σ c_k φ_k, by the spread between trajectories.
     pub(super) fn error(&self, c: &[(usize, f64)]) -> f64 {
         let along = |t: usize| c.iter().map(|&(k, c)| c * self.residuals[(t, k)]).sum::<f64>();
-        let square: f64 = (0..TRAJECTORIES).map(|t| along(t).powi(2)).sum();
+        let square: f64 = (0..PILOT_TRAJECTORIES).map(|t| along(t).powi(2)).sum();
         // Two means have been taken off.
-        (square / (TRAJECTORIES - 2) as f64 / TRAJECTORIES as f64).sqrt()
+        (square / (PILOT_TRAJECTORIES - 2) as f64 / PILOT_TRAJECTORIES as f64).sqrt()
     }
 }
 
 /// The mean of φ_k over each trajectory, with the regression β of the other half taken off, less that of its half.
 fn residuals<'a>(mean: &impl Fn(usize, usize) -> &'a [f64], betas: [&Mat<f64>; 2]) -> Mat<f64> {
     let (tests, count) = (betas[0].nrows(), betas[0].ncols());
-    let mut residuals = Mat::zeros(TRAJECTORIES, count);
+    let mut residuals = Mat::zeros(PILOT_TRAJECTORIES, count);
     for half in 0..2 {
-        let members: Vec<usize> = (0..TRAJECTORIES).filter(|t| t % LOTS % 2 == half).collect();
+        let members: Vec<usize> = (0..PILOT_TRAJECTORIES).filter(|t| t % LOTS % 2 == half).collect();
         let r = Mat::from_fn(members.len(), tests, |i, k| mean(members[i], 0)[k]);
         let mut left = Mat::from_fn(members.len(), count, |i, l| mean(members[i], 1)[l]);
         matmul(left.as_mut(), Accum::Add, r.as_ref(), betas[1 - half].as_ref(), -1.0, Par::Seq);

@@ -1,7 +1,8 @@
 //! A density that is easy to draw from and close to the pilot's.
 
 use crate::closure::pilot::Pilot;
-use crate::closure::tuning;
+use crate::closure::samples::WIDENING_AT_WALLS;
+use crate::closure::{CUT_AT_WALLS, WIDENING};
 use crate::error::{Error, Result};
 use crate::problem::{Contact, Symmetry, odd};
 use crate::record::{Read, positive, states};
@@ -78,7 +79,7 @@ impl Copula {
 
     /// Of the pilot's states and their mirror images. None where they lie on a surface.
     pub(in crate::closure) fn new(pilot: &Pilot, symmetry: &Symmetry) -> Option<Self> {
-        Copula::of(symmetry, &|| pilot.states.iter(), tuning::domain::WIDENING)
+        Copula::of(symmetry, &|| pilot.states.iter(), WIDENING)
     }
 
     /// Of the pilot's states and their reflections at each wall, so that the density does not fall off towards walls.
@@ -94,11 +95,11 @@ impl Copula {
         };
         let images = || pilot.states.iter().flat_map(reflected);
         let none = Symmetry::none(pilot.states.dimension());
-        let copula = Copula::of(&none, &images, tuning::domain::WIDENING_AT_WALLS)?;
+        let copula = Copula::of(&none, &images, WIDENING_AT_WALLS)?;
         let of = |x: &[f64]| distance(&copula.inverse, &copula.scores(x));
         let mut distances: Vec<f64> = pilot.states.iter().map(of).collect();
         let last = distances.len().checked_sub(1)?;
-        let kept = ((1.0 - tuning::domain::CUT_AT_WALLS) * last as f64) as usize;
+        let kept = ((1.0 - CUT_AT_WALLS) * last as f64) as usize;
         let (_, farthest, _) = distances.select_nth_unstable_by(kept, f64::total_cmp);
         Some(Copula { farthest: *farthest, ..copula })
     }
@@ -144,7 +145,7 @@ impl Copula {
             knots,
             covariance,
             inverse,
-            farthest: farthest * tuning::domain::WIDENING * tuning::domain::WIDENING,
+            farthest: farthest * WIDENING * WIDENING,
             flips: symmetry.generators(),
         })
     }

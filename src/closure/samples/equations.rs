@@ -3,8 +3,9 @@
 
 use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, effective, lane};
 use super::products::{LANES, Lane, Scratch, ZERO};
+use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH};
 use crate::closure::space::Corner;
-use crate::closure::tuning;
+use crate::closure::{CONVERGING, EXACT_STEPS, SOLVED};
 use crate::control_variates::planes::Form;
 use crate::fokker_planck::Local;
 use crate::numerics::{Eight, add_gram, symmetric};
@@ -107,8 +108,7 @@ impl Likelihood<'_> {
     pub(super) fn polished(&self, problem: &Problem, fit: &Fit) -> Option<Fit> {
         let size = self.products.len() - 1;
         // Where there is a root, few nodes find it as well as many.
-        let enough =
-            (tuning::likelihood::NODES_EACH * size).max(tuning::likelihood::FEWEST_NODES) / tuning::likelihood::FEWER;
+        let enough = (NODES_EACH * size).max(FEWEST_NODES) / FEWER;
         let parts = &self.nodes.parts;
         let fewer = parts.iter().copied().find(|end| *end >= enough && self.walls.is_empty());
         let count = fewer.unwrap_or(fit.masses.len());
@@ -117,11 +117,11 @@ impl Likelihood<'_> {
             masses[..count].iter().map(|p| p / sum).collect()
         };
         let (mut a, mut all, mut last) = (fit.a.clone(), fit.masses.clone(), f64::INFINITY);
-        for steps in 0..tuning::exact::STEPS {
+        for steps in 0..EXACT_STEPS {
             let masses = first(&all);
             let found = self.means(&masses);
             let equations = self.equations(problem, &a, &masses, Columns::Linearised);
-            if equations.size < tuning::SOLVED {
+            if equations.size < SOLVED {
                 return Some(Fit {
                     a,
                     effective: effective(&all),
@@ -131,7 +131,7 @@ impl Likelihood<'_> {
                     masses: all,
                 });
             }
-            if equations.size.is_nan() || equations.size >= tuning::CONVERGING * last {
+            if equations.size.is_nan() || equations.size >= CONVERGING * last {
                 return None;
             }
             last = equations.size;

@@ -2,9 +2,17 @@
 
 use super::calibration::Calibration;
 use super::likelihood::{Fit, Likelihood, distance};
-use crate::closure::tuning;
+use crate::closure::samples::ROUGH;
 use crate::numerics::Search;
 use crate::problem::Problem;
+
+/// The density two degrees higher, by which the error is estimated, is found to this part of its distance.
+const FINE: f64 = 0.02;
+/// The noise of a density relative to the distance between those by the halves of the states: 0.55 to 0.7 in the median of nine
+/// systems.
+const OF_HALVES: f64 = 0.625;
+/// The distance of the density two degrees higher that is assumed where there is no estimate of it, in L¹.
+const UNKNOWN: f64 = 0.15;
 
 /// The estimate of ∫ |p̃ − p| dx for exp(Q) = `fit` in the functions of `own`, the first of those of `likelihood`: the distance from
 /// the density that the pilot's means and the moment equations of all of these give, less the part of it that is chance, plus the last
@@ -24,11 +32,8 @@ pub(super) fn l1_estimate(
     let size = likelihood.products.len() - 1;
     let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(size + 1).collect();
     let apart = |means: &[f64], size: f64| {
-        let above = likelihood.most_likely(
-            means,
-            start.clone(),
-            Search { tolerance: tuning::likelihood::FINE * size, most: tuning::likelihood::ROUGH.most },
-        )?;
+        let above =
+            likelihood.most_likely(means, start.clone(), Search { tolerance: FINE * size, most: ROUGH.most })?;
         Some((distance(&fit.masses, &above.masses), above))
     };
     let reconciled = if size <= covered {
@@ -50,7 +55,7 @@ pub(super) fn l1_estimate(
     let by_both =
         by_both.map(|(found, noise, open)| [(without_noise(found, noise) + 0.5 * noise).hypot(open), 0.5 * noise]);
     let by_pilot = || {
-        let (distance, above) = apart(&calibration.means[..size], tuning::likelihood::UNKNOWN)?;
+        let (distance, above) = apart(&calibration.means[..size], UNKNOWN)?;
         Some(by_means([(own, fit), (likelihood, &above)], distance, calibration))
     };
     by_both.or_else(by_pilot).map_or([2.0; 2], |found| found.map(|part| part.min(2.0)))
@@ -66,8 +71,7 @@ fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &Cal
     // Half the distance between the density by one half of the states and by the other is about the noise of the two together.
     let [own, higher] = fits.map(|(likelihood, fit)| {
         let size = likelihood.products.len() - 1;
-        tuning::likelihood::OF_HALVES
-            * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
+        OF_HALVES * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
     });
     [without_noise(distance, without_noise(higher, own)).hypot(own).hypot(fits[1].1.next), own]
 }

@@ -1,8 +1,30 @@
+use crate::closure::MOST_FUNCTIONS;
 use crate::closure::pilot::Pilot;
+use crate::closure::samples::MANY;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{ContactFunctions, ContactLevel, Corner, Functions, Polynomials, WallLevel};
-use crate::closure::tuning;
 use crate::problem::{Contact, Problem, Symmetry};
+
+/// The functions besides the polynomials of an order next to walls in four states and more: those of the closure, and those by
+/// which its error is estimated. Polynomials of degree 0 in the other states left an oscillator beside a second mass with twice
+/// the residual.
+const AT_WALLS: [ContactLevel; 2] = [beside(3, 5, 1), beside(4, 7, 2)];
+/// The functions besides the polynomials of an order next to walls in three states: those of the closure, and those by which
+/// its error is estimated.
+const AT_WALLS_OF_THREE: [ContactLevel; 2] = [beside(3, 5, 2), beside(4, 7, 2)];
+/// The functions besides the polynomials of an order below four next to walls in three states and more: those of the closure,
+/// and those by which its error is estimated.
+const AT_WALLS_LOW: [ContactLevel; 2] = [beside(2, 3, 1), beside(3, 5, 2)];
+const fn beside(kinks: u32, angular: u32, others: u32) -> ContactLevel {
+    ContactLevel { plane: WallLevel { degree: 0, kinks, depth: 3, angular }, others }
+}
+/// Of more functions than this means have no covariance next to walls in three states and more: a bound on work.
+const MANY_AT_WALLS: usize = 480;
+/// Where the density of samples two degrees higher has more polynomials than this, next to walls in three states and more, only
+/// those of one and of two states are taken beyond the order: a bound on work.
+const MOST_AT_WALLS: usize = 260;
+/// The kinks A u^i w^j z^a beside the polynomials that calibrate the pilot's means next to walls have i + j + |a| up to this.
+const KINKS: u32 = 2;
 
 /// The functions of all orders for one system: polynomials with its symmetry, and next to walls the functions with the
 /// singularity of grazing impacts.
@@ -60,7 +82,7 @@ impl Family {
 
     /// The most functions whose means have covariances.
     pub(super) fn covered(&self) -> usize {
-        if self.corners.is_empty() { tuning::space::MANY } else { tuning::space::MANY_AT_WALLS }
+        if self.corners.is_empty() { MANY } else { MANY_AT_WALLS }
     }
 
     fn states(&self) -> usize {
@@ -80,7 +102,7 @@ impl Family {
     pub(super) fn compared(&self, order: u32) -> Functions {
         let kept = self.exponents(order);
         let mut higher = self.exponents(order + 2);
-        let most = if self.corners.is_empty() { tuning::space::MOST } else { tuning::space::MOST_AT_WALLS };
+        let most = if self.corners.is_empty() { MOST_FUNCTIONS } else { MOST_AT_WALLS };
         if higher.len() > most {
             let few = |alpha: &Vec<u32>| alpha.iter().filter(|power| **power > 0).count() <= 2;
             let beyond: Vec<Vec<u32>> =
@@ -98,10 +120,7 @@ impl Family {
         if self.corners.is_empty() {
             return (Functions::Polynomials(self.polynomials(exponents)), 0);
         }
-        let level = ContactLevel {
-            plane: WallLevel { degree: 0, kinks: tuning::calibration::KINKS, depth: 0, angular: 0 },
-            others: 0,
-        };
+        let level = ContactLevel { plane: WallLevel { degree: 0, kinks: KINKS, depth: 0, angular: 0 }, others: 0 };
         let kinks = self.contacts(&[level], |_| Vec::new());
         let count = kinks.len();
         (Functions::Contacts(kinks.then(self.polynomials(exponents))), count)
@@ -117,9 +136,9 @@ impl Family {
             return Functions::Polynomials(self.polynomials(exponents(highest)));
         }
         let ladder = match (orders[0], self.states()) {
-            (..4, _) => tuning::space::AT_WALLS_LOW,
-            (_, ..=3) => tuning::space::AT_WALLS_OF_THREE,
-            _ => tuning::space::AT_WALLS,
+            (..4, _) => AT_WALLS_LOW,
+            (_, ..=3) => AT_WALLS_OF_THREE,
+            _ => AT_WALLS,
         };
         let level = |(level, order): (ContactLevel, &u32)| ContactLevel {
             plane: WallLevel { degree: *order, ..level.plane },

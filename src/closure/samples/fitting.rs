@@ -9,8 +9,16 @@ use super::strata::Strata;
 use super::walls::WallNodes;
 use super::{Family, Samples};
 use crate::closure::density::exponent::Exponent;
-use crate::closure::tuning;
+use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH, ROUGH, UNEVEN};
+use crate::closure::{EVEN_LATTICE, LIKELIHOOD_SEARCH, MOST_NODES};
 use crate::numerics::Search;
+
+/// The fewest draws of the maximisation next to walls.
+const FEWEST_AT_WALLS: usize = 1 << 17;
+/// Draws of the maximisation next to walls for each function. With 234 for each, the search found a spike.
+const NODES_EACH_AT_WALLS: usize = 450;
+/// Draws of impacts on each wall.
+const ON_WALL: usize = 1 << 14;
 
 /// A mask of the seed, which makes the draws of the maximisation independent of those of the answers.
 const FITTED: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -60,7 +68,7 @@ impl Fitting<'_> {
         // Order by order, each from the one before; next to walls their functions are not nested.
         let lower = (2..self.samples.order).step_by(2).filter(|_| corners.is_empty());
         for order in lower {
-            most_likely(&Products::of(&self.samples.family.functions(order)), tuning::likelihood::ROUGH)?;
+            most_likely(&Products::of(&self.samples.family.functions(order)), ROUGH)?;
         }
         let fit = most_likely(products, search)?;
         Some(Fitted { lattice: None, nodes, walls, fit })
@@ -73,9 +81,9 @@ impl Fitting<'_> {
 
     /// Fewer nodes where they are as good as more; where they are not, the search on them may not end.
     fn on_lattice(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
-        let most = (tuning::likelihood::NODES_EACH * (products.len() - 1))
-            .max(tuning::likelihood::NODES_EACH / 2 * (comparing.len() - 1))
-            .clamp(tuning::likelihood::FEWEST_NODES, tuning::likelihood::MOST_NODES);
+        let most = (NODES_EACH * (products.len() - 1))
+            .max(NODES_EACH / 2 * (comparing.len() - 1))
+            .clamp(FEWEST_NODES, MOST_NODES);
         let on = |most, uneven, search| {
             let (lattice, nodes) =
                 Lattice::finest(self.samples.pilot, self.samples.family.symmetry(), self.samples.copula, most)?;
@@ -83,33 +91,28 @@ impl Fitting<'_> {
             let resolved = self.unevenness(&fitted, comparing) < uneven;
             resolved.then_some(Fitted { lattice: Some(lattice), ..fitted })
         };
-        let search = tuning::guess::SEARCH;
-        let few =
-            on(most / tuning::likelihood::FEWER, tuning::likelihood::EVEN, Search { most: search.most / 2, ..search });
-        few.filter(|fitted| fitted.fit.converged).or_else(|| on(most, tuning::likelihood::UNEVEN, search))
+        let search = LIKELIHOOD_SEARCH;
+        let few = on(most / FEWER, EVEN_LATTICE, Search { most: search.most / 2, ..search });
+        few.filter(|fitted| fitted.fit.converged).or_else(|| on(most, UNEVEN, search))
     }
 
     /// Next to walls on one line, in up to four states.
     fn on_strata(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
         let contacts = self.samples.problem.contacts();
         let strata = Strata::new(self.samples.pilot, &contacts, self.samples.copula)?;
-        let (nodes, walls) = strata.finest(self.samples.family.corners(), tuning::likelihood::MOST_NODES)?;
-        let fitted = self.fitted(products, nodes, walls, tuning::guess::SEARCH)?;
-        (self.unevenness(&fitted, comparing) < tuning::likelihood::UNEVEN).then_some(fitted)
+        let (nodes, walls) = strata.finest(self.samples.family.corners(), MOST_NODES)?;
+        let fitted = self.fitted(products, nodes, walls, LIKELIHOOD_SEARCH)?;
+        (self.unevenness(&fitted, comparing) < UNEVEN).then_some(fitted)
     }
 
     fn on_draws(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
         let corners = self.samples.family.corners();
         let count = products.len() - 1;
         let most = if corners.is_empty() {
-            (tuning::likelihood::NODES_EACH * count)
-                .max(tuning::likelihood::NODES_EACH / 2 * (comparing.len() - 1))
-                .clamp(tuning::likelihood::FEWEST_NODES, tuning::likelihood::MOST_NODES)
+            (NODES_EACH * count).max(NODES_EACH / 2 * (comparing.len() - 1)).clamp(FEWEST_NODES, MOST_NODES)
         } else {
             // About as many stay on this side of all walls.
-            (tuning::likelihood::NODES_EACH_AT_WALLS * count)
-                .clamp(tuning::likelihood::FEWEST_AT_WALLS, tuning::likelihood::MOST_NODES)
-                * (1 + corners.len())
+            (NODES_EACH_AT_WALLS * count).clamp(FEWEST_AT_WALLS, MOST_NODES) * (1 + corners.len())
         };
         let space = self.samples.family.functions(self.samples.order);
         let coefficients = vec![0.0; count];
@@ -119,10 +122,10 @@ impl Fitting<'_> {
         let contacts = self.samples.problem.contacts();
         let on_wall = |(wall, contact)| {
             let seed = seed.rotate_left(1 + wall as u32);
-            WallNodes::new(self.samples.pilot, (wall, contact), corners, tuning::likelihood::ON_WALL, seed)
+            WallNodes::new(self.samples.pilot, (wall, contact), corners, ON_WALL, seed)
         };
         let walls = contacts.iter().enumerate().map(on_wall).collect::<Option<_>>()?;
-        self.fitted(products, nodes, walls, tuning::guess::SEARCH)
+        self.fitted(products, nodes, walls, LIKELIHOOD_SEARCH)
     }
 }
 

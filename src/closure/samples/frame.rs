@@ -1,10 +1,14 @@
 //! Orthonormal functions for the search on thin states.
 
 use super::likelihood::{Fit, Likelihood, effective, with_constant};
-use crate::closure::tuning;
 use crate::numerics::{Concave, Search, definite};
 use faer::Mat;
 use faer::linalg::solvers::Llt;
+
+/// The steps of a search on a thin state after which its functions are made orthonormal again, one stretch after the other.
+const FRAMES: [usize; 4] = [2, 4, 10, usize::MAX];
+/// Functions on a thin state whose part beyond all others is below this, relative to the largest, are left out as dependent.
+const DEPENDENT: f64 = 1e-11;
 
 /// χ = Tᵀ(φ − Eφ), orthonormal under some masses.
 ///
@@ -23,7 +27,7 @@ impl Frame {
         let scaled = Mat::from_fn(triangle.nrows(), size, |i, k| triangle[(i, k)] * scale[k]);
         let svd = scaled.thin_svd().ok()?;
         let (sizes, v) = (svd.S(), svd.V());
-        let kept = (0..size).take_while(|k| sizes[*k] > tuning::nest::DEPENDENT * sizes[0]).count();
+        let kept = (0..size).take_while(|k| sizes[*k] > DEPENDENT * sizes[0]).count();
         (kept > 0).then(|| Frame { transform: Mat::from_fn(size, kept, |i, k| scale[i] * v[(i, k)] / sizes[k]) })
     }
 
@@ -50,7 +54,7 @@ impl Likelihood<'_> {
     /// on the way.
     pub(super) fn most_likely_in_frames(&self, means: &[f64], start: Vec<f64>, search: Search) -> Option<Fit> {
         let (mut a, mut steps) = (start, 0);
-        for part in tuning::nest::FRAMES {
+        for part in FRAMES {
             let q = self.combination(&a);
             let (_, masses) = self.integral(&q)?;
             let frame = self.frame(&masses)?;

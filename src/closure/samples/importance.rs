@@ -7,7 +7,6 @@ use super::nodes::Nodes;
 use super::products::{LANES, Products, ZERO};
 use crate::closure::density::exponent::{Exponent, known_value};
 use crate::closure::space::Corner;
-use crate::closure::tuning;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::exponentials;
@@ -16,6 +15,11 @@ use crate::record::{Read, positive, states};
 use crate::states::States;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use serde::{Deserialize, Serialize};
+
+/// Random shifts of the lattice of draws for integrals: the spread between them is the standard error.
+const SHIFTS: usize = 16;
+/// The factor by which a section of a density has fewer draws than a mean: a marginal is computed at many places.
+const OF_A_SECTION: usize = 8;
 
 /// Draws that a thread takes at a time.
 const BLOCK: usize = 2048;
@@ -67,8 +71,8 @@ impl Shifts {
     /// About so many points in `n` dimensions.
     pub(super) fn new(n: usize, draws: usize, seed: u64) -> Self {
         let mut stream = ChaCha8Rng::seed_from_u64(seed);
-        let starts = (0..tuning::density::SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
-        let blocks = draws.div_ceil(BLOCK * tuning::density::SHIFTS).max(1);
+        let starts = (0..SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
+        let blocks = draws.div_ceil(BLOCK * SHIFTS).max(1);
         Shifts { starts, blocks, advance: square_roots(n) }
     }
 
@@ -84,8 +88,8 @@ impl Shifts {
 
     /// The same in `n` dimensions, if the numbers have a meaning.
     fn checked(self, n: usize) -> Read<Self> {
-        if self.starts.len() != tuning::density::SHIFTS {
-            return Err(format!("there are {} shifts, not {}", self.starts.len(), tuning::density::SHIFTS));
+        if self.starts.len() != SHIFTS {
+            return Err(format!("there are {} shifts, not {}", self.starts.len(), SHIFTS));
         }
         self.starts.iter().try_for_each(|shift| states("a shift of the draws", shift, n))?;
         if !(1..=MOST_BLOCKS).contains(&self.blocks) {
@@ -265,7 +269,7 @@ impl ImportanceRule {
             (values, base)
         });
         let (values, base): (Vec<Vec<f64>>, Vec<Vec<f64>>) = blocks.into_iter().unzip();
-        let mut parts = Vec::with_capacity(tuning::density::SHIFTS);
+        let mut parts = Vec::with_capacity(SHIFTS);
         for blocks in base.chunks(self.shifts.blocks) {
             parts.push(parts.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
         }
@@ -285,7 +289,7 @@ impl ImportanceRule {
         held: &[(usize, f64)],
         g: &(dyn Fn(&[f64]) -> f64 + Sync),
     ) -> Result<Estimate> {
-        let blocks = self.shifts.blocks.div_ceil(tuning::density::OF_A_SECTION);
+        let blocks = self.shifts.blocks.div_ceil(OF_A_SECTION);
         let sums = self.sums(held, blocks, g)?;
         let [mass, error] = self.mass;
         let integral = spread(sums.iter().map(|part| part[2] / draws_in(blocks)));

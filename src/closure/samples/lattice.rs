@@ -3,7 +3,6 @@
 use super::copula::Copula;
 use super::nodes::Nodes;
 use crate::closure::pilot::Pilot;
-use crate::closure::tuning;
 use crate::numerics::exponentials;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive, states};
@@ -11,6 +10,13 @@ use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{SeedableRng, rngs::ChaCha8Rng, seq::SliceRandom};
 use serde::{Deserialize, Serialize};
+
+/// The finest spacing of a lattice, in standard deviations: no density needs a finer one.
+const FINEST: f64 = 0.12;
+/// The coarsest spacing of a lattice, in standard deviations, by which no density is resolved any more.
+const COARSEST: f64 = 1.2;
+/// The most places of a lattice in a ball around the density, for each node that there may be: a bound on work.
+const SEARCHED: f64 = 64.0;
 
 /// No lattice that is made here has more nodes than this.
 const MOST: usize = 1 << 22;
@@ -54,25 +60,23 @@ impl Lattice {
         let radius = copula.beyond(pilot) * pilot.states.iter().map(length).fold(0.0, f64::max);
         // A ball of so many more places is not searched.
         let ball = (1..=n).rev().step_by(2).map(|k| if k == 1 { 2.0 } else { std::f64::consts::TAU / k as f64 });
-        if ball.product::<f64>() * (radius / tuning::lattice::COARSEST).powi(n as i32)
-            > tuning::lattice::SEARCHED * most as f64
-        {
+        if ball.product::<f64>() * (radius / COARSEST).powi(n as i32) > SEARCHED * most as f64 {
             return None;
         }
         let axes = axes.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let mut lattice = Lattice { centre, axes, radius, spacing: tuning::lattice::COARSEST };
+        let mut lattice = Lattice { centre, axes, radius, spacing: COARSEST };
         // The volume by a coarse lattice, then the finest that there is room for.
         let coarse = lattice.nodes(symmetry, copula, most)?;
         let room = most as f64 / coarse.points.len().max(1) as f64;
         lattice.spacing *= room.powf(-(n as f64).recip());
-        while lattice.spacing < tuning::lattice::COARSEST {
-            lattice.spacing = lattice.spacing.max(tuning::lattice::FINEST);
+        while lattice.spacing < COARSEST {
+            lattice.spacing = lattice.spacing.max(FINEST);
             if let Some(nodes) = lattice.nodes(symmetry, copula, most) {
                 return Some((lattice, nodes));
             }
             lattice.spacing *= 1.04;
         }
-        Some((Lattice { spacing: tuning::lattice::COARSEST, ..lattice }, coarse))
+        Some((Lattice { spacing: COARSEST, ..lattice }, coarse))
     }
 
     /// All nodes with their weights, none for its mirror images.
@@ -121,7 +125,7 @@ impl Lattice {
         self.axes.iter().try_for_each(|row| states("an axis of the lattice", row, n))?;
         positive("the radius of the lattice", self.radius)?;
         positive("the spacing of the lattice", self.spacing)?;
-        if (2.0 * self.radius / self.spacing).powi(n as i32) > tuning::lattice::SEARCHED * MOST as f64 {
+        if (2.0 * self.radius / self.spacing).powi(n as i32) > SEARCHED * MOST as f64 {
             return Err(format!("a lattice of the spacing {} has too many nodes", self.spacing));
         }
         Ok(self)

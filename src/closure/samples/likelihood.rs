@@ -3,8 +3,8 @@
 use super::nodes::Nodes;
 use super::products::{LANES, Lane, Products, Scratch, ZERO};
 use super::walls::WallNodes;
+use crate::closure::samples::{FEWER, MANY};
 use crate::closure::space::Corner;
-use crate::closure::tuning;
 use crate::estimate::Estimate;
 use crate::numerics::{Concave, Search, add_gram, definite, exponentials, symmetric};
 use crate::parallel;
@@ -239,7 +239,7 @@ impl Likelihood<'_> {
     /// The covariance of Tᵀφ, where T is given, and of φ otherwise.
     pub(super) fn covariance_of(&self, masses: &[f64], means: &[f64], transform: Option<MatRef<'_, f64>>) -> Mat<f64> {
         let size = transform.map_or(means.len(), |transform| transform.ncols());
-        let every = if size > tuning::space::MANY { tuning::likelihood::FEWER } else { 1 };
+        let every = if size > MANY { FEWER } else { 1 };
         let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).step_by(every).collect();
         let stretches = (ROOM / (size * size)).clamp(2, 64);
         let stretch = |blocks: &[usize]| {

@@ -1,11 +1,18 @@
 //! Where a density has its mass on lines along one state.
 
 use crate::closure::density::exponent::Exponent;
-use crate::closure::tuning;
 use crate::numerics::exponentials;
 use crate::parallel;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// Lines along a thin state reach out so many of its standard deviations on them, in which the pilot's farthest states lie. At
+/// a quality factor of 1000 the search ran to the edge with 7; with 24 exp(Q) rose again at some ends.
+const REACH: f64 = 14.0;
+/// Lines along a thin state are laid once more where the density on them is wider or narrower by this share in the mean.
+const WIDER: f64 = 0.1;
+/// Lines along a thin state are laid once more where the density on them is shifted by so many standard deviations in the mean.
+const SHIFTED: f64 = 0.15;
 
 /// Places on a line at which exp(Q) is tabulated.
 const PLACES: usize = 121;
@@ -46,7 +53,7 @@ impl Lines {
     /// The ends of each line: so many widths about its centre as it reaches out, within a range.
     pub(super) fn ends(&self, [low, high]: [f64; 2]) -> Vec<[f64; 2]> {
         let ends = |(centre, width): (&f64, &f64)| {
-            let (centre, half) = (centre.clamp(low, high), tuning::nest::REACH * width.min(high - low));
+            let (centre, half) = (centre.clamp(low, high), REACH * width.min(high - low));
             [low.max(centre - half), high.min(centre + half)]
         };
         self.centre.iter().zip(&self.width).map(ends).collect()
@@ -109,7 +116,7 @@ impl Lines {
             wider += p * (other.width[k] / self.width[k] - 1.0).abs();
             shifted += p * (other.centre[k] - self.centre[k]).abs() / self.width[k];
         }
-        wider < tuning::nest::WIDER && shifted < tuning::nest::SHIFTED
+        wider < WIDER && shifted < SHIFTED
     }
 }
 

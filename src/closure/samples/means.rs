@@ -2,12 +2,18 @@
 
 use crate::closure::discretisation::nodes;
 use crate::closure::space::Functions;
-use crate::closure::tuning;
 use crate::control_variates::regression;
 use crate::numerics::{symmetric, weighted_gram, weighted_sum};
 use crate::parallel;
 use crate::states::States;
 use faer::{Mat, Scale};
+
+/// A mean of the moment equations that is farther from the states' own than so many standard errors of these is wrong by the
+/// distance.
+const CONTRADICTED: f64 = 6.0;
+/// Means of the moment equations correct those of the states where their errors are below so many standard errors of the
+/// states' means.
+const UNKNOWN: f64 = 30.0;
 
 /// Groups of states, whose spread is the standard error of means over all of them.
 const GROUPS: usize = 64;
@@ -79,14 +85,13 @@ impl Means {
         let mut worst = vec![0.0_f64; 1 + degrees.iter().copied().max().unwrap_or(0) as usize];
         for (k, degree) in degrees.iter().enumerate() {
             let (error, apart) = (covariance[(k, k)].sqrt(), (solved[k] - self.values[k]).abs());
-            let contradicted = if apart > tuning::calibration::CONTRADICTED * error { apart } else { 0.0 };
+            let contradicted = if apart > CONTRADICTED * error { apart } else { 0.0 };
             let doubt = (solved[k] - below[k]).abs().max(contradicted) / error;
             let worst = &mut worst[*degree as usize];
             *worst = worst.max(if doubt.is_nan() { f64::INFINITY } else { doubt });
         }
         (1..worst.len()).for_each(|d| worst[d] = worst[d].max(worst[d - 1]));
-        let known: Vec<usize> =
-            (0..size).filter(|k| worst[degrees[*k] as usize] < tuning::calibration::UNKNOWN).collect();
+        let known: Vec<usize> = (0..size).filter(|k| worst[degrees[*k] as usize] < UNKNOWN).collect();
         let doubt = |k: usize| covariance[(k, k)] * worst[degrees[k] as usize].powi(2);
         let both = |a: usize, b: usize| {
             let (k, l) = (known[a], known[b]);

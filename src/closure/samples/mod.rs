@@ -54,9 +54,10 @@ pub(in crate::closure) use nodes::Nodes;
 use super::density::exponent::Exponent;
 use super::density::impacts::WallImpacts;
 use super::pilot::Pilot;
-use crate::closure::tuning;
+use crate::closure::CONVERGING;
 use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;
+use crate::numerics::Search;
 use crate::problem::Problem;
 use calibration::Calibration;
 use fitting::{Fitted, Fitting};
@@ -64,6 +65,38 @@ use likelihood::{Fit, Likelihood, distance, effective};
 use means::Means;
 use moments::moments;
 use nested::{Nested, OnLines};
+
+/// The variance of draws relative to that of the pilot's states next to walls in three states and more; with 1.15, E v⁴ of new
+/// draws was off by 1.4 %.
+const WIDENING_AT_WALLS: f64 = 1.5;
+/// Of more functions than this means have no covariance, no degree above the sixth is tested, and a part of the nodes makes the
+/// curvature: a bound on work.
+const MANY: usize = 300;
+/// A smaller weight of a block of states, where 1 is the plain one, means that the pilot has not mixed. In a prototype, three
+/// of four systems whose pilots had not mixed had such a weight.
+const LEAST_WEIGHT: f64 = -2.0;
+/// Nodes of the maximisation for each function. In a prototype, 220 left all mass on one node.
+const NODES_EACH: usize = 300;
+/// The fewest nodes of the maximisation.
+const FEWEST_NODES: usize = 1 << 16;
+/// Nodes resolve a density if no mean by one part of them is farther than this from that by all, in standard deviations.
+const UNEVEN: f64 = 0.02;
+/// The factor by which nodes are fewer on the lattice that is tried first, in the search for a root, and in the curvature of
+/// many functions.
+const FEWER: usize = 4;
+/// The search for a density that only starts another, or that an error is estimated by: its tolerance is in standard deviations
+/// of ln p.
+const ROUGH: Search = Search { tolerance: 3e-3, most: 24 };
+/// The least effective share of the nodes with which the states carry a density. In a prototype with 29 systems, those below it
+/// were some whose pilots had not mixed.
+const LEAST_EFFECTIVE: f64 = 1e-3;
+/// The most steps by which the pilot's means and the moment equations are reconciled.
+const RECONCILED: usize = 3;
+/// The parts that are tried of a step by which the pilot's means and the moment equations are reconciled, the whole step first.
+const LENGTHS: [f64; 3] = [1.0, 0.5, 0.25];
+/// The least share of the effective draws that is left by a step that reconciles the pilot's means and the moment equations.
+/// Two masses above a wall had, with one seed of three, a step that raised the density at the edge to a spike.
+const KEPT: f64 = 0.5;
 
 /// ln p up to a constant, as found on samples.
 #[derive(Clone, Debug)]
@@ -147,7 +180,7 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
     let likelihood = Likelihood { nodes: &nodes, products: &products, corners: &[], walls: &[] };
     let comparing = Likelihood { products: &comparing, ..likelihood };
     let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(means.values.len() + 1).collect();
-    let above = comparing.most_likely(&means.values, start, tuning::likelihood::ROUGH);
+    let above = comparing.most_likely(&means.values, start, ROUGH);
     let l1_estimate = above.map_or(2.0, |above| {
         let doubt = comparing.change(&above, [&means.values, &means.doubtful()]).unwrap_or(2.0);
         distance(&fit.masses, &above.masses).hypot(doubt).hypot(above.next).min(2.0)
@@ -161,7 +194,7 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
         exact: false,
         l1_estimate: [l1_estimate, 0.0],
         residual: [f64::INFINITY; 2],
-        carried: fit.converged && fit.effective > tuning::likelihood::LEAST_EFFECTIVE,
+        carried: fit.converged && fit.effective > LEAST_EFFECTIVE,
         calibrated: (None, 1.0),
         steps: fit.steps,
         lattice: lattice.map(|lattice| (lattice, nodes)),
@@ -222,9 +255,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
         exact,
         l1_estimate,
         residual,
-        carried: fit.converged
-            && fit.effective > tuning::likelihood::LEAST_EFFECTIVE
-            && calibration.smallest_weight > tuning::calibration::LEAST_WEIGHT,
+        carried: fit.converged && fit.effective > LEAST_EFFECTIVE && calibration.smallest_weight > LEAST_WEIGHT,
         calibrated: (calibration.degree, calibration.smallest_weight),
         steps: fit.steps,
         lattice: lattice.map(|lattice| (lattice, nodes)),
@@ -247,9 +278,9 @@ fn reconciled(
     }
     let (means, covariance) = (&calibration.means[..size], calibration.covariance.get(..size, ..size));
     let mut last = 1.0;
-    for _ in 0..tuning::likelihood::RECONCILED {
+    for _ in 0..RECONCILED {
         let Some(found) = likelihood.reconciled(problem, &fit, means, covariance) else { break };
-        if found.size > tuning::CONVERGING * last {
+        if found.size > CONVERGING * last {
             break;
         }
         last = found.size;
@@ -260,9 +291,9 @@ fn reconciled(
             a[0] = 0.0;
             let masses = likelihood.masses(&a)?;
             let next = Fit { a, effective: effective(&masses), steps: fit.steps + 1, masses, ..fit };
-            (next.effective > tuning::likelihood::KEPT * fit.effective).then_some(next)
+            (next.effective > KEPT * fit.effective).then_some(next)
         };
-        let Some(next) = tuning::likelihood::LENGTHS.iter().find_map(stepped) else { break };
+        let Some(next) = LENGTHS.iter().find_map(stepped) else { break };
         fit = next;
     }
     fit

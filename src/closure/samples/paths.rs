@@ -3,8 +3,8 @@
 use super::calibration::{LOTS, Sums};
 use super::equations::Sites;
 use super::products::{LANES, Lane, Products, Scratch, ZERO};
+use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
-use crate::closure::tuning::pilot::TRAJECTORIES;
 use crate::numerics::add_gram;
 use crate::parallel;
 use crate::problem::{Contact, Problem};
@@ -60,7 +60,7 @@ impl Paths<'_> {
         let [tests, functions, covered] = self.sizes;
         let mut tables = [tests, functions].map(|size| Mat::<f64>::zeros(blocks, size));
         let mut means = Vec::new();
-        for t in (lot..TRAJECTORIES).step_by(LOTS) {
+        for t in (lot..PILOT_TRAJECTORIES).step_by(LOTS) {
             tables.iter_mut().for_each(|table| table.fill(0.0));
             let [r, phi] = &mut tables;
             let share = (self.length as f64).recip();
@@ -178,6 +178,6 @@ impl Paths<'_> {
             });
             sums.into_iter().fold(f64::NEG_INFINITY, f64::max)
         };
-        parallel::map(TRAJECTORIES, one).into_iter().fold(f64::NEG_INFINITY, f64::max)
+        parallel::map(PILOT_TRAJECTORIES, one).into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 }

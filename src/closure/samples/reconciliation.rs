@@ -2,11 +2,15 @@
 
 use super::equations::{Columns, Equations};
 use super::likelihood::{Fit, Likelihood};
-use crate::closure::tuning;
+use crate::closure::ROUNDING;
 use crate::numerics::definite;
 use crate::problem::Problem;
 use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef};
+
+/// The factors κ on the covariance of the moment equations; κ is raised until the remaining deviation from the pilot's means is
+/// chance.
+const DOUBTS: [f64; 13] = [1.0, 3.0, 10.0, 30.0, 1e2, 3e2, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7, 1e8];
 
 /// The first-order change from exp(Q) to p = exp(Q)(1 + δ), δ a combination of the functions less their means.
 #[derive(Clone, Debug)]
@@ -69,12 +73,12 @@ impl Likelihood<'_> {
         let variances = self.variances(&fit.masses, &found);
         let even: Vec<f64> = (0..size).map(|k| (variances[k] / spread[(k, k)]).sqrt()).collect();
         let of_means = Mat::from_fn(size, size, |k, l| covariance[(k, l)] + even[k] * even[l] * spread[(k, l)]);
-        let floor = tuning::ROUNDING * operator.squared_norm_l2() / size as f64;
+        let floor = ROUNDING * operator.squared_norm_l2() / size as f64;
         let noise = Mat::from_fn(size, size, |k, l| noise[(k, l)] + if k == l { floor } else { 0.0 });
         let (pilot, equations) = (standardised(&whitened(of_means))?, standardised(&noise)?);
         let (by_pilot, off_by_pilot) = (pilot(&Mat::identity(size, size)), pilot(&off));
         let (by_equations, force) = (equations(&operator), equations(&force));
-        tuning::likelihood::DOUBTS.iter().find_map(|doubt| {
+        DOUBTS.iter().find_map(|doubt| {
             let share = doubt.sqrt().recip();
             let stacked = Mat::from_fn(2 * size, size, |k, l| {
                 if k < size { by_pilot[(k, l)] } else { share * by_equations[(k - size, l)] }

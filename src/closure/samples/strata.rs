@@ -6,11 +6,27 @@ use super::nodes::Nodes;
 use super::walls::WallNodes;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::Corner;
-use crate::closure::tuning;
 use crate::numerics::Rule;
 use crate::problem::Contact;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// The most states in which nodes next to walls are Gauss nodes across the walls' line and a lattice along it: a bound on work.
+const MOST_STATES: usize = 4;
+/// Nodes next to walls are tried as far out as so many times the farthest state. With 1.1 a part of the trust domain had no
+/// nodes, and there one density of thirty rose to a spike.
+const BEYOND: f64 = 1.4;
+/// Gauss nodes in the displacement from a wall to the farthest states; between two walls either half has two thirds of them.
+const ACROSS: usize = 28;
+/// Gauss nodes in the speed of impacts on a wall.
+const SPEEDS: usize = 32;
+/// The spacing of nodes in the rate of the displacement that meets walls, relative to that in the other states: next to a wall
+/// the density varies faster in this rate.
+const FINER: f64 = 0.5;
+/// The finest spacing of the lattice along the walls' line, in standard deviations.
+const FINEST: f64 = 0.2;
+/// The coarsest spacing of the lattice along the walls' line, in standard deviations.
+const COARSEST: f64 = 0.9;
 
 /// The states as (y, w, z): the displacement that meets the walls, its rate, and the others, about which the density of the
 /// latter two is centred at each y.
@@ -42,7 +58,7 @@ impl<'a> Strata<'a> {
             return None;
         }
         let n = pilot.states.dimension();
-        if n > tuning::strata::MOST_STATES {
+        if n > MOST_STATES {
             return None;
         }
         let others = (0..n).filter(|&i| i != first.0 && i != first.1).collect();
@@ -82,8 +98,8 @@ impl<'a> Strata<'a> {
         strata.axes = Cholesky::new(covariance)?.l();
         let length = |x: &[f64]| strata.axes.solve_lower_triangular(&strata.off(x)).map_or(0.0, |z| z.norm());
         // The nodes fill the copula's trust domain, which ends a little beyond the states; walls end the range.
-        strata.radius = tuning::strata::BEYOND * pilot.states.iter().map(length).fold(0.0, f64::max);
-        let beyond = (tuning::strata::BEYOND - 1.0) * (strata.range[1] - strata.range[0]);
+        strata.radius = BEYOND * pilot.states.iter().map(length).fold(0.0, f64::max);
+        let beyond = (BEYOND - 1.0) * (strata.range[1] - strata.range[0]);
         strata.range = [strata.range[0] - beyond, strata.range[1] + beyond];
         for contact in contacts {
             let side = usize::from(!contact.wall.is_above());
@@ -131,7 +147,7 @@ impl<'a> Strata<'a> {
             };
             rule.iter().map(node).collect()
         };
-        let count = tuning::strata::ACROSS;
+        let count = ACROSS;
         match walled {
             [true, true] => {
                 let middle = 0.5 * (low + high);
@@ -145,7 +161,7 @@ impl<'a> Strata<'a> {
     /// The steps of a lattice of the spacing h along each axis. The first is that of w, in which the density varies faster next to
     /// a wall.
     fn steps(&self, h: f64) -> Vec<f64> {
-        std::iter::once(h * tuning::strata::FINER).chain(self.others.iter().map(|_| h)).collect()
+        std::iter::once(h * FINER).chain(self.others.iter().map(|_| h)).collect()
     }
 
     /// Visits the states of a lattice of the spacing h at each Gauss node in y, with the node's weight and the sum of the place's
@@ -165,11 +181,11 @@ impl<'a> Strata<'a> {
     /// The finest nodes that are at most `most`, in two halves, each a coarser rule; with the nodes on each wall. None where
     /// they would be too coarse.
     pub(super) fn finest(&self, corners: &[Corner], most: usize) -> Option<(Nodes, Vec<WallNodes>)> {
-        let mut h = tuning::strata::COARSEST;
+        let mut h = COARSEST;
         let mut count = self.count(h, most)?;
         loop {
-            let next = (h * (count as f64 / most as f64).powf((self.others.len() as f64 + 1.0).recip()).max(0.7))
-                .max(tuning::strata::FINEST);
+            let next =
+                (h * (count as f64 / most as f64).powf((self.others.len() as f64 + 1.0).recip()).max(0.7)).max(FINEST);
             let Some(more) = (next < 0.97 * h).then(|| self.count(next, most)).flatten() else { break };
             (h, count) = (next, more);
         }
@@ -217,7 +233,7 @@ impl<'a> Strata<'a> {
             let fastest = self.radius * self.axes[(0, 0)] + side * mean;
             let mut nodes = WallNodes::empty(n);
             let [mut place, mut x] = [n - 1, n].map(|size| vec![0.0; size]);
-            for (t, w) in Rule::legendre(tuning::strata::SPEEDS).iter() {
+            for (t, w) in Rule::legendre(SPEEDS).iter() {
                 let s = 0.5 * (t + 1.0);
                 let (speed, weight) = (fastest * s * s, w * s * fastest);
                 place[0] = (side * speed - mean) / self.axes[(0, 0)];

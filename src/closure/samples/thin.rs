@@ -4,23 +4,35 @@ use super::family::Family;
 use crate::closure::discretisation::nodes;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{Functions, Polynomials};
-use crate::closure::tuning;
 use crate::numerics::triangle;
 use crate::states::States;
 use faer::Mat;
+
+/// The most states in which nested nodes are tried: a bound on work, since beyond it no lattice of the states beside the thin
+/// one has few enough points.
+const MOST_STATES: usize = 5;
+/// The number of the pilot's states by which a thin state is found.
+const TESTED: usize = 1 << 14;
+/// A state is thin where cubics of the others leave less than this share of its variance: .025 to .06 in harvesters and a
+/// filter behind a Duffing oscillator. Lorenz's system, whose .076 belongs to two sheets that cross, is served by its lattice,
+/// and an absorber has .74.
+const THIN: f64 = 0.065;
+/// A state is thin where linear functions of the others leave more than so many times the variance that cubics leave: 2.2 to
+/// 2.9 times in harvesters and a filter behind a Duffing oscillator, 2.8 in Lorenz's system, and 1.05 for an absorber.
+const CURVED: f64 = 1.5;
 
 /// The state of which cubics of the others leave the smallest share of the variance, where this is small and linear functions leave
 /// much more: the density is a thin curved sheet, which nodes along its principal axes miss. A state that follows the others linearly
 /// is a short axis, and no sheet.
 pub(super) fn thin_state(states: &States, family: &Family) -> Option<usize> {
     let n = states.dimension();
-    if n > tuning::nest::MOST_STATES {
+    if n > MOST_STATES {
         return None;
     }
-    let few = states.evenly(tuning::nest::TESTED);
+    let few = states.evenly(TESTED);
     let shares = (0..n).map(|i| (i, unexplained(&few, family, i)));
     let (state, [linear, cubic]) = shares.min_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
-    (cubic < tuning::nest::THIN && cubic * tuning::nest::CURVED < linear).then_some(state)
+    (cubic < THIN && cubic * CURVED < linear).then_some(state)
 }
 
 /// The shares of a state's variance that the best linear functions and the best cubics of the others leave, of those with its parity.

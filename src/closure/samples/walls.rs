@@ -6,8 +6,8 @@ use super::importance::{Shifts, each_draw};
 use super::likelihood::{BLOCK, Likelihood, ROWS};
 use super::products::{LANES, Lane, Scratch, ZERO};
 use crate::closure::pilot::Pilot;
+use crate::closure::samples::WIDENING_AT_WALLS;
 use crate::closure::space::Corner;
-use crate::closure::tuning;
 use crate::estimate::Estimate;
 use crate::numerics::add_gram;
 use crate::parallel;
@@ -16,6 +16,9 @@ use crate::states::States;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use std::ops::Range;
+
+/// The fewest impacts of the pilot on a wall from which the distribution of their places and speeds is taken.
+const LEAST_IMPACTS: usize = 200;
 
 /// Nodes on a wall for integrals ∫ |w| exp(Q) g dw dz over the velocities w of approach and all other states z.
 #[derive(Clone, Debug)]
@@ -53,10 +56,10 @@ impl WallNodes {
                 y
             })
         };
-        if struck().count() < tuning::likelihood::LEAST_IMPACTS {
+        if struck().count() < LEAST_IMPACTS {
             return None;
         }
-        let copula = Copula::of(&Symmetry::none(n - 1), &struck, tuning::domain::WIDENING_AT_WALLS)?;
+        let copula = Copula::of(&Symmetry::none(n - 1), &struck, WIDENING_AT_WALLS)?;
         let sampler = copula.sampler(&[]).ok()?;
         let shifts = Shifts::new(n - 1, draws, seed);
         let mut nodes = WallNodes { drawn: true, ..WallNodes::empty(n) };

@@ -6,7 +6,7 @@ use super::slope::Slope;
 use crate::checks::{coordinate, dimension, finite, point};
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Integrals;
-use crate::closure::tuning;
+use crate::closure::{SOLVED, UNRELIABLE};
 use crate::density::{Crossing, Density};
 use crate::error::Result;
 use crate::estimate::Estimate;
@@ -14,6 +14,15 @@ use crate::numerics::Rule;
 use crate::polynomial::power;
 use crate::states::States;
 use std::sync::Arc;
+
+/// The step of the differences that are the slope of an integrand, relative to the domain's width: the errors by its square and by
+/// rounding over it are some 1e-10.
+const STEP: f64 = 1e-5;
+/// The step of the differences that are the slope of a section of a density, which is a sum over draws, relative to the domain's
+/// width: the error by its square is some tenths of a percent.
+const WIDE_STEP: f64 = 5e-3;
+/// Gauss nodes from a level to the edge of the domain for the derivative of the probability that a state exceeds it.
+const TAIL_NODES: usize = 80;
 
 /// The derivative ∂p/∂θ of a closure's density by a parameter θ, and of every answer that it gives.
 ///
@@ -113,9 +122,9 @@ impl Sensitivity {
 
     /// Why the derivative should not be relied on, if there is a reason: the density's own, or its own estimated error.
     pub fn warning(&self) -> Option<&str> {
-        let large = self.l1_estimate() > tuning::UNRELIABLE * self.size().max(tuning::SOLVED);
+        let large = self.l1_estimate() > UNRELIABLE * self.size().max(SOLVED);
         let own = large.then_some("the estimated error of the derivative is large: take a higher order");
-        let few = self.on_states.as_ref().is_some_and(|states| states.change() > tuning::UNRELIABLE * states.size);
+        let few = self.on_states.as_ref().is_some_and(|states| states.change() > UNRELIABLE * states.size);
         let few =
             few.then_some("the derivative still changes with the degree on the pilot's states: take more of them");
         self.density.warning().or(few).or(own)
@@ -125,7 +134,7 @@ impl Sensitivity {
     /// displacement: differences are its slope.
     pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         if let Some(states) = &self.on_states {
-            let steps = self.steps(tuning::sensitivity::STEP);
+            let steps = self.steps(STEP);
             let slope = |x: &[f64]| states.displaced.slope(g, x, &steps);
             return states.expectation(g, states.displaced.moves().then_some(&slope));
         }
@@ -136,7 +145,7 @@ impl Sensitivity {
         if !self.carried.moves() {
             return still;
         }
-        let step = self.steps(tuning::sensitivity::STEP)[0];
+        let step = self.steps(STEP)[0];
         let at = |x: &[f64], step: f64| g(&[x[0] + step, x[1]]);
         let slope = |x: &[f64]| (at(x, step) - at(x, -step)) / (2.0 * step);
         still.plus(self.carried.mean(&self.density, slope))
@@ -204,7 +213,7 @@ impl Sensitivity {
         if level <= low || level >= high {
             return Ok(Estimate::new(0.0, self.density.truncated_mass()));
         }
-        let rule = Rule::legendre(tuning::sensitivity::TAIL_NODES).on(level, high);
+        let rule = Rule::legendre(TAIL_NODES).on(level, high);
         let sections = rule.iter().map(|(x, w)| self.shared(w * self.sum_over(state, x, |x| self.at(x))));
         let beyond = sections.fold(Estimate::exact(0.0), Estimate::plus);
         // What is carried over the level by a wall that moves.
@@ -269,7 +278,7 @@ impl Sensitivity {
     /// other states moves.
     fn drawn(&self, state: usize, x: f64, g: impl Fn(&[f64]) -> f64 + Sync) -> Result<Estimate> {
         let found = self.density.section(state, x, |x| g(x) * self.at(x))?;
-        let step = self.steps(tuning::sensitivity::WIDE_STEP)[state];
+        let step = self.steps(WIDE_STEP)[state];
         let through = |x: f64| -> Result<f64> {
             let rate = self.displaced(state, x);
             Ok(if rate == 0.0 { 0.0 } else { rate * self.density.section(state, x, &g)?.value })
@@ -321,6 +330,6 @@ impl Sensitivity {
     }
 
     fn rounding(&self) -> f64 {
-        tuning::SOLVED * self.size().max(1.0)
+        SOLVED * self.size().max(1.0)
     }
 }

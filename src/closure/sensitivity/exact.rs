@@ -1,3 +1,4 @@
+use crate::closure::SOLVED;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::{Passage, locals, nodes};
@@ -5,7 +6,6 @@ use crate::closure::projection::tempered;
 use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
-use crate::closure::tuning;
 use crate::fokker_planck::{FokkerPlanck, Local};
 use crate::numerics::{least_norm, weighted_product, weighted_sum};
 use crate::problem::Problem;
@@ -78,7 +78,7 @@ impl<'a> Newton<'a> {
         let source: Vec<f64> = self.measure.iter().zip(residuals).map(|(w, r)| w * r).collect();
         let source = weighted_sum(self.basis.values.as_ref(), &source);
         let right = Col::from_fn(self.space.len(), |k| -source[k + 1]);
-        let solved = least_norm(&self.matrix, &right, tuning::SOLVED * self.matrix.norm_l2())?;
+        let solved = least_norm(&self.matrix, &right, SOLVED * self.matrix.norm_l2())?;
         let psi: Vec<f64> = std::iter::once(0.0).chain((0..solved.nrows()).map(|k| solved[k])).collect();
         super::exponent(&self.space, &self.basis.coefficients(&psi))
     }

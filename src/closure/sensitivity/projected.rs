@@ -1,9 +1,9 @@
+use crate::closure::TAILS_POWER;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes;
 use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
-use crate::closure::tuning;
 use crate::numerics::weighted_sum;
 
 /// The fit of Q to ln p̂, linearised: ∫ w (e^{Q − ln p̂} − 1) ψ dx = 0 with a weight w = (1 − λ) p̂ + λ p̂^0.3/Z that moves with p̂. With
@@ -25,7 +25,7 @@ impl Fit {
         let flat = own.iter().zip(&density.masses).map(|(q, [own, p])| {
             // The quadrature weight is the mass over the density.
             let log = q + (p / own).ln();
-            p * ((tuning::projection::FLAT - 1.0) * log).exp()
+            p * ((TAILS_POWER - 1.0) * log).exp()
         });
         let flat: Vec<f64> = flat.collect();
         let sum: f64 = flat.iter().sum();
@@ -41,7 +41,7 @@ impl Fit {
         let (share, mean) = (self.share, self.nodes.iter().zip(s).map(|([_, flat, _], s)| flat * s).sum::<f64>());
         let source = self.nodes.iter().zip(s.iter().zip(known)).map(|([p, flat, e], (s, known))| {
             let weight = (1.0 - share) * p + share * flat;
-            let moved = (1.0 - share) * p * s + tuning::projection::FLAT * share * flat * (s - mean);
+            let moved = (1.0 - share) * p * s + TAILS_POWER * share * flat * (s - mean);
             weight * e * (s - known) - moved * (e - 1.0)
         });
         let psi = weighted_sum(self.basis.values.as_ref(), &source.collect::<Vec<_>>());

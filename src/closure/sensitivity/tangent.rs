@@ -1,6 +1,7 @@
 use super::answers::Whole;
 use super::factors::Factors;
 use super::slope::Slope;
+use crate::closure::WEIGHT_POWER;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::locals;
 use crate::closure::discretisation::nodes::NodalGenerator;
@@ -9,13 +10,20 @@ use crate::closure::dynamics::MomentSystem;
 use crate::closure::projection::tempered;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
-use crate::closure::tuning;
 use crate::fokker_planck::{FokkerPlanck, Local};
 use crate::numerics::{combination, weighted_product, weighted_sum};
 use crate::problem::Problem;
 use crate::states::States;
 use faer::Mat;
 use std::sync::Arc;
+
+/// The degree of the polynomial that is the derivative of the weight's logarithm by a parameter.
+const DEGREE: u32 = 12;
+/// The most times that the derivative of the weight's logarithm by a parameter is renewed.
+const RENEWALS: usize = 12;
+/// What the derivative of the weight's logarithm leaves of a density's derivative must fall by this factor each time that it is
+/// renewed.
+const FALLS: f64 = 0.9;
 
 /// A function at the nodes, with its derivatives.
 struct Jets {
@@ -81,9 +89,9 @@ impl<'a> Tangent<'a> {
         let log_weight = Jets::of(&system.weight, points);
         let logs: Vec<f64> =
             log_weight.value.iter().zip(&ratio.value).map(|(log, u)| log + u.max(f64::MIN_POSITIVE).ln()).collect();
-        let measure = tempered(&logs, &system.nodes.weights, tuning::reference::FLATNESS);
+        let measure = tempered(&logs, &system.nodes.weights, WEIGHT_POWER);
         let functions = system.functions.values.get(..points.len(), ..);
-        let columns = system.columns_of_degree(tuning::sensitivity::DEGREE);
+        let columns = system.columns_of_degree(DEGREE);
         let lower = Orthonormal::new(functions.get(.., ..columns).to_owned(), &measure)?;
         let struck = !problem.impulses().is_empty();
         let over: Vec<f64> = measure.iter().zip(&ratio.value).map(|(w, u)| w / u).collect();
@@ -142,12 +150,12 @@ impl<'a> Tangent<'a> {
         let mut best = None;
         let mut least = f64::INFINITY;
         let mut s = vec![0.0; self.lower.values.ncols()];
-        for _ in 0..tuning::sensitivity::RENEWALS {
+        for _ in 0..RENEWALS {
             let along = combination(self.entering.as_ref(), &s);
             let source: Vec<f64> = fixed.iter().zip(&along).map(|(a, b)| a + b).collect();
             let [d, below] = self.factors.solved(&source);
             let size = d.iter().map(|d| d * d).sum::<f64>();
-            if size.is_nan() || size >= tuning::sensitivity::FALLS.powi(2) * least {
+            if size.is_nan() || size >= FALLS.powi(2) * least {
                 break;
             }
             least = size;

@@ -1,7 +1,24 @@
 use super::degrees::Degrees;
+use crate::closure::REFERENCE_EXCESS;
 use crate::closure::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
-use crate::closure::tuning;
 use crate::problem::Symmetry;
+
+/// The number of highest degrees of a reference's correction, where the edge of the domain shows as ripples; the correction may
+/// be cut off below them.
+const BUFFER: u32 = 4;
+/// The levels of functions next to walls in two states: that of the weight, and those of the reference without and with its
+/// highest functions.
+const WALLED: [WallLevel; 3] = [
+    WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7 },
+    WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9 },
+    WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 },
+];
+/// The degrees of the moment equations in time in one state and two, of which the highest stable one is taken.
+const DEGREES: [u32; 8] = [10, 12, 14, 16, 18, 20, 22, 24];
+/// The degrees of the moment equations in time in three states and more, as far as their functions are few enough.
+const DEGREES_OF_MANY: [u32; 6] = [2, 4, 6, 8, 10, 12];
+/// The most functions of the moment equations in time in three states and more.
+const MOST_FUNCTIONS: usize = 500;
 
 /// The nested spaces that an order needs. Each but the last holds the first functions of the next.
 pub(in crate::closure) struct NestedSpaces {
@@ -68,9 +85,8 @@ impl SpaceFamily {
                     _ => 6,
                 });
                 let spaces = [order, weight, degree - 2, degree].map(|d| smooth.functions(d));
-                let cut = (degree > order + tuning::space::BUFFER).then(|| {
-                    let [lower, end] = [tuning::space::BUFFER + 2, tuning::space::BUFFER]
-                        .map(|less| smooth.functions(degree - less).len() + 1);
+                let cut = (degree > order + BUFFER).then(|| {
+                    let [lower, end] = [BUFFER + 2, BUFFER].map(|less| smooth.functions(degree - less).len() + 1);
                     Truncation { lower, end }
                 });
                 NestedSpaces::new(spaces, cut)
@@ -93,10 +109,10 @@ impl SpaceFamily {
     pub(in crate::closure) fn ladder(&self) -> Vec<Functions> {
         match self {
             SpaceFamily::Smooth(smooth) if smooth.centre.len() > 2 => smooth.ladder_of_many(),
-            SpaceFamily::Smooth(smooth) => tuning::dynamics::DEGREES.map(|degree| smooth.functions(degree)).to_vec(),
-            SpaceFamily::Walled(walled) => (1..=tuning::space::WALLED.len())
+            SpaceFamily::Smooth(smooth) => DEGREES.map(|degree| smooth.functions(degree)).to_vec(),
+            SpaceFamily::Walled(walled) => (1..=WALLED.len())
                 .map(|steps| {
-                    let (corners, levels) = (walled.corners.clone(), &tuning::space::WALLED[..steps]);
+                    let (corners, levels) = (walled.corners.clone(), &WALLED[..steps]);
                     Functions::Walls(WallFunctions::new(corners, &walled.centre, &walled.half_width, levels))
                 })
                 .collect(),
@@ -133,16 +149,16 @@ impl Smooth {
 
     /// Those of rising degree that are few enough in three states and more; the first two are in any case.
     fn ladder_of_many(&self) -> Vec<Functions> {
-        let most = tuning::dynamics::MOST_FUNCTIONS;
+        let most = MOST_FUNCTIONS;
         let few = |degree: &u32| !self.degrees.are_more_than(most, self.centre.len(), *degree);
-        let degrees: Vec<u32> = tuning::dynamics::DEGREES_OF_MANY.into_iter().take_while(few).collect();
+        let degrees: Vec<u32> = DEGREES_OF_MANY.into_iter().take_while(few).collect();
         let degrees = if degrees.len() < 2 { vec![1, 2] } else { degrees };
         degrees.into_iter().map(|degree| self.functions(degree)).collect()
     }
 
     /// The degree of the reference of an order.
     pub(in crate::closure) fn reference_degree(&self, order: u32) -> u32 {
-        order + tuning::space::EXCESS[self.centre.len().min(4) - 1]
+        order + REFERENCE_EXCESS[self.centre.len().min(4) - 1]
     }
 
     pub(in crate::closure) fn functions(&self, degree: u32) -> Functions {
@@ -163,7 +179,7 @@ impl Walled {
     /// The spaces of the answer, the weight, and the reference and the one below it.
     fn spaces(&self, order: u32) -> [Functions; 4] {
         // From order 9 on the weight is of the answer's own level.
-        let [weight, lower, all] = tuning::space::WALLED;
+        let [weight, lower, all] = WALLED;
         let weight = if order <= weight.degree { weight } else { level(order) };
         let levels = [level(order), weight, lower, all];
         [1, 2, 3, 4].map(|steps| {

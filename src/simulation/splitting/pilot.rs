@@ -3,9 +3,24 @@ use super::{
     population::{Motion, Particles, Population},
     tally::Levels,
 };
-use crate::simulation::tuning;
 use crate::{error::Result, simulation::boundaries::Boundaries};
 use std::f64::consts::E;
+
+/// A threshold is set only if at least this share of the weight beyond the last one lies beyond it.
+const SEEN: f64 = 0.1;
+/// The least number of starting states beyond the last threshold that is set from them.
+const LEAST_STATES: f64 = 30.0;
+/// The number of thresholds between bins at which no more are set, for any importance function.
+const MOST_BINS: usize = 200;
+/// So many rounds may pass without a new threshold before the importance function counts as exhausted.
+const PATIENCE: usize = 10;
+/// The rounds of the pilot that the scale of the tail at each level is taken from.
+const CELL_ROUNDS: usize = 4;
+/// The width δ of a cell about a level, as a share of the mean excess E(X − y | X > y), which is the scale of the tail there.
+/// For an exponential tail the cells then err by 6·10⁻⁵ of the density.
+const CELL: f64 = 1.0 / 3.0;
+/// The fewest particles beyond a level from which the mean excess there is taken.
+const LEAST_SEEN: f64 = 50.0;
 
 /// The run that finds the thresholds, before the measurement.
 pub(super) struct Pilot<'a> {
@@ -30,12 +45,12 @@ impl Pilot<'_> {
     /// Thresholds that each leave a share of e⁻¹ beyond them. In a round of some cycles particles pass a little beyond the
     /// last threshold, and the next ones are set from them.
     pub(super) fn thresholds(&self, population: &mut Population, states: &Particles) -> Result<Vec<f64>> {
-        let least = tuning::splitting::LEAST_STATES / states.len() as f64;
+        let least = LEAST_STATES / states.len() as f64;
         let mut thresholds = quantiles(values(self.motion.importance, states)?, least, f64::NEG_INFINITY);
         population.set_thresholds(&thresholds);
         population.place(self.motion.importance, states)?;
         let mut idle = 0;
-        while thresholds.len() < tuning::splitting::MOST_BINS && idle < tuning::splitting::PATIENCE {
+        while thresholds.len() < MOST_BINS && idle < PATIENCE {
             let (mut beyond, mut share) = (Vec::new(), 0.0);
             for cycle in 0..self.cycles {
                 let states = population.advance(self.motion, self.boundaries, &mut [])?;
@@ -51,8 +66,7 @@ impl Pilot<'_> {
                 if share / (self.cycles - self.cycles / 2) as f64 <= self.rarest {
                     break;
                 }
-                let more =
-                    quantiles(beyond, tuning::splitting::SEEN, thresholds.last().copied().unwrap_or(f64::NEG_INFINITY));
+                let more = quantiles(beyond, SEEN, thresholds.last().copied().unwrap_or(f64::NEG_INFINITY));
                 idle = if more.is_empty() { idle } else { 0 };
                 thresholds.extend(more);
                 population.set_thresholds(&thresholds);
@@ -64,7 +78,7 @@ impl Pilot<'_> {
     /// The widths of the cells about the levels of each state.
     pub(super) fn cells(&self, population: &mut Population, requested: &[(usize, Vec<f64>)]) -> Result<Vec<Levels>> {
         let mut seen: Vec<Vec<Excess>> = requested.iter().map(|(_, y)| vec![Excess::default(); y.len()]).collect();
-        for _ in 0..tuning::splitting::CELL_ROUNDS * self.cycles {
+        for _ in 0..CELL_ROUNDS * self.cycles {
             let states = population.advance(self.motion, self.boundaries, &mut [])?;
             for ((state, levels), seen) in requested.iter().zip(&mut seen) {
                 for (y, excess) in levels.iter().zip(seen) {
@@ -77,7 +91,7 @@ impl Pilot<'_> {
             let [low, high] = self.walls[*state];
             let scales = scales(&seen);
             let room = |y: f64| (y - low).min(high - y);
-            let width = |(&y, scale): (&f64, f64)| (y, (tuning::splitting::CELL * scale).min(room(y) / 1.5));
+            let width = |(&y, scale): (&f64, f64)| (y, (CELL * scale).min(room(y) / 1.5));
             Levels::new(*state, levels.iter().zip(scales).map(width).collect())
         });
         Ok(watched.collect())
@@ -92,7 +106,7 @@ impl Excess {
 
     /// The smaller of the mean excess and the mean deficit; none where one of them is not known.
     fn scale(&self) -> Option<f64> {
-        let mean = |[count, weight, sum]: [f64; 3]| (count >= tuning::splitting::LEAST_SEEN).then_some(sum / weight);
+        let mean = |[count, weight, sum]: [f64; 3]| (count >= LEAST_SEEN).then_some(sum / weight);
         Some(mean(self.above)?.min(mean(self.below)?))
     }
 }

@@ -2,8 +2,10 @@ use super::tally::{Levels, Tally};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::provenance::Provenance;
-use crate::simulation::tuning;
 use crate::simulation::{jackknife::jackknife, plan::same_level};
+
+/// The fewest replicas with a count for what is measured that give it a standard error: with fewer it is unreliable.
+const LEAST_MET: usize = 8;
 
 /// The tails of a stationary density: every value with its standard error.
 ///
@@ -93,7 +95,7 @@ impl Tails {
     fn mean(&self, value: impl Fn(&Tally) -> f64) -> Estimate {
         let mean = jackknife(&self.replicas, |tally| [value(tally), 1.0], |[sum, count]| sum / count);
         let met = self.replicas.iter().filter(|&tally| value(tally) != 0.0).count();
-        if met < tuning::splitting::LEAST_MET { Estimate::new(mean.value, f64::INFINITY) } else { mean }
+        if met < LEAST_MET { Estimate::new(mean.value, f64::INFINITY) } else { mean }
     }
 
     /// The place of a state's levels, the level as it was named, and the width of its cells.

@@ -10,11 +10,29 @@ use crate::checks::{finite, positive, require, state_index};
 use crate::error::{Error, Result};
 use crate::problem::{Problem, TimeScales, limits, two_digits};
 use crate::provenance::Provenance;
-use crate::simulation::tuning;
+use crate::simulation::MOST_LEVELS;
 use crate::simulation::{
     Simulation, boundaries::Boundaries, control::Control, run::at_most, scheme::Scheme, timetable::whole,
 };
 use std::time::Instant;
+
+/// The starting states of the pilot and of each replica: as many as leave a few beyond the fourth threshold.
+const STATES: usize = 128;
+/// The fewest replicas of a splitting: from fewer a standard error is known to worse than 18 %.
+const LEAST_REPLICAS: usize = 16;
+/// The most replicas of a splitting, whose starting states all come from one simulation.
+const MOST_REPLICAS: usize = 2048;
+/// The most particles in a bin; two hundred bins of so many fit into memory on any number of threads.
+const MOST_PARTICLES: usize = 4096;
+/// The pilot's particles in a bin, as a multiple of a replica's.
+const PILOT: usize = 4;
+/// The default time step of a splitting, in the shortest of the system's times: 0.02 for the oscillator that it was chosen
+/// with.
+const STEP: f64 = 0.058;
+/// The default resampling interval, in the shortest of the system's times: 0.1 for the oscillator that it was chosen with.
+const INTERVAL: f64 = 0.29;
+/// One round of the pilot of a splitting, as a share of the relaxation.
+const ROUND: f64 = 0.1;
 
 /// Path-steps of one replica between two calls of the progress callback.
 const REPORT: u64 = 1 << 18;
@@ -52,8 +70,8 @@ impl Splitting<'_> {
 
         let pilot =
             Pilot { motion: &motion, boundaries: &quiet, cycles: plan.round, rarest: self.rarest, walls: &walls };
-        let mut population = Population::new(&scheme, self.seed, 0, tuning::splitting::PILOT * self.particles);
-        let (first, rest) = states.values().split_at(tuning::splitting::STATES * n);
+        let mut population = Population::new(&scheme, self.seed, 0, PILOT * self.particles);
+        let (first, rest) = states.values().split_at(STATES * n);
         let thresholds = pilot.thresholds(&mut population, &Particles::equal(n, first))?;
         let watched = pilot.cells(&mut population, &plan.levels)?;
 
@@ -74,7 +92,7 @@ impl Splitting<'_> {
             };
             replica.run(&mut population, index, &plan, thresholds.len() + 1)
         };
-        let mut starts: Vec<&[f64]> = rest.chunks(tuning::splitting::STATES * n).collect();
+        let mut starts: Vec<&[f64]> = rest.chunks(STATES * n).collect();
         let (replicas, steps): (Vec<Tally>, Vec<u64>) = control.on_all(&mut starts, replica)?.into_iter().unzip();
 
         let cycle = plan.steps as f64 * spans.step;
@@ -97,7 +115,7 @@ impl Splitting<'_> {
 
     /// A plain simulation of the same problem: it makes the starting states of the pilot and of each replica.
     fn plain(&self, spans: Spans) -> Simulation<'static> {
-        let count = tuning::splitting::STATES * (self.replicas + 1);
+        let count = STATES * (self.replicas + 1);
         let simulation = Simulation { start: self.start.clone(), ..Simulation::new() };
         let simulation = simulation.trajectories(count).samples(count).burn_in(spans.burn_in).seed(self.seed);
         simulation.time_step(spans.step).sampling_interval(spans.step)
@@ -117,11 +135,11 @@ impl Splitting<'_> {
         let scales = TimeScales::of(problem)?;
         let long = |time: Option<f64>| time.unwrap_or_else(|| two_digits(scales.memory()));
         Ok(Spans {
-            step: self.time_step.unwrap_or_else(|| two_digits(scales.short(tuning::splitting::STEP))),
+            step: self.time_step.unwrap_or_else(|| two_digits(scales.short(STEP))),
             burn_in: long(self.burn_in),
             relaxation: long(self.relaxation),
             duration: long(self.duration),
-            interval: self.resampling_interval.unwrap_or_else(|| two_digits(scales.short(tuning::splitting::INTERVAL))),
+            interval: self.resampling_interval.unwrap_or_else(|| two_digits(scales.short(INTERVAL))),
         })
     }
 
@@ -130,21 +148,11 @@ impl Splitting<'_> {
         if self.particles == 0 {
             return Err(Error::NoSamples { what: "the number of particles", least: 1 });
         }
-        if self.replicas < tuning::splitting::LEAST_REPLICAS {
-            return Err(Error::NoSamples { what: "the number of replicas", least: tuning::splitting::LEAST_REPLICAS });
+        if self.replicas < LEAST_REPLICAS {
+            return Err(Error::NoSamples { what: "the number of replicas", least: LEAST_REPLICAS });
         }
-        at_most(
-            "number of replicas",
-            self.replicas,
-            tuning::splitting::MOST_REPLICAS,
-            "at most 2048; take more particles instead",
-        )?;
-        at_most(
-            "number of particles",
-            self.particles,
-            tuning::splitting::MOST_PARTICLES,
-            "at most 4096; take more replicas instead",
-        )?;
+        at_most("number of replicas", self.replicas, MOST_REPLICAS, "at most 2048; take more particles instead")?;
+        at_most("number of particles", self.particles, MOST_PARTICLES, "at most 4096; take more replicas instead")?;
         let remedy = "the probability of the rarest states lies between 0 and 1";
         require(self.rarest > 0.0 && self.rarest < 1.0, "rarest", self.rarest, remedy)?;
         let Spans { step: h, relaxation, duration, interval, .. } = spans;
@@ -157,7 +165,7 @@ impl Splitting<'_> {
         Ok(Plan {
             levels: self.sorted_levels(walls)?,
             steps: steps as usize,
-            round: cycles(tuning::splitting::ROUND * relaxation) as usize,
+            round: cycles(ROUND * relaxation) as usize,
             relaxing: cycles(relaxation) as usize,
             // Two halves of equal length.
             measuring: (cycles(duration) as usize).next_multiple_of(2),
@@ -178,12 +186,7 @@ impl Splitting<'_> {
         let states = levels.chunk_by(|a, b| a.0 == b.0);
         let sorted: Vec<(usize, Vec<f64>)> = states.map(|s| (s[0].0, s.iter().map(|&(_, y)| y).collect())).collect();
         for (_, levels) in &sorted {
-            at_most(
-                "number of levels",
-                levels.len(),
-                tuning::limits::MOST_LEVELS,
-                "at most 64 levels of one state can be counted",
-            )?;
+            at_most("number of levels", levels.len(), MOST_LEVELS, "at most 64 levels of one state can be counted")?;
         }
         Ok(sorted)
     }

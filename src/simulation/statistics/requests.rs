@@ -1,9 +1,15 @@
 use super::{first_passage::PassageWindow, spectrum::Segments};
 use crate::checks::{dimension, finite, require, state_index};
 use crate::error::Result;
-use crate::simulation::tuning;
 use crate::simulation::{plan::same_level, run::at_most};
 use serde::{Deserialize, Serialize};
+
+/// The most moments that can be requested: each costs time at every sample.
+const MOST_MOMENTS: usize = 64;
+/// The most levels whose first passages one simulation measures.
+const MOST_PASSAGES: usize = 16;
+/// The highest degree of a moment that can be requested: beyond, a sum of powers is dominated by a single sample.
+const HIGHEST_DEGREE: u32 = 32;
 
 /// The statistics requested of a simulation beyond those of every run.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -43,17 +49,12 @@ impl Requests {
 
     /// Checks all of them, for trajectories of `states` states that are sampled at `interval`.
     pub(in crate::simulation) fn validate(&self, states: usize, interval: f64) -> Result<()> {
-        at_most("number of moments", self.moments.len(), tuning::limits::MOST_MOMENTS, "at most 64 can be named")?;
-        at_most(
-            "number of first passages",
-            self.passages.len(),
-            tuning::limits::MOST_PASSAGES,
-            "at most 16 can be measured",
-        )?;
+        at_most("number of moments", self.moments.len(), MOST_MOMENTS, "at most 64 can be named")?;
+        at_most("number of first passages", self.passages.len(), MOST_PASSAGES, "at most 16 can be measured")?;
         for exponents in &self.moments {
             dimension("the exponents of a moment", exponents.len(), states)?;
             let degree = exponents.iter().fold(0_u32, |sum, &power| sum.saturating_add(power));
-            at_most("degree of a moment", degree as usize, tuning::limits::HIGHEST_DEGREE as usize, "at most 32")?;
+            at_most("degree of a moment", degree as usize, HIGHEST_DEGREE as usize, "at most 32")?;
         }
         for (k, &(state, length)) in self.spectra.iter().enumerate() {
             state_index("the state of a spectrum", state, states)?;

@@ -2,12 +2,14 @@ use crate::checks::{positive, require};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::simulation::jackknife::jackknife;
-use crate::simulation::tuning;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
+
+/// The most samples in a segment of a spectrum.
+const LONGEST_SEGMENT: usize = 1 << 20;
 
 /// The segments that the path of one state is cut into for its spectral density and autocovariance (P. D. Welch, 1967,
 /// doi:10.1109/TAU.1967.1161901).
@@ -42,8 +44,7 @@ impl Segments {
     pub(super) fn check(length: usize, interval: f64) -> Result<()> {
         positive("sampling interval", interval, "it must be finite and above zero")?;
         let remedy = "a segment holds from 8 to 2^20 samples";
-        require((8..=tuning::limits::LONGEST_SEGMENT).contains(&length), "length of a segment", length as f64, remedy)
-            .map(|_| ())
+        require((8..=LONGEST_SEGMENT).contains(&length), "length of a segment", length as f64, remedy).map(|_| ())
     }
 
     /// Segments of `length` samples that are `interval` apart.

@@ -1,4 +1,5 @@
-use crate::closure::tuning;
+use crate::closure::ROUNDING;
+use crate::closure::classical::STEPS;
 use crate::density::Frame;
 use crate::error::Result;
 use crate::numerics::{Rule, least_norm};
@@ -7,6 +8,9 @@ use faer::{Col, Mat, col, mat};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
+
+/// The iterates that a step to the fixed point of the weight is combined from, the present one among them.
+const MEMORY: usize = 4;
 
 /// Nodes on a half line for a Gaussian times a smooth function: the error is below 1e-13 up to polynomials of degree 40.
 const HALF_LINE: usize = 64;
@@ -110,15 +114,15 @@ pub(in crate::closure::classical) fn fixed_point(
     };
     let mut gaussian = start;
     let mut history: Vec<(Col<f64>, Col<f64>)> = Vec::new();
-    for _ in 0..tuning::classical::STEPS {
+    for _ in 0..STEPS {
         let mapped = map(&gaussian).and_then(|next| pack(&next));
         let Some((x, y)) = pack(&gaussian).zip(mapped) else { break };
         let change = &y - &x;
-        if change.norm_max() < tuning::ROUNDING {
+        if change.norm_max() < ROUNDING {
             break;
         }
         history.push((x, change));
-        if history.len() > tuning::classical::MEMORY {
+        if history.len() > MEMORY {
             history.remove(0);
         }
         let x = accelerated(&history);

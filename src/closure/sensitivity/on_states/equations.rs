@@ -4,13 +4,16 @@ use super::weights::{Calibration, SETS};
 use crate::closure::dynamics::Dynamics;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{GrazingMotion, Polynomials};
-use crate::closure::tuning::{self, pilot::TRAJECTORIES};
+use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, MOST_FUNCTIONS, PILOT_TRAJECTORIES};
 use crate::control_variates::products::Products;
 use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 use faer::{Accum, Mat, Par};
+
+/// The degrees of the functions whose equations on the pilot's states give derivatives by parameters.
+const DEGREES: [u32; 4] = [2, 4, 6, 8];
 
 /// The Galerkin equations for derivatives on the pilot's states, A d′ = −g with A_kl = E\[ψ_l 𝓖ψ_k\] and g_k = E\[𝓖′ψ_k\], so that
 /// ∂ ln p/∂θ ≈ s = Σ d′_l ψ_l: E_p′\[𝓖ψ\] = −E_p\[𝓖′ψ\] for every ψ.
@@ -50,12 +53,12 @@ impl Ground {
     pub(super) fn ladder(motion: &Dynamics, along: &[StillMotion]) -> Option<Vec<Self>> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
         let symmetry = super::symmetry_of(problem, along);
-        let least = tuning::calibration::LEAST_BLOCKS;
+        let least = LEAST_BLOCKS;
         let contacts = problem.contacts();
-        let shortest = if contacts.is_empty() { 1 } else { tuning::calibration::LENGTH_AT_WALLS };
+        let shortest = if contacts.is_empty() { 1 } else { LENGTH_AT_WALLS };
         let longest = (pilot.samples() / least).max(1);
         let length = (pilot.slowness(&symmetry).ceil() as usize).max(shortest).min(longest);
-        let blocks = pilot.samples() / length * TRAJECTORIES;
+        let blocks = pilot.samples() / length * PILOT_TRAJECTORIES;
         let (centre, _) = pilot.spread(&symmetry);
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
         let half_width: Vec<f64> = (0..centre.len()).map(farthest).collect();
@@ -77,10 +80,8 @@ fn functions(problem: &Problem, symmetry: &Symmetry, blocks: usize) -> Vec<(u32,
         let found = Degrees::complete().exponents(problem.dimension(), degree, |alpha| symmetry.keeps(alpha));
         (degree, found)
     };
-    let fits = |(_, found): &(u32, Vec<Vec<u32>>)| {
-        found.len() * tuning::calibration::BLOCKS_EACH <= blocks && found.len() <= tuning::space::MOST
-    };
-    tuning::sensitivity::DEGREES.into_iter().map(exponents).take_while(fits).collect()
+    let fits = |(_, found): &(u32, Vec<Vec<u32>>)| found.len() * BLOCKS_EACH <= blocks && found.len() <= MOST_FUNCTIONS;
+    DEGREES.into_iter().map(exponents).take_while(fits).collect()
 }
 
 /// Sums over a lot: A = Σ w 𝓖ψ ψᵀ under the weights of all states, Σ w ψ under the weights of each set, and these weights.

@@ -23,7 +23,6 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::dynamics::Dynamics;
 use crate::closure::samples;
 use crate::closure::space::{Corner, Functions, GrazingMotion};
-use crate::closure::tuning;
 use crate::density::{CountedImpacts, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
@@ -37,6 +36,13 @@ use fit::Likely;
 use masses::{Masses, doubt, jackknife};
 use std::fmt;
 use std::sync::Arc;
+
+/// The most nodes or draws on which the equations of an exact density are solved for its derivatives in three states and more.
+const DRAWS: usize = 1 << 16;
+/// The logarithm of the ratio of standard errors above which derivatives on the pilot's states are taken by two degrees less. Of 16
+/// seeds of a filter, where both degrees are as noisy, some took the lower one with 0.7, which is 0.2 % off there; of a chain the
+/// highest degree is noisier by far more.
+const NOISIER: f64 = 1.4;
 
 /// A function of the state that is averaged.
 type Integrand<'a> = dyn Fn(&[f64]) -> f64 + Sync + 'a;
@@ -124,7 +130,7 @@ impl ClosureDensity {
     }
 
     /// What the equations of the highest degree give along some derivatives of the operator, or those of two degrees less if the
-    /// highest are [noisier](tuning::sensitivity::NOISIER) than that: where functions are all but dependent on each other in the equations, their noise is large.
+    /// highest are [noisier](NOISIER) than that: where functions are all but dependent on each other in the equations, their noise is large.
     fn on_states(&self, motion: &Dynamics, along: &[StillMotion], grazing: &[Vec<GrazingMotion>]) -> Result<Found> {
         let curved = |motion: &StillMotion| {
             motion.operator.impulse_terms().iter().flat_map(ImpulseTerm::fields).any(|(_, h)| h.degree() > 1)
@@ -145,7 +151,7 @@ impl ClosureDensity {
         };
         let mut degrees = ladder.iter().filter_map(of_degree);
         let (highest, found) = degrees.next().ok_or(self.too_few())?;
-        let lower = degrees.next().filter(|(lower, _)| lower + tuning::sensitivity::NOISIER < highest);
+        let lower = degrees.next().filter(|(lower, _)| lower + NOISIER < highest);
         Ok(lower.map_or(found, |(_, lower)| lower))
     }
 
@@ -203,7 +209,7 @@ impl ClosureDensity {
     /// The same density on as many nodes as the equations of an exact one take: they hold on any.
     fn on_kept_nodes(&self) -> Result<ClosureDensity> {
         let (states, mut masses) = self.carrying_nodes().ok_or(self.failed())?;
-        let kept = states.len().min(tuning::sensitivity::DRAWS);
+        let kept = states.len().min(DRAWS);
         masses.truncate(kept);
         let nodes = States::from_values(states.dimension(), states.values()[..kept * states.dimension()].to_vec());
         let masses = masses.into_iter().map(|mass| [mass; 2]).collect();

@@ -1,7 +1,7 @@
 use super::rows::{Operator, Rows, enter};
+use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::Sites;
-use crate::closure::tuning::pilot::TRAJECTORIES;
 use crate::control_variates::impulses::Images;
 use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
 use crate::parallel;
@@ -137,7 +137,7 @@ impl<'a> Walk<'a> {
                 rows: 0..0,
             };
             let mut result = zero();
-            (lot..TRAJECTORIES).step_by(LOTS).for_each(|t| visit(&mut result, [lot, t], &mut place));
+            (lot..PILOT_TRAJECTORIES).step_by(LOTS).for_each(|t| visit(&mut result, [lot, t], &mut place));
             result
         };
         parallel::map(LOTS, lot)
