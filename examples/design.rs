@@ -80,8 +80,8 @@ const ACCURACY: f64 = 0.02;
 /// Parameters change by at most this share of themselves in a search, so that no density is far from the one before.
 const REACH: f64 = 0.5;
 /// The relative change of the cost and the parameters that ends a search, and the most solutions in one.
-const SETTLED: f64 = 1e-5;
-const MOST: usize = 20;
+const SETTLED: f64 = 1e-4;
+const MOST: usize = 8;
 
 /// The closure by its moment equations, which derivatives come from.
 fn closure(order: u32) -> Closure {
