@@ -14,7 +14,7 @@
 
 use clap::Parser;
 use expoly::statistics::Marginal;
-use expoly::{Closure, ClosureDensity, Grid, Problem, Reference, Result};
+use expoly::{Closure, ClosureDensity, Estimate, Grid, Problem, Reference, Result};
 use slsqp::{Func, StopTols, minimize};
 use std::cell::RefCell;
 use std::process::ExitCode;
@@ -83,20 +83,22 @@ const REACH: f64 = 0.5;
 const SETTLED: f64 = 1e-4;
 const MOST: usize = 8;
 
-/// The closure by its moment equations, which derivatives come from.
-fn closure(order: u32) -> Closure {
-    Closure::new(order).reference(Reference::Equations)
-}
-
 /// The probability of an exceedance with its derivatives, at any parameters.
 struct Exceedance<'a> {
     problem: &'a Problem,
     names: Vec<&'a str>,
     level: f64,
     order: u32,
-    /// The last parameters, the density there, ln P and its derivatives.
-    last: Option<(Vec<f64>, ClosureDensity, f64, Vec<f64>)>,
+    last: Option<Solved>,
     solves: usize,
+}
+
+/// A density at some values of the parameters, with P and the derivatives of ln P.
+struct Solved {
+    values: Vec<f64>,
+    density: ClosureDensity,
+    probability: Estimate,
+    slopes: Vec<f64>,
 }
 
 impl Exceedance<'_> {
@@ -105,19 +107,24 @@ impl Exceedance<'_> {
         all.try_fold(self.problem.clone(), |problem, (name, value)| problem.with_parameter(name, *value))
     }
 
-    /// ln P and its derivatives, from one density, which is found from the last one on.
-    fn at(&mut self, values: &[f64]) -> Result<(f64, Vec<f64>)> {
-        if self.last.as_ref().is_none_or(|(at, ..)| at != values) {
-            let closure = closure(self.order).starting_from(self.last.as_ref().map(|last| &last.1));
-            let density = closure.solve(&self.problem(values)?)?;
-            let probability = Marginal::new(&density, 0)?.exceedance(self.level)?.value;
-            let by = density.sensitivities(&self.names)?;
-            let slopes = by.iter().map(|by| Ok(by.exceedance(0, self.level)?.value / probability));
-            let slopes = slopes.collect::<Result<_>>()?;
-            self.last = Some((values.to_vec(), density, probability.ln(), slopes));
-            self.solves += 1;
-        }
-        Ok(self.last.as_ref().map(|(.., log, slopes)| (*log, slopes.clone())).unwrap_or_default())
+    /// The density at some values and its derivatives, found from the last one on.
+    fn solved(&mut self, values: &[f64]) -> Result<&Solved> {
+        let last = match self.last.take() {
+            Some(last) if last.values == values => last,
+            last => {
+                // The closure by its moment equations, which derivatives come from.
+                let closure = Closure::new(self.order).reference(Reference::Equations);
+                let density =
+                    closure.starting_from(last.as_ref().map(|last| &last.density)).solve(&self.problem(values)?)?;
+                let probability = Marginal::new(&density, 0)?.exceedance(self.level)?;
+                let by = density.sensitivities(&self.names)?;
+                let slopes = by.iter().map(|by| Ok(by.exceedance(0, self.level)?.value / probability.value));
+                let slopes = slopes.collect::<Result<_>>()?;
+                self.solves += 1;
+                Solved { values: values.to_vec(), density, probability, slopes }
+            }
+        };
+        Ok(self.last.insert(last))
     }
 }
 
@@ -133,12 +140,12 @@ fn least(exceedance: &mut Exceedance<'_>, units: &[f64], from: &[f64], wanted: f
     let (exceedance, failure) = (RefCell::new(exceedance), RefCell::new(None));
     let excess = |u: &[f64], slope: Option<&mut [f64]>, _: &mut ()| {
         let values: Vec<f64> = u.iter().zip(units).map(|(u, unit)| u * unit).collect();
-        match exceedance.borrow_mut().at(&values) {
-            Ok((log, slopes)) => {
+        match exceedance.borrow_mut().solved(&values) {
+            Ok(Solved { probability, slopes, .. }) => {
                 if let Some(slope) = slope {
                     slope.iter_mut().zip(slopes).zip(units).for_each(|((slope, by), unit)| *slope = by * unit);
                 }
-                log - wanted.ln()
+                (probability.value / wanted).ln()
             }
             Err(error) => {
                 failure.borrow_mut().get_or_insert(error);
@@ -172,8 +179,7 @@ fn run(options: &Options) -> std::result::Result<(), Box<dyn std::error::Error>>
         let (cost, found) = loop {
             let (better, cost) = least(&mut exceedance, &units, &relative, wanted)?;
             relative = better;
-            let density = closure(exceedance.order).solve(&exceedance.problem(&in_units(&relative))?)?;
-            let found = Marginal::new(&density, 0)?.exceedance(level)?;
+            let found = exceedance.solved(&in_units(&relative))?.probability;
             let settled = (cost - before).abs() <= 10.0 * SETTLED * cost;
             before = cost;
             if !settled {
@@ -188,7 +194,7 @@ fn run(options: &Options) -> std::result::Result<(), Box<dyn std::error::Error>>
         let parameters = in_units(&relative);
         println!("{name}: P(x > {level}) = {wanted:e} at the least cost");
         for (name, value) in exceedance.names.iter().zip(&parameters) {
-            println!("  {name} = {value:.5}");
+            println!("  {name} = {value:.7}");
         }
         println!("  cost {cost:.5}, {} solutions, order {}", exceedance.solves, exceedance.order);
         println!("  P by the closure {found}");

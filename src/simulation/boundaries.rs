@@ -8,6 +8,7 @@ use super::{
     passage::{Passage, Passages, Record, add_powers},
     plan::Plan,
     scheme::Scheme,
+    walk::is_beyond,
 };
 use crate::problem::{Contact, LANES, Lane, Nearness};
 
@@ -94,12 +95,6 @@ impl Boundaries {
         !self.levels.is_empty() || self.within.is_some()
     }
 
-    /// Whether a displacement is beyond the limits.
-    #[inline(always)]
-    pub(super) fn is_beyond(&self, x: f64) -> bool {
-        self.within.is_some_and(|[low, high]| (x <= low) | (x >= high))
-    }
-
     /// No passages yet.
     pub(super) fn passages(&self) -> Passages {
         Passages::new([self.levels.len(), self.walls.len(), self.velocities.len()], self.speeds)
@@ -151,8 +146,10 @@ impl Boundaries {
                 write_lane(state, l, x);
             }
         }
-        for l in (0..LANES).filter(|&l| self.within.is_some() && !beyond[l] && counted(l)) {
-            passages.left |= u64::from(self.is_beyond(x[0][l])) << l;
+        if let Some(within) = self.within {
+            for l in (0..LANES).filter(|&l| !beyond[l] && counted(l)) {
+                passages.left |= u64::from(is_beyond(within, x[0][l])) << l;
+            }
         }
         for (k, &level) in self.levels.iter().enumerate() {
             let (before, after) = (from[0], x[0]);
@@ -204,7 +201,7 @@ impl Boundaries {
                 x[i] += tau * x[v];
             }
         }
-        passages.left |= u64::from(self.is_beyond(x[0])) << lane;
+        passages.left |= u64::from(self.within.is_some_and(|within| is_beyond(within, x[0]))) << lane;
         for (k, &level) in self.levels.iter().enumerate() {
             self.count(k, level, lane, [before, x[0]], self.velocities[0].map_or(0.0, |v| x[v]), passages);
         }

@@ -22,7 +22,8 @@
 //! - `plan`, `timetable`: the options that determine the results, and the times of samples;
 //! - `session`: rounds until a limit is reached, with `control` (progress, cancellation), `target` (precision),
 //!   `checkpoint` (the state in a file), `processes` and `ranks` (several processes);
-//! - `transient`: trajectories from a start on, under noise that rises and fades as well;
+//! - `walk`: the way of trajectories from a start on, under noise that rises and fades as well, and `transient`: densities and first
+//!   passages on it;
 //! - `splitting`: rare states;
 //! - `statistics`: the statistics that are taken on request, beside the standard ones;
 //! - `setup`, `run`, `result`, `merge`, `density`: the user's options, the run, and the result.
@@ -70,6 +71,7 @@ mod time_step;
 mod timetable;
 mod transient;
 mod trend;
+mod walk;
 
 pub use control::Progress;
 pub use histogram::Histogram;

@@ -181,7 +181,8 @@ impl SimulatedDensity {
     ///
     /// { E(½B_vv + v f_v) − Σ ½(v₋² − v₊²)/T } / P, P = Σ E ½B_vv,
     ///
-    /// with the Itô drift f and the change of v² at the impacts in the time T. Zero for the true stationary density.
+    /// with the Itô drift f and the change of v² at the impacts in the time T. Zero for the true stationary density; not a number at a
+    /// time of a transient, whose power is not counted.
     pub fn energy_balance(&self) -> Vec<Estimate> {
         let velocities = self.plan.displacements.iter().enumerate();
         let balance = |(place, &(_, v)): (usize, &(usize, usize))| {
@@ -189,7 +190,8 @@ impl SimulatedDensity {
                 let all: f64 = b.power.iter().map(|[injected, _]| injected).sum();
                 [b.moments[0], all, b.power[place][0] - b.power[place][1], b.passages.taken[v], b.time]
             };
-            self.estimate(sums, |[count, all, left, taken, time]| (left / count - taken / time) * count / all)
+            let missing = |[count, all, left, taken, time]: [f64; 5]| (left / count - taken / time) * count / all;
+            self.estimate(sums, |sums| if sums[1] > 0.0 { missing(sums) } else { f64::NAN })
         };
         velocities.map(balance).collect()
     }

@@ -92,22 +92,8 @@ impl<'a> Simulation<'a> {
         }
         let pilot = pilot?;
         let (axes, plane) = self.axes(problem.walls(), pilot.intervals())?;
-        let mut plan = Plan {
-            equations: equations(problem),
-            walls: problem.walls().to_vec(),
-            seed: self.seed,
-            trajectories: self.trajectories,
-            time_step: scheme.step,
-            rate,
-            timetable,
-            start: start.origin.clone(),
-            levels: if problem.velocity_of(0).is_some() { self.requests.with_levels(&self.levels) } else { Vec::new() },
-            displacements: problem.displacements().to_vec(),
-            axes,
-            plane,
-            requests: self.requests,
-            control_variates: ControlVariates::default(),
-        };
+        let timing = (scheme.step, rate, timetable);
+        let mut plan = self.plan(problem, timing, &start, (axes, plane));
         if self.control_variates {
             plan.control_variates = ControlVariates::new(problem, &plan.layout(), self.trajectories);
         }
@@ -184,7 +170,7 @@ impl<'a> Simulation<'a> {
         self.validate(problem, &contacts)?;
         let times = self.times(problem)?;
         let (step, rate) = match self.time_step {
-            Some(step) => (positive("time step", step, "it must be finite and above zero")?, None),
+            Some(step) => (self.checked_step(problem, step)?, None),
             None => {
                 let given = self.burn_in.is_some() || self.sampling_interval.is_some();
                 let often = problem.impulse_rate() / USUAL_IMPULSES;
@@ -198,7 +184,6 @@ impl<'a> Simulation<'a> {
                 (step, Some(rate))
             }
         };
-        require(problem.impulse_rate() * step <= MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)?;
         let timetable = self.timetable(step, times)?;
         let samples = self.count();
         let scheme = Scheme::new(problem, self.amplitude, step);
@@ -220,6 +205,38 @@ impl<'a> Simulation<'a> {
         let stretches = BURN_IN_STRETCHES + self.count();
         control.set(0, Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
         Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, control }
+    }
+
+    /// What is counted, with a time step, the rate that it was chosen by, and bins.
+    pub(super) fn plan(
+        &self,
+        problem: &Problem,
+        (time_step, rate, timetable): (f64, Option<f64>, Timetable),
+        start: &Start,
+        (axes, plane): Bins,
+    ) -> Plan {
+        Plan {
+            equations: equations(problem),
+            walls: problem.walls().to_vec(),
+            seed: self.seed,
+            trajectories: self.trajectories,
+            time_step,
+            rate,
+            timetable,
+            start: start.origin.clone(),
+            levels: if problem.velocity_of(0).is_some() { self.requests.with_levels(&self.levels) } else { Vec::new() },
+            displacements: problem.displacements().to_vec(),
+            axes,
+            plane,
+            requests: self.requests.clone(),
+            control_variates: ControlVariates::default(),
+        }
+    }
+
+    /// Refuses a time step that is no number, or in which impulses are too many.
+    pub(super) fn checked_step(&self, problem: &Problem, step: f64) -> Result<f64> {
+        positive("time step", step, "it must be finite and above zero")?;
+        require(problem.impulse_rate() * step <= MOST_IMPULSES, "time step", step, TOO_MANY_IMPULSES)
     }
 
     /// The numbers of the batches to be run here.
@@ -288,7 +305,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The bins, on the intervals that the pilot found.
-    pub(super) fn axes(&self, walls: &[Wall], mut ends: Vec<(f64, f64)>) -> Result<(Vec<Axis>, Option<[Axis; 2]>)> {
+    pub(super) fn axes(&self, walls: &[Wall], mut ends: Vec<(f64, f64)>) -> Result<Bins> {
         for (state, (lo, hi)) in ends.iter_mut().enumerate() {
             let [low, high] = limits(walls, state);
             *lo = if low.is_finite() { low } else { *lo };
@@ -302,6 +319,9 @@ impl<'a> Simulation<'a> {
         Ok((axes(self.bins).collect::<Result<_>>()?, plane))
     }
 }
+
+/// The bins of each state alone, and of states 0 and 1 together.
+type Bins = (Vec<Axis>, Option<[Axis; 2]>);
 
 /// The data of a run besides its options.
 struct Prepared<'a> {

@@ -161,6 +161,12 @@ fn transients_are_reproducible_and_refuse_what_has_no_meaning() -> Result<()> {
     assert!(matches!(refused(new().transient(&problem, [0.0], &[1.0])), Some(Error::Dimension { .. })));
     let endless = refused(new().time_step(1e-300).transient(&problem, &course, &[1.0]));
     assert!(matches!(endless, Some(Error::OutOfRange { name: "number of path-steps", .. })), "{endless:?}");
+    // Impulses beyond what a step draws would be lost without a word.
+    let hail = "states = ['x', 'v']\ndrift = { x = 'v', v = '-x - v' }\n[impulse.hail]\nrate = 50\namplitude = { normal = { mean = 0, deviation = 0.1 } }\nv = 1";
+    let often = refused(new().time_step(1.0).transient(&Problem::from_toml(hail)?, &course, &[5.0]));
+    assert!(matches!(often, Some(Error::OutOfRange { name: "time step", .. })), "{often:?}");
+    let full = refused(new().trajectories(1 << 20).memory_limit(1e-3).transient(&problem, &course, &[1.0]));
+    assert!(matches!(full, Some(Error::TooMuchMemory { .. })), "{full:?}");
     let cancelled = new().progress(|_| std::ops::ControlFlow::Break(())).transient(&problem, &course, &[1.0]);
     assert!(matches!(refused(cancelled), Some(Error::Cancelled { .. })));
     assert!(new().transient(&problem, &course, &[])?.is_empty());
