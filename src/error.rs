@@ -1,10 +1,12 @@
 //! The errors of the library, each with its cause and a remedy.
 
+use std::{io, sync::Arc};
+
 /// The reason why a call has no result.
 ///
 /// An `Err` stands for misuse, or for a density that does not exist. A run that did not converge is no error: it is a result,
 /// and its provenance reports it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A coefficient of the drift or of the noise is NaN or infinite.
@@ -53,37 +55,6 @@ pub enum Error {
         /// The length or the index that was given.
         found: usize,
     },
-    /// The system has no noise at all.
-    #[error(
-        "the noise vanishes identically: without noise there is no stationary density to close; give at least one intensity above zero"
-    )]
-    NoNoise,
-    /// No noise reaches a state.
-    #[error(
-        "no noise reaches state {state}, not even through other states, so that it has no stationary density; leave the state out, or give it noise"
-    )]
-    Unreached {
-        /// The first such state.
-        state: usize,
-    },
-    /// Trajectories come to rest on a wall.
-    #[error(
-        "there is no density: no white noise acts on the velocity at wall {wall}, and its impacts take energy, so that trajectories come to rest on it for a share of the time; a simulation has that share and all means, or let some white noise act on the velocity"
-    )]
-    Rests {
-        /// The first such wall, by its number in the problem.
-        wall: usize,
-    },
-    /// The moment equations have no bounded solution.
-    #[error(
-        "no stationary density was found: under the Gaussian closure the variance of state {state} {behaviour}; the drift must bring every trajectory back, so check the signs of damping and leading stiffness"
-    )]
-    NoStationaryDensity {
-        /// The state whose variance fails first.
-        state: usize,
-        /// The behaviour of the variance.
-        behaviour: &'static str,
-    },
     /// No trajectory can be followed through the system's slowest time in steps of its fastest.
     #[error(
         "the system's rates are {fastest:.1e} and {slowest:.1e} per unit time, too far apart for trajectories and cells: leave the fastest motion out, or take the closure, which has the density of a linear system without them"
@@ -94,13 +65,11 @@ pub enum Error {
         /// The slowest one.
         slowest: f64,
     },
-    /// Trajectories do not settle.
-    #[error("there is no stationary density: in state {state} trajectories {behaviour}")]
+    /// The system has no stationary density.
+    #[error("there is no stationary density: {reason}")]
     NoDensity {
-        /// The first such state.
-        state: usize,
-        /// What they do, and the remedy.
-        behaviour: &'static str,
+        /// The first state or wall that shows it, what happens there, and a remedy.
+        reason: String,
     },
     /// exp(Q) has no finite integral.
     #[error(
@@ -145,20 +114,12 @@ pub enum Error {
         /// The time step.
         step: f64,
     },
-    /// A simulation has fewer samples than it needs.
-    #[error("{what} is too small: take at least {least}")]
-    NoSamples {
-        /// The count that is too small.
-        what: &'static str,
-        /// Its least value.
-        least: usize,
-    },
-    /// The caller stopped a simulation or a study.
-    #[error("cancelled by the progress callback after {done} {unit}; with a file it goes on from there")]
+    /// The caller stopped a simulation, a grid or a study. Those that keep a file go on from it.
+    #[error("cancelled by the progress callback after {done} {unit}")]
     Cancelled {
         /// How far it had come.
         done: u64,
-        /// Path-steps, or rows.
+        /// Path-steps, linear systems, or rows.
         unit: &'static str,
     },
     /// The time budget of a simulation ended before every trajectory had a sample.
@@ -171,14 +132,14 @@ pub enum Error {
         steps: u64,
     },
     /// A file could not be read or written.
-    #[error("cannot {action} {path}: {reason}")]
+    #[error("cannot {action} {path}: {source}")]
     File {
         /// To read or to write.
         action: &'static str,
         /// The file.
         path: String,
-        /// The operating system's message.
-        reason: String,
+        /// The operating system's error, or what is wrong with the content.
+        source: Arc<io::Error>,
     },
     /// A file is not one that this simulation or this study can go on from.
     #[error("{path} is nothing to go on from: {problem}")]
@@ -241,44 +202,13 @@ pub enum Error {
         /// What is wrong with it, and what to write instead.
         problem: String,
     },
-    /// The density does not end within the domain of a grid.
-    #[error(
-        "at state {state} = {edge} the density is {level:.1e} of its peak, above the accepted {accepted:.1e}: either the domain cuts it off, then widen `Grid::domain` or leave it out, or the drift has no stationary density"
-    )]
-    DomainCut {
-        /// The state whose limit is too close.
-        state: usize,
-        /// The limit.
-        edge: f64,
-        /// The density there, relative to the peak.
-        level: f64,
-        /// The highest level accepted.
-        accepted: f64,
-    },
-    /// The linear equations of a grid have no unique solution.
-    #[error(
-        "the linear system of {unknowns} unknowns is singular: the stationary density is not unique, or there is none; check that the noise reaches every state"
-    )]
-    SingularSystem {
-        /// The number of unknowns.
-        unknowns: usize,
-    },
-    /// A grid has ended with an error as large as the density.
-    #[error(
-        "the grid does not resolve the density: its estimate of the error in L1 is {estimate:.1e}{}{reason}",
-        if reason.is_empty() { "; check that the noise reaches every state" } else { "; " }
-    )]
+    /// The density of a grid has an error as large as itself, or none was found.
+    #[error("the grid does not resolve the density: {reason}")]
     NotResolved {
-        /// The estimate of ∫ |p̃ − p| dx.
+        /// The estimate of ∫ |p̃ − p| dx; infinite where there is none.
         estimate: f64,
-        /// What stands in the way.
+        /// What stands in the way, and a remedy.
         reason: String,
-    },
-    /// The caller stopped a grid.
-    #[error("the grid was cancelled by its progress callback after {rounds} linear systems")]
-    GridCancelled {
-        /// How many it had solved.
-        rounds: usize,
     },
     /// A text is no closed form that this library wrote, or is damaged.
     #[error("this is no closed form to load: {problem}; restore it from a copy, or solve anew and save it again")]
@@ -286,34 +216,38 @@ pub enum Error {
         /// What is wrong with it.
         problem: String,
     },
-    /// A state's name cannot be an argument of a function.
-    #[error("the name {name:?} will not do: {problem}; x, v, x1, x2 are usual names of states")]
+    /// Nothing has a name, or a name cannot be given.
+    #[error("the name {name:?} will not do: {problem}")]
     NotAName {
         /// The name.
         name: String,
-        /// The reason.
-        problem: &'static str,
+        /// The reason, and the names that there are or that are usual.
+        problem: String,
     },
-    /// A density has no text in a language.
-    #[error("this density cannot be written as {language}: {reason}")]
-    NoText {
-        /// The language.
-        language: &'static str,
-        /// The obstacle, and a remedy.
-        reason: &'static str,
-    },
-    /// A table has no column of a name.
-    #[error("there is no column {name:?}; there are {columns:?}")]
-    NoColumn {
-        /// The name that was given.
-        name: String,
-        /// The names that there are.
-        columns: Vec<String>,
-    },
+}
+
+/// Errors are equal where they say the same: that of an operating system has no equality of its own.
+impl PartialEq for Error {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+impl Error {
+    /// Where there is no stationary density.
+    pub(crate) fn no_density(reason: impl Into<String>) -> Self {
+        Error::NoDensity { reason: reason.into() }
+    }
+
+    /// Where a name will not do.
+    pub(crate) fn not_a_name(name: &str, problem: impl Into<String>) -> Self {
+        Error::NotAName { name: name.to_owned(), problem: problem.into() }
+    }
 }
 
 /// The result of a question to this library.
 pub type Result<T> = std::result::Result<T, Error>;
+
 /// A combination of parameters as text.
 fn combined(combination: &[(String, f64)]) -> String {
     combination.iter().map(|(name, weight)| format!("{weight:+.3} {name}")).collect::<Vec<_>>().join(" ")

@@ -1,7 +1,10 @@
 //! Files that are read, or written whole or not at all.
 
 use crate::error::{Error, Result};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 use std::{ffi::OsString, fs, io, io::Write, path::Path};
 
 /// The content of a file, or none if there is no such file.
@@ -9,7 +12,7 @@ pub(crate) fn read(path: &Path) -> Result<Option<Vec<u8>>> {
     match fs::read(path) {
         Ok(content) => Ok(Some(content)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(file_error("read", path, &error)),
+        Err(error) => Err(file_error("read", path, error)),
     }
 }
 
@@ -36,7 +39,7 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<()> {
             let _ = fs::remove_file(&temporary);
         })
     });
-    written.map_err(|error| file_error("write", path, &error))
+    written.map_err(|error| file_error("write", path, error))
 }
 
 /// A file that nothing can go on from.
@@ -44,6 +47,6 @@ pub(crate) fn not_this_run(path: &Path, problem: impl Into<String>) -> Error {
     Error::NotThisRun { path: path.display().to_string(), problem: problem.into() }
 }
 
-pub(crate) fn file_error(action: &'static str, path: &Path, error: &io::Error) -> Error {
-    Error::File { action, path: path.display().to_string(), reason: error.to_string() }
+pub(crate) fn file_error(action: &'static str, path: &Path, error: io::Error) -> Error {
+    Error::File { action, path: path.display().to_string(), source: Arc::new(error) }
 }

@@ -1,8 +1,10 @@
 //! Lists of states.
 
 use crate::error::{Error, Result};
+use crate::file::file_error;
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
+use std::io;
 use std::ops::Index;
 use std::path::Path;
 use std::slice::ChunksExact;
@@ -54,24 +56,25 @@ impl States {
     /// state that no column has.
     pub fn from_csv(path: impl AsRef<Path>, states: &[String]) -> Result<Self> {
         let path = path.as_ref();
-        let failed = |reason: String| Error::File { action: "read", path: path.display().to_string(), reason };
+        let failed = |error: io::Error| file_error("read", path, error);
         let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|e| failed(e.to_string()))?;
-        let heading = reader.headers().map_err(|e| failed(e.to_string()))?.clone();
+            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|error| failed(error.into()))?;
+        let heading = reader.headers().map_err(|error| failed(error.into()))?.clone();
         let column = |name: &String| {
-            let missing = || Error::NotAName { name: name.clone(), problem: "no column of the table has it" };
+            let missing = || Error::not_a_name(name, "no column of the table has it");
             heading.iter().position(|other| other == name).ok_or_else(missing)
         };
         let columns = states.iter().map(column).collect::<Result<Vec<usize>>>()?;
         let mut all = States::new(states.len());
         let mut state = vec![0.0; states.len()];
         for record in reader.records() {
-            let record = record.map_err(|e| failed(e.to_string()))?;
+            let record = record.map_err(|error| failed(error.into()))?;
             for (x, &column) in state.iter_mut().zip(&columns) {
                 let field = record.get(column).unwrap_or_default();
                 let line = record.position().map_or(0, csv::Position::line);
                 let number = field.parse().ok().filter(|value: &f64| value.is_finite());
-                *x = number.ok_or_else(|| failed(format!("line {line}: {field:?} is no finite number")))?;
+                *x = number
+                    .ok_or_else(|| failed(io::Error::other(format!("line {line}: {field:?} is no finite number"))))?;
             }
             all.push(&state);
         }

@@ -125,7 +125,7 @@ fn in_functions(density: &ClosureDensity) -> Result<Written<'_>> {
     let exponent = density.exponent();
     let Some((polynomials, kinks)) = exponent.space.single() else {
         let reason = "its functions are several lists; save it as JSON instead";
-        return Err(Error::NoText { language: "source text", reason });
+        return Err(Error::NotKnown { what: "its text in a language".into(), remedy: reason });
     };
     let (smooth, mut singular) = exponent.coefficients.split_at(polynomials.len());
     let terms = polynomials.exponents().iter().cloned().zip(smooth.iter().copied()).collect();

@@ -6,7 +6,8 @@ use crate::error::{Error, Result};
 pub(super) fn text(form: &ClosedForm, symbols: &[&str]) -> Result<String> {
     let reason = "above a wall ln p has a singular part and kinks beside its polynomial; take Python or MATLAB, \
         which have them, or JSON";
-    let polynomial = form.log_polynomial().ok_or(Error::NoText { language: "LaTeX", reason })?;
+    let polynomial =
+        form.log_polynomial().ok_or(Error::NotKnown { what: "its text in LaTeX".into(), remedy: reason })?;
     let names = form.names();
     let side = |(symbol, [low, high]): (&&str, &[f64; 2])| format!(r"{low:.6} \le {symbol} \le {high:.6}");
     let sides = |bounds: &[[f64; 2]]| symbols.iter().zip(bounds).map(side).collect::<Vec<_>>().join(r",\ ");

@@ -110,7 +110,7 @@ impl ClosedForm {
     /// for the states, such as `["x", r"\dot x"]`.
     ///
     /// # Errors
-    /// [`Error::NoText`] above a wall, where ln p is more than a polynomial; [`Error::Dimension`] if there is not one
+    /// [`Error::NotKnown`] above a wall, where ln p is more than a polynomial; [`Error::Dimension`] if there is not one
     /// symbol for each state.
     ///
     /// ```
@@ -128,7 +128,7 @@ impl ClosedForm {
     /// which is true where it is valid. Outside, `log_p` is −∞.
     ///
     /// # Errors
-    /// [`Error::NoText`] where the density is of a form that is not written out.
+    /// [`Error::NotKnown`] where the density is of a form that is not written out.
     pub fn python(&self) -> Result<String> {
         Ok(python::text(&self.formula()?))
     }
@@ -172,7 +172,7 @@ impl ClosedForm {
     /// [`Error::File`], and as [`ClosedForm::from_json`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let missing = || file::file_error("read", path, &std::io::ErrorKind::NotFound.into());
+        let missing = || file::file_error("read", path, std::io::ErrorKind::NotFound.into());
         let content = file::read(path)?.ok_or_else(missing)?;
         let problem = || Error::NotAClosedForm { problem: format!("{} is not UTF-8", path.display()) };
         Self::from_json(&String::from_utf8(content).map_err(|_| problem())?)

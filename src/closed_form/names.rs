@@ -27,7 +27,7 @@ pub(super) fn check(names: &[String]) -> Result<()> {
         } else {
             continue;
         };
-        return Err(Error::NotAName { name: name.clone(), problem });
+        return Err(Error::not_a_name(name, format!("{problem}; x, v, x1, x2 are usual names of states")));
     }
     Ok(())
 }

@@ -86,9 +86,8 @@ impl Closure {
     /// # Errors
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the problem, for
-    /// noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Unreached`] where no noise reaches
-    /// a state; [`Error::Rests`] where trajectories come to rest on a wall; [`Error::Exploded`] where no trajectory stays;
-    /// [`Error::NoDensity`] where trajectories grow without end, come to rest or stay where they began; [`Error::TooStiff`] for rates too
+    /// noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Exploded`] where no trajectory stays;
+    /// [`Error::NoDensity`] where no noise reaches a state, or trajectories grow without end, come to rest or stay where they began; [`Error::TooStiff`] for rates too
     /// far apart where the system is not linear; [`Error::NotClosed`] where the pilot's states allow no density;
     /// [`Error::TooMuchMemory`] where the states or the equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
@@ -178,7 +177,9 @@ impl Closure {
             };
             let closed = self.at_order(HIGHEST_ORDER, true, |order| of_use(closed(order)?, order));
             return closed.map_err(|error| match error {
-                Error::NotClosed { .. } if stayed => Error::NoDensity { state: slow, behaviour: STAYING },
+                Error::NotClosed { .. } if stayed => {
+                    Error::no_density(format!("in state {slow} trajectories {STAYING}"))
+                }
                 error => error,
             });
         }

@@ -1,7 +1,7 @@
 use super::distances::of_one_dimension;
-use crate::checks::dimension;
+use crate::checks::{dimension, require};
 use crate::density::Density;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::parallel;
 use crate::states::States;
@@ -17,7 +17,7 @@ use crate::states::States;
 /// the standard error, and what p̃'s own nodes add to it.
 ///
 /// # Errors
-/// [`Error::Dimension`] if the three are not of the same states, [`Error::NoSamples`] for fewer than two trajectories or fewer states
+/// [`Error::Dimension`](crate::Error::Dimension) if the three are not of the same states, [`Error::OutOfRange`](crate::Error::OutOfRange) for fewer than two trajectories or fewer states
 /// than these; those of p̃'s expectations.
 ///
 /// ```
@@ -38,13 +38,10 @@ pub fn l1_at_least(
 ) -> Result<Estimate> {
     let n = of_one_dimension(density, comparison)?;
     dimension("the held-out states", states.dimension(), n)?;
-    if trajectories < 2 {
-        return Err(Error::NoSamples { what: "the number of trajectories", least: 2 });
-    }
+    require(trajectories >= 2, "number of trajectories", trajectories as f64, "take at least 2")?;
     let samples = states.len() / trajectories;
-    if samples == 0 {
-        return Err(Error::NoSamples { what: "the number of held-out states", least: trajectories });
-    }
+    let remedy = "take at least one of each trajectory";
+    require(samples > 0, "number of held-out states", states.len() as f64, remedy)?;
     let sign = |x: &[f64]| -> f64 {
         let [own, other] = [density, comparison].map(|density| density.log_pdf(x).unwrap_or(f64::NEG_INFINITY));
         f64::from(i8::from(other > own) - i8::from(other < own))

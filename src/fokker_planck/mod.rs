@@ -46,7 +46,7 @@ impl FokkerPlanck {
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::OutOfRange`] for a degree above 60,
-    /// [`Error::NoNoise`] if B and all H vanish identically; those of [`Jumps::new`](crate::Jumps::new).
+    /// [`Error::NoDensity`] if B and all H vanish identically; those of [`Jumps::new`](crate::Jumps::new).
     pub(crate) fn new(
         drift: &[Polynomial],
         columns: &[Vec<Polynomial>],
@@ -75,7 +75,11 @@ impl FokkerPlanck {
             diffusion[i].iter().try_for_each(|entry| all_finite("squared noise", i, entry))?;
         }
         let operator = FokkerPlanck { drift, diffusion, impulses, moved: Vec::new() };
-        if (0..n).any(|i| operator.is_driven(i)) { Ok(operator) } else { Err(Error::NoNoise) }
+        if (0..n).any(|i| operator.is_driven(i)) {
+            Ok(operator)
+        } else {
+            Err(Error::no_density("the noise vanishes identically; give at least one intensity above zero"))
+        }
     }
 
     /// The number of states.
@@ -113,7 +117,7 @@ impl FokkerPlanck {
     /// Requires that noise reaches every state, its own or that of states which its drift contains, or that impacts join with it.
     ///
     /// # Errors
-    /// [`Error::Unreached`] otherwise: the motion of such a state is deterministic, and it has no density.
+    /// [`Error::NoDensity`] otherwise: the motion of such a state is deterministic, and it has no density.
     pub(crate) fn require_reached(&self, joined: &[[usize; 2]]) -> Result<()> {
         let n = self.dimension();
         let mut reached: Vec<bool> = (0..n).map(|i| self.is_driven(i)).collect();
@@ -123,7 +127,9 @@ impl FokkerPlanck {
             reached = (0..n).map(|i| reached[i] || (0..n).any(|j| reached[j] && contains(i, j))).collect();
         }
         match reached.iter().position(|reached| !reached) {
-            Some(state) => Err(Error::Unreached { state }),
+            Some(state) => Err(Error::no_density(format!(
+                "no noise reaches state {state}, not even through other states; leave it out, or give it noise"
+            ))),
             None => Ok(()),
         }
     }

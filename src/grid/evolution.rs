@@ -162,7 +162,7 @@ impl<'a> Evolution<'a> {
             self.time = if left <= step * (1.0 + 1e-12) { until } else { self.time + step };
             self.error += error;
             if self.error >= HOPELESS {
-                let reason = "the steps in time add up to it, since the density moves by many of its own widths: take a wider start or a smaller accuracy";
+                let reason = "the errors of the steps in time add up to the density, which moves by many of its own widths: take a wider start or a smaller accuracy";
                 return Err(Error::NotResolved { estimate: self.error, reason: reason.into() });
             }
             self.moved += Field { coefficients: difference, ..next.clone() }.mass().abs();

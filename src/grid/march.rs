@@ -118,7 +118,7 @@ impl Stepper {
     /// What a step makes of p, and its difference from the embedded method of order 3.
     ///
     /// # Errors
-    /// [`Error::SingularSystem`](crate::Error::SingularSystem).
+    /// [`Error::NotResolved`](crate::Error::NotResolved).
     pub(super) fn stepped(
         &mut self,
         p: &[f64],

@@ -191,13 +191,11 @@ impl Grid {
     /// # Errors
     /// - [`Error::NotServed`]: a problem of another number of states, a wall on state 1, or impulses;
     /// - [`Error::OutOfRange`]: an option without a meaning;
-    /// - [`Error::Exploded`], [`Error::NoDensity`]: the drift does not bring trajectories back, or they come to rest;
+    /// - [`Error::Exploded`], [`Error::NoDensity`]: the drift does not bring trajectories back, they come to rest, or no noise reaches a state;
     /// - [`Error::TooStiff`]: rates that are too far apart;
-    /// - [`Error::Unreached`]: a state that no noise reaches; [`Error::Rests`]: a wall that trajectories come to rest on;
-    /// - [`Error::SingularSystem`]: more than one density is stationary, or none;
-    /// - [`Error::NotResolved`]: an estimate of order 1, with its reason;
+    /// - [`Error::NotResolved`]: an estimate of order 1, or more than one density is stationary, or none;
     /// - [`Error::TooMuchMemory`]: already the first mesh is beyond [`Grid::memory_limit`];
-    /// - [`Error::GridCancelled`]: the progress callback returned `Break`.
+    /// - [`Error::Cancelled`]: the progress callback returned `Break`.
     ///
     /// ```
     /// use expoly::{Density, Grid, Wall, models::{Duffing, Solved}};
@@ -251,4 +249,13 @@ impl Grid {
 fn require_accuracy(name: &'static str, accuracy: f64) -> Result<()> {
     let sound = (1e-11..=0.1).contains(&accuracy);
     require(sound, name, accuracy, "it is a distance in L¹: it must lie between 1e-11 and 0.1").map(|_| ())
+}
+
+/// The refusal of a linear system without a unique solution.
+fn singular(unknowns: usize) -> Error {
+    let reason = format!(
+        "the linear system of {unknowns} unknowns is singular: the stationary density is not unique, or there is none; check that the noise \
+         reaches every state"
+    );
+    Error::NotResolved { estimate: f64::INFINITY, reason }
 }

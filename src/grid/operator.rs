@@ -8,7 +8,8 @@ use super::flux::Part;
 use super::forms::{Forms, Matrices};
 use super::mesh::{Mesh, Role};
 use super::shape::Shape;
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::grid::singular;
 use crate::memory::MemoryLimit;
 use crate::parallel;
 use crate::problem::{PlaneMotion, Problem};
@@ -67,7 +68,7 @@ pub(super) enum Regular<'a> {
 
 impl Operator {
     /// # Errors
-    /// [`Error::TooMuchMemory`] if matrices and factors would not keep to the limit.
+    /// [`Error::TooMuchMemory`](crate::Error::TooMuchMemory) if matrices and factors would not keep to the limit.
     pub(super) fn new(
         problem: &Problem,
         layout: &Layout,
@@ -272,7 +273,7 @@ impl Factors {
     /// The solution with a right side in the cells, and one at the faces.
     ///
     /// # Errors
-    /// [`Error::SingularSystem`] if the matrix is singular.
+    /// [`Error::NotResolved`](crate::Error::NotResolved) if the matrix is singular.
     pub(super) fn solve(&self, right: &[f64], at_faces: Option<Vec<f64>>) -> Result<Solution> {
         let Factors { layout, shape, factored } = self;
         let (block, size) = (shape.block(), shape.face());
@@ -280,7 +281,7 @@ impl Factors {
         let mut faces = at_faces.unwrap_or_else(|| vec![0.0; layout.mesh.faces.len() * size]);
         factored.solve(&layout.front, [block, size], &mut coefficients, &mut faces);
         if !coefficients.iter().chain(&faces).all(|x| x.is_finite()) {
-            return Err(Error::SingularSystem { unknowns: right.len() });
+            return Err(singular(right.len()));
         }
         Ok(Solution { field: Field { mesh: Arc::clone(&layout.mesh), shape: *shape, coefficients }, faces })
     }

@@ -55,7 +55,7 @@ impl Grid {
         let mut report = |mut progress: GridProgress| {
             progress.rounds += rounds.get();
             let stop = self.progress.as_ref().is_some_and(|callback| callback(progress).is_break());
-            if stop { Err(Error::GridCancelled { rounds: progress.rounds }) } else { Ok(()) }
+            if stop { Err(Error::Cancelled { done: progress.rounds as u64, unit: "linear systems" }) } else { Ok(()) }
         };
         let mut doubled = 0;
         loop {
@@ -153,7 +153,9 @@ impl Grid {
             walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
         };
         if fine.wells.determined && (l1_estimate.is_nan() || l1_estimate >= HOPELESS) {
-            return Err(Error::NotResolved { estimate: l1_estimate, reason: warning.unwrap_or_default() });
+            let why = warning.unwrap_or_else(|| "check that the noise reaches every state".into());
+            let reason = format!("its estimate of the error in L1 is {l1_estimate:.1e}; {why}");
+            return Err(Error::NotResolved { estimate: l1_estimate, reason });
         }
         let provenance = Provenance {
             method: "grid".into(),

@@ -8,8 +8,8 @@ use super::flux::Part;
 use super::operator::{Factors, Layout, Operator, Solution};
 use super::pins::{Pin, Pinned};
 use super::wells::Wells;
-use crate::error::{Error, Result};
-use crate::grid::{HIDDEN, ROUNDING};
+use crate::error::Result;
+use crate::grid::{HIDDEN, ROUNDING, singular};
 use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 use crate::states::States;
@@ -105,7 +105,7 @@ impl Stationary {
         let density = wells.density(&operator);
         let p = &density.field;
         if !p.coefficients.iter().all(|p| p.is_finite()) {
-            return Err(Error::SingularSystem { unknowns: operator.unknowns() });
+            return Err(singular(operator.unknowns()));
         }
         let fed = |(pin, share): (&Pin, &f64)| pin.rate * share - pin.passing(p);
         let fed: Vec<f64> = wells.pins.iter().zip(&wells.shares).map(fed).collect();
@@ -144,7 +144,7 @@ impl Stationary {
     /// The solution of K q = −`derivative` p without mass, and what changes in it if lost probability comes back elsewhere.
     ///
     /// # Errors
-    /// [`Error::SingularSystem`] if it is not finite, [`Error::NotKnown`] where the shares of wells are not determined.
+    /// [`Error::NotResolved`](crate::Error::NotResolved) if it is not finite, [`Error::NotKnown`](crate::Error::NotKnown) where the shares of wells are not determined.
     pub(super) fn moved(&self, derivative: &Operator, more: &[f64]) -> Result<[Field; 2]> {
         let balanced = |change: Field| change.plus(-change.mass(), &self.density.field);
         let source = |p: &Solution, factor: f64| {

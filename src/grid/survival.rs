@@ -13,9 +13,9 @@ use super::shape::Shape;
 use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::grid::ROUNDS;
 use crate::grid::kept::Kept;
 use crate::grid::require_accuracy;
+use crate::grid::{ROUNDS, singular};
 use crate::problem::TimeScales;
 use crate::transient::{Course, Start, check_limits, check_times};
 use std::sync::Arc;
@@ -136,18 +136,18 @@ impl Survival {
     /// the mean time to the first passage once the start is forgotten.
     ///
     /// # Errors
-    /// [`Error::SingularSystem`] if nothing leaves through the levels.
+    /// [`Error::NotResolved`] if nothing leaves through the levels.
     pub fn rate(&self) -> Result<Estimate> {
         let [fine, coarse] = &*self.operators;
         let modes = slowest([fine, coarse], 0.0, 1)?;
-        let singular = Error::SingularSystem { unknowns: fine.unknowns() };
+        let singular = singular(fine.unknowns());
         modes.first().map(|mode| Estimate::new(mode.rate, mode.error + self.leak())).ok_or(singular)
     }
 
     /// The mean time to the first passage, E T = ∫ P(T > t) dt.
     ///
     /// # Errors
-    /// As [`GridDensity::transient`]; [`Error::SingularSystem`] if nothing leaves through the levels.
+    /// As [`GridDensity::transient`]; [`Error::NotResolved`] if nothing leaves through the levels.
     pub fn mean_time(&self, start: &Start) -> Result<Estimate> {
         let kept = &self.stationary.kept;
         let ground = kept.ground(self.domain.clone(), self.sides, FINEST);

@@ -23,7 +23,7 @@ impl GridDensity {
     /// rate is the rate at which its wells mix.
     ///
     /// # Errors
-    /// [`Error::SingularSystem`] if the shifted matrix is singular.
+    /// [`Error::NotResolved`] if the shifted matrix is singular.
     ///
     /// ```
     /// use expoly::{Grid, models::{Linear, Solved}};
@@ -60,7 +60,7 @@ impl GridDensity {
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
     /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain or is too narrow for double precision there;
     /// [`Error::Dimension`] for a start in other than the problem's states; [`Error::NotResolved`] if the errors of the steps add up to
-    /// the density itself; [`Error::DomainCut`] if it has spread beyond the domain under an envelope. Where the memory ends
+    /// the density itself, or it has spread beyond the domain under an envelope. Where the memory ends
     /// first, the provenance warns.
     ///
     /// ```
@@ -118,7 +118,12 @@ impl GridDensity {
         self.edges = self.fine.at_edges();
         for &(state, side, level) in &self.edges {
             if level.is_nan() || level > accepted {
-                return Err(Error::DomainCut { state, edge: self.fine.mesh.domain()[state][side], level, accepted });
+                let edge = self.fine.mesh.domain()[state][side];
+                let reason = format!(
+                    "at state {state} = {edge} the density is {level:.1e} of its peak, above the accepted {accepted:.1e}: the domain cuts it \
+                     off, so widen `Grid::domain` or leave it out"
+                );
+                return Err(Error::NotResolved { estimate: f64::INFINITY, reason });
             }
         }
         self.provenance.edge_level = Some(self.edges.iter().map(|(.., level)| *level).fold(0.0, f64::max));

@@ -12,7 +12,7 @@ use super::operator::{Operator, Solution};
 use super::pins::Pin;
 use super::stationary::Question;
 use crate::error::{Error, Result};
-use crate::grid::{HIDDEN, KEPT, ROUNDING};
+use crate::grid::{HIDDEN, KEPT, ROUNDING, singular};
 use crate::problem::Symmetry;
 use crate::states::States;
 use nalgebra::{DMatrix, DVector};
@@ -215,7 +215,7 @@ impl Wells {
         let even = gone.mean();
         let least = 1e-6 * chain.amax();
         let found = chain.svd(true, true).solve(&gone.add_scalar(-even), least);
-        let singular = Error::SingularSystem { unknowns: p.coefficients.len() };
+        let singular = singular(p.coefficients.len());
         Ok(found.map_err(|_| singular)?.iter().copied().collect())
     }
 }

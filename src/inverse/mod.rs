@@ -22,7 +22,7 @@ use crate::problem::Problem;
 fn values(problem: &Problem, names: &[String]) -> Result<Vec<f64>> {
     let value = |name: &String| {
         let found = problem.parameters().iter().find(|(other, _)| other == name);
-        found.map(|(_, value)| *value).ok_or(Error::NotAName { name: name.clone(), problem: "no parameter has it" })
+        found.map(|(_, value)| *value).ok_or(Error::not_a_name(name, "no parameter has it"))
     };
     names.iter().map(value).collect()
 }

@@ -37,13 +37,10 @@ fn missing(error: &Error) -> bool {
     matches!(
         error,
         Error::NotClosed { .. }
-            | Error::NoStationaryDensity { .. }
             | Error::NoDensity { .. }
             | Error::TooStiff { .. }
             | Error::Exploded { .. }
             | Error::OutOfRange { .. }
             | Error::NotNormalisable { .. }
-            | Error::NoNoise
-            | Error::Unreached { .. }
     )
 }

@@ -205,7 +205,7 @@ impl Problem {
     /// Refuses walls that trajectories come to rest on: there is no density then.
     ///
     /// # Errors
-    /// [`Error::Rests`].
+    /// [`Error::NoDensity`].
     pub(crate) fn require_no_rest(&self) -> Result<()> {
         let pressed = |contact: &Contact| {
             let [first, second] = [contact.first.1, contact.second.map_or(contact.first.1, |(_, v)| v)]
@@ -215,7 +215,10 @@ impl Problem {
             force.degree() > 0 || force.constant_term() <= 0.0
         };
         match self.contacts().iter().position(|contact| contact.is_rested_on() && pressed(contact)) {
-            Some(wall) => Err(Error::Rests { wall }),
+            Some(wall) => Err(Error::no_density(format!(
+                "no white noise acts on the velocity at wall {wall}, and its impacts take energy, so that trajectories come to rest on it \
+                 for a share of the time; a simulation has that share and all means, or let some white noise act on the velocity"
+            ))),
             None => Ok(()),
         }
     }

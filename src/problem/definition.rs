@@ -33,7 +33,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient, or a product of two in the noise, is NaN or infinite, [`Error::OutOfRange`] for a
-    /// degree above 60, [`Error::NoNoise`] if noise and impulses vanish identically;
+    /// degree above 60, [`Error::NoDensity`] if noise and impulses vanish identically;
     /// [`Error::Dimension`], [`Error::NotAName`] if the names do not fit the states.
     pub fn of<T, const N: usize, const M: usize>(system: T) -> Result<Self>
     where
@@ -119,7 +119,7 @@ fn parameters_of<T: Parametric<With<f64> = T>>(system: &T) -> Result<(Vec<(Strin
     });
     for (i, (name, _)) in parameters.iter().enumerate() {
         if parameters[..i].iter().any(|(other, _)| other == name) {
-            return Err(Error::NotAName { name: name.clone(), problem: "two parameters have it" });
+            return Err(Error::not_a_name(name, "two parameters have it"));
         }
     }
     Ok((parameters, copy))
@@ -276,7 +276,7 @@ fn named(names: Vec<String>, n: usize, displacements: &[(usize, usize)]) -> Resu
         } else {
             continue;
         };
-        return Err(Error::NotAName { name: name.clone(), problem });
+        return Err(Error::not_a_name(name, format!("{problem}; x, v, x1, x2 are usual names of states")));
     }
     Ok(names)
 }

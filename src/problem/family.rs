@@ -147,7 +147,7 @@ impl Problem {
     }
 
     fn index_of_parameter(&self, name: &str) -> Result<usize> {
-        let unknown = || Error::NotAName { name: name.to_owned(), problem: "no parameter has it" };
+        let unknown = || Error::not_a_name(name, "no parameter has it");
         self.parameters().iter().position(|(parameter, _)| parameter == name).ok_or_else(unknown)
     }
 

@@ -24,7 +24,7 @@ const UNBOUNDED: f64 = 1e12;
 /// E[∂_k∂_l g]. It starts from unit variance in the system's natural units.
 ///
 /// # Errors
-/// [`Error::NoStationaryDensity`] if a variance grows without bound or does not settle.
+/// [`Error::NoDensity`] if a variance grows without bound or does not settle.
 pub(super) fn gaussian_closure(operator: &FokkerPlanck) -> Result<Gaussian> {
     // Impulses enter equations of first and second order by their mean and their mean square.
     let operator = operator.diffusive();
@@ -76,11 +76,18 @@ fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
             None => step *= 0.25,
         }
         if let Some(i) = (0..n).find(|&i| state.covariance[(i, i)].is_nan() || state.covariance[(i, i)] >= UNBOUNDED) {
-            return Err(Error::NoStationaryDensity { state: i, behaviour: "grows without bound" });
+            return Err(unbounded(i, "grows without bound"));
         }
     }
     let worst = (0..n).max_by(|&i, &j| state.covariance[(i, i)].total_cmp(&state.covariance[(j, j)]));
-    Err(Error::NoStationaryDensity { state: worst.unwrap_or(0), behaviour: "does not settle" })
+    Err(unbounded(worst.unwrap_or(0), "does not settle"))
+}
+
+fn unbounded(state: usize, behaviour: &str) -> Error {
+    Error::no_density(format!(
+        "under the Gaussian closure the variance of state {state} {behaviour}; the drift must bring every trajectory back, so check the \
+         signs of damping and leading stiffness"
+    ))
 }
 
 /// The solution of linear equations whose rows and columns are of very different sizes. None where there is none.

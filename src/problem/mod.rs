@@ -120,7 +120,7 @@ impl Problem {
         }
         let own = wall.parameters(self.states());
         if let Some((name, _)) = own.iter().find(|(name, _)| self.parameters().iter().any(|(other, _)| other == name)) {
-            return Err(Error::NotAName { name: name.clone(), problem: "two parameters have it" });
+            return Err(Error::not_a_name(name, "two parameters have it"));
         }
         self.parameters = self.parameters.iter().cloned().chain(own).collect();
         Ok(self)
@@ -152,7 +152,7 @@ impl Problem {
     /// # Errors
     /// [`Error::NotAName`] if there is none.
     pub fn state(&self, name: &str) -> Result<usize> {
-        let unknown = || Error::NotAName { name: name.to_owned(), problem: "no state has it" };
+        let unknown = || Error::not_a_name(name, "no state has it");
         self.states().iter().position(|state| state == name).ok_or_else(unknown)
     }
 
@@ -218,7 +218,7 @@ impl Problem {
     /// walls left out, impulses included. It is the weight of the classical closure and equal to it at order 2.
     ///
     /// # Errors
-    /// [`Error::NoStationaryDensity`] if a variance grows without bound or does not settle.
+    /// [`Error::NoDensity`] if a variance grows without bound or does not settle.
     ///
     /// ```
     /// use expoly::{Problem, models::Duffing};

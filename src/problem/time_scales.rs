@@ -14,7 +14,7 @@ const STIFF: f64 = 1e10;
 /// A growth below this part of the fastest rate is none.
 const ROUNDING: f64 = 1e-9;
 /// What trajectories do without a restoring drift.
-const DRIFTLESS: &str = "spread without end: the drift is the same everywhere, and must bring them back";
+const DRIFTLESS: &str = "trajectories spread without end: the drift is the same everywhere, and must bring them back";
 
 /// The rates that determine a simulation's burn-in and the time between its samples. They scale with the user's unit of time,
 /// so that a count of the corresponding times does not depend on it.
@@ -61,7 +61,7 @@ impl TimeScales {
     /// [`Error::NoDensity`].
     pub(crate) fn require_drift(problem: &Problem) -> Result<()> {
         let driftless = problem.operator().drift().iter().all(|f| f.degree() == 0);
-        if driftless { Err(Error::NoDensity { state: 0, behaviour: DRIFTLESS }) } else { Ok(()) }
+        if driftless { Err(Error::no_density(DRIFTLESS)) } else { Ok(()) }
     }
 
     /// Refuses rates of the linearised system that are too far apart.
@@ -119,7 +119,7 @@ fn near(problem: &Problem) -> Result<(Gaussian, bool)> {
     match problem.gaussian() {
         Ok(gaussian) => Ok((gaussian, true)),
         // The system may still be stable: if not, the simulation explodes.
-        Err(Error::NoStationaryDensity { .. }) => {
+        Err(Error::NoDensity { .. }) => {
             let (frame, _) = natural_units(&problem.operator().diffusive())?;
             let scale = frame.scale();
             let mean = DVector::zeros(problem.dimension());

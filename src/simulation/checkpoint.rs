@@ -1,10 +1,10 @@
 use super::{batch::Batch, plan::Plan};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::file;
 use crate::provenance::Stopped;
 use crate::record::checksum;
 use serde::{Deserialize, Serialize};
-use std::{path::Path, path::PathBuf, time::Duration};
+use std::{io, path::Path, path::PathBuf, time::Duration};
 
 /// The first bytes of a file: the version of the library, since another version may compute other bits, and that of the
 /// format.
@@ -48,11 +48,8 @@ impl State {
 
     /// Writes the file, whole or not at all.
     pub(super) fn to_file(&self, path: &Path) -> Result<()> {
-        let unwritten = |error: postcard::Error| {
-            let (path, reason) = (path.display().to_string(), error.to_string());
-            Error::File { action: "write", path, reason }
-        };
-        let body = postcard::to_stdvec(self).map_err(unwritten)?;
+        let body =
+            postcard::to_stdvec(self).map_err(|error| file::file_error("write", path, io::Error::other(error)))?;
         file::write(path, &[MAGIC, &checksum(&body).to_le_bytes(), &body].concat())
     }
 }

@@ -17,7 +17,7 @@ impl SimulatedDensity {
     pub fn from_checkpoint(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let content = file::read(path)?;
-        let content = content.ok_or_else(|| file::file_error("read", path, &io::ErrorKind::NotFound.into()))?;
+        let content = content.ok_or_else(|| file::file_error("read", path, io::ErrorKind::NotFound.into()))?;
         let state = State::from_file(path, &content)?;
         let stopped = state.stopped.ok_or_else(|| file::not_this_run(path, UNFINISHED))?;
         let tallies = state.batches.into_iter().map(|batch| batch.tally).collect();
@@ -28,7 +28,7 @@ impl SimulatedDensity {
     /// order.
     ///
     /// # Errors
-    /// [`Error::NoSamples`] for no parts, [`Error::NotTheParts`] for those of different simulations, and where one is missing
+    /// [`Error::NotTheParts`] for none, for those of different simulations, and where one is missing
     /// or there twice.
     ///
     /// ```
@@ -41,7 +41,7 @@ impl SimulatedDensity {
     /// ```
     pub fn merge(parts: impl IntoIterator<Item = Self>) -> Result<Self> {
         let mut parts = parts.into_iter();
-        let first = parts.next().ok_or(Error::NoSamples { what: "the number of parts", least: 1 })?;
+        let first = parts.next().ok_or(Error::NotTheParts { problem: "there are none".into() })?;
         let (plan, mut seconds) = (first.plan.clone(), first.provenance().seconds);
         let stopped = first.provenance().stopped.unwrap_or(Stopped::Samples);
         let mut tallies = first.into_tallies();

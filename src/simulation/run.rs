@@ -61,7 +61,7 @@ impl<'a> Simulation<'a> {
     ///
     /// # Errors
     /// - [`Error::NotADisplacement`]: a level for a state 0 that has no velocity.
-    /// - [`Error::NoSamples`]: no samples, or fewer than two trajectories.
+    /// - [`Error::OutOfRange`]: no samples, or fewer than two trajectories.
     /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning; and a motion so much faster than the
     ///   slower rates that default times have more than a million steps before the first sample, or two thousand between
     ///   two.
@@ -252,12 +252,9 @@ impl<'a> Simulation<'a> {
         if !self.levels.is_empty() && problem.velocity_of(0).is_none() {
             return Err(Error::NotADisplacement { state: 0 });
         }
-        if self.trajectories < 2 {
-            return Err(Error::NoSamples { what: "the number of trajectories", least: 2 });
-        }
-        if self.samples == 0 {
-            return Err(Error::NoSamples { what: "the number of samples", least: 1 });
-        }
+        let remedy = "take at least 2, whose spread is the standard error";
+        require(self.trajectories >= 2, "number of trajectories", self.trajectories as f64, remedy)?;
+        require(self.samples > 0, "number of samples", 0.0, "take at least 1")?;
         at_most("number of walls", contacts.len(), MOST_WALLS, "at most 64 can be met")?;
         at_most("number of levels", self.levels.len(), MOST_LEVELS, "at most 64 levels can be counted at once")?;
         at_most("number of trajectories", self.trajectories, MOST_TRAJECTORIES, "at most 2^20 fit into memory")?;

@@ -61,7 +61,7 @@ pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> R
         }
     }
     let behaviour = "keep growing: the drift must bring them back, so check the signs of damping and leading stiffness";
-    Err(Error::NoDensity { state: grown.unwrap_or(0), behaviour })
+    Err(Error::no_density(format!("in state {} trajectories {behaviour}", grown.unwrap_or(0))))
 }
 
 /// Refuses a system without a stationary density where that is in doubt: its Gaussian closure does not settle, or nothing
@@ -109,8 +109,8 @@ fn spread(states: &States, each: usize) -> Result<Vec<[f64; 2]>> {
     };
     let spreads: Vec<[f64; 2]> = (0..states.dimension()).map(of).collect();
     if spreads.iter().all(|[early, late]| *late <= ENDED * early) {
-        let behaviour = "come to rest: drift and noise vanish there, so let some noise act at that point";
-        return Err(Error::NoDensity { state: 0, behaviour });
+        let behaviour = "trajectories come to rest: drift and noise vanish there, so let some noise act at that point";
+        return Err(Error::no_density(behaviour));
     }
     Ok(spreads)
 }

@@ -1,3 +1,4 @@
+use crate::checks::require;
 use crate::density::{Cell, Density, cell_lines};
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
@@ -44,7 +45,7 @@ const WIDENED: f64 = 1.25;
 /// where all are independent. States repeat themselves when more than a fraction of that many are drawn.
 ///
 /// # Errors
-/// [`Error::NoSamples`] for a `count` of zero, [`Error::TooMuchMemory`] for more than 2³⁰ numbers in all; [`Error::NotKnown`] if the density does not know its values, as a simulation
+/// [`Error::OutOfRange`] for a `count` of zero, [`Error::TooMuchMemory`] for more than 2³⁰ numbers in all; [`Error::NotKnown`] if the density does not know its values, as a simulation
 /// of more than two states, or is too uneven for an envelope.
 ///
 /// ```
@@ -57,9 +58,7 @@ const WIDENED: f64 = 1.25;
 /// # Ok::<(), expoly::Error>(())
 /// ```
 pub fn samples(density: &dyn Density, count: usize, seed: u64) -> Result<(States, Option<f64>)> {
-    if count == 0 {
-        return Err(Error::NoSamples { what: "the number of states to draw", least: 1 });
-    }
+    require(count > 0, "number of states to draw", 0.0, "take at least 1")?;
     let dimension = density.dimension();
     let numbers = count as f64 * dimension as f64;
     MemoryLimit::default().holds("the states to draw", numbers, "draw fewer, several times, with another seed each")?;
@@ -176,7 +175,8 @@ fn pieces(density: &dyn Density) -> Result<Vec<Piece>> {
 
 fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States> {
     let remedy = "it is too uneven to draw from, or infinite somewhere";
-    let too_low = Error::NotKnown { what: "an upper bound of its values".into(), remedy };
+    let bound = "an upper bound of its values";
+    let too_low = Error::NotKnown { what: bound.into(), remedy };
     let too_uneven = Error::NotKnown { what: "where most of its mass is".into(), remedy };
     let pieces = pieces(density)?;
     if pieces.is_empty() {
@@ -204,7 +204,7 @@ fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States
             Err(too_uneven.clone())
         };
         match in_blocks(dimension, count, seed, draw) {
-            Err(error) if error == too_low => margin *= 1.5,
+            Err(Error::NotKnown { what, .. }) if what == bound => margin *= 1.5,
             answer => return answer,
         }
     }

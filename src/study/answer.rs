@@ -57,7 +57,6 @@ impl Answer {
         let (termination, error) = match answer {
             Ok(answer) => return Ok(answer.into()),
             Err(error @ Error::NotClosed { .. }) => ("not closed", error),
-            Err(error @ Error::NoStationaryDensity { .. }) => ("no Gaussian closure", error),
             Err(error @ Error::NoDensity { .. }) => ("no density", error),
             Err(error) => return Err(error),
         };

@@ -70,7 +70,7 @@ impl<'a> Case<'a> {
     pub(super) fn identity(&self) -> Result<String> {
         let mut names = std::iter::once(&self.name).chain(self.methods.iter().map(|(name, _)| name));
         if let Some(name) = names.find(|name| name.contains(['\n', '\r'])) {
-            return Err(Error::NotAName { name: name.clone(), problem: "a row of a table is one line" });
+            return Err(Error::not_a_name(name, "a row of a table is one line"));
         }
         Ok(format!("{:?} {:?} {}", equations(&self.problem), self.problem.walls(), self.settings))
     }

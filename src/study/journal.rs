@@ -93,7 +93,7 @@ impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
         if let Some(path) = self.path.as_ref().filter(|_| !self.missing.is_empty()) {
             let file = OpenOptions::new().create(true).append(true).open(path);
             let begun = file.and_then(|mut file| file.write_all(self.before.as_bytes()).map(|()| file));
-            self.kept().file = Some(begun.map_err(|error| file_error("write", path, &error))?);
+            self.kept().file = Some(begun.map_err(|error| file_error("write", path, error))?);
         }
         all(parallel::map(self.missing.len(), |unit| work(&self.missing[unit], &self)))?;
         Ok((self.kept.into_inner().unwrap_or_else(PoisonError::into_inner).rows, self.lines.count()))
@@ -126,7 +126,7 @@ impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
         if let (Some(file), Some(path)) = (&mut kept.file, &self.path) {
             // A single write: what kills the process leaves at most one broken line, and others may append to the file as well.
             let written = file.write_all(self.lines.line(row, &computed)?.as_bytes()).and_then(|()| file.sync_data());
-            written.map_err(|error| file_error("write", path, &error))?;
+            written.map_err(|error| file_error("write", path, error))?;
         }
         kept.done += 1;
         if let Some(progress) = kept.progress.as_mut().filter(|_| !kept.cancelled) {

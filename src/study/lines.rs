@@ -1,12 +1,13 @@
 //! The rows of a study as lines of a CSV file.
 
 use crate::checks::require;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::file;
 use crate::record::checksum;
 use csv::{ReaderBuilder, StringRecord, WriterBuilder};
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 
 const OTHER: &str = "it is no table of this study, or has rows that other settings or another version of the library made; keep \
@@ -30,7 +31,7 @@ impl Lines {
     /// Lines of these columns for rows with these keys, each once, and settings.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] without rows.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) without rows.
     pub(super) fn new<K: Serialize>(columns: &[String], rows: &[(K, String)]) -> Result<Self> {
         let remedy = "give it a value, or a problem, a method and an order";
         require(!rows.is_empty(), "number of rows of the study", 0.0, remedy)?;
@@ -51,7 +52,7 @@ impl Lines {
     /// The rows in a file by their numbers, and what it lacks before the next line: its heading, or the end of the last line.
     ///
     /// # Errors
-    /// [`Error::NotThisRun`] for a file without the heading, and for a row of other settings; [`Error::File`].
+    /// [`Error::NotThisRun`](crate::Error::NotThisRun) for a file without the heading, and for a row of other settings; [`Error::File`](crate::Error::File).
     pub(super) fn read<R: DeserializeOwned>(&self, path: &Path) -> Result<(BTreeMap<usize, R>, String)> {
         let content = file::read(path)?.unwrap_or_default();
         let content = String::from_utf8_lossy(&content);
@@ -102,11 +103,11 @@ pub(super) fn columns<R: Serialize + Default>() -> Result<Vec<String>> {
 
 /// A row as one line of CSV, or the `names` of its fields. Numbers keep all their bits, and a missing value is an empty field.
 pub(super) fn text(row: &impl Serialize, names: bool) -> Result<String> {
-    let refused = |reason: String| Error::File { action: "write", path: String::from("a row of a study"), reason };
+    let refused = |error: io::Error| file::file_error("write", Path::new("a row of a study"), error);
     let mut writer = WriterBuilder::new().has_headers(names).from_writer(Vec::new());
-    writer.serialize(row).map_err(|error| refused(error.to_string()))?;
-    let bytes = writer.into_inner().map_err(|error| refused(error.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|error| refused(error.to_string()))?;
+    writer.serialize(row).map_err(|error| refused(error.into()))?;
+    let bytes = writer.into_inner().map_err(|error| refused(error.into_error()))?;
+    let text = String::from_utf8(bytes).map_err(|error| refused(io::Error::other(error)))?;
     // Without the row below the names; with a reason of several lines on one.
     let text = if names { text.lines().next().unwrap_or_default() } else { text.trim_end_matches('\n') };
     Ok(text.replace(['\n', '\r'], " "))

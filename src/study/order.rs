@@ -116,7 +116,7 @@ impl<'a> OrderStudy<'a> {
         for (k, (key, _)) in keyed.iter().enumerate() {
             if keyed[..k].iter().any(|(other, _)| other == key) {
                 let problem = "two methods of one case have it, or of two cases of one name";
-                return Err(Error::NotAName { name: key.1.to_owned(), problem });
+                return Err(Error::not_a_name(key.1, problem));
             }
         }
         // The costs of rows grow with their orders.

@@ -184,10 +184,10 @@ impl SweepTable {
     /// The numbers of one column.
     ///
     /// # Errors
-    /// [`Error::NoColumn`] if there is none of that name.
+    /// [`Error::NotAName`] if there is none of that name.
     pub fn column(&self, name: &str) -> Result<Vec<f64>> {
         let at = self.columns.iter().position(|column| column == name);
-        let at = at.ok_or_else(|| Error::NoColumn { name: name.to_owned(), columns: self.columns.clone() })?;
+        let at = at.ok_or_else(|| Error::not_a_name(name, format!("there are the columns {:?}", self.columns)))?;
         Ok(self.rows.iter().map(|row| row[at]).collect())
     }
 }

@@ -161,7 +161,7 @@ fn other_languages_have_the_same_logarithm() {
     }
     let latex = low.latex(&["x", r"\dot x"]).unwrap();
     assert!(latex.contains(r"\ln p(x, \dot x) = - ") && latex.contains(r"\le \dot x \le"), "{latex}");
-    assert!(matches!(forms[3].1.latex(&["y", r"\dot y"]), Err(Error::NoText { language: "LaTeX", .. })));
+    assert!(matches!(forms[3].1.latex(&["y", r"\dot y"]), Err(Error::NotKnown { .. })));
 }
 
 fn bits(estimate: Estimate) -> [u64; 2] {

@@ -526,7 +526,7 @@ fn questions_without_sense_are_refused() {
     assert!(matches!(Impacts::new(&exact, &problem(duffing())), Err(Error::NotServed { .. })));
     let chain = chain_of_two().problem().unwrap().with_wall(Wall::above(0.0, 0.9).unwrap()).unwrap();
     assert!(matches!(Impacts::new(&exact, &chain), Err(Error::Dimension { expected: 2, found: 4, .. })));
-    assert!(matches!(samples(&exact, 0, 1), Err(Error::NoSamples { .. })));
+    assert!(matches!(samples(&exact, 0, 1), Err(Error::OutOfRange { .. })));
     for count in [1 << 40, usize::MAX] {
         assert!(matches!(samples(&exact, count, 1), Err(Error::TooMuchMemory { .. })));
     }

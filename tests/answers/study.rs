@@ -134,7 +134,7 @@ fn a_sweep_starts_near_and_goes_on_to_the_same_table() {
     assert!(matches!(stop, Error::Cancelled { unit: "rows", .. }), "{stop}");
     assert_eq!(sweep().file(&path).run(solve).unwrap(), whole);
     assert_eq!(sweep().file(&path).run(solve).unwrap(), whole);
-    assert!(matches!(whole.column("none"), Err(Error::NoColumn { .. })));
+    assert!(matches!(whole.column("none"), Err(Error::NotAName { .. })));
     for values in [&[][..], &[f64::NAN], &[0.5, 0.5]] {
         assert!(matches!(Sweep::new("r", values, &["a"]).run(solve), Err(Error::OutOfRange { .. })), "{values:?}");
     }

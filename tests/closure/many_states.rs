@@ -104,7 +104,7 @@ fn held_out_trajectories_bound_the_error_from_below() {
     let states = Simulation::new().trajectories(2).samples(2).states(&problem).unwrap();
     for trajectories in [0, 1, 3] {
         let refused = compare::l1_at_least(&density, &density, &states, trajectories);
-        assert!(matches!(refused, Err(Error::NoSamples { .. })), "{refused:?}");
+        assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{refused:?}");
     }
 }
 
@@ -147,7 +147,7 @@ fn a_doubtful_density_is_warned_of() {
     let wandering = "states = ['x', 'y', 'z']\ndrift = { x = '-x', y = '-y', z = '0' }\nnoise.a = { x = '1' }\n\
                      noise.b = { y = '1' }\nnoise.c = { z = '1' }";
     let wandering = Closure::new(2).solve(&Problem::from_toml(wandering).unwrap());
-    assert!(matches!(wandering, Err(Error::NoDensity { state: 2, .. })), "{wandering:?}");
+    assert!(matches!(&wandering, Err(Error::NoDensity { reason }) if reason.contains("state 2")), "{wandering:?}");
     let lorenz = Closure::new(4).solve(&Problem::of_system(Lorenz).unwrap()).unwrap();
     assert!(lorenz.warning().is_some() && lorenz.l1_estimate() > 0.2, "{:?}", lorenz.provenance());
 }

@@ -279,8 +279,7 @@ fn warned_or_not_resolved(what: &str, found: expoly::Result<GridDensity>) {
             assert!(warning.is_some() && estimate > 1e-6, "{what}: {estimate:e}, {warning:?}");
         }
         Err(error) => {
-            let known =
-                matches!(error, Error::NotResolved { .. } | Error::SingularSystem { .. } | Error::NoDensity { .. });
+            let known = matches!(error, Error::NotResolved { .. } | Error::NoDensity { .. });
             assert!(known, "{what}: {error}");
         }
     }
@@ -300,7 +299,7 @@ fn a_domain_that_cuts_the_density_is_warned_of() {
 #[test]
 fn a_callback_stops_the_grid() {
     let stopped = Grid::new().progress(|_| ControlFlow::Break(())).solve(&problem(duffing())).map(|_| ());
-    assert_eq!(stopped, Err(Error::GridCancelled { rounds: 1 }));
+    assert!(matches!(stopped, Err(Error::Cancelled { done: 1, unit: "linear systems" })), "{stopped:?}");
     let seen = Arc::new(Mutex::new(Vec::new()));
     let callback = {
         let seen = seen.clone();
@@ -389,7 +388,7 @@ impl PolynomialDrift<2, 1> for Planar {
 
 #[test]
 fn a_system_without_noise_or_velocity_is_refused() {
-    assert_eq!(Problem::of(Planar { noise: 0.0 }).unwrap_err(), Error::NoNoise);
+    assert!(matches!(Problem::of(Planar { noise: 0.0 }), Err(Error::NoDensity { .. })));
     let error = problem(Planar { noise: 1.0 }).with_wall(Wall::above(0.0, 0.9).unwrap()).unwrap_err();
     assert_eq!(error, Error::NotADisplacement { state: 0 });
 }

@@ -95,5 +95,5 @@ fn errors_of_impulses_name_the_line() {
     }
     // Impulses that strike no state are no noise.
     let silent = TEXT.replace("v = \"1 + x\"\n", "").replace("v = 1\n", "");
-    assert!(matches!(Problem::from_toml(&silent), Err(Error::NoNoise)));
+    assert!(matches!(Problem::from_toml(&silent), Err(Error::NoDensity { .. })));
 }

@@ -178,7 +178,7 @@ fn errors_name_the_line_and_the_entry() {
     assert!(matches!(twice, Error::NotAProblem { line, .. } if line >= first_of_wall + 4), "{twice}");
     // A system that is none is the same error as from a model.
     let silent = DUFFING.replace("sqrt(2*D)", "0*D");
-    assert!(matches!(Problem::from_toml(&silent), Err(Error::NoNoise)));
+    assert!(matches!(Problem::from_toml(&silent), Err(Error::NoDensity { .. })));
     for text in ["", "drift = 1", "states = [\"x\"]", "\u{0}", "[[wall]]\n"] {
         assert!(matches!(Problem::from_toml(text), Err(Error::NotAProblem { .. })), "{text:?}");
     }

@@ -195,7 +195,7 @@ fn parts_are_merged_to_the_single_run() -> Result<()> {
         let error = SimulatedDensity::merge(parts).err();
         assert!(matches!(&error, Some(Error::NotTheParts { problem }) if problem.contains(said)), "{said}: {error:?}");
     }
-    assert!(matches!(SimulatedDensity::merge([]), Err(Error::NoSamples { least: 1, .. })));
+    assert!(matches!(SimulatedDensity::merge([]), Err(Error::NotTheParts { .. })));
     for (k, n) in [(0, 2), (3, 2), (1, 0), (1, 65)] {
         let refused = run().part(k, n).run(&problem);
         assert!(matches!(refused, Err(Error::OutOfRange { .. })), "part {k} of {n}");

@@ -321,9 +321,9 @@ fn impossible_options_are_refused() -> Result<()> {
     }
     assert!(matches!(new().start([0.4, 0.0]).run(&walled), Err(Error::OutOfRange { .. })));
     assert!(matches!(new().start([0.4]).run(&free), Err(Error::Dimension { expected: 2, found: 1, .. })));
-    assert!(matches!(new().samples(0).run(&free), Err(Error::NoSamples { least: 1, .. })));
-    assert!(matches!(new().trajectories(0).run(&free), Err(Error::NoSamples { least: 2, .. })));
-    assert!(matches!(new().trajectories(1).run(&free), Err(Error::NoSamples { least: 2, .. })));
+    assert!(matches!(new().samples(0).run(&free), Err(Error::OutOfRange { .. })));
+    assert!(matches!(new().trajectories(0).run(&free), Err(Error::OutOfRange { .. })));
+    assert!(matches!(new().trajectories(1).run(&free), Err(Error::OutOfRange { .. })));
     assert!(new().trajectories(2).burn_in(0.0).run(&free).is_ok());
     let behind = new().start([1.1, 0.0]).run(&walled.with_wall(Wall::below(1.0, 0.9)?)?);
     assert!(matches!(behind, Err(Error::OutOfRange { name: "start", .. })));
@@ -349,7 +349,7 @@ impl PolynomialDrift<1, 1> for Diffusion {
 
 #[test]
 fn impossible_systems_are_refused() -> Result<()> {
-    assert!(matches!(Problem::of(Diffusion { pull: 1.0, sigma: 0.0 }), Err(Error::NoNoise)));
+    assert!(matches!(Problem::of(Diffusion { pull: 1.0, sigma: 0.0 }), Err(Error::NoDensity { .. })));
     let broken = Problem::of(Diffusion { pull: f64::NAN, sigma: 1.0 });
     assert!(matches!(broken, Err(Error::NotFinite { state: 0, .. })));
     let diffusion = Problem::of(Diffusion { pull: 1.0, sigma: 1.0 })?;

@@ -195,6 +195,6 @@ fn impulses_without_a_meaning_are_refused() -> Result<()> {
         }
     }
     let silent = Problem::of(Struck { cubic: 0.0, white: Intensity::NONE, jumps: Vec::new() });
-    assert!(matches!(silent, Err(Error::NoNoise)));
+    assert!(matches!(silent, Err(Error::NoDensity { .. })));
     Ok(())
 }

@@ -150,8 +150,8 @@ fn hostile_input_gets_typed_errors() -> Result<()> {
     assert!(out_of_range(small().resampling_interval(0.0)) && out_of_range(small().replicas(5000)));
     assert!(out_of_range(small().duration(1e15)));
     assert!(matches!(small().levels_of(2, [1.0]).run(&problem), Err(Error::Dimension { found: 2, .. })));
-    assert!(matches!(small().particles(0).run(&problem), Err(Error::NoSamples { least: 1, .. })));
-    assert!(matches!(small().replicas(15).run(&problem), Err(Error::NoSamples { least: 16, .. })));
+    assert!(matches!(small().particles(0).run(&problem), Err(Error::OutOfRange { .. })));
+    assert!(matches!(small().replicas(15).run(&problem), Err(Error::OutOfRange { .. })));
     let stopped = small().progress(|_| ControlFlow::Break(())).run(&problem);
     assert!(matches!(stopped, Err(Error::Cancelled { .. })));
     let behind = small().levels([1.0]).run(&problem.clone().with_wall(Wall::below(1.0, 0.9)?)?);

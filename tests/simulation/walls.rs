@@ -284,7 +284,8 @@ fn two_walls_of_one_oscillator_match_other_methods() -> Result<()> {
 fn rest_on_a_wall_does_not_depend_on_the_step() -> Result<()> {
     let filtered = FilteredDuffing::first_order(Duffing::new(0.2, 1.0, 0.3, 0.3)?, 2.0)?.problem()?;
     let problem = filtered.with_wall(Wall::above(0.5, 0.6)?)?;
-    assert_eq!(Closure::new(4).solve(&problem).unwrap_err(), Error::Rests { wall: 0 });
+    let rests = Closure::new(4).solve(&problem).unwrap_err();
+    assert!(matches!(rests, Error::NoDensity { .. }) && rests.to_string().contains("wall 0"), "{rests}");
     let run = |step: f64| {
         let simulation = Simulation::new().samples(200_000).time_step(step).burn_in(60.0).sampling_interval(1.0);
         simulation.seed((1.0 / step) as u64).run(&problem)

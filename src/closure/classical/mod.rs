@@ -103,7 +103,7 @@ impl ClassicalClosure {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for order 0, for order 1 above a wall in the classical basis, which has no function of odd
-    /// degree, and for more than 20 000 coefficients; [`Error::NoStationaryDensity`] where the Gaussian closure finds no
+    /// degree, and for more than 20 000 coefficients; [`Error::NoDensity`] where the Gaussian closure finds no
     /// bounded moments; [`Error::NotServed`] for impulses, and unless the only wall, if any, is one that the motion stays above, and
     /// [`Error::NotADisplacement`] if state 0 is not a displacement there with state 1 as velocity.
     ///

@@ -19,7 +19,7 @@ impl Problem {
         let names = self.states().iter().chain(self.equations.parameters.iter().map(|(name, _)| name));
         if let Some(name) = names.into_iter().find(|name| !is_name(name)) {
             let problem = "in an expression a name is a letter, then letters, digits and _";
-            return Err(Error::NotAName { name: name.clone(), problem });
+            return Err(Error::not_a_name(name, problem));
         }
         let quoted: Vec<String> = self.states().iter().map(|name| format!("{name:?}")).collect();
         let mut text = format!("states = [{}]\n", quoted.join(", "));

@@ -7,7 +7,7 @@ use super::{
     tally::{Levels, Tally},
 };
 use crate::checks::{finite, positive, require, state_index};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::problem::{Problem, TimeScales, limits, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::MOST_LEVELS;
@@ -42,11 +42,11 @@ impl Splitting<'_> {
     ///
     /// # Errors
     /// - As [`Simulation::run`](crate::Simulation::run) for the problem, its walls and the start.
-    /// - [`Error::NoSamples`]: no particles, or fewer than 16 replicas.
-    /// - [`Error::OutOfRange`], [`Error::Dimension`]: an option without a meaning, a level that is not finite or not above
+    /// - [`Error::OutOfRange`](crate::Error::OutOfRange): no particles, or fewer than 16 replicas.
+    /// - [`Error::OutOfRange`](crate::Error::OutOfRange), [`Error::Dimension`](crate::Error::Dimension): an option without a meaning, a level that is not finite or not above
     ///   the wall, an importance function that is not a number somewhere.
-    /// - [`Error::Exploded`]: a state was not finite, or a million times larger than any starting state.
-    /// - [`Error::Cancelled`]: the progress callback returned `Break`.
+    /// - [`Error::Exploded`](crate::Error::Exploded): a state was not finite, or a million times larger than any starting state.
+    /// - [`Error::Cancelled`](crate::Error::Cancelled): the progress callback returned `Break`.
     pub fn run(mut self, problem: &Problem) -> Result<Tails> {
         let begin = Instant::now();
         let n = problem.dimension();
@@ -145,12 +145,9 @@ impl Splitting<'_> {
 
     /// Checks all options that the starting states do not need.
     fn plan(&self, walls: &[[f64; 2]], spans: Spans) -> Result<Plan> {
-        if self.particles == 0 {
-            return Err(Error::NoSamples { what: "the number of particles", least: 1 });
-        }
-        if self.replicas < LEAST_REPLICAS {
-            return Err(Error::NoSamples { what: "the number of replicas", least: LEAST_REPLICAS });
-        }
+        require(self.particles > 0, "number of particles", 0.0, "take at least 1")?;
+        let remedy = "take at least 16, whose spread is the standard error";
+        require(self.replicas >= LEAST_REPLICAS, "number of replicas", self.replicas as f64, remedy)?;
         at_most("number of replicas", self.replicas, MOST_REPLICAS, "at most 2048; take more particles instead")?;
         at_most("number of particles", self.particles, MOST_PARTICLES, "at most 4096; take more replicas instead")?;
         let remedy = "the probability of the rarest states lies between 0 and 1";
