@@ -10,7 +10,7 @@
 
 use clap::Parser;
 use expoly::statistics::Marginal;
-use expoly::{Amplitude, Closure, Density, Intensity, Jumps, Oscillator, Problem, Scalar, Simulation};
+use expoly::{Amplitude, Closure, Density, Intensity, Oscillator, PoissonImpulses, Problem, Scalar, Simulation};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, between, clear, curve, values, write_figure};
 
@@ -43,7 +43,7 @@ const HEADER: [&str; 6] =
 /// x″ + 0.2 x′ + x + 0.3 x³ = noise.
 struct Duffing {
     white: Intensity,
-    jumps: Vec<Jumps>,
+    impulses: Vec<PoissonImpulses>,
 }
 
 impl Oscillator for Duffing {
@@ -55,8 +55,8 @@ impl Oscillator for Duffing {
         self.white
     }
 
-    fn jumps(&self) -> Vec<Jumps> {
-        self.jumps.clone()
+    fn impulses(&self) -> Vec<PoissonImpulses> {
+        self.impulses.clone()
     }
 }
 
@@ -64,8 +64,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let shape = Amplitude::Normal { mean: 0.0, deviation: 1.0 };
     let mut cases = vec![(String::from("white noise"), Intensity::new(INTENSITY)?, Vec::new())];
     for &rate in &options.rates {
-        let jumps = Jumps::with_intensity(rate, shape, INTENSITY)?;
-        cases.push((format!("λ = {rate}"), Intensity::NONE, vec![jumps]));
+        let impulses = PoissonImpulses::with_intensity(rate, shape, INTENSITY)?;
+        cases.push((format!("λ = {rate}"), Intensity::NONE, vec![impulses]));
     }
     let [noise, square, simulation, fourth, far, estimate] = HEADER;
     println!(
@@ -73,8 +73,8 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     );
     let places = between([-4.5, 4.5], 120);
     let (mut displacements, mut velocities, mut tails) = (Vec::new(), Vec::new(), Vec::new());
-    for (colour, (name, white, jumps)) in cases.into_iter().enumerate() {
-        let problem = Problem::of(Duffing { white, jumps })?;
+    for (colour, (name, white, impulses)) in cases.into_iter().enumerate() {
+        let problem = Problem::of(Duffing { white, impulses })?;
         let density = Closure::new(options.order).solve(&problem)?;
         let simulated = Simulation::new().samples(options.samples).seed(1).run(&problem)?;
         let beyond = |density: &dyn Density| Marginal::new(density, 0)?.exceedance(LEVEL);

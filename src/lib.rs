@@ -2,7 +2,7 @@
 //!
 //! # The library in one page
 //!
-//! A system dX = f(X) dt + G(X) dW, perhaps under Poisson impulses ([`Jumps`]) too, is a [`PolynomialDrift`], an [`Oscillator`] for x″ + h(x, x′) = ξ, or a [`PolynomialSystem`]
+//! A system dX = f(X) dt + G(X) dW, perhaps under Poisson impulses ([`PoissonImpulses`]) too, is a [`PolynomialDrift`], an [`Oscillator`] for x″ + h(x, x′) = ξ, or a [`PolynomialSystem`]
 //! of any size. A [`Problem`] is that system as data, with its walls; every method takes one:
 //!
 //! | question | where |
@@ -75,6 +75,7 @@ pub use simulation::{
 };
 pub use states::States;
 pub use system::{
-    Amplitude, Intensity, Interpretation, Jumps, Oscillator, Parameter, Parametric, PolynomialDrift, PolynomialSystem,
+    Amplitude, Intensity, Interpretation, Oscillator, Parameter, Parametric, PoissonImpulses, PolynomialDrift,
+    PolynomialSystem,
 };
 pub use transient::{Course, Relaxation, Start, Transient};

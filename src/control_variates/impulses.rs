@@ -105,19 +105,22 @@ mod tests {
     use crate::control_variates::products::{LANES, Lane, Products};
     use crate::fokker_planck::Impulse;
     use crate::polynomial::monomials;
-    use crate::system::{Amplitude, Jumps};
+    use crate::system::{Amplitude, PoissonImpulses};
 
     /// Two routes: the matrix, and ψ at the states after impulses by a Gauss rule that is exact for it.
     #[test]
     fn images_are_the_expectations() {
-        let jumps = |amplitude| Jumps::new(1.7, amplitude).unwrap();
+        let impulses = |amplitude| PoissonImpulses::new(1.7, amplitude).unwrap();
         let [x, v] = [0, 1].map(|i| Polynomial::variable(2, i));
         let impulses = [
             Impulse::new(
-                jumps(Amplitude::Exponential { mean: 0.3 }),
+                impulses(Amplitude::Exponential { mean: 0.3 }),
                 vec![Polynomial::zero(2), Polynomial::constant(2, 0.8)],
             ),
-            Impulse::new(jumps(Amplitude::Normal { mean: -0.1, deviation: 0.4 }), vec![&x * 0.5 + 0.1, &v * 0.2 + &x]),
+            Impulse::new(
+                impulses(Amplitude::Normal { mean: -0.1, deviation: 0.4 }),
+                vec![&x * 0.5 + 0.1, &v * 0.2 + &x],
+            ),
         ];
         let mut exponents = monomials(2, 8);
         exponents.retain(|alpha| alpha.iter().any(|power| *power > 0));
@@ -134,7 +137,7 @@ mod tests {
             let own = values(x);
             let mut exact = vec![0.0; own.len()];
             for impulse in &impulses {
-                for (y, w) in impulse.jumps().amplitude().rule(6) {
+                for (y, w) in impulse.process().amplitude().rule(6) {
                     let h = impulse.field();
                     let after = values([x[0] + h[0].evaluate(&x) * y, x[1] + h[1].evaluate(&x) * y]);
                     (0..own.len()).for_each(|k| exact[k] += 1.7 * w * (after[k] - own[k]));
@@ -146,7 +149,7 @@ mod tests {
                 assert!((image - exact[k + 1]).abs() < 1e-12 * size, "{:?} {image} {}", exponents[k], exact[k + 1]);
             }
         }
-        let square = Impulse::new(jumps(Amplitude::TwoPoint { a: 0.1, b: 0.2 }), vec![&x * &x, Polynomial::zero(2)]);
+        let square = Impulse::new(impulses(Amplitude::TwoPoint { a: 0.1, b: 0.2 }), vec![&x * &x, Polynomial::zero(2)]);
         assert!(images(&[ImpulseTerm::of(&square)], (&centre, &half_width), &exponents).is_none());
     }
 }

@@ -1,6 +1,6 @@
 use super::Impulse;
 use crate::polynomial::{Arena, Polynomial, Symbol};
-use crate::system::Jumps;
+use crate::system::PoissonImpulses;
 use num_dual::Dual64;
 
 /// λ E\[ψ(x + H(x) Y) − ψ(x)\], or its derivative by a parameter.
@@ -10,7 +10,7 @@ use num_dual::Dual64;
 /// x₊ = x + m₀.
 #[derive(Clone, Debug)]
 pub(crate) struct ImpulseTerm {
-    jumps: Jumps<Dual64>,
+    process: PoissonImpulses<Dual64>,
     /// The coefficients of 1 and ε in H, each by states.
     field: [Vec<Polynomial>; 2],
     /// The power of ε, at most one.
@@ -18,7 +18,7 @@ pub(crate) struct ImpulseTerm {
 }
 
 /// What a term does by impulses of one size at a state x: m \[ψ(x₊) − ψ(x)\] + b·∇ψ(x₊).
-pub(crate) struct Landing {
+pub(crate) struct ImpulseAt {
     /// x₊.
     pub(crate) after: Vec<f64>,
     /// m.
@@ -41,8 +41,8 @@ impl ImpulseTerm {
     /// The generator of impulses itself.
     pub(crate) fn of(impulse: &Impulse) -> Self {
         let zero = impulse.field().iter().map(|h| Polynomial::zero(h.dimension())).collect();
-        let jumps = impulse.jumps().each(Dual64::from);
-        ImpulseTerm { jumps, field: [impulse.field().to_vec(), zero], power: 0 }
+        let process = impulse.process().each(Dual64::from);
+        ImpulseTerm { process, field: [impulse.field().to_vec(), zero], power: 0 }
     }
 
     /// Its derivative, where ε is the last variable of H. None where it vanishes, since nothing depends on it.
@@ -50,7 +50,7 @@ impl ImpulseTerm {
         let states = impulse.field().len() - 1;
         let field =
             [0, 1].map(|power| impulse.field()[..states].iter().map(|h| h.coefficient_of_last(power)).collect());
-        let term = ImpulseTerm { jumps: *impulse.jumps(), field, power: 1 };
+        let term = ImpulseTerm { process: *impulse.process(), field, power: 1 };
         let moves = term.numbers().iter().any(|parts| parts[1] != 0.0) || term.field[1].iter().any(|h| !h.is_zero());
         moves.then_some(term)
     }
@@ -58,7 +58,7 @@ impl ImpulseTerm {
     /// All numbers of rate and law, each as its coefficients.
     fn numbers(&self) -> Vec<[f64; 2]> {
         let mut all = Vec::new();
-        self.jumps.each(|number| all.push(parts(number)));
+        self.process.each(|number| all.push(parts(number)));
         all
     }
 
@@ -68,8 +68,8 @@ impl ImpulseTerm {
     }
 
     /// Rate and law.
-    pub(crate) fn jumps(&self) -> &Jumps<Dual64> {
-        &self.jumps
+    pub(crate) fn process(&self) -> &PoissonImpulses<Dual64> {
+        &self.process
     }
 
     /// Whether it acts on values of functions alone, and not on their derivatives.
@@ -79,17 +79,17 @@ impl ImpulseTerm {
 
     /// Whether −Y has the same law, at other values of the parameters too.
     pub(crate) fn is_symmetric(&self) -> bool {
-        (0..2).all(|k| self.jumps.amplitude().each(|number| parts(number)[k]).is_symmetric())
+        (0..2).all(|k| self.process.amplitude().each(|number| parts(number)[k]).is_symmetric())
     }
 
     /// The same, `rate` times as often, with other coefficients of H.
     pub(crate) fn with(&self, rate: f64, field: impl Fn(&[Polynomial]) -> Vec<Polynomial>) -> Self {
-        ImpulseTerm { jumps: self.jumps.times(rate), field: self.field.each_ref().map(|h| field(h)), ..*self }
+        ImpulseTerm { process: self.process.times(rate), field: self.field.each_ref().map(|h| field(h)), ..*self }
     }
 
     /// The impulses that it is the derivative of.
     pub(super) fn impulse(&self) -> Impulse {
-        Impulse::new(self.jumps.each(|number| number.re), self.field[0].clone())
+        Impulse::new(self.process.each(|number| number.re), self.field[0].clone())
     }
 
     /// The image of a polynomial, exactly.
@@ -110,11 +110,11 @@ impl ImpulseTerm {
             arena.symbol(terms.fold(state, |sum, (h, factor)| sum + raised(&h[i]) * factor))
         };
         let moved: Vec<Symbol<'_>> = (0..n).map(moved).collect();
-        let rate = self.jumps.rate();
+        let rate = self.process.rate();
         let mut image = statistic * -part(rate, self.power);
         for (alpha, c) in statistic.evaluate(&moved).polynomial(n + 2).terms() {
             let Some(power) = self.power.checked_sub(alpha[n]) else { continue };
-            let mean = rate * self.jumps.amplitude().moment(alpha[n + 1]);
+            let mean = rate * self.process.amplitude().moment(alpha[n + 1]);
             image.add_term(&alpha[..n], c * part(mean, power));
         }
         image
@@ -130,23 +130,23 @@ impl ImpulseTerm {
     }
 
     /// What impulses of the size `y` do at a state, given H there.
-    pub(crate) fn landing(&self, x: &[f64], field: &[Dual64], y: Dual64) -> Landing {
-        let (rate, moves) = (self.jumps.rate(), || field.iter().map(|h| *h * y));
+    pub(crate) fn at(&self, x: &[f64], field: &[Dual64], y: Dual64) -> ImpulseAt {
+        let (rate, moves) = (self.process.rate(), || field.iter().map(|h| *h * y));
         let after = x.iter().zip(moves()).map(|(x, by)| x + by.re).collect();
         let mass = part(rate, self.power);
         if self.is_plain() {
-            return Landing { after, mass, drift: Vec::new() };
+            return ImpulseAt { after, mass, drift: Vec::new() };
         }
         // The part of λ H Y that is the change of H Y.
         let drift = moves().map(|by| part(rate * (by - by.re), self.power)).collect();
-        Landing { after, mass, drift }
+        ImpulseAt { after, mass, drift }
     }
 }
 
 /// Numbers with all their parts, which dual numbers themselves do not compare.
 impl PartialEq for ImpulseTerm {
     fn eq(&self, other: &Self) -> bool {
-        let law = |term: &Self| std::mem::discriminant(&term.jumps.amplitude());
+        let law = |term: &Self| std::mem::discriminant(&term.process.amplitude());
         (self.power, &self.field, law(self), self.numbers()) == (other.power, &other.field, law(other), other.numbers())
     }
 }

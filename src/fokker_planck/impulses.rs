@@ -1,23 +1,23 @@
 use super::FokkerPlanck;
 use super::impulse_term::ImpulseTerm;
 use crate::polynomial::Polynomial;
-use crate::system::{Jumps, Parameter};
+use crate::system::{Parameter, PoissonImpulses};
 
 /// Poisson impulses in an equation, x → x + H(x) Y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impulse<P = f64> {
-    jumps: Jumps<P>,
+    process: PoissonImpulses<P>,
     field: Vec<Polynomial>,
 }
 
 impl<P: Parameter> Impulse<P> {
-    pub(crate) fn new(jumps: Jumps<P>, field: Vec<Polynomial>) -> Self {
-        Impulse { jumps, field }
+    pub(crate) fn new(process: PoissonImpulses<P>, field: Vec<Polynomial>) -> Self {
+        Impulse { process, field }
     }
 
     /// Their rate and the law of Y.
-    pub fn jumps(&self) -> &Jumps<P> {
-        &self.jumps
+    pub fn process(&self) -> &PoissonImpulses<P> {
+        &self.process
     }
 
     /// H, an entry for each state.
@@ -27,7 +27,7 @@ impl<P: Parameter> Impulse<P> {
 
     /// The same with the values of its parameters alone.
     pub(crate) fn real(&self) -> Impulse {
-        Impulse { jumps: self.jumps.each(|number| number.re()), field: self.field.clone() }
+        Impulse { process: self.process.each(|number| number.re()), field: self.field.clone() }
     }
 }
 
@@ -40,7 +40,7 @@ impl Impulse {
 
     /// The same impulses in other coordinates, or in another unit of time.
     pub(super) fn with(&self, rate: f64, field: Vec<Polynomial>) -> Self {
-        Impulse { jumps: self.jumps.times(rate), field }
+        Impulse { process: self.process.times(rate), field }
     }
 }
 
@@ -67,8 +67,8 @@ impl FokkerPlanck {
     pub(crate) fn diffusive(&self) -> Self {
         let n = self.dimension();
         let mut mean = self.clone();
-        for Impulse { jumps, field } in std::mem::take(&mut mean.impulses) {
-            let [first, second] = [1, 2].map(|k| jumps.rate() * jumps.amplitude().moment(k));
+        for Impulse { process, field } in std::mem::take(&mut mean.impulses) {
+            let [first, second] = [1, 2].map(|k| process.rate() * process.amplitude().moment(k));
             for i in 0..n {
                 mean.drift[i] = &mean.drift[i] + &field[i] * first;
                 for j in 0..n {

@@ -16,7 +16,7 @@ mod local;
 mod stretched;
 mod text;
 
-pub(crate) use impulse_term::{ImpulseTerm, Landing};
+pub(crate) use impulse_term::{ImpulseAt, ImpulseTerm};
 pub use impulses::Impulse;
 pub(crate) use local::{Local, generator};
 
@@ -46,7 +46,7 @@ impl FokkerPlanck {
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient is NaN or infinite, [`Error::OutOfRange`] for a degree above 60,
-    /// [`Error::NoDensity`] if B and all H vanish identically; those of [`Jumps::new`](crate::Jumps::new).
+    /// [`Error::NoDensity`] if B and all H vanish identically; those of [`PoissonImpulses::new`](crate::PoissonImpulses::new).
     pub(crate) fn new(
         drift: &[Polynomial],
         columns: &[Vec<Polynomial>],
@@ -54,7 +54,7 @@ impl FokkerPlanck {
         impulses: Vec<Impulse>,
     ) -> Result<Self> {
         let n = drift.len();
-        impulses.iter().try_for_each(|impulse| impulse.jumps().checked().map(|_| ()))?;
+        impulses.iter().try_for_each(|impulse| impulse.process().checked().map(|_| ()))?;
         for i in 0..n {
             impulses.iter().try_for_each(|impulse| sound("impulses", i, &impulse.field()[i]))?;
             sound("drift", i, &drift[i])?;

@@ -98,7 +98,7 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                 };
                 impulse.field().iter().enumerate().map(state).collect::<Vec<String>>().join(", ")
             };
-            let rate = self.polynomial(digits, &Polynomial::constant(self.states(), impulse.jumps().rate()));
+            let rate = self.polynomial(digits, &Polynomial::constant(self.states(), impulse.process().rate()));
             // Of a derivative what is to be differentiated.
             let by = match (differentiated, self.latex) {
                 (false, _) => ["", ""],

@@ -136,7 +136,7 @@ impl Residual {
         let along = |j: usize| (0..states).fold(zero(), |sum, i| sum + noise[i][j].derivative(i));
         let first: Vec<Polynomial> = (0..states).map(along).collect();
         let second = (0..states).fold(zero(), |sum, j| sum + first[j].derivative(j));
-        let impulses = problem.operator().impulses().iter().map(|impulse| impulse.jumps().rate()).sum();
+        let impulses = problem.operator().impulses().iter().map(|impulse| impulse.process().rate()).sum();
         let (drift, induced) = (operator.drift().to_vec(), problem.induced_drift());
         Residual { drift, induced, first, second, noise, impulses, rule: Rule::hermite(8) }
     }

@@ -125,7 +125,7 @@ impl Contact {
 
     /// The impact of restitution `r`: the rate of the gap is turned round, and the momentum of two bodies kept.
     #[inline]
-    pub(crate) fn strike(&self, r: f64, x: &mut [f64]) {
+    pub(crate) fn collide(&self, r: f64, x: &mut [f64]) {
         let first = self.first.1;
         match self.second {
             None => x[first] *= -r,

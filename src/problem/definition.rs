@@ -136,12 +136,12 @@ where
     let variables = arena.variables();
     let x: [Symbol<'_>; N] = std::array::from_fn(|i| variables[i]);
     let noise = system.noise(x);
-    let impulse = |(source, jumps)| Impulse::new(jumps, padded(system.impulse(source, x), n));
+    let impulse = |(source, impulses)| Impulse::new(impulses, padded(system.impulse(source, x), n));
     PolynomialForm {
         drift: padded(system.drift(x), n),
         columns: (0..M).map(|k| padded(noise.iter().map(|row| row[k]), n)).collect(),
         interpretation: system.interpretation(),
-        impulses: system.jumps().into_iter().enumerate().map(impulse).collect(),
+        impulses: system.impulses().into_iter().enumerate().map(impulse).collect(),
     }
 }
 
@@ -158,16 +158,16 @@ where
     dimension("a drift", drift.len(), states)?;
     dimension("a noise matrix", noise.len(), states)?;
     noise.iter().try_for_each(|row| dimension("a row of a noise matrix", row.len(), m))?;
-    let impulse = |(source, jumps)| {
+    let impulse = |(source, impulses)| {
         let field = system.impulse(source, x);
         dimension("the factor of an impulse", field.len(), states)?;
-        Ok(Impulse::new(jumps, padded(field, n)))
+        Ok(Impulse::new(impulses, padded(field, n)))
     };
     Ok(PolynomialForm {
         drift: padded(drift, n),
         columns: (0..m).map(|k| padded(noise.iter().map(|row| row[k]), n)).collect(),
         interpretation: system.interpretation(),
-        impulses: system.jumps().into_iter().enumerate().map(impulse).collect::<Result<_>>()?,
+        impulses: system.impulses().into_iter().enumerate().map(impulse).collect::<Result<_>>()?,
     })
 }
 

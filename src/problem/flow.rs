@@ -18,17 +18,17 @@ pub(crate) struct Kicks<'a> {
     /// The number of kicks.
     pub(crate) count: usize,
     /// Changes of states after them, in their order.
-    pub(crate) strikes: &'a [Strike],
+    pub(crate) changes: &'a [Change],
 }
 
 /// What is added to a state of one lane after the straight piece behind a kick.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Strike {
+pub(crate) struct Change {
     /// The number of the kick.
     pub(crate) kick: usize,
     pub(crate) state: usize,
     pub(crate) lane: usize,
-    pub(crate) change: f64,
+    pub(crate) by: f64,
 }
 
 /// The region in which a trajectory is near a wall.
@@ -79,7 +79,7 @@ impl Kicks<'_> {
         processes: usize,
         mut kick: impl FnMut(&mut [Lane], &[Lane]),
     ) -> (usize, bool) {
-        let mut strikes = self.strikes;
+        let mut changes = self.changes;
         for before in 0..self.count {
             kick(x, &w[before * processes..][..processes]);
             if self.walls.is_none_or(|walls| near(walls, x, self.step).contains(&true)) {
@@ -90,11 +90,11 @@ impl Kicks<'_> {
                     x[i][l] += self.step * x[v][l];
                 }
             }
-            while let [Strike { kick, state, lane, change }, later @ ..] = strikes
+            while let [Change { kick, state, lane, by }, later @ ..] = changes
                 && *kick == before
             {
-                x[*state][*lane] += change;
-                strikes = later;
+                x[*state][*lane] += by;
+                changes = later;
             }
         }
         (self.count, false)

@@ -20,7 +20,7 @@ impl Problem {
 
     /// The mean number of impulses of all sources per unit time.
     pub(crate) fn impulse_rate(&self) -> f64 {
-        self.impulses().iter().fold(0.0, |sum, impulse| sum + impulse.jumps().rate())
+        self.impulses().iter().fold(0.0, |sum, impulse| sum + impulse.process().rate())
     }
 
     /// Refuses impulses.

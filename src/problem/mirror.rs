@@ -8,7 +8,7 @@ impl Problem {
     /// The same problem in a mirror, x → −x, with its walls: a wall below the motion is one above it there.
     pub(crate) fn mirrored(&self) -> Result<Self> {
         let all = |polynomials: &[Polynomial]| polynomials.iter().map(turned).collect::<Result<Vec<_>>>();
-        let impulse = |impulse: &Impulse| Ok(Impulse::new(*impulse.jumps(), all(impulse.field())?));
+        let impulse = |impulse: &Impulse| Ok(Impulse::new(*impulse.process(), all(impulse.field())?));
         let form = PolynomialForm {
             drift: all(self.drift())?,
             columns: self.noise().iter().map(|column| all(column)).collect::<Result<_>>()?,

@@ -225,7 +225,7 @@ impl Boundaries {
         for v in contact.velocities() {
             passages.taken[v] += x[v] * x[v] / 2.0;
         }
-        contact.strike(contact.wall.restitution(), x);
+        contact.collide(contact.wall.restitution(), x);
         for v in contact.velocities() {
             passages.taken[v] -= x[v] * x[v] / 2.0;
         }

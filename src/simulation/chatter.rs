@@ -95,7 +95,7 @@ impl Chatter {
     /// Puts a state to rest on the wall.
     pub(super) fn rest(&self, x: &mut [f64]) {
         self.contact.close(x);
-        self.contact.strike(0.0, x);
+        self.contact.collide(0.0, x);
     }
 }
 
@@ -137,7 +137,7 @@ impl Boundaries {
             let mut pressed = false;
             for (_, Chatter { contact, .. }) in rested.clone() {
                 if contact.rate(x) < 0.0 {
-                    contact.strike(0.0, x);
+                    contact.collide(0.0, x);
                     pressed = true;
                 }
             }

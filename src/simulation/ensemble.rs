@@ -128,7 +128,7 @@ impl<'a> Ensemble<'a> {
                 if stretch >= BURN_IN_STRETCHES {
                     let own = &mut paths[number * LANES..];
                     for ((lane, wall), at) in record.impacts.iter().zip(record.states.chunks_exact(dimension)) {
-                        own[*lane].strike(*wall, at);
+                        own[*lane].collided(*wall, at);
                     }
                     for (lane, path) in own.iter_mut().enumerate().take(lanes.trajectories()) {
                         lanes.read_state(lane, &mut x);

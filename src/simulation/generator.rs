@@ -185,7 +185,7 @@ impl Images {
             for (l, (&(_, wall), state)) in impacts.iter().zip(states.chunks_exact(n)).enumerate() {
                 let contact = boundaries.walls[wall].contact;
                 self.state.copy_from_slice(state);
-                contact.strike(contact.wall.restitution(), &mut self.state);
+                contact.collide(contact.wall.restitution(), &mut self.state);
                 contact.velocities().for_each(|v| self.x[v][l] = self.state[v]);
             }
             layout.images.place_values(&self.x, &mut self.scratch);

@@ -5,7 +5,7 @@
 //! - `scheme`: the step of weak order 2, sixteen trajectories at a time;
 //! - `boundaries`, `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it, and what
 //!   is counted of these;
-//! - `arrivals`: Poisson impulses at their times in these drifts;
+//! - `impulses`: Poisson impulses at their times in these drifts;
 //! - `grazing`, `chatter`: shorter steps for trajectories that graze a wall, and rest where no noise drives them off it;
 //! - `random`, `normal`: random numbers as a function of seed, trajectory and time step, and normal ones from them;
 //! - `lanes`: some trajectories advanced in lockstep, as wide registers allow;
@@ -28,7 +28,6 @@
 //! - `statistics`: the statistics that are taken on request, beside the standard ones;
 //! - `setup`, `run`, `result`, `merge`, `density`: the user's options, the run, and the result.
 
-mod arrivals;
 mod batch;
 mod bins;
 mod blocks;
@@ -43,6 +42,7 @@ mod ensemble;
 mod generator;
 mod grazing;
 mod histogram;
+mod impulses;
 mod jackknife;
 mod lanes;
 mod merge;

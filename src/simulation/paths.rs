@@ -47,7 +47,7 @@ impl Paths {
     }
 
     /// Adds an impact before the next state.
-    pub(super) fn strike(&mut self, wall: usize, at: &[f64]) {
+    pub(super) fn collided(&mut self, wall: usize, at: &[f64]) {
         self.collisions.impacts.push(Impact { wall, next: self.states.len() });
         self.collisions.states.push(at);
     }

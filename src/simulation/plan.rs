@@ -45,7 +45,7 @@ pub(crate) fn equations(problem: &Problem) -> Vec<String> {
         let noise: String = columns.map(|(k, column)| format!(" + ({}) dW{}", text(&column[i]), k + 1)).collect();
         let impulses = problem.impulses().iter();
         let impulses: String =
-            impulses.map(|impulse| format!(" + ({}) d{:?}", text(&impulse.field()[i]), impulse.jumps())).collect();
+            impulses.map(|impulse| format!(" + ({}) d{:?}", text(&impulse.field()[i]), impulse.process())).collect();
         format!("dx{} = ({}) dt{noise}{impulses}", i + 1, text(drift))
     })
     .collect()

@@ -62,7 +62,7 @@ impl Random {
 
     /// 64 bits for the number of impulses of a source in a span of time steps.
     #[inline(always)]
-    pub(super) fn arrivals(self, stream: u64, source: u64, span: u64) -> u64 {
+    pub(super) fn impulse_count(self, stream: u64, source: u64, span: u64) -> u64 {
         self.bits(stream, ARRIVALS + source, span)[0]
     }
 

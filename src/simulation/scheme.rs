@@ -1,7 +1,7 @@
-use super::arrivals::Sources;
+use super::impulses::Sources;
 use crate::envelope::Piece;
 use crate::fokker_planck::noise_induced_drift;
-use crate::problem::{Contact, Field, Kicks, LANES, Lane, Nearness, Problem, Strike};
+use crate::problem::{Change, Contact, Field, Kicks, LANES, Lane, Nearness, Problem};
 use crate::{polynomial::Polynomial, system::Interpretation};
 use pulp::Arch;
 
@@ -16,7 +16,7 @@ use pulp::Arch;
 ///   Elsewhere the fields act one after another, each by one classical Runge-Kutta step in the time √h Z_k, in an order
 ///   that is reversed with probability one half (S. Ninomiya and N. Victoir, 2008, doi:10.1080/13504860701413958).
 ///
-/// Impulses arrive at their own times in A: between two of them and the impacts, displacements go straight on.
+/// Impulses come at their own times in A: between two of them and the impacts, displacements go straight on.
 ///
 /// Each part is exact or of third order locally and the composition is symmetric, so that stationary means are off by
 /// O(h²). Explicit Euler-Maruyama would be off by O(h), and pumps energy into a weakly damped oscillator.
@@ -217,7 +217,7 @@ impl<'a> Scheme<'a> {
         x.iter_mut().zip(&lanes).for_each(|(x, lanes)| *x = lanes[0]);
     }
 
-    /// So many kicks with the increments `w`, every displacement straight on after each and then the strikes of impulses, until a
+    /// So many kicks with the increments `w`, every displacement straight on after each and then the changes by impulses, until a
     /// kick leaves a trajectory near a wall. Returned is the number of kicks, and whether they ended so; `None` where there is
     /// none to be made, or the noise depends on the state.
     #[inline(always)]
@@ -226,11 +226,11 @@ impl<'a> Scheme<'a> {
         x: &mut [Lane],
         w: &[Lane],
         walls: &[Nearness],
-        strikes: (usize, &[Strike]),
+        changes: (usize, &[Change]),
     ) -> Option<(usize, bool)> {
         match &self.noise {
-            Noise::Constant { noise, .. } if strikes.0 > 0 => {
-                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls), strikes)))
+            Noise::Constant { noise, .. } if changes.0 > 0 => {
+                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls), changes)))
             }
             _ => None,
         }
@@ -242,9 +242,9 @@ impl<'a> Scheme<'a> {
         noise: &'b [f64],
         step: f64,
         walls: Option<&'b [Nearness]>,
-        (count, strikes): (usize, &'b [Strike]),
+        (count, changes): (usize, &'b [Change]),
     ) -> Kicks<'b> {
-        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls, count, strikes }
+        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls, count, changes }
     }
 
     /// The flow of the field G_k.

@@ -107,7 +107,7 @@ fn spread(problem: &Problem, amplitude: f64, step: f64) -> Vec<f64> {
         let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * amplitude);
         let impulses = problem.impulses().iter().map(|impulse| {
             let struck = impulse.field()[i].constant_term() * amplitude;
-            2.0 * impulse.jumps().intensity() * struck * struck
+            2.0 * impulse.process().intensity() * struck * struck
         });
         (at_rest.map(|g| g * g).sum::<f64>() + impulses.sum::<f64>()) * time
     };

@@ -1,12 +1,12 @@
 //! Systems: the equations of motion, written once and generically.
 
+mod impulses;
 mod intensity;
-mod jumps;
 mod oscillator;
 mod parametric;
 
+pub use impulses::{Amplitude, PoissonImpulses};
 pub use intensity::Intensity;
-pub use jumps::{Amplitude, Jumps};
 pub use oscillator::Oscillator;
 pub use parametric::{Parameter, Parametric};
 
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// dX = f(X) dt + G(X) dW on R^N, with M independent standard Wiener processes W, E dW_k² = dt. The matrix G carries
 /// the noise's strength: a white noise ξ of intensity D, E[ξ(t)ξ(t+τ)] = 2D δ(τ), enters with G = √(2D), which is
-/// [`Intensity::amplitude`]. Poisson impulses may act beside it, or in its place ([`PolynomialDrift::jumps`]).
+/// [`Intensity::amplitude`]. Poisson impulses may act beside it, or in its place ([`PolynomialDrift::impulses`]).
 ///
 /// Both functions are generic over [`Scalar`], so that the simulation (on `f64`), the Fokker-Planck operator at a point
 /// (on dual numbers) and the closure (on polynomials) all use the same definition. An oscillator x″ + h(x, x′) = ξ is
@@ -64,7 +64,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
     fn noise<S: Scalar<P>>(&self, x: [S; N]) -> [[S; M]; N];
 
     /// Independent sources of Poisson impulses, none by default: dX = f dt + G dW + Σ_j H_j(X₋) dJ_j.
-    fn jumps(&self) -> Vec<Jumps<P>> {
+    fn impulses(&self) -> Vec<PoissonImpulses<P>> {
         Vec::new()
     }
 
@@ -126,8 +126,8 @@ pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {
     /// The noise matrix G(x) by rows: n rows of m numbers.
     fn noise<S: Scalar<P>>(&self, x: &[S]) -> Vec<Vec<S>>;
 
-    /// Independent sources of Poisson impulses, as in [`PolynomialDrift::jumps`].
-    fn jumps(&self) -> Vec<Jumps<P>> {
+    /// Independent sources of Poisson impulses, as in [`PolynomialDrift::impulses`].
+    fn impulses(&self) -> Vec<PoissonImpulses<P>> {
         Vec::new()
     }
 

@@ -1,4 +1,4 @@
-use super::{Intensity, Jumps, Parameter, PolynomialDrift};
+use super::{Intensity, Parameter, PoissonImpulses, PolynomialDrift};
 use crate::scalar::Scalar;
 use num_dual::Dual64;
 
@@ -30,7 +30,7 @@ pub trait Oscillator<P: Parameter = f64>: Send + Sync {
     fn intensity(&self) -> Intensity<P>;
 
     /// Independent sources of Poisson impulses on the velocity, v → v + Y; none by default.
-    fn jumps(&self) -> Vec<Jumps<P>> {
+    fn impulses(&self) -> Vec<PoissonImpulses<P>> {
         Vec::new()
     }
 }
@@ -51,8 +51,8 @@ macro_rules! oscillators {
                 [[S::zero()], [S::from(self.intensity().amplitude())]]
             }
 
-            fn jumps(&self) -> Vec<Jumps<$number>> {
-                Oscillator::<$number>::jumps(self)
+            fn impulses(&self) -> Vec<PoissonImpulses<$number>> {
+                Oscillator::<$number>::impulses(self)
             }
 
             #[inline]

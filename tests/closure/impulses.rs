@@ -2,8 +2,8 @@
 
 use crate::simulation::impulses::{laws, struck};
 use expoly::{
-    Amplitude, Closure, Density, Error, Gaussian, Grid, Jumps, Problem, Result, Simulation, Start, Wall, Weight,
-    compare, statistics,
+    Amplitude, Closure, Density, Error, Gaussian, Grid, PoissonImpulses, Problem, Result, Simulation, Start, Wall,
+    Weight, compare, statistics,
 };
 use nalgebra::{dmatrix, dvector};
 
@@ -45,13 +45,13 @@ fn a_filter_has_the_gamma_density() -> Result<()> {
 /// E v² − (E v)² = λE[Y²]/(2c) = 1 and E g(x) = λE[Y] for every law, at n = 6: measured off by 1e-4 to 4e-4 where λ/c = 25.
 #[test]
 fn every_law_has_its_energy() -> Result<()> {
-    for jumps in laws(5.0, 0.2) {
-        let density = Closure::new(6).solve(&struck(0.3, &[jumps]))?;
+    for impulses in laws(5.0, 0.2) {
+        let density = Closure::new(6).solve(&struck(0.3, &[impulses]))?;
         let [square, x, cube] = [[0, 2], [1, 0], [3, 0]].map(|powers| density.moment(&powers).unwrap().value);
-        let spring = x + 0.3 * cube - 5.0 * jumps.amplitude().moment(1);
-        println!("{jumps:?}: {:+.1e} {spring:+.1e} estimate {:.1e}", square - 1.0, density.l1_estimate());
-        assert!((square - 1.0).abs() < 2e-3 && spring.abs() < 4e-3, "{jumps:?}: {square} {spring}");
-        assert!(density.l1_estimate() < 0.02 && density.warning().is_none(), "{jumps:?}");
+        let spring = x + 0.3 * cube - 5.0 * impulses.amplitude().moment(1);
+        println!("{impulses:?}: {:+.1e} {spring:+.1e} estimate {:.1e}", square - 1.0, density.l1_estimate());
+        assert!((square - 1.0).abs() < 2e-3 && spring.abs() < 4e-3, "{impulses:?}: {square} {spring}");
+        assert!(density.l1_estimate() < 0.02 && density.warning().is_none(), "{impulses:?}");
     }
     Ok(())
 }
@@ -62,7 +62,7 @@ fn every_law_has_its_energy() -> Result<()> {
 fn mean_squares_are_those_of_another_solution() -> Result<()> {
     let shape = Amplitude::Normal { mean: 0.0, deviation: 1.0 };
     for (rate, exact) in [(20.0, 0.661024), (5.0, 0.658951), (2.0, 0.654817), (1.0, 0.647972)] {
-        let density = Closure::new(8).solve(&struck(0.3, &[Jumps::with_intensity(rate, shape, 0.2)?]))?;
+        let density = Closure::new(8).solve(&struck(0.3, &[PoissonImpulses::with_intensity(rate, shape, 0.2)?]))?;
         let found = density.moment(&[2, 0])?.value;
         println!("λ = {rate}: {found:.6} for {exact}, estimate {:.1e}", density.l1_estimate());
         // 5e-6 of the solution's own, and 3e-2 of what the density is off by.
@@ -76,7 +76,7 @@ fn mean_squares_are_those_of_another_solution() -> Result<()> {
 fn rare_impulses_carry_a_warning() -> Result<()> {
     let shape = Amplitude::Normal { mean: 0.0, deviation: 1.0 };
     for rate in [0.1, 0.2] {
-        let problem = struck(0.3, &[Jumps::with_intensity(rate, shape, 0.2)?]);
+        let problem = struck(0.3, &[PoissonImpulses::with_intensity(rate, shape, 0.2)?]);
         for seed in 0..4 {
             match Closure::new(6).seed(seed).solve(&problem) {
                 Ok(density) => assert!(density.warning().is_some(), "{rate} {seed}: {}", density.l1_estimate()),
@@ -147,7 +147,7 @@ fn methods_that_serve_no_impulses_say_so() -> Result<()> {
 fn impulses_are_followed_in_time() -> Result<()> {
     for (rate, order) in [(5.0, 4), (1.0, 8)] {
         let amplitude = Amplitude::Normal { mean: 0.0, deviation: (0.4_f64 / rate).sqrt() };
-        let problem = struck(0.3, &[Jumps::new(rate, amplitude)?]);
+        let problem = struck(0.3, &[PoissonImpulses::new(rate, amplitude)?]);
         let start = Gaussian { mean: dvector![1.0, 0.0], covariance: dmatrix![0.1225, 0.0; 0.0, 0.1225] };
         for found in Closure::new(order).transient(&problem, Start::Gaussian(start.clone()), &[4.0, 8.0])? {
             let simulation = Simulation::new().trajectories(1 << 17);

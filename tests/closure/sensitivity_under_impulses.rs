@@ -2,8 +2,8 @@
 
 use crate::common::closing::moments_of_linear;
 use expoly::{
-    Amplitude, Closure, Density, Error, Intensity, Jumps, Oscillator, Parameter, Parametric, Problem, Result, Scalar,
-    Wall,
+    Amplitude, Closure, Density, Error, Intensity, Oscillator, Parameter, Parametric, PoissonImpulses, Problem, Result,
+    Scalar, Wall,
 };
 
 /// x″ + c x′ + k x + μ x³ = ξ + impulses of normal amplitudes.
@@ -26,8 +26,8 @@ impl<P: Parameter> Oscillator<P> for Struck<P> {
         Intensity::of(self.white)
     }
 
-    fn jumps(&self) -> Vec<Jumps<P>> {
-        vec![Jumps::of(self.rate, Amplitude::Normal { mean: self.mean, deviation: self.deviation })]
+    fn impulses(&self) -> Vec<PoissonImpulses<P>> {
+        vec![PoissonImpulses::of(self.rate, Amplitude::Normal { mean: self.mean, deviation: self.deviation })]
     }
 }
 

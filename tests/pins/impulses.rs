@@ -15,8 +15,8 @@ pub(super) const GROUPS: &[Group] = &[
 
 fn closure(pins: &mut Pins) -> Result<()> {
     let [_, normal, exponential, ..] = laws(5.0, 0.2);
-    for (name, jumps) in [("normal", normal), ("exponential", exponential)] {
-        let density = Closure::new(4).pilot_states(5120).solve(&struck(0.3, &[jumps]))?;
+    for (name, impulses) in [("normal", normal), ("exponential", exponential)] {
+        let density = Closure::new(4).pilot_states(5120).solve(&struck(0.3, &[impulses]))?;
         pins.density(name, OPTIMA, &density, [&[0.2, 0.3], &[0.6, -0.9]])?;
         pins.one(&format!("{name} L1"), OPTIMA, density.l1_estimate());
     }

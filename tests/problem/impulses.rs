@@ -21,7 +21,7 @@ v = 1
 
 #[test]
 fn impulses_come_back_to_the_same_bits() -> Result<()> {
-    let mut problems: Vec<Problem> = laws(1.0 / 3.0, 0.2).iter().map(|jumps| struck(0.3, &[*jumps])).collect();
+    let mut problems: Vec<Problem> = laws(1.0 / 3.0, 0.2).iter().map(|impulses| struck(0.3, &[*impulses])).collect();
     problems.push(struck(0.3, &laws(0.7, 0.1)));
     problems.push(Problem::from_toml(TEXT)?);
     for problem in problems {
@@ -67,10 +67,10 @@ fn moment_equations_include_impulses() -> Result<()> {
     let exact = &v * &v * -0.4 + &x * &v * -2.0 + &h * &h * (2.0 * 0.36) + &v * (2.0 * 0.1 / 0.3) + (0.01 + 0.08) / 0.3;
     assert!((rate - exact).max_coefficient() < 1e-14);
     // With additive impulses E v² − (E v)² = λE[Y²]/(2c) and E x = λE[Y] for a linear oscillator.
-    for jumps in laws(2.0, 0.2) {
-        let gaussian = struck(0.0, &[jumps]).gaussian()?;
+    for impulses in laws(2.0, 0.2) {
+        let gaussian = struck(0.0, &[impulses]).gaussian()?;
         assert!((gaussian.covariance[(1, 1)] - 1.0).abs() < 1e-12);
-        assert!((gaussian.mean[0] - 2.0 * jumps.amplitude().moment(1)).abs() < 1e-12);
+        assert!((gaussian.mean[0] - 2.0 * impulses.amplitude().moment(1)).abs() < 1e-12);
     }
     Ok(())
 }
@@ -93,7 +93,7 @@ fn errors_of_impulses_name_the_line() {
         let Error::NotAProblem { line: found, problem, .. } = &error else { panic!("{to}: {error}") };
         assert!(*found == line && problem.contains(words), "{to}: {error}");
     }
-    // Impulses that strike no state are no noise.
+    // Impulses that change no state are no noise.
     let silent = TEXT.replace("v = \"1 + x\"\n", "").replace("v = 1\n", "");
     assert!(matches!(Problem::from_toml(&silent), Err(Error::NoDensity { .. })));
 }

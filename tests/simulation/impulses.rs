@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use expoly::{
-    Amplitude, Density, Error, Estimate, Intensity, Jumps, Oscillator, Polynomial, Problem, Result, Scalar,
+    Amplitude, Density, Error, Estimate, Intensity, Oscillator, PoissonImpulses, Polynomial, Problem, Result, Scalar,
     SimulatedDensity, Simulation, Wall,
 };
 
@@ -10,7 +10,7 @@ use expoly::{
 pub(crate) struct Struck {
     pub(crate) cubic: f64,
     pub(crate) white: Intensity,
-    pub(crate) jumps: Vec<Jumps>,
+    pub(crate) impulses: Vec<PoissonImpulses>,
 }
 
 impl Oscillator for Struck {
@@ -22,17 +22,17 @@ impl Oscillator for Struck {
         self.white
     }
 
-    fn jumps(&self) -> Vec<Jumps> {
-        self.jumps.clone()
+    fn impulses(&self) -> Vec<PoissonImpulses> {
+        self.impulses.clone()
     }
 }
 
-pub(crate) fn struck(cubic: f64, jumps: &[Jumps]) -> Problem {
-    Problem::of(Struck { cubic, white: Intensity::NONE, jumps: jumps.to_vec() }).unwrap()
+pub(crate) fn struck(cubic: f64, impulses: &[PoissonImpulses]) -> Problem {
+    Problem::of(Struck { cubic, white: Intensity::NONE, impulses: impulses.to_vec() }).unwrap()
 }
 
 /// All laws, at the intensity D.
-pub(crate) fn laws(rate: f64, d: f64) -> [Jumps; 6] {
+pub(crate) fn laws(rate: f64, d: f64) -> [PoissonImpulses; 6] {
     [
         Amplitude::Normal { mean: 0.0, deviation: 1.0 },
         Amplitude::Normal { mean: 0.6, deviation: 1.0 },
@@ -41,7 +41,7 @@ pub(crate) fn laws(rate: f64, d: f64) -> [Jumps; 6] {
         Amplitude::TwoPoint { a: -1.0, b: 1.0 },
         Amplitude::Laplace { mean: 0.0, scale: 1.0 },
     ]
-    .map(|shape| Jumps::with_intensity(rate, shape, d).unwrap())
+    .map(|shape| PoissonImpulses::with_intensity(rate, shape, d).unwrap())
 }
 
 fn plain(problem: &Problem, samples: usize) -> Result<SimulatedDensity> {
@@ -54,19 +54,19 @@ fn plain(problem: &Problem, samples: usize) -> Result<SimulatedDensity> {
 fn every_oscillator_has_the_energy_of_its_impulses() -> Result<()> {
     let mut squares = Vec::new();
     for (cubic, rate) in [(0.0, 3.0), (0.3, 3.0)] {
-        for jumps in laws(rate, 0.2) {
-            let density = plain(&struck(cubic, &[jumps]), 200_000)?;
-            let mean = rate * jumps.amplitude().moment(1);
+        for impulses in laws(rate, 0.2) {
+            let density = plain(&struck(cubic, &[impulses]), 200_000)?;
+            let mean = rate * impulses.amplitude().moment(1);
             for (powers, exact) in [([0, 2], 1.0), ([0, 1], 0.0)] {
                 let found = density.moment(&powers)?;
                 let off = (found.value - exact) / found.error;
-                println!("{cubic} {jumps:?}: {found} for {exact}, {off:+.1}");
-                assert!(off.abs() < 4.5, "{jumps:?}: {found} for {exact}");
+                println!("{cubic} {impulses:?}: {found} for {exact}, {off:+.1}");
+                assert!(off.abs() < 4.5, "{impulses:?}: {found} for {exact}");
                 squares.push(off * off);
             }
             let [x, cube] = [[1, 0], [3, 0]].map(|powers| density.moment(&powers).unwrap());
             let (spring, error) = (x.value + cubic * cube.value, x.error + cubic * cube.error);
-            assert!((spring - mean).abs() < 4.5 * error, "{jumps:?}: {spring} ± {error} for {mean}");
+            assert!((spring - mean).abs() < 4.5 * error, "{impulses:?}: {spring} ± {error} for {mean}");
             let balance = &density.energy_balance()[0];
             assert!(balance.value.abs() < 4.5 * balance.error, "{balance}");
         }
@@ -82,9 +82,10 @@ fn every_oscillator_has_the_energy_of_its_impulses() -> Result<()> {
 /// response h.
 #[test]
 fn a_linear_oscillator_is_calibrated_to_its_exact_moments() -> Result<()> {
-    let normal = |rate: f64| Jumps::with_intensity(rate, Amplitude::Normal { mean: 0.0, deviation: 1.0 }, 0.2);
-    let two = Jumps::with_intensity(2.0, Amplitude::TwoPoint { a: -1.0, b: 1.0 }, 0.2)?;
-    let exponential = Jumps::with_intensity(2.0, Amplitude::Exponential { mean: 1.0 }, 0.2)?;
+    let normal =
+        |rate: f64| PoissonImpulses::with_intensity(rate, Amplitude::Normal { mean: 0.0, deviation: 1.0 }, 0.2);
+    let two = PoissonImpulses::with_intensity(2.0, Amplitude::TwoPoint { a: -1.0, b: 1.0 }, 0.2)?;
+    let exponential = PoissonImpulses::with_intensity(2.0, Amplitude::Exponential { mean: 1.0 }, 0.2)?;
     let powers = [[2, 0], [0, 2], [4, 0], [2, 2], [0, 4]];
     let cases = [
         (normal(0.5)?, [1.0, 1.0, 3.873786408, 1.291262136, 3.908737864]),
@@ -93,12 +94,12 @@ fn a_linear_oscillator_is_calibrated_to_its_exact_moments() -> Result<()> {
         (two, [1.0, 1.0, 3.072815534, 1.024271845, 3.075728155]),
         (exponential, [1.4, 1.0, 6.589485796, 1.693779216, 3.454368932]),
     ];
-    for (jumps, moments) in cases {
-        let problem = struck(0.0, &[jumps]);
+    for (impulses, moments) in cases {
+        let problem = struck(0.0, &[impulses]);
         let density = Simulation::new().samples(50_000).seed(2).run(&problem)?;
         for (powers, exact) in powers.iter().zip(moments) {
             let found = density.moment(powers)?;
-            println!("{jumps:?} {powers:?}: {found}");
+            println!("{impulses:?} {powers:?}: {found}");
             assert!((found.value / exact - 1.0).abs() < 2e-8, "{powers:?}: {found} for {exact}");
         }
     }
@@ -130,7 +131,7 @@ fn impulses_that_depend_on_the_state_have_their_moments() -> Result<()> {
 /// E x² is off by a bias of second order without control variates, which take it away.
 #[test]
 fn the_weak_order_is_two_under_impulses() -> Result<()> {
-    let problem = struck(0.3, &[Jumps::new(2.0, Amplitude::Normal { mean: 0.2, deviation: 0.4 })?]);
+    let problem = struck(0.3, &[PoissonImpulses::new(2.0, Amplitude::Normal { mean: 0.2, deviation: 0.4 })?]);
     let square = |h: f64, calibrated: bool| {
         let simulation = Simulation::new().samples(8_000_000).sampling_interval(1.6).time_step(h).seed(1);
         simulation.control_variates(calibrated).run(&problem)?.moment(&[2, 0])
@@ -145,12 +146,12 @@ fn the_weak_order_is_two_under_impulses() -> Result<()> {
     Ok(())
 }
 
-/// Impulses that arrive while walls, levels and shorter steps interrupt the way: an elastic wall takes no energy, so that
+/// Impulses that come while walls, levels and shorter steps interrupt the way: an elastic wall takes no energy, so that
 /// E v² is as without it; a lossy one balances. Two sources add up.
 #[test]
-fn impulses_arrive_next_to_walls() -> Result<()> {
+fn impulses_come_next_to_walls() -> Result<()> {
     let [first, second] = [laws(2.0, 0.1)[0], laws(1.0, 0.1)[4]];
-    let free = Problem::of(Struck { cubic: 0.3, white: Intensity::new(0.1)?, jumps: vec![first, second] })?;
+    let free = Problem::of(Struck { cubic: 0.3, white: Intensity::new(0.1)?, impulses: vec![first, second] })?;
     for restitution in [1.0, 0.7] {
         let problem = free.clone().with_wall(Wall::above(-0.4, restitution)?)?;
         let simulation = Simulation::new().samples(200_000).levels([0.5]).control_variates(false).seed(5);
@@ -194,7 +195,7 @@ fn impulses_without_a_meaning_are_refused() -> Result<()> {
             assert!(matches!(refused, Some(Error::OutOfRange { name, value, .. }) if named(name) && value == rate));
         }
     }
-    let silent = Problem::of(Struck { cubic: 0.0, white: Intensity::NONE, jumps: Vec::new() });
+    let silent = Problem::of(Struck { cubic: 0.0, white: Intensity::NONE, impulses: Vec::new() });
     assert!(matches!(silent, Err(Error::NoDensity { .. })));
     Ok(())
 }

@@ -8,7 +8,7 @@
 use crate::Outcome;
 use crate::cells::Cells;
 use clap::Args;
-use expoly::{Amplitude, Closure, Density, Intensity, Jumps, Oscillator, Problem, Result, Scalar};
+use expoly::{Amplitude, Closure, Density, Intensity, Oscillator, PoissonImpulses, Problem, Result, Scalar};
 use std::time::Instant;
 
 /// The closure under Poisson impulses.
@@ -33,7 +33,7 @@ struct Struck {
     dampings: [f64; 2],
     springs: [f64; 2],
     white: f64,
-    jumps: Jumps,
+    impulses: PoissonImpulses,
 }
 
 impl Oscillator for Struck {
@@ -45,8 +45,8 @@ impl Oscillator for Struck {
         Intensity::new(self.white).unwrap_or(Intensity::NONE)
     }
 
-    fn jumps(&self) -> Vec<Jumps> {
-        vec![self.jumps]
+    fn impulses(&self) -> Vec<PoissonImpulses> {
+        vec![self.impulses]
     }
 }
 
@@ -58,7 +58,7 @@ fn cases() -> Result<Vec<(String, Struck)>> {
     let uniform = Amplitude::Uniform { low: -1.0, high: 1.0 };
     let two = Amplitude::TwoPoint { a: -1.0, b: 1.0 };
     let exponential = Amplitude::Exponential { mean: 1.0 };
-    let duffing = |white: f64, jumps| Struck { dampings: [0.2, 0.0], springs: [1.0, 0.3], white, jumps };
+    let duffing = |white: f64, impulses| Struck { dampings: [0.2, 0.0], springs: [1.0, 0.3], white, impulses };
     let mut cases = Vec::new();
     for (law, name, rates) in [
         (normal, "normal", vec![20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1]),
@@ -67,23 +67,23 @@ fn cases() -> Result<Vec<(String, Struck)>> {
         (exponential, "exponential", vec![2.0, 5.0]),
     ] {
         for rate in rates {
-            cases.push((format!("{name} {rate}"), duffing(0.0, Jumps::with_intensity(rate, law, 0.2)?)));
+            cases.push((format!("{name} {rate}"), duffing(0.0, PoissonImpulses::with_intensity(rate, law, 0.2)?)));
         }
     }
     let shifted = Amplitude::Normal { mean: 0.3, deviation: 0.5 };
-    cases.push((String::from("normal of mean 0.3, 1"), duffing(0.0, Jumps::new(1.0, shifted)?)));
+    cases.push((String::from("normal of mean 0.3, 1"), duffing(0.0, PoissonImpulses::new(1.0, shifted)?)));
     for rate in [1.0, 0.2] {
         let name = format!("white and normal {rate}");
-        cases.push((name, duffing(0.1, Jumps::with_intensity(rate, normal, 0.1)?)));
+        cases.push((name, duffing(0.1, PoissonImpulses::with_intensity(rate, normal, 0.1)?)));
     }
-    let jumps = Jumps::with_intensity(1.0, normal, 0.2)?;
-    cases.push((String::from("linear, normal 1"), Struck { springs: [1.0, 0.0], ..duffing(0.0, jumps) }));
-    let jumps = Jumps::with_intensity(2.0, normal, 0.15)?;
-    let wells = Struck { dampings: [0.5, 0.0], springs: [-1.0, 1.0], ..duffing(0.0, jumps) };
+    let impulses = PoissonImpulses::with_intensity(1.0, normal, 0.2)?;
+    cases.push((String::from("linear, normal 1"), Struck { springs: [1.0, 0.0], ..duffing(0.0, impulses) }));
+    let impulses = PoissonImpulses::with_intensity(2.0, normal, 0.15)?;
+    let wells = Struck { dampings: [0.5, 0.0], springs: [-1.0, 1.0], ..duffing(0.0, impulses) };
     cases.push((String::from("two wells, normal 2"), wells));
     for rate in [2.0, 0.5, 0.2, 0.1] {
-        let jumps = Jumps::with_intensity(rate, normal, 0.3)?;
-        let pol = Struck { dampings: [-0.5, 0.5], springs: [1.0, 0.0], ..duffing(0.0, jumps) };
+        let impulses = PoissonImpulses::with_intensity(rate, normal, 0.3)?;
+        let pol = Struck { dampings: [-0.5, 0.5], springs: [1.0, 0.0], ..duffing(0.0, impulses) };
         cases.push((format!("van der Pol, normal {rate}"), pol));
     }
     Ok(cases)

@@ -3,7 +3,7 @@
 use super::trust_domain::TrustDomain;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::{Functions, sweep};
-use crate::fokker_planck::{Impulse, ImpulseTerm, Landing};
+use crate::fokker_planck::{Impulse, ImpulseAt, ImpulseTerm};
 use crate::problem::Problem;
 use crate::states::States;
 use crate::system::{Amplitude, Parameter};
@@ -33,14 +33,14 @@ pub(in crate::closure) fn add_rates(
 ) {
     for term in terms {
         let fields: Vec<Vec<Dual64>> = points.iter().map(|x| term.field_at(x)).collect();
-        for (y, w) in rule(&term.jumps().amplitude()) {
-            let (mut rows, mut after, mut landings) = (Vec::new(), States::new(points.dimension()), Vec::new());
+        for (y, w) in rule(&term.process().amplitude()) {
+            let (mut rows, mut after, mut impulses) = (Vec::new(), States::new(points.dimension()), Vec::new());
             for (row, (x, h)) in points.iter().zip(&fields).enumerate() {
-                let landing = term.landing(x, h, y);
-                if domain.contains(&landing.after) {
+                let impulse = term.at(x, h, y);
+                if domain.contains(&impulse.after) {
                     rows.push(row);
-                    after.push(&landing.after);
-                    landings.push(landing);
+                    after.push(&impulse.after);
+                    impulses.push(impulse);
                 }
             }
             let mut table = Mat::zeros(after.len(), space.len() + 1);
@@ -50,13 +50,13 @@ pub(in crate::closure) fn add_rates(
             } else {
                 let mut slopes = Mat::zeros(after.len(), space.len() + 1);
                 let still = vec![0.0; points.dimension().pow(2)];
-                let local = |k: usize| (&landings[k].drift[..], &still[..]);
+                let local = |k: usize| (&impulses[k].drift[..], &still[..]);
                 sweep::tabulate_rates(space, &after, local, [table.as_mut(), slopes.as_mut()]);
                 Some(slopes)
             };
             for column in 0..table.ncols() {
                 let (from, mut to) = (values.col(column), rates.as_mut().col_mut(column));
-                for (k, (row, Landing { mass, .. })) in rows.iter().zip(&landings).enumerate() {
+                for (k, (row, ImpulseAt { mass, .. })) in rows.iter().zip(&impulses).enumerate() {
                     let slope = slopes.as_ref().map_or(0.0, |slopes| slopes[(k, column)]);
                     to[*row] += w * (mass * (table[(k, column)] - from[*row]) + slope);
                 }
@@ -85,7 +85,7 @@ pub(in crate::closure) fn ends(problem: &Problem, pilot: &Pilot) -> [Option<f64>
     [(lowest, -1.0), (highest, 1.0)].map(|(extreme, side)| {
         let away = |impulse: &Impulse| {
             let h = impulse.field()[0].evaluate(&[extreme]);
-            rule(&impulse.jumps().amplitude()).iter().all(|(y, _)| side * h * y < 0.0)
+            rule(&impulse.process().amplitude()).iter().all(|(y, _)| side * h * y < 0.0)
         };
         if !problem.impulses().iter().all(away) {
             return None;

@@ -172,7 +172,7 @@ impl ReferenceDensity {
         let mut best: Option<Self> = None;
         let mut change = f64::INFINITY;
         // One bad weight may be followed by a good one; after a second one the search ends.
-        let mut strikes = 0;
+        let mut worse = 0;
         for solved in 1..=RENEWALS {
             let measure = tempered(&log, &nodes.weights, 1.0);
             let (top, mass) = scaled_mass(&log, &nodes.weights);
@@ -190,8 +190,8 @@ impl ReferenceDensity {
                 break;
             }
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.error);
-            strikes += u32::from(error > PATIENCE * least);
-            if strikes > 1 {
+            worse += u32::from(error > PATIENCE * least);
+            if worse > 1 {
                 break;
             }
             let target: Vec<f64> = log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d, CUT)).collect();

@@ -88,7 +88,7 @@ impl Copula {
             let behind = contacts.iter().map(|contact| {
                 let mut image = x.to_vec();
                 contact.mirror(&mut image);
-                contact.strike(1.0, &mut image);
+                contact.collide(1.0, &mut image);
                 image
             });
             behind.chain([x.to_vec()]).collect::<Vec<_>>()

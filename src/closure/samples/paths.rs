@@ -125,7 +125,7 @@ impl Paths<'_> {
                 let contact = &self.contacts[impact.wall];
                 state.copy_from_slice(struck);
                 x.iter_mut().zip(&state).for_each(|(lane, x)| lane[l] = *x);
-                contact.strike(contact.wall.restitution(), &mut state);
+                contact.collide(contact.wall.restitution(), &mut state);
                 after.iter_mut().zip(&state).for_each(|(lane, x)| lane[l] = *x);
             }
             self.products[0].place_values(&x, scratch);

@@ -92,7 +92,7 @@ impl WallNodes {
     pub(super) fn push(&mut self, weight: f64, x: &[f64], contact: &Contact, known: impl Fn(&[f64]) -> f64) {
         let r = contact.wall.restitution();
         let mut after = x.to_vec();
-        contact.strike(r, &mut after);
+        contact.collide(r, &mut after);
         let before = known(x);
         self.before.push(x);
         self.base.push(weight + before);

@@ -48,7 +48,7 @@ impl Family for Text {
             entries.resize(n, Polynomial::zero(n));
             entries
         };
-        let impulse = |impulse: Impulse<Dual64>| Impulse::new(*impulse.jumps(), padded(impulse.field().to_vec()));
+        let impulse = |impulse: Impulse<Dual64>| Impulse::new(*impulse.process(), padded(impulse.field().to_vec()));
         let form = PolynomialForm {
             drift: padded(form.drift),
             columns: form.columns.into_iter().map(padded).collect(),

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
 use crate::problem::expression::Names;
-use crate::system::{Amplitude, Jumps};
+use crate::system::{Amplitude, PoissonImpulses};
 use num_dual::Dual64;
 use toml::de::DeTable;
 
@@ -33,8 +33,10 @@ impl Document<'_> {
         let field = self.by_state(table, (name, &["rate", "amplitude"]), names)?;
         let zero = || Polynomial::zero(names.variables());
         let field = field.into_iter().map(|entry| entry.unwrap_or_else(zero)).collect();
-        let jumps = Jumps::of(rate, amplitude).checked().or_else(|error| self.wrong(place, name, error.to_string()))?;
-        Ok(Impulse::new(jumps, field))
+        let impulses = PoissonImpulses::of(rate, amplitude)
+            .checked()
+            .or_else(|error| self.wrong(place, name, error.to_string()))?;
+        Ok(Impulse::new(impulses, field))
     }
 
     fn amplitude(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Amplitude<Dual64>> {

@@ -40,9 +40,13 @@ impl Problem {
             driven.for_each(|(name, g)| line(&mut text, name, &self.expression(g)));
         }
         for (j, impulse) in self.impulses().iter().enumerate() {
-            let jumps = impulse.jumps();
-            text +=
-                &format!("\n[impulse.j{}]\nrate = {:?}\namplitude = {}\n", j + 1, jumps.rate(), law(jumps.amplitude()));
+            let impulses = impulse.process();
+            text += &format!(
+                "\n[impulse.j{}]\nrate = {:?}\namplitude = {}\n",
+                j + 1,
+                impulses.rate(),
+                law(impulses.amplitude())
+            );
             let struck = self.states().iter().zip(impulse.field()).filter(|(_, h)| !h.is_zero());
             struck.for_each(|(name, h)| line(&mut text, name, &self.expression(h)));
         }

@@ -9,13 +9,13 @@ impl Advance<'_, '_> {
     #[inline(never)]
     pub(super) fn drift_struck(&mut self, l: usize, step: u64, part: Range<f64>, tau: f64) {
         let Advance { scheme, boundaries, passages, work, .. } = self;
-        let Workspace { state, arrivals, .. } = &mut **work;
+        let Workspace { state, impulses, .. } = &mut **work;
         let mut left = tau;
         if !scheme.impulses.is_empty() {
-            for arrival in arrivals.within(step, part.clone()).filter(|arrival| arrival.lane == l) {
-                let after = tau * (part.end - arrival.time) / (part.end - part.start);
+            for impulse in impulses.within(step, part.clone()).filter(|impulse| impulse.lane == l) {
+                let after = tau * (part.end - impulse.time) / (part.end - part.start);
                 boundaries.drift_lane(state, l, left - after, passages);
-                scheme.impulses.strike(arrival, state);
+                scheme.impulses.apply(impulse, state);
                 left = after;
             }
         }

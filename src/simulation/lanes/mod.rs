@@ -3,7 +3,7 @@ mod steps;
 
 pub(super) use steps::{Workspace, read_lane, write_lane};
 
-use super::arrivals::SPAN;
+use super::impulses::SPAN;
 use super::pilot::FIRST;
 use super::random::Random;
 use crate::problem::{LANES, Lane};

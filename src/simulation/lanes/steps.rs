@@ -3,8 +3,8 @@
 use super::Lanes;
 use crate::problem::{LANES, Lane, near};
 use crate::simulation::{
-    arrivals::{Arrivals, FIRST_HALF, SECOND_HALF},
     boundaries::Boundaries,
+    impulses::{FIRST_HALF, SECOND_HALF, TimedImpulses},
     passage::Passages,
     scheme::{Scheme, Scratch},
 };
@@ -24,7 +24,7 @@ pub(in crate::simulation) struct Workspace {
     /// The state of one lane, and the increments of a shorter step.
     pub(super) state: Vec<f64>,
     pub(super) shorter: Vec<f64>,
-    pub(super) arrivals: Arrivals,
+    pub(super) impulses: TimedImpulses,
     pub(in crate::simulation) scratch: Scratch,
 }
 
@@ -36,7 +36,7 @@ impl Workspace {
             kicked: lanes(scheme.states),
             state: vec![0.0; scheme.states],
             shorter: vec![0.0; scheme.processes],
-            arrivals: Arrivals::default(),
+            impulses: TimedImpulses::default(),
             scratch: scheme.scratch(),
         }
     }
@@ -82,8 +82,8 @@ impl NullaryFnOnce for Advance<'_, '_> {
             let first = x[0];
             x[active..].fill(first);
         }
-        self.work.arrivals.clear();
-        self.draw_arrivals(0);
+        self.work.impulses.clear();
+        self.draw_impulses(0);
         let mut ahead = self.begin(&mut x);
         // There impulses that are the same at all states need no pieces.
         let straight = boundaries.walls.is_empty() && !boundaries.are_watched() && scheme.impulses.are_additive();
@@ -109,13 +109,13 @@ impl NullaryFnOnce for Advance<'_, '_> {
                 let free = (stop - step).min((end - 1 - self.lanes.taken) as usize);
                 let stops = any_ahead || boundaries.are_watched() || !(straight || scheme.impulses.is_empty());
                 let free = if stops { 0 } else { free };
-                self.draw_arrivals(free);
+                self.draw_impulses(free);
                 let taken = self.lanes.taken;
-                let Workspace { increments, kicked, scratch, arrivals, .. } = &mut *self.work;
-                let strikes = arrivals.strikes(&scheme.impulses, (taken, free), h, scheme.pairs);
+                let Workspace { increments, kicked, scratch, impulses, .. } = &mut *self.work;
+                let changes = impulses.changes(&scheme.impulses, (taken, free), h, scheme.pairs);
                 let mut struck = [false; LANES];
                 if let Some((kicks, near)) =
-                    scheme.kicks(&mut x, &increments[step * processes..], &boundaries.walls, (free, strikes))
+                    scheme.kicks(&mut x, &increments[step * processes..], &boundaries.walls, (free, changes))
                 {
                     step += kicks;
                     self.lanes.taken += kicks as u64;
@@ -140,7 +140,7 @@ impl NullaryFnOnce for Advance<'_, '_> {
                     if self.lanes.taken == end {
                         break;
                     }
-                    self.draw_arrivals(0);
+                    self.draw_impulses(0);
                     struck = self.struck_between();
                     let Workspace { kicked, state, .. } = &mut *self.work;
                     if !(any_ahead || struck.contains(&true) || near(&boundaries.walls, kicked, h).contains(&true)) {
@@ -215,14 +215,14 @@ impl Advance<'_, '_> {
         ahead
     }
 
-    /// The lanes that impulses strike in a part of a time step that was drawn.
+    /// The lanes that impulses move in a part of a time step that was drawn.
     #[inline(always)]
     fn struck(&self, step: u64, part: Range<f64>) -> [bool; LANES] {
         let mut struck = [false; LANES];
         if !self.scheme.impulses.is_empty() {
             let active = self.lanes.active;
-            let arrivals = self.work.arrivals.within(step, part).filter(|arrival| arrival.lane < active);
-            arrivals.for_each(|arrival| struck[arrival.lane] = true);
+            let impulses = self.work.impulses.within(step, part).filter(|impulse| impulse.lane < active);
+            impulses.for_each(|impulse| struck[impulse.lane] = true);
         }
         struck
     }
@@ -238,10 +238,10 @@ impl Advance<'_, '_> {
 
     /// Draws the impulses of the next time step and of `more` after it.
     #[inline(always)]
-    fn draw_arrivals(&mut self, more: usize) {
+    fn draw_impulses(&mut self, more: usize) {
         if !self.scheme.impulses.is_empty() {
             let Lanes { random, first, taken, .. } = *self.lanes;
-            self.work.arrivals.draw(&self.scheme.impulses, (random, first), taken + more as u64);
+            self.work.impulses.draw(&self.scheme.impulses, (random, first), taken + more as u64);
         }
     }
 }

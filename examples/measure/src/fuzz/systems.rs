@@ -3,8 +3,8 @@
 use super::{densities, documents, motion, probe::Probe};
 use crate::draw::Draw;
 use expoly::{
-    Amplitude, Basis, Closure, Density, Grid, Interpretation, Jumps, PolynomialSystem, Problem, Reference, Result,
-    Scalar, Simulation, Splitting, Wall,
+    Amplitude, Basis, Closure, Density, Grid, Interpretation, PoissonImpulses, PolynomialSystem, Problem, Reference,
+    Result, Scalar, Simulation, Splitting, Wall,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ struct Wild {
     noise: Vec<Vec<Terms>>,
     interpretation: Interpretation,
     /// Each with H by states.
-    impulses: Vec<(Jumps, Vec<Terms>)>,
+    impulses: Vec<(PoissonImpulses, Vec<Terms>)>,
 }
 
 fn sum<S: Scalar>(terms: &Terms, x: &[S]) -> S {
@@ -42,8 +42,8 @@ impl PolynomialSystem for Wild {
     fn noise<S: Scalar>(&self, x: &[S]) -> Vec<Vec<S>> {
         self.noise.iter().map(|row| row.iter().map(|terms| sum(terms, x)).collect()).collect()
     }
-    fn jumps(&self) -> Vec<Jumps> {
-        self.impulses.iter().map(|(jumps, _)| *jumps).collect()
+    fn impulses(&self) -> Vec<PoissonImpulses> {
+        self.impulses.iter().map(|(impulses, _)| *impulses).collect()
     }
     fn impulse<S: Scalar>(&self, source: usize, x: &[S]) -> Vec<S> {
         self.impulses[source].1.iter().map(|terms| sum(terms, x)).collect()
@@ -132,7 +132,7 @@ impl Wild {
                 Amplitude::TwoPoint { a, b },
                 Amplitude::Laplace { mean: a, scale: b.abs() },
             ];
-            let Ok(jumps) = Jumps::new(rate, draw.of(laws)) else { continue };
+            let Ok(impulses) = PoissonImpulses::new(rate, draw.of(laws)) else { continue };
             let mut field = vec![Terms::new(); n];
             field[n - 1].push((vec![0; n], 1.0));
             if draw.with(0.3) {
@@ -140,7 +140,7 @@ impl Wild {
                 powers[draw.below(n)] += 1 + draw.below(2) as u32;
                 field[draw.below(n)].push((powers, coefficient(draw, wild)));
             }
-            self.impulses.push((jumps, field));
+            self.impulses.push((impulses, field));
         }
     }
 

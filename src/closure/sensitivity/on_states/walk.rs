@@ -208,7 +208,7 @@ impl<'a> Walk<'a> {
                 let contact = &self.contacts[impacts[impact].wall];
                 x.copy_from_slice(states.state(impact));
                 place.ends[0].iter_mut().zip(&x).for_each(|(lane, x)| lane[l] = *x);
-                contact.strike(contact.wall.restitution(), &mut x);
+                contact.collide(contact.wall.restitution(), &mut x);
                 place.ends[1].iter_mut().zip(&x).for_each(|(lane, x)| lane[l] = *x);
             }
             visit(place, &impacts[begin..end]);
@@ -237,7 +237,7 @@ impl<'a> Walk<'a> {
             // The velocities after an impact are linear in r.
             let [elastic, lost] = [1.0, 0.0].map(|r| {
                 let mut x = before.clone();
-                self.contacts[impact.wall].strike(r, &mut x);
+                self.contacts[impact.wall].collide(r, &mut x);
                 x
             });
             drift.iter_mut().zip(elastic.iter().zip(&lost)).for_each(|(lane, (x, y))| lane[l] = restitution * (x - y));

@@ -1,11 +1,11 @@
-//! Poisson impulses: when they arrive in a time step, and how large they are.
+//! Poisson impulses: when they come in a time step, and how large they are.
 
 use super::normal::{exponential, pair};
 use super::random::Random;
 use crate::fokker_planck::Impulse;
 use crate::numerics::EIGHT;
 use crate::polynomial::Polynomial;
-use crate::problem::{LANES, Problem, Strike};
+use crate::problem::{Change, LANES, Problem};
 use crate::system::Amplitude;
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ struct Source {
 
 /// An impulse of one lane in a time step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arrival {
+pub(super) struct TimedImpulse {
     pub(super) lane: usize,
     /// The part of the step that is over.
     pub(super) time: f64,
@@ -38,7 +38,7 @@ pub(super) struct Arrival {
 /// The halves of a time step.
 pub(super) const FIRST_HALF: Range<f64> = 0.0..0.5;
 pub(super) const SECOND_HALF: Range<f64> = 0.5..1.0;
-/// The time steps whose arrivals are held: a span and the next one.
+/// The time steps whose impulses are held: a span and the next one.
 const HELD: usize = 2 * SPAN as usize;
 
 /// The time steps that impulses are drawn for at once.
@@ -50,14 +50,14 @@ impl Sources {
     /// Those of a problem, all amplitudes times `amplitude`, for steps of the length `step`.
     pub(super) fn new(problem: &Problem, amplitude: f64, step: f64) -> Self {
         let source = |impulse: &Impulse| {
-            let jumps = impulse.jumps();
-            let mean = jumps.rate() * step * SPAN as f64;
+            let process = impulse.process();
+            let mean = process.rate() * step * SPAN as f64;
             let listed = |direction: Vec<f64>| direction.into_iter().enumerate().filter(|(_, h)| *h != 0.0).collect();
             Source {
                 field: impulse.field().to_vec(),
                 direction: impulse.direction().map(listed),
-                amplitude: jumps.amplitude().each(|size| size * amplitude),
-                rate: jumps.rate(),
+                amplitude: process.amplitude().each(|size| size * amplitude),
+                rate: process.rate(),
                 mean,
                 none: (-mean).exp(),
             }
@@ -71,12 +71,12 @@ impl Sources {
     }
 
     /// Moves a state by an impulse, x + H(x) Y.
-    pub(super) fn strike(&self, arrival: &Arrival, x: &mut [f64]) {
-        let Source { field, direction, .. } = &self.0[arrival.source];
+    pub(super) fn apply(&self, impulse: &TimedImpulse, x: &mut [f64]) {
+        let Source { field, direction, .. } = &self.0[impulse.source];
         match direction {
-            Some(direction) => direction.iter().for_each(|(i, h)| x[*i] += h * arrival.size),
+            Some(direction) => direction.iter().for_each(|(i, h)| x[*i] += h * impulse.size),
             None => {
-                let moves: Vec<f64> = field.iter().map(|h| h.evaluate(x) * arrival.size).collect();
+                let moves: Vec<f64> = field.iter().map(|h| h.evaluate(x) * impulse.size).collect();
                 x.iter_mut().zip(moves).for_each(|(x, by)| *x += by);
             }
         }
@@ -96,22 +96,22 @@ impl Sources {
         self.0.iter().all(|source| source.direction.is_some())
     }
 
-    /// Adds what an impulse that is the same at all states and arrives the time `ago` before the end of a straight piece changes
+    /// Adds what an impulse that is the same at all states and comes the time `ago` before the end of a straight piece changes
     /// there.
     #[inline(always)]
-    fn strike_later(
+    fn changes_of(
         &self,
-        (kick, arrival): (usize, &Arrival),
+        (kick, impulse): (usize, &TimedImpulse),
         ago: f64,
         pairs: &[(usize, usize)],
-        strikes: &mut Vec<Strike>,
+        changes: &mut Vec<Change>,
     ) {
-        let Arrival { lane, source, size, .. } = *arrival;
+        let TimedImpulse { lane, source, size, .. } = *impulse;
         for (velocity, h) in self.0[source].direction.as_deref().unwrap_or_default() {
-            let change = h * size;
-            strikes.push(Strike { kick, state: *velocity, lane, change });
+            let by = h * size;
+            changes.push(Change { kick, state: *velocity, lane, by });
             for (displacement, _) in pairs.iter().filter(|(_, v)| v == velocity) {
-                strikes.push(Strike { kick, state: *displacement, lane, change: ago * change });
+                changes.push(Change { kick, state: *displacement, lane, by: ago * by });
             }
         }
     }
@@ -124,12 +124,12 @@ impl Sources {
         (random, first): (Random, u64),
         span: u64,
         drawn: &mut Vec<(usize, u64)>,
-        mut add: impl FnMut(f64, Arrival),
+        mut add: impl FnMut(f64, TimedImpulse),
     ) {
         for (source, Source { amplitude, mean, none, .. }) in self.0.iter().enumerate() {
             let mut words = [0; LANES];
             for l in 0..LANES {
-                words[l] = random.arrivals(first + l as u64, source as u64, span);
+                words[l] = random.impulse_count(first + l as u64, source as u64, span);
             }
             drawn.clear();
             for (lane, word) in words.iter().enumerate() {
@@ -156,7 +156,7 @@ impl Sources {
                 }
                 let sizes = amplitudes(amplitude, &first_words, &second_words);
                 for (k, (lane, _)) in part.iter().enumerate() {
-                    add(unit(times[k]), Arrival { lane: *lane, time: 0.0, source, size: sizes[k] });
+                    add(unit(times[k]), TimedImpulse { lane: *lane, time: 0.0, source, size: sizes[k] });
                 }
             }
         }
@@ -185,17 +185,17 @@ fn amplitudes(amplitude: &Amplitude, a: &[u64; EIGHT], b: &[u64; EIGHT]) -> [f64
 
 /// The impulses of some lanes in a few successive time steps.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Arrivals {
+pub(super) struct TimedImpulses {
     /// By the number of the step, those of each in order of time.
-    steps: [Vec<Arrival>; HELD],
+    steps: [Vec<TimedImpulse>; HELD],
     /// The span that is drawn next; unknown before the first.
     next: Option<u64>,
     /// Lanes with the numbers of their impulses.
     drawn: Vec<(usize, u64)>,
-    strikes: Vec<Strike>,
+    changes: Vec<Change>,
 }
 
-impl Arrivals {
+impl TimedImpulses {
     /// Forgets what was drawn, for lanes that may be others.
     pub(super) fn clear(&mut self) {
         self.next = None;
@@ -213,12 +213,12 @@ impl Arrivals {
 
     #[inline(always)]
     fn draw_span(&mut self, sources: &Sources, lanes: (Random, u64), span: u64) {
-        let Arrivals { steps, drawn, .. } = self;
+        let TimedImpulses { steps, drawn, .. } = self;
         let place = |step: u64| (span * SPAN + step) as usize % HELD;
         (0..SPAN).for_each(|step| steps[place(step)].clear());
-        sources.draw(lanes, span, drawn, |time, arrival| {
+        sources.draw(lanes, span, drawn, |time, impulse| {
             let time = time * SPAN as f64;
-            steps[place(time as u64)].push(Arrival { time: time.fract(), ..arrival });
+            steps[place(time as u64)].push(TimedImpulse { time: time.fract(), ..impulse });
         });
         for list in (0..SPAN).map(place) {
             steps[list].sort_unstable_by(|a, b| a.time.total_cmp(&b.time));
@@ -227,35 +227,35 @@ impl Arrivals {
 
     /// Those in a part of a step that was drawn.
     #[inline(always)]
-    pub(super) fn within(&self, step: u64, part: Range<f64>) -> impl Iterator<Item = &Arrival> {
-        self.steps[step as usize % HELD].iter().filter(move |arrival| part.contains(&arrival.time))
+    pub(super) fn within(&self, step: u64, part: Range<f64>) -> impl Iterator<Item = &TimedImpulse> {
+        self.steps[step as usize % HELD].iter().filter(move |impulse| part.contains(&impulse.time))
     }
 
     /// What impulses that are the same at all states change in the straight pieces behind some kicks, of which that of time step
     /// `first` is the first, for time steps of the length `h`.
     #[inline(always)]
-    pub(super) fn strikes(
+    pub(super) fn changes(
         &mut self,
         sources: &Sources,
         (first, count): (u64, usize),
         h: f64,
         pairs: &[(usize, usize)],
-    ) -> &[Strike] {
+    ) -> &[Change] {
         if sources.is_empty() {
             return &[];
         }
-        let mut strikes = std::mem::take(&mut self.strikes);
-        strikes.clear();
+        let mut changes = std::mem::take(&mut self.changes);
+        changes.clear();
         for kick in 0..count {
             let step = first + kick as u64;
             // From the middle of the step of the kick to that of the next one.
             for (step, part, end) in [(step, SECOND_HALF, 1.5), (step + 1, FIRST_HALF, 0.5)] {
-                for arrival in self.within(step, part) {
-                    sources.strike_later((kick, arrival), (end - arrival.time) * h, pairs, &mut strikes);
+                for impulse in self.within(step, part) {
+                    sources.changes_of((kick, impulse), (end - impulse.time) * h, pairs, &mut changes);
                 }
             }
         }
-        self.strikes = strikes;
-        &self.strikes
+        self.changes = changes;
+        &self.changes
     }
 }

@@ -8,20 +8,20 @@ use serde::{Deserialize, Serialize};
 /// unit time on average.
 ///
 /// A state under the impulses H dJ jumps from x to x + H(x) Y, H taken just before the impulse. Many small impulses of mean zero
-/// are a white noise of the intensity D = λ E\[Y²\]/2 ([`Jumps::intensity`]). Rate and law may be parameters of a
-/// [`Parametric`](crate::Parametric) system, which names them as it does all others ([`Jumps::of`]).
+/// are a white noise of the intensity D = λ E\[Y²\]/2 ([`PoissonImpulses::intensity`]). Rate and law may be parameters of a
+/// [`Parametric`](crate::Parametric) system, which names them as it does all others ([`PoissonImpulses::of`]).
 ///
 /// ```
-/// use expoly::{Amplitude, Jumps};
-/// let hail = Jumps::new(2.0, Amplitude::Normal { mean: 0.0, deviation: 0.5 })?;
+/// use expoly::{Amplitude, PoissonImpulses};
+/// let hail = PoissonImpulses::new(2.0, Amplitude::Normal { mean: 0.0, deviation: 0.5 })?;
 /// assert_eq!(hail.intensity(), 0.25);
 /// // As strong as a white noise of D = 0.2, by five impulses per unit time.
-/// let same = Jumps::with_intensity(5.0, Amplitude::Laplace { mean: 0.0, scale: 1.0 }, 0.2)?;
+/// let same = PoissonImpulses::with_intensity(5.0, Amplitude::Laplace { mean: 0.0, scale: 1.0 }, 0.2)?;
 /// assert!((same.intensity() - 0.2).abs() < 1e-15);
 /// # Ok::<(), expoly::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Jumps<P = f64> {
+pub struct PoissonImpulses<P = f64> {
     rate: P,
     amplitude: Amplitude<P>,
 }
@@ -68,7 +68,7 @@ pub enum Amplitude<P = f64> {
 /// The highest moment of an amplitude that is computed.
 const HIGHEST_MOMENT: u32 = 120;
 
-impl Jumps {
+impl PoissonImpulses {
     /// Impulses at the mean rate λ per unit time.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ impl Jumps {
     /// The same with amplitudes in the proportions of `shape`, scaled so that λ E\[Y²\] = 2D for the intensity `d`.
     ///
     /// # Errors
-    /// As [`Jumps::new`]; also for an intensity that is not finite and positive.
+    /// As [`PoissonImpulses::new`]; also for an intensity that is not finite and positive.
     pub fn with_intensity(rate: f64, shape: Amplitude, d: f64) -> Result<Self> {
         positive("intensity D", d, "a noise strength must be finite and above zero")?;
         let own = Self::new(rate, shape)?;
@@ -90,18 +90,18 @@ impl Jumps {
     }
 }
 
-impl<P: Parameter> Jumps<P> {
+impl<P: Parameter> PoissonImpulses<P> {
     /// Impulses whose numbers are parameters. Values without a meaning are refused where the system is used.
     ///
     /// ```
-    /// use expoly::{Amplitude, Intensity, Jumps, Oscillator, Parameter, Parametric, Problem, Scalar};
+    /// use expoly::{Amplitude, Intensity, PoissonImpulses, Oscillator, Parameter, Parametric, Problem, Scalar};
     ///
     /// struct Hail<P = f64> { damping: P, rate: P, size: P }
     ///
     /// impl<P: Parameter> Oscillator<P> for Hail<P> {
     ///     fn force<S: Scalar<P>>(&self, x: S, v: S) -> S { v * self.damping + x }
     ///     fn intensity(&self) -> Intensity<P> { Intensity::of(P::zero()) }
-    ///     fn jumps(&self) -> Vec<Jumps<P>> { vec![Jumps::of(self.rate, Amplitude::Exponential { mean: self.size })] }
+    ///     fn impulses(&self) -> Vec<PoissonImpulses<P>> { vec![PoissonImpulses::of(self.rate, Amplitude::Exponential { mean: self.size })] }
     /// }
     ///
     /// impl Parametric for Hail {
@@ -119,7 +119,7 @@ impl<P: Parameter> Jumps<P> {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn of(rate: P, amplitude: Amplitude<P>) -> Self {
-        Jumps { rate, amplitude }
+        PoissonImpulses { rate, amplitude }
     }
 
     /// Refuses values without a meaning.
@@ -131,12 +131,12 @@ impl<P: Parameter> Jumps<P> {
 
     /// The same, `factor` times as often.
     pub(crate) fn times(self, factor: f64) -> Self {
-        Jumps { rate: self.rate * factor, ..self }
+        PoissonImpulses { rate: self.rate * factor, ..self }
     }
 
     /// The same with a function of every number.
-    pub(crate) fn each<Q>(self, mut of: impl FnMut(P) -> Q) -> Jumps<Q> {
-        Jumps { rate: of(self.rate), amplitude: self.amplitude.each(of) }
+    pub(crate) fn each<Q>(self, mut of: impl FnMut(P) -> Q) -> PoissonImpulses<Q> {
+        PoissonImpulses { rate: of(self.rate), amplitude: self.amplitude.each(of) }
     }
 
     /// The mean number λ of impulses per unit time.
@@ -310,8 +310,10 @@ mod tests {
             Amplitude::Laplace { mean: 0.0, scale: f64::INFINITY },
             Amplitude::Normal { mean: 0.0, deviation: 1e200 },
         ];
-        assert!(refused.iter().all(|law| Jumps::new(1.0, *law).is_err()));
-        assert!(LAWS.iter().all(|law| Jumps::new(1.0, *law).is_ok() && Jumps::new(0.0, *law).is_err()));
-        assert!(LAWS.iter().all(|law| Jumps::with_intensity(1.0, *law, -0.2).is_err()));
+        assert!(refused.iter().all(|law| PoissonImpulses::new(1.0, *law).is_err()));
+        assert!(
+            LAWS.iter().all(|law| PoissonImpulses::new(1.0, *law).is_ok() && PoissonImpulses::new(0.0, *law).is_err())
+        );
+        assert!(LAWS.iter().all(|law| PoissonImpulses::with_intensity(1.0, *law, -0.2).is_err()));
     }
 }
