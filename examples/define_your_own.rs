@@ -8,39 +8,42 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
-use expoly::{Closure, Density, Intensity, Oscillator, Problem, Scalar, Simulation, compare};
+use expoly::{Closure, Density, Intensity, Oscillator, Parameter, Problem, Scalar, Simulation, compare, parametric};
 
 // 1. The parameters, and the force once, generically: sums, products and whole powers of the states.
-struct Arch {
-    damping: f64,
-    growth: f64,
-    quadratic: f64,
-    cubic: f64,
-    intensity: Intensity,
+struct Arch<P = f64> {
+    damping: P,
+    growth: P,
+    quadratic: P,
+    cubic: P,
+    intensity: Intensity<P>,
 }
 
-impl Oscillator for Arch {
-    fn force<S: Scalar>(&self, x: S, v: S) -> S {
+impl<P: Parameter> Oscillator<P> for Arch<P> {
+    fn force<S: Scalar<P>>(&self, x: S, v: S) -> S {
         (x * x * self.growth + self.damping) * v + x + x.powi(2) * self.quadratic + x.powi(3) * self.cubic
     }
-    fn intensity(&self) -> Intensity {
+    fn intensity(&self) -> Intensity<P> {
         self.intensity
     }
 }
 
+// 2. Their names, by which answers can be differentiated. (Without this line a system needs no `P`, and `Problem::of` takes it.)
+parametric!(Arch { damping: "c", growth: "beta", quadratic: "a", cubic: "mu", intensity: "D" });
+
 fn main() -> expoly::Result<()> {
-    // 2. D is the intensity of E[ξ(t)ξ(t+τ)] = 2D δ(τ); `Intensity` converts σ and spectral densities.
+    // 3. D is the intensity of E[ξ(t)ξ(t+τ)] = 2D δ(τ); `Intensity` converts σ and spectral densities.
     let arch = Arch { damping: 0.3, growth: 0.2, quadratic: 0.8, cubic: 0.5, intensity: Intensity::new(0.25)? };
 
-    // 3. The problem that all methods take. The library derives the Fokker-Planck equation from the force.
-    let problem = Problem::of(arch)?;
+    // 4. The problem that all methods take. The library derives the Fokker-Planck equation from the force.
+    let problem = Problem::parametric(arch)?;
     println!("{}\n", problem.operator().text(problem.states()));
 
-    // 4. A simulation to compare with: every value comes with its standard error.
+    // 5. A simulation to compare with: every value comes with its standard error.
     let simulated = Simulation::new().samples(2_000_000).seed(1).run(&problem)?;
     println!("simulation  E x = {:.4}   E x^2 = {:.4}", simulated.moment(&[1, 0])?, simulated.moment(&[2, 0])?);
 
-    // 5. The closure, order by order. It estimates its own error, which the simulation confirms.
+    // 6. The closure, order by order. It estimates its own error, which the simulation confirms.
     for order in [2, 4, 6, 8] {
         let density = Closure::new(order).solve(&problem)?;
         let (mean, square) = (density.moment(&[1, 0])?.value, density.moment(&[2, 0])?.value);
@@ -57,7 +60,7 @@ fn main() -> expoly::Result<()> {
         }
     }
 
-    // 6. The closed density is a formula, valid on its trust domain. `Closure::adaptive(target)` finds the order for a given
+    // 7. The closed density is a formula, valid on its trust domain. `Closure::adaptive(target)` finds the order for a given
     //    error.
     let density = Closure::new(4).solve(&problem)?;
     if let Some(formula) = density.log_polynomial() {
@@ -66,5 +69,10 @@ fn main() -> expoly::Result<()> {
     let density = Closure::adaptive(5e-3).solve(&problem)?;
     println!("estimated L1 error {:.4} at n = {}", density.l1_estimate(), density.provenance().order.unwrap_or(0));
     println!("up-crossings of x = 1 per unit time: {:.5}", density.upcrossing_rate(1.0)?.value);
+
+    // 8. What a parameter changes: one more linear solve, by its name.
+    for name in ["c", "mu"] {
+        println!("d E x^2 / d {name} = {:.4}", density.sensitivity(name)?.moment(&[2, 0])?);
+    }
     Ok(())
 }

@@ -89,7 +89,7 @@ fn main() -> ExitCode {
 
 /// Closes, simulates, and prints the moments of both.
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
-    let problem = Problem::of_system(Chain::new(options.oscillators)?)?;
+    let problem = Problem::of(Chain::new(options.oscillators)?)?;
     let sign = spinner("closure");
     let density = Closure::new(options.order).seed(options.seed).solve(&problem)?;
     sign.finish_and_clear();

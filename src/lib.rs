@@ -65,7 +65,7 @@ pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, Impulse};
 pub use grid::{Grid, GridDensity, GridProgress, GridSensitivity, Survival};
 pub use polynomial::{Gaussian, Polynomial};
-pub use problem::{Problem, Wall};
+pub use problem::{Definition, Problem, Wall};
 pub use provenance::{Provenance, Stopped};
 pub use scalar::Scalar;
 #[doc(hidden)]
@@ -75,7 +75,7 @@ pub use simulation::{
 };
 pub use states::States;
 pub use system::{
-    Amplitude, Intensity, Interpretation, Oscillator, Parameter, Parametric, PoissonImpulses, PolynomialDrift,
-    PolynomialSystem,
+    Amplitude, Intensity, Interpretation, Oscillator, Parameter, Parameters, Parametric, PoissonImpulses,
+    PolynomialDrift, PolynomialSystem,
 };
 pub use transient::{Course, Relaxation, Start, Transient};

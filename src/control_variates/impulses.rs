@@ -110,15 +110,15 @@ mod tests {
     /// Two routes: the matrix, and ψ at the states after impulses by a Gauss rule that is exact for it.
     #[test]
     fn images_are_the_expectations() {
-        let impulses = |amplitude| PoissonImpulses::new(1.7, amplitude).unwrap();
+        let process = |amplitude| PoissonImpulses::new(1.7, amplitude).unwrap();
         let [x, v] = [0, 1].map(|i| Polynomial::variable(2, i));
         let impulses = [
             Impulse::new(
-                impulses(Amplitude::Exponential { mean: 0.3 }),
+                process(Amplitude::Exponential { mean: 0.3 }),
                 vec![Polynomial::zero(2), Polynomial::constant(2, 0.8)],
             ),
             Impulse::new(
-                impulses(Amplitude::Normal { mean: -0.1, deviation: 0.4 }),
+                process(Amplitude::Normal { mean: -0.1, deviation: 0.4 }),
                 vec![&x * 0.5 + 0.1, &v * 0.2 + &x],
             ),
         ];
@@ -149,7 +149,7 @@ mod tests {
                 assert!((image - exact[k + 1]).abs() < 1e-12 * size, "{:?} {image} {}", exponents[k], exact[k + 1]);
             }
         }
-        let square = Impulse::new(impulses(Amplitude::TwoPoint { a: 0.1, b: 0.2 }), vec![&x * &x, Polynomial::zero(2)]);
+        let square = Impulse::new(process(Amplitude::TwoPoint { a: 0.1, b: 0.2 }), vec![&x * &x, Polynomial::zero(2)]);
         assert!(images(&[ImpulseTerm::of(&square)], (&centre, &half_width), &exponents).is_none());
     }
 }

@@ -1,9 +1,10 @@
 use super::Solved;
 use crate::checks::{positive, require};
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Parameter, Parametric, PolynomialSystem};
+use crate::system::{Parameter, PolynomialSystem};
 
 /// A chain of coupled Duffing oscillators in equilibrium with a bath:
 /// x_i″ + c_i x_i′ + k x_i + μ x_i³ + κ (2x_i − x_{i−1} − x_{i+1}) = ξ_i, with free ends.
@@ -92,23 +93,11 @@ impl<P: Parameter> PolynomialSystem<P> for DuffingChain<P> {
     }
 }
 
-impl Parametric for DuffingChain {
-    type With<P: Parameter> = DuffingChain<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> DuffingChain<P> {
-        DuffingChain {
-            damping: (1..).zip(&self.damping).map(|(i, c)| of(&format!("c{i}"), *c)).collect(),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-            coupling: of("kappa", self.coupling),
-            temperature: of("T", self.temperature),
-        }
-    }
-}
+parametric!(DuffingChain { damping: "c", stiffness: "k", cubic: "mu", coupling: "kappa", temperature: "T" });
 
 impl Solved for DuffingChain {
     fn problem(&self) -> Result<Problem> {
-        Problem::parametric_system(self.clone())
+        Problem::parametric(self.clone())
     }
 
     fn log_density<S: Scalar>(&self, x: &[S]) -> S {

@@ -1,6 +1,7 @@
 use crate::error::Result;
+use crate::parametric;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric};
+use crate::system::{Intensity, Oscillator, Parameter};
 
 /// A Duffing oscillator with cubic damping, x″ + α x′ + γ x′³ + k x + μ x³ = ξ; Rayleigh's oscillator for α < 0 < γ.
 ///
@@ -48,16 +49,10 @@ impl<P: Parameter> Oscillator<P> for CubicDamping<P> {
     }
 }
 
-impl Parametric for CubicDamping {
-    type With<P: Parameter> = CubicDamping<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> CubicDamping<P> {
-        CubicDamping {
-            linear_damping: of("alpha", self.linear_damping),
-            cubic_damping: of("gamma", self.cubic_damping),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(CubicDamping {
+    linear_damping: "alpha",
+    cubic_damping: "gamma",
+    stiffness: "k",
+    cubic: "mu",
+    intensity: "D"
+});

@@ -1,8 +1,9 @@
 use super::Solved;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Parameter, Parametric, PolynomialDrift};
+use crate::system::{Intensity, Parameter, PolynomialDrift};
 
 /// A Duffing oscillator whose noise and damping grow together with the displacement:
 /// x″ + c (1 + g x²) x′ + k x + μ x³ = ξ₁ + √g x ξ₂, both noises of intensity D.
@@ -50,19 +51,7 @@ impl<P: Parameter> PolynomialDrift<2, 2, P> for DisplacementNoise<P> {
     }
 }
 
-impl Parametric for DisplacementNoise {
-    type With<P: Parameter> = DisplacementNoise<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> DisplacementNoise<P> {
-        DisplacementNoise {
-            damping: of("c", self.damping),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-            growth: of("g", self.growth),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(DisplacementNoise { damping: "c", stiffness: "k", cubic: "mu", growth: "g", intensity: "D" });
 
 impl Solved for DisplacementNoise {
     fn problem(&self) -> Result<Problem> {

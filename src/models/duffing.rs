@@ -1,8 +1,9 @@
 use super::Solved;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric};
+use crate::system::{Intensity, Oscillator, Parameter};
 
 /// Duffing's oscillator x″ + c x′ + k x + μ x³ = ξ, with two wells for k < 0 < μ.
 ///
@@ -53,18 +54,7 @@ impl<P: Parameter> Oscillator<P> for Duffing<P> {
     }
 }
 
-impl Parametric for Duffing {
-    type With<P: Parameter> = Duffing<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Duffing<P> {
-        Duffing {
-            damping: of("c", self.damping),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(Duffing { damping: "c", stiffness: "k", cubic: "mu", intensity: "D" });
 
 impl Solved for Duffing {
     fn problem(&self) -> Result<Problem> {

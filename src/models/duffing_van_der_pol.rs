@@ -1,6 +1,7 @@
 use crate::error::Result;
+use crate::parametric;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric};
+use crate::system::{Intensity, Oscillator, Parameter};
 
 /// The Duffing-van der Pol oscillator x″ + (α + β x²) x′ + k x + μ x³ = ξ: damping that depends on the displacement.
 ///
@@ -50,16 +51,10 @@ impl<P: Parameter> Oscillator<P> for DuffingVanDerPol<P> {
     }
 }
 
-impl Parametric for DuffingVanDerPol {
-    type With<P: Parameter> = DuffingVanDerPol<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> DuffingVanDerPol<P> {
-        DuffingVanDerPol {
-            linear_damping: of("alpha", self.linear_damping),
-            displacement_damping: of("beta", self.displacement_damping),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(DuffingVanDerPol {
+    linear_damping: "alpha",
+    displacement_damping: "beta",
+    stiffness: "k",
+    cubic: "mu",
+    intensity: "D"
+});

@@ -1,8 +1,9 @@
 use super::Solved;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric};
+use crate::system::{Intensity, Oscillator, Parameter};
 
 /// An oscillator whose damping depends on its energy: x″ + (β H − α) x′ + x + μ x³ = ξ, H = x′²/2 + x²/2 + μ x⁴/4.
 ///
@@ -48,18 +49,7 @@ impl<P: Parameter> Oscillator<P> for EnergyDamping<P> {
     }
 }
 
-impl Parametric for EnergyDamping {
-    type With<P: Parameter> = EnergyDamping<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> EnergyDamping<P> {
-        EnergyDamping {
-            drive: of("alpha", self.drive),
-            damping: of("beta", self.damping),
-            cubic: of("mu", self.cubic),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(EnergyDamping { drive: "alpha", damping: "beta", cubic: "mu", intensity: "D" });
 
 impl Solved for EnergyDamping {
     fn problem(&self) -> Result<Problem> {

@@ -1,9 +1,10 @@
 use super::Duffing;
 use crate::checks::positive;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric, PolynomialDrift};
+use crate::system::{Intensity, Oscillator, Parameter, PolynomialDrift};
 
 /// A Duffing oscillator under coloured noise, x″ + c x′ + k x + μ x³ = z, where z is white noise ξ behind a filter:
 /// z′ = a (ξ − z), or z″ + 2 ζ ω z′ + ω² z = ω² ξ.
@@ -103,13 +104,7 @@ impl<P: Parameter> PolynomialDrift<3, 1, P> for FirstOrder<P> {
     }
 }
 
-impl Parametric for FirstOrder {
-    type With<P: Parameter> = FirstOrder<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> FirstOrder<P> {
-        FirstOrder { oscillator: self.oscillator.with(of), a: of("a", self.a) }
-    }
-}
+parametric!(FirstOrder { oscillator, a: "a" });
 
 struct SecondOrder<P = f64> {
     oscillator: Duffing<P>,
@@ -134,14 +129,7 @@ impl<P: Parameter> PolynomialDrift<4, 1, P> for SecondOrder<P> {
     }
 }
 
-impl Parametric for SecondOrder {
-    type With<P: Parameter> = SecondOrder<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> SecondOrder<P> {
-        let oscillator = self.oscillator.with(of);
-        SecondOrder { oscillator, omega: of("omega", self.omega), zeta: of("zeta", self.zeta) }
-    }
-}
+parametric!(SecondOrder { oscillator, omega: "omega", zeta: "zeta" });
 
 /// Noise on the last state alone, times a gain.
 #[inline]

@@ -1,8 +1,9 @@
 use super::Solved;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric};
+use crate::system::{Intensity, Oscillator, Parameter};
 
 /// The linear oscillator x″ + c x′ + k x = ξ: normal, with E x′² = D/c and E x² = D/(c k).
 ///
@@ -38,17 +39,7 @@ impl<P: Parameter> Oscillator<P> for Linear<P> {
     }
 }
 
-impl Parametric for Linear {
-    type With<P: Parameter> = Linear<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Linear<P> {
-        Linear {
-            damping: of("c", self.damping),
-            stiffness: of("k", self.stiffness),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(Linear { damping: "c", stiffness: "k", intensity: "D" });
 
 impl Solved for Linear {
     fn problem(&self) -> Result<Problem> {

@@ -3,9 +3,10 @@ use crate::density::{Crossing, Density, moderate};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
+use crate::parametric;
 use crate::provenance::{CLOSED_FORM, Provenance};
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Interpretation, Parameter, Parametric, PolynomialDrift};
+use crate::system::{Intensity, Interpretation, Parameter, PolynomialDrift};
 use std::sync::LazyLock;
 
 /// The linear oscillator with noise in damping and stiffness, x″ + 2α x′ (1 + η) + Ω² x (1 + ζ) = ξ, Stratonovich.
@@ -79,18 +80,7 @@ impl<P: Parameter> PolynomialDrift<2, 3, P> for ParametricLinear<P> {
     }
 }
 
-impl Parametric for ParametricLinear {
-    type With<P: Parameter> = ParametricLinear<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> ParametricLinear<P> {
-        ParametricLinear {
-            damping: of("alpha", self.damping),
-            frequency: of("Omega", self.frequency),
-            parametric: Intensity::of(of("D_eta", self.parametric.d())),
-            external: Intensity::of(of("D", self.external.d())),
-        }
-    }
-}
+parametric!(ParametricLinear { damping: "alpha", frequency: "Omega", parametric: "D_eta", external: "D" });
 
 /// The density C (κ + v² + Ω² x²)^−δ.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,9 @@
 use super::Solved;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric};
+use crate::system::{Intensity, Oscillator, Parameter};
 
 /// The cubic-quintic oscillator x″ + c x′ + k x + μ x³ + ν x⁵ = ξ, with three wells for k, ν > 0 and μ sufficiently
 /// negative.
@@ -42,19 +43,7 @@ impl<P: Parameter> Oscillator<P> for QuinticDuffing<P> {
     }
 }
 
-impl Parametric for QuinticDuffing {
-    type With<P: Parameter> = QuinticDuffing<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> QuinticDuffing<P> {
-        QuinticDuffing {
-            damping: of("c", self.damping),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-            quintic: of("nu", self.quintic),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(QuinticDuffing { damping: "c", stiffness: "k", cubic: "mu", quintic: "nu", intensity: "D" });
 
 impl Solved for QuinticDuffing {
     fn problem(&self) -> Result<Problem> {

@@ -1,8 +1,9 @@
 use super::Solved;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric};
+use crate::system::{Intensity, Oscillator, Parameter};
 
 /// The van der Pol-Rayleigh oscillator x″ + ε (x² + x′² − 1) x′ + x = ξ with its circular limit cycle.
 ///
@@ -40,16 +41,7 @@ impl<P: Parameter> Oscillator<P> for VanDerPolRayleigh<P> {
     }
 }
 
-impl Parametric for VanDerPolRayleigh {
-    type With<P: Parameter> = VanDerPolRayleigh<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> VanDerPolRayleigh<P> {
-        VanDerPolRayleigh {
-            strength: of("epsilon", self.strength),
-            intensity: Intensity::of(of("D", self.intensity.d())),
-        }
-    }
-}
+parametric!(VanDerPolRayleigh { strength: "epsilon", intensity: "D" });
 
 impl Solved for VanDerPolRayleigh {
     fn problem(&self) -> Result<Problem> {

@@ -1,9 +1,10 @@
 use super::Solved;
 use crate::checks::finite;
 use crate::error::Result;
+use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Interpretation, Parameter, Parametric, PolynomialDrift};
+use crate::system::{Interpretation, Parameter, PolynomialDrift};
 
 /// A Duffing oscillator with noise in its velocity, x″ + d(x, x′) + k x + μ x³ = (g₀ + g₁ x′) ξ, in Stratonovich's
 /// sense with ξ of intensity 1, and with the damping that gives it the density C exp(−φ(H)), φ = α H + β H²/2:
@@ -62,20 +63,14 @@ impl<P: Parameter> PolynomialDrift<2, 1, P> for VelocityNoise<P> {
     }
 }
 
-impl Parametric for VelocityNoise {
-    type With<P: Parameter> = VelocityNoise<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> VelocityNoise<P> {
-        VelocityNoise {
-            constant: of("g0", self.constant),
-            slope: of("g1", self.slope),
-            linear: of("alpha", self.linear),
-            quadratic: of("beta", self.quadratic),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-        }
-    }
-}
+parametric!(VelocityNoise {
+    constant: "g0",
+    slope: "g1",
+    linear: "alpha",
+    quadratic: "beta",
+    stiffness: "k",
+    cubic: "mu"
+});
 
 impl Solved for VelocityNoise {
     fn problem(&self) -> Result<Problem> {

@@ -10,14 +10,71 @@ use crate::polynomial::{Arena, Polynomial, Symbol};
 use crate::scalar::Scalar;
 use crate::system::{Interpretation, Parameter, Parametric, PolynomialDrift, PolynomialSystem};
 use num_dual::Dual64;
+use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// A system as its polynomials, and what came with it.
-struct Definition {
+/// What a [`Problem`] is made of: every [`PolynomialDrift`], every [`Oscillator`](crate::Oscillator) and every [`PolynomialSystem`].
+/// Which of these it is, its form, is found when it is compiled.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no definition of a system",
+    note = "implement `Oscillator`, `PolynomialDrift` or `PolynomialSystem` for it"
+)]
+pub trait Definition<Form>: 'static {
+    #[doc(hidden)]
+    fn parts(self) -> Result<Parts>;
+}
+
+/// A definition with dual numbers for its parameters.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no parameters that are dual numbers",
+    note = "implement `Oscillator<P>`, `PolynomialDrift<N, M, P>` or `PolynomialSystem<P>` for every `P: Parameter`"
+)]
+pub trait Differentiated<Form> {
+    /// The system with one state more, the ε of its dual numbers.
+    #[doc(hidden)]
+    fn lifted(&self) -> Result<Lifted>;
+}
+
+/// The form of a system whose numbers of states and of processes are known when it is compiled.
+#[derive(Debug)]
+pub struct Arrays<const N: usize, const M: usize>;
+
+/// The form of a system whose number of states is a number at run time.
+#[derive(Debug)]
+pub struct Slices;
+
+impl<T: PolynomialDrift<N, M> + 'static, const N: usize, const M: usize> Definition<Arrays<N, M>> for T {
+    fn parts(self) -> Result<Parts> {
+        let (equations, names) = (fixed(&self, 0), self.names());
+        Ok(Parts { equations, names, field: Box::new(|induces| Box::new(Fixed::<T, N, M> { system: self, induces })) })
+    }
+}
+
+impl<T: PolynomialSystem + 'static> Definition<Slices> for T {
+    fn parts(self) -> Result<Parts> {
+        let (equations, names) = (any_size(&self, 0)?, self.names());
+        Ok(Parts { equations, names, field: Box::new(|induces| Box::new(AnySize { system: self, induces })) })
+    }
+}
+
+impl<T: PolynomialDrift<N, M, Dual64>, const N: usize, const M: usize> Differentiated<Arrays<N, M>> for T {
+    fn lifted(&self) -> Result<Lifted> {
+        fixed(self, 1).lifted()
+    }
+}
+
+impl<T: PolynomialSystem<Dual64>> Differentiated<Slices> for T {
+    fn lifted(&self) -> Result<Lifted> {
+        any_size(self, 1)?.lifted()
+    }
+}
+
+/// A system as its polynomials and its states' names, and what makes its evaluation, given whether its noise induces a drift.
+#[expect(missing_debug_implementations, reason = "no user meets one")]
+pub struct Parts {
     equations: PolynomialForm<f64>,
     names: Vec<String>,
-    parameters: Vec<(String, f64)>,
-    family: Option<Box<dyn Family>>,
+    field: Box<dyn FnOnce(bool) -> Box<dyn Field>>,
 }
 
 /// The equations of a system as polynomials.
@@ -29,72 +86,29 @@ pub(super) struct PolynomialForm<P> {
 }
 
 impl Problem {
-    /// The problem of a system whose number of states is known when it is compiled.
+    /// The problem of a system: of a [`PolynomialDrift`], an [`Oscillator`](crate::Oscillator) or a [`PolynomialSystem`]. The
+    /// parameters of a [`Parametric`] one have names by [`Problem::parametric`].
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient, or a product of two in the noise, is NaN or infinite, [`Error::OutOfRange`] for a
     /// degree above 60, [`Error::NoDensity`] if noise and impulses vanish identically;
-    /// [`Error::Dimension`], [`Error::NotAName`] if the names do not fit the states.
-    pub fn of<T, const N: usize, const M: usize>(system: T) -> Result<Self>
-    where
-        T: PolynomialDrift<N, M> + 'static,
-    {
-        Self::fixed(system, Vec::new(), None)
+    /// [`Error::Dimension`], [`Error::NotAName`] if the names do not fit the states;
+    /// [`Error::Dimension`] where a [`PolynomialSystem`]'s drift or noise do not have its stated length.
+    pub fn of<Form>(system: impl Definition<Form>) -> Result<Self> {
+        system.parts()?.problem(Vec::new(), None)
     }
 
     /// The problem of a system with parameters, which answers can be differentiated by.
     ///
     /// # Errors
     /// As [`Problem::of`]; [`Error::NotAName`] where two parameters have the same name.
-    pub fn parametric<T, const N: usize, const M: usize>(system: T) -> Result<Self>
+    pub fn parametric<T, Form: 'static>(system: T) -> Result<Self>
     where
-        T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
-        T::With<Dual64>: PolynomialDrift<N, M, Dual64>,
+        T: Definition<Form> + Parametric<With<f64> = T> + Send + Sync,
+        T::With<Dual64>: Differentiated<Form>,
     {
         let (parameters, copy) = parameters_of(&system)?;
-        Self::fixed(system, parameters, Some(Box::new(FixedFamily::<T, N, M>(copy))))
-    }
-
-    fn fixed<T, const N: usize, const M: usize>(
-        system: T,
-        parameters: Vec<(String, f64)>,
-        family: Option<Box<dyn Family>>,
-    ) -> Result<Self>
-    where
-        T: PolynomialDrift<N, M> + 'static,
-    {
-        let definition = Definition { equations: fixed(&system, 0), names: system.names(), parameters, family };
-        definition.problem(|induces| Box::new(Fixed::<T, N, M> { system, induces }) as Box<dyn Field>)
-    }
-
-    /// The problem of a system whose number of states is a number at run time.
-    ///
-    /// # Errors
-    /// As [`Problem::of`]; [`Error::Dimension`] where drift or noise do not have the system's stated length.
-    pub fn of_system(system: impl PolynomialSystem + 'static) -> Result<Self> {
-        Self::any_size(system, Vec::new(), None)
-    }
-
-    /// The problem of such a system with parameters, which answers can be differentiated by.
-    ///
-    /// # Errors
-    /// As [`Problem::of_system`]; [`Error::NotAName`] where two parameters have the same name.
-    pub fn parametric_system<T>(system: T) -> Result<Self>
-    where
-        T: PolynomialSystem + Parametric<With<f64> = T> + 'static,
-        T::With<Dual64>: PolynomialSystem<Dual64>,
-    {
-        let (parameters, copy) = parameters_of(&system)?;
-        Self::any_size(system, parameters, Some(Box::new(AnyFamily(copy))))
-    }
-
-    fn any_size(
-        system: impl PolynomialSystem + 'static,
-        parameters: Vec<(String, f64)>,
-        family: Option<Box<dyn Family>>,
-    ) -> Result<Self> {
-        let definition = Definition { equations: any_size(&system, 0)?, names: system.names(), parameters, family };
-        definition.problem(|induces| Box::new(AnySize { system, induces }) as Box<dyn Field>)
+        system.parts()?.problem(parameters, Some(Box::new(Systems(copy, PhantomData))))
     }
 
     /// The problem of a system that is given as polynomials.
@@ -105,8 +119,8 @@ impl Problem {
         family: Option<Box<dyn Family>>,
     ) -> Result<Self> {
         let (drift, columns) = (equations.drift.clone(), equations.columns.clone());
-        let definition = Definition { equations, names, parameters, family };
-        definition.problem(|induces| Box::new(Polynomials::new(&drift, &columns, induces)) as Box<dyn Field>)
+        let field = Box::new(move |induces| Box::new(Polynomials::new(&drift, &columns, induces)) as Box<dyn Field>);
+        Parts { equations, names, field }.problem(parameters, family)
     }
 }
 
@@ -199,43 +213,25 @@ impl PolynomialForm<Dual64> {
 }
 
 /// The systems of a type for all values of its parameters.
-struct FixedFamily<T, const N: usize, const M: usize>(T);
+struct Systems<T, Form>(T, PhantomData<fn() -> Form>);
 
-impl<T, const N: usize, const M: usize> Family for FixedFamily<T, N, M>
+impl<T, Form: 'static> Family for Systems<T, Form>
 where
-    T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
-    T::With<Dual64>: PolynomialDrift<N, M, Dual64>,
+    T: Definition<Form> + Parametric<With<f64> = T> + Send + Sync,
+    T::With<Dual64>: Differentiated<Form>,
 {
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
         Problem::parametric(self.0.with(&mut |name, present| value(name, present)))
     }
 
     fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted> {
-        fixed(&self.0.with(&mut |name, present| value(name, present)), 1).lifted()
+        self.0.with(&mut |name, present| value(name, present)).lifted()
     }
 }
 
-/// The same for a number of states at run time.
-struct AnyFamily<T>(T);
-
-impl<T> Family for AnyFamily<T>
-where
-    T: PolynomialSystem + Parametric<With<f64> = T> + 'static,
-    T::With<Dual64>: PolynomialSystem<Dual64>,
-{
-    fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
-        Problem::parametric_system(self.0.with(&mut |name, present| value(name, present)))
-    }
-
-    fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted> {
-        any_size(&self.0.with(&mut |name, present| value(name, present)), 1)?.lifted()
-    }
-}
-
-impl Definition {
-    /// The problem; `field` makes the evaluation of the same system, given whether the noise induces a drift.
-    fn problem(self, field: impl FnOnce(bool) -> Box<dyn Field>) -> Result<Problem> {
-        let Definition { equations, names, parameters, family } = self;
+impl Parts {
+    fn problem(self, parameters: Vec<(String, f64)>, family: Option<Box<dyn Family>>) -> Result<Problem> {
+        let Parts { equations, names, field } = self;
         let n = equations.drift.len();
         let operator = equations.operator()?;
         let PolynomialForm { drift, columns, interpretation, .. } = equations;

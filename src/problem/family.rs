@@ -21,7 +21,8 @@ pub(super) trait Family: Send + Sync {
 }
 
 /// A system with dual numbers for its parameters.
-pub(super) struct Lifted {
+#[derive(Debug)]
+pub struct Lifted {
     /// ε is one more state, which does not move.
     pub(super) operator: FokkerPlanck,
     /// Those of the operator with the dual numbers of rates and laws.

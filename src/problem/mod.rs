@@ -24,6 +24,7 @@ mod wall;
 mod zhuravlev;
 
 pub(crate) use contact::Contact;
+pub use definition::Definition;
 pub(crate) use field::{Field, LANES, Lane};
 pub(crate) use flow::{Change, Kicks, Nearness, near};
 pub(crate) use gaussian_closure::gaussian_after;

@@ -158,7 +158,7 @@ mod tests {
         assert!(duffing.keeps(&[1, 1]) && duffing.keeps(&[0, 4]) && !duffing.keeps(&[2, 1]));
         let chain = |coupling: f64| {
             let chain = DuffingChain::new(&[0.2, 0.3], 1.0, 0.3, coupling, 1.0).unwrap();
-            Problem::of_system(chain).unwrap().symmetry()
+            Problem::of(chain).unwrap().symmetry()
         };
         assert_eq!(chain(0.5).changes, [[false; 4], [true; 4]]);
         assert_eq!(chain(0.0).count(), 4);

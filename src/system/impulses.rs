@@ -94,7 +94,7 @@ impl<P: Parameter> PoissonImpulses<P> {
     /// Impulses whose numbers are parameters. Values without a meaning are refused where the system is used.
     ///
     /// ```
-    /// use expoly::{Amplitude, Intensity, PoissonImpulses, Oscillator, Parameter, Parametric, Problem, Scalar};
+    /// use expoly::{Amplitude, Intensity, Oscillator, Parameter, PoissonImpulses, Problem, Scalar, parametric};
     ///
     /// struct Hail<P = f64> { damping: P, rate: P, size: P }
     ///
@@ -104,12 +104,7 @@ impl<P: Parameter> PoissonImpulses<P> {
     ///     fn impulses(&self) -> Vec<PoissonImpulses<P>> { vec![PoissonImpulses::of(self.rate, Amplitude::Exponential { mean: self.size })] }
     /// }
     ///
-    /// impl Parametric for Hail {
-    ///     type With<P: Parameter> = Hail<P>;
-    ///     fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Hail<P> {
-    ///         Hail { damping: of("c", self.damping), rate: of("lambda", self.rate), size: of("m", self.size) }
-    ///     }
-    /// }
+    /// parametric!(Hail { damping: "c", rate: "lambda", size: "m" });
     ///
     /// let problem = Problem::parametric(Hail { damping: 0.2, rate: 3.0, size: 0.5 })?;
     /// // λ E[(v + Y)² − v²] = λ (2 v m + 2 m²), by m.

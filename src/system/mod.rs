@@ -8,7 +8,7 @@ mod parametric;
 pub use impulses::{Amplitude, PoissonImpulses};
 pub use intensity::Intensity;
 pub use oscillator::Oscillator;
-pub use parametric::{Parameter, Parametric};
+pub use parametric::{Parameter, Parameters, Parametric};
 
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
@@ -110,7 +110,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
 ///     }
 /// }
 ///
-/// assert_eq!(Problem::of_system(Cascade(7))?.dimension(), 7);
+/// assert_eq!(Problem::of(Cascade(7))?.dimension(), 7);
 /// # Ok::<(), expoly::Error>(())
 /// ```
 pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {

@@ -78,7 +78,7 @@ fn calibrated_errors_cover() {
 fn the_estimate_is_the_distance_from_exact_densities() {
     for (index, orders) in [(5, &[4][..]), (8, &[2, 4])] {
         let system = Exact::random(1, index);
-        let (problem, truth) = (Problem::of_system(system.clone()).unwrap(), system.truth(10_000, 1));
+        let (problem, truth) = (Problem::of(system.clone()).unwrap(), system.truth(10_000, 1));
         let mut last = f64::INFINITY;
         for &order in orders {
             let density = Closure::new(order).solve(&problem).unwrap();
@@ -148,7 +148,7 @@ fn a_doubtful_density_is_warned_of() {
                      noise.b = { y = '1' }\nnoise.c = { z = '1' }";
     let wandering = Closure::new(2).solve(&Problem::from_toml(wandering).unwrap());
     assert!(matches!(&wandering, Err(Error::NoDensity { reason }) if reason.contains("state 2")), "{wandering:?}");
-    let lorenz = Closure::new(4).solve(&Problem::of_system(Lorenz).unwrap()).unwrap();
+    let lorenz = Closure::new(4).solve(&Problem::of(Lorenz).unwrap()).unwrap();
     assert!(lorenz.warning().is_some() && lorenz.l1_estimate() > 0.2, "{:?}", lorenz.provenance());
 }
 

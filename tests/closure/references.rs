@@ -69,7 +69,7 @@ fn a_double_well_in_a_bath_with_memory() {
 #[test]
 fn a_reference_has_the_moments_of_exact_densities() {
     let system = Exact::random(1, 12);
-    let density = by_reference(4, &Problem::of_system(system.clone()).unwrap());
+    let density = by_reference(4, &Problem::of(system.clone()).unwrap());
     let powers = even(4);
     let mut worst = 0.0_f64;
     for (powers, truth) in powers.iter().zip(means(&|x| system.log_density(x), 5.0, &powers)) {
@@ -132,7 +132,7 @@ fn four_states_have_a_reference_too() {
 /// Where the equations have no good solution the answer is that of the samples.
 #[test]
 fn what_no_reference_serves_is_left_to_the_samples() {
-    let lorenz = Closure::new(2).reference(Reference::Equations).solve(&Problem::of_system(Lorenz).unwrap()).unwrap();
+    let lorenz = Closure::new(2).reference(Reference::Equations).solve(&Problem::of(Lorenz).unwrap()).unwrap();
     assert_eq!(lorenz.candidates()[0].origin, Origin::MaximumLikelihood);
     assert!(lorenz.provenance().without_reference.as_ref().is_some_and(|reason| reason.contains("no good solution")));
 }

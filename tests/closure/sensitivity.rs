@@ -4,8 +4,8 @@ use crate::common::*;
 use expoly::models::{DisplacementNoise, Duffing, Solved};
 use expoly::statistics::{Crossings, Marginal};
 use expoly::{
-    Closure, ClosureDensity, Crossing, Density, Error, ExpPolynomial, Grid, Intensity, Oscillator, Parameter,
-    Parametric, Problem, Result, Scalar, Sensitivity, Weight,
+    Closure, ClosureDensity, Crossing, Density, Error, ExpPolynomial, Grid, Intensity, Oscillator, Parameter, Problem,
+    Result, Scalar, Sensitivity, Weight, parametric,
 };
 
 /// The differences of an answer of second order at h and 2h, extrapolated: h⁴ of a fifth derivative, and rounding over h.
@@ -96,12 +96,7 @@ impl<P: Parameter> Oscillator<P> for Pushed<P> {
     }
 }
 
-impl Parametric for Pushed {
-    type With<P: Parameter> = Pushed<P>;
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Pushed<P> {
-        Pushed { force: of("F", self.force), damping: of("c", self.damping) }
-    }
-}
+parametric!(Pushed { force: "F", damping: "c" });
 
 /// p = C exp(−(c/D)(H − F x)): ∂ ln p/∂F = (c/D) x, although the closure's own functions are even.
 #[test]

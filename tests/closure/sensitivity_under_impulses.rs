@@ -2,8 +2,8 @@
 
 use crate::common::closing::moments_of_linear;
 use expoly::{
-    Amplitude, Closure, Density, Error, Intensity, Oscillator, Parameter, Parametric, PoissonImpulses, Problem, Result,
-    Scalar, Wall,
+    Amplitude, Closure, Density, Error, Intensity, Oscillator, Parameter, PoissonImpulses, Problem, Result, Scalar,
+    Wall, parametric,
 };
 
 /// x″ + c x′ + k x + μ x³ = ξ + impulses of normal amplitudes.
@@ -31,21 +31,15 @@ impl<P: Parameter> Oscillator<P> for Struck<P> {
     }
 }
 
-impl Parametric for Struck {
-    type With<P: Parameter> = Struck<P>;
-
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Struck<P> {
-        Struck {
-            damping: of("c", self.damping),
-            stiffness: of("k", self.stiffness),
-            cubic: of("mu", self.cubic),
-            white: of("D", self.white),
-            rate: of("lambda", self.rate),
-            mean: of("m", self.mean),
-            deviation: of("s", self.deviation),
-        }
-    }
-}
+parametric!(Struck {
+    damping: "c",
+    stiffness: "k",
+    cubic: "mu",
+    white: "D",
+    rate: "lambda",
+    mean: "m",
+    deviation: "s"
+});
 
 /// Under five impulses per unit time of λE[Y²] = 0.4.
 fn struck(cubic: f64, white: f64, mean: f64) -> Result<Problem> {

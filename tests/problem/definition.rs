@@ -161,12 +161,12 @@ impl PolynomialSystem for Uneven {
 #[test]
 fn a_system_of_any_size_is_as_long_as_it_says() {
     let sound = Uneven { drift: 3, rows: 3, columns: 2 };
-    let problem = Problem::of_system(sound).unwrap();
+    let problem = Problem::of(sound).unwrap();
     assert_eq!((problem.dimension(), problem.noise().len(), problem.states().len()), (3, 2, 3));
     for (drift, rows, columns, wrong) in
         [(2, 3, 2, 2), (4, 3, 2, 4), (3, 2, 2, 2), (3, 4, 2, 4), (3, 3, 1, 1), (3, 3, 3, 3)]
     {
-        let error = Problem::of_system(Uneven { drift, rows, columns }).unwrap_err();
+        let error = Problem::of(Uneven { drift, rows, columns }).unwrap_err();
         assert!(matches!(error, Error::Dimension { found, .. } if found == wrong), "{error}");
     }
 }

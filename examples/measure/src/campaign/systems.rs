@@ -46,7 +46,7 @@ impl PolynomialDrift<2, 1> for System {
 
 impl Named for Exact {
     fn problem(&self) -> expoly::Result<Problem> {
-        Problem::of_system(self.clone())
+        Problem::of(self.clone())
     }
 }
 

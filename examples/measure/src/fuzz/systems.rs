@@ -196,7 +196,7 @@ fn walled(draw: &mut Draw, mut problem: Problem) -> Result<Problem> {
 pub(super) fn probe(probe: &mut Probe) {
     let system = Wild::random(&mut probe.draw);
     probe.show(&format!("{system:#?}"));
-    let Some(free) = probe.ask("Problem::of_system", || Problem::of_system(system)) else { return };
+    let Some(free) = probe.ask("Problem::of", || Problem::of(system)) else { return };
     let problem = walled(&mut probe.draw, free);
     let Some(problem) = probe.ask("with_wall", || problem) else { return };
     probe.show(&format!("{problem:#?}"));
