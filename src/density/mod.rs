@@ -20,7 +20,7 @@ pub use support::Support;
 use crate::checks::{coordinate, dimension, finite, require, state_index};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::polynomial::power;
+use crate::polynomial::{Polynomial, power};
 use crate::provenance::Provenance;
 
 /// A stationary probability density on R^n, or on a part of it.
@@ -104,6 +104,25 @@ pub trait Density: Send + Sync {
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.dimension())?;
         self.expectation(&|x| power(x, powers))
+    }
+
+    /// The mean E[q(X)] of a polynomial q: the sum of its moments. Its error is the sum of theirs, which holds however they are
+    /// correlated.
+    ///
+    /// ```
+    /// use expoly::{Closure, Density, models::{Duffing, Solved}};
+    /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
+    /// let density = Closure::new(4).solve(&problem)?;
+    /// let (force, velocity) = (&problem.drift()[1], &problem.drift()[0]);
+    /// assert!((density.mean(&(force * velocity))?.value + 0.2).abs() < 1e-9);  // the power of the noise, D
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    fn mean(&self, polynomial: &Polynomial) -> Result<Estimate> {
+        dimension("the states of a polynomial", polynomial.dimension(), self.dimension())?;
+        polynomial.terms().try_fold(Estimate::exact(0.0), |sum, (powers, c)| {
+            let moment = self.moment(powers)?;
+            Ok(Estimate::new(sum.value + c * moment.value, sum.error + c.abs() * moment.error))
+        })
     }
 
     /// The flux moment ∫ |v|^`power` p(level, v) dv over v > 0 or v < 0, all other states integrated out.

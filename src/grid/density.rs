@@ -222,3 +222,21 @@ impl fmt::Display for GridDensity {
         summary(self, f)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::{
+        mesh::{Mesh, Side},
+        shape::Shape,
+        tree::Tree,
+    };
+
+    #[test]
+    fn an_error_holds_the_difference_of_degrees_and_all_changes() {
+        let mesh = Arc::new(Mesh::new([0.0; 2], Tree::new(&[vec![0.0, 1.0]]), [Side::Open; 2]));
+        let [fine, coarse, first, second] = [6, 4, 2, 3].map(|degree| Field::zero(&mesh, Shape { states: 1, degree }));
+        let found = estimate([&fine, &coarse], &[first, second], |field| field.shape.degree as f64);
+        assert_eq!(found, Estimate::new(6.0, 2.0 + 2.0 + 3.0));
+    }
+}

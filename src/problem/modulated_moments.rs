@@ -58,3 +58,29 @@ impl ModulatedMoments {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envelope::Envelope;
+    use crate::error::Result;
+    use nalgebra::{dmatrix, dvector};
+
+    /// dx = −x dt + e (0.8 x ∘ dW₁ + 0.3 dW₂): m′ = (−1 + 0.32 e²) m and y′ = (−2 + 1.28 e²) y + 0.09 e² of y = E x², which
+    /// eight steps of 0.05 follow to 1e-8. Without e² the induced drift is off by 8 % of the mean.
+    #[test]
+    fn the_drift_that_noise_induces_is_modulated_with_it() -> Result<()> {
+        let text =
+            "states = ['x']\ninterpretation = 'stratonovich'\ndrift.x = '-x'\n[noise]\na.x = '0.8*x'\nb.x = '0.3'";
+        let (problem, envelope) = (Problem::from_toml(text)?, Envelope::table([(0.0, 0.6)])?);
+        let start = Gaussian { mean: dvector![1.0], covariance: dmatrix![0.2] };
+        let (squared, time) = (0.36, 0.4);
+        let found = ModulatedMoments::new(&problem).after(&start, envelope.piece(0.0), [0.0, time]);
+        let mean = ((-1.0 + 0.32 * squared) * time).exp();
+        let (rate, source) = (-2.0 + 1.28 * squared, 0.09 * squared);
+        let square = (1.2 + source / rate) * (rate * time).exp() - source / rate;
+        assert!((found.mean[0] - mean).abs() < 1e-7, "{} and {mean}", found.mean[0]);
+        assert!((found.covariance[(0, 0)] - (square - mean * mean)).abs() < 1e-7);
+        Ok(())
+    }
+}

@@ -166,6 +166,7 @@ mod tests {
     use crate::error::Result;
     use crate::models::{Duffing, FilteredDuffing};
     use crate::problem::Wall;
+    use crate::simulation::boundaries::Boundaries;
 
     /// A wall at 0 behind a filter, with h = 1/16.
     fn chatter() -> Result<Chatter> {
@@ -203,6 +204,35 @@ mod tests {
         chatter()?.rest(&mut x);
         assert_eq!(x, [0.0, 0.0, 0.3]);
         assert!(chatter()?.contact.rests(&x));
+        Ok(())
+    }
+
+    /// The wall's force at rest takes away the acceleration towards the wall, and no other.
+    #[test]
+    fn the_force_at_rest_cancels_the_acceleration_towards_the_wall() -> Result<()> {
+        let contact = chatter()?.contact;
+        for (pull, left) in [(-0.7, 0.0), (0.7, 0.7)] {
+            let mut drift = [0.0, pull, 0.3];
+            contact.support(&mut drift);
+            assert_eq!(drift, [0.0, left, 0.3]);
+        }
+        Ok(())
+    }
+
+    /// At rest the whole step counts, and of the step in which the trajectory leaves half; a kick towards the wall is taken back.
+    #[test]
+    fn rest_ends_in_the_middle_of_the_step_that_leaves() -> Result<()> {
+        let filtered = FilteredDuffing::first_order(Duffing::new(0.2, 1.0, 0.0, 0.2)?, 2.0)?.problem()?;
+        let problem = filtered.with_wall(Wall::above(0.0, 0.5)?)?;
+        let scheme = Scheme::new(&problem, 1.0, 1.0 / 16.0);
+        let boundaries = Boundaries::for_scheme(&scheme, &problem.contacts(), Vec::new());
+        let (mut passages, mut rested) = (boundaries.passages(), vec![[0.0; LANES]]);
+        for (kicked, left) in [(-0.25, 0.0), (0.0, 0.0), (0.5, 0.5)] {
+            let mut x = [0.0, kicked, 0.3];
+            boundaries.hold(&mut x, 1, 0.25, (&mut rested, 0), &mut passages);
+            assert_eq!(x, [0.0, left, 0.3]);
+        }
+        assert_eq!((passages.rests[0], rested[0][0]), ([0.625, 0.0], 0.0));
         Ok(())
     }
 }

@@ -1,8 +1,8 @@
 //! Relaxation rates and transient densities on the grid.
 
-use crate::common::moving::{POWERS, correlated, linear_after, moments};
+use crate::common::moving::{POWERS, correlated, linear_after, moments, normal};
 use crate::common::{l1_from, problem};
-use expoly::models::{Duffing, Linear};
+use expoly::models::{Duffing, Linear, Solved};
 use expoly::{Density, Error, Gaussian, Grid, GridDensity, PolynomialDrift, Scalar, Start};
 use nalgebra::{dmatrix, dvector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -199,4 +199,14 @@ fn transients_without_a_meaning_are_refused() {
     let three = Gaussian { mean: dvector![0.0, 0.0, 0.0], covariance: nalgebra::DMatrix::identity(3, 3) };
     let error = refused(Start::Gaussian(three), &[1.0], 1e-3);
     assert!(matches!(error, Error::Dimension { expected: 2, found: 3, .. }), "{error}");
+}
+
+/// The stationary density as a start stays: what is off is the mesh, which the distance of the two degrees bounds.
+#[test]
+fn the_error_of_the_mesh_is_in_the_estimate() {
+    let exact = Linear::new(0.5, 1.0, 0.5).unwrap().exact().unwrap();
+    let found = linear().transient(normal([0.0, 0.0], 1.0), &[1.0], 1e-3).unwrap().remove(0);
+    let (distance, estimate) = (l1_from(&found.density, &exact), found.density.l1_estimate());
+    println!("{distance:.1e}, estimate {estimate:.1e}");
+    assert!(distance > 1e-7 && distance < estimate, "{distance:e} and {estimate:e}");
 }

@@ -96,6 +96,8 @@ fn unlike_wells_have_their_shares() {
         );
         assert!(off < mean.error && density.l1_estimate() < accuracy.max(open), "{mean} instead of {exact}");
         assert_eq!(made.warning.is_some(), density.l1_estimate() > accuracy, "{:?}", made.warning);
+        // The wells are at ±1: what the shares leave open of the mean, they leave open of the density.
+        assert!(mean.error < 2.0 * density.l1_estimate(), "{mean}, {:e}", density.l1_estimate());
     }
 }
 
@@ -288,11 +290,17 @@ fn warned_or_not_resolved(what: &str, found: expoly::Result<GridDensity>) {
 /// A domain that cuts the density off: what is missing is in the estimate, and the warning says so.
 #[test]
 fn a_domain_that_cuts_the_density_is_warned_of() {
-    let density = Grid::new().accuracy(1e-4).domain([[-1.5, 4.0], [-7.0, 7.0]]).solve(&problem(duffing())).unwrap();
+    let grid = Grid::new().accuracy(1e-4).domain([[-1.5, 4.0], [-7.0, 7.0]]);
+    let density = grid.solve(&duffing().problem().unwrap()).unwrap();
     let (distance, estimate) = (l1_from(&density, &duffing().exact().unwrap()), density.l1_estimate());
     println!("{distance:.1e}, estimate {estimate:.1e}, {:?}", density.provenance().warning);
     assert!(distance < estimate && estimate < 1.0, "{distance:e}, {estimate:e}");
     assert!(density.provenance().warning.as_ref().is_some_and(|warning| warning.contains("edges")));
+    // The derivative of a probability is off by no more than that of the density, by two rules to a tenth.
+    let by = &density.sensitivities(&["D"]).unwrap()[0];
+    let share = by.expectation(&|x| if x[0] * x[0] + x[1] * x[1] < 1.5 { 1.0 } else { -1.0 });
+    println!("{share}, {:.1e}", by.l1_estimate());
+    assert!(share.error < 1.1 * by.l1_estimate(), "{share}, {:e}", by.l1_estimate());
 }
 
 /// A callback sees the linear systems and the estimate, and stops the grid.

@@ -197,3 +197,13 @@ fn survivals_without_a_meaning_are_refused() {
     assert!(between.as_ref().unwrap().survival([0.6, 1.0]).is_err());
     assert_eq!(between.unwrap().survival([-1.0, 0.3]).unwrap().within(), [-1.0, 0.3]);
 }
+
+/// What leaks through the edges of a domain that is too small is in the error.
+#[test]
+fn a_leak_is_in_the_error() {
+    let grid = Grid::new().accuracy(1e-4).domain([[-1.5, 4.0], [-7.0, 7.0]]);
+    let cut = grid.solve(&problem(crate::common::duffing())).unwrap();
+    let found = stationary(&cut.survival([-NONE, 50.0]).unwrap(), &[2.0])[0];
+    println!("{found}");
+    assert!(1.0 - found.value > 1e-2 && 1.0 - found.value < found.error, "{found}");
+}

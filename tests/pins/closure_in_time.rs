@@ -24,7 +24,8 @@ fn pin(pins: &mut Pins, share: f64, found: &[Transient<ClosureDensity>], place: 
         let moments = [(0, 1), (1, 1), (0, 2), (1, 2)].map(|(state, power)| density.moment(&power_of(n, state, power)));
         let moments = moments.into_iter().collect::<Result<Vec<_>>>()?;
         pins.estimates(&format!("t = {time} moments"), share, &moments);
-        pins.all(&format!("t = {time} ln p and L1"), share, &[density.log_pdf(place)?, density.l1_estimate()]);
+        pins.one(&format!("t = {time} ln p"), share, density.log_pdf(place)?);
+        pins.one(&format!("t = {time} L1"), 1e2 * share, density.l1_estimate());
     }
     Ok(())
 }

@@ -66,6 +66,16 @@ fn modulated_moments_follow_their_own_equations() -> Result<()> {
             }
         }
     }
+    // In Itô's sense noise leaves the mean alone, whatever its envelope.
+    let ito = "states = ['x', 'v']\ninterpretation = 'ito'\ndrift = { x = 'v', v = '-x - 0.5*v' }\n\
+        [noise]\na.v = '1'\nb.v = '0.5*v'";
+    let course = Course::from(&start).under(envelopes[0].clone());
+    let simulation = Simulation::new().trajectories(1 << 15).seed(7);
+    let found = simulation.transient(&Problem::from_toml(ito)?, course, &[2.0])?.remove(0);
+    let (mean, _) = linear_after(2.0);
+    for (powers, truth) in [([1, 0], mean[0]), ([0, 1], mean[1])] {
+        deviations.add(&format!("Itô, {powers:?}"), found.moment(&powers)?, truth);
+    }
     assert!((0.7..1.3).contains(&deviations.root_mean_square()), "{}", deviations.root_mean_square());
     Ok(())
 }

@@ -233,6 +233,20 @@ fn lossy_walls_on_two_bodies_keep_the_balance() -> Result<()> {
             .map(|k| Impacts::at(&result, &problem, k).map(|impacts| impacts.power().value))
             .sum::<Result<f64>>()?;
         assert!((all.power().value / each - 1.0).abs() < 1e-9, "{} and {each}", all.power());
+        // What the noise brings is what dampers and walls take; the power at a body's own wall is per unit of its mass.
+        let brought: f64 = (0..2).map(|i| bodies.damping[i] * bodies.temperature / bodies.masses[i]).sum();
+        let mut taken = vec![
+            result.moment(&[0, 0, 2, 0])?.scaled(bodies.damping[0]),
+            result.moment(&[0, 0, 0, 2])?.scaled(bodies.damping[1]),
+        ];
+        for (k, wall) in problem.walls().iter().enumerate() {
+            let mass = if wall.other().is_some() { 1.0 } else { bodies.masses[wall.state()] };
+            taken.push(Impacts::at(&result, &problem, k)?.power().scaled(mass));
+        }
+        let sum: f64 = taken.iter().map(|part| part.value).sum();
+        let error = taken.iter().map(|part| part.error.powi(2)).sum::<f64>().sqrt();
+        assert!(error < 5e-3 * brought, "{error}");
+        deviation(&format!("r = {r}, case {case}: power taken"), Estimate::new(sum, error), brought);
     }
     Ok(())
 }

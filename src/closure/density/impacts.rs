@@ -146,3 +146,27 @@ impl CountedImpacts for ClosureDensity {
         (place < POWERS).then(|| Some(self.impacts_on(walls)?.of_one_impact(&[(place, 1.0)])))?
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+    use rand_distr::StandardNormal;
+
+    /// Groups in two halves, each less its own mean: the mean of all over its error is Student's t of 30 degrees of freedom, whose
+    /// root mean square 1.035 a thousand repetitions have to 2.3 %.
+    #[test]
+    fn standard_errors_are_those_of_the_mean() {
+        let mut stream = ChaCha8Rng::seed_from_u64(1);
+        let (groups, repetitions, mut square) = (32_usize, 1000, 0.0);
+        for _ in 0..repetitions {
+            let values: Vec<f64> = (0..groups).map(|_| stream.sample(StandardNormal)).collect();
+            let means = [0, 1].map(|k| values.iter().skip(k).step_by(2).sum::<f64>() / (groups / 2) as f64);
+            let residuals = values.iter().enumerate().map(|(k, v)| vec![v - means[k % 2], 0.0, 0.0, 0.0]).collect();
+            let wall = WallImpacts::new(vec![(means[0] + means[1]) / 2.0, 0.0, 0.0, 0.0], residuals, 1.0);
+            let rate = Combination::of(&[wall]).estimate(&[(0, 1.0)]);
+            square += (rate.value / rate.error).powi(2) / f64::from(repetitions);
+        }
+        assert!((square.sqrt() - 1.035).abs() < 0.1, "{}", square.sqrt());
+    }
+}

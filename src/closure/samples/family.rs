@@ -164,3 +164,24 @@ impl Family {
         &self.symmetry
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Result;
+    use crate::models::{DuffingChain, Solved};
+    use crate::problem::Wall;
+    use crate::states::States;
+
+    /// The noises of two bodies, of intensity c_i T each, add up at a wall between them.
+    #[test]
+    fn corners_have_the_noise_of_their_gaps() -> Result<()> {
+        let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?.problem()?;
+        let between = Wall::above(-0.4, 0.6)?.between([0, 2], [1.0, 1.0])?;
+        let problem = chain.with_wall(between)?.with_wall(Wall::below(1.5, 0.8)?.on(2))?;
+        let pilot = Pilot::of(States::from_values(4, vec![0.3, 1.0, -0.2, -0.5]), 1.0);
+        let found: Vec<f64> = corners(&problem, &pilot).unwrap_or_default().iter().map(Corner::intensity).collect();
+        assert!((found[0] - 0.48).abs() < 1e-14 && (found[1] - 0.32).abs() < 1e-14, "{found:?}");
+        Ok(())
+    }
+}

@@ -208,3 +208,27 @@ impl Likelihood<'_> {
 
 /// Blocks that a thread takes at a time.
 const STRETCH: usize = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Result;
+    use crate::models::{DuffingChain, Solved};
+    use crate::problem::Wall;
+
+    /// The singular part of ln p holds the condition of a wall between two bodies by itself.
+    #[test]
+    fn the_singular_part_holds_the_walls_condition() -> Result<()> {
+        let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?.problem()?;
+        let contact = chain.with_wall(Wall::above(-0.4, 0.6)?.between([0, 2], [1.0, 0.5])?)?.contacts()[0];
+        let corner = Corner::new(contact.wall, contact.velocities().collect(), 0.48, [2.0, 3.0]);
+        let mut nodes = WallNodes::empty(4);
+        for (speed, v) in [(0.5, 0.2), (1.7, -0.4)] {
+            let mut x = vec![0.0, 0.0, 0.0, v];
+            contact.approach(speed, &mut x);
+            nodes.push(0.0, &x, &contact, |x: &[f64]| corner.singular_value(x));
+        }
+        assert!(nodes.defect.iter().all(|defect| defect.abs() < 1e-12), "{:?}", nodes.defect);
+        Ok(())
+    }
+}

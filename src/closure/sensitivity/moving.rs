@@ -45,3 +45,24 @@ impl From<PlaneMotion> for Moving {
         Moving { operator, shift, restitution, singular: Vec::new() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+    use crate::models::{Duffing, Solved};
+    use crate::problem::Wall;
+
+    /// Against central differences, which are off by h² = 1e-8 times a third derivative of order 1.
+    #[test]
+    fn the_singular_part_moves_with_the_restitution() -> Result<()> {
+        let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(-0.5, 0.8)?)?;
+        let at = |r: f64| Ok::<_, Error>(Corner::new(Wall::above(-0.5, r)?, vec![1], 0.2, [3.0, 4.0]));
+        let moving = Moving::new(&problem, "x.above.restitution", &[at(0.8)?])?;
+        let (h, x) = (1e-4, [-0.3, 0.6]);
+        let slope = (at(0.8 + h)?.singular_value(&x) - at(0.8 - h)?.singular_value(&x)) / (2.0 * h);
+        let found = moving.singular[0].value(&x);
+        assert!((found - slope).abs() < 1e-6 * slope.abs().max(1.0), "{found} and {slope}");
+        Ok(())
+    }
+}

@@ -300,4 +300,23 @@ mod tests {
         same_bits(Duffing::new(0.2, 1.0, 0.3, 0.2)?, false)?;
         same_bits(VelocityNoise::new([0.2, 0.1], [1.0, 0.1], 1.0, 0.3)?, true)
     }
+
+    /// Impulses change what joined pieces have in one stretch, and divide the pieces of single steps: the same way, to rounding.
+    #[test]
+    fn stretches_join_under_impulses() -> Result<()> {
+        let text = "states = ['x', 'v']\ndrift = { x = 'v', v = '-x - 0.2*v' }\nnoise.w.v = '0.3'\n[impulse.hail]\nrate = 5\n\
+            amplitude = { normal = { mean = 0.1, deviation = 0.4 } }\nv = 1";
+        let problem = Problem::from_toml(text)?;
+        let scheme = Scheme::new(&problem, 1.0, 0.05);
+        let boundaries = Boundaries::for_scheme(&scheme, &[], Vec::new());
+        let end = |stretches: &[usize]| {
+            let (mut passages, mut work) = (boundaries.passages(), Workspace::new(&scheme));
+            let mut lanes = Lanes::new(5, 0..16, 2, |_| {});
+            stretches.iter().for_each(|steps| lanes.advance(&scheme, &boundaries, *steps, &mut passages, &mut work));
+            lanes.states().values().to_vec()
+        };
+        let [whole, parts] = [end(&[40]), end(&[1; 40])];
+        assert!(whole.iter().zip(&parts).all(|(a, b)| (a - b).abs() < 1e-12), "{whole:?} {parts:?}");
+        Ok(())
+    }
 }
