@@ -40,6 +40,8 @@ const UNSOLVED: f64 = 0.1;
 const CONTRADICTED: f64 = 5.0;
 /// The most nodes times functions of a reference on a lattice: four tables of so many numbers take 500 MB.
 const MOST_ENTRIES: usize = 16_000_000;
+/// ln ∫ exp(Q) dx by two sets of draws differs by less than this where both resolve exp(Q).
+const BY_CHANCE_ALONE: f64 = 0.1;
 /// A lower order is tried where at least this share of the estimated error is chance, which a lower order has less of.
 const BY_CHANCE: f64 = 0.5;
 
@@ -219,6 +221,8 @@ impl Sampled {
             if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
         // About as many stay on this side of all walls.
         let draws = DRAWS * (1 + contacts.len());
+        // Nodes that resolve the density have its mass to more digits than draws; other draws do not.
+        let resolved = found.lattice.is_some() || found.nest.is_some();
         // An exact density goes on beyond the lines.
         let nest = found.nest.filter(|_| !found.exact).map(|nest| nest.holding(&pilot.states, &copula));
         let least = (pilot.states.len() as f64).recip();
@@ -226,7 +230,9 @@ impl Sampled {
         let rule = ImportanceRule::within(nest, &found.exponent, &copula, draws, self.seed)
             .ok_or_else(|| failed("exp(Q) has no finite integral over the pilot's range: take another order"))?;
         let (lattice, on_lattice) = lattice.unzip();
-        let rule = match on_lattice.or(found.log_mass) {
+        let apart = found.log_mass.map_or(0.0, |own| (own.value - rule.log_mass().value).abs());
+        let unresolved = if resolved || apart < BY_CHANCE_ALONE { 0.0 } else { 2.0 * (1.0 - (-apart).exp()) };
+        let rule = match on_lattice.or(found.log_mass.filter(|_| resolved)) {
             Some(log_mass) => rule.with_log_mass(log_mass),
             None => rule,
         };
@@ -238,7 +244,7 @@ impl Sampled {
             // The edge cuts off a mass of at most about that of one state, or of those beyond the lines.
             l1_estimate: match &lattice {
                 Some(_) => rule.log_mass().error,
-                None => (found.l1_estimate[0] + beyond).min(2.0),
+                None => (found.l1_estimate[0] + beyond + unresolved).min(2.0),
             },
             tail_estimate: if found.exact { 0.0 } else { f64::INFINITY },
             likelihood_loss: 0.0,

@@ -46,7 +46,7 @@ pub(super) struct Calibration {
     residuals: Mat<f64>,
     /// The degree of ψ; none where the states are too few for any.
     pub(super) degree: Option<u32>,
-    /// The smallest weight of a block of states, where 1 is the plain one.
+    /// The smallest weight of a block of states, where 1 is the plain one; where no degree has a sound one, the best of theirs.
     pub(super) smallest_weight: f64,
     /// The number of functions, and the width of the bins of impact speeds.
     functions: usize,
@@ -204,9 +204,12 @@ impl Calibration {
             1.0 + r.iter().zip(lambda).map(|(r, l)| r * l).sum::<f64>() - paths.largest(lambda)
         };
         // A few far states must not determine the regression of a high degree alone; where they do so at every degree, the
-        // pilot has not mixed.
-        let sound = found.iter().position(|tested| weight(tested) > LEAST_WEIGHT).unwrap_or(0);
-        let smallest_weight = weight(found.get(sound)?);
+        // pilot has not mixed, and the means are plain.
+        let weights: Vec<(Option<u32>, f64)> = found.iter().map(|tested| (tested.degree, weight(tested))).collect();
+        let sound = weights.iter().position(|(_, weight)| *weight > LEAST_WEIGHT).unwrap_or(0);
+        let tested = || weights.iter().filter(|(degree, _)| degree.is_some()).map(|(_, weight)| *weight);
+        let unmixed = tested().next().is_some() && tested().all(|weight| weight <= LEAST_WEIGHT);
+        let smallest_weight = if unmixed { tested().fold(f64::NEG_INFINITY, f64::max) } else { weights.get(sound)?.1 };
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
         let mut calibration = Calibration {
             means: all.calibrated(&regressions[0]),

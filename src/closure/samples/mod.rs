@@ -103,7 +103,7 @@ const KEPT: f64 = 0.5;
 pub(in crate::closure) struct SampleClosure {
     /// Q; its constant is zero.
     pub(in crate::closure) exponent: Exponent,
-    /// ln ∫ exp(Q) dx over the copula's trust domain, where a lattice gave it.
+    /// ln ∫ exp(Q) dx by the nodes that Q was found on. None where Q was not found on them.
     pub(in crate::closure) log_mass: Option<Estimate>,
     /// The calibrated moments that Q was made of.
     pub(in crate::closure) moments: Vec<Moment>,
@@ -185,7 +185,7 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
         let doubt = comparing.change(&above, [&means.values, &means.doubtful()]).unwrap_or(2.0);
         distance(&fit.masses, &above.masses).hypot(doubt).hypot(above.next).min(2.0)
     });
-    let log_mass = lattice.as_ref().and_then(|_| likelihood.log_mass(&fit));
+    let log_mass = likelihood.log_mass(&fit);
     let found = SampleClosure {
         moments: moments(&space, family, &means.values, |c| means.error(c)),
         exponent: Exponent { known: Vec::new(), space, constant: 0.0, coefficients: fit.a[1..].to_vec() },
@@ -245,7 +245,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let rates = likelihood.impact_rates(&fit.a, &fit.masses);
     let impacts = calibration.impacts(corners.len()).into_iter().zip(rates).map(|(wall, own)| wall.beside(own));
     let coefficients = fit.a[1..].to_vec();
-    let log_mass = if lattice.is_some() || nested.is_some() { likelihood.log_mass(&fit) } else { None };
+    let log_mass = likelihood.log_mass(&fit);
     let nest = nested.map(|(nest, ..)| nest);
     Some(SampleClosure {
         moments: moments(&space, family, &calibration.means, |c| calibration.error(c)),
