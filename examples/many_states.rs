@@ -54,7 +54,7 @@ impl Chain {
 }
 
 impl PolynomialSystem for Chain {
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         2 * self.intensities.len()
     }
     fn processes(&self) -> usize {
@@ -72,7 +72,7 @@ impl PolynomialSystem for Chain {
         v.iter().copied().chain((0..x.len()).map(acceleration)).collect()
     }
     fn noise<S: Scalar>(&self, _: &[S]) -> Vec<Vec<S>> {
-        let mut noise = vec![vec![S::from(0.0); self.processes()]; self.states()];
+        let mut noise = vec![vec![S::from(0.0); self.processes()]; self.dimension()];
         for (i, intensity) in self.intensities.iter().enumerate() {
             noise[self.processes() + i][i] = S::from(intensity.amplitude());
         }

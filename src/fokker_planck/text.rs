@@ -36,14 +36,14 @@ impl<A: AsRef<str>> fmt::Display for OperatorText<'_, A> {
         let digits = f.precision();
         let (open, close) = if self.latex { (r"\left[\left(", r"\right) p\right]") } else { ("[(", ") p]") };
         f.write_str("0 =")?;
-        for i in 0..self.states() {
+        for i in 0..self.dimension() {
             let (name, drift) = (self.name(i), self.polynomial(digits, &self.operator.drift[i]));
             let slope =
                 if self.latex { format!(r"\frac{{\partial}}{{\partial {name}}}") } else { format!("d/d{name}") };
             write!(f, " - {slope}{open}{drift}{close}")?;
         }
-        for i in 0..self.states() {
-            for j in i..self.states() {
+        for i in 0..self.dimension() {
+            for j in i..self.dimension() {
                 // The two equal mixed terms are written once; the ½ of the diagonal ones is multiplied out.
                 let b = &self.operator.diffusion[i][j] * if i == j { 0.5 } else { 1.0 };
                 if b.is_zero() {
@@ -64,7 +64,7 @@ impl<A: AsRef<str>> fmt::Display for OperatorText<'_, A> {
 }
 
 impl<A: AsRef<str>> OperatorText<'_, A> {
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         self.operator.dimension()
     }
 
@@ -98,7 +98,7 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
                 };
                 impulse.field().iter().enumerate().map(state).collect::<Vec<String>>().join(", ")
             };
-            let rate = self.polynomial(digits, &Polynomial::constant(self.states(), impulse.process().rate()));
+            let rate = self.polynomial(digits, &Polynomial::constant(self.dimension(), impulse.process().rate()));
             // Of a derivative what is to be differentiated.
             let by = match (differentiated, self.latex) {
                 (false, _) => ["", ""],
@@ -109,7 +109,7 @@ impl<A: AsRef<str>> OperatorText<'_, A> {
             if impulse.direction().is_some() {
                 f.write_str(&moved('-'))?;
             } else {
-                let names: Vec<&str> = (0..self.states()).map(|i| self.name(i)).collect();
+                let names: Vec<&str> = (0..self.dimension()).map(|i| self.name(i)).collect();
                 write!(f, "before {} {to} {}", names.join(", "), moved('+'))?;
             }
             write!(f, ")] - p{close}{}", by[1])?;

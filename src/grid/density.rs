@@ -56,15 +56,11 @@ impl GridDensity {
     fn estimate(&self, statistic: impl Fn(&Field) -> f64) -> Estimate {
         estimate([&self.fine, &self.coarse], &self.changes, statistic)
     }
-
-    fn states(&self) -> usize {
-        self.fine.shape.states
-    }
 }
 
 impl Density for GridDensity {
     fn dimension(&self) -> usize {
-        self.states()
+        self.fine.shape.states
     }
 
     /// Mesh, domain, error estimates, time. The L¹ estimate is the joint distance to the solution of one degree less on the same mesh,
@@ -79,19 +75,19 @@ impl Density for GridDensity {
     }
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        point(x, self.states())?;
+        point(x, self.dimension())?;
         Ok(self.estimate(|field| field.value(x)))
     }
 
     /// ln p; −∞ outside the domain and where p is not positive.
     fn log_pdf(&self, x: &[f64]) -> Result<f64> {
-        point(x, self.states())?;
+        point(x, self.dimension())?;
         let p = self.fine.value(x);
         Ok(if p > 0.0 { p.ln() } else { f64::NEG_INFINITY })
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        let state = coordinate("the state of a marginal", state, x, self.states())?;
+        let state = coordinate("the state of a marginal", state, x, self.dimension())?;
         Ok(self.estimate(|field| field.integral(&at(field, state, x))))
     }
 
@@ -116,7 +112,7 @@ impl Density for GridDensity {
     /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state,
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        dimension("the powers of a moment", powers.len(), self.states())?;
+        dimension("the powers of a moment", powers.len(), self.dimension())?;
         powers.iter().try_for_each(|power| moderate(*power).map(|_| ()))?;
         let moment = self.estimate(|field| raw_moment(field, powers));
         Ok(Estimate::new(moment.value, moment.error + self.beyond(powers)))
@@ -129,7 +125,7 @@ impl Density for GridDensity {
     /// [`Error::Dimension`](crate::Error::Dimension) for states that do not exist or are the same,
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     fn flux(&self, crossing: Crossing, power: u32) -> Result<Estimate> {
-        crossing.states(self.states())?;
+        crossing.states(self.dimension())?;
         moderate(power)?;
         Ok(self.passing(crossing, power))
     }

@@ -69,7 +69,7 @@ impl Front {
 /// What pieces are divided by: the coordinates of the centres, and with walls the speed before an impact.
 fn keys(mesh: &Mesh) -> Vec<Vec<f64>> {
     let mut keys: Vec<Vec<f64>> =
-        (0..mesh.states()).map(|axis| mesh.cells.iter().map(|cell| cell.centre(axis)).collect()).collect();
+        (0..mesh.dimension()).map(|axis| mesh.cells.iter().map(|cell| cell.centre(axis)).collect()).collect();
     if mesh.sides.iter().any(|side| matches!(side, Side::Wall(_))) {
         let restitution = mesh.sides.map(|side| if let Side::Wall(r) = side { r } else { 1.0 });
         let before = |v: f64| if v < 0.0 { -v * restitution[0] } else { v * restitution[1] };

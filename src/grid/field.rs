@@ -222,7 +222,7 @@ impl Field {
     /// The largest |p| next to the open sides of the domain, each relative to the [level](Field::level).
     pub(super) fn at_edges(&self) -> Vec<(usize, usize, f64)> {
         let (mesh, level) = (&self.mesh, self.level());
-        let sides = (0..mesh.states()).flat_map(|axis| [(axis, 0), (axis, 1)]);
+        let sides = (0..mesh.dimension()).flat_map(|axis| [(axis, 0), (axis, 1)]);
         let open = sides.filter(|(axis, side)| mesh.open(*axis, *side));
         open.map(|(axis, side)| (axis, side, self.at_side(axis, side) / level)).collect()
     }

@@ -122,7 +122,7 @@ impl Mesh {
 
     /// and that of a box of the tree.
     pub(super) fn middle(&self, cell: &Cell) -> Vec<f64> {
-        (0..self.states()).map(|axis| self.origin[axis] + cell.centre(axis)).collect()
+        (0..self.dimension()).map(|axis| self.origin[axis] + cell.centre(axis)).collect()
     }
 
     fn join(&mut self, axis: usize, extent: Cell, sides: [(usize, bool, Role); 2]) {
@@ -189,7 +189,7 @@ impl Mesh {
         }
     }
 
-    pub(super) fn states(&self) -> usize {
+    pub(super) fn dimension(&self) -> usize {
         self.tree.states
     }
 
@@ -221,13 +221,13 @@ impl Mesh {
     /// The limits of each state.
     pub(super) fn domain(&self) -> Vec<[f64; 2]> {
         let root = self.tree.root();
-        (0..self.states()).map(|axis| [root.lower[axis], root.upper(axis)].map(|u| self.origin[axis] + u)).collect()
+        (0..self.dimension()).map(|axis| [root.lower[axis], root.upper(axis)].map(|u| self.origin[axis] + u)).collect()
     }
 
     /// The limits of each state in each cell.
     pub(super) fn boxes(&self) -> Vec<Vec<[f64; 2]>> {
         let along = |cell: &Cell, axis: usize| [cell.lower[axis], cell.upper(axis)].map(|u| self.origin[axis] + u);
-        self.cells.iter().map(|cell| (0..self.states()).map(|axis| along(cell, axis)).collect()).collect()
+        self.cells.iter().map(|cell| (0..self.dimension()).map(|axis| along(cell, axis)).collect()).collect()
     }
 
     /// Whether a side of the domain is one that density may be cut off at.

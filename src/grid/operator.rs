@@ -76,7 +76,7 @@ impl Operator {
         part: Part<'_>,
         memory: MemoryLimit,
     ) -> Result<Self> {
-        let shape = Shape { states: layout.mesh.states(), degree };
+        let shape = Shape { states: layout.mesh.dimension(), degree };
         layout.fits(shape, memory)?;
         Ok(Operator::part(problem, layout, shape, part))
     }

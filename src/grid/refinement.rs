@@ -148,7 +148,7 @@ pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
 pub(super) fn refined(own: &Mesh, unresolved: &[Place], aim: f64) -> Option<Mesh> {
     let mut tree = own.tree.clone();
     let share = aim / own.cells.len() as f64;
-    let (root, states) = (tree.root(), own.states());
+    let (root, states) = (tree.root(), own.dimension());
     // Before the solution takes shape what is left in the highest degree says where to divide, and not how finely.
     let settled = indicator(unresolved) < SETTLED;
     let mut divided = false;

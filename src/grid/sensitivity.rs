@@ -86,11 +86,11 @@ impl GridSensitivity {
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) unless it has two coordinates.
     pub fn pdf(&self, x: &[f64]) -> Result<Estimate> {
-        point(x, self.states())?;
+        point(x, self.dimension())?;
         Ok(self.of_fixed(|field| field.value(x)))
     }
 
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         self.fixed[0].shape.states
     }
 
@@ -99,7 +99,7 @@ impl GridSensitivity {
     /// # Errors
     /// As [`GridSensitivity::pdf`].
     pub fn relative(&self, x: &[f64]) -> Result<f64> {
-        point(x, self.states())?;
+        point(x, self.dimension())?;
         Ok(self.fixed[0].value(x) / self.density.fine.value(x))
     }
 
@@ -130,7 +130,7 @@ impl GridSensitivity {
     /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state,
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
     pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
-        dimension("the powers of a moment", powers.len(), self.states())?;
+        dimension("the powers of a moment", powers.len(), self.dimension())?;
         powers.iter().try_for_each(|power| moderate(*power).map(|_| ()))?;
         // With the walls states move: dE g = ∫ g ∂q + ∫ η ∂_x g q.
         let first = powers[0];
@@ -156,13 +156,13 @@ impl GridSensitivity {
     /// # Errors
     /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
-        coordinate("the state of an exceedance", state, level, self.states())?;
+        coordinate("the state of an exceedance", state, level, self.dimension())?;
         Ok(self.of_moving(|moving, p| {
             let one = |_: f64| 1.0;
             let along = |axis: usize| {
                 if axis == state { Along::Function(&one, 0, [level, f64::INFINITY]) } else { Along::All }
             };
-            let above = moving.integral(&(0..self.states()).map(along).collect::<Vec<_>>());
+            let above = moving.integral(&(0..self.dimension()).map(along).collect::<Vec<_>>());
             let through = if state == 0 && self.motion.moves() {
                 self.motion.rate(level) * p.integral(&at(p, 0, level))
             } else {
@@ -177,7 +177,7 @@ impl GridSensitivity {
     /// # Errors
     /// As [`GridSensitivity::exceedance`].
     pub fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
-        coordinate("the state of a marginal", state, x, self.states())?;
+        coordinate("the state of a marginal", state, x, self.dimension())?;
         // Over the displacement the integral follows the walls.
         Ok(if state == 0 {
             self.of_fixed(|field| field.integral(&at(field, state, x)))
@@ -192,7 +192,7 @@ impl GridSensitivity {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
     pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let crossing = Crossing::upward(finite("level", level)?);
-        crossing.states(self.states())?;
+        crossing.states(self.dimension())?;
         Ok(self.of_fixed(|field| flux(field, crossing, 1)))
     }
 

@@ -249,19 +249,19 @@ fn images(symmetry: &Symmetry, pins: &[Pin]) -> Vec<Vec<(usize, f64)>> {
     let (domain, wells) = (mesh.domain(), 0..pins.len());
     let mean = |pin: &Pin| -> Vec<f64> {
         let width = |axis: usize| domain[axis][1] - domain[axis][0];
-        (0..mesh.states()).map(|axis| of_one(&pin.from.field, axis, &|x: f64| x, 1) / width(axis)).collect()
+        (0..mesh.dimension()).map(|axis| of_one(&pin.from.field, axis, &|x: f64| x, 1) / width(axis)).collect()
     };
     let means: Vec<Vec<f64>> = pins.iter().map(mean).collect();
     let image = |flip: &Vec<bool>| -> Option<Vec<(usize, f64)>> {
         let distance = |i: usize, j: usize| -> f64 {
             let turned = |axis: usize| if flip[axis] { -means[i][axis] } else { means[i][axis] };
-            (0..mesh.states()).map(|axis| (turned(axis) - means[j][axis]).powi(2)).sum()
+            (0..mesh.dimension()).map(|axis| (turned(axis) - means[j][axis]).powi(2)).sum()
         };
         let nearest = |i: usize| wells.clone().min_by(|a, b| distance(i, *a).total_cmp(&distance(i, *b)));
         let image: Vec<usize> = wells.clone().filter_map(nearest).collect();
         let part = |i: usize| {
             let apart = |axis: &usize| (means[i][*axis] - means[image[i]][*axis]).abs();
-            let flipped = (0..mesh.states()).filter(|axis| flip[*axis]);
+            let flipped = (0..mesh.dimension()).filter(|axis| flip[*axis]);
             let axis = flipped.max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0);
             let [own, other] = [i, image[i]].map(|well| means[well][axis].abs());
             (image[i], if image[i] == i { 0.5 } else { other / (own + other) })

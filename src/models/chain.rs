@@ -66,7 +66,7 @@ impl<P: Parameter> DuffingChain<P> {
 }
 
 impl<P: Parameter> PolynomialSystem<P> for DuffingChain<P> {
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         2 * self.damping.len()
     }
 

@@ -164,7 +164,7 @@ fn any_size<P: Parameter, T: PolynomialSystem<P>>(system: &T, more: usize) -> Re
 where
     for<'a> Symbol<'a>: Scalar<P>,
 {
-    let (states, m) = (system.states(), system.processes());
+    let (states, m) = (system.dimension(), system.processes());
     let n = states + more;
     let arena = Arena::new(n);
     let x = &arena.variables()[..states];

@@ -11,7 +11,7 @@ impl Problem {
         let impulse = |impulse: &Impulse| Ok(Impulse::new(*impulse.process(), all(impulse.field())?));
         let form = PolynomialForm {
             drift: all(self.drift())?,
-            columns: self.noise().iter().map(|column| all(column)).collect::<Result<_>>()?,
+            columns: self.columns().iter().map(|column| all(column)).collect::<Result<_>>()?,
             interpretation: self.interpretation(),
             impulses: self.impulses().iter().map(impulse).collect::<Result<_>>()?,
         };
@@ -43,6 +43,6 @@ mod tests {
         // An odd drift is its own image.
         assert_eq!(mirrored.drift(), problem.drift());
         let again = mirrored.mirrored().unwrap();
-        assert_eq!((again.walls(), again.noise()), (problem.walls(), problem.noise()));
+        assert_eq!((again.walls(), again.columns()), (problem.walls(), problem.columns()));
     }
 }

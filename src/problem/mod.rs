@@ -180,7 +180,7 @@ impl Problem {
     /// The drift that the noise induces, which Itô's has beyond that as it was written.
     pub(crate) fn induced_drift(&self) -> Vec<Polynomial> {
         match self.interpretation() {
-            Interpretation::Stratonovich => noise_induced_drift(self.noise(), self.dimension()),
+            Interpretation::Stratonovich => noise_induced_drift(self.columns(), self.dimension()),
             Interpretation::Ito => vec![Polynomial::zero(self.dimension()); self.dimension()],
         }
     }
@@ -190,8 +190,13 @@ impl Problem {
         &self.equations.drift
     }
 
-    /// The columns of G: `noise()[k][i]` is the factor of Wiener process k in state i.
-    pub fn noise(&self) -> &[Vec<Polynomial>] {
+    /// The noise matrix G by rows: `noise()[i][k]` is the factor of Wiener process k in state i.
+    pub fn noise(&self) -> Vec<Vec<Polynomial>> {
+        (0..self.dimension()).map(|i| self.columns().iter().map(|column| column[i].clone()).collect()).collect()
+    }
+
+    /// The columns of G, one for each Wiener process.
+    pub(crate) fn columns(&self) -> &[Vec<Polynomial>] {
         &self.equations.columns
     }
 

@@ -72,7 +72,7 @@ fn both_routes_agree(problem: &Problem) -> Result<()> {
     let spread = operator.diffusion_divergence();
     let curvature = (0..n).fold(Polynomial::zero(n), |sum, i| sum + spread[i].derivative(i));
     let slope = |g: &Polynomial, j: usize| g.derivative(j);
-    let squares = problem.noise().iter().flatten().flat_map(|g| (0..n).map(move |j| slope(g, j)));
+    let squares = problem.columns().iter().flatten().flat_map(|g| (0..n).map(move |j| slope(g, j)));
     let squares = squares.fold(Polynomial::zero(n), |sum, slope| sum + &slope * &slope);
     // An arbitrary quartic.
     let mut stream = ChaCha8Rng::seed_from_u64(7);
@@ -120,7 +120,7 @@ fn lanes_agree(problem: &Problem, stream: &mut ChaCha8Rng) {
             }
         }
     };
-    for (k, column) in problem.noise().iter().enumerate() {
+    for (k, column) in problem.columns().iter().enumerate() {
         field.noise(arch, k, &x, &mut found);
         check("noise", &|x| at(column, x), &found);
         field.noise_flow(arch, k, &x, &[tau; LANES], &mut found);
@@ -133,7 +133,7 @@ fn lanes_agree(problem: &Problem, stream: &mut ChaCha8Rng) {
         };
         check("flow of the noise", &flow, &found);
     }
-    let induced = noise_induced_drift(problem.noise(), n);
+    let induced = noise_induced_drift(problem.columns(), n);
     for times in [0.0, -1.0] {
         field.drift_flow(arch, &x, tau, &vec![1.0; n], times, &mut found);
         let drift = |x: &[f64]| ahead(&at(problem.drift(), x), &at(&induced, x), times);

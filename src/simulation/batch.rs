@@ -45,7 +45,7 @@ pub(super) fn deal(trajectories: usize) -> Vec<Range<u64>> {
 
 impl Trajectories {
     pub(super) fn new(range: Range<u64>, seed: u64, start: &Start) -> Self {
-        let group = |first| Lanes::new(seed, first..range.end, start.states(), |x| start.place(x));
+        let group = |first| Lanes::new(seed, first..range.end, start.dimension(), |x| start.place(x));
         Trajectories { groups: range.clone().step_by(LANES).map(group).collect() }
     }
 

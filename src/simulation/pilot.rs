@@ -27,7 +27,7 @@ impl Pilot {
 
     /// Runs the pilot through the burn-in and takes the range of its states in the second half.
     pub(super) fn run(ensemble: &Ensemble<'_>, seed: u64, start: &Start) -> Result<Self> {
-        let nothing = vec![Reach::NONE; start.states()];
+        let nothing = vec![Reach::NONE; start.dimension()];
         let firsts = (FIRST..FIRST + PILOT_TRAJECTORIES).step_by(LANES);
         let mut groups: Vec<_> =
             firsts.map(|first| Trajectories::new(first..first + LANES as u64, seed, start)).collect();

@@ -41,7 +41,7 @@ pub(crate) fn equations(problem: &Problem) -> Vec<String> {
     let text = |p: &Polynomial| p.terms().map(|(m, c)| format!("{c:?} x^{m:?}")).collect::<Vec<_>>().join(" + ");
     let rows = problem.operator().drift().iter().enumerate();
     rows.map(|(i, drift)| {
-        let columns = problem.noise().iter().enumerate();
+        let columns = problem.columns().iter().enumerate();
         let noise: String = columns.map(|(k, column)| format!(" + ({}) dW{}", text(&column[i]), k + 1)).collect();
         let impulses = problem.impulses().iter();
         let impulses: String =

@@ -85,18 +85,18 @@ impl<'a> Scheme<'a> {
         let field = problem.field();
         let arch = Arch::new();
         let noise = if problem.constant_noise() {
-            let columns = problem.noise();
+            let columns = problem.columns();
             let entry = |(i, k): (usize, usize)| columns[k][i].evaluate(&vec![0.0; states]) * amplitude;
             let entries = (0..states).flat_map(|i| (0..columns.len()).map(move |k| (i, k)));
             let mut diffusion = vec![0.0; states * states];
             field.diffusion(&vec![0.0; states], &mut diffusion);
             Noise::Constant { noise: entries.map(entry).collect(), diffusion }
-        } else if unchanged_along_itself(problem.noise()) {
+        } else if unchanged_along_itself(problem.columns()) {
             Noise::Straight
         } else {
             Noise::Curved
         };
-        let induced = noise_induced_drift(problem.noise(), states);
+        let induced = noise_induced_drift(problem.columns(), states);
         let corrected = problem.interpretation() == Interpretation::Ito && !induced.iter().all(Polynomial::is_zero);
         Scheme {
             field,
@@ -107,7 +107,7 @@ impl<'a> Scheme<'a> {
             pairs,
             coupled: problem.operator().coupled(),
             states,
-            processes: problem.noise().len(),
+            processes: problem.columns().len(),
             silent: !problem.operator().has_white_noise(),
             amplitude,
             noise,

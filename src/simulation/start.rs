@@ -76,7 +76,7 @@ impl Start {
     }
 
     /// The number of states.
-    pub(super) fn states(&self) -> usize {
+    pub(super) fn dimension(&self) -> usize {
         self.spread.len()
     }
 
@@ -104,7 +104,7 @@ impl Start {
 fn spread(problem: &Problem, amplitude: f64, step: f64) -> Vec<f64> {
     let time = SPREAD_STEPS * step;
     let variance = |i: usize| {
-        let at_rest = problem.noise().iter().map(|column| column[i].constant_term() * amplitude);
+        let at_rest = problem.columns().iter().map(|column| column[i].constant_term() * amplitude);
         let impulses = problem.impulses().iter().map(|impulse| {
             let struck = impulse.field()[i].constant_term() * amplitude;
             2.0 * impulse.process().intensity() * struck * struck

@@ -96,7 +96,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
 /// struct Cascade(usize);
 ///
 /// impl PolynomialSystem for Cascade {
-///     fn states(&self) -> usize {
+///     fn dimension(&self) -> usize {
 ///         self.0
 ///     }
 ///     fn processes(&self) -> usize {
@@ -115,7 +115,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
 /// ```
 pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {
     /// The number of states n.
-    fn states(&self) -> usize;
+    fn dimension(&self) -> usize;
 
     /// The number of Wiener processes m.
     fn processes(&self) -> usize;

@@ -11,7 +11,7 @@ use support::exact::Exact;
 pub(crate) struct Lorenz;
 
 impl PolynomialSystem for Lorenz {
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         3
     }
     fn processes(&self) -> usize {

@@ -40,7 +40,8 @@ fn a_problem_says_what_it_is_made_of() -> Result<()> {
     assert_eq!([0, 1, 2, 3, 4].map(|state| problem.velocity_of(state)), [Some(2), Some(3), None, None, None]);
     assert_eq!(problem.drift()[2].text(problem.states()).to_string(), "- 1.5 x + 0.5 y - 0.2 u");
     // By columns: each Wiener process, then the states that it drives.
-    let driven = |k: usize| problem.noise()[k].iter().map(|g| g.text(problem.states()).to_string()).collect::<Vec<_>>();
+    let driven =
+        |k: usize| problem.noise().iter().map(|row| row[k].text(problem.states()).to_string()).collect::<Vec<_>>();
     assert_eq!(
         (driven(0), driven(1)),
         (["0", "0", "0.6", "0"].map(str::to_owned).into(), ["0", "0", "0", "0.1 y"].map(str::to_owned).into())
@@ -144,7 +145,7 @@ struct Uneven {
 }
 
 impl PolynomialSystem for Uneven {
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         3
     }
     fn processes(&self) -> usize {
@@ -162,7 +163,7 @@ impl PolynomialSystem for Uneven {
 fn a_system_of_any_size_is_as_long_as_it_says() {
     let sound = Uneven { drift: 3, rows: 3, columns: 2 };
     let problem = Problem::of(sound).unwrap();
-    assert_eq!((problem.dimension(), problem.noise().len(), problem.states().len()), (3, 2, 3));
+    assert_eq!((problem.dimension(), problem.noise()[0].len(), problem.states().len()), (3, 2, 3));
     for (drift, rows, columns, wrong) in
         [(2, 3, 2, 2), (4, 3, 2, 4), (3, 2, 2, 2), (3, 4, 2, 4), (3, 3, 1, 1), (3, 3, 3, 3)]
     {

@@ -97,7 +97,7 @@ fn expressions_parameters_and_interpretations_are_understood() -> Result<()> {
     assert_eq!(problem.interpretation(), Interpretation::Stratonovich);
     assert_eq!(problem.parameters()[1], (String::from("a"), 4.0));
     assert_eq!(problem.drift()[1].text(problem.states()).to_string(), "0.1 x - v + 0.5 z + 0.1 x^3 - x^2 v");
-    assert_eq!((problem.noise().len(), problem.noise()[0][2].evaluate(&[0.0; 3])), (2, 8.0));
+    assert_eq!((problem.noise()[2].len(), problem.noise()[2][0].evaluate(&[0.0; 3])), (2, 8.0));
     assert_eq!(problem.noise()[1][1].coefficient(&[1, 0, 0]), -(2.0_f64.sqrt()));
     assert_eq!(problem.displacements(), [(0, 1)]);
     assert_same("all of it", &problem, &Problem::from_toml(&problem.to_toml()?)?);

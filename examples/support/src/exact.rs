@@ -148,7 +148,7 @@ fn along(form: &[f64], x: &[f64]) -> f64 {
 }
 
 impl PolynomialSystem for Exact {
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         self.rates.len()
     }
 

@@ -85,12 +85,12 @@ impl Family {
         if self.corners.is_empty() { MANY } else { MANY_AT_WALLS }
     }
 
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         self.centre.len()
     }
 
     fn exponents(&self, order: u32) -> Vec<Vec<u32>> {
-        self.degrees.exponents(self.states(), order, |alpha| self.symmetry.keeps(alpha))
+        self.degrees.exponents(self.dimension(), order, |alpha| self.symmetry.keeps(alpha))
     }
 
     /// The functions of an order.
@@ -135,7 +135,7 @@ impl Family {
             let highest = orders.last().copied().unwrap_or(0);
             return Functions::Polynomials(self.polynomials(exponents(highest)));
         }
-        let ladder = match (orders[0], self.states()) {
+        let ladder = match (orders[0], self.dimension()) {
             (..4, _) => AT_WALLS_LOW,
             (_, ..=3) => AT_WALLS_OF_THREE,
             _ => AT_WALLS,

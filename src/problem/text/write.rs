@@ -34,7 +34,7 @@ impl Problem {
         for (name, f) in self.states().iter().zip(self.drift()) {
             line(&mut text, name, &self.expression(f));
         }
-        for (k, column) in self.noise().iter().enumerate() {
+        for (k, column) in self.columns().iter().enumerate() {
             text += &format!("\n[noise.w{}]\n", k + 1);
             let driven = self.states().iter().zip(column).filter(|(_, g)| !g.is_zero());
             driven.for_each(|(name, g)| line(&mut text, name, &self.expression(g)));

@@ -30,7 +30,7 @@ fn sum<S: Scalar>(terms: &Terms, x: &[S]) -> S {
 }
 
 impl PolynomialSystem for Wild {
-    fn states(&self) -> usize {
+    fn dimension(&self) -> usize {
         self.drift.len()
     }
     fn processes(&self) -> usize {
