@@ -22,12 +22,11 @@ use std::sync::Arc;
 const DOUBLINGS: usize = 2;
 /// The share of the accuracy, in L¹, that what is lost at the edges of a domain may change before the domain is doubled.
 const SHARE: f64 = 0.2;
-/// Accuracies in L¹, each with the degree of the polynomials for accuracies that are not finer; the first pair that fits
-/// decides.
-const DEGREES: [(f64, usize); 3] = [(3e-6, 6), (3e-8, 8), (0.0, 10)];
-/// The degree of the polynomials at any accuracy where there is a level or a wall with r < 1, next to which the density is not
+/// The degree of the polynomials, at any accuracy where there is a level or a wall with r < 1, next to which the density is not
 /// smooth.
-const GRAZED_DEGREE: usize = 6;
+const ORDINARY_DEGREE: usize = 6;
+/// Accuracies in L¹ with the degree of the polynomials for finer ones; the first pair that fits decides.
+const FINER_DEGREES: [(f64, usize); 2] = [(3e-8, 10), (3e-6, 8)];
 /// The degree of the polynomials for the closed form of one state, where none is given.
 const DEGREE: usize = 10;
 /// The lowest degree of the polynomials for the closed form of one state: with a lower one what is left in the highest degree
@@ -192,8 +191,7 @@ impl Grid {
     }
 
     pub(super) fn degree_for(&self, accuracy: f64, grazed: bool) -> usize {
-        let by_accuracy = DEGREES.iter().find(|(least, _)| accuracy >= *least);
-        let smooth = by_accuracy.map_or(GRAZED_DEGREE, |(_, degree)| *degree);
-        self.degree.unwrap_or(if grazed { GRAZED_DEGREE } else { smooth })
+        let finer = FINER_DEGREES.iter().find(|(limit, _)| accuracy < *limit && !grazed);
+        self.degree.unwrap_or(finer.map_or(ORDINARY_DEGREE, |(_, degree)| *degree))
     }
 }
