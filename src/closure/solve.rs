@@ -152,8 +152,15 @@ impl Closure {
             let mut pilot = plan.pilot(states, 1.0)?;
             let (mut slow, mut slowness) = pilot.slowest(&symmetry);
             if slowness > CORRELATED {
-                pilot = plan.slower(slowness.min(LONGER), states).pilot(states, 1.0)?;
-                (slow, slowness) = pilot.slowest(&symmetry);
+                match plan.slower(slowness.min(LONGER), states).pilot(states, 1.0) {
+                    Ok(longer) => {
+                        pilot = longer;
+                        (slow, slowness) = pilot.slowest(&symmetry);
+                    }
+                    // There is no time for shorter steps in a run that long.
+                    Err(Error::Exploded { .. }) => {}
+                    Err(error) => return Err(error),
+                }
             }
             let samples = pilot.samples();
             pilot.stationary &= samples == 1 || slowness < unmixed(samples);
