@@ -21,7 +21,7 @@ use std::sync::Arc;
 )]
 pub trait Definition<Form>: 'static {
     #[doc(hidden)]
-    fn parts(self) -> Result<Parts>;
+    fn parts(self) -> Result<SystemParts>;
 }
 
 /// A definition with dual numbers for its parameters.
@@ -44,16 +44,20 @@ pub struct Arrays<const N: usize, const M: usize>;
 pub struct Slices;
 
 impl<T: PolynomialDrift<N, M> + 'static, const N: usize, const M: usize> Definition<Arrays<N, M>> for T {
-    fn parts(self) -> Result<Parts> {
+    fn parts(self) -> Result<SystemParts> {
         let (equations, names) = (fixed(&self, 0), self.names());
-        Ok(Parts { equations, names, field: Box::new(|induces| Box::new(Fixed::<T, N, M> { system: self, induces })) })
+        Ok(SystemParts {
+            equations,
+            names,
+            field: Box::new(|induces| Box::new(Fixed::<T, N, M> { system: self, induces })),
+        })
     }
 }
 
 impl<T: PolynomialSystem + 'static> Definition<Slices> for T {
-    fn parts(self) -> Result<Parts> {
+    fn parts(self) -> Result<SystemParts> {
         let (equations, names) = (any_size(&self, 0)?, self.names());
-        Ok(Parts { equations, names, field: Box::new(|induces| Box::new(AnySize { system: self, induces })) })
+        Ok(SystemParts { equations, names, field: Box::new(|induces| Box::new(AnySize { system: self, induces })) })
     }
 }
 
@@ -71,7 +75,7 @@ impl<T: PolynomialSystem<Dual64>> Differentiated<Slices> for T {
 
 /// A system as its polynomials and its states' names, and what makes its evaluation, given whether its noise induces a drift.
 #[expect(missing_debug_implementations, reason = "no user meets one")]
-pub struct Parts {
+pub struct SystemParts {
     equations: PolynomialForm<f64>,
     names: Vec<String>,
     field: Box<dyn FnOnce(bool) -> Box<dyn Field>>,
@@ -120,7 +124,7 @@ impl Problem {
     ) -> Result<Self> {
         let (drift, columns) = (equations.drift.clone(), equations.columns.clone());
         let field = Box::new(move |induces| Box::new(Polynomials::new(&drift, &columns, induces)) as Box<dyn Field>);
-        Parts { equations, names, field }.problem(parameters, family)
+        SystemParts { equations, names, field }.problem(parameters, family)
     }
 }
 
@@ -229,9 +233,9 @@ where
     }
 }
 
-impl Parts {
+impl SystemParts {
     fn problem(self, parameters: Vec<(String, f64)>, family: Option<Box<dyn Family>>) -> Result<Problem> {
-        let Parts { equations, names, field } = self;
+        let SystemParts { equations, names, field } = self;
         let n = equations.drift.len();
         let operator = equations.operator()?;
         let PolynomialForm { drift, columns, interpretation, .. } = equations;

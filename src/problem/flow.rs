@@ -18,12 +18,12 @@ pub(crate) struct Kicks<'a> {
     /// The number of kicks.
     pub(crate) count: usize,
     /// Changes of states after them, in their order.
-    pub(crate) changes: &'a [Change],
+    pub(crate) additions: &'a [Addition],
 }
 
 /// What is added to a state of one lane after the straight piece behind a kick.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Change {
+pub(crate) struct Addition {
     /// The number of the kick.
     pub(crate) kick: usize,
     pub(crate) state: usize,
@@ -79,7 +79,7 @@ impl Kicks<'_> {
         processes: usize,
         mut kick: impl FnMut(&mut [Lane], &[Lane]),
     ) -> (usize, bool) {
-        let mut changes = self.changes;
+        let mut additions = self.additions;
         for before in 0..self.count {
             kick(x, &w[before * processes..][..processes]);
             if self.walls.is_none_or(|walls| near(walls, x, self.step).contains(&true)) {
@@ -90,11 +90,11 @@ impl Kicks<'_> {
                     x[i][l] += self.step * x[v][l];
                 }
             }
-            while let [Change { kick, state, lane, by }, later @ ..] = changes
+            while let [Addition { kick, state, lane, by }, later @ ..] = additions
                 && *kick == before
             {
                 x[*state][*lane] += by;
-                changes = later;
+                additions = later;
             }
         }
         (self.count, false)

@@ -5,7 +5,7 @@ use super::random::Random;
 use crate::fokker_planck::Impulse;
 use crate::numerics::EIGHT;
 use crate::polynomial::Polynomial;
-use crate::problem::{Change, LANES, Problem};
+use crate::problem::{Addition, LANES, Problem};
 use crate::system::Amplitude;
 use std::ops::Range;
 
@@ -99,19 +99,19 @@ impl Sources {
     /// Adds what an impulse that is the same at all states and comes the time `ago` before the end of a straight piece changes
     /// there.
     #[inline(always)]
-    fn changes_of(
+    fn additions_of(
         &self,
         (kick, impulse): (usize, &TimedImpulse),
         ago: f64,
         pairs: &[(usize, usize)],
-        changes: &mut Vec<Change>,
+        additions: &mut Vec<Addition>,
     ) {
         let TimedImpulse { lane, source, size, .. } = *impulse;
         for (velocity, h) in self.0[source].direction.as_deref().unwrap_or_default() {
             let by = h * size;
-            changes.push(Change { kick, state: *velocity, lane, by });
+            additions.push(Addition { kick, state: *velocity, lane, by });
             for (displacement, _) in pairs.iter().filter(|(_, v)| v == velocity) {
-                changes.push(Change { kick, state: *displacement, lane, by: ago * by });
+                additions.push(Addition { kick, state: *displacement, lane, by: ago * by });
             }
         }
     }
@@ -192,7 +192,7 @@ pub(super) struct TimedImpulses {
     next: Option<u64>,
     /// Lanes with the numbers of their impulses.
     drawn: Vec<(usize, u64)>,
-    changes: Vec<Change>,
+    additions: Vec<Addition>,
 }
 
 impl TimedImpulses {
@@ -234,28 +234,28 @@ impl TimedImpulses {
     /// What impulses that are the same at all states change in the straight pieces behind some kicks, of which that of time step
     /// `first` is the first, for time steps of the length `h`.
     #[inline(always)]
-    pub(super) fn changes(
+    pub(super) fn additions(
         &mut self,
         sources: &Sources,
         (first, count): (u64, usize),
         h: f64,
         pairs: &[(usize, usize)],
-    ) -> &[Change] {
+    ) -> &[Addition] {
         if sources.is_empty() {
             return &[];
         }
-        let mut changes = std::mem::take(&mut self.changes);
-        changes.clear();
+        let mut additions = std::mem::take(&mut self.additions);
+        additions.clear();
         for kick in 0..count {
             let step = first + kick as u64;
             // From the middle of the step of the kick to that of the next one.
             for (step, part, end) in [(step, SECOND_HALF, 1.5), (step + 1, FIRST_HALF, 0.5)] {
                 for impulse in self.within(step, part) {
-                    sources.changes_of((kick, impulse), (end - impulse.time) * h, pairs, &mut changes);
+                    sources.additions_of((kick, impulse), (end - impulse.time) * h, pairs, &mut additions);
                 }
             }
         }
-        self.changes = changes;
-        &self.changes
+        self.additions = additions;
+        &self.additions
     }
 }

@@ -1,7 +1,7 @@
 use super::impulses::Sources;
 use crate::envelope::Piece;
 use crate::fokker_planck::noise_induced_drift;
-use crate::problem::{Change, Contact, Field, Kicks, LANES, Lane, Nearness, Problem};
+use crate::problem::{Addition, Contact, Field, Kicks, LANES, Lane, Nearness, Problem};
 use crate::{polynomial::Polynomial, system::Interpretation};
 use pulp::Arch;
 
@@ -226,11 +226,11 @@ impl<'a> Scheme<'a> {
         x: &mut [Lane],
         w: &[Lane],
         walls: &[Nearness],
-        changes: (usize, &[Change]),
+        additions: (usize, &[Addition]),
     ) -> Option<(usize, bool)> {
         match &self.noise {
-            Noise::Constant { noise, .. } if changes.0 > 0 => {
-                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls), changes)))
+            Noise::Constant { noise, .. } if additions.0 > 0 => {
+                Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls), additions)))
             }
             _ => None,
         }
@@ -242,9 +242,9 @@ impl<'a> Scheme<'a> {
         noise: &'b [f64],
         step: f64,
         walls: Option<&'b [Nearness]>,
-        (count, changes): (usize, &'b [Change]),
+        (count, additions): (usize, &'b [Addition]),
     ) -> Kicks<'b> {
-        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls, count, changes }
+        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls, count, additions }
     }
 
     /// The flow of the field G_k.

@@ -201,7 +201,8 @@ fn transients_without_a_meaning_are_refused() {
     assert!(matches!(error, Error::Dimension { expected: 2, found: 3, .. }), "{error}");
 }
 
-/// The stationary density as a start stays: what is off is the mesh, which the distance of the two degrees bounds.
+/// The stationary density as a start stays: what is off is the mesh, which the distance of the two degrees bounds: 2.8e-5
+/// by an estimate of 1.5e-4.
 #[test]
 fn the_error_of_the_mesh_is_in_the_estimate() {
     let exact = Linear::new(0.5, 1.0, 0.5).unwrap().exact().unwrap();

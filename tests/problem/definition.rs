@@ -39,7 +39,7 @@ fn a_problem_says_what_it_is_made_of() -> Result<()> {
     assert_eq!(problem.displacements(), [(0, 2), (1, 3)]);
     assert_eq!([0, 1, 2, 3, 4].map(|state| problem.velocity_of(state)), [Some(2), Some(3), None, None, None]);
     assert_eq!(problem.drift()[2].text(problem.states()).to_string(), "- 1.5 x + 0.5 y - 0.2 u");
-    // By columns: each Wiener process, then the states that it drives.
+    // What each Wiener process drives.
     let driven =
         |k: usize| problem.noise().iter().map(|row| row[k].text(problem.states()).to_string()).collect::<Vec<_>>();
     assert_eq!(

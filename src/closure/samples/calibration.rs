@@ -206,10 +206,9 @@ impl Calibration {
         // A few far states must not determine the regression of a high degree alone; where they do so at every degree, the
         // pilot has not mixed, and the means are plain.
         let weights: Vec<(Option<u32>, f64)> = found.iter().map(|tested| (tested.degree, weight(tested))).collect();
-        let sound = weights.iter().position(|(_, weight)| *weight > LEAST_WEIGHT).unwrap_or(0);
-        let tested = || weights.iter().filter(|(degree, _)| degree.is_some()).map(|(_, weight)| *weight);
-        let unmixed = tested().next().is_some() && tested().all(|weight| weight <= LEAST_WEIGHT);
-        let smallest_weight = if unmixed { tested().fold(f64::NEG_INFINITY, f64::max) } else { weights.get(sound)?.1 };
+        let sound = weights.iter().position(|(_, weight)| *weight > LEAST_WEIGHT)?;
+        let best = weights.iter().filter(|(degree, _)| degree.is_some()).map(|(_, weight)| *weight).reduce(f64::max);
+        let smallest_weight = best.filter(|best| *best <= LEAST_WEIGHT).unwrap_or(weights[sound].1);
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
         let mut calibration = Calibration {
             means: all.calibrated(&regressions[0]),

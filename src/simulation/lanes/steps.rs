@@ -112,10 +112,10 @@ impl NullaryFnOnce for Advance<'_, '_> {
                 self.draw_impulses(free);
                 let taken = self.lanes.taken;
                 let Workspace { increments, kicked, scratch, impulses, .. } = &mut *self.work;
-                let changes = impulses.changes(&scheme.impulses, (taken, free), h, scheme.pairs);
+                let additions = impulses.additions(&scheme.impulses, (taken, free), h, scheme.pairs);
                 let mut struck = [false; LANES];
                 if let Some((kicks, near)) =
-                    scheme.kicks(&mut x, &increments[step * processes..], &boundaries.walls, (free, changes))
+                    scheme.kicks(&mut x, &increments[step * processes..], &boundaries.walls, (free, additions))
                 {
                     step += kicks;
                     self.lanes.taken += kicks as u64;
