@@ -8,7 +8,9 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
-use expoly::{Closure, Density, Intensity, Oscillator, Parameter, Problem, Scalar, Simulation, compare, parametric};
+use expoly::{
+    Closure, Density, Intensity, Oscillator, Parameter, Problem, Scalar, Sensitivity, Simulation, compare, parametric,
+};
 
 // 1. The parameters, and the force once, generically: sums, products and whole powers of the states.
 struct Arch<P = f64> {

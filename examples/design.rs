@@ -14,7 +14,7 @@
 
 use clap::Parser;
 use expoly::statistics::Marginal;
-use expoly::{Closure, ClosureDensity, Estimate, Grid, Problem, Reference, Result};
+use expoly::{Closure, ClosureDensity, Estimate, Grid, Problem, Reference, Result, Sensitivity};
 use slsqp::{Func, StopTols, minimize};
 use std::cell::RefCell;
 use std::process::ExitCode;

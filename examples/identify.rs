@@ -9,7 +9,7 @@
 
 use clap::Parser;
 use expoly::inverse::{Identification, uncertainty};
-use expoly::{Closure, Density, Problem, Simulation, States};
+use expoly::{Closure, Problem, Sensitivity, Simulation, States};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Panel, Scale, Style, View, between, curve, write_figure};
 

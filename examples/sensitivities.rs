@@ -12,7 +12,7 @@
 use clap::Parser;
 use expoly::models::DuffingVanDerPol;
 use expoly::statistics::Marginal;
-use expoly::{Closure, ClosureDensity, Density, Estimate, Grid, Problem, Sensitivity, Wall};
+use expoly::{Closure, ClosureDensity, ClosureSensitivity, Density, Estimate, Grid, Problem, Sensitivity, Wall};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Band, Panel, Scale, Style, View, between, curve, values, write_figure};
 
@@ -30,7 +30,7 @@ struct Options {
     out: PathBuf,
 }
 
-fn exceedance(density: &ClosureDensity, level: f64) -> expoly::Result<Estimate> {
+fn exceedance(density: &dyn Density, level: f64) -> expoly::Result<Estimate> {
     Marginal::new(density, 0)?.exceedance(level)
 }
 
@@ -125,7 +125,7 @@ fn next_to_a_wall(problem: &Problem, closure: &Closure) -> expoly::Result<(Vec<S
 }
 
 /// θ ∂p/∂θ of the displacement's marginal density for each parameter.
-fn marginals(problem: &Problem, density: &ClosureDensity, found: &[Sensitivity]) -> expoly::Result<Panel> {
+fn marginals(problem: &Problem, density: &ClosureDensity, found: &[ClosureSensitivity]) -> expoly::Result<Panel> {
     let scale =
         |name: &str| problem.parameters().iter().find(|(other, _)| other == name).map_or(1.0, |(_, value)| *value);
     let [low, high] = density.bounds()[0];
@@ -140,7 +140,7 @@ fn marginals(problem: &Problem, density: &ClosureDensity, found: &[Sensitivity])
 }
 
 /// The exceedance at other values of two parameters, and its tangents.
-fn tangents(closure: &Closure, problem: &Problem, found: &[Sensitivity], level: f64) -> expoly::Result<Panel> {
+fn tangents(closure: &Closure, problem: &Problem, found: &[ClosureSensitivity], level: f64) -> expoly::Result<Panel> {
     let mut curves = Vec::new();
     for (colour, name) in ["beta", "mu"].into_iter().enumerate() {
         let Some(found) = found.iter().find(|found| found.parameter() == name) else { continue };

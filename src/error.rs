@@ -234,6 +234,11 @@ impl PartialEq for Error {
 }
 
 impl Error {
+    /// Whether a method has no density of a problem, for which another order or another method may have one, or no method has.
+    pub fn is_without_density(&self) -> bool {
+        matches!(self, Error::NoDensity { .. } | Error::NotClosed { .. } | Error::NotNormalisable { .. })
+    }
+
     /// Where there is no stationary density.
     pub(crate) fn no_density(reason: impl Into<String>) -> Self {
         Error::NoDensity { reason: reason.into() }

@@ -13,7 +13,7 @@
 //! | What lies in the far tail? | [`Splitting`] |
 //! | How does it come about from a start, under noise that rises and fades as well? | [`Closure::transient`], [`GridDensity::transient`], [`Simulation::transient`] on a [`Course`]; [`ClosureDensity::relaxation`] |
 //! | How likely, how often, how soon? | [`statistics`]; [`Survival`] without Poisson's assumption |
-//! | Which parameter matters, and how much? | [`ClosureDensity::sensitivity`], [`GridDensity::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
+//! | Which parameter matters, and how much? | [`Sensitivity`] by [`ClosureDensity::sensitivities`] and [`GridDensity::sensitivities`]; [`Problem::parameters`], [`Parametric`], [`Problem::derivative`] |
 //! | Which parameters do measurements have, or does a demand need? | [`inverse`] |
 //! | How do I take it elsewhere: LaTeX, Python, MATLAB, JSON? | [`ClosedForm`] |
 //! | Which order is enough, what depends on a parameter? | [`study`] |
@@ -38,6 +38,7 @@ mod grid;
 pub mod guide {}
 pub mod inverse;
 mod memory;
+mod method;
 pub mod models;
 mod numerics;
 mod parallel;
@@ -46,6 +47,7 @@ mod problem;
 mod provenance;
 mod record;
 mod scalar;
+mod sensitivity;
 mod simulation;
 mod states;
 pub mod statistics;
@@ -55,8 +57,8 @@ mod transient;
 
 pub use closed_form::ClosedForm;
 pub use closure::{
-    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, Degrees, Origin, Reference, Sensitivity, Solution,
-    Termination, Weight,
+    Basis, Candidate, ClassicalClosure, Closure, ClosureDensity, ClosureSensitivity, Degrees, Origin, Reference,
+    Solution, Termination, Weight,
 };
 pub use density::{Crossing, Density, ExpPolynomial, Support};
 pub use envelope::Envelope;
@@ -64,12 +66,14 @@ pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use fokker_planck::{FokkerPlanck, Impulse};
 pub use grid::{Grid, GridDensity, GridProgress, GridSensitivity, Survival};
+pub use method::Method;
 pub use polynomial::{Gaussian, Polynomial};
 pub use problem::{Definition, Problem, Wall};
 pub use provenance::{Provenance, Stopped};
 pub use scalar::Scalar;
 #[doc(hidden)]
 pub use scalar::Transcendental;
+pub use sensitivity::Sensitivity;
 pub use simulation::{
     FirstPassage, Histogram, Progress, SimulatedDensity, Simulation, Spectrum, Splitting, Tails, Tolerance,
 };

@@ -28,7 +28,7 @@ pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<Stri
     if let Some(exact) = &model.exact {
         let drawn = Drawn {
             closure: &closed,
-            truth: exact.density(),
+            truth: exact.known(),
             known: "exact",
             simulated: Default::default(),
             depth: DEPTH,

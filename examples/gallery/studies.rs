@@ -14,9 +14,9 @@ use support::shown;
 pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
     const NAMES: [&str; 2] = ["closure", "classical closure"];
     let problem = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
-    let case = Case::new("CubicDamping", problem, |problem| plan.grid().solve(problem))
-        .method(NAMES[0], |problem, order| Closure::new(order).seed(plan.seed).solve(problem))
-        .method(NAMES[1], |problem, order| Closure::classical(order).solve(problem));
+    let case = Case::new("CubicDamping", problem, plan.grid())
+        .method(NAMES[0], |order| Closure::new(order).seed(plan.seed))
+        .method(NAMES[1], Closure::classical);
     let orders: Vec<u32> = (2..=plan.highest).step_by(2).collect();
     let study = OrderStudy::new(&orders).case(case).run()?;
     let mut table = Table::new([

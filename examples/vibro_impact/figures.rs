@@ -34,7 +34,7 @@ pub(crate) fn draw(study: &Study, path: &Path) -> std::result::Result<(), Box<dy
     let drawn = study.closures.iter().enumerate().filter_map(|(k, judged)| {
         let (density, cut_off) = judged.drawn(simulated)?;
         let name = judged.name();
-        let label = match judged.answer.provenance.l1_estimate {
+        let label = match judged.provenance.l1_estimate {
             Some(l1) => format!("{name} (L¹ ≈ {l1:.0e})"),
             None if cut_off => format!("{name}, no density"),
             None => name.clone(),
@@ -137,7 +137,7 @@ fn caption(study: &Study, drawn: &[Drawn]) -> String {
         );
     }
     for judged in &study.closures {
-        let made = &judged.answer.provenance;
+        let made = &judged.provenance;
         let (Some(l1), Some(indicator)) = (made.l1_estimate, made.indicator) else { continue };
         let (origin, end) = (shown(made.origin.as_ref()), shown(made.termination.as_ref()));
         let warning = made.warning.as_ref().map_or_else(String::new, |warning| format!("; {warning}"));

@@ -74,7 +74,7 @@ fn sampled(name: &'static str, estimate: Estimate) -> serde_json::Result<Value> 
 
 /// Without a density the statistics are `null` and `refusal` is the reason; with one, `refusal` is `null`.
 fn closure(judged: &Judged, at: &[f64]) -> Outcome<Object> {
-    let made = &judged.answer.provenance;
+    let made = &judged.provenance;
     let mut object = Object::new();
     object.insert("method".into(), judged.method.into());
     object.insert("order".into(), judged.order.into());
@@ -101,7 +101,7 @@ fn closure(judged: &Judged, at: &[f64]) -> Outcome<Object> {
     object.insert("seed".into(), made.seed.into());
     // Only the robust closure may end with the best of its order that is no root.
     object.insert("least_residual".into(), judged.least_residual().into());
-    match (&judged.answer.density, &judged.statistics) {
+    match (&judged.density, &judged.statistics) {
         (Some(density), Some(of)) => {
             let pdf = at.iter().map(|y| density.marginal(0, *y)).collect::<expoly::Result<Vec<_>>>()?;
             object.append(&mut statistics(of, &pdf, value)?);

@@ -2,10 +2,9 @@
 
 use crate::options::{Method, Options, Parameters, Task};
 use expoly::statistics::energy_balance;
-use expoly::study::Answer;
 use expoly::{
-    Closure, Crossing, Density, Estimate, ExpPolynomial, Grid, GridDensity, Problem, SimulatedDensity, Simulation,
-    Termination, Wall, compare,
+    Closure, Crossing, Density, Estimate, ExpPolynomial, Grid, GridDensity, Method as _, Problem, Provenance,
+    SimulatedDensity, Simulation, Solution, Termination, Wall, compare,
 };
 use indicatif::ProgressBar;
 use std::sync::Arc;
@@ -41,11 +40,14 @@ impl Statistics {
 }
 
 /// A closure's answer with its statistics, if it has a density.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Judged {
     pub(crate) method: &'static str,
     pub(crate) order: u32,
-    pub(crate) answer: Answer,
+    pub(crate) provenance: Provenance,
+    pub(crate) density: Option<Arc<dyn Density>>,
+    /// The classical method's last iterate, also where it is no density.
+    solution: Option<Solution>,
     pub(crate) statistics: Option<Statistics>,
     /// From the system to the normalised density.
     pub(crate) seconds: f64,
@@ -54,26 +56,26 @@ pub(crate) struct Judged {
 impl Judged {
     /// The closure's name in tables and figures.
     pub(crate) fn name(&self) -> String {
-        format!("{} n = {}", self.answer.provenance.basis.as_deref().unwrap_or(self.method), self.order)
+        format!("{} n = {}", self.provenance.basis.as_deref().unwrap_or(self.method), self.order)
     }
 
     /// Whether the robust closure's density is the best of its order and no root; the classical one has only roots.
     pub(crate) fn least_residual(&self) -> Option<bool> {
-        let robust = self.method == ROBUST && self.answer.density.is_some();
-        robust.then(|| self.answer.provenance.termination.as_deref() == Some("least residual"))
+        let robust = self.method == ROBUST && self.density.is_some();
+        robust.then(|| self.provenance.termination.as_deref() == Some("least residual"))
     }
 
     /// The density to draw: the real one or, where the classical Q turns upwards, exp(Q) cut off at the range of the
     /// samples. The flag is set for the latter.
     pub(crate) fn drawn(&self, simulated: Option<&SimulatedDensity>) -> Option<(Arc<dyn Density>, bool)> {
-        if let Some(density) = &self.answer.density {
+        if let Some(density) = &self.density {
             return Some((density.clone(), false));
         }
         let range = |state: usize| {
             let edges: Vec<f64> = simulated?.histogram(state).ok()?.edges(0).collect();
             Some([*edges.first()?, *edges.last()?])
         };
-        let solution = self.answer.solution.as_ref()?;
+        let solution = self.solution.as_ref()?;
         let drawable = solution.termination() == Termination::NotNormalisable;
         let region = [range(0)?, range(1)?];
         let density = drawable.then(|| ExpPolynomial::cut_off(&solution.log_polynomial(), &region).ok()).flatten()?;
@@ -82,7 +84,6 @@ impl Judged {
 }
 
 /// All results of one case.
-#[derive(Debug)]
 pub(crate) struct Study {
     pub(crate) parameters: Parameters,
     pub(crate) closures: Vec<Judged>,
@@ -95,22 +96,36 @@ impl Study {
         let problem = parameters.model()?.problem()?;
         let close = |task: Task| -> expoly::Result<Judged> {
             let begin = Instant::now();
-            let (method, order, answer) = match task {
+            let (method, order, solution, density) = match task {
                 Task::Robust(order) => {
                     let closure = Closure::new(order).weight(options.weight).seed(options.seed);
-                    (ROBUST, order, Answer::of(closure.solve(&problem))?)
+                    (ROBUST, order, None, closure.density(&problem))
                 }
                 Task::Classical(order, basis) => {
-                    let closure = Closure::classical(order).basis(basis);
-                    ("classical", order, Answer::of(closure.solve(&problem))?)
+                    let solution = Closure::classical(order).basis(basis).solve(&problem)?;
+                    let density = solution.density().map(|density| -> Box<dyn Density> { Box::new(density) });
+                    ("classical", order, Some(solution), density)
                 }
             };
             let seconds = begin.elapsed().as_secs_f64();
-            let statistics = answer.density.as_ref().map(|density| {
+            let (density, provenance) = match density {
+                Ok(density) => {
+                    let provenance = density.provenance().clone();
+                    (Some(Arc::from(density)), provenance)
+                }
+                Err(error) if error.is_without_density() => {
+                    let mut provenance = solution.as_ref().map_or_else(Provenance::default, |s| s.provenance().clone());
+                    provenance.refusal = Some(error.to_string());
+                    (None, provenance)
+                }
+                Err(error) => return Err(error),
+            };
+            let statistics = density.as_ref().map(|density: &Arc<dyn Density>| {
                 let balance = energy_balance(&problem, &**density)?;
                 Statistics::of(&**density, &problem, balance)
             });
-            Ok(Judged { method, order, statistics: statistics.transpose()?, answer, seconds })
+            let statistics = statistics.transpose()?;
+            Ok(Judged { method, order, provenance, density, solution, statistics, seconds })
         };
         let closures = options.closures().into_iter().map(close).collect::<expoly::Result<Vec<_>>>()?;
         let (gridded, simulated) =

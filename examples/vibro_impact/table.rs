@@ -28,7 +28,7 @@ pub(crate) fn table(study: &Study) -> String {
     let mut noise = None;
     let mut remarks = String::new();
     for judged in &study.closures {
-        let made = &judged.answer.provenance;
+        let made = &judged.provenance;
         let mut cells = vec![judged.name(), shown(made.termination.as_ref())];
         cells.extend(values(judged.statistics.as_ref()));
         let (mut l1, mut tail) = (String::from("-"), String::from("-"));
@@ -119,7 +119,7 @@ pub(crate) fn pdf_table(study: &Study, at: &[f64]) -> expoly::Result<String> {
         let mut cells = vec![format!("y = {y}")];
         for judged in &study.closures {
             let name = judged.name();
-            let value = judged.answer.density.as_ref().map(|density| density.marginal(0, *y)).transpose()?;
+            let value = judged.density.as_ref().map(|density| density.marginal(0, *y)).transpose()?;
             cells.push(value.map_or_else(|| format!("{name}: -"), |p| format!("{name}: {:.6}", p.value)));
         }
         if let Some((density, _)) = &study.gridded {

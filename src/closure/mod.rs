@@ -62,7 +62,7 @@ pub(crate) use discretisation::trust_domain::TrustDomain;
 pub use method::{Closure, Reference};
 pub use projection::Weight;
 pub(crate) use samples::Copula;
-pub use sensitivity::Sensitivity;
+pub use sensitivity::ClosureSensitivity;
 pub use space::degrees::Degrees;
 pub(crate) use space::{CLOSEST, Corner, PER_UNIT, SMALLEST, STEPS, Similarity, TAYLOR};
 

@@ -5,7 +5,7 @@ use crate::closure::PILOT_TRAJECTORIES;
 use crate::error::{Error, Result};
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, Symmetry, TimeScales};
-use crate::simulation::{Collisions, Paths, Simulation, burn_in, require_motion};
+use crate::simulation::{Collisions, Paths, Simulation, burn_in, require_motion, step_cost};
 use crate::states::States;
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -36,11 +36,11 @@ const DRIFTING: f64 = 6.0;
 /// Groups of a pilot's trajectories, whose spread is the standard error of the difference between the halves of its samples.
 /// None of nine closures of orders 4 to 8 depends on it.
 const GROUPS: usize = 32;
-/// A pilot is made longer or finer only up to so many time steps of all trajectories, where noise does not depend on the state:
-/// a bound on work, of seconds.
+/// A pilot is made longer or finer only up to so many time steps of all trajectories, where noise does not depend on the state: a bound
+/// on work, of seconds.
 const MOST_PATH_STEPS: f64 = 2.5e8;
-/// An impulse costs as much as so many time steps of a trajectory.
-const ALONE: f64 = 16.0;
+/// All tries of a pilot together take at most so many times as many: those of a pilot that is doubled up to the bound take twice as many.
+const ALL_TRIES: f64 = 2.0;
 
 /// The states that a pilot has visited once stationary.
 #[derive(Clone, Debug)]
@@ -87,13 +87,14 @@ impl<'a> PilotPlan<'a> {
         PilotPlan { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
     }
 
-    /// The time steps of all trajectories of a pilot of `count` states; noise that depends on the state makes each of them
-    /// slower, in proportion to its terms, and so do impulses, at each of which a trajectory goes on alone.
+    /// What a pilot of `count` states costs, in time steps under constant noise.
     fn path_steps(&self, count: usize, burn_in: f64, step: f64) -> f64 {
-        let samples = count.div_ceil(PILOT_TRAJECTORIES) as f64;
-        let path_steps = PILOT_TRAJECTORIES as f64 * (burn_in + samples * self.interval) / step;
-        let alone = ALONE * self.problem.impulse_rate() * step;
-        path_steps * (1.0 + self.problem.operator().varying_noise() as f64 + alone)
+        PILOT_TRAJECTORIES as f64 * self.length(count, burn_in) / step * step_cost(self.problem, step)
+    }
+
+    /// The time that each trajectory of a pilot of `count` states runs.
+    fn length(&self, count: usize, burn_in: f64) -> f64 {
+        burn_in + count.div_ceil(PILOT_TRAJECTORIES) as f64 * self.interval
     }
 
     /// About `count` states under intensities multiplied by `inflation`, or by less where that explodes.
@@ -103,10 +104,11 @@ impl<'a> PilotPlan<'a> {
             return Ok(Pilot { inflation, ..pilot });
         }
         TimeScales::require_moderate(self.problem)?;
-        let mut inflation = inflation;
+        let (mut inflation, mut left) = (inflation, ALL_TRIES * MOST_PATH_STEPS);
         loop {
-            match self.at(count, inflation) {
-                Err(Error::Exploded { .. }) if inflation > 1.0 => inflation = (inflation / 1.5).max(1.0),
+            match self.at(count, inflation, &mut left) {
+                Err(Error::Exploded { .. }) if inflation > 1.0 && left > 0.0 => inflation = (inflation / 1.5).max(1.0),
+                Err(Error::Exploded { .. }) if inflation > 1.0 => inflation = 1.0,
                 result => return result,
             }
         }
@@ -126,7 +128,8 @@ impl<'a> PilotPlan<'a> {
         Some(states)
     }
 
-    fn at(&self, count: usize, inflation: f64) -> Result<Pilot> {
+    /// The same under these intensities; what its tries cost is taken off the time steps that are left.
+    fn at(&self, count: usize, inflation: f64, left: &mut f64) -> Result<Pilot> {
         let (mut step, mut burn_in) = (self.step, self.burn_in);
         let (mut halved, mut doubled) = (0, 0);
         loop {
@@ -138,8 +141,15 @@ impl<'a> PilotPlan<'a> {
                 .burn_in(burn_in)
                 .sampling_interval(self.interval)
                 .seed(self.seed);
-            let affords = |burn_in, step| self.path_steps(count, burn_in, step) <= MOST_PATH_STEPS;
-            match simulation.paths(self.problem) {
+            let cost = self.path_steps(count, burn_in, step);
+            let result = simulation.paths(self.problem);
+            *left -= match &result {
+                Err(Error::Exploded { time, .. }) => cost * (time / self.length(count, burn_in)).min(1.0),
+                _ => cost,
+            };
+            let most = left.min(MOST_PATH_STEPS);
+            let affords = |burn_in, step| self.path_steps(count, burn_in, step) <= most;
+            match result {
                 Ok(Paths { states, collisions, interval }) => {
                     require_motion(&states, states.len() / PILOT_TRAJECTORIES)?;
                     let stationary = stationary(&states);

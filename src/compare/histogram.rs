@@ -1,5 +1,6 @@
 use crate::density::Density;
 use crate::error::Result;
+use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::simulation::Histogram;
 
@@ -22,18 +23,25 @@ pub struct HistogramDistance {
 /// # Errors
 /// As [`Density::marginal`]; as [`Histogram::bin`].
 pub fn with_histogram(density: &dyn Density, state: usize, histogram: &Histogram) -> Result<HistogramDistance> {
-    let edges: Vec<f64> = histogram.edges(0).collect();
-    let peak = (0..histogram.len()).try_fold(0.0_f64, |peak, k| Ok(peak.max(histogram.bin(k)?.value)))?;
+    with_bins(density, state, &histogram.along()?)
+}
+
+/// The same from the bins' limits and the mean densities in them.
+pub(crate) fn with_bins(
+    density: &dyn Density,
+    state: usize,
+    bins: &[([f64; 2], Estimate)],
+) -> Result<HistogramDistance> {
+    let peak = bins.iter().fold(0.0_f64, |peak, (_, bin)| peak.max(bin.value));
     let mut distance = HistogramDistance { l1: 0.0, noise: 0.0, tail: 0.0, tail_level: 1.0 };
     // Three nodes leave an error of sixth order in a bin's width.
     let rule = Rule::legendre(3);
-    for (k, edge) in edges.windows(2).enumerate() {
-        let width = edge[1] - edge[0];
+    for ([low, high], bin) in bins {
+        let width = high - low;
         let mut mean = 0.0;
-        for (x, weight) in rule.on(edge[0], edge[1]).iter() {
+        for (x, weight) in rule.on(*low, *high).iter() {
             mean += weight / width * density.marginal(state, x)?.value;
         }
-        let bin = histogram.bin(k)?;
         distance.l1 += (mean - bin.value).abs() * width;
         distance.noise += (2.0 / std::f64::consts::PI).sqrt() * bin.error * width;
         if bin.error < 0.1 * bin.value {

@@ -17,6 +17,7 @@ mod ratio;
 mod witness;
 
 pub use distances::{Distances, distances, l1};
+pub(crate) use histogram::with_bins;
 pub use histogram::{HistogramDistance, with_histogram};
 pub use ratio::log_ratio;
 pub use witness::l1_at_least;

@@ -59,6 +59,12 @@ pub trait Sampled {
     /// # Errors
     /// As [`Sampled::of_moments`].
     fn distribution(&self, state: usize) -> Result<Arc<dyn Counted>>;
+
+    /// The bins in which one state was counted, from low to high, with the mean density in each.
+    ///
+    /// # Errors
+    /// As [`Sampled::of_moments`].
+    fn bins(&self, state: usize) -> Result<Vec<([f64; 2], Estimate)>>;
 }
 
 /// The impacts that a density counted, with standard errors that include the correlation between them.

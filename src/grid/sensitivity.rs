@@ -7,10 +7,11 @@ use super::legendre::Table;
 use super::mesh::{Mesh, Role};
 use super::shape::transformed;
 use crate::checks::{coordinate, dimension, finite, point};
-use crate::density::Crossing;
+use crate::density::{Crossing, Density};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::problem::PlaneMotion;
+use crate::sensitivity::Sensitivity;
 use std::fmt;
 
 /// The derivative ∂p/∂θ of a density on a grid by a parameter θ, and of every answer that it gives.
@@ -71,52 +72,43 @@ impl GridSensitivity {
         Estimate::new(value, (value - other).abs() + changed)
     }
 
-    /// The name of the parameter.
-    pub fn parameter(&self) -> &str {
+    fn dimension(&self) -> usize {
+        self.fixed[0].shape.states
+    }
+}
+
+impl Sensitivity for GridSensitivity {
+    fn parameter(&self) -> &str {
         &self.parameter
     }
 
-    /// The density that this is a derivative of.
-    pub fn density(&self) -> &GridDensity {
+    fn density(&self) -> &dyn Density {
         &self.density
     }
 
-    /// ∂p/∂θ at a state.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) unless it has two coordinates.
-    pub fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         point(x, self.dimension())?;
         Ok(self.of_fixed(|field| field.value(x)))
     }
 
-    fn dimension(&self) -> usize {
-        self.fixed[0].shape.states
-    }
-
-    /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ. It is not a number outside the domain.
-    ///
-    /// # Errors
-    /// As [`GridSensitivity::pdf`].
-    pub fn relative(&self, x: &[f64]) -> Result<f64> {
+    fn relative(&self, x: &[f64]) -> Result<f64> {
         point(x, self.dimension())?;
         Ok(self.fixed[0].value(x) / self.density.fine.value(x))
     }
 
-    /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the smallest cell: ∂p/∂x ~ u^(g − 1)
-    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
-    pub fn size(&self) -> f64 {
+    fn size(&self) -> f64 {
         self.fixed[0].size()
     }
 
-    /// The L¹ distance to the derivative of the solution of one degree less, and to that with the leak elsewhere. It is to be
-    /// compared with [`GridSensitivity::size`].
-    pub fn l1_estimate(&self) -> f64 {
+    fn l1_estimate(&self) -> f64 {
         difference(&self.fixed[0], &self.fixed[1]) + self.changes.iter().map(Field::size).sum::<f64>()
     }
 
-    /// dE g/dθ for a continuous g, over the cells' Gauss nodes; exact for polynomials of moderate degree.
-    pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
+    fn warning(&self) -> Option<&str> {
+        self.density.warning()
+    }
+
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         self.of_moving(|moving, p| {
             let fixed = if self.motion.moves() { carried(p, moving, &self.motion) } else { moving.clone() };
             let inner = fixed.sum_over_nodes(&fixed.shape.rule(4), |x, p| p * g(x));
@@ -124,12 +116,7 @@ impl GridSensitivity {
         })
     }
 
-    /// The derivative of a raw moment; its error has an estimate of the part beyond the domain.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state,
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for powers above 200.
-    pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("the powers of a moment", powers.len(), self.dimension())?;
         powers.iter().try_for_each(|power| moderate(*power).map(|_| ()))?;
         // With the walls states move: dE g = ∫ g ∂q + ∫ η ∂_x g q.
@@ -151,11 +138,7 @@ impl GridSensitivity {
         Ok(Estimate::new(moment.value, error))
     }
 
-    /// The derivative of P(x_i > `level`) for a state i.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
-    pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
+    fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.dimension())?;
         Ok(self.of_moving(|moving, p| {
             let one = |_: f64| 1.0;
@@ -172,11 +155,7 @@ impl GridSensitivity {
         }))
     }
 
-    /// The derivative of the marginal density of a state.
-    ///
-    /// # Errors
-    /// As [`GridSensitivity::exceedance`].
-    pub fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
+    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         coordinate("the state of a marginal", state, x, self.dimension())?;
         // Over the displacement the integral follows the walls.
         Ok(if state == 0 {
@@ -186,19 +165,13 @@ impl GridSensitivity {
         })
     }
 
-    /// The derivative of the mean rate at which the displacement crosses a level upwards.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that is not finite.
-    pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
+    fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let crossing = Crossing::upward(finite("level", level)?);
         crossing.states(self.dimension())?;
         Ok(self.of_fixed(|field| flux(field, crossing, 1)))
     }
 
-    /// The derivative of the mean number of impacts per unit time, at all walls together, wherever they move; none without a
-    /// wall. At a wall with r < 1 its error contains that of the smallest cell.
-    pub fn impact_rate(&self) -> Option<Estimate> {
+    fn impact_rate(&self) -> Option<Estimate> {
         // At the walls themselves p = q over dx/dξ.
         let at_wall = |moving: &Field, p: &Field| moving.plus(-self.motion.shift[1], p);
         let rate = |(crossing, side, r): (Crossing, usize, f64)| {
@@ -225,7 +198,7 @@ impl GridDensity {
     /// [`Error::NotServed`](crate::Error::NotServed) where the problem has no derivative by it.
     ///
     /// ```
-    /// use expoly::{Grid, Wall, models::{Duffing, Solved}};
+    /// use expoly::{Grid, Sensitivity, Wall, models::{Duffing, Solved}};
     /// let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?.with_wall(Wall::above(-0.5, 1.0)?)?;
     /// let density = Grid::new().accuracy(1e-5).solve(&problem)?;
     /// let by = density.sensitivities(&["D", "x.above.offset"])?;

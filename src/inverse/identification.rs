@@ -2,12 +2,13 @@ use super::newton::{limited, stepped};
 use super::student::two_sided_95;
 use super::{moved, values};
 use crate::checks::{dimension, require};
-use crate::closure::{Closure, ClosureDensity, Sensitivity};
+use crate::closure::{Closure, ClosureDensity, ClosureSensitivity};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::parallel;
 use crate::problem::Problem;
+use crate::sensitivity::Sensitivity;
 use crate::states::States;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -126,7 +127,7 @@ impl Identification {
 /// A density with its derivatives, on measured states.
 struct Fitted {
     density: ClosureDensity,
-    sensitivities: Vec<Sensitivity>,
+    sensitivities: Vec<ClosureSensitivity>,
     /// ∂ ln p̃/∂θ, a row for each state, and its mean.
     scores: DMatrix<f64>,
     score: DVector<f64>,
@@ -228,7 +229,7 @@ pub struct Identified {
     condition: f64,
     outside: f64,
     log_likelihood: f64,
-    sensitivities: Vec<Sensitivity>,
+    sensitivities: Vec<ClosureSensitivity>,
 }
 
 impl Identified {
@@ -238,7 +239,7 @@ impl Identified {
     }
 
     /// The derivatives of the density by the parameters, where the search ended.
-    pub fn sensitivities(&self) -> &[Sensitivity] {
+    pub fn sensitivities(&self) -> &[ClosureSensitivity] {
         &self.sensitivities
     }
 

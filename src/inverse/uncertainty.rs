@@ -1,7 +1,7 @@
 use crate::checks::dimension;
-use crate::closure::Sensitivity;
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::sensitivity::Sensitivity;
 use nalgebra::DMatrix;
 
 /// The standard error that the errors of parameters make of an answer, √(gᵀVg) with the covariance V of the parameters and the
@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 /// [`Error::Dimension`](crate::Error::Dimension) unless V is square with a row for each derivative; those of `answer`.
 ///
 /// ```
-/// use expoly::{Closure, inverse::uncertainty, models::{Duffing, Solved}};
+/// use expoly::{Closure, Sensitivity, inverse::uncertainty, models::{Duffing, Solved}};
 /// use nalgebra::DMatrix;
 /// let density = Closure::new(4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
 /// // E v² = D/c = 1; the damping has an error of 5 %, the intensity one of 3 %.
@@ -20,10 +20,10 @@ use nalgebra::DMatrix;
 /// assert!((error - 0.05_f64.hypot(0.03)).abs() < 1e-9);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub fn uncertainty(
-    sensitivities: &[Sensitivity],
+pub fn uncertainty<S: Sensitivity>(
+    sensitivities: &[S],
     covariance: &DMatrix<f64>,
-    answer: impl Fn(&Sensitivity) -> Result<Estimate>,
+    answer: impl Fn(&S) -> Result<Estimate>,
 ) -> Result<f64> {
     let count = sensitivities.len();
     dimension("the rows of a covariance of parameters", covariance.nrows(), count)?;

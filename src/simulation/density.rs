@@ -165,6 +165,10 @@ impl Sampled for SimulatedDensity {
         state_index("a state's index", state, self.dimension())?;
         Ok(Arc::new(Distribution::new(&self.histograms[state])))
     }
+
+    fn bins(&self, state: usize) -> Result<Vec<([f64; 2], Estimate)>> {
+        self.histogram(state)?.along()
+    }
 }
 
 impl CountedImpacts for SimulatedDensity {

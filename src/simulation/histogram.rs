@@ -168,6 +168,15 @@ impl Histogram {
     pub fn bin(&self, k: usize) -> Result<Estimate> {
         self.cell(&[k])
     }
+
+    /// The bins of a single state from low to high, as limits and mean densities.
+    ///
+    /// # Errors
+    /// As [`Histogram::bin`].
+    pub(crate) fn along(&self) -> Result<Vec<([f64; 2], Estimate)>> {
+        let edges: Vec<f64> = self.edges(0).collect();
+        edges.windows(2).enumerate().map(|(k, edge)| Ok(([edge[0], edge[1]], self.bin(k)?))).collect()
+    }
 }
 
 #[cfg(test)]

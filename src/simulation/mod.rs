@@ -36,6 +36,7 @@ mod calibration;
 mod chatter;
 mod checkpoint;
 mod control;
+mod cost;
 mod density;
 mod distribution;
 mod ensemble;
@@ -74,6 +75,7 @@ mod trend;
 mod walk;
 
 pub use control::Progress;
+pub(crate) use cost::step_cost;
 pub use histogram::Histogram;
 pub(crate) use paths::{Collisions, Impact, Paths};
 pub(crate) use plan::equations;

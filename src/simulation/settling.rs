@@ -1,6 +1,6 @@
 //! Whether trajectories settle: they neither grow without end nor come to rest.
 
-use super::Simulation;
+use super::{Simulation, cost::step_cost};
 use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
 use crate::problem::{Problem, TimeScales};
@@ -15,6 +15,8 @@ const INTERVAL: f64 = 4.0;
 const HALVINGS: usize = 6;
 /// The numbers of trajectories and of states where nothing but whether trajectories settle is asked.
 const FEW: [usize; 2] = [64, 20_480];
+/// The most time steps under constant noise for all runs that show whether trajectories settle: a bound on work, of seconds.
+const MOST_PATH_STEPS: f64 = 1e8;
 /// Trajectories whose median distance from the middle grows by so much from the first quarter to the last have not settled.
 const GROWING: f64 = 5.0;
 /// Factors by which the times between states are longer in turn until the median distance from the middle grows by less than
@@ -27,7 +29,7 @@ const ENDED: f64 = 1e-2;
 
 /// States of some trajectories from near rest, `count` of them. Where they explode time steps are halved; where they grow from the first
 /// quarter to the last, as after a start at a state of rest that they leave, runs with longer times between states show whether they go
-/// on.
+/// on, as far as the work allows.
 ///
 /// # Errors
 /// [`Error::TooStiff`]; [`Error::Exploded`] with every time step that was tried; [`Error::NoDensity`] where trajectories keep growing,
@@ -35,33 +37,83 @@ const ENDED: f64 = 1e-2;
 pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> Result<States> {
     TimeScales::require_drift(problem)?;
     TimeScales::require_moderate(problem)?;
-    let scales = TimeScales::of(problem)?;
-    let (mut step, mut halved) = (scales.short(STEP), 0);
-    let mut run = |longer: f64| loop {
-        let simulation = Simulation::new().trajectories(trajectories).samples(count).time_step(step);
-        match simulation.sampling_interval(scales.short(longer * INTERVAL)).states(problem) {
-            Err(Error::Exploded { .. }) if halved < HALVINGS => (step, halved) = (step / 2.0, halved + 1),
-            found => return found.and_then(|states| Ok((spread(&states, count / trajectories)?, states))),
-        }
-    };
+    let mut trials = Trials::new(problem, [trajectories, count])?;
     let growing = |spreads: &[[f64; 2]], factor: f64| spreads.iter().position(|[early, late]| *late > factor * early);
-    let (spreads, first) = run(1.0)?;
-    let bounded = growing(&spreads, GROWING).is_none();
+    let (spreads, first) = trials.run(1.0)?;
     // A root of time shows in a longer run alone.
-    if bounded && scales.settles() {
+    let bounded = growing(&spreads, GROWING).is_none();
+    if bounded && trials.scales.settles() {
         return Ok(first);
     }
-    let mut grown = None;
+    let (mut grown, mut last) = (None, first.clone());
     for (longer, factor) in LONGER {
-        let (spreads, states) = run(longer)?;
+        if !trials.affords(longer, trials.step) {
+            return Ok(if bounded { first } else { last });
+        }
+        let spreads;
+        (spreads, last) = trials.run(longer)?;
         grown = growing(&spreads, factor);
         // Where all is much slower than farther out, they had no time to grow.
-        if grown.is_none() || longer * scales.share(problem, &states)? < 1.0 {
-            return Ok(if bounded { first } else { states });
+        if grown.is_none() || longer * trials.scales.share(problem, &last)? < 1.0 {
+            return Ok(if bounded { first } else { last });
         }
     }
     let behaviour = "keep growing: the drift must bring them back, so check the signs of damping and leading stiffness";
     Err(Error::no_density(format!("in state {} trajectories {behaviour}", grown.unwrap_or(0))))
+}
+
+/// Runs with longer and longer times between states, in time steps that are halved where trajectories explode.
+struct Trials<'a> {
+    problem: &'a Problem,
+    scales: TimeScales,
+    trajectories: usize,
+    count: usize,
+    step: f64,
+    halved: usize,
+    /// The work that is left, in time steps under constant noise.
+    left: f64,
+}
+
+impl<'a> Trials<'a> {
+    fn new(problem: &'a Problem, [trajectories, count]: [usize; 2]) -> Result<Self> {
+        let scales = TimeScales::of(problem)?;
+        let step = scales.short(STEP);
+        Ok(Trials { problem, scales, trajectories, count, step, halved: 0, left: MOST_PATH_STEPS })
+    }
+
+    /// The time that each trajectory runs where the time between states is so many times as long.
+    fn length(&self, longer: f64) -> f64 {
+        (self.count / self.trajectories) as f64 * self.scales.short(longer * INTERVAL)
+    }
+
+    fn cost(&self, time: f64, step: f64) -> f64 {
+        self.trajectories as f64 * time / step * step_cost(self.problem, step)
+    }
+
+    /// Whether such a run is within the work that is left.
+    fn affords(&self, longer: f64, step: f64) -> bool {
+        self.cost(self.length(longer), step) <= self.left
+    }
+
+    /// The states of a run, and how far they spread early and late.
+    fn run(&mut self, longer: f64) -> Result<(Vec<[f64; 2]>, States)> {
+        loop {
+            let simulation = Simulation::new().trajectories(self.trajectories).samples(self.count).time_step(self.step);
+            match simulation.sampling_interval(self.scales.short(longer * INTERVAL)).states(self.problem) {
+                Err(error @ Error::Exploded { time, .. }) => {
+                    self.left -= self.cost(time, self.step);
+                    if self.halved == HALVINGS || !self.affords(longer, self.step / 2.0) {
+                        return Err(error);
+                    }
+                    (self.step, self.halved) = (self.step / 2.0, self.halved + 1);
+                }
+                found => {
+                    self.left -= self.cost(self.length(longer), self.step);
+                    return found.and_then(|states| Ok((spread(&states, self.count / self.trajectories)?, states)));
+                }
+            }
+        }
+    }
 }
 
 /// Refuses a system without a stationary density where that is in doubt: its Gaussian closure does not settle, or nothing

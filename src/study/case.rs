@@ -1,23 +1,24 @@
-use super::answer::Answer;
 use super::row::OrderRow;
 use super::truth::Truth;
+use crate::density::Density;
 use crate::error::{Error, Result};
+use crate::method::Method;
 use crate::problem::Problem;
+use crate::provenance::Provenance;
 use crate::simulation::equations;
 use crate::statistics::energy_balance;
 use std::fmt;
 use std::time::Instant;
 
-type Solve<'a> = Box<dyn Fn(&Problem, u32) -> Result<Answer> + Sync + 'a>;
-type Known<'a> = Box<dyn Fn(&Problem) -> Result<Truth> + Sync + 'a>;
+type AtOrder<'a> = Box<dyn Fn(&Problem, u32) -> Result<Box<dyn Density>> + Sync + 'a>;
 
 /// A problem, its truth to compare with, and the methods that are tried on it.
 #[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Case<'a> {
     name: String,
     problem: Problem,
-    truth: Known<'a>,
-    methods: Vec<(String, Solve<'a>)>,
+    truth: Box<dyn Method + Sync + 'a>,
+    methods: Vec<(String, AtOrder<'a>)>,
     settings: String,
 }
 
@@ -28,25 +29,18 @@ impl fmt::Debug for Case<'_> {
 }
 
 impl<'a> Case<'a> {
-    /// A problem under a name, and a function that makes its truth, called once in a run, if any row is missing.
-    pub fn new<T: Into<Truth>>(
-        name: &str,
-        problem: Problem,
-        truth: impl Fn(&Problem) -> Result<T> + Sync + 'a,
-    ) -> Self {
-        let truth = Box::new(move |problem: &Problem| truth(problem).map(Into::into));
+    /// A problem under a name, and what makes its truth, the density that others are compared with, once in a run, if any row is missing:
+    /// a closed form, a [`Grid`](crate::Grid), a simulation, whose noise is then in the distances.
+    pub fn new(name: &str, problem: Problem, truth: impl Method + Sync + 'a) -> Self {
+        let truth = Box::new(truth);
         Case { name: name.to_owned(), problem, truth, methods: Vec::new(), settings: String::new() }
     }
 
-    /// Adds a method, which gets the problem and an order. A study's file identifies the problem by its equation and its
-    /// walls, but the method by its name: options that matter belong into the name, or into the [`settings`](Self::settings).
-    pub fn method<A: Into<Answer>>(
-        mut self,
-        name: &str,
-        solve: impl Fn(&Problem, u32) -> Result<A> + Sync + 'a,
-    ) -> Self {
-        let solve = Box::new(move |problem: &Problem, order| Answer::of(solve(problem, order)));
-        self.methods.push((name.to_owned(), solve));
+    /// Adds a method by what makes it at an order. A study's file identifies the problem by its equation and its walls, but the
+    /// method by its name: options that matter belong into the name, or into the [`settings`](Self::settings).
+    pub fn method<M: Method>(mut self, name: &str, at_order: impl Fn(u32) -> M + Sync + 'a) -> Self {
+        let at_order = Box::new(move |problem: &Problem, order| at_order(order).density(problem));
+        self.methods.push((name.to_owned(), at_order));
         self
     }
 
@@ -76,14 +70,24 @@ impl<'a> Case<'a> {
     }
 
     pub(super) fn truth(&self) -> Result<Truth> {
-        (self.truth)(&self.problem)
+        Ok(Truth::new(self.truth.density(&self.problem)?))
     }
 
-    /// The row of a method and an order.
+    /// The row of a method and an order; that there is no density at an order is a row as well.
     pub(super) fn row(&self, truth: &Truth, method: usize, order: u32) -> Result<OrderRow> {
-        let (method, solve) = &self.methods[method];
+        let (method, at_order) = &self.methods[method];
         let begin = Instant::now();
-        let Answer { provenance, density, .. } = solve(&self.problem, order)?;
+        let (density, provenance) = match at_order(&self.problem, order) {
+            Ok(density) => {
+                let provenance = density.provenance().clone();
+                (Some(density), provenance)
+            }
+            Err(error) if error.is_without_density() => {
+                let (termination, refusal) = (Some(String::from("no density")), Some(error.to_string()));
+                (None, Provenance { termination, refusal, ..Provenance::default() })
+            }
+            Err(error) => return Err(error),
+        };
         let mut row = OrderRow {
             system: self.name.clone(),
             method: method.clone(),

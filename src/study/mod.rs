@@ -27,7 +27,6 @@
 //! # Ok::<(), expoly::Error>(())
 //! ```
 
-mod answer;
 mod case;
 mod convergence;
 mod journal;
@@ -40,11 +39,9 @@ mod sweep;
 mod table;
 mod truth;
 
-pub use answer::Answer;
 pub use case::Case;
 pub use convergence::Convergence;
 pub use order::OrderStudy;
 pub use row::OrderRow;
 pub use sweep::{Sweep, SweepTable};
 pub use table::OrderTable;
-pub use truth::Truth;

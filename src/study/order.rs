@@ -22,11 +22,11 @@ use std::path::Path;
 /// ```
 /// use expoly::models::{Duffing, Solved};
 /// use expoly::study::{Case, OrderStudy};
-/// use expoly::Closure;
+/// use expoly::{Closure, Problem};
 /// let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
-/// let case = Case::new("Duffing", duffing.problem()?, |_| duffing.exact())
-///     .method("robust", |problem, n| Closure::new(n).solve(problem))
-///     .method("classical", |problem, n| Closure::classical(n).solve(problem));
+/// let case = Case::new("Duffing", duffing.problem()?, |_: &Problem| duffing.exact())
+///     .method("robust", Closure::new)
+///     .method("classical", Closure::classical);
 /// let table = OrderStudy::new(&[2, 4]).case(case).run()?;
 /// assert!(table.rows()[0].l1.is_some_and(|l1| l1 > 0.05) && table.rows()[1].l1.is_some_and(|l1| l1 < 1e-8));
 /// # Ok::<(), expoly::Error>(())

@@ -136,8 +136,7 @@ fn parts_of_a_study_of_orders_make_its_table() {
             truths.fetch_add(1, Ordering::Relaxed);
             duffing().exact()
         };
-        Case::new(name, problem(duffing()), truth)
-            .method("classical", |problem, n| Closure::classical(n).solve(problem))
+        Case::new(name, problem(duffing()), truth).method("classical", Closure::classical)
     };
     let study = |orders: &[u32]| {
         ["a, b", "c"].map(case).into_iter().fold(OrderStudy::new(orders), OrderStudy::case).file(&table)
@@ -162,7 +161,7 @@ fn parts_of_a_study_of_orders_make_its_table() {
     // Another order is added to what is there.
     assert_eq!(study(&[4, 5]).part(1, 2).run().unwrap().rows().len(), 3);
     // A row of the same name, but of another problem.
-    let other = Case::new("c", problem(van_der_pol()), |_| duffing().exact());
-    let other = other.method("classical", |problem, n| Closure::classical(n).solve(problem));
+    let other = Case::new("c", problem(van_der_pol()), |_: &Problem| duffing().exact());
+    let other = other.method("classical", Closure::classical);
     assert!(refused(&OrderStudy::new(&[2]).case(other).file(&table).run(), &table));
 }

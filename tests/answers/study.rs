@@ -22,23 +22,23 @@ fn study<'a>(solved: &'a AtomicUsize, orders: &[u32]) -> OrderStudy<'a> {
     let count = move || {
         solved.fetch_add(1, Ordering::Relaxed);
     };
-    let plane = Case::new("Duffing", problem(duffing()), |_| duffing().exact())
-        .method("robust", move |problem, n| {
+    let plane = Case::new("Duffing", problem(duffing()), |_: &Problem| duffing().exact())
+        .method("robust", move |n| {
             count();
-            Closure::new(n).solve(problem)
+            Closure::new(n)
         })
-        .method("classical", move |problem, n| {
+        .method("classical", move |n| {
             count();
-            Closure::classical(n).solve(problem)
+            Closure::classical(n)
         });
-    let line = Case::new("Ornstein-Uhlenbeck", problem(OrnsteinUhlenbeck), |_| {
+    let line = Case::new("Ornstein-Uhlenbeck", problem(OrnsteinUhlenbeck), |_: &Problem| {
         let q = Polynomial::from_terms(1, [([2], -0.5)])?;
         let scale = Gaussian { mean: DVector::zeros(1), covariance: DMatrix::identity(1, 1) };
         ExpPolynomial::from_states(&q, &scale, Support::WholeSpace)
     })
-    .method("robust", move |problem, n| {
+    .method("robust", move |n| {
         count();
-        Closure::new(n).solve(problem)
+        Closure::new(n)
     });
     OrderStudy::new(orders).case(plane).case(line)
 }

@@ -170,7 +170,7 @@ fn derivatives_without_a_closed_form_have_their_estimated_errors() -> Result<()>
 fn the_tangent_touches_the_densities_nearby() -> Result<()> {
     let problem = Problem::from_toml(CUBIC)?;
     let at = |value: f64| -> Result<ClosureDensity> { Closure::new(8).solve(&problem.with_parameter("mu", value)?) };
-    let found: Sensitivity = at(0.3)?.sensitivity("mu")?;
+    let found = at(0.3)?.sensitivity("mu")?;
     let variance = |h: f64| at(0.3 + h).unwrap().moment(&[2, 0]).unwrap().value;
     let differences = slope(variance, 0.05);
     let tangent = found.moment(&[2, 0])?;

@@ -3,7 +3,7 @@
 use crate::common::duffing;
 use crate::common::elastic::Elastic;
 use expoly::models::Solved;
-use expoly::{Closure, Crossing, Density, Error, Grid, Problem, Result, Wall};
+use expoly::{Closure, Crossing, Density, Error, Grid, Problem, Result, Sensitivity, Wall};
 
 /// Exact densities above an elastic wall, below one and between two, which move: ∂ ln p/∂θ in the mean under p, the derivatives of
 /// moments, of a tail and of the impact rate, to 1e-8 relative at every order. Measured are 1e-10.

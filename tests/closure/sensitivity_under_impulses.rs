@@ -3,7 +3,7 @@
 use crate::common::closing::moments_of_linear;
 use expoly::{
     Amplitude, Closure, Density, Error, Intensity, Oscillator, Parameter, PoissonImpulses, Problem, Result, Scalar,
-    Wall, parametric,
+    Sensitivity, Wall, parametric,
 };
 
 /// x″ + c x′ + k x + μ x³ = ξ + impulses of normal amplitudes.

@@ -1,7 +1,7 @@
 //! Systems of one state against closed forms: densities, derivatives, relaxation, transients and first passages.
 
 use crate::common::{OrnsteinUhlenbeck, problem};
-use expoly::{Density, Gaussian, Grid, Problem, Start};
+use expoly::{Density, Gaussian, Grid, Problem, Sensitivity, Start};
 use nalgebra::{dmatrix, dvector};
 
 /// dx = −x dt + √2 dW is normal with variance one, and with −x³ in place of −x the density is

@@ -3,10 +3,10 @@
 use crate::common::duffing;
 use crate::common::elastic::Elastic;
 use expoly::models::Solved;
-use expoly::{Density, Error, Grid, GridSensitivity, Problem, Result, Wall};
+use expoly::{Density, Error, Grid, Problem, Result, Sensitivity, Wall};
 
 /// The derivatives of the answers that the closed form has.
-fn answers(by: &GridSensitivity) -> Result<[f64; 5]> {
+fn answers(by: &dyn Sensitivity) -> Result<[f64; 5]> {
     let impacts = by.impact_rate().map_or(0.0, |rate| rate.value);
     let moments = [[1, 0], [2, 0], [0, 2]].map(|powers| by.moment(&powers).map(|moment| moment.value));
     let [mean, square, velocity] = moments;

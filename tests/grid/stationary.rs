@@ -5,7 +5,7 @@ use expoly::models::{Duffing, Linear, Solved};
 use expoly::statistics::energy_balance;
 use expoly::{
     Crossing, Density, Error, Grid, GridDensity, GridProgress, Intensity, Oscillator, Polynomial, PolynomialDrift,
-    Problem, Scalar, Simulation, Wall,
+    Problem, Scalar, Sensitivity, Simulation, Wall,
 };
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex};

@@ -153,7 +153,7 @@ fn fitted(pins: &mut Pins) -> Result<()> {
 }
 
 /// The derivatives of what is asked of a density.
-pub(super) fn derivative(pins: &mut Pins, share: f64, by: &Sensitivity) -> Result<()> {
+pub(super) fn derivative(pins: &mut Pins, share: f64, by: &dyn Sensitivity) -> Result<()> {
     let n = by.density().dimension();
     let squares = [0, 1].map(|state| by.moment(&super::power_of(n, state, 2)).unwrap());
     let name = by.parameter();

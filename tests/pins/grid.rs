@@ -4,7 +4,7 @@ use super::{Group, HALVINGS, OPTIMA, Pins, SUMS};
 use crate::common::moving::{Noisy, correlated, normal, two_wells};
 use crate::common::{OrnsteinUhlenbeck, between, duffing, duffing_above, inelastic, problem, van_der_pol};
 use expoly::models::{Linear, Solved};
-use expoly::{Course, Density, Envelope, Estimate, Grid, GridDensity, Problem, Result, Start, Transient};
+use expoly::{Course, Density, Envelope, Estimate, Grid, GridDensity, Problem, Result, Sensitivity, Start, Transient};
 
 pub(super) const GROUPS: &[Group] = &[
     ("grid between walls", between_walls),

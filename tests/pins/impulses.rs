@@ -2,7 +2,7 @@
 
 use super::{Group, OPTIMA, Pins, SUMS, simulation};
 use crate::simulation::impulses::{laws, struck};
-use expoly::{Closure, Density, Gaussian, Problem, Result, Start, Wall};
+use expoly::{Closure, Density, Gaussian, Problem, Result, Sensitivity, Start, Wall};
 use nalgebra::{dmatrix, dvector};
 
 pub(super) const GROUPS: &[Group] = &[

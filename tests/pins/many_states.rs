@@ -8,7 +8,7 @@ use crate::common::{chain_of_two, duffing};
 use crate::simulation::walls::{Room, with_walls};
 use expoly::models::{FilteredDuffing, Solved};
 use expoly::statistics::Impacts;
-use expoly::{Closure, ClosureDensity, Density, Problem, Reference, Result, Wall, compare};
+use expoly::{Closure, ClosureDensity, Density, Problem, Reference, Result, Sensitivity, Wall, compare};
 
 pub(super) const GROUPS: &[Group] = &[
     ("closure by a reference in three states", by_a_reference),

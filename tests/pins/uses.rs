@@ -9,7 +9,7 @@ use expoly::models::{
     TunedAbsorber, VibroImpactDuffing,
 };
 use expoly::study::{Case, OrderStudy, Sweep};
-use expoly::{ClosedForm, Closure, Density, Intensity, Polynomial, Problem, Result, Simulation};
+use expoly::{ClosedForm, Closure, Density, Intensity, Polynomial, Problem, Result, Sensitivity, Simulation};
 use nalgebra::DMatrix;
 
 pub(super) const GROUPS: &[Group] = &[
@@ -46,9 +46,9 @@ fn identification(pins: &mut Pins) -> Result<()> {
 }
 
 fn study_of_orders(pins: &mut Pins) -> Result<()> {
-    let case = Case::new("Duffing", duffing().problem()?, |_| duffing().exact())
-        .method("robust", |problem, n| closure(n).solve(problem))
-        .method("classical", |problem, n| Closure::classical(n).solve(problem));
+    let case = Case::new("Duffing", duffing().problem()?, |_: &Problem| duffing().exact())
+        .method("robust", closure)
+        .method("classical", Closure::classical);
     let table = OrderStudy::new(&[2, 4]).case(case).run()?;
     for row in table.rows() {
         let what = format!("{} {}", row.method, row.order);

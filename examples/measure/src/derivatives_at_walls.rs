@@ -7,7 +7,7 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::models::{Duffing, Solved};
-use expoly::{Closure, Density, Grid, Problem, Result, Wall};
+use expoly::{Closure, Density, Grid, Problem, Result, Sensitivity, Wall};
 
 /// Derivatives by parameters above lossy walls.
 #[derive(Clone, Debug, Args)]

@@ -50,13 +50,10 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     let cubic = Problem::of(CubicDamping::new([0.1, 0.3], 1.0, 1.0, 0.5)?)?;
     let cases = [
-        Case::new("Duffing", duffing.problem()?, move |_| duffing.exact()),
-        Case::new("cubic damping", cubic, |problem| Grid::new().accuracy(1e-4).solve(problem)),
+        Case::new("Duffing", duffing.problem()?, move |_: &Problem| duffing.exact()),
+        Case::new("cubic damping", cubic, Grid::new().accuracy(1e-4)),
     ];
-    let methods = |case: Case<'static>| {
-        case.method("robust", |problem, order| Closure::new(order).solve(problem))
-            .method("classical", |problem, order| Closure::classical(order).solve(problem))
-    };
+    let methods = |case: Case<'static>| case.method("robust", Closure::new).method("classical", Closure::classical);
     let study = cases.into_iter().map(methods).fold(OrderStudy::new(&[2, 4, 6, 8]), OrderStudy::case);
     study.file(options.out.join("orders.csv")).progress(count).run_on(&world)?;
     println!("rank {rank}: {} rows computed", rows.into_inner());

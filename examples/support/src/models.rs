@@ -5,7 +5,7 @@ use expoly::models::{
     CubicDamping, DisplacementNoise, Duffing, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear, PowerLaw,
     QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing,
 };
-use expoly::{Density, ExpPolynomial, Problem, Result, study::Truth};
+use expoly::{Density, ExpPolynomial, Method, Problem, Result};
 
 /// One model.
 #[derive(Debug)]
@@ -44,19 +44,21 @@ pub enum Exact {
 
 impl Exact {
     /// The density itself.
-    pub fn density(&self) -> &dyn Density {
+    pub fn known(&self) -> &dyn Density {
         match self {
             Exact::ExpPolynomial(density) => &**density,
             Exact::PowerLaw(density) => density,
         }
     }
+}
 
-    /// The same as the truth of a study.
-    pub fn truth(&self) -> Truth {
-        match self.clone() {
-            Exact::ExpPolynomial(density) => Truth::exact(*density),
-            Exact::PowerLaw(density) => Truth::exact(density),
-        }
+/// The method of a problem that has it.
+impl Method for Exact {
+    fn density(&self, _: &Problem) -> Result<Box<dyn Density>> {
+        Ok(match self.clone() {
+            Exact::ExpPolynomial(density) => density,
+            Exact::PowerLaw(density) => Box::new(density),
+        })
     }
 }
 

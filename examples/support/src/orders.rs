@@ -3,8 +3,8 @@
 use crate::models::{About, Exact, Model, models};
 use clap::{Args, ValueEnum};
 use expoly::models::{DuffingChain, Solved};
-use expoly::study::{Case, Truth};
-use expoly::{Closure, Grid, Problem, Simulation, Weight};
+use expoly::study::Case;
+use expoly::{Closure, Density, Grid, Problem, Simulation, Weight};
 
 /// By which methods models are closed, and what they are compared with.
 #[derive(Clone, Debug, Args)]
@@ -102,35 +102,43 @@ impl Setup {
             let remedy = "it is compared with its exact density; leave --reference out";
             return Err(format!("--model {}: {remedy}", about.name).into());
         }
-        let exact = exact.clone();
-        let mut case = Case::new(about.name, problem.clone(), move |problem| self.truth(problem, exact.as_ref()));
+        let mut case = Case::new(about.name, problem.clone(), Truth { setup: self, exact: exact.clone() });
         // A method may be added to a table, but all rows of it are of the same other options.
         case = case.settings(&format!("{:?}", Setup { method: Method::Both, ..self.clone() }));
         if self.method != Method::Classical {
-            case = case.method("robust", |problem, order| {
+            case = case.method("robust", |order| {
                 let reference = match self.closest_to {
                     ClosestTo::Auto => expoly::Reference::Automatic,
                     ClosestTo::Equations => expoly::Reference::Equations,
                     ClosestTo::Grid => expoly::Reference::Grid,
                     ClosestTo::States => expoly::Reference::States,
                 };
-                Closure::new(order).weight(self.weight).seed(self.seed).reference(reference).solve(problem)
+                Closure::new(order).weight(self.weight).seed(self.seed).reference(reference)
             });
         }
         if self.method != Method::Robust {
-            case = case.method("classical", |problem, order| Closure::classical(order).solve(problem));
+            case = case.method("classical", Closure::classical);
         }
         Ok(case)
     }
+}
 
-    fn truth(&self, problem: &Problem, exact: Option<&Exact>) -> expoly::Result<Truth> {
-        Ok(match (self.reference, exact) {
-            (None | Some(Reference::Exact), Some(exact)) => exact.truth(),
+/// The truth by the options, the exact density where it is known.
+struct Truth<'a> {
+    setup: &'a Setup,
+    exact: Option<Exact>,
+}
+
+impl expoly::Method for Truth<'_> {
+    fn density(&self, problem: &Problem) -> expoly::Result<Box<dyn Density>> {
+        let Setup { reference, samples, seed, accuracy, .. } = self.setup;
+        match (reference, &self.exact) {
+            (None | Some(Reference::Exact), Some(exact)) => exact.density(problem),
             (Some(Reference::Simulation), _) => {
-                Simulation::new().samples(self.samples).seed(self.seed).run(problem)?.into()
+                Ok(Box::new(Simulation::new().samples(*samples).seed(*seed).run(problem)?))
             }
-            _ => Grid::new().accuracy(self.accuracy).solve(problem)?.into(),
-        })
+            _ => Grid::new().accuracy(*accuracy).density(problem),
+        }
     }
 }
 

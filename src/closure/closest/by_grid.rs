@@ -44,41 +44,45 @@ impl Closure {
         pilot: &Pilot,
         begin: Instant,
     ) -> Result<ClosureDensity> {
-        let mut found: Option<ClosureDensity> = None;
+        let mut found = None;
         for accuracy in ACCURACIES {
-            // A grid that this ends has what it reached as its estimate.
-            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(MEMORY)).solve(problem);
-            let grid = match grid {
-                Ok(grid) => grid,
-                Err(error) => return found.ok_or(error),
-            };
-            let symmetry = problem.symmetry();
-            let mut closest = Closest::new(&grid, self, &symmetry)?;
-            let closed = self.at_order(HIGHEST_ORDER, false, |order| {
-                let mut content = closest.content(order, begin)?;
-                content.indication = closest.indication(problem, &content.exponent, order);
-                content.provenance.reference = Some(match problem.dimension() {
-                    1 => String::from("closed form"),
-                    _ => format!("grid of {} cells, estimate {:.1e}", grid.cells().len(), grid.l1_estimate()),
-                });
-                Ok(ClosureDensity::new(content))
-            });
-            let closed = match closed {
-                Ok(closed) => closed,
-                Err(error) => return found.ok_or(error),
-            };
-            if let Some(exact) = exact(&closed, problem, pilot) {
-                return Ok(exact);
-            }
-            let limited = closest.target.error > MINOR * closed.l1_estimate();
-            let last = !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy;
-            found = Some(closed);
-            if last {
-                break;
+            // A mesh that is too coarse for the shares of wells may have no answer where a finer one has.
+            match self.by_grid_of(accuracy, problem, pilot, begin) {
+                Ok((closed, true)) => return Ok(closed),
+                Ok((closed, false)) => found = Some(Ok(closed)),
+                Err(error) => found = found.or(Some(Err(error))),
             }
         }
         let reason = "no polynomial is near the density of a grid; take the grid";
-        found.ok_or(Error::NotClosed { order: self.lowest(), reason })
+        found.unwrap_or(Err(Error::NotClosed { order: self.lowest(), reason }))
+    }
+
+    /// The closest to the density of a grid of this accuracy, and whether a finer one would not change it.
+    fn by_grid_of(
+        &self,
+        accuracy: f64,
+        problem: &Problem,
+        pilot: &Pilot,
+        begin: Instant,
+    ) -> Result<(ClosureDensity, bool)> {
+        // A grid that the memory ends has what it reached as its estimate.
+        let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(MEMORY)).solve(problem)?;
+        let symmetry = problem.symmetry();
+        let mut closest = Closest::new(&grid, self, &symmetry)?;
+        let closed = self.at_order(HIGHEST_ORDER, false, |order| {
+            let mut content = closest.content(order, begin)?;
+            content.indication = closest.indication(problem, &content.exponent, order);
+            content.provenance.reference = Some(match problem.dimension() {
+                1 => String::from("closed form"),
+                _ => format!("grid of {} cells, estimate {:.1e}", grid.cells().len(), grid.l1_estimate()),
+            });
+            Ok(ClosureDensity::new(content))
+        })?;
+        if let Some(exact) = exact(&closed, problem, pilot) {
+            return Ok((exact, true));
+        }
+        let limited = closest.target.error > MINOR * closed.l1_estimate();
+        Ok((closed, !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy))
     }
 }
 

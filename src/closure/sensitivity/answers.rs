@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
 use crate::polynomial::power;
+use crate::sensitivity::Sensitivity;
 use crate::states::States;
 use std::sync::Arc;
 
@@ -43,7 +44,7 @@ const TAIL_NODES: usize = 80;
 /// well than means: what the two highest degrees of ψ change is a part of its error, and was half of it by r = 0.8 behind a
 /// filter. Other answers are those of the exponential polynomial whose moments have these derivatives.
 #[derive(Clone, Debug)]
-pub struct Sensitivity {
+pub struct ClosureSensitivity {
     pub(super) density: ClosureDensity,
     pub(super) parameter: String,
     /// The derivative of Q, with a constant that makes the derivative of the density one of a density.
@@ -68,32 +69,28 @@ pub(super) struct Whole {
     pub(super) masses: Vec<[f64; 2]>,
 }
 
-impl Sensitivity {
-    /// The name of the parameter.
-    pub fn parameter(&self) -> &str {
+impl Sensitivity for ClosureSensitivity {
+    fn parameter(&self) -> &str {
         &self.parameter
     }
 
-    /// The density that this is a derivative of.
-    pub fn density(&self) -> &ClosureDensity {
+    fn density(&self) -> &dyn Density {
         &self.density
     }
 
-    /// (∂p/∂θ)/p at a state, which is ∂ ln p/∂θ. Its mean under p is zero; by the offset of a wall it is the density there, which
-    /// the wall takes from the motion or leaves to it.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if it is no state of the problem.
-    pub fn relative(&self, x: &[f64]) -> Result<f64> {
+    fn relative(&self, x: &[f64]) -> Result<f64> {
         point(x, self.density.dimension())?;
         let exponent = self.density.exponent();
         let displaced = self.on_states.as_ref().map_or(0.0, |states| states.displaced.value(exponent, x));
         Ok(self.at(x) + self.carried.value(exponent, x) + displaced)
     }
 
-    /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the nodes: ∂p/∂x ~ u^(g − 1)
-    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
-    pub fn size(&self) -> f64 {
+    fn pdf(&self, x: &[f64]) -> Result<Estimate> {
+        let (relative, density) = (self.relative(x)?, self.density.pdf(x)?);
+        Ok(self.shared(relative * density.value))
+    }
+
+    fn size(&self) -> f64 {
         match &self.on_states {
             Some(states) => states.size,
             None if self.in_many_states() => self.under_density(&|x| self.at(x).abs()).value,
@@ -101,9 +98,7 @@ impl Sensitivity {
         }
     }
 
-    /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx: the distance from the derivative of the reference, and that derivative's own
-    /// error. It is to be compared with [`Sensitivity::size`].
-    pub fn l1_estimate(&self) -> f64 {
+    fn l1_estimate(&self) -> f64 {
         if let Some(states) = &self.on_states {
             return states.l1_estimate;
         }
@@ -112,16 +107,7 @@ impl Sensitivity {
         apart.hypot(doubt).hypot(self.beyond(&|_| 1.0))
     }
 
-    /// ∫ |g ∂p/∂θ| dx beyond the domain under impulses, if it falls on outwards at the rate that it has at the edge: tails are heavier
-    /// there than under white noise, and the equations are those of a process that does not jump out.
-    fn beyond(&self, g: &dyn Fn(&[f64]) -> f64) -> f64 {
-        let struck = self.density.problem().is_ok_and(|problem| !problem.impulses().is_empty());
-        let log = |x: &[f64]| self.density.exponent().value(x) + (g(x) * self.at(x)).abs().ln();
-        if struck { self.density.content.domain.mass_beyond(log) } else { 0.0 }
-    }
-
-    /// Why the derivative should not be relied on, if there is a reason: the density's own, or its own estimated error.
-    pub fn warning(&self) -> Option<&str> {
+    fn warning(&self) -> Option<&str> {
         let large = self.l1_estimate() > UNRELIABLE * self.size().max(SOLVED);
         let own = large.then_some("the estimated error of the derivative is large: take a higher order");
         let few = self.on_states.as_ref().is_some_and(|states| states.change() > UNRELIABLE * states.size);
@@ -130,9 +116,7 @@ impl Sensitivity {
         self.density.warning().or(few).or(own)
     }
 
-    /// dE g/dθ, the sum over the nodes of the closure. With the offset of a wall states move, and g must be continuous in the
-    /// displacement: differences are its slope.
-    pub fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
+    fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         if let Some(states) = &self.on_states {
             let steps = self.steps(STEP);
             let slope = |x: &[f64]| states.displaced.slope(g, x, &steps);
@@ -151,32 +135,7 @@ impl Sensitivity {
         still.plus(self.carried.mean(&self.density, slope))
     }
 
-    /// The same in the coordinate in which walls stand still.
-    fn mean(&self, g: &dyn Fn(&[f64]) -> f64) -> Estimate {
-        let (mut sum, mut other, mut square) = (0.0, 0.0, 0.0);
-        for ((x, [own, reference]), masses) in self.density.nodes.iter().zip(&self.masses).zip(&self.density.masses) {
-            let value = g(x);
-            sum += value * own;
-            other += value * reference;
-            square += value * value * masses[0];
-        }
-        // What lies between the edges of the two domains counts as an error, and what the highest degree changes.
-        let (mut whole, mut change) = (0.0, 0.0);
-        for (x, [own, below]) in self.whole.points.iter().zip(&self.whole.masses) {
-            let value = g(x);
-            whole += value * own;
-            change += value * (own - below);
-        }
-        let apart = if self.whole.masses.is_empty() { 0.0 } else { (sum - whole).abs() };
-        let error = (sum - other).abs().max(apart).max(change.abs()) + self.beyond(g);
-        Estimate::new(sum, error + self.rounding() * square.sqrt())
-    }
-
-    /// The derivative of a raw moment, dE\[x₁^p₁ ⋯ x_n^p_n\]/dθ.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) unless there is a power for each state.
-    pub fn moment(&self, powers: &[u32]) -> Result<Estimate> {
+    fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("a list of powers", powers.len(), self.density.dimension())?;
         if self.in_many_states() {
             return Ok(self.expectation(&|x| power(x, powers)));
@@ -189,12 +148,7 @@ impl Sensitivity {
         Ok(still.plus(self.carried.mean(&self.density, |x| factor * power(x, &lower))))
     }
 
-    /// The derivative of P(x_i > `level`) for a state i.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) if there is no such state, [`Error::OutOfRange`](crate::Error::OutOfRange) for
-    /// a level that is not finite.
-    pub fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
+    fn exceedance(&self, state: usize, level: f64) -> Result<Estimate> {
         coordinate("the state of an exceedance", state, level, self.density.dimension())?;
         if self.in_many_states() {
             let beyond = |x: &[f64]| f64::from(u8::from(x[state] > level));
@@ -224,11 +178,7 @@ impl Sensitivity {
         Ok(beyond)
     }
 
-    /// The derivative of the marginal density of a state.
-    ///
-    /// # Errors
-    /// As [`Sensitivity::exceedance`].
-    pub fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
+    fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         coordinate("the state of a marginal", state, x, self.density.dimension())?;
         if self.in_many_states() {
             return self.drawn(state, x, |_| 1.0);
@@ -238,12 +188,7 @@ impl Sensitivity {
         Ok(self.shared(self.sum_over(state, x, |x| self.at(x) + fixed(x))))
     }
 
-    /// The derivative of the mean rate at which the displacement crosses a level upwards.
-    ///
-    /// # Errors
-    /// [`Error::Dimension`](crate::Error::Dimension) in one state, [`Error::OutOfRange`](crate::Error::OutOfRange) for a level that
-    /// is not finite.
-    pub fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
+    fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let [displacement, velocity] = Crossing::upward(finite("level", level)?).states(self.density.dimension())?;
         if self.in_many_states() {
             return self.drawn(displacement, level, |x| x[velocity].max(0.0));
@@ -252,10 +197,39 @@ impl Sensitivity {
         Ok(self.shared(self.sum_over(displacement, level, |x| x[velocity].max(0.0) * fixed(x))))
     }
 
-    /// The derivative of the mean number of impacts per unit time, at all walls together, wherever they move; none without a
-    /// wall.
-    pub fn impact_rate(&self) -> Option<Estimate> {
+    fn impact_rate(&self) -> Option<Estimate> {
         self.impacts.map(|rate| Estimate::new(rate.value, rate.error + self.rounding()))
+    }
+}
+
+impl ClosureSensitivity {
+    /// ∫ |g ∂p/∂θ| dx beyond the domain under impulses, if it falls on outwards at the rate that it has at the edge: tails are heavier
+    /// there than under white noise, and the equations are those of a process that does not jump out.
+    fn beyond(&self, g: &dyn Fn(&[f64]) -> f64) -> f64 {
+        let struck = self.density.problem().is_ok_and(|problem| !problem.impulses().is_empty());
+        let log = |x: &[f64]| self.density.exponent().value(x) + (g(x) * self.at(x)).abs().ln();
+        if struck { self.density.content.domain.mass_beyond(log) } else { 0.0 }
+    }
+
+    /// The same in the coordinate in which walls stand still.
+    fn mean(&self, g: &dyn Fn(&[f64]) -> f64) -> Estimate {
+        let (mut sum, mut other, mut square) = (0.0, 0.0, 0.0);
+        for ((x, [own, reference]), masses) in self.density.nodes.iter().zip(&self.masses).zip(&self.density.masses) {
+            let value = g(x);
+            sum += value * own;
+            other += value * reference;
+            square += value * value * masses[0];
+        }
+        // What lies between the edges of the two domains counts as an error, and what the highest degree changes.
+        let (mut whole, mut change) = (0.0, 0.0);
+        for (x, [own, below]) in self.whole.points.iter().zip(&self.whole.masses) {
+            let value = g(x);
+            whole += value * own;
+            change += value * (own - below);
+        }
+        let apart = if self.whole.masses.is_empty() { 0.0 } else { (sum - whole).abs() };
+        let error = (sum - other).abs().max(apart).max(change.abs()) + self.beyond(g);
+        Estimate::new(sum, error + self.rounding() * square.sqrt())
     }
 
     /// The derivatives of p̃ and of the reference at the density's nodes, times the weights.

@@ -10,12 +10,11 @@
 //!   weight does;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
-//! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`, `derived`: what it says at fixed states and at the walls, of moments,
-//!   tails, crossings, quantiles and first passages.
+//! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`: what it says at fixed states and at the walls, of moments, tails
+//!   and crossings.
 
 mod answers;
 mod carried;
-mod derived;
 mod exact;
 mod factors;
 mod impacts;
@@ -26,7 +25,7 @@ mod slope;
 mod tangent;
 mod walled;
 
-pub use answers::Sensitivity;
+pub use answers::ClosureSensitivity;
 
 use super::candidates::Origin;
 use super::density::ClosureDensity;
@@ -92,7 +91,7 @@ impl ClosureDensity {
     /// [`Error::NotClosed`] where the linear system has no solution.
     ///
     /// ```
-    /// use expoly::{Closure, Density, models::{Duffing, Solved}};
+    /// use expoly::{Closure, Density, Sensitivity, models::{Duffing, Solved}};
     /// let density = Closure::new(4).solve(&Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?)?;
     /// // p = C exp(−(c/D) H), so that E v² = D/c and P(x > a) falls as the damping rises.
     /// let by_damping = density.sensitivity("c")?;
@@ -100,7 +99,7 @@ impl ClosureDensity {
     /// assert!(by_damping.exceedance(0, 2.0)?.value < 0.0);
     /// # Ok::<(), expoly::Error>(())
     /// ```
-    pub fn sensitivity(&self, parameter: &str) -> Result<Sensitivity> {
+    pub fn sensitivity(&self, parameter: &str) -> Result<ClosureSensitivity> {
         Ok(self.sensitivities(&[parameter])?.remove(0))
     }
 
@@ -108,7 +107,7 @@ impl ClosureDensity {
     ///
     /// # Errors
     /// As [`ClosureDensity::sensitivity`].
-    pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
+    pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<ClosureSensitivity>> {
         let problem = self.differentiable()?;
         if self.dimension() > 2 {
             return self.sensitivities_on_states(problem, parameters);
@@ -130,7 +129,7 @@ impl ClosureDensity {
             let Found { slope, at_nodes, reference } = found;
             let whole = reference.as_ref().map(Derivative::whole);
             let found = self.moving_with(parameter, slope, at_nodes, whole);
-            Ok(Sensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
+            Ok(ClosureSensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
         };
         // The first error is that of the first parameter.
         parallel::map(moving.len(), |k| one((&parameters[k], &moving[k]))).into_iter().collect()
@@ -232,13 +231,13 @@ impl ClosureDensity {
         slope: Slope,
         [own, other]: [Vec<f64>; 2],
         whole: Option<Whole>,
-    ) -> Sensitivity {
+    ) -> ClosureSensitivity {
         let masses =
             own.iter().zip(other).zip(&self.masses).map(|((own, other), m)| [own * m[0], other * m[1]]).collect();
         let none = || Whole { points: States::new(self.dimension()), masses: Vec::new() };
         let (density, whole) = (self.clone(), whole.unwrap_or_else(none));
         let (parameter, carried) = (parameter.to_owned(), Carried::default());
-        Sensitivity { density, parameter, slope, masses, whole, carried, impacts: None, on_states: None }
+        ClosureSensitivity { density, parameter, slope, masses, whole, carried, impacts: None, on_states: None }
     }
 
     /// The functions of the order with a symmetry, which a parameter may break that the density has. Next to walls it has none.

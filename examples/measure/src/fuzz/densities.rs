@@ -2,7 +2,7 @@
 
 use super::probe::Probe;
 use expoly::statistics::{self, Crossings, Cumulants, Impacts, Marginal};
-use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Problem, SimulatedDensity, compare};
+use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Problem, Sensitivity, SimulatedDensity, compare};
 
 pub(super) const ODD: [f64; 6] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e-300, 0.0];
 

@@ -14,7 +14,7 @@ mod rows;
 mod walk;
 mod weights;
 
-use super::Sensitivity;
+use super::ClosureSensitivity;
 use super::exact::Newton;
 use super::slope::Slope;
 use crate::closure::candidates::Origin;
@@ -77,7 +77,11 @@ struct Found {
 
 impl ClosureDensity {
     /// The derivatives in three states and more.
-    pub(super) fn sensitivities_on_states(&self, problem: &Problem, parameters: &[&str]) -> Result<Vec<Sensitivity>> {
+    pub(super) fn sensitivities_on_states(
+        &self,
+        problem: &Problem,
+        parameters: &[&str],
+    ) -> Result<Vec<ClosureSensitivity>> {
         let along: Vec<StillMotion> =
             parameters.iter().map(|parameter| problem.motion(parameter)?.still(problem)).collect::<Result<_>>()?;
         if self.is_exact() && problem.walls().is_empty() {
@@ -102,7 +106,7 @@ impl ClosureDensity {
             let impacts = self.impacts_on_states(problem, moving, &masses);
             let on_states = self.carried_by((motion, &symmetry), masses, &own, (&density, displaced));
             let on_states = Some(Arc::new(on_states));
-            Ok(Sensitivity { on_states, impacts, ..self.moving_by(name, slope) })
+            Ok(ClosureSensitivity { on_states, impacts, ..self.moving_by(name, slope) })
         };
         parameters.iter().zip(along.iter().zip(grazing)).zip(masses).map(one).collect()
     }
@@ -229,7 +233,7 @@ impl ClosureDensity {
     }
 
     /// The derivative with that of ln p̃.
-    fn moving_by(&self, parameter: &str, slope: Slope) -> Sensitivity {
+    fn moving_by(&self, parameter: &str, slope: Slope) -> ClosureSensitivity {
         self.moving_with(parameter, slope, [Vec::new(), Vec::new()], None)
     }
 
