@@ -31,11 +31,11 @@ pub(crate) struct Piece {
     from: f64,
     /// Where the next one begins.
     pub(crate) until: f64,
-    shape: Shape,
+    shape: PieceShape,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Shape {
+enum PieceShape {
     /// value + slope (t − from); the slope is 0 where `from` is −∞.
     Line { value: f64, slope: f64 },
     /// amplitude (e^(−slow t) − e^(−fast t)).
@@ -62,8 +62,8 @@ impl Envelope {
         )?;
         let remedy = "it must be finite and above the slow rate, which the noise fades at";
         require(fast.is_finite() && fast > slow, "fast rate of an envelope", fast, remedy)?;
-        let still = Piece { from: f64::NEG_INFINITY, until: 0.0, shape: Shape::Line { value: 0.0, slope: 0.0 } };
-        let shape = Shape::Exponentials { amplitude, slow, fast };
+        let still = Piece { from: f64::NEG_INFINITY, until: 0.0, shape: PieceShape::Line { value: 0.0, slope: 0.0 } };
+        let shape = PieceShape::Exponentials { amplitude, slow, fast };
         Ok(Envelope { pieces: vec![still, Piece { from: 0.0, until: f64::INFINITY, shape }] })
     }
 
@@ -99,7 +99,7 @@ impl Envelope {
         let piece = |(k, &(from, value, slope)): (usize, &(f64, f64, f64))| Piece {
             from,
             until: until(k),
-            shape: Shape::Line { value, slope },
+            shape: PieceShape::Line { value, slope },
         };
         Envelope { pieces: lines.iter().enumerate().map(piece).collect() }
     }
@@ -126,9 +126,9 @@ impl Piece {
     /// e and its derivative; at the end of the piece, from within.
     pub(crate) fn value(&self, time: f64) -> [f64; 2] {
         match self.shape {
-            Shape::Line { value, slope: 0.0 } => [value, 0.0],
-            Shape::Line { value, slope } => [value + slope * (time - self.from), slope],
-            Shape::Exponentials { amplitude, slow, fast } => {
+            PieceShape::Line { value, slope: 0.0 } => [value, 0.0],
+            PieceShape::Line { value, slope } => [value + slope * (time - self.from), slope],
+            PieceShape::Exponentials { amplitude, slow, fast } => {
                 let [a, b] = [slow, fast].map(|rate| amplitude * (-rate * time).exp());
                 // Where both are nearly equal, their difference without cancellation.
                 [-a * (-(fast - slow) * time).exp_m1(), fast * b - slow * a]
@@ -145,14 +145,14 @@ impl Piece {
     /// The largest value at t ≥ 0.
     fn highest(&self) -> f64 {
         match self.shape {
-            Shape::Exponentials { slow, fast, .. } if slow > 0.0 => {
+            PieceShape::Exponentials { slow, fast, .. } if slow > 0.0 => {
                 let ratio = (fast - slow) / slow;
                 let log = if ratio.is_finite() { ratio.ln_1p() } else { fast.ln() - slow.ln() };
                 self.value(log / (fast - slow))[0]
             }
-            Shape::Exponentials { amplitude, .. } => amplitude,
-            Shape::Line { value, slope: 0.0 } => value,
-            Shape::Line { .. } => {
+            PieceShape::Exponentials { amplitude, .. } => amplitude,
+            PieceShape::Line { value, slope: 0.0 } => value,
+            PieceShape::Line { .. } => {
                 [self.from.max(0.0), self.until].map(|t| self.value(t)[0]).into_iter().fold(0.0, f64::max)
             }
         }

@@ -9,9 +9,9 @@ pub(crate) mod number {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     #[derive(Clone, Copy)]
-    struct Number(f64);
+    struct AnyNumber(f64);
 
-    impl Serialize for Number {
+    impl Serialize for AnyNumber {
         fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
             if self.0.is_finite() || !serializer.is_human_readable() {
                 serializer.serialize_f64(self.0)
@@ -21,7 +21,7 @@ pub(crate) mod number {
         }
     }
 
-    impl<'de> Deserialize<'de> for Number {
+    impl<'de> Deserialize<'de> for AnyNumber {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
             #[derive(Deserialize)]
             #[serde(untagged, expecting = "expected a number, \"inf\", \"-inf\" or \"NaN\"")]
@@ -38,9 +38,9 @@ pub(crate) mod number {
                 NaN,
             }
             if !deserializer.is_human_readable() {
-                return f64::deserialize(deserializer).map(Number);
+                return f64::deserialize(deserializer).map(AnyNumber);
             }
-            Ok(Number(match Either::deserialize(deserializer)? {
+            Ok(AnyNumber(match Either::deserialize(deserializer)? {
                 Either::Number(value) => value,
                 Either::Word(Word::Infinite) => f64::INFINITY,
                 Either::Word(Word::MinusInfinite) => f64::NEG_INFINITY,
@@ -50,23 +50,23 @@ pub(crate) mod number {
     }
 
     pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        Number(*value).serialize(serializer)
+        AnyNumber(*value).serialize(serializer)
     }
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        Number::deserialize(deserializer).map(|number| number.0)
+        AnyNumber::deserialize(deserializer).map(|number| number.0)
     }
 
     /// The same for a number that may be missing.
     pub(crate) mod option {
-        use super::{Deserialize, Deserializer, Number, Serialize, Serializer};
+        use super::{AnyNumber, Deserialize, Deserializer, Serialize, Serializer};
 
         pub(crate) fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-            value.map(Number).serialize(serializer)
+            value.map(AnyNumber).serialize(serializer)
         }
 
         pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-            Ok(Option::<Number>::deserialize(deserializer)?.map(|number| number.0))
+            Ok(Option::<AnyNumber>::deserialize(deserializer)?.map(|number| number.0))
         }
     }
 }
@@ -112,7 +112,7 @@ mod tests {
     use serde::{Deserialize, Serialize};
 
     #[derive(Debug, Deserialize, Serialize)]
-    struct All {
+    struct Example {
         #[serde(with = "number")]
         one: f64,
         #[serde(with = "number::option")]
@@ -121,14 +121,14 @@ mod tests {
 
     #[test]
     fn numbers_without_a_sign_come_back_from_text_and_from_bytes() -> Result<(), Box<dyn std::error::Error>> {
-        let all = All { one: f64::NAN, maybe: Some(f64::NEG_INFINITY) };
+        let all = Example { one: f64::NAN, maybe: Some(f64::NEG_INFINITY) };
         let text = serde_json::to_string(&all)?;
         assert_eq!(text, r#"{"one":"NaN","maybe":"-inf"}"#);
         let bytes = postcard::to_stdvec(&all)?;
-        for back in [serde_json::from_str::<All>(&text)?, postcard::from_bytes(&bytes)?] {
+        for back in [serde_json::from_str::<Example>(&text)?, postcard::from_bytes(&bytes)?] {
             assert!(back.one.is_nan() && back.maybe == all.maybe);
         }
-        assert!(serde_json::from_str::<All>(r#"{"one":"all","maybe":null}"#).is_err());
+        assert!(serde_json::from_str::<Example>(r#"{"one":"all","maybe":null}"#).is_err());
         Ok(())
     }
 }

@@ -18,7 +18,7 @@ use std::slice::ChunksExact;
 /// assert_eq!((list.len(), &list[0]), (1, &[0.5, -1.0][..]));
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Parts")]
+#[serde(try_from = "StatesParts")]
 pub struct States {
     dimension: usize,
     values: Vec<f64>,
@@ -26,15 +26,15 @@ pub struct States {
 
 /// The parts of a list in a document.
 #[derive(Deserialize)]
-struct Parts {
+struct StatesParts {
     dimension: usize,
     values: Vec<f64>,
 }
 
-impl TryFrom<Parts> for States {
+impl TryFrom<StatesParts> for States {
     type Error = String;
 
-    fn try_from(Parts { dimension, values }: Parts) -> Read<Self> {
+    fn try_from(StatesParts { dimension, values }: StatesParts) -> Read<Self> {
         if dimension == 0 || !values.len().is_multiple_of(dimension) {
             return Err(format!("{} numbers are no states of {dimension} numbers each", values.len()));
         }

@@ -1,7 +1,7 @@
 //! The content of ln p that a text in any language must contain.
 
 use super::{ClosedDensity, ClosedForm};
-use crate::closure::{Cells, ClosureDensity, Copula, Corner, Similarity, TrustDomain};
+use crate::closure::{ClosureDensity, Copula, Corner, DomainCells, Similarity, TrustDomain};
 use crate::density::{Density, ExpPolynomial, Support};
 use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, total_degree};
@@ -58,7 +58,7 @@ pub(super) enum Domain<'a> {
     /// An ellipsoid in normal scores.
     Ellipsoid(&'a Copula),
     /// Boxes, in one state or two.
-    Cells(&'a Cells),
+    Cells(&'a DomainCells),
 }
 
 impl ClosedForm {

@@ -3,7 +3,7 @@
 use super::classical::ClassicalClosure;
 use super::density::ClosureDensity;
 use super::projection::Weight;
-use super::reference::Start;
+use super::reference::ReferenceStart;
 use super::space::degrees::Degrees;
 use crate::checks::{positive, require};
 use crate::closure::HIGHEST_ORDER;
@@ -38,7 +38,7 @@ pub struct Closure {
     pub(super) states: Option<usize>,
     pub(super) inflation: f64,
     pub(super) degrees: Degrees,
-    pub(super) start: Option<Start>,
+    pub(super) start: Option<ReferenceStart>,
     pub(super) memory: MemoryLimit,
 }
 

@@ -56,7 +56,7 @@ mod space;
 use crate::numerics::Search;
 pub use candidates::{Candidate, Origin};
 pub use classical::{Basis, ClassicalClosure, Solution, Termination};
-pub(crate) use closest::Cells;
+pub(crate) use closest::DomainCells;
 pub use density::ClosureDensity;
 pub(crate) use discretisation::trust_domain::TrustDomain;
 pub use method::{Closure, Reference};

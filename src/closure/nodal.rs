@@ -8,13 +8,13 @@ use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
 use super::discretisation::likelihood::likeliest;
 use super::discretisation::nodes::{Nodes, Table};
-use super::discretisation::panels::{Resolved, resolved};
+use super::discretisation::panels::{ResolvedRules, resolved};
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
 use super::pilot::{Pilot, normal_density};
 use super::projection::on_states::exact_on_states;
 use super::projection::{Weight, project, tempered};
-use super::reference::{ReferenceDensity, Start, normalised};
+use super::reference::{ReferenceDensity, ReferenceStart, normalised};
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::nested_spaces::NestedSpaces;
 use super::space::orthonormal::Orthonormal;
@@ -48,7 +48,7 @@ pub(super) struct NodalClosure {
     pub(super) problem: Problem,
     pub(super) discretisation: Discretisation,
     /// The start that a similar system's reference gives.
-    pub(super) start: Option<Start>,
+    pub(super) start: Option<ReferenceStart>,
     /// The pilot under the system's own intensities.
     pub(super) pilot: Pilot,
     pub(super) inflation: f64,
@@ -165,9 +165,9 @@ impl NodalClosure {
     }
 
     /// The rules for integrals of exp(Q). None where they are not finite.
-    pub(super) fn integrals(&self, exponent: &Exponent, rules: Resolved, lines: Vec<Rule>) -> Option<Integrals> {
+    pub(super) fn integrals(&self, exponent: &Exponent, rules: ResolvedRules, lines: Vec<Rule>) -> Option<Integrals> {
         let Some((_, copula)) = &self.lattice else {
-            let Resolved { rules, apart } = rules;
+            let ResolvedRules { rules, apart } = rules;
             return Some(Integrals::Panels { rules, lines, apart });
         };
         let rule = ImportanceRule::new(exponent, copula, DRAWS, self.seed)?;
@@ -240,10 +240,10 @@ impl NodalClosure {
     }
 
     /// The rules for the integrals of a density on a domain: those of the nodes, if they do.
-    fn resolved(&self, exponent: &Exponent, domain: &TrustDomain, estimate: f64) -> Resolved {
+    fn resolved(&self, exponent: &Exponent, domain: &TrustDomain, estimate: f64) -> ResolvedRules {
         let given = &self.discretisation.nodes.rules;
         if !self.discretisation.family.is_smooth() || self.lattice.is_some() {
-            return Resolved { rules: given.clone(), apart: 0.0 };
+            return ResolvedRules { rules: given.clone(), apart: 0.0 };
         }
         let [least, most] = BOUNDS;
         resolved(domain, |points| exponent.values(points), given, (SHARE * estimate).clamp(least, most))

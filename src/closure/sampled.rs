@@ -14,8 +14,8 @@ use super::projection::Weight;
 use super::projection::on_states::{exact_near, exact_on_states};
 use super::reference::scaled_mass;
 use super::samples::{
-    Copula, Family, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_on_means, close_on_samples,
-    unevenness,
+    Copula, FunctionFamily, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_on_means,
+    close_on_samples, unevenness,
 };
 use super::space::degrees;
 use super::space::nested_spaces::Smooth;
@@ -46,9 +46,9 @@ const BY_CHANCE_ALONE: f64 = 0.1;
 const BY_CHANCE: f64 = 0.5;
 
 /// The parts of a closure on samples that are the same at all orders of one system.
-pub(super) struct Sampled {
+pub(super) struct SampledSystem {
     pub(super) problem: Problem,
-    pub(super) family: Family,
+    pub(super) family: FunctionFamily,
     pub(super) pilot: Pilot,
     /// Whether impulses alone are so rare that the density is rough.
     pub(super) rare: bool,
@@ -59,10 +59,10 @@ pub(super) struct Sampled {
     pub(super) begin: Instant,
 }
 
-impl Sampled {
+impl SampledSystem {
     /// The closure of an order on the pilot's states, within the trust domain of a copula. None where they are too few.
     pub(super) fn on_samples(&self, order: u32, copula: &Copula) -> Option<SampleClosure> {
-        let Sampled { problem, pilot, family, seed, .. } = self;
+        let SampledSystem { problem, pilot, family, seed, .. } = self;
         close_on_samples(Samples { problem, pilot, family, order, copula, seed: *seed })
     }
 
@@ -98,7 +98,7 @@ impl Sampled {
     /// where the order has no density, or one of no use.
     ///
     /// # Errors
-    /// Those of [`Sampled::closed`].
+    /// Those of [`SampledSystem::closed`].
     pub(super) fn best_up_to(&self, order: u32) -> Result<ClosureDensity> {
         let copula = self.copula(order)?;
         let of_order = |order| self.on_states(order, copula.clone());
@@ -161,7 +161,7 @@ impl Sampled {
 
     /// A stationary density, with what questions of time and of parameters are answered by.
     fn moving(&self, content: Content, copula: Copula) -> ClosureDensity {
-        let Sampled { problem, pilot, seed, rare, .. } = self;
+        let SampledSystem { problem, pilot, seed, rare, .. } = self;
         let dynamics = Dynamics::carried(problem, (pilot, copula), content.exponent.clone(), *seed, *rare);
         ClosureDensity::new(content).moving(dynamics)
     }
@@ -169,10 +169,10 @@ impl Sampled {
     /// The closure of an order at a time of which the pilot's states are draws, by their means and those of moment equations.
     ///
     /// # Errors
-    /// As [`Sampled::closed`].
+    /// As [`SampledSystem::closed`].
     pub(super) fn at_time(&self, order: u32, equations: Option<(&States, [&[f64]; 2])>) -> Result<ClosureDensity> {
         let copula = self.copula(order)?;
-        let Sampled { problem, pilot, family, seed, .. } = self;
+        let SampledSystem { problem, pilot, family, seed, .. } = self;
         let samples = Samples { problem, pilot, family, order, copula: &copula, seed: *seed };
         let from = MeansFrom { states: &pilot.states, equations };
         let reason = "the trajectories are too few for its functions, or no density of it has their means: take more `pilot_states`, or a lower one";
@@ -187,10 +187,10 @@ impl Sampled {
     /// The copula of the pilot's states, after all that is known before.
     ///
     /// # Errors
-    /// Those of [`Sampled::closed`].
+    /// Those of [`SampledSystem::closed`].
     fn copula(&self, order: u32) -> Result<Copula> {
         let failed = |reason| Error::NotClosed { order, reason };
-        let Sampled { pilot, family, .. } = self;
+        let SampledSystem { pilot, family, .. } = self;
         let (degrees, symmetry) = (family.degrees(), family.symmetry());
         // The density is compared with one two degrees higher.
         if degrees.are_more_than(degrees::MOST, self.problem.dimension(), order + 2) {
@@ -293,7 +293,7 @@ impl Sampled {
         let coarse = "no lattice that fits into memory resolves the density";
         let guess = if order < LOW_DEGREE { self.on_samples(LOW_DEGREE, copula) } else { None };
         let guess = guess.as_ref().unwrap_or(found);
-        let Sampled { problem, family: functions, pilot, .. } = self;
+        let SampledSystem { problem, family: functions, pilot, .. } = self;
         let (degrees, symmetry) = (functions.degrees(), functions.symmetry());
         let (centre, _) = pilot.spread(symmetry);
         let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], WIDENING);

@@ -7,9 +7,9 @@ use super::discretisation::walled;
 use super::method::{Closure, Order, Reference};
 use super::nodal::NodalClosure;
 use super::pilot::{Pilot, PilotPlan};
-use super::reference::Start;
-use super::sampled::Sampled;
-use super::samples::Family;
+use super::reference::ReferenceStart;
+use super::sampled::SampledSystem;
+use super::samples::FunctionFamily;
 use super::space::degrees::Degrees;
 use super::space::nested_spaces::Smooth;
 use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, LOW_DEGREE, UNRELIABLE};
@@ -167,13 +167,13 @@ impl Closure {
             let stayed = have_stayed(slowness, samples);
             let problem = problem.clone();
             let (seed, memory) = (self.seed, self.memory);
-            let family = Family::new(&problem, &pilot, &self.degrees, &symmetry).ok_or(Error::NotServed {
+            let family = FunctionFamily::new(&problem, &pilot, &self.degrees, &symmetry).ok_or(Error::NotServed {
                 method: METHOD,
                 what: "noise on a gap at a wall that depends on the state there",
                 remedy: "take the simulation",
             })?;
             let rare = is_rare(&problem, &pilot);
-            let nodal = Sampled { problem, rare, family, pilot, referred, seed, memory, begin };
+            let nodal = SampledSystem { problem, rare, family, pilot, referred, seed, memory, begin };
             let closed = |order| match self.order {
                 // Where trajectories stayed, a low order shows in less time whether there is a density at all.
                 Order::Fixed(_) if stayed && order > LOW_DEGREE => {
@@ -317,9 +317,9 @@ impl Closure {
             "no polynomial fits the pilot's states; they may be too few, or the system has no stationary density";
         let discretisation = discretisation.ok_or(Error::NotClosed { order: self.lowest(), reason })?;
         // The singular part is that of this problem's wall, not of the similar problem's.
-        let own = |start: &Start| {
+        let own = |start: &ReferenceStart| {
             let weight = Exponent { known: discretisation.known().to_vec(), ..start.weight.clone() };
-            Start { weight, ..*start }
+            ReferenceStart { weight, ..*start }
         };
         let start = self.start.as_ref().map(own);
         let (problem, pilot, inflation) = (problem.clone(), pilot.clone(), inflated.inflation);

@@ -125,7 +125,7 @@ fn with_errors(p: f64, q: Estimate) -> [Estimate; 3] {
 
 /// The integrals over a cell by both rules, and of the errors.
 #[derive(Clone, Debug)]
-struct Piece {
+struct CellIntegrals {
     cell: Cell,
     value: [f64; 3],
     stated: [f64; 3],
@@ -133,7 +133,7 @@ struct Piece {
     change: [f64; 3],
 }
 
-impl Piece {
+impl CellIntegrals {
     fn new(cell: Cell, rules: &[Rule; 2], values: &impl Fn(&[f64]) -> Result<[Estimate; 3]>) -> Result<Self> {
         let states = cell.limits.len();
         let sums_by = |rule: &Rule| -> Result<[Estimate; 3]> {
@@ -155,7 +155,7 @@ impl Piece {
             Ok(sums)
         };
         let (fine, coarse) = (sums_by(&rules[0])?, sums_by(&rules[1])?);
-        Ok(Piece {
+        Ok(CellIntegrals {
             cell,
             value: fine.map(|sum| sum.value),
             stated: fine.map(|sum| sum.error),
@@ -176,12 +176,12 @@ fn over_cells(density: &dyn Density, reference: &dyn Density) -> Result<[Estimat
     let through = |i: usize| [ours[i], theirs[i]].concat();
     let rules = NODES.map(Rule::legendre);
     let values = |x: &[f64]| -> Result<[Estimate; 3]> { Ok(with_errors(density.log_pdf(x)?.exp(), reference.pdf(x)?)) };
-    let of = |cells: Vec<Cell>| -> Result<Vec<Piece>> {
-        parallel::map_into(cells, |_, cell| Piece::new(cell, &rules, &values)).into_iter().collect()
+    let of = |cells: Vec<Cell>| -> Result<Vec<CellIntegrals>> {
+        parallel::map_into(cells, |_, cell| CellIntegrals::new(cell, &rules, &values)).into_iter().collect()
     };
     let mut pieces = of(Cell::between(&cell_lines(&bounds, CELLS, through)))?;
     loop {
-        let total: f64 = pieces.iter().map(Piece::roughness).sum();
+        let total: f64 = pieces.iter().map(CellIntegrals::roughness).sum();
         if !(total > TOLERANCE && total.is_finite()) || pieces.len() >= MOST_CELLS {
             break;
         }
@@ -191,7 +191,7 @@ fn over_cells(density: &dyn Density, reference: &dyn Density) -> Result<[Estimat
         pieces.extend(of(rough.iter().flat_map(|piece| piece.cell.children()).collect())?);
     }
     Ok(std::array::from_fn(|k| {
-        let sum = |part: fn(&Piece) -> &[f64; 3]| pieces.iter().map(|piece| part(piece)[k]).sum::<f64>();
+        let sum = |part: fn(&CellIntegrals) -> &[f64; 3]| pieces.iter().map(|piece| part(piece)[k]).sum::<f64>();
         Estimate::new(sum(|piece| &piece.value), sum(|piece| &piece.stated) + sum(|piece| &piece.change))
     }))
 }

@@ -32,7 +32,7 @@ const BISECTIONS: usize = 40;
 pub fn log_ratio(density: &dyn Density, reference: &dyn Density, level: f64) -> Result<Estimate> {
     let level = checked(level)?;
     if of_one_dimension(density, reference)? <= 2 {
-        let at = |x: &[f64]| -> Result<Pair> { Ok((density.log_pdf(x)?.exp(), reference.pdf(x)?)) };
+        let at = |x: &[f64]| -> Result<DensityPair> { Ok((density.log_pdf(x)?.exp(), reference.pdf(x)?)) };
         return scanned(&at, &reference.bounds(), level);
     }
     let unknown = || {
@@ -63,11 +63,11 @@ fn spread(q: Estimate) -> f64 {
 }
 
 /// p and q at a place.
-type Pair = (f64, Estimate);
+type DensityPair = (f64, Estimate);
 
 /// The largest |log₁₀(p/q)| on a lattice and on the edges of the region.
 pub(super) fn scanned(
-    at: &(dyn Fn(&[f64]) -> Result<Pair> + Sync),
+    at: &(dyn Fn(&[f64]) -> Result<DensityPair> + Sync),
     bounds: &[[f64; 2]],
     level: f64,
 ) -> Result<Estimate> {
@@ -90,7 +90,7 @@ pub(super) fn scanned(
     let least = level * peak;
     let mut every = (0.0, 0.0);
     let mut second = 0.0_f64;
-    let mut take = |(p, q): Pair, on_second: bool| {
+    let mut take = |(p, q): DensityPair, on_second: bool| {
         let decades = if p > 0.0 { (p / q.value).log10().abs() } else { f64::INFINITY };
         if decades > every.0 {
             every = (decades, spread(q));
@@ -133,10 +133,10 @@ pub(super) fn scanned(
 
 /// The values on equal steps over a box.
 fn lattice(
-    at: &(dyn Fn(&[f64]) -> Result<Pair> + Sync),
+    at: &(dyn Fn(&[f64]) -> Result<DensityPair> + Sync),
     bounds: &[[f64; 2]],
     steps: usize,
-) -> Result<Vec<(Vec<f64>, Pair)>> {
+) -> Result<Vec<(Vec<f64>, DensityPair)>> {
     let point = |k: usize| -> Vec<f64> {
         let place = |i: usize| (k / (steps + 1).pow(i as u32) % (steps + 1)) as f64 / steps as f64;
         bounds.iter().enumerate().map(|(i, [low, high])| low + place(i) * (high - low)).collect()

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 ///
 /// Impulses are jumps of the sampled states; their expectation has far less variance than the jumps themselves, and costs a few
 /// multiplications.
-pub(crate) type Images = Vec<Vec<(usize, f64)>>;
+pub(crate) type ImpulseImages = Vec<Vec<(usize, f64)>>;
 
 /// The images of the products with these `exponents` on a box. None where H is not of first degree, whose images have higher
 /// degrees than the list.
@@ -18,7 +18,7 @@ pub(crate) fn images(
     terms: &[ImpulseTerm],
     (centre, half_width): (&[f64], &[f64]),
     exponents: &[Vec<u32>],
-) -> Option<Images> {
+) -> Option<ImpulseImages> {
     let n = centre.len();
     let on_box: Vec<Polynomial> = (0..n).map(|i| Polynomial::variable(n, i) * half_width[i] + centre[i]).collect();
     let on_scale = |field: &[Polynomial]| -> Vec<Polynomial> {
@@ -102,7 +102,7 @@ fn powers(highest: usize) -> Vec<Vec<f64>> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
-    use crate::control_variates::products::{LANES, Lane, Products};
+    use crate::control_variates::products::{LANES, PointLane, Products};
     use crate::fokker_planck::Impulse;
     use crate::polynomial::monomials;
     use crate::system::{Amplitude, PoissonImpulses};
@@ -129,7 +129,7 @@ mod tests {
         let products = Products::on_box(&centre, &half_width, &exponents);
         let values = |x: [f64; 2]| {
             let mut scratch = products.scratch();
-            let lanes: Vec<Lane> = x.iter().map(|x| [*x; LANES]).collect();
+            let lanes: Vec<PointLane> = x.iter().map(|x| [*x; LANES]).collect();
             products.place_values(&lanes, &mut scratch);
             (0..=exponents.len()).map(|k| products.value(&scratch, k)[0]).collect::<Vec<f64>>()
         };

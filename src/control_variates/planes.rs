@@ -1,6 +1,6 @@
 //! Functions of planes, (u, w) with two linear forms of the state, at eight points at a time.
 
-use super::products::{LANES, Lane, ZERO};
+use super::products::{LANES, PointLane, ZERO};
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ impl Form {
 
     /// The same combination of numbers that belong to the states.
     #[inline(always)]
-    pub(crate) fn of(&self, x: &[Lane]) -> Lane {
+    pub(crate) fn of(&self, x: &[PointLane]) -> PointLane {
         let mut form = ZERO;
         for (i, sign) in self.parts() {
             let x = x[i];
@@ -32,7 +32,7 @@ impl Form {
 
     /// B of this form and another, from B of `n` states by rows.
     #[inline(always)]
-    pub(crate) fn diffusion(&self, other: &Form, b: &[Lane], n: usize) -> Lane {
+    pub(crate) fn diffusion(&self, other: &Form, b: &[PointLane], n: usize) -> PointLane {
         let mut sum = ZERO;
         for (i, first) in self.parts() {
             for (j, second) in other.parts() {
@@ -45,7 +45,7 @@ impl Form {
 }
 
 /// A value with its derivatives in two variables: f, f_u, f_w, f_uu, f_uw, f_ww.
-pub(crate) type PlaneLanes = [Lane; 6];
+pub(crate) type PlaneLanes = [PointLane; 6];
 
 /// Functions of one plane.
 pub(crate) trait PlaneFunctions: Debug + Send + Sync {
@@ -56,10 +56,10 @@ pub(crate) trait PlaneFunctions: Debug + Send + Sync {
     fn len(&self) -> usize;
 
     /// Their values at eight points.
-    fn values(&self, x: &[Lane], functions: &mut [PlaneLanes]);
+    fn values(&self, x: &[PointLane], functions: &mut [PlaneLanes]);
 
     /// Their values and derivatives.
-    fn jets(&self, x: &[Lane], functions: &mut [PlaneLanes]);
+    fn jets(&self, x: &[PointLane], functions: &mut [PlaneLanes]);
 }
 
 /// The functions of several planes, one after the other.
@@ -89,19 +89,24 @@ impl Planes {
 
     /// Fills values and derivatives.
     #[inline(always)]
-    pub(super) fn place(&self, x: &[Lane], jets: &mut [PlaneLanes]) {
+    pub(super) fn place(&self, x: &[PointLane], jets: &mut [PlaneLanes]) {
         self.each().for_each(|(range, plane)| plane.jets(x, &mut jets[range]));
     }
 
     /// Fills the values alone.
     #[inline(always)]
-    pub(super) fn place_values(&self, x: &[Lane], jets: &mut [PlaneLanes]) {
+    pub(super) fn place_values(&self, x: &[PointLane], jets: &mut [PlaneLanes]) {
         self.each().for_each(|(range, plane)| plane.values(x, &mut jets[range]));
     }
 
     /// Fills the images b·∇f + ½ B:∇∇f.
     #[inline(always)]
-    pub(super) fn apply(&self, (b, second): (&[Lane], &[Lane]), jets: &[PlaneLanes], images: &mut [Lane]) {
+    pub(super) fn apply(
+        &self,
+        (b, second): (&[PointLane], &[PointLane]),
+        jets: &[PlaneLanes],
+        images: &mut [PointLane],
+    ) {
         for (range, plane) in self.each() {
             let forms = plane.forms();
             let [b_u, b_w] = [0, 1].map(|form| forms[form].of(b));
@@ -118,7 +123,7 @@ impl Planes {
 
     /// Enters the derivatives in the states `coupled`, behind those of the constant.
     #[inline(always)]
-    pub(super) fn slopes(&self, coupled: &[usize], jets: &[PlaneLanes], slopes: &mut [Vec<Lane>]) {
+    pub(super) fn slopes(&self, coupled: &[usize], jets: &[PlaneLanes], slopes: &mut [Vec<PointLane>]) {
         for (range, plane) in self.each() {
             let forms = plane.forms();
             for k in range {
@@ -135,7 +140,7 @@ impl Planes {
 
     /// Adds Σ s_k ∇f_k, s_k being the `sensitivity` of a sum to function k.
     #[inline(always)]
-    pub(super) fn add_gradient(&self, sensitivity: &[Lane], jets: &[PlaneLanes], gradient: &mut [Lane]) {
+    pub(super) fn add_gradient(&self, sensitivity: &[PointLane], jets: &[PlaneLanes], gradient: &mut [PointLane]) {
         for (range, plane) in self.each() {
             let forms = plane.forms();
             for k in range {

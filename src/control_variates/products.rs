@@ -1,6 +1,6 @@
 //! Products of Legendre polynomials, and of functions of a plane, at eight points at a time.
 
-use super::impulses::{Images, images};
+use super::impulses::{ImpulseImages, images};
 use super::planes::{PlaneLanes, Planes};
 use crate::fokker_planck::ImpulseTerm;
 use crate::numerics::legendre::recurrence;
@@ -10,14 +10,14 @@ use std::collections::HashMap;
 pub(crate) const LANES: usize = 8;
 
 /// One number for each of them.
-pub(crate) type Lane = [f64; LANES];
+pub(crate) type PointLane = [f64; LANES];
 
-pub(crate) const ZERO: Lane = [0.0; LANES];
+pub(crate) const ZERO: PointLane = [0.0; LANES];
 
 /// A product that is to be listed: one of the functions of planes, by its number among all of them, or none, times Legendre
 /// polynomials of these degrees in the states.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Factors {
+pub(crate) struct ProductFactors {
     pub(crate) plane: Option<usize>,
     pub(crate) degrees: Vec<u32>,
 }
@@ -42,7 +42,7 @@ pub(crate) struct Products {
     /// States in which a function of a plane and its factor change together.
     shared: Vec<usize>,
     /// The part of the images of functions 1, 2, … that impulses make; empty without any.
-    impulses: Images,
+    impulses: ImpulseImages,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -56,37 +56,37 @@ struct Step {
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
     /// The coefficients b of the first-order part of what [`Products::apply`] applies.
-    pub(crate) first: Vec<Lane>,
+    pub(crate) first: Vec<PointLane>,
     /// The result of [`Products::gradient`].
-    pub(crate) gradient: Vec<Lane>,
+    pub(crate) gradient: Vec<PointLane>,
     /// The functions of planes.
     planes: Vec<PlaneLanes>,
     /// P_k, P_k′, P_k″ by state and degree.
-    table: Vec<[Lane; 3]>,
+    table: Vec<[PointLane; 3]>,
     /// b P_k′ + ½ B P_k″.
-    moved: Vec<Lane>,
+    moved: Vec<PointLane>,
     /// The sensitivity of a sum to each entry of the table.
-    entries: Vec<Lane>,
-    values: Vec<Lane>,
-    rates: Vec<Lane>,
+    entries: Vec<PointLane>,
+    values: Vec<PointLane>,
+    rates: Vec<PointLane>,
     /// ∂_c of the products, for each coupled state c.
-    slopes: Vec<Vec<Lane>>,
+    slopes: Vec<Vec<PointLane>>,
 }
 
 impl Products {
     /// After the constant those with these degrees in the states, on the box `centre` ± `half_width`.
     pub(crate) fn on_box(centre: &[f64], half_width: &[f64], exponents: &[Vec<u32>]) -> Self {
-        let plain = |degrees: &Vec<u32>| Factors { plane: None, degrees: degrees.clone() };
-        let listed: Vec<Factors> = exponents.iter().map(plain).collect();
+        let plain = |degrees: &Vec<u32>| ProductFactors { plane: None, degrees: degrees.clone() };
+        let listed: Vec<ProductFactors> = exponents.iter().map(plain).collect();
         Products::with_planes([centre, half_width], Planes::default(), &listed)
     }
 
     /// The same for any products of polynomials and one function of a plane.
-    pub(crate) fn with_planes([centre, half_width]: [&[f64]; 2], planes: Planes, listed: &[Factors]) -> Self {
+    pub(crate) fn with_planes([centre, half_width]: [&[f64]; 2], planes: Planes, listed: &[ProductFactors]) -> Self {
         let n = centre.len();
         let first = 1 + planes.len();
         let (mut steps, mut known, mut places) = (Vec::new(), HashMap::new(), vec![0]);
-        for Factors { plane, degrees } in listed {
+        for ProductFactors { plane, degrees } in listed {
             let mut part = vec![0; n];
             let mut place = plane.map_or(0, |plane| 1 + plane);
             let root = place;
@@ -101,7 +101,7 @@ impl Products {
         }
         let degrees = steps.iter().map(|s| s.degree).max().unwrap_or(0) + 1;
         let meets = |state: &usize| {
-            let met = |factors: &Factors| factors.plane.is_some_and(|plane| planes.changes_with(plane, *state));
+            let met = |factors: &ProductFactors| factors.plane.is_some_and(|plane| planes.changes_with(plane, *state));
             listed.iter().any(|factors| factors.degrees[*state] > 0 && met(factors))
         };
         let shared = (0..n).filter(meets).collect();
@@ -118,13 +118,13 @@ impl Products {
     }
 
     /// The same with impulses in the images of its functions.
-    pub(crate) fn struck(self, impulses: Images) -> Self {
+    pub(crate) fn struck(self, impulses: ImpulseImages) -> Self {
         Products { impulses, ..self }
     }
 
     /// The images of its functions under impulses' terms; nothing without any. None where these images are no combinations of its
     /// functions.
-    pub(crate) fn images(&self, terms: &[ImpulseTerm]) -> Option<Images> {
+    pub(crate) fn images(&self, terms: &[ImpulseTerm]) -> Option<ImpulseImages> {
         if terms.is_empty() {
             return Some(Vec::new());
         }
@@ -141,7 +141,7 @@ impl Products {
     }
 
     /// The part of the images of functions 1, 2, … that impulses make; empty without any.
-    pub(crate) fn impulses(&self) -> &Images {
+    pub(crate) fn impulses(&self) -> &ImpulseImages {
         &self.impulses
     }
 
@@ -179,7 +179,7 @@ impl Products {
 
     /// Places eight points: fills the tables and the values.
     #[inline(always)]
-    pub(crate) fn place(&self, x: &[Lane], scratch: &mut Scratch) {
+    pub(crate) fn place(&self, x: &[PointLane], scratch: &mut Scratch) {
         self.planes.place(x, &mut scratch.planes);
         self.place_products(x, scratch);
         self.place_slopes(scratch);
@@ -208,14 +208,14 @@ impl Products {
 
     /// Places eight points where only values are needed.
     #[inline(always)]
-    pub(crate) fn place_values(&self, x: &[Lane], scratch: &mut Scratch) {
+    pub(crate) fn place_values(&self, x: &[PointLane], scratch: &mut Scratch) {
         self.planes.place_values(x, &mut scratch.planes);
         self.place_products(x, scratch);
     }
 
     /// Fills the values, where those of the functions of planes are filled.
     #[inline(always)]
-    fn place_products(&self, x: &[Lane], scratch: &mut Scratch) {
+    fn place_products(&self, x: &[PointLane], scratch: &mut Scratch) {
         self.place_tables(x, scratch);
         scratch.values[0] = [1.0; LANES];
         for (value, jet) in scratch.values[1..].iter_mut().zip(&scratch.planes) {
@@ -231,7 +231,7 @@ impl Products {
 
     /// Fills the tables of P_k.
     #[inline(always)]
-    fn place_tables(&self, x: &[Lane], scratch: &mut Scratch) {
+    fn place_tables(&self, x: &[PointLane], scratch: &mut Scratch) {
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
@@ -252,19 +252,19 @@ impl Products {
 
     /// The value of function k at the points placed.
     #[inline(always)]
-    pub(crate) fn value(&self, scratch: &Scratch, k: usize) -> Lane {
+    pub(crate) fn value(&self, scratch: &Scratch, k: usize) -> PointLane {
         scratch.values[self.places[k]]
     }
 
     /// The image of function k under the operator of the last [`Products::apply`], and under impulses.
     #[inline(always)]
-    pub(crate) fn image(&self, scratch: &Scratch, k: usize) -> Lane {
+    pub(crate) fn image(&self, scratch: &Scratch, k: usize) -> PointLane {
         self.image_under(&self.impulses, scratch, k)
     }
 
     /// The same under other impulses.
     #[inline(always)]
-    pub(crate) fn image_under(&self, impulses: &Images, scratch: &Scratch, k: usize) -> Lane {
+    pub(crate) fn image_under(&self, impulses: &ImpulseImages, scratch: &Scratch, k: usize) -> PointLane {
         let mut image = scratch.rates[self.places[k]];
         for (place, c) in k.checked_sub(1).and_then(|k| impulses.get(k)).into_iter().flatten() {
             let value = self.value(scratch, *place);
@@ -276,7 +276,7 @@ impl Products {
     /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed: b is `first` of `scratch`, and B, by rows, is `second`.
     /// `coupled` lists the states i with some B_ij ≠ 0, j ≠ i.
     #[inline(always)]
-    pub(crate) fn apply(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
+    pub(crate) fn apply(&self, second: &[PointLane], coupled: &[usize], scratch: &mut Scratch) {
         self.apply_to_factors(second, scratch);
         let missing = |c: &&usize| !coupled.contains(c);
         if self.shared.iter().any(|c| missing(&c)) {
@@ -289,7 +289,7 @@ impl Products {
 
     /// Fills the tables of b P_k′ + ½ B P_k″.
     #[inline(always)]
-    fn apply_to_factors(&self, second: &[Lane], scratch: &mut Scratch) {
+    fn apply_to_factors(&self, second: &[PointLane], scratch: &mut Scratch) {
         let n = self.dimension();
         for i in 0..n {
             for k in 0..self.degrees {
@@ -303,7 +303,7 @@ impl Products {
 
     /// Fills the images of the products, with slopes in the states `coupled`.
     #[inline(always)]
-    fn apply_to_products(&self, second: &[Lane], coupled: &[usize], scratch: &mut Scratch) {
+    fn apply_to_products(&self, second: &[PointLane], coupled: &[usize], scratch: &mut Scratch) {
         let n = self.dimension();
         scratch.rates[0] = ZERO;
         for &c in coupled {
@@ -335,7 +335,7 @@ impl Products {
     }
 
     /// Σ a_k φ_k at the points placed, a₀ the constant's.
-    pub(crate) fn sum(&self, a: &[f64], scratch: &Scratch) -> Lane {
+    pub(crate) fn sum(&self, a: &[f64], scratch: &Scratch) -> PointLane {
         let mut sum = ZERO;
         for (a, &place) in a.iter().zip(&self.places) {
             let value = scratch.values[place];

@@ -15,7 +15,7 @@ use std::fmt;
 /// It is normalised by quadrature, whose error estimate goes into every value. Integrals cost milliseconds in two states
 /// and up to seconds in six.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(into = "Document", try_from = "Document")]
+#[serde(into = "DensityDocument", try_from = "DensityDocument")]
 pub struct ExpPolynomial {
     /// In the coordinates of the frame.
     q: Polynomial,
@@ -227,7 +227,7 @@ const HIGHEST: u32 = 60;
 /// numbers give the same bits.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
+struct DensityDocument {
     origin: Vec<f64>,
     scale: Vec<Vec<f64>>,
     /// Exponents and coefficients.
@@ -237,10 +237,10 @@ struct Document {
     provenance: Provenance,
 }
 
-impl From<ExpPolynomial> for Document {
+impl From<ExpPolynomial> for DensityDocument {
     fn from(density: ExpPolynomial) -> Self {
         let ExpPolynomial { q, frame, support, noise, provenance, .. } = density;
-        Document {
+        DensityDocument {
             origin: frame.origin().to_vec(),
             scale: frame.scale().row_iter().map(|row| row.iter().copied().collect()).collect(),
             terms: q.terms().map(|(alpha, c)| (alpha.to_vec(), c)).collect(),
@@ -251,11 +251,11 @@ impl From<ExpPolynomial> for Document {
     }
 }
 
-impl TryFrom<Document> for ExpPolynomial {
+impl TryFrom<DensityDocument> for ExpPolynomial {
     type Error = String;
 
-    fn try_from(document: Document) -> Read<Self> {
-        let Document { origin, scale, terms, support, noise, provenance } = document;
+    fn try_from(document: DensityDocument) -> Read<Self> {
+        let DensityDocument { origin, scale, terms, support, noise, provenance } = document;
         let n = origin.len();
         if n == 0 || scale.len() != n || scale.iter().any(|row| row.len() != n) {
             return Err(format!("the scale of the coordinates has not {n} rows of {n} numbers"));

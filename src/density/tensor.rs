@@ -27,7 +27,7 @@ const TOO_WIDE: f64 = 1e4;
 
 /// The rule along one axis.
 #[derive(Clone, Debug)]
-struct Axis {
+struct TensorAxis {
     low: f64,
     high: f64,
     hermite: bool,
@@ -37,7 +37,7 @@ struct Axis {
     signed: OnceLock<Rule>,
 }
 
-impl Axis {
+impl TensorAxis {
     fn new(low: f64, high: f64, hermite: bool, count: usize) -> Self {
         let nodes = if hermite {
             let density = |z: f64| (-z * z / 2.0).exp() / (2.0 * std::f64::consts::PI).sqrt();
@@ -45,11 +45,11 @@ impl Axis {
         } else {
             Rule::legendre(count).on(low, high).iter().collect()
         };
-        Axis { low, high, hermite, nodes, signed: OnceLock::new() }
+        TensorAxis { low, high, hermite, nodes, signed: OnceLock::new() }
     }
 
     fn refined(&self) -> Self {
-        Axis::new(self.low, self.high, self.hermite, (self.nodes.len() * 3).div_ceil(2))
+        TensorAxis::new(self.low, self.high, self.hermite, (self.nodes.len() * 3).div_ceil(2))
     }
 
     fn count(&self) -> usize {
@@ -96,7 +96,7 @@ impl Section {
 /// A tensor rule in scaled coordinates, fine enough for exp(Q).
 #[derive(Clone, Debug)]
 pub(super) struct TensorRule {
-    axes: Vec<Axis>,
+    axes: Vec<TensorAxis>,
     /// Q at the highest point of the search for the box; exp(Q) is scaled by it.
     pub(super) top: f64,
 }
@@ -128,7 +128,7 @@ impl TensorRule {
         };
         let count = if hermite { 3 } else { 24 };
         let mut rule = TensorRule {
-            axes: bounds.into_iter().map(|(low, high)| Axis::new(low, high, hermite, count)).collect(),
+            axes: bounds.into_iter().map(|(low, high)| TensorAxis::new(low, high, hermite, count)).collect(),
             top,
         };
         let mass = |rule: &Self| rule.integrate(q, frame, Section::default(), |_| 1.0).ln();
@@ -179,7 +179,7 @@ impl TensorRule {
     }
 
     fn size(&self) -> usize {
-        self.axes.iter().map(Axis::count).product()
+        self.axes.iter().map(TensorAxis::count).product()
     }
 
     /// ∫ g(x) exp(Q − top) dz over a section. Where a state is held, the result is a density in that state.

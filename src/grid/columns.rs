@@ -8,16 +8,16 @@ pub(super) const AT_ONCE: usize = 4;
 
 /// Adds the product of a matrix with a vector.
 pub(super) fn add_product(sum: &mut [f64], matrix: &Mat<f64>, x: &[f64]) {
-    Arch::new().dispatch(Product { sum, matrix, x });
+    Arch::new().dispatch(ColumnProduct { sum, matrix, x });
 }
 
-struct Product<'a> {
+struct ColumnProduct<'a> {
     sum: &'a mut [f64],
     matrix: &'a Mat<f64>,
     x: &'a [f64],
 }
 
-impl NullaryFnOnce for Product<'_> {
+impl NullaryFnOnce for ColumnProduct<'_> {
     type Output = ();
 
     #[inline(always)]

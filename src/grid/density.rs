@@ -1,4 +1,4 @@
-use super::field::{Along, EVERYWHERE, Field};
+use super::field::{Along, EVERYWHERE, GridField};
 use super::kept::Kept;
 use crate::checks::{coordinate, dimension, point, require};
 use crate::density::{Crossing, Density, summary};
@@ -22,11 +22,11 @@ const HIGHEST_POWER: u32 = 200;
 /// no more than its own right sides or steps.
 #[derive(Clone)]
 pub struct GridDensity {
-    pub(super) fine: Field,
+    pub(super) fine: GridField,
     /// The solution of one degree less.
-    pub(super) coarse: Field,
+    pub(super) coarse: GridField,
     /// What changes if the probability that leaks comes back elsewhere, and with the shares of wells that are not known exactly.
-    pub(super) changes: Vec<Field>,
+    pub(super) changes: Vec<GridField>,
     /// The open sides of the domain with the largest |p| there, where they lose more than rounding does.
     pub(super) edges: Vec<(usize, usize, f64)>,
     /// Whether the mesh is fine at all grazing points, also of walls that take no energy.
@@ -53,7 +53,7 @@ impl GridDensity {
     }
 
     /// A linear statistic with its error.
-    fn estimate(&self, statistic: impl Fn(&Field) -> f64) -> Estimate {
+    fn estimate(&self, statistic: impl Fn(&GridField) -> f64) -> Estimate {
         estimate([&self.fine, &self.coarse], &self.changes, statistic)
     }
 }
@@ -132,7 +132,11 @@ impl Density for GridDensity {
 }
 
 /// A linear statistic of the solutions of two degrees: their difference, and what the changes make of it, are its error.
-pub(super) fn estimate([fine, coarse]: [&Field; 2], changes: &[Field], statistic: impl Fn(&Field) -> f64) -> Estimate {
+pub(super) fn estimate(
+    [fine, coarse]: [&GridField; 2],
+    changes: &[GridField],
+    statistic: impl Fn(&GridField) -> f64,
+) -> Estimate {
     let value = statistic(fine);
     let changed: f64 = changes.iter().map(|change| statistic(change).abs()).sum();
     Estimate::new(value, (value - statistic(coarse)).abs() + changed)
@@ -144,18 +148,18 @@ pub(super) fn moderate(power: u32) -> Result<u32> {
 }
 
 /// All other states integrated out, one at a place.
-pub(super) fn at(field: &Field, state: usize, x: f64) -> Vec<Along<'static>> {
+pub(super) fn at(field: &GridField, state: usize, x: f64) -> Vec<Along<'static>> {
     (0..field.shape.states).map(|axis| if axis == state { Along::At(x) } else { Along::All }).collect()
 }
 
 /// ∫ g(x_state) p dx.
-pub(super) fn of_one(field: &Field, state: usize, g: &(dyn Fn(f64) -> f64 + Sync), degree: usize) -> f64 {
+pub(super) fn of_one(field: &GridField, state: usize, g: &(dyn Fn(f64) -> f64 + Sync), degree: usize) -> f64 {
     let along = |axis: usize| if axis == state { Along::Function(g, degree, EVERYWHERE) } else { Along::All };
     field.integral(&(0..field.shape.states).map(along).collect::<Vec<_>>())
 }
 
 /// ∫ Π x_i^p_i p dx.
-pub(super) fn raw_moment(field: &Field, powers: &[u32]) -> f64 {
+pub(super) fn raw_moment(field: &GridField, powers: &[u32]) -> f64 {
     let functions: Vec<Box<dyn Fn(f64) -> f64 + Sync>> = powers
         .iter()
         .map(|power| {
@@ -175,7 +179,7 @@ pub(super) fn raw_moment(field: &Field, powers: &[u32]) -> f64 {
 /// How far the flux within the smallest cell is off next to a lossy wall. There the density is a power of the velocity, so that
 /// the fluxes of layers form a geometric series; by the second and the third one the first one is the sum of all below. It is
 /// doubled, since the error reaches the second layer: the true one was a quarter to a half of this for r from 0.5 to 0.8.
-pub(super) fn unresolved(field: &Field, crossing: Crossing, power: u32) -> f64 {
+pub(super) fn unresolved(field: &GridField, crossing: Crossing, power: u32) -> f64 {
     let mesh = &field.mesh;
     let mut lines: Vec<f64> = mesh
         .crossed(0, crossing.level)
@@ -197,7 +201,7 @@ pub(super) fn unresolved(field: &Field, crossing: Crossing, power: u32) -> f64 {
 }
 
 /// ∫ |v|^power p(level, v) dv over the velocities of one sign.
-pub(super) fn flux(field: &Field, crossing: Crossing, power: u32) -> f64 {
+pub(super) fn flux(field: &GridField, crossing: Crossing, power: u32) -> f64 {
     let range = if crossing.upward { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
     let size = |v: f64| v.abs().powi(power as i32);
     let along = |axis: usize| {
@@ -231,7 +235,8 @@ mod tests {
     #[test]
     fn an_error_holds_the_difference_of_degrees_and_all_changes() {
         let mesh = Arc::new(Mesh::new([0.0; 2], Tree::new(&[vec![0.0, 1.0]]), [Side::Open; 2]));
-        let [fine, coarse, first, second] = [6, 4, 2, 3].map(|degree| Field::zero(&mesh, Shape { states: 1, degree }));
+        let [fine, coarse, first, second] =
+            [6, 4, 2, 3].map(|degree| GridField::zero(&mesh, Shape { states: 1, degree }));
         let found = estimate([&fine, &coarse], &[first, second], |field| field.shape.degree as f64);
         assert_eq!(found, Estimate::new(6.0, 2.0 + 2.0 + 3.0));
     }

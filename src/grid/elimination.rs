@@ -116,7 +116,7 @@ fn factored(front: &Front, cells: &impl Cells) -> (Factored, Left) {
                 if front.cells > TASK { rayon::join(|| below(0), || below(1)).into() } else { [below(0), below(1)] };
             let (own, boundary) = (front.own.len() * size, front.boundary.len() * size);
             let zeros = |rows: usize, columns: usize| Mat::zeros(rows, columns);
-            let mut sum = Sum {
+            let mut sum = FrontMatrix {
                 size,
                 own: front.own.len(),
                 lower: zeros(own + boundary, own),
@@ -167,7 +167,7 @@ fn restore(matrix: &mut Mat<f64>, weights: &[f64], size: usize) {
 }
 
 /// The matrix of a front, the own faces first: F₁₁ with F₂₁ below it, F₁₂ and F₂₂.
-struct Sum {
+struct FrontMatrix {
     size: usize,
     own: usize,
     lower: Mat<f64>,
@@ -175,7 +175,7 @@ struct Sum {
     following: Mat<f64>,
 }
 
-impl Sum {
+impl FrontMatrix {
     /// Adds what a part leaves to faces at `places`.
     fn add(&mut self, places: &[usize], left: Mat<f64>) {
         let size = self.size;

@@ -1,6 +1,6 @@
 //! A density on its way through time, on a mesh that follows it.
 
-use super::field::Field;
+use super::field::GridField;
 use super::initial::Initial;
 use super::march::Stepper;
 use super::mesh::Mesh;
@@ -39,7 +39,7 @@ const MAX_STEPS: usize = 20_000;
 
 /// What a density is followed by: the noise's envelope, and the accuracy of mesh and steps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plan<'a> {
+pub(super) struct EvolutionPlan<'a> {
     pub(super) envelope: Option<&'a Envelope>,
     pub(super) accuracy: f64,
     pub(super) degree: usize,
@@ -49,13 +49,13 @@ pub(super) struct Plan<'a> {
 /// Densities of two degrees on one mesh, which has cells where they need them: it is refined before a step that it would not hold,
 /// and coarsened behind.
 pub(super) struct Evolution<'a> {
-    plan: Plan<'a>,
+    plan: EvolutionPlan<'a>,
     ground: &'a Ground<'a>,
     /// The coarsest mesh.
     base: Tree,
     steppers: [Stepper; 2],
     /// Those of the degree and of one less.
-    pub(super) fields: [Field; 2],
+    pub(super) fields: [GridField; 2],
     pub(super) time: f64,
     /// The longest step that is tried next, the last one, and those since the mesh was looked through.
     step: f64,
@@ -73,10 +73,10 @@ pub(super) struct Evolution<'a> {
 impl<'a> Evolution<'a> {
     /// Begins with a start; `stationary` are the solutions of both degrees, and `end` is the last time.
     pub(super) fn new(
-        plan: Plan<'a>,
+        plan: EvolutionPlan<'a>,
         ground: &'a Ground<'a>,
         initial: &Initial,
-        stationary: [&Field; 2],
+        stationary: [&GridField; 2],
         end: f64,
     ) -> Result<Self> {
         let shapes = [0, 1].map(|less| Shape { states: ground.domain.len(), degree: plan.degree - less });
@@ -105,7 +105,7 @@ impl<'a> Evolution<'a> {
         })
     }
 
-    fn steppers(plan: Plan<'_>, ground: &Ground<'_>, layout: &Layout) -> Result<[Stepper; 2]> {
+    fn steppers(plan: EvolutionPlan<'_>, ground: &Ground<'_>, layout: &Layout) -> Result<[Stepper; 2]> {
         let of = |degree| Stepper::new(ground.problem, layout, degree, plan.envelope.is_some(), plan.memory);
         let (fine, coarse) = rayon::join(|| of(plan.degree), || of(plan.degree - 1));
         Ok([fine?, coarse?])
@@ -148,7 +148,7 @@ impl<'a> Evolution<'a> {
             }
             refused = 0;
             let lasts = (tolerance / (2.0 * error)).powf(0.25);
-            let next = Field { coefficients: p, ..self.fields[0].clone() };
+            let next = GridField { coefficients: p, ..self.fields[0].clone() };
             if !self.exhausted {
                 match finer(&next, aim, self.plan.memory) {
                     Finer::Enough => {}
@@ -165,7 +165,7 @@ impl<'a> Evolution<'a> {
                 let reason = "the errors of the steps in time add up to the density, which moves by many of its own widths: take a wider start or a smaller accuracy";
                 return Err(Error::NotResolved { estimate: self.error, reason: reason.into() });
             }
-            self.moved += Field { coefficients: difference, ..next.clone() }.mass().abs();
+            self.moved += GridField { coefficients: difference, ..next.clone() }.mass().abs();
             self.fields[1].coefficients = q;
             self.fields[0] = next;
             // The error of a longer step grows with the fourth power of the length.

@@ -1,9 +1,9 @@
 //! A piecewise polynomial: its values and integrals.
 
-use super::legendre::Table;
+use super::legendre::LegendreTable;
 use super::mesh::Mesh;
 use super::shape::{MOST, Place, Shape, contracted, transformed};
-use super::tree::Cell;
+use super::tree::MeshCell;
 use crate::numerics::Rule;
 use crate::parallel;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ const BELOW: f64 = 0.1;
 
 /// The coefficients of a density on its cells.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Field {
+pub(super) struct GridField {
     pub(super) mesh: Arc<Mesh>,
     pub(super) shape: Shape,
     pub(super) coefficients: Vec<f64>,
@@ -34,7 +34,7 @@ pub(super) const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl Along<'_> {
     /// ∫ g φ_k over a cell, for each k.
-    fn weights(&self, mesh: &Mesh, shape: Shape, cell: &Cell, axis: usize) -> Vec<f64> {
+    fn weights(&self, mesh: &Mesh, shape: Shape, cell: &MeshCell, axis: usize) -> Vec<f64> {
         let origin = mesh.origin[axis];
         match *self {
             Along::All => {
@@ -59,14 +59,14 @@ impl Along<'_> {
     }
 }
 
-impl Field {
+impl GridField {
     pub(super) fn zero(mesh: &Arc<Mesh>, shape: Shape) -> Self {
-        Field { mesh: Arc::clone(mesh), shape, coefficients: vec![0.0; mesh.cells.len() * shape.block()] }
+        GridField { mesh: Arc::clone(mesh), shape, coefficients: vec![0.0; mesh.cells.len() * shape.block()] }
     }
 
     /// The L² projection of a function.
     pub(super) fn projected(mesh: &Arc<Mesh>, shape: Shape, g: impl Fn(&[f64]) -> f64 + Sync) -> Self {
-        let mut field = Field::zero(mesh, shape);
+        let mut field = GridField::zero(mesh, shape);
         let tables = shape.tables(&shape.rule(8));
         parallel::on_runs(&mut field.coefficients, shape.block(), |number, block| {
             let (cell, mut x) = (&mesh.cells[number], [0.0; MOST]);
@@ -86,11 +86,12 @@ impl Field {
         if *mesh == self.mesh {
             return self.with_shape(shape);
         }
-        let mut field = Field::zero(mesh, shape);
+        let mut field = GridField::zero(mesh, shape);
         let tables = shape.tables(&Rule::legendre(self.shape.degree.max(shape.degree) + 1));
         // Distances from the one origin in those from the other.
         let shift: Place = std::array::from_fn(|axis| mesh.origin[axis] - self.mesh.origin[axis]);
-        let moved = |cell: &Cell| Cell { lower: std::array::from_fn(|axis| cell.lower[axis] + shift[axis]), ..*cell };
+        let moved =
+            |cell: &MeshCell| MeshCell { lower: std::array::from_fn(|axis| cell.lower[axis] + shift[axis]), ..*cell };
         parallel::on_runs(&mut field.coefficients, shape.block(), |number, block| {
             let cell = moved(&mesh.cells[number]);
             for (number, piece) in self.mesh.pieces(&cell) {
@@ -109,7 +110,7 @@ impl Field {
 
     /// The same with functions of another degree on the same cells.
     pub(super) fn with_shape(&self, shape: Shape) -> Self {
-        let mut field = Field::zero(&self.mesh, shape);
+        let mut field = GridField::zero(&self.mesh, shape);
         if shape == self.shape {
             return self.clone();
         }
@@ -125,7 +126,7 @@ impl Field {
     }
 
     /// The sum with a multiple of another of the same cells, of the same or a lower degree.
-    pub(super) fn plus(&self, factor: f64, other: &Field) -> Self {
+    pub(super) fn plus(&self, factor: f64, other: &GridField) -> Self {
         let mut sum = self.clone();
         add_multiple(&mut sum.coefficients, factor, &other.with_shape(self.shape).coefficients);
         sum
@@ -133,7 +134,7 @@ impl Field {
 
     /// A multiple.
     pub(super) fn times(&self, factor: f64) -> Self {
-        Field { coefficients: self.coefficients.iter().map(|c| factor * c).collect(), ..self.clone() }
+        GridField { coefficients: self.coefficients.iter().map(|c| factor * c).collect(), ..self.clone() }
     }
 
     /// ∫ |p| dx.
@@ -180,7 +181,11 @@ impl Field {
     }
 
     /// The nodes of a rule in a cell, with their weights and the values there.
-    pub(super) fn on_nodes(&self, cell: usize, tables: &[Table; MOST]) -> impl Iterator<Item = (Place, f64, f64)> {
+    pub(super) fn on_nodes(
+        &self,
+        cell: usize,
+        tables: &[LegendreTable; MOST],
+    ) -> impl Iterator<Item = (Place, f64, f64)> {
         let (own, origin) = (self.mesh.cells[cell], self.mesh.origin);
         let mut sizes: [usize; MOST] = std::array::from_fn(|axis| self.shape.modes(axis));
         let mut values = self.block(cell).to_vec();
@@ -219,7 +224,7 @@ impl Field {
         square * 2.0_f64.powf(self.shape.states as f64 / 2.0)
     }
 
-    /// The largest |p| next to the open sides of the domain, each relative to the [level](Field::level).
+    /// The largest |p| next to the open sides of the domain, each relative to the [level](GridField::level).
     pub(super) fn at_edges(&self) -> Vec<(usize, usize, f64)> {
         let (mesh, level) = (&self.mesh, self.level());
         let sides = (0..mesh.dimension()).flat_map(|axis| [(axis, 0), (axis, 1)]);
@@ -265,7 +270,7 @@ impl Field {
     /// degree below, since the highest one may vanish by accident.
     pub(super) fn highest(&self) -> Vec<Place> {
         let degree = self.shape.degree;
-        let of = |(block, cell): (&[f64], &Cell)| {
+        let of = |(block, cell): (&[f64], &MeshCell)| {
             std::array::from_fn(|axis| {
                 let part = |k: usize| -> f64 {
                     let own = block.iter().enumerate().filter(|(c, _)| self.shape.degrees(*c)[axis] == k);
@@ -279,8 +284,8 @@ impl Field {
 }
 
 /// The nodes of a cell, as distances from the mesh's origin, with their weights.
-pub(super) fn nodes(cell: &Cell, tables: &[Table; MOST]) -> impl Iterator<Item = (Place, f64)> {
-    let sizes = tables.each_ref().map(Table::len);
+pub(super) fn nodes(cell: &MeshCell, tables: &[LegendreTable; MOST]) -> impl Iterator<Item = (Place, f64)> {
+    let sizes = tables.each_ref().map(LegendreTable::len);
     let volume: f64 = cell.width.iter().product();
     (0..sizes.iter().product()).map(move |k| {
         let node: [usize; MOST] =
@@ -291,8 +296,8 @@ pub(super) fn nodes(cell: &Cell, tables: &[Table; MOST]) -> impl Iterator<Item =
 }
 
 /// The coefficients of a function by its values at the nodes of a cell.
-fn weighed(values: &[f64], cell: &Cell, shape: Shape, tables: &[Table; MOST]) -> Vec<f64> {
-    let rows = |table: &Table, modes: usize| -> Vec<Vec<f64>> {
+fn weighed(values: &[f64], cell: &MeshCell, shape: Shape, tables: &[LegendreTable; MOST]) -> Vec<f64> {
+    let rows = |table: &LegendreTable, modes: usize| -> Vec<Vec<f64>> {
         (0..modes).map(|k| (0..table.len()).map(|node| table.weighted(node, k)).collect()).collect()
     };
     let rows: Vec<_> = tables.iter().enumerate().map(|(axis, table)| rows(table, shape.modes(axis))).collect();
@@ -300,8 +305,8 @@ fn weighed(values: &[f64], cell: &Cell, shape: Shape, tables: &[Table; MOST]) ->
 }
 
 /// The functions of a cell at the nodes of a piece of it, by axis, node and function.
-fn functions_at(piece: &Cell, tables: &[Table; MOST], cell: &Cell, shape: Shape) -> Vec<Vec<Vec<f64>>> {
-    let along = |(axis, table): (usize, &Table)| {
+fn functions_at(piece: &MeshCell, tables: &[LegendreTable; MOST], cell: &MeshCell, shape: Shape) -> Vec<Vec<Vec<f64>>> {
+    let along = |(axis, table): (usize, &LegendreTable)| {
         let at = |t: &f64| super::legendre::values(shape.modes(axis) - 1, cell.xi(axis, piece.at(axis, *t)));
         table.nodes.iter().map(at).collect()
     };
@@ -309,15 +314,15 @@ fn functions_at(piece: &Cell, tables: &[Table; MOST], cell: &Cell, shape: Shape)
 }
 
 /// The same times the weights, by axis, function and node.
-fn tables_on(piece: &Cell, cell: &Cell, shape: Shape, tables: &[Table; MOST]) -> Vec<Vec<Vec<f64>>> {
-    let along = |((axis, table), values): ((usize, &Table), Vec<Vec<f64>>)| {
+fn tables_on(piece: &MeshCell, cell: &MeshCell, shape: Shape, tables: &[LegendreTable; MOST]) -> Vec<Vec<Vec<f64>>> {
+    let along = |((axis, table), values): ((usize, &LegendreTable), Vec<Vec<f64>>)| {
         (0..shape.modes(axis)).map(|k| values.iter().zip(&table.weights).map(|(v, w)| v[k] * w).collect()).collect()
     };
     tables.iter().enumerate().zip(functions_at(piece, tables, cell, shape)).map(along).collect()
 }
 
 /// ∫ over a piece of a function by its values with the functions of a cell, by their weighted values at the nodes.
-fn weighed_by(values: &[f64], piece: &Cell, cell: &Cell, shape: Shape, rows: &[Vec<Vec<f64>>]) -> Vec<f64> {
+fn weighed_by(values: &[f64], piece: &MeshCell, cell: &MeshCell, shape: Shape, rows: &[Vec<Vec<f64>>]) -> Vec<f64> {
     let mut sizes: [usize; MOST] = std::array::from_fn(|axis| rows[axis][0].len());
     let mut sums = values.to_vec();
     for axis in 0..MOST {
@@ -335,6 +340,6 @@ pub(super) fn add_multiple(sum: &mut [f64], factor: f64, term: &[f64]) {
 }
 
 /// ∫ |p − q| dx for two degrees on one mesh.
-pub(super) fn difference(fine: &Field, coarse: &Field) -> f64 {
+pub(super) fn difference(fine: &GridField, coarse: &GridField) -> f64 {
     fine.plus(-1.0, coarse).size()
 }

@@ -30,7 +30,7 @@ pub(super) struct Value {
 
 /// One of the functions F_i and ½B_ij in −∫ J·∇φ dx.
 #[derive(Debug)]
-pub(super) struct Term {
+pub(super) struct FluxTerm {
     /// The state i in which the test function is differentiated.
     pub(super) tested: usize,
     /// The state j in which p is differentiated; none for F_i.
@@ -39,7 +39,7 @@ pub(super) struct Term {
     pub(super) degrees: Vec<[usize; MOST]>,
 }
 
-impl Term {
+impl FluxTerm {
     fn new(tested: usize, differentiated: Option<usize>, function: &Polynomial) -> Self {
         let largest: Vec<&[u32]> = function.terms().map(|(powers, _)| powers).collect();
         let occurs = |powers: &[u32]| largest.iter().any(|largest| powers.iter().zip(*largest).all(|(p, l)| p <= l));
@@ -48,7 +48,7 @@ impl Term {
             .iter()
             .filter(|powers| occurs(powers))
             .map(|powers| std::array::from_fn(|axis| powers.get(axis).map_or(0, |power| *power as usize)));
-        Term { tested, differentiated, degrees: degrees.collect() }
+        FluxTerm { tested, differentiated, degrees: degrees.collect() }
     }
 
     /// The function's own value.
@@ -70,7 +70,7 @@ pub(super) struct Flux<'a> {
     induced: Vec<Polynomial>,
     /// F and ½B of a derivative.
     moved: Option<(Vec<Polynomial>, Vec<Vec<Polynomial>>)>,
-    pub(super) terms: Vec<Term>,
+    pub(super) terms: Vec<FluxTerm>,
     /// The highest total degree of all functions.
     pub(super) degree: usize,
 }
@@ -98,7 +98,7 @@ impl<'a> Flux<'a> {
             }
             for (differentiated, function) in functions {
                 degree = degree.max(function.degree() as usize);
-                terms.push(Term::new(i, differentiated, function));
+                terms.push(FluxTerm::new(i, differentiated, function));
             }
         }
         terms.retain(|term| !term.degrees.is_empty());

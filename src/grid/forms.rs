@@ -14,7 +14,7 @@
 //! ∂p/∂t = −K p.
 
 use super::flux::{Flux, Part, Value};
-use super::legendre::Table;
+use super::legendre::LegendreTable;
 use super::mesh::Mesh;
 use super::shape::{MOST, Place, Shape};
 use super::sides::{Across, Boundary, Fluxes};
@@ -61,9 +61,9 @@ pub(super) struct Forms<'a> {
     at_walls: f64,
     products: Vec<Product>,
     /// Nodes of the functions in J.
-    series: Table,
+    series: LegendreTable,
     /// Nodes of a face along one axis, and the basis of the face there.
-    face: Table,
+    face: LegendreTable,
     along: [Vec<usize>; MOST],
 }
 
@@ -85,8 +85,8 @@ impl<'a> Forms<'a> {
             // In the coordinate that moves, the velocity is v over dx/dξ.
             Part::Moved(PlaneMotion { shift, .. }) => -shift[1],
         };
-        let series = Table::new(flux.degree, Rule::legendre(flux.degree + 1));
-        let face = Table::new(shape.degree, shape.rule(flux.degree));
+        let series = LegendreTable::new(flux.degree, Rule::legendre(flux.degree + 1));
+        let face = LegendreTable::new(shape.degree, shape.rule(flux.degree));
         let along = std::array::from_fn(|axis| if axis < shape.states { shape.along(axis) } else { Vec::new() });
         let products = products(shape, &flux);
         Forms { shape, flux, at_walls, products, series, face, along }
@@ -220,7 +220,7 @@ impl<'a> Forms<'a> {
 /// The integrals of all products of Legendre polynomials that occur in the flux, ∫ Π P_a φ^(′) φ^(′) on the reference cell.
 fn products(shape: Shape, flux: &Flux<'_>) -> Vec<Product> {
     let (degree, highest) = (shape.degree, flux.degree);
-    let table = Table::new(degree.max(highest), shape.rule(highest));
+    let table = LegendreTable::new(degree.max(highest), shape.rule(highest));
     let matrix = |a: usize, test_slope: bool, trial_slope: bool| {
         let pick = |node: usize, slope: bool| if slope { &table.slopes[node] } else { &table.values[node] };
         let mut matrix = Mat::from_fn(degree + 1, degree + 1, |k, l| -> f64 {

@@ -1,6 +1,6 @@
 //! What a march begins with: the density of a start on a mesh.
 
-use super::field::Field;
+use super::field::GridField;
 use super::mesh::{Mesh, Side};
 use super::narrow::Narrow;
 use super::operator::Layout;
@@ -28,14 +28,14 @@ const THINNEST: f64 = 1e-9;
 #[derive(Clone)]
 pub(super) struct Initial {
     pub(super) time: f64,
-    law: Law,
+    law: InitialLaw,
     /// Its distance from the true density in L¹, at most.
     pub(super) error: f64,
 }
 
 /// The density at that time.
 #[derive(Clone)]
-enum Law {
+enum InitialLaw {
     Stationary,
     Gaussian(Gaussian),
     Density(Arc<dyn Density>),
@@ -53,13 +53,13 @@ impl Initial {
         start.check(states)?;
         let at_once = |law| Ok(Initial { time: 0.0, law, error: 0.0 });
         let x = match start {
-            Start::Stationary => return at_once(Law::Stationary),
-            Start::Gaussian(gaussian) => return at_once(Law::Gaussian(gaussian.clone())),
-            Start::Density(density) => return at_once(Law::Density(Arc::clone(density))),
+            Start::Stationary => return at_once(InitialLaw::Stationary),
+            Start::Gaussian(gaussian) => return at_once(InitialLaw::Gaussian(gaussian.clone())),
+            Start::Density(density) => return at_once(InitialLaw::Density(Arc::clone(density))),
             Start::Point(x) => x.clone(),
         };
         let narrow = Narrow::spread(ground, envelope, &x, (first, accuracy))?;
-        Ok(Initial { time: narrow.time, law: Law::Gaussian(narrow.gaussian), error: narrow.error })
+        Ok(Initial { time: narrow.time, law: InitialLaw::Gaussian(narrow.gaussian), error: narrow.error })
     }
 
     /// The mesh that holds it to `aim`, with the field there, and whether the memory ended before.
@@ -69,11 +69,11 @@ impl Initial {
     pub(super) fn held(
         &self,
         ground: &Ground<'_>,
-        stationary: &Field,
+        stationary: &GridField,
         (shape, memory): (Shape, MemoryLimit),
         aim: f64,
-    ) -> Result<(Layout, Field, bool)> {
-        if let Law::Gaussian(gaussian) = &self.law {
+    ) -> Result<(Layout, GridField, bool)> {
+        if let InitialLaw::Gaussian(gaussian) = &self.law {
             for (axis, [low, high]) in ground.domain.iter().enumerate() {
                 let deviation = gaussian.covariance[(axis, axis)].sqrt();
                 let remedy =
@@ -99,7 +99,7 @@ impl Initial {
     fn sample(&self) -> Option<States> {
         const POINTS: i32 = 10;
         const REACH: f64 = 3.0;
-        let Law::Gaussian(gaussian) = &self.law else { return None };
+        let InitialLaw::Gaussian(gaussian) = &self.law else { return None };
         let root = gaussian.covariance.clone().cholesky()?.l();
         let mut sample = States::new(gaussian.mean.len());
         let along = || (-POINTS..=POINTS).map(|k| REACH * f64::from(k) / f64::from(POINTS));
@@ -114,12 +114,14 @@ impl Initial {
     }
 
     /// The density on a mesh; of the stationary density, `stationary` is the solution of the same degree.
-    pub(super) fn field(&self, stationary: &Field, mesh: &Arc<Mesh>, shape: Shape) -> Result<Field> {
+    pub(super) fn field(&self, stationary: &GridField, mesh: &Arc<Mesh>, shape: Shape) -> Result<GridField> {
         Ok(match &self.law {
-            Law::Stationary => stationary.carried(mesh, shape),
-            Law::Gaussian(gaussian) => Field::projected(mesh, shape, normal(gaussian)?),
+            InitialLaw::Stationary => stationary.carried(mesh, shape),
+            InitialLaw::Gaussian(gaussian) => GridField::projected(mesh, shape, normal(gaussian)?),
             // What is not known makes a mass that is refused.
-            Law::Density(density) => Field::projected(mesh, shape, |x| density.log_pdf(x).map_or(f64::NAN, f64::exp)),
+            InitialLaw::Density(density) => {
+                GridField::projected(mesh, shape, |x| density.log_pdf(x).map_or(f64::NAN, f64::exp))
+            }
         })
     }
 
@@ -127,14 +129,14 @@ impl Initial {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if it reaches beyond a wall or an edge.
-    fn require_held(&self, field: &Field) -> Result<()> {
+    fn require_held(&self, field: &GridField) -> Result<()> {
         let mass = field.mass();
         let expected = match &self.law {
-            Law::Stationary => return Ok(()),
-            Law::Gaussian(gaussian) => inside(gaussian, &field.mesh),
+            InitialLaw::Stationary => return Ok(()),
+            InitialLaw::Gaussian(gaussian) => inside(gaussian, &field.mesh),
             // Between levels, what lies beyond them is not known.
-            Law::Density(_) if field.mesh.sides.contains(&Side::Level) => mass.clamp(0.0, 1.0),
-            Law::Density(_) => 1.0,
+            InitialLaw::Density(_) if field.mesh.sides.contains(&Side::Level) => mass.clamp(0.0, 1.0),
+            InitialLaw::Density(_) => 1.0,
         };
         let remedy = "the start must lie inside the domain, away from walls";
         require((mass - expected).abs() <= 1e-3, "mass of the start on the mesh", mass, remedy)?;

@@ -2,7 +2,7 @@
 
 use super::Grid;
 use super::mesh::Side;
-use super::pilot::Pilot;
+use super::pilot::GridPilot;
 use super::start::{Ground, smallest};
 use super::stationary::Stationary;
 use crate::problem::{Problem, Wall};
@@ -13,7 +13,7 @@ pub(super) struct Kept {
     pub(super) problem: Problem,
     pub(super) walls: [Option<Wall>; 2],
     pub(super) grid: Grid,
-    pub(super) pilot: Pilot,
+    pub(super) pilot: GridPilot,
     /// Of the degree and of one less.
     pub(super) solutions: [Stationary; 2],
 }

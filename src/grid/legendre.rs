@@ -28,7 +28,7 @@ fn norm(k: usize) -> f64 {
 
 /// The reference basis at the nodes of a rule.
 #[derive(Debug)]
-pub(super) struct Table {
+pub(super) struct LegendreTable {
     /// Places on −1 ≤ ξ ≤ 1.
     pub(super) nodes: Vec<f64>,
     /// Weights of the measure dξ/2. On any interval an integral of two basis functions has the same ones.
@@ -38,10 +38,10 @@ pub(super) struct Table {
     pub(super) slopes: Vec<Vec<f64>>,
 }
 
-impl Table {
+impl LegendreTable {
     pub(super) fn new(degree: usize, rule: Rule) -> Self {
         let (values, slopes) = rule.nodes.iter().map(|xi| reference(degree, *xi)).unzip();
-        Table { weights: rule.weights.iter().map(|w| w / 2.0).collect(), nodes: rule.nodes, values, slopes }
+        LegendreTable { weights: rule.weights.iter().map(|w| w / 2.0).collect(), nodes: rule.nodes, values, slopes }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -61,7 +61,7 @@ mod tests {
     /// Rounding of a few hundred terms of size one; central differences are off by h² times the third derivative, below 1e5 here.
     #[test]
     fn the_basis_is_orthonormal_and_its_slopes_are_its_derivatives() {
-        let table = Table::new(8, Rule::legendre(12));
+        let table = LegendreTable::new(8, Rule::legendre(12));
         for k in 0..=8 {
             for l in 0..=8 {
                 let sum: f64 = (0..table.len()).map(|node| table.weighted(node, k) * table.values[node][l]).sum();

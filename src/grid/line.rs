@@ -1,6 +1,6 @@
 //! One state without impulses: p = (C/B) exp(∫ 2f/B dx), without a flux of probability.
 
-use super::field::Field;
+use super::field::GridField;
 use super::mesh::{Mesh, Side};
 use super::refinement::refined;
 use super::shape::{MOST, Shape};
@@ -120,7 +120,7 @@ impl Line {
     }
 
     /// The limits, and the density on a mesh that resolves it to rounding.
-    pub(super) fn resolved(&self, degree: usize) -> Field {
+    pub(super) fn resolved(&self, degree: usize) -> GridField {
         let (low, high) = (self.steps[0][0], self.steps[self.steps.len() - 1][0]);
         let highest = self.steps.iter().map(|[x, sum]| self.log(*x, *sum)).fold(f64::NEG_INFINITY, f64::max);
         let mut tree = Tree::new(&[vec![low, high]]);
@@ -144,8 +144,8 @@ impl Line {
         self.normalised(mesh, shape, highest)
     }
 
-    fn normalised(&self, mesh: Mesh, shape: Shape, highest: f64) -> Field {
-        let field = Field::projected(&Arc::new(mesh), shape, |x| (self.value(x[0]) - highest).exp());
+    fn normalised(&self, mesh: Mesh, shape: Shape, highest: f64) -> GridField {
+        let field = GridField::projected(&Arc::new(mesh), shape, |x| (self.value(x[0]) - highest).exp());
         field.times(field.mass().recip())
     }
 }

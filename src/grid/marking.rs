@@ -1,9 +1,9 @@
 //! What a mesh does not resolve: of the density, of each of its wells, and of the way between wells.
 
-use super::field::Field;
+use super::field::GridField;
 use super::shape::Place;
 use super::stationary::Stationary;
-use super::tree::Cell;
+use super::tree::MeshCell;
 use super::wells::Wells;
 use crate::grid::KEPT;
 use crate::states::States;
@@ -52,7 +52,7 @@ impl Stationary {
     /// u_i u_j/u².
     fn between(&self, [from, to]: [usize; 2]) -> Vec<f64> {
         let (wells, mut mass) = (&self.wells, 0.0);
-        let part = |(cell, own): (usize, &Cell)| {
+        let part = |(cell, own): (usize, &MeshCell)| {
             let mean = |well: usize| wells.well(well).mean(cell).abs();
             let all = (0..wells.pins.len()).map(mean).sum::<f64>().max(f64::MIN_POSITIVE);
             let part = mean(from) / all * (mean(to) / all);
@@ -66,7 +66,7 @@ impl Stationary {
 
     /// The places of the pins of the next mesh, as states: of several that of each well.
     pub(super) fn places(&self) -> Vec<Vec<f64>> {
-        let place = |field: &Field| field.mesh.centre(field.peak());
+        let place = |field: &GridField| field.mesh.centre(field.peak());
         let wells: Vec<usize> = (0..self.wells.pins.len()).filter(|well| self.wells.kept(*well) > KEPT[0]).collect();
         match &wells[..] {
             [] | [_] => vec![place(&self.density.field)],

@@ -5,7 +5,7 @@
 //! between two cells as any others, so that walls need no matching lines and lose no probability.
 
 use super::shape::{MOST, Place};
-use super::tree::{Cell, Tree};
+use super::tree::{MeshCell, Tree};
 use crate::density::Crossing;
 
 /// The condition at one side of the domain along state 0.
@@ -44,7 +44,7 @@ pub(super) struct Segment {
     /// The face, where there is one.
     pub(super) face: Option<usize>,
     /// The extent along the other axes: of coordinates, or of the speed before the impact.
-    pub(super) extent: Cell,
+    pub(super) extent: MeshCell,
 }
 
 /// A mesh: cells, and their segments, those with faces by rising face.
@@ -58,7 +58,7 @@ pub(super) struct Mesh {
     leaves: Vec<usize>,
     /// The cell of each node that is one.
     numbers: Vec<usize>,
-    pub(super) cells: Vec<Cell>,
+    pub(super) cells: Vec<MeshCell>,
     pub(super) segments: Vec<Vec<Segment>>,
     /// The two cells of each face.
     pub(super) faces: Vec<[usize; 2]>,
@@ -70,7 +70,7 @@ impl Mesh {
     /// The cells of a tree. At walls of state 0 a line must go through the velocity 0.
     pub(super) fn new(origin: Place, tree: Tree, sides: [Side; 2]) -> Self {
         let leaves = tree.leaves();
-        let cells: Vec<Cell> = leaves.iter().map(|leaf| tree.cell(*leaf)).collect();
+        let cells: Vec<MeshCell> = leaves.iter().map(|leaf| tree.cell(*leaf)).collect();
         let mut numbers = vec![0; leaves.last().map_or(0, |leaf| leaf + 1)];
         leaves.iter().enumerate().for_each(|(cell, leaf)| numbers[*leaf] = cell);
         let segments = vec![Vec::new(); cells.len()];
@@ -121,11 +121,11 @@ impl Mesh {
     }
 
     /// and that of a box of the tree.
-    pub(super) fn middle(&self, cell: &Cell) -> Vec<f64> {
+    pub(super) fn middle(&self, cell: &MeshCell) -> Vec<f64> {
         (0..self.dimension()).map(|axis| self.origin[axis] + cell.centre(axis)).collect()
     }
 
-    fn join(&mut self, axis: usize, extent: Cell, sides: [(usize, bool, Role); 2]) {
+    fn join(&mut self, axis: usize, extent: MeshCell, sides: [(usize, bool, Role); 2]) {
         let face = Some(self.faces.len());
         self.faces.push(sides.map(|(cell, ..)| cell));
         let length: f64 = (0..MOST).filter(|along| *along != axis).map(|along| extent.width[along]).product();
@@ -139,7 +139,7 @@ impl Mesh {
     fn wall(&mut self, side: usize, restitution: f64, cells: &[usize]) {
         let sign = if side == 1 { 1.0 } else { -1.0 };
         let speeds = |cell: usize, factor: f64| {
-            let Cell { lower, width } = self.cells[cell];
+            let MeshCell { lower, width } = self.cells[cell];
             let ends = [lower[1] / factor, (lower[1] + width[1]) / factor];
             [ends[0].min(ends[1]), ends[0].max(ends[1]), width[1] / factor.abs()]
         };
@@ -163,7 +163,7 @@ impl Mesh {
             if out[1] <= back[1] { i += 1 } else { j += 1 }
         }
         for ([low, width], hit, returned) in found {
-            let mut extent = Cell { lower: [0.0; MOST], width: [1.0; MOST] };
+            let mut extent = MeshCell { lower: [0.0; MOST], width: [1.0; MOST] };
             (extent.lower[1], extent.width[1]) = (low, width);
             let (hits, returns) = (Role::Hits(sign), Role::Returns(-sign * restitution));
             self.join(0, extent, [(hit, side == 1, hits), (returned, side == 1, returns)]);
@@ -177,11 +177,11 @@ impl Mesh {
         let root = self.tree.root();
         let fastest = if side == 1 { -root.lower[1] } else { root.upper(1) } / restitution;
         for &cell in before {
-            let Cell { lower, width } = self.cells[cell];
+            let MeshCell { lower, width } = self.cells[cell];
             let high = (sign * lower[1]).max(sign * (lower[1] + width[1]));
             let low = (high - width[1]).max(fastest);
             if high - low > 1e-13 * high {
-                let mut extent = Cell { lower: [0.0; MOST], width: [1.0; MOST] };
+                let mut extent = MeshCell { lower: [0.0; MOST], width: [1.0; MOST] };
                 (extent.lower[1], extent.width[1]) = (low, high - low);
                 let (axis, upper) = (0, side == 1);
                 self.segments[cell].push(Segment { axis, upper, role: Role::Hits(sign), face: None, extent });
@@ -209,7 +209,7 @@ impl Mesh {
     }
 
     /// The parts of a box that lie in one cell each, with the numbers of these.
-    pub(super) fn pieces(&self, whole: &Cell) -> Vec<(usize, Cell)> {
+    pub(super) fn pieces(&self, whole: &MeshCell) -> Vec<(usize, MeshCell)> {
         self.tree.pieces(whole).into_iter().map(|(leaf, piece)| (self.numbers[leaf], piece)).collect()
     }
 
@@ -226,7 +226,7 @@ impl Mesh {
 
     /// The limits of each state in each cell.
     pub(super) fn boxes(&self) -> Vec<Vec<[f64; 2]>> {
-        let along = |cell: &Cell, axis: usize| [cell.lower[axis], cell.upper(axis)].map(|u| self.origin[axis] + u);
+        let along = |cell: &MeshCell, axis: usize| [cell.lower[axis], cell.upper(axis)].map(|u| self.origin[axis] + u);
         self.cells.iter().map(|cell| (0..self.dimension()).map(|axis| along(cell, axis)).collect()).collect()
     }
 

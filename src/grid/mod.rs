@@ -55,7 +55,7 @@ use crate::checks::{finite, positive, require};
 use crate::error::{Error, Result};
 use crate::memory::MemoryLimit;
 use crate::problem::{Problem, Wall};
-use pilot::Pilot;
+use pilot::GridPilot;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -109,10 +109,10 @@ pub struct Grid {
     degree: Option<usize>,
     domain: Option<Vec<[f64; 2]>>,
     memory: MemoryLimit,
-    progress: Option<Callback>,
+    progress: Option<GridCallback>,
 }
 
-type Callback = Arc<dyn Fn(GridProgress) -> ControlFlow<()> + Send + Sync>;
+type GridCallback = Arc<dyn Fn(GridProgress) -> ControlFlow<()> + Send + Sync>;
 
 /// How far a grid has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -209,7 +209,7 @@ impl Grid {
         let walls = self.served(problem)?;
         self.validate(problem)?;
         problem.operator().require_reached(&[])?;
-        let pilot = Pilot::new(problem)?;
+        let pilot = GridPilot::new(problem)?;
         let piloted = begin.elapsed().as_secs_f64();
         let mut density = self.resolved(problem, walls, pilot, [false; 2])?;
         density.provenance.pilot_seconds = Some(piloted);

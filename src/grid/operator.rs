@@ -3,7 +3,7 @@
 use super::columns::add_product;
 use super::dissection::Front;
 use super::elimination::{Cells, Factored};
-use super::field::{Field, add_multiple};
+use super::field::{GridField, add_multiple};
 use super::flux::Part;
 use super::forms::{Forms, Matrices};
 use super::mesh::{Mesh, Role};
@@ -264,8 +264,8 @@ pub(super) struct Factors {
 
 /// A density, and its unknowns at all faces.
 #[derive(Clone, Debug)]
-pub(super) struct Solution {
-    pub(super) field: Field,
+pub(super) struct GridSolution {
+    pub(super) field: GridField,
     pub(super) faces: Vec<f64>,
 }
 
@@ -274,7 +274,7 @@ impl Factors {
     ///
     /// # Errors
     /// [`Error::NotResolved`](crate::Error::NotResolved) if the matrix is singular.
-    pub(super) fn solve(&self, right: &[f64], at_faces: Option<Vec<f64>>) -> Result<Solution> {
+    pub(super) fn solve(&self, right: &[f64], at_faces: Option<Vec<f64>>) -> Result<GridSolution> {
         let Factors { layout, shape, factored } = self;
         let (block, size) = (shape.block(), shape.face());
         let mut coefficients = right.to_vec();
@@ -283,16 +283,19 @@ impl Factors {
         if !coefficients.iter().chain(&faces).all(|x| x.is_finite()) {
             return Err(singular(right.len()));
         }
-        Ok(Solution { field: Field { mesh: Arc::clone(&layout.mesh), shape: *shape, coefficients }, faces })
+        Ok(GridSolution { field: GridField { mesh: Arc::clone(&layout.mesh), shape: *shape, coefficients }, faces })
     }
 }
 
-impl Solution {
+impl GridSolution {
     pub(super) fn zero(operator: &Operator) -> Self {
-        Solution { field: Field::zero(&operator.layout.mesh, operator.shape), faces: vec![0.0; operator.at_faces()] }
+        GridSolution {
+            field: GridField::zero(&operator.layout.mesh, operator.shape),
+            faces: vec![0.0; operator.at_faces()],
+        }
     }
 
-    pub(super) fn add(&mut self, factor: f64, other: &Solution) {
+    pub(super) fn add(&mut self, factor: f64, other: &GridSolution) {
         add_multiple(&mut self.field.coefficients, factor, &other.field.coefficients);
         add_multiple(&mut self.faces, factor, &other.faces);
     }

@@ -28,18 +28,18 @@ const INTERVAL: f64 = 4.0;
 
 /// States that trajectories have visited, with their mirror images.
 #[derive(Clone, Debug)]
-pub(super) struct Pilot {
+pub(super) struct GridPilot {
     pub(super) states: States,
 }
 
-impl Pilot {
+impl GridPilot {
     /// From near 0, and from starts that are scattered over more than what these have reached, so that no well is missed.
     ///
     /// # Errors
     /// [`Error::Exploded`](crate::Error::Exploded) with every time step that was tried, [`Error::NoDensity`](crate::Error::NoDensity)
     /// where trajectories keep growing or end at a point.
     pub(super) fn new(problem: &Problem) -> Result<Self> {
-        let mut pilot = Pilot { states: settled(problem, [TRAJECTORIES, STATES])? };
+        let mut pilot = GridPilot { states: settled(problem, [TRAJECTORIES, STATES])? };
         let (reach, middle, states) = (pilot.reach(), pilot.middle(), problem.dimension());
         let deviation = |axis: usize| FARTHER * (reach[axis][1] - middle[axis]).max(middle[axis] - reach[axis][0]);
         let covariance = DMatrix::from_fn(states, states, |i, j| if i == j { deviation(i).powi(2) } else { 0.0 });

@@ -4,8 +4,8 @@
 //! first function of a cell k, the pin, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and
 //! nothing to the pattern, unlike a border, whose full row would fill the factors.
 
-use super::field::Field;
-use super::operator::{Factors, Operator, Regular, Solution};
+use super::field::GridField;
+use super::operator::{Factors, GridSolution, Operator, Regular};
 use crate::error::Result;
 
 /// A pin, and the density that comes from it.
@@ -17,14 +17,14 @@ pub(super) struct Pin {
     /// The probability per unit time that passes the pin where the coefficient of the first function is 1.
     through: f64,
     /// The density that comes from the pin, with mass 1,
-    pub(super) from: Solution,
+    pub(super) from: GridSolution,
     /// and the probability per unit time that comes with it.
     pub(super) rate: f64,
 }
 
 impl Pin {
     /// The probability of a density per unit time that passes the pin.
-    pub(super) fn passing(&self, p: &Field) -> f64 {
+    pub(super) fn passing(&self, p: &GridField) -> f64 {
         self.through * p.block(self.cell)[0]
     }
 
@@ -73,7 +73,7 @@ impl Pinned {
 
     /// What comes of a unit of probability per unit time that comes in everywhere alike and goes out at the pins, without what is
     /// there at the pins.
-    pub(super) fn elsewhere(&self, operator: &Operator) -> Result<Solution> {
+    pub(super) fn elsewhere(&self, operator: &Operator) -> Result<GridSolution> {
         let (mesh, block) = (&operator.layout.mesh, operator.shape.block());
         let mut right = vec![0.0; operator.unknowns()];
         let volume = mesh.volume();

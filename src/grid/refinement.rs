@@ -1,6 +1,6 @@
 //! From a mesh to the answer: solve, divide the cells that are not resolved, and stop by the solutions of two degrees.
 
-use super::field::{Field, difference};
+use super::field::{GridField, difference};
 use super::mesh::Mesh;
 use super::operator::Layout;
 use super::shape::Place;
@@ -132,7 +132,7 @@ pub(super) enum Finer {
 }
 
 /// The mesh on which less than `aim` is left in the highest degree, or the next one towards it.
-pub(super) fn finer(field: &Field, aim: f64, memory: MemoryLimit) -> Finer {
+pub(super) fn finer(field: &GridField, aim: f64, memory: MemoryLimit) -> Finer {
     let unresolved = field.highest();
     if indicator(&unresolved) <= aim {
         return Finer::Enough;

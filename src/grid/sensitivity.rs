@@ -1,9 +1,9 @@
 //! The derivative of a density on a grid by a parameter.
 
 use super::density::{GridDensity, at, estimate, flux, moderate, raw_moment, unresolved};
-use super::field::{Along, EVERYWHERE, Field, difference};
+use super::field::{Along, EVERYWHERE, GridField, difference};
 use super::kept::Kept;
-use super::legendre::Table;
+use super::legendre::LegendreTable;
 use super::mesh::{Mesh, Role};
 use super::shape::transformed;
 use crate::checks::{coordinate, dimension, finite, point};
@@ -24,11 +24,11 @@ pub struct GridSensitivity {
     parameter: String,
     motion: PlaneMotion,
     /// The derivatives of both solutions in the coordinate in which walls stand still, ∂q/∂θ,
-    moving: [Field; 2],
+    moving: [GridField; 2],
     /// and at fixed states, ∂q/∂θ − ∂_x(η q); likewise what changes in them with the leak.
-    fixed: [Field; 2],
-    moving_changes: Vec<Field>,
-    changes: Vec<Field>,
+    fixed: [GridField; 2],
+    moving_changes: Vec<GridField>,
+    changes: Vec<GridField>,
 }
 
 impl fmt::Debug for GridSensitivity {
@@ -42,10 +42,11 @@ impl fmt::Debug for GridSensitivity {
 }
 
 impl GridSensitivity {
-    fn new(density: &GridDensity, parameter: &str, motion: PlaneMotion, [fine, coarse]: [[Field; 2]; 2]) -> Self {
+    fn new(density: &GridDensity, parameter: &str, motion: PlaneMotion, [fine, coarse]: [[GridField; 2]; 2]) -> Self {
         let [[fine, change], [coarse, _]] = [fine, coarse];
-        let fixed =
-            |p: &Field, moving: &Field| if motion.moves() { carried(p, moving, &motion) } else { moving.clone() };
+        let fixed = |p: &GridField, moving: &GridField| {
+            if motion.moves() { carried(p, moving, &motion) } else { moving.clone() }
+        };
         let returned = density.changes.last().map(|returned| fixed(returned, &change));
         GridSensitivity {
             fixed: [fixed(&density.fine, &fine), fixed(&density.coarse, &coarse)],
@@ -59,12 +60,12 @@ impl GridSensitivity {
     }
 
     /// A statistic of the derivatives in one of the coordinates.
-    fn of_fixed(&self, statistic: impl Fn(&Field) -> f64) -> Estimate {
+    fn of_fixed(&self, statistic: impl Fn(&GridField) -> f64) -> Estimate {
         estimate(self.fixed.each_ref(), &self.changes, statistic)
     }
 
     /// A statistic of ∂q/∂θ with the density that it belongs to.
-    fn of_moving(&self, statistic: impl Fn(&Field, &Field) -> f64) -> Estimate {
+    fn of_moving(&self, statistic: impl Fn(&GridField, &GridField) -> f64) -> Estimate {
         let density = [&self.density.fine, &self.density.coarse];
         let [value, other] = [0, 1].map(|k| statistic(&self.moving[k], density[k]));
         let returned = self.density.changes.last().into_iter();
@@ -101,7 +102,7 @@ impl Sensitivity for GridSensitivity {
     }
 
     fn l1_estimate(&self) -> f64 {
-        difference(&self.fixed[0], &self.fixed[1]) + self.changes.iter().map(Field::size).sum::<f64>()
+        difference(&self.fixed[0], &self.fixed[1]) + self.changes.iter().map(GridField::size).sum::<f64>()
     }
 
     fn warning(&self) -> Option<&str> {
@@ -173,7 +174,7 @@ impl Sensitivity for GridSensitivity {
 
     fn impact_rate(&self) -> Option<Estimate> {
         // At the walls themselves p = q over dx/dξ.
-        let at_wall = |moving: &Field, p: &Field| moving.plus(-self.motion.shift[1], p);
+        let at_wall = |moving: &GridField, p: &GridField| moving.plus(-self.motion.shift[1], p);
         let rate = |(crossing, side, r): (Crossing, usize, f64)| {
             let rate = self.of_moving(|moving, p| flux(&at_wall(moving, p), crossing, 1));
             let grazed = r < 1.0 || self.motion.restitution[side] != 0.0;
@@ -233,7 +234,7 @@ impl GridDensity {
 
 /// What the derivative by the restitution adds to K′p. With the speed s before the impact the inflow is ∫ s φ(r s) p(−s) ds, so that
 /// test functions are differentiated, and what crosses from one cell after the impact into the next one as r falls.
-fn rebound(p: &Field, motion: &PlaneMotion) -> Vec<f64> {
+fn rebound(p: &GridField, motion: &PlaneMotion) -> Vec<f64> {
     let (mesh, shape) = (&p.mesh, p.shape);
     let mut source = vec![0.0; p.coefficients.len()];
     for (_, side, restitution) in mesh.impacts().filter(|(_, side, _)| motion.restitution[*side] != 0.0) {
@@ -280,12 +281,12 @@ fn rebound(p: &Field, motion: &PlaneMotion) -> Vec<f64> {
 }
 
 /// The density at a wall with a velocity.
-fn trace(mesh: &Mesh, p: &Field, side: usize, v: f64) -> f64 {
+fn trace(mesh: &Mesh, p: &GridField, side: usize, v: f64) -> f64 {
     p.value(&[mesh.domain()[0][side], mesh.origin[1] + v])
 }
 
 /// What moves through the ends of the cells: Σ ∫ η g q dv, at the upper end of each less at its lower one.
-fn crossed(p: &Field, motion: &PlaneMotion, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> f64 {
+fn crossed(p: &GridField, motion: &PlaneMotion, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> f64 {
     let (mesh, shape) = (&p.mesh, p.shape);
     let mut sum = 0.0;
     for (cell, block) in mesh.cells.iter().zip(p.blocks()) {
@@ -303,10 +304,10 @@ fn crossed(p: &Field, motion: &PlaneMotion, g: &(dyn Fn(&[f64]) -> f64 + Sync)) 
 }
 
 /// ∂q/∂θ − ∂_x(η q): with a linear η a polynomial of the same degrees on every cell.
-fn carried(p: &Field, moving: &Field, motion: &PlaneMotion) -> Field {
+fn carried(p: &GridField, moving: &GridField, motion: &PlaneMotion) -> GridField {
     let (mesh, shape, mut fixed) = (&p.mesh, p.shape, moving.clone());
     let modes = shape.modes(0);
-    let table = Table::new(shape.degree, shape.rule(1));
+    let table = LegendreTable::new(shape.degree, shape.rule(1));
     for (number, (cell, own)) in mesh.cells.iter().zip(p.blocks()).enumerate() {
         // ∫ φ_k ∂_x(η φ_l) dx.
         let mut along = vec![vec![0.0; modes]; modes];

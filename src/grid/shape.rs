@@ -1,6 +1,6 @@
 //! Products of Legendre polynomials of one degree along each state, and how they are numbered.
 
-use super::legendre::Table;
+use super::legendre::LegendreTable;
 use crate::numerics::Rule;
 
 /// The most states of a mesh. With fewer, the axes beyond them have one function, one cell and no faces.
@@ -58,12 +58,12 @@ impl Shape {
     }
 
     /// A table for each axis: `rule` along the states, one node beyond them.
-    pub(super) fn tables(&self, rule: &Rule) -> [Table; MOST] {
+    pub(super) fn tables(&self, rule: &Rule) -> [LegendreTable; MOST] {
         std::array::from_fn(|axis| {
             if axis < self.states {
-                Table::new(self.degree, rule.clone())
+                LegendreTable::new(self.degree, rule.clone())
             } else {
-                Table::new(0, Rule { nodes: vec![0.0], weights: vec![2.0] })
+                LegendreTable::new(0, Rule { nodes: vec![0.0], weights: vec![2.0] })
             }
         })
     }

@@ -1,10 +1,10 @@
 //! What passes the sides of a cell: the fluxes at their nodes, and their integrals with the functions there.
 
 use super::flux::Flux;
-use super::legendre::{Table, reference};
+use super::legendre::{LegendreTable, reference};
 use super::mesh::{Role, Segment};
 use super::shape::{MOST, Place, Shape};
-use super::tree::Cell;
+use super::tree::MeshCell;
 use crate::fokker_planck::Local;
 use faer::Mat;
 
@@ -18,7 +18,7 @@ pub(super) struct Boundary<'a> {
     /// What a wall's fluxes are multiplied by.
     pub(super) at_walls: f64,
     /// Nodes of a face along one axis, and the basis of the face there.
-    pub(super) face: &'a Table,
+    pub(super) face: &'a LegendreTable,
 }
 
 /// A cell's functions across one of its sides: values and outward slopes there.
@@ -31,7 +31,7 @@ pub(super) struct Across {
 }
 
 impl Across {
-    pub(super) fn new(shape: Shape, cell: &Cell, axis: usize, upper: bool) -> Self {
+    pub(super) fn new(shape: Shape, cell: &MeshCell, axis: usize, upper: bool) -> Self {
         let sign = if upper { 1.0 } else { -1.0 };
         let (mut values, mut slopes) = reference(shape.degree, sign);
         let scale = cell.width[axis].sqrt().recip();
@@ -45,14 +45,14 @@ impl Across {
 pub(super) struct Fluxes {
     axis: usize,
     pub(super) penalty: f64,
-    pub(super) along: Along,
+    pub(super) along: SegmentFunctions,
     fluxes: Vec<At>,
 }
 
 impl Fluxes {
-    pub(super) fn new(all: &Boundary<'_>, cell: &Cell, segment: &Segment, local: &mut Local) -> Self {
+    pub(super) fn new(all: &Boundary<'_>, cell: &MeshCell, segment: &Segment, local: &mut Local) -> Self {
         let axis = segment.axis;
-        let along = Along::new(all, cell, segment);
+        let along = SegmentFunctions::new(all, cell, segment);
         let (sign, place) = if segment.upper { (1.0, cell.upper(axis)) } else { (-1.0, cell.lower[axis]) };
         let mut fluxes = Vec::with_capacity(along.nodes.len());
         for node in &along.nodes {
@@ -124,7 +124,7 @@ pub(super) struct At {
 }
 
 /// A node of a segment.
-struct Node {
+struct SegmentNode {
     /// Its coordinates along the segment.
     place: Place,
     /// The speed before an impact.
@@ -133,8 +133,8 @@ struct Node {
 }
 
 /// A segment's nodes, and the functions of the cell and of the face there.
-pub(super) struct Along {
-    nodes: Vec<Node>,
+pub(super) struct SegmentFunctions {
+    nodes: Vec<SegmentNode>,
     /// The cell's functions along the side, by node,
     pub(super) own: Vec<Vec<f64>>,
     /// their slopes along each of the axes,
@@ -143,11 +143,11 @@ pub(super) struct Along {
     pub(super) shared: Vec<Vec<f64>>,
 }
 
-impl Along {
-    fn new(all: &Boundary<'_>, cell: &Cell, segment: &Segment) -> Self {
+impl SegmentFunctions {
+    fn new(all: &Boundary<'_>, cell: &MeshCell, segment: &Segment) -> Self {
         let (shape, table, extent) = (all.shape, all.face, &segment.extent);
-        let mut along = Along {
-            nodes: vec![Node { place: [0.0; MOST], speed: 0.0, weight: 1.0 }],
+        let mut along = SegmentFunctions {
+            nodes: vec![SegmentNode { place: [0.0; MOST], speed: 0.0, weight: 1.0 }],
             own: vec![vec![1.0]],
             slopes: [(); MOST].map(|()| vec![vec![1.0]]),
             shared: vec![vec![1.0]],
@@ -171,10 +171,10 @@ impl Along {
             let scale = extent.width[other].sqrt().recip();
             let shared: Vec<Vec<f64>> =
                 table.values.iter().map(|values| values.iter().map(|value| scale * value).collect()).collect();
-            let step = |node: &Node, s: f64, weight: f64| {
+            let step = |node: &SegmentNode, s: f64, weight: f64| {
                 let mut place = node.place;
                 place[other] = factor * s;
-                Node { place, speed: s, weight: node.weight * weight * extent.width[other] }
+                SegmentNode { place, speed: s, weight: node.weight * weight * extent.width[other] }
             };
             let nodes = &along.nodes;
             let more = nodes.iter().flat_map(|node| places().zip(&table.weights).map(move |(s, w)| step(node, s, *w)));

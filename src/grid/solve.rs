@@ -6,7 +6,7 @@ use super::kept::Kept;
 use super::line::Line;
 use super::mesh::Side;
 use super::operator::Layout;
-use super::pilot::Pilot;
+use super::pilot::GridPilot;
 use super::refinement::{Pair, resolve};
 use super::start::Ground;
 use super::stationary::{Question, Stationary};
@@ -39,7 +39,7 @@ impl Grid {
         &self,
         problem: &Problem,
         walls: [Option<Wall>; 2],
-        pilot: Pilot,
+        pilot: GridPilot,
         other: [bool; 2],
     ) -> Result<GridDensity> {
         if problem.dimension() == 1 && self.domain.is_none() {
@@ -82,7 +82,7 @@ impl Grid {
     }
 
     /// The density of one state in closed form, on a mesh that holds it to rounding.
-    fn on_a_line(&self, problem: &Problem, pilot: Pilot) -> Result<GridDensity> {
+    fn on_a_line(&self, problem: &Problem, pilot: GridPilot) -> Result<GridDensity> {
         let degree = self.degree.map_or(DEGREE, |degree| degree.max(LEAST));
         let peak = pilot.peak();
         // Where the noise vanishes trajectories may leave one side for ever, on which nothing is stationary.
@@ -92,7 +92,7 @@ impl Grid {
         let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
         let exact = line.resolved(degree);
         let layout = Layout::new(exact.mesh.as_ref().clone());
-        let solved = |degree: usize, field: field::Field| -> Result<Stationary> {
+        let solved = |degree: usize, field: field::GridField| -> Result<Stationary> {
             let mut solution = stationary::solve(question, &layout, degree, std::slice::from_ref(&peak))?;
             // Both degrees have the closed form in place of the solution.
             solution.replace(field);
@@ -112,14 +112,14 @@ impl Grid {
         &self,
         problem: &Problem,
         walls: [Option<Wall>; 2],
-        pilot: Pilot,
+        pilot: GridPilot,
         Pair { fine, coarse, difference, exhausted, .. }: Pair,
         (rounds, cut): (usize, bool),
     ) -> Result<GridDensity> {
         let field = fine.density.field.clone();
         let mut changes = fine.open.clone();
         changes.push(fine.returned());
-        let changed: f64 = changes.iter().map(field::Field::size).sum();
+        let changed: f64 = changes.iter().map(field::GridField::size).sum();
         let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
         field.for_each_node(&field.shape.rule(0), |_, weight, p| {
             (peak, least) = (peak.max(p), least.min(p));

@@ -2,9 +2,9 @@
 //! or levels.
 
 use super::mesh::{Mesh, Side};
-use super::pilot::Pilot;
+use super::pilot::GridPilot;
 use super::shape::{MOST, Place};
-use super::tree::{Cell, Tree};
+use super::tree::{MeshCell, Tree};
 use crate::grid::{GRAZING, HALVINGS, NARROWEST};
 use crate::problem::Problem;
 use crate::states::States;
@@ -35,7 +35,7 @@ const LAYER: f64 = 4.0;
 #[derive(Clone, Debug)]
 pub(super) struct Ground<'a> {
     pub(super) problem: &'a Problem,
-    pub(super) pilot: &'a Pilot,
+    pub(super) pilot: &'a GridPilot,
     /// Lower and upper limits of each state.
     pub(super) domain: Vec<[f64; 2]>,
     /// The sides of state 0.
@@ -55,7 +55,7 @@ pub(super) fn smallest(side: Side, accuracy: f64) -> Option<f64> {
 }
 
 /// The box of several times the reach of the pilot's states, `doubled` several times, up to `limits`.
-pub(super) fn domain(pilot: &Pilot, states: usize, doubled: usize, limits: [Option<f64>; 2]) -> Vec<[f64; 2]> {
+pub(super) fn domain(pilot: &GridPilot, states: usize, doubled: usize, limits: [Option<f64>; 2]) -> Vec<[f64; 2]> {
     let (reach, middle) = (pilot.reach(), pilot.middle());
     let widening = WIDENING * f64::from(1 << doubled.min(20));
     let mut all: Vec<[f64; 2]> =
@@ -166,7 +166,7 @@ impl Ground<'_> {
         let narrowest = |axis: usize| NARROWEST * root.width[axis];
         let mut open = tree.at_side(0, side);
         while let Some(leaf) = open.pop() {
-            let cell: Cell = tree.cell(leaf);
+            let cell: MeshCell = tree.cell(leaf);
             let fastest = cell.lower[1].abs().max(cell.upper(1).abs());
             let grazes = cell.lower[1] <= 0.0 && cell.upper(1) >= 0.0;
             let tall = cell.width[1] > (smallest * deviation).max(narrowest(1));

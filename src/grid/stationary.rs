@@ -3,9 +3,9 @@
 //! With [pins](super::pins) K is regular. Where nothing is lost, p_k = 1 at a single one and K p = 0 exactly. Several have one of the
 //! [wells](super::wells) each.
 
-use super::field::Field;
+use super::field::GridField;
 use super::flux::Part;
-use super::operator::{Factors, Layout, Operator, Solution};
+use super::operator::{Factors, GridSolution, Layout, Operator};
 use super::pins::{Pin, Pinned};
 use super::wells::Wells;
 use crate::error::Result;
@@ -39,15 +39,15 @@ pub(super) struct Stationary {
     pub(super) operator: Operator,
     factors: Factors,
     pub(super) wells: Wells,
-    pub(super) density: Solution,
+    pub(super) density: GridSolution,
     /// The density if a unit of probability per unit time came back everywhere alike, and not at the pins; without mass.
-    elsewhere: Solution,
+    elsewhere: GridSolution,
     /// The probability that leaves the domain per unit time, at least what rounding hides of it.
     pub(super) leak: Leak,
     /// The largest |K p| relative to the largest |K| |p| of the cells: rounding.
     pub(super) residual: f64,
     /// What is changed by shares of wells that are not known exactly.
-    pub(super) open: Vec<Field>,
+    pub(super) open: Vec<GridField>,
 }
 
 /// A loss per unit time.
@@ -99,7 +99,7 @@ impl Stationary {
         question: Question<'_>,
         operator: Operator,
         Pinned { factors, pins }: Pinned,
-        mut elsewhere: Solution,
+        mut elsewhere: GridSolution,
     ) -> Result<Self> {
         let wells = Wells::new(pins, question);
         let density = wells.density(&operator);
@@ -128,15 +128,15 @@ impl Stationary {
     /// change if it came back everywhere alike holds it: between two wells of like size half of the loss then returns to each, and
     /// no return changes more than the whole to either. For those of Duffing's oscillator, D = 0.006 to 0.02, it is 1.2 to 6 times
     /// the error of E x.
-    pub(super) fn returned(&self) -> Field {
+    pub(super) fn returned(&self) -> GridField {
         self.elsewhere.field.times(2.0 * self.leak.bound())
     }
 
     /// Takes a density that is known in closed form in the place of the solution, on the same mesh.
-    pub(super) fn replace(&mut self, exact: Field) {
+    pub(super) fn replace(&mut self, exact: GridField) {
         let faces = self.operator.traces(None).solved(self.operator.outward(&exact.coefficients));
         let mesh = &self.operator.layout.mesh;
-        self.density = Solution { field: Field { mesh: mesh.clone(), ..exact }, faces };
+        self.density = GridSolution { field: GridField { mesh: mesh.clone(), ..exact }, faces };
         (self.leak, self.open) = (Leak { lost: 0.0, rounding: 0.0 }, Vec::new());
         self.wells.determined = true;
     }
@@ -145,9 +145,9 @@ impl Stationary {
     ///
     /// # Errors
     /// [`Error::NotResolved`](crate::Error::NotResolved) if it is not finite, [`Error::NotKnown`](crate::Error::NotKnown) where the shares of wells are not determined.
-    pub(super) fn moved(&self, derivative: &Operator, more: &[f64]) -> Result<[Field; 2]> {
-        let balanced = |change: Field| change.plus(-change.mass(), &self.density.field);
-        let source = |p: &Solution, factor: f64| {
+    pub(super) fn moved(&self, derivative: &Operator, more: &[f64]) -> Result<[GridField; 2]> {
+        let balanced = |change: GridField| change.plus(-change.mass(), &self.density.field);
+        let source = |p: &GridSolution, factor: f64| {
             let [mut right, mut at_faces] = derivative.balance(&p.field.coefficients, &p.faces);
             right.iter_mut().chain(&mut at_faces).for_each(|r| *r *= factor);
             [right, at_faces]
@@ -168,7 +168,7 @@ impl Stationary {
 
     /// The size of what shares of wells may be off by.
     pub(super) fn open(&self) -> f64 {
-        self.open.iter().map(Field::size).sum()
+        self.open.iter().map(GridField::size).sum()
     }
 
     /// Counts what wells exchange in another solution on this mesh as what they may exchange. Where that leaves shares undetermined,

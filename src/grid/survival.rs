@@ -1,8 +1,8 @@
 //! First passages: the part of a density that has passed no level.
 
 use super::density::GridDensity;
-use super::evolution::{Evolution, Plan};
-use super::field::Field;
+use super::evolution::{Evolution, EvolutionPlan};
+use super::field::GridField;
 use super::flux::Part;
 use super::initial::Initial;
 use super::mesh::{Mesh, Side};
@@ -93,7 +93,7 @@ impl GridDensity {
 fn resolved(
     kept: &Kept,
     mut layout: Layout,
-    start: impl Fn(&Arc<Mesh>, Shape) -> Result<Field>,
+    start: impl Fn(&Arc<Mesh>, Shape) -> Result<GridField>,
 ) -> Result<[Operator; 2]> {
     let Kept { problem, grid, .. } = kept;
     let degree = grid.degree_for(grid.accuracy, true);
@@ -176,13 +176,13 @@ impl Survival {
         let ground = kept.ground(self.domain.clone(), self.sides, accuracy);
         let initial = Initial::new(start, &ground, envelope, (f64::INFINITY, accuracy))?;
         let [shape, _] = self.shapes();
-        let plan = Plan { envelope, accuracy, degree: shape.degree, memory: kept.grid.memory };
+        let plan = EvolutionPlan { envelope, accuracy, degree: shape.degree, memory: kept.grid.memory };
         let stationary = [&self.stationary.fine, &self.stationary.coarse];
         let mut evolution = Evolution::new(plan, &ground, &initial, stationary, times.last().copied().unwrap_or(0.0))?;
         let at = |time: &f64| {
             // A point has passed nothing before it has a density.
             evolution.advance(*time)?;
-            let [fine, coarse] = evolution.fields.each_ref().map(Field::mass);
+            let [fine, coarse] = evolution.fields.each_ref().map(GridField::mass);
             Ok(Estimate::new(fine, (fine - coarse).abs() + evolution.moved + initial.error + self.leak() * time))
         };
         times.iter().map(at).collect()

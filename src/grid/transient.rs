@@ -1,8 +1,8 @@
 //! Transient densities p(x, t), and the rates at which transients die.
 
 use super::density::GridDensity;
-use super::evolution::{Evolution, Plan};
-use super::field::{Field, difference};
+use super::evolution::{Evolution, EvolutionPlan};
+use super::field::{GridField, difference};
 use super::initial::Initial;
 use super::relaxation::slowest;
 use crate::density::Density;
@@ -84,7 +84,7 @@ impl GridDensity {
         let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
         let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
-        let plan = Plan { envelope, accuracy, degree, memory: self.kept.grid.memory };
+        let plan = EvolutionPlan { envelope, accuracy, degree, memory: self.kept.grid.memory };
         let mut evolution = Evolution::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
         let at = |time: &f64| {
             evolution.advance(*time)?;
@@ -109,7 +109,7 @@ impl GridDensity {
 
     /// The size of what changes with leaks and shares.
     pub(super) fn changed(&self) -> f64 {
-        self.changes.iter().map(Field::size).sum()
+        self.changes.iter().map(GridField::size).sum()
     }
 
     /// Refuses a density that the domain cuts, and enters the level at its edges.

@@ -15,12 +15,12 @@ const RATIO: f64 = 4.0;
 /// Next to a wall cells are so small that their widths would be lost in the coordinates themselves: widths are kept, and the origin
 /// is at the wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cell {
+pub(super) struct MeshCell {
     pub(super) lower: Place,
     pub(super) width: Place,
 }
 
-impl Cell {
+impl MeshCell {
     pub(super) fn upper(&self, axis: usize) -> f64 {
         self.lower[axis] + self.width[axis]
     }
@@ -78,7 +78,7 @@ impl Cell {
 /// A box, and how it is divided: along which axis, and the number of the lower of its two parts, which the upper one follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
-    cell: Cell,
+    cell: MeshCell,
     parts: Option<(usize, usize)>,
 }
 
@@ -94,7 +94,7 @@ impl Tree {
     pub(super) fn new(lines: &[Vec<f64>]) -> Self {
         let whole = |axis: usize| lines.get(axis).map_or([0.0, 1.0], |lines| [lines[0], lines[lines.len() - 1]]);
         let ends: [[f64; 2]; MOST] = std::array::from_fn(whole);
-        let root = Cell { lower: ends.map(|[low, _]| low), width: ends.map(|[low, high]| high - low) };
+        let root = MeshCell { lower: ends.map(|[low, _]| low), width: ends.map(|[low, high]| high - low) };
         let mut tree = Tree { states: lines.len(), nodes: vec![Node { cell: root, parts: None }] };
         for (axis, lines) in lines.iter().enumerate() {
             for node in tree.leaves() {
@@ -118,7 +118,7 @@ impl Tree {
         }
     }
 
-    fn parted(&mut self, node: usize, axis: usize, parts: [Cell; 2]) -> usize {
+    fn parted(&mut self, node: usize, axis: usize, parts: [MeshCell; 2]) -> usize {
         let first = self.nodes.len();
         self.nodes[node].parts = Some((axis, first));
         self.nodes.extend(parts.map(|cell| Node { cell, parts: None }));
@@ -135,11 +135,11 @@ impl Tree {
         (0..self.nodes.len()).filter(|node| self.nodes[*node].parts.is_none()).collect()
     }
 
-    pub(super) fn cell(&self, node: usize) -> Cell {
+    pub(super) fn cell(&self, node: usize) -> MeshCell {
         self.nodes[node].cell
     }
 
-    pub(super) fn root(&self) -> Cell {
+    pub(super) fn root(&self) -> MeshCell {
         self.cell(0)
     }
 
@@ -174,7 +174,7 @@ impl Tree {
     }
 
     /// The parts of a box that lie in one leaf each, with these.
-    pub(super) fn pieces(&self, whole: &Cell) -> Vec<(usize, Cell)> {
+    pub(super) fn pieces(&self, whole: &MeshCell) -> Vec<(usize, MeshCell)> {
         let (mut open, mut found) = (vec![0], Vec::new());
         while let Some(node) = open.pop() {
             let Node { cell, parts } = self.nodes[node];

@@ -7,8 +7,8 @@
 //! most: shares are determined up to barriers of some 28 temperatures. Beyond, those of trajectories stand for them.
 
 use super::density::of_one;
-use super::field::Field;
-use super::operator::{Operator, Solution};
+use super::field::GridField;
+use super::operator::{GridSolution, Operator};
 use super::pins::Pin;
 use super::stationary::Question;
 use crate::error::{Error, Result};
@@ -166,7 +166,7 @@ impl Wells {
     }
 
     /// The density of a well, with mass 1.
-    pub(super) fn well(&self, pin: usize) -> &Field {
+    pub(super) fn well(&self, pin: usize) -> &GridField {
         &self.pins[pin].from.field
     }
 
@@ -176,16 +176,16 @@ impl Wells {
     }
 
     /// What comes from all pins, by the shares.
-    pub(super) fn density(&self, operator: &Operator) -> Solution {
-        let mut density = Solution::zero(operator);
+    pub(super) fn density(&self, operator: &Operator) -> GridSolution {
+        let mut density = GridSolution::zero(operator);
         self.pins.iter().zip(&self.shares).for_each(|(pin, share)| density.add(*share, &pin.from));
         density
     }
 
     /// What the changes of the shares make of the density, each without mass.
-    pub(super) fn open(&self) -> Vec<Field> {
+    pub(super) fn open(&self) -> Vec<GridField> {
         let first = self.well(0);
-        let zero = || Field::zero(&first.mesh, first.shape);
+        let zero = || GridField::zero(&first.mesh, first.shape);
         let change =
             |shares: &DVector<f64>| (0..self.pins.len()).fold(zero(), |sum, pin| sum.plus(shares[pin], self.well(pin)));
         self.changes.iter().map(change).collect()
@@ -196,7 +196,7 @@ impl Wells {
     ///
     /// # Errors
     /// [`Error::NotKnown`] where the shares are not determined.
-    pub(super) fn returning(&self, p: &Field) -> Result<Vec<f64>> {
+    pub(super) fn returning(&self, p: &GridField) -> Result<Vec<f64>> {
         let count = self.pins.len();
         if count == 1 {
             return Ok(vec![0.0]);

@@ -88,7 +88,7 @@ impl Identification {
         require(batches >= 5 && batches > self.names.len() + 1, "number of batches", batches as f64, remedy)?;
 
         let mut parameters = values(&self.problem, &self.names)?;
-        let mut fitted = Fitted::new(&self.closure, &self.problem, &self.names, None, states)?;
+        let mut fitted = FittedDensity::new(&self.closure, &self.problem, &self.names, None, states)?;
         let (mut solves, mut left) = (1, f64::INFINITY);
         while solves < MOST {
             let mut step = fitted.inverse()? * &fitted.score;
@@ -99,7 +99,7 @@ impl Identification {
             step *= limited(&parameters, step.as_slice(), LONGEST);
             let solve = |at: &[f64]| {
                 let problem = moved(&self.problem, &self.names, at)?;
-                Fitted::new(&self.closure, &problem, &self.names, Some(&fitted.density), states)
+                FittedDensity::new(&self.closure, &problem, &self.names, Some(&fitted.density), states)
             };
             let (at, found, tried) = stepped(&parameters, step.as_slice(), solve)?;
             (parameters, fitted) = (at, found);
@@ -125,7 +125,7 @@ impl Identification {
 }
 
 /// A density with its derivatives, on measured states.
-struct Fitted {
+struct FittedDensity {
     density: ClosureDensity,
     sensitivities: Vec<ClosureSensitivity>,
     /// ∂ ln p̃/∂θ, a row for each state, and its mean.
@@ -138,7 +138,7 @@ struct Fitted {
     log_likelihood: f64,
 }
 
-impl Fitted {
+impl FittedDensity {
     fn new(
         closure: &Closure,
         problem: &Problem,
@@ -165,8 +165,16 @@ impl Fitted {
         }
         let log_likelihood = density.continued_logarithms(states).iter().sum::<f64>() / count as f64;
         let outside = states.iter().filter(|x| !density.contains(x).unwrap_or(false)).count() as f64 / count as f64;
-        let fitted =
-            Fitted { density, sensitivities, scores, score, information, condition: 0.0, outside, log_likelihood };
+        let fitted = FittedDensity {
+            density,
+            sensitivities,
+            scores,
+            score,
+            information,
+            condition: 0.0,
+            outside,
+            log_likelihood,
+        };
         fitted.identified(&names)
     }
 
@@ -197,7 +205,7 @@ impl Fitted {
             return Err(Error::Unidentifiable { combination });
         }
         let condition = eigenvalues.max() / eigenvalues[least];
-        Ok(Fitted { condition, ..self })
+        Ok(FittedDensity { condition, ..self })
     }
 
     fn inverse(&self) -> Result<DMatrix<f64>> {

@@ -26,7 +26,7 @@ impl Attachment {
 
     /// The problem, with the name of the spring that is a parameter, and its number.
     pub(super) fn problem(self, spring: (&'static str, usize)) -> Result<Problem> {
-        Problem::parametric(Named { attachment: self, spring })
+        Problem::parametric(NamedAttachment { attachment: self, spring })
     }
 
     /// γ E(x′ − y′)².
@@ -37,12 +37,12 @@ impl Attachment {
     }
 }
 
-struct Named<P = f64> {
+struct NamedAttachment<P = f64> {
     attachment: Attachment<P>,
     spring: (&'static str, usize),
 }
 
-impl<P: Parameter> PolynomialDrift<4, 1, P> for Named<P> {
+impl<P: Parameter> PolynomialDrift<4, 1, P> for NamedAttachment<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
         let Attachment { structure, mass, spring: [linear, cubic], damping } = self.attachment;
@@ -62,17 +62,17 @@ impl<P: Parameter> PolynomialDrift<4, 1, P> for Named<P> {
     }
 }
 
-impl Parametric for Named {
-    type With<P: Parameter> = Named<P>;
+impl Parametric for NamedAttachment {
+    type With<P: Parameter> = NamedAttachment<P>;
 
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Named<P> {
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> NamedAttachment<P> {
         let Attachment { structure, mass, spring, damping } = &self.attachment;
         let (structure, mass) = (structure.with(of), of("m", *mass));
         let (name, number) = self.spring;
         let mut stiffness = [P::zero(); 2];
         stiffness[number] = of(name, spring[number]);
         let attachment = Attachment { structure, mass, spring: stiffness, damping: of("gamma", *damping) };
-        Named { attachment, spring: self.spring }
+        NamedAttachment { attachment, spring: self.spring }
     }
 }
 

@@ -38,16 +38,16 @@ impl Kind {
 impl Follower {
     /// The problem, with the names of what follows.
     pub(super) fn problem(self, kind: Kind) -> Result<Problem> {
-        Problem::parametric(Named { follower: self, kind })
+        Problem::parametric(NamedFollower { follower: self, kind })
     }
 }
 
-struct Named<P = f64> {
+struct NamedFollower<P = f64> {
     follower: Follower<P>,
     kind: Kind,
 }
 
-impl<P: Parameter> PolynomialDrift<3, 1, P> for Named<P> {
+impl<P: Parameter> PolynomialDrift<3, 1, P> for NamedFollower<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
         let Follower { oscillator, back, forth, rate } = self.follower;
@@ -64,10 +64,10 @@ impl<P: Parameter> PolynomialDrift<3, 1, P> for Named<P> {
     }
 }
 
-impl Parametric for Named {
-    type With<P: Parameter> = Named<P>;
+impl Parametric for NamedFollower {
+    type With<P: Parameter> = NamedFollower<P>;
 
-    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> Named<P> {
+    fn with<P: Parameter>(&self, of: &mut dyn FnMut(&str, f64) -> P) -> NamedFollower<P> {
         let Follower { oscillator, back, forth, rate } = self.follower;
         let oscillator = oscillator.with(of);
         let follower = match self.kind {
@@ -81,6 +81,6 @@ impl Parametric for Named {
                 rate: of("tau", rate.recip()).recip(),
             },
         };
-        Named { follower, kind: self.kind }
+        NamedFollower { follower, kind: self.kind }
     }
 }

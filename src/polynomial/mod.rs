@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(p.degree(), 3);
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Parts")]
+#[serde(try_from = "PolynomialParts")]
 pub struct Polynomial {
     dimension: usize,
     /// The exponents of all terms, one term after the other.
@@ -44,16 +44,16 @@ pub struct Polynomial {
 
 /// The parts of a polynomial in a document.
 #[derive(Deserialize)]
-struct Parts {
+struct PolynomialParts {
     dimension: usize,
     exponents: Vec<u32>,
     coefficients: Vec<f64>,
 }
 
-impl TryFrom<Parts> for Polynomial {
+impl TryFrom<PolynomialParts> for Polynomial {
     type Error = String;
 
-    fn try_from(Parts { dimension: n, exponents, coefficients }: Parts) -> Read<Self> {
+    fn try_from(PolynomialParts { dimension: n, exponents, coefficients }: PolynomialParts) -> Read<Self> {
         if n.checked_mul(coefficients.len()) != Some(exponents.len()) {
             let (found, terms) = (exponents.len(), coefficients.len());
             return Err(format!("{found} exponents are not those of {terms} terms in {n} variables"));

@@ -2,7 +2,7 @@ use super::Polynomial;
 use std::fmt;
 
 /// A polynomial as text with chosen names for its variables.
-struct Text<'a, A> {
+struct PolynomialText<'a, A> {
     polynomial: &'a Polynomial,
     names: &'a [A],
     latex: bool,
@@ -18,7 +18,7 @@ impl Polynomial {
     /// assert_eq!(format!("{:.2}", p.text(&["x", "v"])), "x - 0.12 x^2 v");
     /// ```
     pub fn text<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
-        Text { polynomial: self, names, latex: false }
+        PolynomialText { polynomial: self, names, latex: false }
     }
 
     /// The polynomial in LaTeX: `x - 0.3\,x^{3} v`.
@@ -29,7 +29,7 @@ impl Polynomial {
     /// assert_eq!(p.latex(&["x", r"\dot x"]).to_string(), r"- 1.5 \times 10^{-7}\,x^{2} \dot x");
     /// ```
     pub fn latex<'a, A: AsRef<str>>(&'a self, names: &'a [A]) -> impl fmt::Display + 'a {
-        Text { polynomial: self, names, latex: true }
+        PolynomialText { polynomial: self, names, latex: true }
     }
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Polynomial {
     }
 }
 
-impl<A: AsRef<str>> fmt::Display for Text<'_, A> {
+impl<A: AsRef<str>> fmt::Display for PolynomialText<'_, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.polynomial.is_zero() {
             return f.write_str("0");
@@ -68,7 +68,7 @@ impl<A: AsRef<str>> fmt::Display for Text<'_, A> {
     }
 }
 
-impl<A: AsRef<str>> Text<'_, A> {
+impl<A: AsRef<str>> PolynomialText<'_, A> {
     fn power(&self, i: usize, exponent: u32) -> String {
         let name = self.names.get(i).map_or("?", AsRef::as_ref);
         match (exponent, self.latex) {

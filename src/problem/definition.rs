@@ -1,8 +1,8 @@
 //! Problems from their definitions.
 
 use super::family::{Family, Lifted};
-use super::field::{AnySize, Field, Fixed, Polynomials};
-use super::{Equations, Problem};
+use super::field::{AnySize, Field, Fixed, PolynomialField};
+use super::{Problem, SystemEquations};
 use crate::checks::dimension;
 use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Impulse, noise_induced_drift};
@@ -123,7 +123,8 @@ impl Problem {
         family: Option<Box<dyn Family>>,
     ) -> Result<Self> {
         let (drift, columns) = (equations.drift.clone(), equations.columns.clone());
-        let field = Box::new(move |induces| Box::new(Polynomials::new(&drift, &columns, induces)) as Box<dyn Field>);
+        let field =
+            Box::new(move |induces| Box::new(PolynomialField::new(&drift, &columns, induces)) as Box<dyn Field>);
         SystemParts { equations, names, field }.problem(parameters, family)
     }
 }
@@ -245,7 +246,7 @@ impl SystemParts {
         let induced = !noise_induced_drift(&columns, n).iter().all(Polynomial::is_zero);
         let field = field(induced && interpretation == Interpretation::Stratonovich);
         let constant_noise = columns.iter().flatten().all(|entry| entry.degree() == 0);
-        let equations = Equations {
+        let equations = SystemEquations {
             states,
             parameters,
             drift,

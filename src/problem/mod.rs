@@ -61,14 +61,14 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone)]
 pub struct Problem {
-    equations: Arc<Equations>,
+    equations: Arc<SystemEquations>,
     walls: Vec<Wall>,
     /// Those of the equations, then those of each wall.
     parameters: Arc<[(String, f64)]>,
 }
 
 /// The part of a problem that walls do not change.
-struct Equations {
+struct SystemEquations {
     states: Vec<String>,
     parameters: Vec<(String, f64)>,
     drift: Vec<Polynomial>,
@@ -133,7 +133,7 @@ impl Problem {
     }
 
     /// The problem of equations, without walls.
-    fn open(equations: Arc<Equations>) -> Self {
+    fn open(equations: Arc<SystemEquations>) -> Self {
         let parameters = equations.parameters.iter().cloned().collect();
         Problem { equations, walls: Vec::new(), parameters }
     }

@@ -1,8 +1,8 @@
 use super::{
     lanes::Lanes,
-    start::Start,
+    start::TrajectoryStart,
     statistics::Buffers,
-    tally::{Layout, Tally},
+    tally::{Tally, TallyLayout},
     timetable::Timetable,
 };
 use crate::problem::LANES;
@@ -44,7 +44,7 @@ pub(super) fn deal(trajectories: usize) -> Vec<Range<u64>> {
 }
 
 impl Trajectories {
-    pub(super) fn new(range: Range<u64>, seed: u64, start: &Start) -> Self {
+    pub(super) fn new(range: Range<u64>, seed: u64, start: &TrajectoryStart) -> Self {
         let group = |first| Lanes::new(seed, first..range.end, start.dimension(), |x| start.place(x));
         Trajectories { groups: range.clone().step_by(LANES).map(group).collect() }
     }
@@ -56,7 +56,7 @@ impl Trajectories {
 
 impl Batch {
     /// Batch `index` before its first step.
-    pub(super) fn new(index: usize, tally: Tally, layout: &Layout, trajectories: Trajectories) -> Self {
+    pub(super) fn new(index: usize, tally: Tally, layout: &TallyLayout, trajectories: Trajectories) -> Self {
         let buffers = layout.recorders.buffers(trajectories.count());
         Batch { index, done: 0, tally, trajectories, buffers, unreported: 0 }
     }

@@ -1,4 +1,4 @@
-use super::{boundaries::Boundaries, generator::Images, passage::Record, scheme::Scheme, tally::Layout};
+use super::{boundaries::Boundaries, generator::Images, passage::Record, scheme::Scheme, tally::TallyLayout};
 use crate::problem::{LANES, Lane};
 use pulp::{Arch, NullaryFnOnce};
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ fn length(samples: usize) -> usize {
 
 impl Blocks {
     /// Before the first sample of so many trajectories.
-    pub(super) fn new(trajectories: usize, layout: &Layout) -> Self {
+    pub(super) fn new(trajectories: usize, layout: &TallyLayout) -> Self {
         let (tracked, controls) = (layout.tracked(), layout.control_variates.len());
         if controls == 0 {
             return Blocks::default();
@@ -59,7 +59,7 @@ impl Blocks {
         group: usize,
         x: &[Lane],
         record: &Record,
-        layout: &Layout,
+        layout: &TallyLayout,
         scene: (&Scheme<'_>, &Boundaries),
         images: &mut Images,
     ) {
@@ -70,7 +70,7 @@ impl Blocks {
     }
 
     /// Closes the block where it ends after so many samples of each trajectory.
-    pub(super) fn close(&mut self, samples: usize, layout: &Layout, arch: Arch, images: &mut Images) {
+    pub(super) fn close(&mut self, samples: usize, layout: &TallyLayout, arch: Arch, images: &mut Images) {
         if self.open.is_empty() || samples < self.begun + length(self.begun) {
             return;
         }

@@ -1,4 +1,4 @@
-use super::{blocks::Blocks, tally::Layout, tally::Tally};
+use super::{blocks::Blocks, tally::Tally, tally::TallyLayout};
 use crate::control_variates::regression;
 use crate::simulation::UNEVEN_WEIGHTS;
 use faer::Mat;
@@ -38,7 +38,7 @@ pub(super) struct Calibrations {
 
 impl Calibrations {
     /// By the degree that leaves the smallest spread between batches, of those below the one that is missed.
-    pub(super) fn new(batches: &[Tally], layout: &Layout) -> Self {
+    pub(super) fn new(batches: &[Tally], layout: &TallyLayout) -> Self {
         let mut found = Calibrations::default();
         if !layout.control_variates.is_empty() {
             found.climb(batches, layout);
@@ -47,7 +47,7 @@ impl Calibrations {
     }
 
     /// None where a degree cannot be had.
-    fn climb(&mut self, batches: &[Tally], layout: &Layout) -> Option<()> {
+    fn climb(&mut self, batches: &[Tally], layout: &TallyLayout) -> Option<()> {
         let all = joined(batches.iter())?;
         let halves = [0, 1].map(|half| joined(batches.iter().filter(|b| b.batch % 2 == half)));
         let blocks = halves.iter().flatten().map(|sums| sums.count).fold(f64::INFINITY, f64::min);
@@ -88,7 +88,7 @@ impl Calibrations {
 }
 
 /// Whether E x_i⁴ ≥ (E x_i²)² for all states, with some room for chance. Where 𝓖x⁴ has no mean, E 𝓖x⁴ = 0 makes E x⁴ negative.
-fn are_of_a_density(sums: &[Vec<f64>], layout: &Layout) -> bool {
+fn are_of_a_density(sums: &[Vec<f64>], layout: &TallyLayout) -> bool {
     let mean = |i: usize, power: u32| {
         let place = layout.power(i, power)?;
         let total = |place: usize| sums.iter().map(|batch| batch[place]).sum::<f64>();

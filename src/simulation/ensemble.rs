@@ -8,7 +8,7 @@ use super::{
     paths::Paths,
     scheme::Scheme,
     statistics::Sample,
-    tally::Layout,
+    tally::TallyLayout,
     timetable::{Timetable, samples},
 };
 use crate::error::Result;
@@ -48,7 +48,7 @@ impl<'a> Ensemble<'a> {
         &self,
         batches: &mut [Batch],
         [goal, last]: [usize; 2],
-        layout: &Layout,
+        layout: &TallyLayout,
         bounds: &[f64],
     ) -> Result<()> {
         let all_the_way = |place: usize, batch: &mut Batch| {
@@ -71,7 +71,7 @@ impl<'a> Ensemble<'a> {
     fn advance(
         &self,
         batch: &mut Batch,
-        layout: &Layout,
+        layout: &TallyLayout,
         bounds: &[f64],
         (work, images): (&mut Workspace, &mut Images),
     ) -> Result<u64> {

@@ -3,7 +3,7 @@ use super::{
     boundaries::Boundaries,
     passage::{POWERS, Record, powers},
     scheme::Scheme,
-    tally::Layout,
+    tally::TallyLayout,
 };
 use crate::control_variates::{
     impulses,
@@ -33,7 +33,7 @@ pub(super) struct ControlVariates {
     half_width: Vec<f64>,
     exponents: Vec<Vec<u32>>,
     /// The part of 𝓖ψ that impulses make; empty without any.
-    impulses: impulses::Images,
+    impulses: impulses::ImpulseImages,
 }
 
 impl ControlVariates {
@@ -41,7 +41,7 @@ impl ControlVariates {
     /// is a part of the histograms' range, so that runs that can be merged have the same; a state's walls are sides of it.
     ///
     /// There are none where impulses depend on the state by a higher degree than the first.
-    pub(super) fn new(problem: &Problem, layout: &Layout, trajectories: usize) -> Self {
+    pub(super) fn new(problem: &Problem, layout: &TallyLayout, trajectories: usize) -> Self {
         let (symmetry, walls) = (problem.symmetry(), problem.walls());
         let (axes, tracked) = (&layout.axes, layout.tracked());
         let states = axes.len();
@@ -116,17 +116,17 @@ pub(super) struct Images {
     /// One state.
     state: Vec<f64>,
     /// Eight states, and B there.
-    x: Vec<products::Lane>,
+    x: Vec<products::PointLane>,
     /// ψ there.
-    values: Vec<products::Lane>,
-    second: Vec<products::Lane>,
+    values: Vec<products::PointLane>,
+    second: Vec<products::PointLane>,
     /// The sums of sixteen trajectories, one trajectory after the other.
     pub(super) rows: Vec<f64>,
     scratch: products::Scratch,
 }
 
 impl Images {
-    pub(super) fn new(layout: &Layout, interval: f64) -> Self {
+    pub(super) fn new(layout: &TallyLayout, interval: f64) -> Self {
         let n = layout.axes.len();
         Images {
             interval,
@@ -145,7 +145,7 @@ impl Images {
     /// Adds the tracked monomials and, after the other tracked functions, 𝓖ψ at the states `x` to `sums`, lane by lane.
     pub(super) fn add(
         &mut self,
-        layout: &Layout,
+        layout: &TallyLayout,
         (scheme, boundaries): (&Scheme<'_>, &Boundaries),
         x: &[Lane],
         sums: &mut [Lane],
@@ -159,7 +159,7 @@ impl Images {
     /// interval, as a sample stands for it.
     pub(super) fn add_passages(
         &mut self,
-        layout: &Layout,
+        layout: &TallyLayout,
         boundaries: &Boundaries,
         record: &Record,
         sums: &mut [Lane],
@@ -201,7 +201,7 @@ impl Images {
 
 /// The sums as a call that is compiled for every width of registers.
 struct Add<'a> {
-    layout: &'a Layout,
+    layout: &'a TallyLayout,
     coupled: &'a [usize],
     x: &'a [Lane],
     images: &'a mut Images,
@@ -229,7 +229,7 @@ impl NullaryFnOnce for Add<'_> {
         }
         for first in (0..LANES).step_by(products::LANES) {
             let part = first..first + products::LANES;
-            let copy = |to: &mut [products::Lane], from: &[Lane]| {
+            let copy = |to: &mut [products::PointLane], from: &[Lane]| {
                 for (to, from) in to.iter_mut().zip(from) {
                     to.copy_from_slice(&from[part.clone()]);
                 }

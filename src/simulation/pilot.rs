@@ -1,4 +1,4 @@
-use super::{batch::Trajectories, ensemble::Ensemble, start::Start, timetable::Timetable};
+use super::{batch::Trajectories, ensemble::Ensemble, start::TrajectoryStart, timetable::Timetable};
 use crate::error::Result;
 use crate::problem::LANES;
 use crate::simulation::BURN_IN_STRETCHES;
@@ -15,18 +15,18 @@ pub(super) const FIRST: u64 = 1 << 32;
 /// The pilot has streams of its own, so that it depends on the system, the options and the seed alone, and not on which of
 /// the sampled trajectories run here: every part of a simulation repeats it and finds the same.
 #[derive(Clone, Debug)]
-pub(super) struct Pilot {
+pub(super) struct SimulationPilot {
     reach: Vec<Reach>,
 }
 
-impl Pilot {
+impl SimulationPilot {
     /// The path-steps that the pilot takes.
     pub(super) fn path_steps(timetable: &Timetable) -> u64 {
         PILOT_TRAJECTORIES * timetable.steps(BURN_IN_STRETCHES) as u64
     }
 
     /// Runs the pilot through the burn-in and takes the range of its states in the second half.
-    pub(super) fn run(ensemble: &Ensemble<'_>, seed: u64, start: &Start) -> Result<Self> {
+    pub(super) fn run(ensemble: &Ensemble<'_>, seed: u64, start: &TrajectoryStart) -> Result<Self> {
         let nothing = vec![Reach::NONE; start.dimension()];
         let firsts = (FIRST..FIRST + PILOT_TRAJECTORIES).step_by(LANES);
         let mut groups: Vec<_> =
@@ -42,7 +42,7 @@ impl Pilot {
             Ok(reach)
         })?;
         let join = |all: Vec<Reach>, more: Vec<Reach>| all.iter().zip(more).map(|(r, more)| r.joined(more)).collect();
-        Ok(Pilot { reach: seen.into_iter().fold(nothing, join) })
+        Ok(SimulationPilot { reach: seen.into_iter().fold(nothing, join) })
     }
 
     /// For each state an interval that its samples will hardly leave.

@@ -2,9 +2,9 @@ use super::{
     bins::Axis,
     generator::ControlVariates,
     passage::Passages,
-    pilot::Pilot,
+    pilot::SimulationPilot,
     statistics::{Recorders, Requests},
-    tally::Layout,
+    tally::TallyLayout,
     timetable::Timetable,
 };
 use crate::polynomial::Polynomial;
@@ -57,10 +57,10 @@ pub(super) fn same_level(a: f64, b: f64) -> bool {
 }
 
 impl Plan {
-    pub(super) fn layout(&self) -> Layout {
+    pub(super) fn layout(&self) -> TallyLayout {
         let levels = self.velocity().map(|_| self.levels.as_slice());
         let recorders = Recorders::new(&self.requests, self.interval(), levels);
-        let layout = Layout::new(self.axes.clone(), self.plane, &self.requests.moments, recorders);
+        let layout = TallyLayout::new(self.axes.clone(), self.plane, &self.requests.moments, recorders);
         layout.with(self.control_variates.clone(), self.displacements.len(), self.gates())
     }
 
@@ -105,7 +105,7 @@ impl Plan {
     }
 
     pub(super) fn pilot_steps(&self) -> u64 {
-        Pilot::path_steps(&self.timetable)
+        SimulationPilot::path_steps(&self.timetable)
     }
 
     /// The first option by which a run of another plan makes other numbers, with both values.

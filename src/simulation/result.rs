@@ -6,7 +6,7 @@ use super::{
     passage::POWERS,
     plan::{Plan, same_level},
     stationarity::{drifts, warning},
-    tally::{Layout, Tally},
+    tally::{Tally, TallyLayout},
 };
 use crate::checks::state_index;
 use crate::density::{CountedImpacts, Sampled, central};
@@ -26,7 +26,7 @@ const ROUNDING: f64 = 1e-8;
 pub struct SimulatedDensity {
     pub(super) batches: Vec<Tally>,
     pub(super) plan: Plan,
-    pub(super) layout: Layout,
+    pub(super) layout: TallyLayout,
     /// Of each state alone, and of states 0 and 1 together.
     pub(super) histograms: Vec<Histogram>,
     calibrations: Calibrations,

@@ -7,13 +7,13 @@ use super::{
     ensemble::Ensemble,
     generator::ControlVariates,
     paths::Paths,
-    pilot::Pilot,
+    pilot::SimulationPilot,
     plan::{Plan, equations},
     processes::{OneProcess, Processes, any_of},
     result::SimulatedDensity,
     scheme::Scheme,
     session::Session,
-    start::{Start, burn_in},
+    start::{TrajectoryStart, burn_in},
     timetable::{Times, Timetable, whole},
 };
 use crate::checks::{finite, part, positive, require};
@@ -85,7 +85,7 @@ impl<'a> Simulation<'a> {
         let part = self.batches_of_part()?;
         let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new());
         let ensemble = self.ensemble(&scheme, &boundaries, timetable, control);
-        let pilot = Pilot::run(&ensemble, self.seed, &start);
+        let pilot = SimulationPilot::run(&ensemble, self.seed, &start);
         // Every process runs the pilot, but only some may be cancelled in it, and the others must not be left waiting.
         if any_of(processes, pilot.as_ref().map(|_| ()).map_err(Clone::clone), [])?.0 {
             return Err(Error::Cancelled { done: ensemble.control.done(), unit: PATH_STEPS });
@@ -146,7 +146,7 @@ impl<'a> Simulation<'a> {
         let interval = timetable.interval_steps as f64 * scheme.step;
         let boundaries = Boundaries::for_scheme(&scheme, &contacts, Vec::new()).recording(recording);
         let ensemble = self.ensemble(&scheme, &boundaries, timetable, control);
-        let pilot = Pilot::run(&ensemble, self.seed, &start)?;
+        let pilot = SimulationPilot::run(&ensemble, self.seed, &start)?;
         // All lanes are filled: states need no batches.
         let all = self.trajectories as u64;
         let group = |first: u64| Trajectories::new(first..all.min(first + LANES as u64), self.seed, &start);
@@ -191,7 +191,7 @@ impl<'a> Simulation<'a> {
         self.memory.check()?;
         self.requests.validate(problem.dimension(), interval)?;
         self.memory.holds("the segments of the spectra", self.requests.kept(self.trajectories), SHORTER)?;
-        let start = Start::new(self, problem, step)?;
+        let start = TrajectoryStart::new(self, problem, step)?;
         Ok(Prepared { contacts, scheme, rate, timetable, samples, start })
     }
 
@@ -203,7 +203,8 @@ impl<'a> Simulation<'a> {
         control: Control<'b>,
     ) -> Ensemble<'b> {
         let stretches = BURN_IN_STRETCHES + self.count();
-        control.set(0, Pilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
+        control
+            .set(0, SimulationPilot::path_steps(&timetable) + (self.trajectories * timetable.steps(stretches)) as u64);
         Ensemble { scheme, boundaries, timetable, trajectories: self.trajectories, control }
     }
 
@@ -212,7 +213,7 @@ impl<'a> Simulation<'a> {
         &self,
         problem: &Problem,
         (time_step, rate, timetable): (f64, Option<f64>, Timetable),
-        start: &Start,
+        start: &TrajectoryStart,
         (axes, plane): Bins,
     ) -> Plan {
         Plan {
@@ -329,7 +330,7 @@ struct Prepared<'a> {
     timetable: Timetable,
     /// The number of samples of each trajectory.
     samples: usize,
-    start: Start,
+    start: TrajectoryStart,
 }
 
 pub(super) fn at_most(name: &'static str, number: usize, most: usize, remedy: &'static str) -> Result<f64> {

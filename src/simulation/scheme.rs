@@ -71,7 +71,7 @@ enum Noise {
 }
 
 /// The buffers of a step, made once for many of them.
-pub(super) struct Scratch {
+pub(super) struct StepBuffers {
     lanes: [Vec<Lane>; 2],
     drift: Vec<f64>,
     diffusion: Vec<f64>,
@@ -146,10 +146,10 @@ impl<'a> Scheme<'a> {
         matches!(self.noise, Noise::Curved)
     }
 
-    pub(super) fn scratch(&self) -> Scratch {
+    pub(super) fn scratch(&self) -> StepBuffers {
         let n = self.states;
         let lanes = [(); 2].map(|()| vec![[0.0; LANES]; n]);
-        Scratch { lanes, drift: vec![0.0; n], diffusion: vec![0.0; n * n] }
+        StepBuffers { lanes, drift: vec![0.0; n], diffusion: vec![0.0; n * n] }
     }
 
     /// F(h/2) W(h) F(h/2) for the increments e √h Z = `w` of each process in step number `step`; `reversed` is the order of the
@@ -161,13 +161,13 @@ impl<'a> Scheme<'a> {
         (h, step): (f64, u64),
         w: &[Lane],
         reversed: &[bool; LANES],
-        scratch: &mut Scratch,
+        scratch: &mut StepBuffers,
     ) {
         if let Noise::Constant { noise, .. } = &self.noise {
             self.field.kicks(self.arch, x, w, &self.through(noise, h, None, (1, &[])));
             return;
         }
-        let Scratch { lanes: [middle, other], .. } = scratch;
+        let StepBuffers { lanes: [middle, other], .. } = scratch;
         let induced = if self.induced == 0.0 { 0.0 } else { self.induced * self.gain(step).powi(2) };
         self.field.drift_flow(self.arch, x, h / 2.0, &self.moved, induced, middle);
         if self.curved() {
@@ -206,7 +206,7 @@ impl<'a> Scheme<'a> {
         (h, step): (f64, u64),
         w: &[f64],
         reversed: bool,
-        scratch: &mut Scratch,
+        scratch: &mut StepBuffers,
     ) {
         if let Noise::Constant { noise, .. } = &self.noise {
             self.field.kick(x, w, &self.through(noise, h, None, (1, &[])));
@@ -268,7 +268,7 @@ impl<'a> Scheme<'a> {
     }
 
     /// The Itô drift at a state.
-    pub(super) fn drift<'b>(&self, x: &[f64], Scratch { drift, .. }: &'b mut Scratch) -> &'b [f64] {
+    pub(super) fn drift<'b>(&self, x: &[f64], StepBuffers { drift, .. }: &'b mut StepBuffers) -> &'b [f64] {
         self.field.ito_drift(x, drift);
         drift
     }
@@ -303,7 +303,7 @@ impl<'a> Scheme<'a> {
         &self,
         x: &[f64],
         resting: impl Iterator<Item = Contact>,
-        Scratch { drift, diffusion, .. }: &mut Scratch,
+        StepBuffers { drift, diffusion, .. }: &mut StepBuffers,
         powers: &mut [[f64; 2]],
     ) {
         self.field.ito_drift(x, drift);

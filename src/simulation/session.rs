@@ -6,8 +6,8 @@ use super::{
     plan::Plan,
     processes::{Processes, any_of, gather},
     result::SimulatedDensity,
-    start::Start,
-    tally::{Layout, Tally},
+    start::TrajectoryStart,
+    tally::{Tally, TallyLayout},
     target::Target,
     timetable::{next_check, samples},
 };
@@ -24,7 +24,7 @@ pub(super) struct Session<'a, P> {
     pub(super) ensemble: Ensemble<'a>,
     pub(super) processes: &'a P,
     pub(super) plan: Plan,
-    pub(super) layout: Layout,
+    pub(super) layout: TallyLayout,
     /// Beyond these moduli a trajectory has exploded.
     pub(super) bounds: Vec<f64>,
     /// When the run is over, besides when it fails: the most samples of each trajectory, precision, and time.
@@ -44,7 +44,7 @@ impl<P: Processes> Session<'_, P> {
     /// All decisions fall between rounds, when all batches stand at the same stretch; only a cancelled run ends with batches
     /// at different stretches, and a resumed one therefore begins by bringing all batches to the same stretch. At least one
     /// round is run with any time budget, unless it is given up on its way, so that many short sessions come to an end as well.
-    pub(super) fn run(mut self, part: Range<usize>, start: &Start) -> Result<SimulatedDensity> {
+    pub(super) fn run(mut self, part: Range<usize>, start: &TrajectoryStart) -> Result<SimulatedDensity> {
         let end = BURN_IN_STRETCHES + self.samples;
         let mut done = self.begin(part, start)?;
         let trajectories = self.batches.iter().map(|b| b.trajectories.count()).sum();
@@ -121,7 +121,7 @@ impl<P: Processes> Session<'_, P> {
 
     /// Makes the batches of this process, from the checkpoint if there is one, and returns the furthest stretch that any
     /// batch has completed.
-    fn begin(&mut self, part: Range<usize>, start: &Start) -> Result<usize> {
+    fn begin(&mut self, part: Range<usize>, start: &TrajectoryStart) -> Result<usize> {
         let ranges = deal(self.plan.trajectories);
         let edge = |rank: usize| part.start + rank * part.len() / self.processes.count();
         let mine = edge(self.processes.rank())..edge(self.processes.rank() + 1);

@@ -2,7 +2,7 @@ use super::Simulation;
 use crate::density::Frame;
 use crate::error::{Error, Result};
 use crate::problem::{Contact, Problem, TimeScales, reflect};
-use crate::transient;
+use crate::transient::Start;
 
 /// The noise of so many time steps spreads the default start: enough for trajectories to differ, too little to leave the rest
 /// position.
@@ -20,7 +20,7 @@ impl Simulation<'_> {
     /// spread: the deviation that the noise at 0 makes within four steps, or 0.1 where it vanishes there; the burn-in leads on
     /// from there. Where they would take too long to leave, as the top between wells under heavy damping, the spread is that of the
     /// Gaussian closure. Other densities are refused.
-    pub fn start(self, start: impl Into<transient::Start>) -> Self {
+    pub fn start(self, start: impl Into<Start>) -> Self {
         Simulation { start: start.into(), ..self }
     }
 
@@ -28,10 +28,10 @@ impl Simulation<'_> {
     pub(super) fn validate_start(&self, problem: &Problem, contacts: &[Contact]) -> Result<()> {
         self.start.check(problem.dimension())?;
         let at = match &self.start {
-            transient::Start::Point(x) => x.as_slice(),
-            transient::Start::Gaussian(gaussian) => gaussian.mean.as_slice(),
-            transient::Start::Stationary => return Ok(()),
-            transient::Start::Density(_) => {
+            Start::Point(x) => x.as_slice(),
+            Start::Gaussian(gaussian) => gaussian.mean.as_slice(),
+            Start::Stationary => return Ok(()),
+            Start::Density(_) => {
                 let (method, what) = ("simulation", "a density as the start");
                 return Err(Error::NotServed { method, what, remedy: "take a point or a normal distribution" });
             }
@@ -45,7 +45,7 @@ impl Simulation<'_> {
 
 /// Where trajectories begin.
 #[derive(Debug)]
-pub(super) struct Start {
+pub(super) struct TrajectoryStart {
     /// The point, or the mean and the lower Cholesky factor of the covariance by rows; empty by default.
     pub(super) origin: Vec<Vec<f64>>,
     spread: Vec<f64>,
@@ -54,25 +54,25 @@ pub(super) struct Start {
     contacts: Vec<Contact>,
 }
 
-impl Start {
+impl TrajectoryStart {
     /// The start given to the simulation, or near 0, or beside the walls that exclude 0; each state spreads as far as the
     /// noise at 0 takes it in four steps, or as far as its density where it would take too long to leave.
     pub(super) fn new(simulation: &Simulation<'_>, problem: &Problem, step: f64) -> Result<Self> {
-        let free = matches!(simulation.start, transient::Start::Stationary);
+        let free = matches!(simulation.start, Start::Stationary);
         // Without time scales nothing says that they would take too long.
         let wide = if free { wide(problem, step).ok().flatten() } else { None };
         let wide = wide.map(|wide| wide.iter().map(|deviation| simulation.amplitude * deviation).collect());
         let spread = wide.unwrap_or_else(|| spread(problem, simulation.amplitude, step));
         let origin = match &simulation.start {
-            transient::Start::Point(x) => vec![x.clone()],
-            transient::Start::Gaussian(gaussian) => {
+            Start::Point(x) => vec![x.clone()],
+            Start::Gaussian(gaussian) => {
                 let frame = Frame::new(gaussian)?;
                 let rows = frame.scale().row_iter().map(|row| row.iter().copied().collect());
                 std::iter::once(frame.origin().to_vec()).chain(rows).collect()
             }
-            transient::Start::Stationary | transient::Start::Density(_) => Vec::new(),
+            Start::Stationary | Start::Density(_) => Vec::new(),
         };
-        Ok(Start { origin, spread, centre: problem.still(), contacts: problem.contacts() })
+        Ok(TrajectoryStart { origin, spread, centre: problem.still(), contacts: problem.contacts() })
     }
 
     /// The number of states.

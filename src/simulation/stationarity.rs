@@ -4,7 +4,7 @@ use super::{
     calibration::Calibration,
     jackknife::jackknife,
     plan::Plan,
-    tally::{Layout, Tally},
+    tally::{Tally, TallyLayout},
 };
 use crate::problem::{COLLAPSE, Wall};
 use crate::simulation::UNEVEN_WEIGHTS;
@@ -36,7 +36,7 @@ pub(super) fn drifts(batches: &[Tally], states: usize) -> Vec<f64> {
 
 /// The state with the longest correlation time ∫₀^∞ R(τ) dτ/R(0) of x_i or x_i², and that time: by the spread of its means
 /// over batches relative to that of independent samples. None where batches are too few for it.
-fn slowest(batches: &[Tally], layout: &Layout, interval: f64) -> Option<(usize, f64)> {
+fn slowest(batches: &[Tally], layout: &TallyLayout, interval: f64) -> Option<(usize, f64)> {
     if batches.len() < LEAST_BATCHES {
         return None;
     }
@@ -59,7 +59,12 @@ const CHATTER: &str = "no white noise acts on the velocity at a wall that takes 
     time step; the time at rest, moments and the power that the impacts take are not affected";
 
 /// Why a run should not be relied on, if there is a reason.
-pub(super) fn warning(batches: &[Tally], layout: &Layout, plan: &Plan, missed: Option<&Calibration>) -> Option<String> {
+pub(super) fn warning(
+    batches: &[Tally],
+    layout: &TallyLayout,
+    plan: &Plan,
+    missed: Option<&Calibration>,
+) -> Option<String> {
     let slowest = slowest(batches, layout, plan.interval());
     if let Some((state, time)) = slowest.filter(|(_, time)| *time > plan.burn_in()) {
         return Some(format!(

@@ -13,7 +13,7 @@ use std::slice;
 
 /// The layout of every batch's sums and counts.
 #[derive(Clone, Debug)]
-pub(super) struct Layout {
+pub(super) struct TallyLayout {
     /// The exponents of the monomials whose means are tracked, each after those that it is made of: all of degree at most 4
     /// for up to three states; for more states all of degree at most 2 and the powers of single states up to 4; and the
     /// requested ones.
@@ -61,7 +61,7 @@ pub(super) struct Tally {
     values: Vec<f64>,
 }
 
-impl Layout {
+impl TallyLayout {
     pub(super) fn new(axes: Vec<Axis>, plane: Option<[Axis; 2]>, moments: &[Vec<u32>], recorders: Recorders) -> Self {
         let states = axes.len();
         let mut tracked = monomials(states, if states <= 3 { 4 } else { 2 });
@@ -82,7 +82,7 @@ impl Layout {
         };
         let products = tracked.iter().filter_map(factor).collect();
         let control_variates = ControlVariates::default();
-        Layout {
+        TallyLayout {
             monomials: tracked,
             products,
             axes,
@@ -103,7 +103,7 @@ impl Layout {
 
     /// The same with control variates, so many displacements, and so many levels and walls.
     pub(super) fn with(self, control_variates: ControlVariates, velocities: usize, gates: usize) -> Self {
-        Layout { images: control_variates.products(), control_variates, velocities, gates, ..self }
+        TallyLayout { images: control_variates.products(), control_variates, velocities, gates, ..self }
     }
 
     /// The number of sums whose means are calibrated: those of the monomials, and after them the powers of the speed at the
@@ -127,7 +127,7 @@ fn lower(exponents: &[u32]) -> Option<(usize, Vec<u32>)> {
 }
 
 impl Tally {
-    pub(super) fn new(batch: usize, trajectories: usize, layout: &Layout, passages: Passages) -> Self {
+    pub(super) fn new(batch: usize, trajectories: usize, layout: &TallyLayout, passages: Passages) -> Self {
         Tally {
             batch,
             samples: 0,
@@ -145,7 +145,7 @@ impl Tally {
     }
 
     /// Counts one sample, which has the number `sample` in its trajectory, from 0.
-    pub(super) fn observe(&mut self, layout: &Layout, x: &[f64], sample: usize, power: &[[f64; 2]]) {
+    pub(super) fn observe(&mut self, layout: &TallyLayout, x: &[f64], sample: usize, power: &[[f64; 2]]) {
         for (k, &(lower, state)) in layout.products.iter().enumerate() {
             self.values[k + 1] = self.values[lower] * x[state];
         }
@@ -165,7 +165,7 @@ impl Tally {
     }
 
     /// All sums that are tracked.
-    pub(super) fn tracked(&self, layout: &Layout) -> Vec<f64> {
+    pub(super) fn tracked(&self, layout: &TallyLayout) -> Vec<f64> {
         let Passages { crossings, impacts, .. } = &self.passages;
         let all = self.moments.iter().chain(crossings.iter().flatten()).chain(impacts.iter().flatten());
         all.copied().take(layout.tracked()).collect()
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn tracked_monomials_are_evaluated_as_products() -> crate::error::Result<()> {
         let axes = vec![axis()?; 3];
-        let layout = Layout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Recorders::default());
+        let layout = TallyLayout::new(axes, Some([axis()?; 2]), &[vec![0, 7, 1], vec![2, 0, 0]], Recorders::default());
         assert_eq!((layout.monomials.len(), &layout.monomials[38]), (35 + 4, &vec![0, 7, 1]));
         let x = [2.0, -3.0, 5.0];
         let mut tally = Tally::new(0, 1, &layout, Passages::new([0, 0, 3], None));
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn many_states_keep_their_single_powers() -> crate::error::Result<()> {
-        let layout = Layout::new(vec![axis()?; 4], None, &[], Recorders::default());
+        let layout = TallyLayout::new(vec![axis()?; 4], None, &[], Recorders::default());
         assert_eq!(layout.monomials.len(), 15 + 8);
         assert!(layout.monomials.contains(&vec![0, 0, 4, 0]) && !layout.monomials.contains(&vec![1, 2, 0, 0]));
         Ok(())

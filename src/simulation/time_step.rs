@@ -4,7 +4,7 @@ use super::{
     control::Control,
     lanes::{Lanes, Workspace},
     scheme::Scheme,
-    start::Start,
+    start::TrajectoryStart,
     timetable::Times,
 };
 use crate::error::{Error, Result};
@@ -89,7 +89,7 @@ impl Simulation<'_> {
     ) -> Result<(f64, f64)> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let boundaries = Boundaries::for_scheme(&scheme, contacts, Vec::new());
-        let start = Start::new(self, problem, step)?;
+        let start = TrajectoryStart::new(self, problem, step)?;
         let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
         let steps = (time / step / STRETCHES as f64).ceil().clamp(1.0, MOST_STEPS) as usize;

@@ -8,9 +8,9 @@ use super::passage::Passages;
 use super::pilot::Reach;
 use super::plan::Plan;
 use super::scheme::{Modulation, Scheme};
-use super::start::Start;
+use super::start::TrajectoryStart;
 use super::statistics::Requests;
-use super::tally::{Layout, Tally};
+use super::tally::{Tally, TallyLayout};
 use super::timetable::{Times, Timetable, whole};
 use super::{SimulatedDensity, Simulation};
 use crate::checks::require;
@@ -21,7 +21,7 @@ use crate::parallel;
 use crate::problem::{Contact, LANES, Problem};
 use crate::provenance::Stopped;
 use crate::states::States;
-use crate::transient::{Course, Start as From, check_times};
+use crate::transient::{Course, Start, check_times};
 use std::time::Instant;
 
 /// The most time steps of a trajectory between two reports of the progress.
@@ -33,7 +33,7 @@ pub(super) struct Walk<'a> {
     control: Control<'a>,
     problem: &'a Problem,
     contacts: Vec<Contact>,
-    start: Start,
+    start: TrajectoryStart,
     envelope: Option<&'a Envelope>,
     /// The limits whose passage is counted.
     within: Option<[f64; 2]>,
@@ -73,7 +73,7 @@ impl<'a> Walk<'a> {
         simulation.memory.holds("the trajectories' states", numbers, "take fewer, or raise `memory_limit`")?;
         let control = simulation.control(Instant::now());
         let envelope = course.envelope.as_ref();
-        let stationary = matches!(course.start, From::Stationary) && !times.is_empty();
+        let stationary = matches!(course.start, Start::Stationary) && !times.is_empty();
         let before = if stationary { simulation.times(problem)?.burn_in } else { 0.0 };
         let last = times.last().copied().unwrap_or(0.0);
         // The start itself takes no step.
@@ -83,7 +83,7 @@ impl<'a> Walk<'a> {
             let times = Times { burn_in: last + before, interval: last + before };
             simulation.longest_step(problem, &contacts, times, envelope, &control)?
         };
-        let start = Start::new(&simulation, problem, step)?;
+        let start = TrajectoryStart::new(&simulation, problem, step)?;
         let walkers = |range| {
             let trajectories = Trajectories::new(range, simulation.seed, &start);
             Walkers { left: vec![0; trajectories.groups.len()], trajectories }
@@ -253,7 +253,7 @@ pub(super) fn is_beyond([low, high]: [f64; 2], x: f64) -> bool {
 
 impl Trajectories {
     /// The sums over the present states, with the passages of a step of the length h before.
-    fn tally(&self, batch: usize, layout: &Layout, passages: Passages, h: f64) -> Tally {
+    fn tally(&self, batch: usize, layout: &TallyLayout, passages: Passages, h: f64) -> Tally {
         let mut tally = Tally::new(batch, self.count(), layout, passages);
         let mut x = vec![0.0; layout.axes.len()];
         for lanes in &self.groups {

@@ -45,7 +45,7 @@ impl Effort {
 
 /// The function on one panel: Σ c_k P_k(t), −1 ≤ t ≤ 1.
 #[derive(Clone, Debug)]
-struct Panel {
+struct CurvePanel {
     low: f64,
     high: f64,
     coefficients: Vec<f64>,
@@ -62,7 +62,7 @@ struct Panel {
 /// resolved as well as the middle.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
-    panels: Vec<Panel>,
+    panels: Vec<CurvePanel>,
     /// The integrals from the lower end to the start of each panel, and from its end to the upper end.
     below: Vec<Estimate>,
     above: Vec<Estimate>,
@@ -81,11 +81,11 @@ impl Curve {
         let rule = Rule::legendre(effort.order);
         let at = |k: usize| low + (high - low) * k as f64 / effort.start as f64;
         let mut pending: Vec<[f64; 2]> = (0..effort.start).map(|k| [at(k), at(k + 1)]).collect();
-        let mut panels: Vec<Panel> = Vec::new();
+        let mut panels: Vec<CurvePanel> = Vec::new();
         let mut peak = 0.0_f64;
         while !pending.is_empty() {
-            let fitted = parallel::map(pending.len(), |k| Panel::fitted(&f, &rule, pending[k]));
-            let fitted = fitted.into_iter().collect::<Result<Vec<Panel>>>()?;
+            let fitted = parallel::map(pending.len(), |k| CurvePanel::fitted(&f, &rule, pending[k]));
+            let fitted = fitted.into_iter().collect::<Result<Vec<CurvePanel>>>()?;
             peak = fitted.iter().fold(peak, |peak, panel| peak.max(panel.largest));
             let full = panels.len() + 2 * fitted.len() > effort.most;
             pending.clear();
@@ -99,7 +99,7 @@ impl Curve {
             }
         }
         panels.sort_by(|a, b| a.low.total_cmp(&b.low));
-        let parts: Vec<Estimate> = panels.iter().map(Panel::whole).collect();
+        let parts: Vec<Estimate> = panels.iter().map(CurvePanel::whole).collect();
         let mut below = vec![Estimate::new(0.0, 0.0); parts.len()];
         let mut above = below.clone();
         // The integral of a falling function beyond the interval is neglected, and belongs to the error.
@@ -181,10 +181,16 @@ impl Curve {
     }
 }
 
-impl Panel {
+impl CurvePanel {
     fn fitted(f: &impl Fn(f64) -> Result<Estimate>, rule: &Rule, [low, high]: [f64; 2]) -> Result<Self> {
-        let mut panel =
-            Panel { low, high, coefficients: vec![0.0; rule.nodes.len()], stated: 0.0, truncation: 0.0, largest: 0.0 };
+        let mut panel = CurvePanel {
+            low,
+            high,
+            coefficients: vec![0.0; rule.nodes.len()],
+            stated: 0.0,
+            truncation: 0.0,
+            largest: 0.0,
+        };
         for (t, weight) in rule.iter() {
             let value = f(low + (high - low) * (t + 1.0) / 2.0)?;
             let p = values(t);

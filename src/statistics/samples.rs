@@ -117,7 +117,7 @@ fn chosen(cumulative: &[f64], u: f64) -> usize {
 
 /// A cell, the highest and the lowest density met on it, and that at its centre.
 #[derive(Clone, Debug)]
-struct Piece {
+struct CellExtremes {
     cell: Cell,
     highest: f64,
     lowest: f64,
@@ -126,12 +126,12 @@ struct Piece {
     capped: bool,
 }
 
-impl Piece {
+impl CellExtremes {
     /// Evaluates the density at corners, middles of sides and centre.
     fn new(density: &dyn Density, cell: Cell) -> Result<Self> {
         let states = density.dimension();
         let centre = density.pdf(&cell.at(&vec![0.5; states]))?.value.max(0.0);
-        let mut piece = Piece { cell, highest: 0.0, lowest: f64::INFINITY, centre, capped: false };
+        let mut piece = CellExtremes { cell, highest: 0.0, lowest: f64::INFINITY, centre, capped: false };
         for k in 0..3_usize.pow(states as u32) {
             let shares: Vec<f64> = (0..states).map(|i| (k / 3_usize.pow(i as u32) % 3) as f64 / 2.0).collect();
             let p = density.pdf(&piece.cell.at(&shares))?.value.max(0.0);
@@ -146,13 +146,13 @@ impl Piece {
 }
 
 /// Cells on which the density varies little.
-fn pieces(density: &dyn Density) -> Result<Vec<Piece>> {
-    let of = |cells: Vec<Cell>| -> Result<Vec<Piece>> {
-        parallel::map_into(cells, |_, cell| Piece::new(density, cell)).into_iter().collect()
+fn pieces(density: &dyn Density) -> Result<Vec<CellExtremes>> {
+    let of = |cells: Vec<Cell>| -> Result<Vec<CellExtremes>> {
+        parallel::map_into(cells, |_, cell| CellExtremes::new(density, cell)).into_iter().collect()
     };
     let mut pieces = of(Cell::between(&cell_lines(&density.bounds(), CELLS, |_| Vec::new())))?;
     // Not by the highest values, of which one may be infinite.
-    let total = |pieces: &[Piece]| pieces.iter().map(|piece| piece.centre * piece.cell.volume()).sum::<f64>();
+    let total = |pieces: &[CellExtremes]| pieces.iter().map(|piece| piece.centre * piece.cell.volume()).sum::<f64>();
     for _ in 0..HALVINGS {
         let total = total(&pieces);
         let (uneven, even): (Vec<_>, Vec<_>) =
@@ -183,7 +183,7 @@ fn by_rejection(density: &dyn Density, count: usize, seed: u64) -> Result<States
         return Err(unknown_values());
     }
     let dimension = density.dimension();
-    let cumulative = cumulated(pieces.iter().map(Piece::mass));
+    let cumulative = cumulated(pieces.iter().map(CellExtremes::mass));
     let mut margin = MARGIN;
     for _ in 0..ATTEMPTS {
         let draw = |stream: &mut ChaCha8Rng, drawn: &mut Vec<f64>| {

@@ -1,6 +1,6 @@
 //! Rows that are computed in parallel, each kept in a file as it finishes.
 
-use super::lines::{Lines, text};
+use super::lines::{StudyLines, text};
 use crate::checks::part;
 use crate::error::{Error, Result};
 use crate::file::file_error;
@@ -16,19 +16,19 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The callback of a study after each row, one row at a time; `Break` ends the study.
-type Callback<'a> = Box<dyn FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a>;
+type RowCallback<'a> = Box<dyn FnMut(Progress, &str) -> ControlFlow<()> + Send + 'a>;
 
 /// Which rows a study computes, and where they go.
 pub(super) struct Output<'a> {
     pub(super) file: Option<PathBuf>,
     /// Part k of n, from 1.
     pub(super) part: (usize, usize),
-    pub(super) progress: Option<Callback<'a>>,
+    pub(super) progress: Option<RowCallback<'a>>,
 }
 
 /// A table that is filled row by row.
 pub(super) struct Journal<'a, R> {
-    lines: Lines,
+    lines: StudyLines,
     path: Option<PathBuf>,
     /// What the file lacks before the next line.
     before: String,
@@ -36,16 +36,16 @@ pub(super) struct Journal<'a, R> {
     missing: Vec<Vec<usize>>,
     /// The number of rows of this part and process.
     total: usize,
-    kept: Mutex<Kept<'a, R>>,
+    kept: Mutex<KeptRows<'a, R>>,
 }
 
 /// The rows that are there, while others are computed.
-struct Kept<'a, R> {
+struct KeptRows<'a, R> {
     rows: BTreeMap<usize, R>,
     /// The number of those of this part and process.
     done: usize,
     file: Option<File>,
-    progress: Option<Callback<'a>>,
+    progress: Option<RowCallback<'a>>,
     cancelled: bool,
 }
 
@@ -59,7 +59,12 @@ impl<'a> Output<'a> {
 impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
     /// The table with the rows that its file has. Each row has its unit: what is computed together. Units are dealt to the
     /// parts in turn, and those of a part to the processes, so that who gets what depends on their numbers alone.
-    pub(super) fn new(output: Output<'a>, processes: &impl Processes, lines: Lines, units: &[usize]) -> Result<Self> {
+    pub(super) fn new(
+        output: Output<'a>,
+        processes: &impl Processes,
+        lines: StudyLines,
+        units: &[usize],
+    ) -> Result<Self> {
         let (k, n) = output.part;
         part(k, n)?;
         let mine = |unit: usize| unit % n + 1 == k && unit / n % processes.count() == processes.rank();
@@ -75,7 +80,7 @@ impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
                 missing.entry(unit).or_default().push(row);
             }
         }
-        let kept = Mutex::new(Kept { rows, done, file: None, progress, cancelled: false });
+        let kept = Mutex::new(KeptRows { rows, done, file: None, progress, cancelled: false });
         Ok(Journal { lines, path, before, missing: missing.into_values().collect(), total, kept })
     }
 
@@ -99,7 +104,7 @@ impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
         Ok((self.kept.into_inner().unwrap_or_else(PoisonError::into_inner).rows, self.lines.count()))
     }
 
-    fn kept(&self) -> MutexGuard<'_, Kept<'a, R>> {
+    fn kept(&self) -> MutexGuard<'_, KeptRows<'a, R>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -119,7 +124,7 @@ impl<'a, R: Serialize + DeserializeOwned + Send> Journal<'a, R> {
     }
 
     /// Appends a row to the file and reports it.
-    fn keep(&self, kept: &mut Kept<'a, R>, row: usize, computed: R) -> Result<()> {
+    fn keep(&self, kept: &mut KeptRows<'a, R>, row: usize, computed: R) -> Result<()> {
         if kept.rows.contains_key(&row) {
             return Ok(());
         }

@@ -17,7 +17,7 @@ const OTHER: &str = "it is no table of this study, or has rows that other settin
 ///
 /// Lines are only appended, each in a single write. Several files one behind another are a file: a heading in its middle is no
 /// row, and neither is a line that was cut off, which has no whole fingerprint at its end.
-pub(super) struct Lines {
+pub(super) struct StudyLines {
     heading: String,
     /// The number of columns, without that of the fingerprints.
     columns: usize,
@@ -27,7 +27,7 @@ pub(super) struct Lines {
     fingerprints: Vec<String>,
 }
 
-impl Lines {
+impl StudyLines {
     /// Lines of these columns for rows with these keys, each once, and settings.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl Lines {
             numbers.insert(fields(&text(key, false)?).iter().map(str::to_owned).collect(), row);
         }
         let fingerprint = |settings: &String| checksum(format!("{} {settings}", env!("CARGO_PKG_VERSION")).as_bytes());
-        Ok(Lines {
+        Ok(StudyLines {
             heading: text(&(columns, "settings"), false)?,
             columns: columns.len(),
             key: numbers.keys().next().map_or(0, Vec::len),

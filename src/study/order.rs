@@ -1,6 +1,6 @@
 use super::case::Case;
 use super::journal::{Journal, Output, gathered};
-use super::lines::{Lines, columns};
+use super::lines::{StudyLines, columns};
 use super::row::OrderRow;
 use super::table::OrderTable;
 use super::truth::Truth;
@@ -124,7 +124,7 @@ impl<'a> OrderStudy<'a> {
         falling.sort_by_key(|&row| Reverse(rows[row].2));
         let mut places = vec![0; rows.len()];
         falling.iter().enumerate().for_each(|(place, &row)| places[row] = place);
-        let lines = Lines::new(&columns::<OrderRow>()?, &keyed)?;
+        let lines = StudyLines::new(&columns::<OrderRow>()?, &keyed)?;
         let journal: Journal<'_, OrderRow> = Journal::new(output, processes, lines, &places)?;
         // Truths first, each on all threads: a row that waited for one could be run by the thread that makes it.
         let missing: BTreeSet<usize> = journal.missing().map(|row| rows[row].0).collect();

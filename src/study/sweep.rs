@@ -1,5 +1,5 @@
 use super::journal::{Journal, Output, all, gathered};
-use super::lines::Lines;
+use super::lines::StudyLines;
 use crate::checks::{dimension, finite, require};
 use crate::error::{Error, Result};
 use crate::parallel;
@@ -149,7 +149,7 @@ impl<'a> Sweep<'a> {
         let settings = |row: usize| format!("{settings:?} {:?}", values[middle(row)]);
         let keyed: Vec<([f64; 1], String)> = (0..values.len()).map(|row| ([values[row]], settings(row))).collect();
         let segments: Vec<usize> = (0..values.len()).map(|row| row / segment).collect();
-        let journal = Journal::new(output, processes, Lines::new(&columns, &keyed)?, &segments)?;
+        let journal = Journal::new(output, processes, StudyLines::new(&columns, &keyed)?, &segments)?;
         let solved = |row: usize, near: Option<&W>| {
             let (numbers, state) = solve(values[row], near)?;
             dimension("the numbers of a row of the sweep", numbers.len(), columns.len() - 1)?;

@@ -31,9 +31,9 @@ use crate::provenance::Provenance;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side, col, mat};
 use galerkin::{GalerkinEquations, HermiteGalerkin};
-use half_plane::{HalfPlaneGalerkin, Weight, elastic_linear_oscillator, fixed_point, in_plane};
+use half_plane::{HalfPlaneGalerkin, HalfPlaneWeight, elastic_linear_oscillator, fixed_point, in_plane};
 use newton::newton;
-use search::{Found, Search};
+use search::{Found, GalerkinSearch};
 use solution::rounding_noise;
 use std::fmt;
 use std::time::Instant;
@@ -159,7 +159,7 @@ impl ClassicalClosure {
         let frame = Frame::new(gaussian)?;
         let scaled = operator.in_frame(&frame);
         let linear = operator.linearised(gaussian).in_frame(&frame);
-        let search = Search {
+        let search = GalerkinSearch {
             equations: |order| HermiteGalerkin::new(&scaled, order),
             linearised: |order| HermiteGalerkin::new(&linear, order),
             half_space: false,
@@ -169,11 +169,11 @@ impl ClassicalClosure {
 
     fn above_wall(&self, operator: &FokkerPlanck, free: Gaussian, wall: Wall) -> Result<(Found, Frame)> {
         let gaussian = self.wall_weight(operator, free, wall);
-        let weight = Weight::new(&gaussian, wall.offset())?;
+        let weight = HalfPlaneWeight::new(&gaussian, wall.offset())?;
         let diffusion = gaussian.expectation(&operator.diffusion()[1][1]);
         let oscillator = elastic_linear_oscillator(&gaussian, diffusion);
         let basis = self.basis;
-        let search = Search {
+        let search = GalerkinSearch {
             equations: |order| HalfPlaneGalerkin::new(operator, wall.restitution(), &weight, basis, order),
             linearised: |order| HalfPlaneGalerkin::new(&oscillator, 1.0, &weight, basis, order),
             half_space: true,
@@ -193,7 +193,7 @@ impl ClassicalClosure {
             }
         };
         fixed_point(start, |gaussian| {
-            let weight = Weight::new(gaussian, wall.offset()).ok()?;
+            let weight = HalfPlaneWeight::new(gaussian, wall.offset()).ok()?;
             let equations = HalfPlaneGalerkin::new(operator, wall.restitution(), &weight, self.basis, 2);
             let q = equations.polynomial(&newton(&equations, equations.gaussian()).a);
             gaussian_of(&q, &weight.frame)

@@ -9,7 +9,7 @@ use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 
 /// The equations of every order, and those of the linearised system.
-pub(super) struct Search<A, B> {
+pub(super) struct GalerkinSearch<A, B> {
     pub(super) equations: A,
     pub(super) linearised: B,
     pub(super) half_space: bool,
@@ -28,7 +28,7 @@ pub(super) struct Found {
     pub(super) iterations: usize,
 }
 
-impl<A, B> Search<A, B> {
+impl<A, B> GalerkinSearch<A, B> {
     /// Tries Newton's method from the Gaussian, then the homotopy from the linearised system, then Newton's method from the
     /// result of order n − 2; stops at the first root that is a density. Without one, the first root is kept, and without a
     /// root the iterate with the smallest ‖F‖.

@@ -1,7 +1,7 @@
 //! The closure of a problem by the density of a grid.
 
 use super::Closest;
-use super::target::Target;
+use super::target::TargetDensity;
 use crate::closure::candidates::indicator::Indication;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Content;
@@ -108,7 +108,7 @@ impl ClosureDensity {
 impl Closest<'_> {
     /// How large the residual of a density is, tested as on other nodes. None where the test functions are linearly dependent.
     fn indication(&self, problem: &Problem, exponent: &Exponent, order: u32) -> Option<Indication> {
-        let Target { points, weights, .. } = &self.target;
+        let TargetDensity { points, weights, .. } = &self.target;
         let locals = locals(problem, points);
         let excess = REFERENCE_EXCESS[problem.dimension() - 1] - 2;
         let values = nodes::values(&self.family().functions(order + excess), points);

@@ -11,7 +11,7 @@ const MOST: [usize; 2] = [1_000_000, 64];
 /// Boxes with a density p̂ at Gauss nodes in each: the domain of an exp(Q) that is closest to it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Cells {
+pub(crate) struct DomainCells {
     /// The lower and upper limits of each box along each state.
     limits: Vec<Vec<[f64; 2]>>,
     /// Gauss nodes along each side.
@@ -26,9 +26,9 @@ pub(crate) struct Cells {
     rules: OnceLock<[Rule; 2]>,
 }
 
-impl Cells {
+impl DomainCells {
     pub(super) fn new(cells: impl Iterator<Item = Cell>, along: usize, density: Vec<f64>, error: f64) -> Self {
-        Cells { limits: cells.map(|cell| cell.limits).collect(), along, density, error, rules: OnceLock::new() }
+        DomainCells { limits: cells.map(|cell| cell.limits).collect(), along, density, error, rules: OnceLock::new() }
     }
 
     fn rules(&self) -> &[Rule; 2] {
@@ -107,7 +107,7 @@ impl Cells {
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
     pub(in crate::closure) fn checked(self, states: usize) -> Read<Self> {
-        let Cells { limits, along, density, error, .. } = &self;
+        let DomainCells { limits, along, density, error, .. } = &self;
         let box_of = |limits: &Vec<[f64; 2]>| {
             limits.len() == states && limits.iter().all(|[low, high]| low.is_finite() && high.is_finite() && low < high)
         };

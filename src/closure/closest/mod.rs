@@ -11,7 +11,7 @@ mod by_grid;
 mod cells;
 mod target;
 
-pub(crate) use cells::Cells;
+pub(crate) use cells::DomainCells;
 
 use super::candidates::{Candidate, Fitted, Origin, chosen};
 use super::density::ClosureDensity;
@@ -35,7 +35,7 @@ use crate::provenance::Provenance;
 use crate::states::States;
 use std::collections::BTreeMap;
 use std::time::Instant;
-use target::Target;
+use target::TargetDensity;
 
 /// Gauss nodes along each side of a cell. 6 give the same distances to a hundredth for twice the nodes.
 const ALONG: usize = 4;
@@ -102,7 +102,7 @@ pub(super) struct Closest<'a> {
     density: &'a dyn Density,
     closure: &'a Closure,
     symmetry: &'a Symmetry,
-    target: Target<'a>,
+    target: TargetDensity<'a>,
     /// The closest density of each order on the present cells, where there is one.
     found: BTreeMap<u32, Option<(Fitted, Functions)>>,
     /// The same without the tail, once this has been found to hold much.
@@ -118,7 +118,7 @@ impl<'a> Closest<'a> {
 
     /// Where the density is above a share of its peak.
     fn above(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry, level: f64) -> Result<Self> {
-        let target = Target::new(density, symmetry, level)?;
+        let target = TargetDensity::new(density, symmetry, level)?;
         Ok(Closest { density, closure, symmetry, target, found: BTreeMap::new(), above_tail: None })
     }
 
@@ -234,7 +234,7 @@ impl<'a> Closest<'a> {
 
     /// The closest density in some functions, with a share of the weight for the tails.
     fn fitted(&self, space: &Functions, share: f64) -> Option<Fitted> {
-        let Target { points, weights, logarithm, .. } = &self.target;
+        let TargetDensity { points, weights, logarithm, .. } = &self.target;
         let target = normalised(logarithm, weights);
         let measure = mixed(&target, weights, share);
         let functions = Orthonormal::new(nodes::values(space, points), &measure)?;

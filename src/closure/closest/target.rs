@@ -1,4 +1,4 @@
-use super::cells::{Cells, add_nodes};
+use super::cells::{DomainCells, add_nodes};
 use crate::closure::closest::{ALONG, TAIL};
 use crate::density::{Cell, Density};
 use crate::error::{Error, Result};
@@ -30,12 +30,12 @@ const ROUGH: f64 = 0.1;
 const SLIGHT: f64 = 1e-6;
 
 /// A density at Gauss nodes of cells that resolve it, where it can be relied on.
-pub(super) struct Target<'a> {
+pub(super) struct TargetDensity<'a> {
     density: &'a dyn Density,
     /// Over whose changes p is a mean: the shares of wells that exchange little may not be known better.
     symmetry: &'a Symmetry,
     rule: Rule,
-    pieces: Vec<Piece>,
+    pieces: Vec<CellValues>,
     /// The largest p at a node.
     peak: f64,
     pub(super) points: States,
@@ -51,14 +51,14 @@ pub(super) struct Target<'a> {
 }
 
 /// A cell with p and its error at the nodes.
-struct Piece {
+struct CellValues {
     cell: Cell,
     values: Vec<Estimate>,
     /// How often it was divided for its nodes without a good value.
     divided: usize,
 }
 
-impl<'a> Target<'a> {
+impl<'a> TargetDensity<'a> {
     /// Down to a share of the peak.
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl<'a> Target<'a> {
         while cells.len() < least {
             cells = cells.iter().flat_map(Cell::children).collect();
         }
-        let mut target = Target {
+        let mut target = TargetDensity {
             density,
             symmetry,
             rule: Rule::legendre(ALONG),
@@ -99,7 +99,7 @@ impl<'a> Target<'a> {
             target.pieces.retain(|piece| piece.good(least) > 0);
             let roughness: Vec<[f64; 2]> = target.pieces.iter().map(|piece| piece.roughness(&target.rule)).collect();
             let mass: f64 = roughness.iter().map(|[mass, _]| mass).sum();
-            let next = |(piece, [own, rough]): (&Piece, &[f64; 2])| {
+            let next = |(piece, [own, rough]): (&CellValues, &[f64; 2])| {
                 let at_edge = 4 * piece.good(least) < 3 * piece.values.len() && piece.divided < AT_EDGES;
                 let coarse = *rough > ROUGH * own && *own > SLIGHT * mass;
                 (at_edge || coarse).then_some(piece.divided + usize::from(at_edge))
@@ -118,9 +118,9 @@ impl<'a> Target<'a> {
     /// Divides some cells, by their numbers.
     ///
     /// # Errors
-    /// As [`Target::new`].
+    /// As [`TargetDensity::new`].
     pub(super) fn divide(&mut self, divided: impl Fn(usize) -> bool) -> Result<()> {
-        let next = |(k, piece): (usize, &Piece)| divided(k).then_some(piece.divided);
+        let next = |(k, piece): (usize, &CellValues)| divided(k).then_some(piece.divided);
         let next: Vec<Option<usize>> = self.pieces.iter().enumerate().map(next).collect();
         self.replace(&next)?;
         self.gather()
@@ -161,9 +161,9 @@ impl<'a> Target<'a> {
     }
 
     /// The cells with the density on them, normalised, for integrals with a relative error.
-    pub(super) fn cells(&self, error: f64) -> Cells {
+    pub(super) fn cells(&self, error: f64) -> DomainCells {
         let density = self.logarithm.iter().map(|log| log.exp() / self.mass).collect();
-        Cells::new(self.pieces.iter().map(|piece| piece.cell.clone()), ALONG, density, error)
+        DomainCells::new(self.pieces.iter().map(|piece| piece.cell.clone()), ALONG, density, error)
     }
 
     /// The mean of p over the mirror images of a state.
@@ -180,13 +180,13 @@ impl<'a> Target<'a> {
     }
 
     /// Cells with their values.
-    fn evaluated(&self, cells: impl Iterator<Item = (Cell, usize)>) -> Result<Vec<Piece>> {
-        let Target { rule, density, .. } = self;
+    fn evaluated(&self, cells: impl Iterator<Item = (Cell, usize)>) -> Result<Vec<CellValues>> {
+        let TargetDensity { rule, density, .. } = self;
         let piece = |_, (cell, divided): (Cell, usize)| {
             let mut nodes = (States::new(density.dimension()), Vec::new());
             add_nodes(&cell.limits, rule, &mut nodes);
             let values = nodes.0.iter().map(|x| self.value(x)).collect::<Result<Vec<Estimate>>>()?;
-            Ok(Piece { cell, values, divided })
+            Ok(CellValues { cell, values, divided })
         };
         parallel::map_into(cells.collect(), piece).into_iter().collect()
     }
@@ -225,7 +225,7 @@ impl<'a> Target<'a> {
     }
 }
 
-impl Piece {
+impl CellValues {
     /// The number of nodes with a value above the least one and its own error.
     fn good(&self, least: f64) -> usize {
         let good = |p: &&Estimate| p.value > least && p.error < KNOWN * p.value;

@@ -3,7 +3,7 @@ use super::impacts::WallImpacts;
 use crate::closure::UNRELIABLE;
 use crate::closure::candidates::indicator::Indication;
 use crate::closure::candidates::{Candidate, Origin};
-use crate::closure::closest::Cells;
+use crate::closure::closest::DomainCells;
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::ReferenceDensity;
 use crate::closure::samples::{ImportanceRule, Lattice, Moment};
@@ -71,7 +71,7 @@ pub(in crate::closure) enum Integrals {
         apart: f64,
     },
     /// On Gauss nodes of the cells of a known density, in one state and in two.
-    Cells(Cells),
+    Cells(DomainCells),
     /// By importance sampling, in any number of states.
     Draws(Box<ImportanceRule>),
 }

@@ -9,11 +9,11 @@ pub(super) mod exponent;
 pub(super) mod impacts;
 
 use super::candidates::Candidate;
-use super::closest::Cells;
+use super::closest::DomainCells;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
-use super::reference::Start;
+use super::reference::ReferenceStart;
 use super::samples::Copula;
 use crate::checks::point;
 use crate::closure::{CUT_AT_WALLS, ROUNDING, SOLVED, TAILS_ENOUGH};
@@ -207,10 +207,10 @@ impl ClosureDensity {
     }
 
     /// The start for the reference of a similar system.
-    pub(super) fn start(&self) -> Start {
+    pub(super) fn start(&self) -> ReferenceStart {
         match &self.content.reference {
-            Some(reference) => Start { weight: reference.weight.clone(), settled: reference.size },
-            None => Start { weight: self.content.exponent.clone(), settled: 0.0 },
+            Some(reference) => ReferenceStart { weight: reference.weight.clone(), settled: reference.size },
+            None => ReferenceStart { weight: self.content.exponent.clone(), settled: 0.0 },
         }
     }
 
@@ -233,7 +233,7 @@ impl ClosureDensity {
     }
 
     /// The cells that are the trust domain of a density closest to a known one.
-    pub(crate) fn cells_of_domain(&self) -> Option<&Cells> {
+    pub(crate) fn cells_of_domain(&self) -> Option<&DomainCells> {
         if let Integrals::Cells(cells) = &self.content.integrals { Some(cells) } else { None }
     }
 

@@ -31,19 +31,19 @@ pub(in crate::closure) fn likeliest(
 ///
 /// `values` holds the functions at the nodes, without the constant.
 fn most_likely(values: MatRef<'_, f64>, fixed: &[f64], weights: &[f64], mean: &[f64]) -> Option<Vec<f64>> {
-    let likelihood = Likelihood { values, fixed, weights, mean };
+    let likelihood = MeanLikelihood { values, fixed, weights, mean };
     Some(LIKELIHOOD_SEARCH.ascend(&likelihood, vec![0.0; values.ncols()], None)?.a)
 }
 
 /// The mean log-likelihood of states as a function of a.
-pub(in crate::closure) struct Likelihood<'a> {
+pub(in crate::closure) struct MeanLikelihood<'a> {
     pub(in crate::closure) values: MatRef<'a, f64>,
     pub(in crate::closure) fixed: &'a [f64],
     pub(in crate::closure) weights: &'a [f64],
     pub(in crate::closure) mean: &'a [f64],
 }
 
-impl Concave for Likelihood<'_> {
+impl Concave for MeanLikelihood<'_> {
     /// The density at the nodes.
     type At = Vec<f64>;
 

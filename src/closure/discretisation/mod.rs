@@ -51,7 +51,7 @@ const DEGREE: u32 = 8;
 
 /// A jump that trajectories make where they meet a wall.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passage {
+pub(super) struct WallPassage {
     pub(super) before: [f64; 2],
     pub(super) after: [f64; 2],
     /// The flux through the wall for p = 1 times the quadrature weight.
@@ -69,7 +69,7 @@ pub(super) struct Discretisation {
     pub(super) locals: Vec<Local>,
     /// Rules along the states, for integrals over a single one; 0 is the edge of a panel.
     pub(super) lines: Vec<Rule>,
-    pub(super) passages: Vec<Passage>,
+    pub(super) passages: Vec<WallPassage>,
     /// Impulses, of which those that leave the domain are left out.
     pub(super) impulses: Vec<ImpulseTerm>,
     /// The values at the nodes of the part of ln p that no function here can follow.

@@ -1,5 +1,5 @@
 use super::trust_domain::TrustDomain;
-use super::{Passage, impulses};
+use super::{WallPassage, impulses};
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::{Functions, sweep};
 use crate::fokker_planck::{ImpulseTerm, Local};
@@ -83,7 +83,7 @@ pub(in crate::closure) struct NodalGenerator<'a> {
     pub(in crate::closure) points: &'a States,
     /// The Fokker-Planck operator at the nodes.
     pub(in crate::closure) locals: &'a [Local],
-    pub(in crate::closure) passages: &'a [Passage],
+    pub(in crate::closure) passages: &'a [WallPassage],
     /// Impulses, of which those that leave the domain are left out.
     pub(in crate::closure) impulses: &'a [ImpulseTerm],
     pub(in crate::closure) domain: &'a TrustDomain,
@@ -102,7 +102,7 @@ impl Table {
     /// Tabulates functions, orthonormal under `measure`, under the generator. `None` where they are linearly dependent.
     pub(in crate::closure) fn new(generator: NodalGenerator<'_>, space: &Functions, measure: &[f64]) -> Option<Self> {
         let NodalGenerator { points, passages, .. } = generator;
-        let ends = |end: fn(&Passage) -> &[f64; 2]| {
+        let ends = |end: fn(&WallPassage) -> &[f64; 2]| {
             let mut points = States::new(points.dimension());
             passages.iter().for_each(|passage| points.push(end(passage)));
             values(space, &points)

@@ -24,7 +24,7 @@ const FALLS: f64 = 0.7;
 const STALLED: usize = 2;
 
 /// Rules along the states, and what another one differs by in mass and second moments, relative to these.
-pub(in crate::closure) struct Resolved {
+pub(in crate::closure) struct ResolvedRules {
     pub(in crate::closure) rules: Vec<Rule>,
     pub(in crate::closure) apart: f64,
 }
@@ -36,7 +36,7 @@ pub(in crate::closure) fn resolved(
     log: impl Fn(&States) -> Vec<f64>,
     given: &[Rule],
     tolerance: f64,
-) -> Resolved {
+) -> ResolvedRules {
     let (bounds, integrand) = (domain.bounds(), Integrand { domain, log });
     let whole: Vec<Vec<f64>> = bounds.iter().map(|bounds| bounds.to_vec()).collect();
     let fewer = |axis: usize| {
@@ -45,9 +45,9 @@ pub(in crate::closure) fn resolved(
     };
     let (_, apart) = integrand.differences(given, &whole, fewer);
     if apart <= tolerance {
-        return Resolved { rules: given.to_vec(), apart };
+        return ResolvedRules { rules: given.to_vec(), apart };
     }
-    let mut found = Resolved { rules: given.to_vec(), apart: f64::INFINITY };
+    let mut found = ResolvedRules { rules: given.to_vec(), apart: f64::INFINITY };
     let [own, less] = EACH.map(Rule::legendre);
     let mut edges: Vec<Vec<f64>> = bounds.iter().map(|[low, high]| evenly(*low, *high)).collect();
     let mut stalled = 0;
@@ -58,7 +58,7 @@ pub(in crate::closure) fn resolved(
         }
         let (differences, apart) = integrand.differences(&rules, &edges, |axis| on_panels(&edges[axis], &less));
         stalled = if apart < FALLS * found.apart { 0 } else { stalled + 1 };
-        found = Resolved { rules, apart };
+        found = ResolvedRules { rules, apart };
         if apart <= tolerance {
             break;
         }

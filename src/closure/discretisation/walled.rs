@@ -4,7 +4,7 @@ use super::likelihood::likeliest;
 use super::nodes::Nodes;
 use super::trust_domain::TrustDomain;
 use crate::closure::density::exponent::known_values;
-use crate::closure::discretisation::{Discretisation, Passage, locals};
+use crate::closure::discretisation::{Discretisation, WallPassage, locals};
 use crate::closure::pilot::Pilot;
 use crate::closure::space::nested_spaces::{SpaceFamily, Walled};
 use crate::closure::space::{Corner, Functions, Polynomials};
@@ -139,11 +139,11 @@ fn panels(start: f64, ends: &[(f64, usize)], place: impl Fn(f64) -> f64) -> Vec<
 }
 
 /// The impacts at a wall, by their speed.
-fn impacts(wall: &Wall, reach: f64) -> impl Iterator<Item = Passage> {
+fn impacts(wall: &Wall, reach: f64) -> impl Iterator<Item = WallPassage> {
     let (b, r) = (wall.offset(), wall.restitution());
     let side = if wall.is_above() { 1.0 } else { -1.0 };
     let ends = SPEEDS.map(|(end, _)| (end, ON_WALL));
-    panels(0.0, &ends, |speed| reach * speed).into_iter().map(move |(speed, weight)| Passage {
+    panels(0.0, &ends, |speed| reach * speed).into_iter().map(move |(speed, weight)| WallPassage {
         before: [b, -side * speed],
         after: [b, side * r * speed],
         weight: speed * weight,

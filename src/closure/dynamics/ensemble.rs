@@ -9,8 +9,8 @@ use crate::closure::HIGHEST_ORDER;
 use crate::closure::density::ClosureDensity;
 use crate::closure::method::{Closure, Order};
 use crate::closure::pilot::Pilot;
-use crate::closure::sampled::Sampled;
-use crate::closure::samples::Family;
+use crate::closure::sampled::SampledSystem;
+use crate::closure::samples::FunctionFamily;
 use crate::error::{Error, Result};
 use crate::numerics::propagated;
 use crate::problem::{Problem, Symmetry, TimeScales};
@@ -74,15 +74,15 @@ impl Closure {
         let order = Order::Fixed(self.highest().clamp(CARRIED_BASE, CARRIED_MOST));
         let base = if steady { Some(Closure { order, ..self.clone() }.solve(problem)?) } else { None };
         let dynamics = base.as_ref().and_then(|base| base.dynamics.as_ref());
-        let solved = dynamics.and_then(|dynamics| Solved::new(dynamics, start, times));
+        let solved = dynamics.and_then(|dynamics| SolvedMoments::new(dynamics, start, times));
         let simulation = Simulation::new().trajectories(self.states.unwrap_or(ENSEMBLE));
         let states = simulation.seed(self.seed).states_at(problem, course, times)?;
         let closed = |(k, (time, states)): (usize, (f64, States))| {
             let pilot = Pilot::of(states, time);
             let symmetry = Symmetry::none(problem.dimension());
-            let family = Family::new(problem, &pilot, &self.degrees, &symmetry);
+            let family = FunctionFamily::new(problem, &pilot, &self.degrees, &symmetry);
             let reason = "the trajectories lie on a surface: take a later time";
-            let sampled = Sampled {
+            let sampled = SampledSystem {
                 problem: problem.clone(),
                 family: family.ok_or(Error::NotClosed { order: self.lowest(), reason })?,
                 pilot,
@@ -102,12 +102,12 @@ impl Closure {
 }
 
 /// The moment equations' solutions of two degrees at some times.
-struct Solved<'a> {
+struct SolvedMoments<'a> {
     system: &'a MomentSystem,
     means: [Mat<f64>; 2],
 }
 
-impl<'a> Solved<'a> {
+impl<'a> SolvedMoments<'a> {
     /// None where a mode grows at every degree, or the start lies outside of the domain.
     fn new(dynamics: &'a Dynamics, start: &Start, times: &[f64]) -> Option<Self> {
         let system = dynamics.system()?;
@@ -117,7 +117,7 @@ impl<'a> Solved<'a> {
             let matrix = system.matrix(lower);
             propagated(matrix, &beginning.coefficients[..matrix.ncols()], times)
         });
-        Some(Solved { system, means })
+        Some(SolvedMoments { system, means })
     }
 
     fn law(&self, time: usize) -> Option<Law> {

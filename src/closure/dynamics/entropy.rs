@@ -3,7 +3,7 @@
 use super::law::Law;
 use super::snapshot::Snapshot;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::likelihood::Likelihood;
+use crate::closure::discretisation::likelihood::MeanLikelihood;
 use crate::closure::discretisation::nodes::{self, Nodes};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::dynamics::FARTHEST;
@@ -54,7 +54,7 @@ impl Likeliest {
         let [means, others] = law.masses.each_ref().map(|masses| weighted_sum(table.as_ref(), masses)[1..].to_vec());
         let fixed = vec![0.0; nodes.len()];
         let values = functions.values.get(.., 1..);
-        let likelihood = Likelihood { values, fixed: &fixed, weights: &nodes.weights, mean: &means };
+        let likelihood = MeanLikelihood { values, fixed: &fixed, weights: &nodes.weights, mean: &means };
         let found = LIKELIHOOD_SEARCH.ascend(&likelihood, vec![0.0; means.len()], None)?;
         let gradient = likelihood.gradient(&found.at);
         let covariance = likelihood.curvature(&found.at, &gradient)?;

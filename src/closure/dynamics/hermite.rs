@@ -6,18 +6,18 @@ use std::collections::HashMap;
 /// Coefficients of products h_α(z) of Hermite's polynomials, orthonormal under the standard normal density, with every degree
 /// below `side`; that of state i is the i-th digit of the index.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub(super) struct HermiteTable {
     pub(super) states: usize,
     pub(super) side: usize,
     pub(super) values: Vec<f64>,
 }
 
-impl Table {
+impl HermiteTable {
     /// The constant 1.
     pub(super) fn one(states: usize, side: usize) -> Self {
         let mut values = vec![0.0; side.pow(states as u32)];
         values[0] = 1.0;
-        Table { states, side, values }
+        HermiteTable { states, side, values }
     }
 
     /// The distance of neighbours along a state.
@@ -48,7 +48,7 @@ impl Table {
                 values[index - stride] += value * (degree as f64).sqrt();
             }
         }
-        Table { values, ..*self }
+        HermiteTable { values, ..*self }
     }
 
     /// Adds `factor` times another.
@@ -58,19 +58,19 @@ impl Table {
 }
 
 /// Products of one table with monomials of z, each made from another.
-pub(super) struct Products {
-    known: HashMap<Vec<u32>, Table>,
+pub(super) struct HermiteProducts {
+    known: HashMap<Vec<u32>, HermiteTable>,
 }
 
-impl Products {
-    pub(super) fn of(table: Table) -> Self {
-        Products { known: HashMap::from([(vec![0; table.states], table)]) }
+impl HermiteProducts {
+    pub(super) fn of(table: HermiteTable) -> Self {
+        HermiteProducts { known: HashMap::from([(vec![0; table.states], table)]) }
     }
 
     /// The table times a polynomial of z.
-    pub(super) fn with(&mut self, polynomial: &Polynomial) -> Table {
+    pub(super) fn with(&mut self, polynomial: &Polynomial) -> HermiteTable {
         let zero = &self.known[&vec![0; polynomial.dimension()]];
-        let mut sum = Table { values: vec![0.0; zero.values.len()], ..*zero };
+        let mut sum = HermiteTable { values: vec![0.0; zero.values.len()], ..*zero };
         for (alpha, c) in polynomial.terms() {
             self.prepare(alpha);
             sum.add(c, &self.known[alpha]);

@@ -24,7 +24,7 @@ use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
-use super::discretisation::{Discretisation, Passage};
+use super::discretisation::{Discretisation, WallPassage};
 use super::pilot::Pilot;
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::Functions;
@@ -50,7 +50,7 @@ pub(in crate::closure) struct Dynamics {
     domain: TrustDomain,
     family: SpaceFamily,
     carrier: Carrier,
-    passages: Vec<Passage>,
+    passages: Vec<WallPassage>,
     weight: Exponent,
     /// Whether impulses alone are so rare that the density is rough.
     rare: bool,
@@ -120,7 +120,7 @@ impl Dynamics {
     }
 
     /// The impacts.
-    pub(super) fn passages(&self) -> &[Passage] {
+    pub(super) fn passages(&self) -> &[WallPassage] {
         &self.passages
     }
 

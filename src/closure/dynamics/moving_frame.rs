@@ -1,6 +1,6 @@
 //! A density that is still narrow, in coordinates that move and stretch with it.
 
-use super::hermite::{Products, Table, hermite};
+use super::hermite::{HermiteProducts, HermiteTable, hermite};
 use crate::density::Frame;
 use crate::fokker_planck::FokkerPlanck;
 use crate::numerics::runge_kutta;
@@ -24,23 +24,23 @@ pub(super) struct MovingFrame<'a> {
     operator: &'a FokkerPlanck,
     degree: usize,
     pub(super) time: f64,
-    place: Place,
+    place: FrameState,
 }
 
 /// What changes in time.
 #[derive(Clone)]
-struct Place {
+struct FrameState {
     mean: DVector<f64>,
     scale: DMatrix<f64>,
-    density: Table,
+    density: HermiteTable,
 }
 
-impl Place {
+impl FrameState {
     /// The place after a time at a rate.
-    fn moved(&self, time: f64, rate: &Place) -> Place {
+    fn moved(&self, time: f64, rate: &FrameState) -> FrameState {
         let mut density = self.density.clone();
         density.add(time, &rate.density);
-        Place { mean: &self.mean + &rate.mean * time, scale: &self.scale + &rate.scale * time, density }
+        FrameState { mean: &self.mean + &rate.mean * time, scale: &self.scale + &rate.scale * time, density }
     }
 }
 
@@ -61,7 +61,8 @@ impl<'a> MovingFrame<'a> {
         };
         let reach = operator.drift().iter().chain(operator.diffusion().iter().flatten()).map(Polynomial::degree);
         let side = degree + 1 + reach.max().unwrap_or(0) as usize;
-        let place = Place { scale: gaussian.scale().ok()?, mean: gaussian.mean, density: Table::one(states, side) };
+        let place =
+            FrameState { scale: gaussian.scale().ok()?, mean: gaussian.mean, density: HermiteTable::one(states, side) };
         Some(MovingFrame { operator, degree, time, place })
     }
 
@@ -90,7 +91,7 @@ impl<'a> MovingFrame<'a> {
             let (first, speed) = self.rate(&self.place)?;
             let longest = FRAME_STEP / speed;
             let h = left / (left / longest).ceil().max(1.0);
-            let rate = |place: &Place, _: f64| self.rate(place).map(|(rate, _)| rate).ok_or(());
+            let rate = |place: &FrameState, _: f64| self.rate(place).map(|(rate, _)| rate).ok_or(());
             self.place = runge_kutta(&self.place, &first, h, rate, |place, rate, time| place.moved(time, rate)).ok()?;
             self.time = if h == left { end } else { self.time + h };
         }
@@ -98,14 +99,14 @@ impl<'a> MovingFrame<'a> {
     }
 
     /// The rates of change at a place, and how fast that is.
-    fn rate(&self, place: &Place) -> Option<(Place, f64)> {
+    fn rate(&self, place: &FrameState) -> Option<(FrameState, f64)> {
         let n = place.mean.len();
         let local = self.operator.in_frame(&Frame::of(place.mean.clone(), place.scale.clone())?);
-        let mut products = Products::of(place.density.clone());
-        let carried: Vec<Table> = local.drift().iter().map(|f| products.with(f)).collect();
-        let spread: Vec<Vec<Table>> =
+        let mut products = HermiteProducts::of(place.density.clone());
+        let carried: Vec<HermiteTable> = local.drift().iter().map(|f| products.with(f)).collect();
+        let spread: Vec<Vec<HermiteTable>> =
             local.diffusion().iter().map(|row| row.iter().map(|b| products.with(b)).collect()).collect();
-        let own: Vec<Table> = Polynomial::variables(n).iter().map(|z| products.with(z)).collect();
+        let own: Vec<HermiteTable> = Polynomial::variables(n).iter().map(|z| products.with(z)).collect();
         let stride = |i: usize| place.density.stride(i);
         let mean = DVector::from_fn(n, |i, _| carried[i].values[0]);
         let slopes =
@@ -122,7 +123,7 @@ impl<'a> MovingFrame<'a> {
             flow[i].add(-mean[i], &place.density);
             (0..=i).for_each(|j| flow[i].add(-turn[(i, j)], &own[j]));
         }
-        let mut density = Table { values: vec![0.0; place.density.values.len()], ..place.density };
+        let mut density = HermiteTable { values: vec![0.0; place.density.values.len()], ..place.density };
         for index in 1..density.values.len() {
             if density.total(index) > self.degree {
                 continue;
@@ -141,7 +142,7 @@ impl<'a> MovingFrame<'a> {
             density.values[index] = sum;
         }
         let speed = slopes.amax() + noise.amax();
-        let rate = Place { mean: &place.scale * mean, scale: &place.scale * turn, density };
+        let rate = FrameState { mean: &place.scale * mean, scale: &place.scale * turn, density };
         let finite = speed.is_finite() && rate.density.values.iter().all(|value| value.is_finite());
         finite.then_some((rate, speed.max(f64::MIN_POSITIVE)))
     }

@@ -4,7 +4,7 @@ use crate::closure::candidates::{Fitted, Retained, Scoring};
 use crate::closure::density::content::{Content, Integrals};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes::{self, Nodes};
-use crate::closure::discretisation::panels::{Resolved, resolved};
+use crate::closure::discretisation::panels::{ResolvedRules, resolved};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::discretisation::{Discretisation, lines, walled};
 use crate::closure::nodal::NodalClosure;
@@ -81,7 +81,7 @@ impl NodalClosure {
             apart += domain.mass_beyond(|x| exponent.value(x));
         }
         let unknowns = exponent.coefficients.len();
-        let integrals = self.integrals(&exponent, Resolved { rules: nodes.rules, apart }, lines)?;
+        let integrals = self.integrals(&exponent, ResolvedRules { rules: nodes.rules, apart }, lines)?;
         let lattice = self.lattice.as_ref().map(|(lattice, _)| lattice.clone());
         let provenance = self.provenance(order, unknowns, solved);
         Some(Content { lattice, provenance, ..Content::exact(exponent, domain, integrals, apart) })

@@ -49,13 +49,13 @@ const CUT_IN_TIME: f64 = 1e12;
 
 /// A start for a reference: the weight of a similar system's, and the size of its correction.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Start {
+pub(super) struct ReferenceStart {
     pub(super) weight: Exponent,
     /// The size of the correction at which that one had settled; 0 where it is unknown.
     pub(super) settled: f64,
 }
 
-impl Start {
+impl ReferenceStart {
     /// Refuses the start of another number of states.
     pub(super) fn check(&self, states: usize) -> Result<()> {
         dimension("the density to start from", self.weight.space.dimension(), states)
@@ -105,11 +105,11 @@ impl ReferenceDensity {
         discretisation: &Discretisation,
         nested: &NestedSpaces,
         table: &Table,
-        start: Option<&Start>,
+        start: Option<&ReferenceStart>,
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
         if discretisation.is_on_lattice() {
-            let start = Start { weight: discretisation.guess.clone(), settled: 0.0 };
+            let start = ReferenceStart { weight: discretisation.guess.clone(), settled: 0.0 };
             return Self::renewed(discretisation, nested, table, nested.whole, start);
         }
         let whole = Self::with_truncation(discretisation, nested, table, nested.whole, start, &fit);
@@ -134,14 +134,15 @@ impl ReferenceDensity {
         nested: &NestedSpaces,
         table: &Table,
         truncation: Truncation,
-        start: Option<&Start>,
+        start: Option<&ReferenceStart>,
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
         let similar = start.and_then(|start| Self::renewed(discretisation, nested, table, truncation, start.clone()));
         if similar.as_ref().is_some_and(|similar| similar.error <= GOOD) {
             return similar;
         }
-        let afresh = |weight| Self::renewed(discretisation, nested, table, truncation, Start { weight, settled: 0.0 });
+        let afresh =
+            |weight| Self::renewed(discretisation, nested, table, truncation, ReferenceStart { weight, settled: 0.0 });
         let first = afresh(discretisation.guess.clone());
         if first.as_ref().is_some_and(|first| first.error <= GOOD) {
             return first;
@@ -165,7 +166,7 @@ impl ReferenceDensity {
         nested: &NestedSpaces,
         table: &Table,
         truncation: Truncation,
-        Start { mut weight, settled }: Start,
+        ReferenceStart { mut weight, settled }: ReferenceStart,
     ) -> Option<Self> {
         let nodes = &discretisation.nodes;
         let mut log = weight.values(&nodes.points);

@@ -1,7 +1,7 @@
 //! Means over the pilot's states under which the moment equations hold.
 
-use super::family::Family;
-use super::paths::{ImpactStatistics, Paths};
+use super::family::FunctionFamily;
+use super::paths::{ImpactStatistics, PilotPaths};
 use super::products::Products;
 use crate::closure::density::impacts::WallImpacts;
 use crate::closure::pilot::Pilot;
@@ -35,7 +35,7 @@ pub(super) const LOTS: usize = 16;
 /// Next to walls E\[𝓖ψ\] + ν E\[ψ₊ − ψ₋\] = 0 with the impacts' rate ν, so that the jumps of ψ at a block's impacts are a part
 /// of its 𝓖ψ, over the time that it stands for; and so are the impacts' own statistics of what is averaged.
 #[derive(Clone, Debug)]
-pub(super) struct Calibration {
+pub(super) struct CalibratedMeans {
     /// E φ_k, and after them the statistics of impacts, per unit time.
     pub(super) means: Vec<f64>,
     /// The same from either half of the trajectories alone.
@@ -132,13 +132,13 @@ struct Tested {
     left: f64,
 }
 
-impl Calibration {
+impl CalibratedMeans {
     /// Of the functions φ = `functions`; the degree of ψ is that which leaves the smallest share of the variances of the first
     /// `wanted`. None where the pilot's states are fewer than its trajectories, or lie on a surface.
     pub(super) fn new(
         problem: &Problem,
         pilot: &Pilot,
-        family: &Family,
+        family: &FunctionFamily,
         functions: &Functions,
         wanted: usize,
     ) -> Option<Self> {
@@ -171,7 +171,7 @@ impl Calibration {
         let statistics = ImpactStatistics::new(pilot, &contacts);
         let sizes = [tests, count + contacts.len() * ImpactStatistics::EACH, count.min(family.covered())];
         let paths =
-            Paths { problem, pilot, contacts: &contacts, statistics, products: &products, sizes, samples, length };
+            PilotPaths { problem, pilot, contacts: &contacts, statistics, products: &products, sizes, samples, length };
 
         let lots: Vec<(Sums, Vec<[Vec<f64>; 2]>)> = parallel::map(LOTS, |lot| paths.lot(lot));
         let mut halves = [Sums::new(sizes), Sums::new(sizes)];
@@ -210,7 +210,7 @@ impl Calibration {
         let best = weights.iter().filter(|(degree, _)| degree.is_some()).map(|(_, weight)| *weight).reduce(f64::max);
         let smallest_weight = best.filter(|best| *best <= LEAST_WEIGHT).unwrap_or(weights[sound].1);
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
-        let mut calibration = Calibration {
+        let mut calibration = CalibratedMeans {
             means: all.calibrated(&regressions[0]),
             halves: [0, 1].map(|half| halves[half].calibrated(&regressions[half + 1])),
             covariance: all.covariance(&regressions[0]),

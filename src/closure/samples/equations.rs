@@ -2,7 +2,7 @@
 //! is one.
 
 use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, effective, lane};
-use super::products::{LANES, Lane, Scratch, ZERO};
+use super::products::{LANES, PointLane, Scratch, ZERO};
 use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH};
 use crate::closure::space::Corner;
 use crate::closure::{CONVERGING, EXACT_STEPS, SOLVED};
@@ -18,15 +18,15 @@ use faer::{Accum, Mat, Par};
 /// Eight states with the coefficients of the operator there.
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct Sites {
-    pub(in crate::closure) x: Vec<Lane>,
+    pub(in crate::closure) x: Vec<PointLane>,
     /// f.
-    pub(in crate::closure) drift: Vec<Lane>,
+    pub(in crate::closure) drift: Vec<PointLane>,
     /// B, by rows.
-    pub(in crate::closure) diffusion: Vec<Lane>,
+    pub(in crate::closure) diffusion: Vec<PointLane>,
     /// −f + ∂B.
-    pub(in crate::closure) backward: Vec<Lane>,
+    pub(in crate::closure) backward: Vec<PointLane>,
     /// −∇·f + ½ ∂∂B.
-    pub(in crate::closure) source: Lane,
+    pub(in crate::closure) source: PointLane,
     /// The states i with some B_ij ≠ 0, j ≠ i.
     pub(in crate::closure) coupled: Vec<usize>,
     /// The states with noise.
@@ -76,7 +76,7 @@ impl Sites {
         let n = self.x.len();
         let x: Vec<Eight> = self.x.iter().map(|lane| Eight(*lane)).collect();
         let backward = self.backward.clone();
-        let mut slopes: Vec<(Form, Lane)> = Vec::with_capacity(self.grazed.len());
+        let mut slopes: Vec<(Form, PointLane)> = Vec::with_capacity(self.grazed.len());
         for corner in &self.grazed {
             let jet = corner.grazing_jet(&x);
             let (slope, bend) = (jet.gradient[1].0, jet.hessian[1][1].0);
@@ -223,7 +223,7 @@ impl Likelihood<'_> {
     }
 
     /// The residual of Q at the sites where the products are placed, and the sum of the squares of the parts f_i ∂_iQ.
-    fn residual_at(&self, a: &[f64], sites: &Sites, scratch: &mut Scratch) -> (Lane, Lane) {
+    fn residual_at(&self, a: &[f64], sites: &Sites, scratch: &mut Scratch) -> (PointLane, PointLane) {
         scratch.first.copy_from_slice(&sites.backward);
         self.products.apply(&sites.diffusion, &sites.coupled, scratch);
         let mut r = sites.source;

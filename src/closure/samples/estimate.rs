@@ -1,6 +1,6 @@
 //! The estimate of the error: the distance from the density of a higher order.
 
-use super::calibration::Calibration;
+use super::calibration::CalibratedMeans;
 use super::likelihood::{Fit, Likelihood, distance};
 use crate::closure::samples::ROUGH;
 use crate::numerics::Search;
@@ -26,7 +26,7 @@ pub(super) fn l1_estimate(
     problem: &Problem,
     [own, likelihood]: [&Likelihood<'_>; 2],
     fit: &Fit,
-    calibration: &Calibration,
+    calibration: &CalibratedMeans,
     covered: usize,
 ) -> [f64; 2] {
     let size = likelihood.products.len() - 1;
@@ -67,7 +67,7 @@ fn without_noise(found: f64, noise: f64) -> f64 {
 }
 
 /// The estimate by the distance between a density and one of a higher order, both by the pilot's means alone, and the chance in it.
-fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &Calibration) -> [f64; 2] {
+fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &CalibratedMeans) -> [f64; 2] {
     // Half the distance between the density by one half of the states and by the other is about the noise of the two together.
     let [own, higher] = fits.map(|(likelihood, fit)| {
         let size = likelihood.products.len() - 1;
@@ -78,7 +78,11 @@ fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &Cal
 
 /// The estimate on nested nodes, by the distance from the density of a higher order; where that has none, which `above` tells, by that
 /// from a lower one, which is larger. The second number is the part that is chance.
-pub(super) fn across(fits: [(&Likelihood<'_>, &Fit); 2], above: bool, calibration: &Calibration) -> Option<[f64; 2]> {
+pub(super) fn across(
+    fits: [(&Likelihood<'_>, &Fit); 2],
+    above: bool,
+    calibration: &CalibratedMeans,
+) -> Option<[f64; 2]> {
     let [own, other] = fits;
     let found = if above { by_means(fits, excess(other, own)?, calibration) } else { [excess(own, other)?, 0.0] };
     Some(found.map(|part| part.min(2.0)))

@@ -29,7 +29,7 @@ const KINKS: u32 = 2;
 /// The functions of all orders for one system: polynomials with its symmetry, and next to walls the functions with the
 /// singularity of grazing impacts.
 #[derive(Clone, Debug)]
-pub(in crate::closure) struct Family {
+pub(in crate::closure) struct FunctionFamily {
     degrees: Degrees,
     symmetry: Symmetry,
     centre: Vec<f64>,
@@ -49,7 +49,7 @@ pub(in crate::closure) fn corners(problem: &Problem, pilot: &Pilot) -> Option<Ve
     problem.contacts().iter().map(corner).collect()
 }
 
-impl Family {
+impl FunctionFamily {
     /// On a box that holds the pilot's states. None where the noise on the rate of a gap depends on the state at rest on the wall.
     pub(in crate::closure) fn new(
         problem: &Problem,
@@ -61,14 +61,14 @@ impl Family {
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
         let half_width = (0..centre.len()).map(farthest).collect();
         let corners = corners(problem, pilot)?;
-        Some(Family { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width, corners })
+        Some(FunctionFamily { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width, corners })
     }
 
     /// The same without kinks, if all walls are elastic and there are any kinks.
     pub(super) fn without_kinks(&self) -> Option<Self> {
         let elastic = self.corners.iter().all(|corner| corner.wall().restitution() == 1.0);
         let corners = self.corners.iter().map(Corner::without_noise).collect();
-        (elastic && self.has_kinks()).then(|| Family { corners, ..self.clone() })
+        (elastic && self.has_kinks()).then(|| FunctionFamily { corners, ..self.clone() })
     }
 
     /// Whether noise makes grazing impacts singular at a wall.

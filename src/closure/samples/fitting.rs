@@ -3,11 +3,11 @@
 use super::importance::ImportanceRule;
 use super::lattice::Lattice;
 use super::likelihood::{Fit, Likelihood};
-use super::nodes::Nodes;
+use super::nodes::SampleNodes;
 use super::products::Products;
 use super::strata::Strata;
 use super::walls::WallNodes;
-use super::{Family, Samples};
+use super::{FunctionFamily, Samples};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH, ROUGH, UNEVEN};
 use crate::closure::{EVEN_LATTICE, LIKELIHOOD_SEARCH, MOST_NODES};
@@ -33,10 +33,10 @@ pub(super) struct Fitting<'a> {
 
 /// The fit and its nodes.
 #[derive(Clone, Debug)]
-pub(super) struct Fitted {
+pub(super) struct NodalFit {
     /// That of the nodes, if they are on one.
     pub(super) lattice: Option<Lattice>,
-    pub(super) nodes: Nodes,
+    pub(super) nodes: SampleNodes,
     /// The nodes on each wall.
     pub(super) walls: Vec<WallNodes>,
     pub(super) fit: Fit,
@@ -45,7 +45,7 @@ pub(super) struct Fitted {
 impl Fitting<'_> {
     /// The fit of the first of two lists of functions; the means of the other one decide whether nodes resolve the density.
     /// None where there is no fit.
-    pub(super) fn best(&self, products: [&Products; 2]) -> Option<Fitted> {
+    pub(super) fn best(&self, products: [&Products; 2]) -> Option<NodalFit> {
         if self.samples.family.corners().is_empty() {
             self.on_lattice(products).or_else(|| self.on_draws(products))
         } else {
@@ -53,7 +53,13 @@ impl Fitting<'_> {
         }
     }
 
-    fn fitted(&self, products: &Products, nodes: Nodes, walls: Vec<WallNodes>, search: Search) -> Option<Fitted> {
+    fn fitted(
+        &self,
+        products: &Products,
+        nodes: SampleNodes,
+        walls: Vec<WallNodes>,
+        search: Search,
+    ) -> Option<NodalFit> {
         let corners = self.samples.family.corners();
         let (mut steps, mut start) = (0, Vec::new());
         let mut most_likely = |products: &Products, search| {
@@ -71,16 +77,16 @@ impl Fitting<'_> {
             most_likely(&Products::of(&self.samples.family.functions(order)), ROUGH)?;
         }
         let fit = most_likely(products, search)?;
-        Some(Fitted { lattice: None, nodes, walls, fit })
+        Some(NodalFit { lattice: None, nodes, walls, fit })
     }
 
     /// The largest difference of a mean by one part of the nodes from that by all, in standard deviations.
-    fn unevenness(&self, Fitted { nodes, walls, fit, .. }: &Fitted, products: &Products) -> f64 {
+    fn unevenness(&self, NodalFit { nodes, walls, fit, .. }: &NodalFit, products: &Products) -> f64 {
         Likelihood { nodes, products, corners: self.samples.family.corners(), walls }.unevenness(&fit.masses)
     }
 
     /// Fewer nodes where they are as good as more; where they are not, the search on them may not end.
-    fn on_lattice(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
+    fn on_lattice(&self, [products, comparing]: [&Products; 2]) -> Option<NodalFit> {
         let most = (NODES_EACH * (products.len() - 1))
             .max(NODES_EACH / 2 * (comparing.len() - 1))
             .clamp(FEWEST_NODES, MOST_NODES);
@@ -89,7 +95,7 @@ impl Fitting<'_> {
                 Lattice::finest(self.samples.pilot, self.samples.family.symmetry(), self.samples.copula, most)?;
             let fitted = self.fitted(products, nodes, Vec::new(), search)?;
             let resolved = self.unevenness(&fitted, comparing) < uneven;
-            resolved.then_some(Fitted { lattice: Some(lattice), ..fitted })
+            resolved.then_some(NodalFit { lattice: Some(lattice), ..fitted })
         };
         let search = LIKELIHOOD_SEARCH;
         let few = on(most / FEWER, EVEN_LATTICE, Search { most: search.most / 2, ..search });
@@ -97,7 +103,7 @@ impl Fitting<'_> {
     }
 
     /// Next to walls on one line, in up to four states.
-    fn on_strata(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
+    fn on_strata(&self, [products, comparing]: [&Products; 2]) -> Option<NodalFit> {
         let contacts = self.samples.problem.contacts();
         let strata = Strata::new(self.samples.pilot, &contacts, self.samples.copula)?;
         let (nodes, walls) = strata.finest(self.samples.family.corners(), MOST_NODES)?;
@@ -105,7 +111,7 @@ impl Fitting<'_> {
         (self.unevenness(&fitted, comparing) < UNEVEN).then_some(fitted)
     }
 
-    fn on_draws(&self, [products, comparing]: [&Products; 2]) -> Option<Fitted> {
+    fn on_draws(&self, [products, comparing]: [&Products; 2]) -> Option<NodalFit> {
         let corners = self.samples.family.corners();
         let count = products.len() - 1;
         let most = if corners.is_empty() {
@@ -130,7 +136,7 @@ impl Fitting<'_> {
 }
 
 /// The largest difference of a mass or a second moment by one part of the nodes of a lattice from that by all, in standard deviations.
-pub(in crate::closure) fn unevenness(nodes: &Nodes, family: &Family, masses: &[f64]) -> f64 {
+pub(in crate::closure) fn unevenness(nodes: &SampleNodes, family: &FunctionFamily, masses: &[f64]) -> f64 {
     let products = Products::of(&family.functions(2));
     Likelihood { nodes, products: &products, corners: &[], walls: &[] }.unevenness(masses)
 }

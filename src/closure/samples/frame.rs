@@ -15,11 +15,11 @@ const DEPENDENT: f64 = 1e-11;
 /// On a thin state products of Legendre polynomials are all but dependent: the smallest eigenvalue of their covariance falls by 1e5
 /// from one even order to the next, to 1e-13 at order 6 of a harvester, and a search by its Cholesky factors does not end. T comes from
 /// R of the functions' own table, whose singular values are the roots of these.
-pub(super) struct Frame {
+pub(super) struct OrthonormalFrame {
     transform: Mat<f64>,
 }
 
-impl Frame {
+impl OrthonormalFrame {
     /// Of the triangle R with RᵀR = Cov φ. None where it is not finite.
     fn of(triangle: &Mat<f64>) -> Option<Self> {
         let size = triangle.ncols();
@@ -28,7 +28,8 @@ impl Frame {
         let svd = scaled.thin_svd().ok()?;
         let (sizes, v) = (svd.S(), svd.V());
         let kept = (0..size).take_while(|k| sizes[*k] > DEPENDENT * sizes[0]).count();
-        (kept > 0).then(|| Frame { transform: Mat::from_fn(size, kept, |i, k| scale[i] * v[(i, k)] / sizes[k]) })
+        (kept > 0)
+            .then(|| OrthonormalFrame { transform: Mat::from_fn(size, kept, |i, k| scale[i] * v[(i, k)] / sizes[k]) })
     }
 
     /// T b: the coefficients of φ of those of χ.
@@ -46,8 +47,8 @@ impl Frame {
 
 impl Likelihood<'_> {
     /// The orthonormal functions under some masses.
-    fn frame(&self, masses: &[f64]) -> Option<Frame> {
-        Frame::of(&self.triangle(masses, &self.means(masses)))
+    fn frame(&self, masses: &[f64]) -> Option<OrthonormalFrame> {
+        OrthonormalFrame::of(&self.triangle(masses, &self.means(masses)))
     }
 
     /// The most likely density as [`Likelihood::most_likely`] finds it, in functions that are orthonormal under the first densities
@@ -85,7 +86,7 @@ impl Likelihood<'_> {
 struct InFrame<'a> {
     likelihood: &'a Likelihood<'a>,
     means: &'a [f64],
-    frame: Frame,
+    frame: OrthonormalFrame,
     /// Tᵀ m.
     along: Vec<f64>,
     /// Q at each node that the search comes from, and its mean.

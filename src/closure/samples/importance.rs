@@ -3,7 +3,7 @@
 use super::copula::{Copula, Sampler};
 use super::nest::Nest;
 use super::nest_domain::NestedSampler;
-use super::nodes::Nodes;
+use super::nodes::SampleNodes;
 use super::products::{LANES, Products, ZERO};
 use crate::closure::density::exponent::{Exponent, known_value};
 use crate::closure::space::Corner;
@@ -134,9 +134,9 @@ impl Draws<'_> {
 }
 
 /// Σ w, Σ w² and Σ w g.
-type Sums = [f64; 3];
+type WeightSums = [f64; 3];
 
-fn added(sum: Sums, part: &Sums) -> Sums {
+fn added(sum: WeightSums, part: &WeightSums) -> WeightSums {
     [0, 1, 2].map(|k| sum[k] + part[k])
 }
 
@@ -248,7 +248,7 @@ impl ImportanceRule {
 
     /// All draws in the trust domain with their weights.
     pub(in crate::closure) fn drawn(&self) -> Result<(States, Vec<f64>)> {
-        let Nodes { points, base: mut weights, .. } = self.nodes()?;
+        let SampleNodes { points, base: mut weights, .. } = self.nodes()?;
         let shift = self.shift - (self.shifts.count() as f64).ln();
         weights.iter_mut().for_each(|w| *w -= shift);
         exponentials(&mut weights);
@@ -256,7 +256,7 @@ impl ImportanceRule {
     }
 
     /// The same as nodes, each shift a part of them.
-    pub(in crate::closure) fn nodes(&self) -> Result<Nodes> {
+    pub(in crate::closure) fn nodes(&self) -> Result<SampleNodes> {
         let n = self.products.dimension();
         let sampler = self.sampler(&[])?;
         let scale = (self.shifts.count() as f64).ln();
@@ -273,7 +273,7 @@ impl ImportanceRule {
         for blocks in base.chunks(self.shifts.blocks) {
             parts.push(parts.last().unwrap_or(&0) + blocks.iter().map(Vec::len).sum::<usize>());
         }
-        Ok(Nodes {
+        Ok(SampleNodes {
             points: States::from_values(n, values.concat()),
             base: base.concat(),
             parts,
@@ -298,7 +298,12 @@ impl ImportanceRule {
     }
 
     /// The sums for each shift, of some of its blocks, with some states held.
-    fn sums(&self, held: &[(usize, f64)], blocks: usize, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Vec<Sums>> {
+    fn sums(
+        &self,
+        held: &[(usize, f64)],
+        blocks: usize,
+        g: &(dyn Fn(&[f64]) -> f64 + Sync),
+    ) -> Result<Vec<WeightSums>> {
         let sampler = self.sampler(held)?;
         let part = |task: usize| {
             let mut sums = [0.0; 3];

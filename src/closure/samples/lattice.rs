@@ -1,7 +1,7 @@
 //! Nodes for integrals in a few states: a cubic lattice over the region that holds the density.
 
 use super::copula::Copula;
-use super::nodes::Nodes;
+use super::nodes::SampleNodes;
 use crate::closure::pilot::Pilot;
 use crate::numerics::exponentials;
 use crate::problem::Symmetry;
@@ -42,7 +42,7 @@ impl Lattice {
         symmetry: &Symmetry,
         copula: &Copula,
         most: usize,
-    ) -> Option<(Lattice, Nodes)> {
+    ) -> Option<(Lattice, SampleNodes)> {
         let n = pilot.states.dimension();
         let (centre, _) = pilot.spread(symmetry);
         let mut covariance = DMatrix::zeros(n, n);
@@ -82,7 +82,7 @@ impl Lattice {
     /// All nodes with their weights, none for its mirror images.
     pub(in crate::closure) fn all(&self, copula: &Copula) -> (States, Vec<f64>) {
         let whole = self.nodes(&Symmetry::none(self.centre.len()), copula, MOST);
-        let nodes = whole.unwrap_or_else(|| Nodes::empty(self.centre.len()));
+        let nodes = whole.unwrap_or_else(|| SampleNodes::empty(self.centre.len()));
         let mut weights = nodes.base;
         exponentials(&mut weights);
         (nodes.points, weights)
@@ -133,7 +133,7 @@ impl Lattice {
 
     /// The nodes in the copula's trust domain; of mirror images one stands for all. They come in two halves, like the black
     /// and the white fields of a chessboard, each a coarser rule. None where they are more than `most`.
-    fn nodes(&self, symmetry: &Symmetry, copula: &Copula, most: usize) -> Option<Nodes> {
+    fn nodes(&self, symmetry: &Symmetry, copula: &Copula, most: usize) -> Option<SampleNodes> {
         let n = self.centre.len();
         let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new(), Vec::new()));
         let mut place = vec![0.0; n];
@@ -155,7 +155,7 @@ impl Lattice {
         })
         .then(|| {
             let log_volume = (0..n).map(|i| (self.spacing * self.axes[i][i]).ln()).sum::<f64>();
-            let mut nodes = Nodes::empty(n);
+            let mut nodes = SampleNodes::empty(n);
             let (mut points, mut stream) = (Vec::new(), ChaCha8Rng::seed_from_u64(0));
             for (half, weights, odd) in &halves {
                 // Shuffled, so that the first few of them are spread over the whole domain.
@@ -166,7 +166,7 @@ impl Lattice {
                 nodes.odd.extend(order.iter().map(|k| odd[*k]));
                 nodes.parts.push(nodes.base.len());
             }
-            Nodes { points: States::from_values(n, points), ..nodes }
+            SampleNodes { points: States::from_values(n, points), ..nodes }
         })
     }
 }

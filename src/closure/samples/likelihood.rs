@@ -1,7 +1,7 @@
 //! The most likely exponential polynomial with given means, by integrals over draws.
 
-use super::nodes::Nodes;
-use super::products::{LANES, Lane, Products, Scratch, ZERO};
+use super::nodes::SampleNodes;
+use super::products::{LANES, PointLane, Products, Scratch, ZERO};
 use super::walls::WallNodes;
 use crate::closure::samples::{FEWER, MANY};
 use crate::closure::space::Corner;
@@ -42,7 +42,7 @@ pub(super) struct Fit {
 }
 
 /// Over a part of the nodes Σ p, and Σ p (φ_k − E φ_k) and Σ p (φ_k − E φ_k)² for each function.
-struct Part {
+struct PartSums {
     mass: f64,
     sums: Vec<f64>,
     squares: Vec<f64>,
@@ -51,7 +51,7 @@ struct Part {
 /// Functions on draws.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Likelihood<'a> {
-    pub(super) nodes: &'a Nodes,
+    pub(super) nodes: &'a SampleNodes,
     pub(super) products: &'a Products,
     /// The walls, and the nodes on each of them.
     pub(super) corners: &'a [Corner],
@@ -168,7 +168,7 @@ impl Likelihood<'_> {
         let count = parts.len() as f64;
         let deviations: Vec<f64> =
             (0..means.len()).map(|k| parts.iter().map(|part| part.squares[k]).sum::<f64>().sqrt()).collect();
-        let off = |part: &Part| {
+        let off = |part: &PartSums| {
             let of_means = part.sums.iter().zip(&deviations).map(|(sum, deviation)| count * sum.abs() / deviation);
             of_means.fold((count * part.mass - 1.0).abs(), f64::max)
         };
@@ -202,12 +202,12 @@ impl Likelihood<'_> {
         (0..means.len()).map(|k| square(k) * count / (count - 1.0)).collect()
     }
 
-    fn parts(&self, masses: &[f64], means: &[f64]) -> Vec<Part> {
+    fn parts(&self, masses: &[f64], means: &[f64]) -> Vec<PartSums> {
         let ends = &self.nodes.parts;
         let starts = std::iter::once(0).chain(ends.iter().copied());
         let part = |(start, end): (usize, usize)| {
             let [sums, squares] = [(); 2].map(|()| vec![0.0; means.len()]);
-            let mut part = Part { mass: 0.0, sums, squares };
+            let mut part = PartSums { mass: 0.0, sums, squares };
             let mut scratch = self.products.scratch();
             self.each(start, end - start, &mut scratch, |at, count, scratch| {
                 let p = &masses[start + at..start + at + count];
@@ -354,7 +354,7 @@ impl Concave for Towards<'_> {
 }
 
 /// At most eight numbers, and zeros in place of those that are missing.
-pub(super) fn lane(values: &[f64]) -> Lane {
+pub(super) fn lane(values: &[f64]) -> PointLane {
     let mut lane = ZERO;
     lane[..values.len()].copy_from_slice(values);
     lane

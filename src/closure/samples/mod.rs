@@ -42,14 +42,14 @@ mod walls;
 
 pub(crate) use copula::Copula;
 pub(in crate::closure) use equations::Sites;
-pub(in crate::closure) use family::{Family, corners};
+pub(in crate::closure) use family::{FunctionFamily, corners};
 pub(in crate::closure) use fitting::unevenness;
 pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
 pub(in crate::closure) use means::MeansFrom;
 pub(crate) use moments::Moment;
 pub(in crate::closure) use nest::Nest;
-pub(in crate::closure) use nodes::Nodes;
+pub(in crate::closure) use nodes::SampleNodes;
 
 use super::density::exponent::Exponent;
 use super::density::impacts::WallImpacts;
@@ -59,8 +59,8 @@ use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;
 use crate::numerics::Search;
 use crate::problem::Problem;
-use calibration::Calibration;
-use fitting::{Fitted, Fitting};
+use calibration::CalibratedMeans;
+use fitting::{Fitting, NodalFit};
 use likelihood::{Fit, Likelihood, distance, effective};
 use means::Means;
 use moments::moments;
@@ -124,7 +124,7 @@ pub(in crate::closure) struct SampleClosure {
     /// The steps of the maximisation and of the search for a root.
     pub(in crate::closure) steps: usize,
     /// Where integrals were taken, if that was a lattice.
-    pub(in crate::closure) lattice: Option<(Lattice, Nodes)>,
+    pub(in crate::closure) lattice: Option<(Lattice, SampleNodes)>,
     /// Where they were taken, if those were nested nodes.
     pub(in crate::closure) nest: Option<Nest>,
 }
@@ -150,7 +150,7 @@ impl SampleClosure {
 pub(in crate::closure) struct Samples<'a> {
     pub(in crate::closure) problem: &'a Problem,
     pub(in crate::closure) pilot: &'a Pilot,
-    pub(in crate::closure) family: &'a Family,
+    pub(in crate::closure) family: &'a FunctionFamily,
     pub(in crate::closure) order: u32,
     /// The bounds of the trust domain, and the density that draws are made from.
     pub(in crate::closure) copula: &'a Copula,
@@ -176,7 +176,8 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
     let degrees: Vec<u32> = higher.polynomials()?.exponents().iter().map(|alpha| alpha.iter().sum()).collect();
     let means = Means::new(from, &higher, &degrees)?;
     let [products, comparing] = [&space, &higher].map(Products::of);
-    let Fitted { lattice, nodes, fit, .. } = Fitting { samples, means: &means.values }.best([&products, &comparing])?;
+    let NodalFit { lattice, nodes, fit, .. } =
+        Fitting { samples, means: &means.values }.best([&products, &comparing])?;
     let likelihood = Likelihood { nodes: &nodes, products: &products, corners: &[], walls: &[] };
     let comparing = Likelihood { products: &comparing, ..likelihood };
     let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(means.values.len() + 1).collect();
@@ -209,13 +210,13 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let Samples { problem, family, order, .. } = samples;
     let (space, higher) = (family.functions(order), family.compared(order));
     let corners = family.corners();
-    let calibration = Calibration::new(problem, samples.pilot, family, &higher, space.len())?;
+    let calibration = CalibratedMeans::new(problem, samples.pilot, family, &higher, space.len())?;
     let [products, comparing] = [&space, &higher].map(Products::of);
     let fitting = Fitting { samples, means: &calibration.means };
     let on_lines = fitting.on_lines([&products, &comparing]);
-    let (Fitted { lattice, nodes, walls, fit }, nested) = match on_lines {
+    let (NodalFit { lattice, nodes, walls, fit }, nested) = match on_lines {
         Some(OnLines { own: Nested { nest, nodes, fit }, other, above }) => {
-            (Fitted { lattice: None, nodes, walls: Vec::new(), fit }, Some((nest, other, above)))
+            (NodalFit { lattice: None, nodes, walls: Vec::new(), fit }, Some((nest, other, above)))
         }
         None => (fitting.best([&products, &comparing])?, None),
     };
@@ -268,7 +269,7 @@ fn reconciled(
     problem: &Problem,
     likelihood: &Likelihood<'_>,
     fit: Fit,
-    calibration: &Calibration,
+    calibration: &CalibratedMeans,
     covered: usize,
 ) -> Fit {
     let size = likelihood.products.len() - 1;

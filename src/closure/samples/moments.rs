@@ -1,6 +1,6 @@
 //! Moments from the means of Legendre products.
 
-use super::family::Family;
+use super::family::FunctionFamily;
 use crate::closure::space::Functions;
 use crate::record::number;
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub(crate) struct Moment {
 /// `error` is that of E Σ c_k φ_k.
 pub(super) fn moments(
     functions: &Functions,
-    family: &Family,
+    family: &FunctionFamily,
     means: &[f64],
     error: impl Fn(&[(usize, f64)]) -> f64,
 ) -> Vec<Moment> {

@@ -6,10 +6,10 @@ use super::lattice::Lattice;
 use super::likelihood::{Fit, Likelihood};
 use super::lines::{Lines, within};
 use super::nest::Nest;
-use super::nodes::Nodes;
+use super::nodes::SampleNodes;
 use super::products::Products;
 use super::thin::thin_state;
-use super::{Family, Samples};
+use super::{FunctionFamily, Samples};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::UNEVEN;
@@ -34,7 +34,7 @@ const SEARCH: Search = Search { tolerance: 1e-5, most: 60 };
 #[derive(Clone, Debug)]
 pub(super) struct Nested {
     pub(super) nest: Nest,
-    pub(super) nodes: Nodes,
+    pub(super) nodes: SampleNodes,
     pub(super) fit: Fit,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct OnLines {
 struct Sheet {
     state: usize,
     /// On a lattice of the others.
-    ground: Nodes,
+    ground: SampleNodes,
     lattice: Lattice,
     /// The trust domain of the others.
     others: Copula,
@@ -94,7 +94,7 @@ impl Fitting<'_> {
 
 impl Sheet {
     /// None where no lattice of the other states has few enough points.
-    fn new(pilot: &Pilot, family: &Family, state: usize) -> Option<Self> {
+    fn new(pilot: &Pilot, family: &FunctionFamily, state: usize) -> Option<Self> {
         let n = pilot.states.dimension();
         let mut others = States::with_capacity(n - 1, pilot.states.len());
         for x in &pilot.states {
@@ -122,7 +122,7 @@ impl Sheet {
     }
 
     /// Nodes between some ends of the lines.
-    fn nodes(&self, ends: Vec<[f64; 2]>) -> (Nest, Nodes) {
+    fn nodes(&self, ends: Vec<[f64; 2]>) -> (Nest, SampleNodes) {
         let (n, along) = (self.lines.points.dimension(), ALONG);
         let (points, volumes) = (self.lines.points.clone(), self.ground.base.clone());
         let (state, lattice, others) = (self.state, self.lattice.clone(), self.others.clone());
@@ -131,7 +131,7 @@ impl Sheet {
         let odd = |odd: u32| (0..along as u32).map(move |k| odd | (k & 1) << (n - 1));
         let odd = self.ground.odd.iter().copied().flat_map(odd).collect();
         let parts = self.ground.parts.iter().map(|end| end * along).collect();
-        (nest, Nodes { points, base, parts, odd, thin: true })
+        (nest, SampleNodes { points, base, parts, odd, thin: true })
     }
 
     /// The fit of some functions, from the coefficients of fewer of them on, on lines that are laid where exp(Q) has its mass.

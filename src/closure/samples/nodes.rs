@@ -4,7 +4,7 @@ use crate::states::States;
 
 /// Nodes with weights for integrals of exp(Q): of a lattice, or draws from some density near exp(Q).
 #[derive(Clone, Debug)]
-pub(in crate::closure) struct Nodes {
+pub(in crate::closure) struct SampleNodes {
     pub(in crate::closure) points: States,
     /// The logarithms of the weights, which are volumes, and what is known of ln p.
     pub(in crate::closure) base: Vec<f64>,
@@ -17,10 +17,10 @@ pub(in crate::closure) struct Nodes {
     pub(in crate::closure) thin: bool,
 }
 
-impl Nodes {
+impl SampleNodes {
     /// No nodes yet.
     pub(super) fn empty(states: usize) -> Self {
-        Nodes { points: States::new(states), base: Vec::new(), parts: Vec::new(), odd: Vec::new(), thin: false }
+        SampleNodes { points: States::new(states), base: Vec::new(), parts: Vec::new(), odd: Vec::new(), thin: false }
     }
 
     /// The masses of those with an even place along an axis, twice, so that their sum is the same integral.

@@ -2,7 +2,7 @@
 
 use super::calibration::{LOTS, Sums};
 use super::equations::Sites;
-use super::products::{LANES, Lane, Products, Scratch, ZERO};
+use super::products::{LANES, PointLane, Products, Scratch, ZERO};
 use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
 use crate::numerics::add_gram;
@@ -37,7 +37,7 @@ impl ImpactStatistics {
 }
 
 /// The pilot's trajectories, cut into blocks.
-pub(super) struct Paths<'a> {
+pub(super) struct PilotPaths<'a> {
     pub(super) problem: &'a Problem,
     pub(super) pilot: &'a Pilot,
     pub(super) contacts: &'a [Contact],
@@ -51,7 +51,7 @@ pub(super) struct Paths<'a> {
     pub(super) length: usize,
 }
 
-impl Paths<'_> {
+impl PilotPaths<'_> {
     /// The sums over the trajectories of a lot, and the means of R and φ over each of them.
     pub(super) fn lot(&self, lot: usize) -> (Sums, Vec<[Vec<f64>; 2]>) {
         let mut sums = Sums::new(self.sizes);
@@ -65,7 +65,7 @@ impl Paths<'_> {
             let [r, phi] = &mut tables;
             let share = (self.length as f64).recip();
             self.each(t, &mut of_tests, |used, at, x, scratch| {
-                let add = |table: &mut Mat<f64>, k: usize, values: Lane| {
+                let add = |table: &mut Mat<f64>, k: usize, values: PointLane| {
                     let column = table.col_as_slice_mut(k);
                     (0..used).for_each(|l| column[(at + l) / self.length] += share * values[l]);
                 };
@@ -142,7 +142,7 @@ impl Paths<'_> {
 
     /// Applies the generator to the tests at the states of trajectory `t`, eight at a time: how many there are, the first of them,
     /// and the states themselves.
-    fn each(&self, t: usize, scratch: &mut Scratch, mut visit: impl FnMut(usize, usize, &[Lane], &Scratch)) {
+    fn each(&self, t: usize, scratch: &mut Scratch, mut visit: impl FnMut(usize, usize, &[PointLane], &Scratch)) {
         let n = self.problem.dimension();
         let used = self.samples / self.length * self.length;
         let first = t * self.samples;

@@ -2,7 +2,7 @@
 
 use super::copula::Copula;
 use super::lattice;
-use super::nodes::Nodes;
+use super::nodes::SampleNodes;
 use super::walls::WallNodes;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::Corner;
@@ -180,7 +180,7 @@ impl<'a> Strata<'a> {
 
     /// The finest nodes that are at most `most`, in two halves, each a coarser rule; with the nodes on each wall. None where
     /// they would be too coarse.
-    pub(super) fn finest(&self, corners: &[Corner], most: usize) -> Option<(Nodes, Vec<WallNodes>)> {
+    pub(super) fn finest(&self, corners: &[Corner], most: usize) -> Option<(SampleNodes, Vec<WallNodes>)> {
         let mut h = COARSEST;
         let mut count = self.count(h, most)?;
         loop {
@@ -202,7 +202,7 @@ impl<'a> Strata<'a> {
         counted.then_some(count)
     }
 
-    fn nodes(&self, h: f64, corners: &[Corner]) -> Nodes {
+    fn nodes(&self, h: f64, corners: &[Corner]) -> SampleNodes {
         let n = self.others.len() + 2;
         let volume = self.axes.diagonal().product() * self.steps(h).iter().product::<f64>();
         let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
@@ -212,14 +212,14 @@ impl<'a> Strata<'a> {
             bases.push((weight * volume).ln() + known(corners, x));
             true
         });
-        let mut nodes = Nodes::empty(n);
+        let mut nodes = SampleNodes::empty(n);
         let mut points = Vec::new();
         for (half, bases) in halves {
             points.extend(half);
             nodes.base.extend(bases);
             nodes.parts.push(nodes.base.len());
         }
-        Nodes { points: States::from_values(n, points), ..nodes }
+        SampleNodes { points: States::from_values(n, points), ..nodes }
     }
 
     fn on_walls(&self, h: f64, corners: &[Corner]) -> Vec<WallNodes> {

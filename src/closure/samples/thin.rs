@@ -1,6 +1,6 @@
 //! The state that nearly follows the others, if there is one.
 
-use super::family::Family;
+use super::family::FunctionFamily;
 use crate::closure::discretisation::nodes;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{Functions, Polynomials};
@@ -24,7 +24,7 @@ const CURVED: f64 = 1.5;
 /// The state of which cubics of the others leave the smallest share of the variance, where this is small and linear functions leave
 /// much more: the density is a thin curved sheet, which nodes along its principal axes miss. A state that follows the others linearly
 /// is a short axis, and no sheet.
-pub(super) fn thin_state(states: &States, family: &Family) -> Option<usize> {
+pub(super) fn thin_state(states: &States, family: &FunctionFamily) -> Option<usize> {
     let n = states.dimension();
     if n > MOST_STATES {
         return None;
@@ -36,7 +36,7 @@ pub(super) fn thin_state(states: &States, family: &Family) -> Option<usize> {
 }
 
 /// The shares of a state's variance that the best linear functions and the best cubics of the others leave, of those with its parity.
-fn unexplained(states: &States, family: &Family, state: usize) -> [f64; 2] {
+fn unexplained(states: &States, family: &FunctionFamily, state: usize) -> [f64; 2] {
     let [centre, half_width] = family.box_around();
     let kept = |alpha: &[u32]| {
         let mut product = alpha.to_vec();

@@ -4,7 +4,7 @@ use super::copula::Copula;
 use super::equations::{Columns, Equations};
 use super::importance::{Shifts, each_draw};
 use super::likelihood::{BLOCK, Likelihood, ROWS};
-use super::products::{LANES, Lane, Scratch, ZERO};
+use super::products::{LANES, PointLane, Scratch, ZERO};
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::WIDENING_AT_WALLS;
 use crate::closure::space::Corner;
@@ -101,7 +101,7 @@ impl WallNodes {
     }
 
     /// Up to eight of the states from `first` on, in lanes.
-    fn place(states: &States, first: usize, count: usize, lanes: &mut [Lane]) {
+    fn place(states: &States, first: usize, count: usize, lanes: &mut [PointLane]) {
         for l in 0..LANES {
             let x = states.state(first + l.min(count - 1));
             lanes.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);
@@ -117,7 +117,7 @@ impl Likelihood<'_> {
         wall: &WallNodes,
         (a, log_mass): (&[f64], f64),
         range: Range<usize>,
-        mut visit: impl FnMut(usize, Lane, Lane, &[Scratch; 2]),
+        mut visit: impl FnMut(usize, PointLane, PointLane, &[Scratch; 2]),
     ) {
         let mut scratch = [self.products.scratch(), self.products.scratch()];
         let mut lanes = vec![ZERO; self.products.dimension()];

@@ -1,7 +1,7 @@
 use crate::closure::SOLVED;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::{Passage, locals, nodes};
+use crate::closure::discretisation::{WallPassage, locals, nodes};
 use crate::closure::projection::tempered;
 use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
@@ -29,7 +29,7 @@ impl<'a> Newton<'a> {
         density: &'a ClosureDensity,
         problem: &Problem,
         space: Functions,
-        passages: &[Passage],
+        passages: &[WallPassage],
     ) -> Option<Self> {
         let points = &density.nodes;
         let (states, count) = (points.dimension(), space.len());
@@ -49,7 +49,7 @@ impl<'a> Newton<'a> {
         let mut system = weighted_product(basis.values.as_ref(), images.as_ref(), &measure);
         if !passages.is_empty() {
             // What is missing after impacts of what comes in before them, r² p after − p before.
-            let at = |end: fn(&Passage) -> &[f64; 2]| {
+            let at = |end: fn(&WallPassage) -> &[f64; 2]| {
                 let mut points = States::new(states);
                 passages.iter().for_each(|passage| points.push(end(passage)));
                 let mut values = nodes::values(&space, &points);
@@ -59,7 +59,7 @@ impl<'a> Newton<'a> {
             let ((before, log_before), (after, log_after)) = (at(|p| &p.before), at(|p| &p.after));
             let whole: f64 = weights.iter().sum();
             let missing = Mat::from_fn(passages.len(), count + 1, |i, k| {
-                let Passage { weight, contraction, .. } = passages[i];
+                let WallPassage { weight, contraction, .. } = passages[i];
                 let [p, q] = [log_before[i], log_after[i]].map(|log| weight * log.exp() / whole);
                 contraction * q * after[(i, k)] - p * before[(i, k)]
             });

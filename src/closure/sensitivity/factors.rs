@@ -4,11 +4,11 @@ use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 
 /// The factors of moment equations, without the constant: of the highest degree and of the one below it.
-pub(super) struct Factors([PartialPivLu<f64>; 2]);
+pub(super) struct MomentFactors([PartialPivLu<f64>; 2]);
 
-impl Factors {
+impl MomentFactors {
     pub(super) fn new(system: &MomentSystem) -> Self {
-        Factors([false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu()))
+        MomentFactors([false, true].map(|below| system.matrix(below).get(1.., 1..).partial_piv_lu()))
     }
 
     /// d of A d = −source by both, the constant's 0.

@@ -45,9 +45,9 @@ use answers::Whole;
 use carried::Carried;
 use exact::Newton;
 use moving::Moving;
-use projected::Fit;
+use projected::LinearisedFit;
 use slope::Slope;
-use tangent::{Derivative, Tangent};
+use tangent::{Derivative, SmoothTangent};
 use walled::WalledTangent;
 
 /// The least degree of the moment equations for derivatives by parameters of systems without impulses.
@@ -63,17 +63,17 @@ const EXCESS_STRUCK: [u32; 2] = [4, 8];
 struct Linearised<'a> {
     /// Of an exact density.
     newton: Option<Newton<'a>>,
-    fitted: Option<(Fit, Solution<'a>)>,
+    fitted: Option<(LinearisedFit, DerivativeEquations<'a>)>,
 }
 
 /// The moment equations that a derivative solves.
-enum Solution<'a> {
-    Smooth(Box<Tangent<'a>>),
+enum DerivativeEquations<'a> {
+    Smooth(Box<SmoothTangent<'a>>),
     Walled(Box<WalledTangent<'a>>),
 }
 
 /// The derivative of a density.
-struct Found<'a> {
+struct DensityDerivative<'a> {
     slope: Slope,
     /// ∂ ln p̃/∂θ and ∂ ln p̂/∂θ at the density's nodes, each with mean zero.
     at_nodes: [Vec<f64>; 2],
@@ -126,7 +126,7 @@ impl ClosureDensity {
                 let over = |along: Vec<f64>| along.into_iter().map(|s| s - moving.shift[1]).collect();
                 found.relative(self, points).map(over)
             });
-            let Found { slope, at_nodes, reference } = found;
+            let DensityDerivative { slope, at_nodes, reference } = found;
             let whole = reference.as_ref().map(Derivative::whole);
             let found = self.moving_with(parameter, slope, at_nodes, whole);
             Ok(ClosureSensitivity { carried: Carried::new(moving.shift, self), impacts, ..found })
@@ -186,15 +186,15 @@ impl ClosureDensity {
         let dynamics = self.origin()?;
         let solution = |system: &'a MomentSystem| {
             if walled {
-                return Some(Solution::Walled(Box::new(WalledTangent::new(
+                return Some(DerivativeEquations::Walled(Box::new(WalledTangent::new(
                     system,
                     dynamics.passages(),
                     operators.clone(),
                 ))));
             }
-            Some(Solution::Smooth(Box::new(Tangent::new(problem, system, dynamics.domain())?)))
+            Some(DerivativeEquations::Smooth(Box::new(SmoothTangent::new(problem, system, dynamics.domain())?)))
         };
-        let fitted = |system| Some((Fit::new(self, self.functions(symmetry), tails)?, solution(system)?));
+        let fitted = |system| Some((LinearisedFit::new(self, self.functions(symmetry), tails)?, solution(system)?));
         let newton = if matches!(origin, Origin::Exact) {
             let newton = Newton::new(self, problem, self.functions(symmetry), dynamics.passages());
             Some(newton.ok_or(self.failed())?)
@@ -265,15 +265,15 @@ impl ClosureDensity {
 
 impl<'a> Linearised<'a> {
     /// The derivative along a motion. None where it is not finite.
-    fn along(&self, density: &ClosureDensity, moving: &Moving) -> Option<Found<'a>> {
+    fn along(&self, density: &ClosureDensity, moving: &Moving) -> Option<DensityDerivative<'a>> {
         let (mut slope, along, reference) = match self {
             Linearised { newton: Some(newton), .. } if !moving.grazes() => {
                 (Slope { regular: newton.slope(&moving.operator)?, singular: Vec::new() }, None, None)
             }
             Linearised { fitted: Some((fit, solution)), .. } => {
                 let derivative = match solution {
-                    Solution::Smooth(tangent) => tangent.along(&moving.operator)?,
-                    Solution::Walled(tangent) => tangent.along(moving)?,
+                    DerivativeEquations::Smooth(tangent) => tangent.along(&moving.operator)?,
+                    DerivativeEquations::Walled(tangent) => tangent.along(moving)?,
                 };
                 let along = density.centred(derivative.values(&density.nodes), 1).0;
                 let known = derivative.s.singulars(&density.nodes);
@@ -285,11 +285,11 @@ impl<'a> Linearised<'a> {
         let (own, centre) = density.centred(slope.values(&density.nodes), 0);
         slope.regular.constant -= centre;
         let at_nodes = [own.clone(), along.unwrap_or(own)];
-        Some(Found { slope, at_nodes, reference })
+        Some(DensityDerivative { slope, at_nodes, reference })
     }
 }
 
-impl Found<'_> {
+impl DensityDerivative<'_> {
     /// ∂ ln q/∂θ at some points: of p̃, of the reference, and of the reference by the equations of the degree below.
     fn relative(&self, density: &ClosureDensity, points: &States) -> [Vec<f64>; 3] {
         let own = self.slope.values(points);

@@ -9,7 +9,7 @@ use crate::numerics::weighted_sum;
 /// The fit of Q to ln p̂, linearised: ∫ w (e^{Q − ln p̂} − 1) ψ dx = 0 with a weight w = (1 − λ) p̂ + λ p̂^0.3/Z that moves with p̂. With
 /// E = e^{Q − ln p̂} and s = ∂ ln p̂/∂θ it is ∫ w E ψψᵀ c′ = ∫ ψ [w E s − w′(E − 1)]. For λ = 0 the moments of Q′ have the derivatives of
 /// those of p̂.
-pub(super) struct Fit {
+pub(super) struct LinearisedFit {
     space: Functions,
     basis: Orthonormal,
     share: f64,
@@ -17,7 +17,7 @@ pub(super) struct Fit {
     nodes: Vec<[f64; 3]>,
 }
 
-impl Fit {
+impl LinearisedFit {
     /// None where the functions are linearly dependent.
     pub(super) fn new(density: &ClosureDensity, space: Functions, share: f64) -> Option<Self> {
         let whole: f64 = density.masses.iter().map(|[_, p]| p).sum();
@@ -33,7 +33,7 @@ impl Fit {
             density.masses.iter().zip(&flat).map(|([own, p], flat)| [p / whole, flat / sum, own / p]).collect();
         let curvature: Vec<f64> = nodes.iter().map(|[p, flat, e]| ((1.0 - share) * p + share * flat) * e).collect();
         let basis = Orthonormal::new(nodes::values(&space, &density.nodes), &curvature)?;
-        Some(Fit { space, basis, share, nodes })
+        Some(LinearisedFit { space, basis, share, nodes })
     }
 
     /// Q′ for s at the nodes, beside a part of it that is known there. None where it is not finite.

@@ -1,5 +1,5 @@
 use super::answers::Whole;
-use super::factors::Factors;
+use super::factors::MomentFactors;
 use super::slope::Slope;
 use crate::closure::WEIGHT_POWER;
 use crate::closure::density::exponent::Exponent;
@@ -50,7 +50,7 @@ impl Jets {
 /// Impulses have no such form. Under them the moment equations themselves are those of a process that stays on the domain, ∫ ω u 𝓖ψ_k dx =
 /// 0, and all of their derivative is taken in that form: with the strong one for drift and noise alone the estimates of the L¹ error were 1.1
 /// to 10 times as large, and by damping and stiffness at n = 8 some hundred times.
-pub(super) struct Tangent<'a> {
+pub(super) struct SmoothTangent<'a> {
     system: &'a MomentSystem,
     domain: &'a TrustDomain,
     /// Whether impulses act.
@@ -59,7 +59,7 @@ pub(super) struct Tangent<'a> {
     /// u, as a function and at the nodes.
     solution: Arc<Exponent>,
     ratio: Jets,
-    factors: Factors,
+    factors: MomentFactors,
     /// The functions χ of s, orthonormal under p̂^0.6,
     lower: Orthonormal,
     /// ∫ ψ_k L(ω u χ_j) dx, by which s enters the equations,
@@ -79,13 +79,13 @@ pub(super) struct Derivative<'a> {
     pub(super) below: Vec<f64>,
 }
 
-impl<'a> Tangent<'a> {
+impl<'a> SmoothTangent<'a> {
     /// None where the functions are linearly dependent.
     pub(super) fn new(problem: &Problem, system: &'a MomentSystem, domain: &'a TrustDomain) -> Option<Self> {
         let points = &system.nodes.points;
         let solution = Arc::new(system.function(&system.stationary(false)));
         let ratio = Jets::of(&solution, points);
-        let factors = Factors::new(system);
+        let factors = MomentFactors::new(system);
         let log_weight = Jets::of(&system.weight, points);
         let logs: Vec<f64> =
             log_weight.value.iter().zip(&ratio.value).map(|(log, u)| log + u.max(f64::MIN_POSITIVE).ln()).collect();
@@ -97,9 +97,10 @@ impl<'a> Tangent<'a> {
         let over: Vec<f64> = measure.iter().zip(&ratio.value).map(|(w, u)| w / u).collect();
         let taken = weighted_product(lower.values.as_ref(), functions, &over);
         let entering = Mat::new();
-        let tangent = Tangent { system, domain, struck, log_weight, solution, ratio, factors, lower, entering, taken };
+        let tangent =
+            SmoothTangent { system, domain, struck, log_weight, solution, ratio, factors, lower, entering, taken };
         let entering = if struck { tangent.entering_weakly() } else { tangent.entering(&locals(problem, points)) };
-        Some(Tangent { entering, ..tangent })
+        Some(SmoothTangent { entering, ..tangent })
     }
 
     /// ∫ ψ_k L(ω u χ_j) dx by the rates of ψ.

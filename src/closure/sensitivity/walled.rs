@@ -1,9 +1,9 @@
 use super::Moving;
-use super::factors::Factors;
+use super::factors::MomentFactors;
 use super::slope::Slope;
 use super::tangent::Derivative;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::Passage;
+use crate::closure::discretisation::WallPassage;
 use crate::closure::dynamics::MomentSystem;
 use crate::closure::space::sweep;
 use crate::fokker_planck::FokkerPlanck;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// with sums over impacts, of which θ changes the velocity after and, between two walls that move, the time.
 pub(super) struct WalledTangent<'a> {
     system: &'a MomentSystem,
-    passages: &'a [Passage],
+    passages: &'a [WallPassage],
     before: States,
     after: States,
     /// ω at the nodes, times the quadrature weights, and then at impacts, times their weights.
@@ -31,7 +31,7 @@ pub(super) struct WalledTangent<'a> {
     /// u, as a function and there.
     solution: Arc<Exponent>,
     ratio: Vec<f64>,
-    factors: Factors,
+    factors: MomentFactors,
     /// The [`derivatives`] of ψ at the nodes that some motion takes.
     derivatives: [Option<Mat<f64>>; ENTRIES],
 }
@@ -40,10 +40,10 @@ impl<'a> WalledTangent<'a> {
     /// For motions with these derivatives of the operator.
     pub(super) fn new<'o>(
         system: &'a MomentSystem,
-        passages: &'a [Passage],
+        passages: &'a [WallPassage],
         operators: impl Iterator<Item = &'o FokkerPlanck> + Clone,
     ) -> Self {
-        let ends = |end: fn(&Passage) -> &[f64; 2]| {
+        let ends = |end: fn(&WallPassage) -> &[f64; 2]| {
             let mut points = States::new(2);
             passages.iter().for_each(|passage| points.push(end(passage)));
             points
@@ -53,7 +53,7 @@ impl<'a> WalledTangent<'a> {
         let ratio = combination(system.functions.values.as_ref(), &stationary);
         let impacts = passages.iter().zip(system.weight.values(&before)).map(|(p, log)| p.weight * log.exp());
         let weights = system.measure.iter().copied().chain(impacts).collect();
-        let factors = Factors::new(system);
+        let factors = MomentFactors::new(system);
         let solution = Arc::new(system.function(&stationary));
         let taken = |k| operators.clone().any(|moved| !entry(moved, k).is_zero());
         let derivatives = std::array::from_fn(|k| taken(k).then(|| derivatives(system, k)));
@@ -109,7 +109,7 @@ impl<'a> WalledTangent<'a> {
             let masses: Vec<f64> = points.map(|(x, mass)| entry.evaluate(x) * mass).collect();
             add(&mut sum, &weighted_sum(table.as_ref(), &masses));
         }
-        let change = |passage: &Passage| {
+        let change = |passage: &WallPassage| {
             let (v, side) = (passage.before[1], usize::from(passage.before[1] > 0.0));
             [0.0, -v * moving.restitution[side]]
         };

@@ -3,7 +3,7 @@
 use super::corner::{Kink, Radius};
 use super::{ContactFunctions, Corner, PlaneJet};
 use crate::control_variates::planes::{Form, PlaneFunctions, PlaneLanes, Planes};
-use crate::control_variates::products::{Factors, Lane, Products};
+use crate::control_variates::products::{PointLane, ProductFactors, Products};
 use crate::numerics::Eight;
 use std::sync::Arc;
 
@@ -24,14 +24,14 @@ impl PlaneFunctions for Kinks {
         self.kinks.len()
     }
 
-    fn values(&self, x: &[Lane], functions: &mut [PlaneLanes]) {
+    fn values(&self, x: &[PointLane], functions: &mut [PlaneLanes]) {
         let radius = self.radius(x);
         for (function, kink) in functions.iter_mut().zip(&self.kinks) {
             function[0] = radius.value(kink).0;
         }
     }
 
-    fn jets(&self, x: &[Lane], functions: &mut [PlaneLanes]) {
+    fn jets(&self, x: &[PointLane], functions: &mut [PlaneLanes]) {
         let radius = self.radius(x);
         for (function, kink) in functions.iter_mut().zip(&self.kinks) {
             let PlaneJet { value, gradient: [u, w], hessian: [[uu, uw], [_, ww]] } = radius.jet(kink);
@@ -41,7 +41,7 @@ impl PlaneFunctions for Kinks {
 }
 
 impl Kinks {
-    fn radius(&self, x: &[Lane]) -> Radius<Eight> {
+    fn radius(&self, x: &[PointLane]) -> Radius<Eight> {
         let x: Vec<Eight> = x.iter().map(|lane| Eight(*lane)).collect();
         Radius::new(&self.corner, &x, self.highest)
     }
@@ -60,12 +60,12 @@ impl Products {
         let place = |(wall, kink): (usize, Kink)| {
             before(wall) + kinks[wall].iter().position(|known| *known == kink).unwrap_or(0)
         };
-        let listed: Vec<Factors> = functions
+        let listed: Vec<ProductFactors> = functions
             .blocks
             .iter()
             .flat_map(|block| {
                 let plane = block.kink.map(place);
-                block.factors.exponents().iter().map(move |degrees| Factors { plane, degrees: degrees.clone() })
+                block.factors.exponents().iter().map(move |degrees| ProductFactors { plane, degrees: degrees.clone() })
             })
             .collect();
         let planes = functions.corners.iter().zip(&kinks).map(|(corner, kinks)| -> Arc<dyn PlaneFunctions> {
@@ -95,7 +95,7 @@ mod tests {
         let drift = [1.1, -0.8, 0.3, -0.6];
         let a: Vec<f64> = (0..=count).map(|k| (0.7 * k as f64).sin()).collect();
         let mut scratch = products.scratch();
-        let lanes: Vec<Lane> = (0..4).map(|i| std::array::from_fn(|l: usize| POINTS[l % 3][i])).collect();
+        let lanes: Vec<PointLane> = (0..4).map(|i| std::array::from_fn(|l: usize| POINTS[l % 3][i])).collect();
         products.place(&lanes, &mut scratch);
         // With noises that are correlated, and with those that are not: a kink between two bodies has the velocities of both.
         for (mixed, coupled) in [(0.2, vec![2, 3]), (0.0, vec![])] {

@@ -259,7 +259,7 @@ fn as_polynomials(t: &Polynomial, highest: usize) -> Vec<Polynomial> {
 mod tests {
     use super::*;
     use crate::closure::space::Functions;
-    use crate::control_variates::products::{LANES, Lane};
+    use crate::control_variates::products::{LANES, PointLane};
     use crate::fokker_planck::generator;
 
     /// The jet, the rates and the powers are three routes to the same function.
@@ -296,7 +296,7 @@ mod tests {
         let products = Products::new(&space);
         let space = Functions::Polynomials(space);
         let mut scratch = products.scratch();
-        let x: [Lane; 3] = std::array::from_fn(|i| std::array::from_fn(|l| 0.3 * i as f64 - 0.2 * l as f64 + 0.1));
+        let x: [PointLane; 3] = std::array::from_fn(|i| std::array::from_fn(|l| 0.3 * i as f64 - 0.2 * l as f64 + 0.1));
         let (drift, diffusion) = ([0.4, -0.9, 1.3], [0.5, 0.1, 0.0, 0.1, 0.8, -0.3, 0.0, -0.3, 1.1]);
         let a = [0.7, 0.3, -1.2, 0.5, 0.7, -0.4];
         products.place(&x, &mut scratch);

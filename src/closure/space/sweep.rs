@@ -27,7 +27,7 @@ pub(in crate::closure) fn values(function: &impl Function, points: &States) -> V
     let mut values = vec![0.0; points.len()];
     parallel::on_runs(&mut values, STRETCH, |run, to| {
         let points = Points::run(points, run);
-        Arch::new().dispatch(Values { function, points, to });
+        Arch::new().dispatch(ValueSweep { function, points, to });
     });
     values
 }
@@ -35,7 +35,7 @@ pub(in crate::closure) fn values(function: &impl Function, points: &States) -> V
 /// The sums of φ₁ … φ_K over some points.
 pub(in crate::closure) fn sums(space: &Functions, points: &States) -> Vec<f64> {
     let mut sums = vec![0.0; space.len()];
-    let stretch = |run| Arch::new().dispatch(Sums { space, points: Points::run(points, run) });
+    let stretch = |run| Arch::new().dispatch(SumSweep { space, points: Points::run(points, run) });
     let parts: Vec<Vec<f64>> = parallel::map(points.len().div_ceil(STRETCH), stretch);
     parts.iter().for_each(|part| sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part));
     sums
@@ -44,7 +44,7 @@ pub(in crate::closure) fn sums(space: &Functions, points: &States) -> Vec<f64> {
 /// Fills `table` with 1, φ₁ … φ_K, one row a point.
 pub(in crate::closure) fn tabulate(space: &Functions, points: &States, table: MatMut<'_, f64>) {
     parallel::map_into(stretches(table, STRETCH), |run, table| {
-        Arch::new().dispatch(Table { space, points: Points::run(points, run), table });
+        Arch::new().dispatch(TableSweep { space, points: Points::run(points, run), table });
     });
 }
 
@@ -71,7 +71,7 @@ pub(in crate::closure) fn at_jets<R: Send>(
 ) -> Vec<R> {
     let stretch = |run: usize| {
         let of = |i: usize, gradient: &[f64], hessian: &[f64]| of(run * STRETCH + i, gradient, hessian);
-        Arch::new().dispatch(Jets { function, points: Points::run(points, run), of })
+        Arch::new().dispatch(JetSweep { function, points: Points::run(points, run), of })
     };
     let parts: Vec<Vec<R>> = parallel::map(points.len().div_ceil(STRETCH), stretch);
     parts.into_iter().flatten().collect()
@@ -107,13 +107,13 @@ impl<'a> Points<'a> {
 const ZERO: Eight = Eight([0.0; EIGHT]);
 const ONE: Eight = Eight([1.0; EIGHT]);
 
-struct Values<'a, F> {
+struct ValueSweep<'a, F> {
     function: &'a F,
     points: Points<'a>,
     to: &'a mut [f64],
 }
 
-impl<F: Function> NullaryFnOnce for Values<'_, F> {
+impl<F: Function> NullaryFnOnce for ValueSweep<'_, F> {
     type Output = ();
 
     #[inline(always)]
@@ -127,12 +127,12 @@ impl<F: Function> NullaryFnOnce for Values<'_, F> {
     }
 }
 
-struct Sums<'a> {
+struct SumSweep<'a> {
     space: &'a Functions,
     points: Points<'a>,
 }
 
-impl NullaryFnOnce for Sums<'_> {
+impl NullaryFnOnce for SumSweep<'_> {
     type Output = Vec<f64>;
 
     #[inline(always)]
@@ -164,13 +164,13 @@ fn enter(table: &mut MatMut<'_, f64>, first: usize, functions: &[Eight]) {
     }
 }
 
-struct Table<'a> {
+struct TableSweep<'a> {
     space: &'a Functions,
     points: Points<'a>,
     table: MatMut<'a, f64>,
 }
 
-impl NullaryFnOnce for Table<'_> {
+impl NullaryFnOnce for TableSweep<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -214,13 +214,13 @@ impl<'l, L: Fn(usize) -> (&'l [f64], &'l [f64])> NullaryFnOnce for Rates<'_, L> 
     }
 }
 
-struct Jets<'a, F, O> {
+struct JetSweep<'a, F, O> {
     function: &'a F,
     points: Points<'a>,
     of: O,
 }
 
-impl<R, F: Differentiable, O: Fn(usize, &[f64], &[f64]) -> R> NullaryFnOnce for Jets<'_, F, O> {
+impl<R, F: Differentiable, O: Fn(usize, &[f64], &[f64]) -> R> NullaryFnOnce for JetSweep<'_, F, O> {
     type Output = Vec<R>;
 
     #[inline(always)]

@@ -26,7 +26,7 @@ pub(crate) struct WallLevel {
 #[serde(deny_unknown_fields)]
 pub(crate) struct WallFunctions {
     corners: Vec<Corner>,
-    steps: Vec<Step>,
+    steps: Vec<LevelStep>,
     /// The highest powers of u, w, A and 1/A in kinks.
     #[serde(skip)]
     highest: [usize; 4],
@@ -35,7 +35,7 @@ pub(crate) struct WallFunctions {
 /// What one level adds to those below it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct Step {
+struct LevelStep {
     polynomials: Polynomials,
     /// The same at each corner.
     kinks: Vec<Kink>,
@@ -70,12 +70,12 @@ impl WallFunctions {
             let exponents = level.exponents().filter(new).collect();
             let kinks = level.kinks().filter(|kink| below.iter().all(|level| level.kinks().all(|k| k != *kink)));
             let polynomials = Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents);
-            Step { polynomials, kinks: kinks.collect() }
+            LevelStep { polynomials, kinks: kinks.collect() }
         };
         WallFunctions::of(corners, nested.iter().enumerate().map(step).collect())
     }
 
-    fn of(corners: Vec<Corner>, steps: Vec<Step>) -> Self {
+    fn of(corners: Vec<Corner>, steps: Vec<LevelStep>) -> Self {
         let powers = || steps.iter().flat_map(|step| &step.kinks).map(Kink::powers);
         let highest = std::array::from_fn(|k| powers().map(|powers| powers[k]).max().unwrap_or(0));
         WallFunctions { corners, steps, highest }
@@ -83,9 +83,9 @@ impl WallFunctions {
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
     pub(super) fn checked(self) -> Read<Self> {
-        let step = |Step { polynomials, kinks }: Step| {
+        let step = |LevelStep { polynomials, kinks }: LevelStep| {
             let kinks = kinks.into_iter().map(Kink::checked).collect::<Read<_>>()?;
-            Ok(Step { polynomials: polynomials.checked(2)?, kinks })
+            Ok(LevelStep { polynomials: polynomials.checked(2)?, kinks })
         };
         let corners = self.corners.into_iter().map(|corner| corner.checked(2)).collect::<Read<_>>()?;
         Ok(WallFunctions::of(corners, self.steps.into_iter().map(step).collect::<Read<_>>()?))
@@ -97,7 +97,7 @@ impl WallFunctions {
 
     pub(super) fn single(&self) -> Option<(&Polynomials, &[Kink])> {
         match &self.steps[..] {
-            [Step { polynomials, kinks }] => Some((polynomials, kinks)),
+            [LevelStep { polynomials, kinks }] => Some((polynomials, kinks)),
             _ => None,
         }
     }
@@ -116,7 +116,7 @@ impl WallFunctions {
     pub(super) fn values<T: Number>(&self, x: &[T], values: &mut [T]) {
         let radii = self.radii(x);
         let mut at = 0;
-        for Step { polynomials, kinks } in &self.steps {
+        for LevelStep { polynomials, kinks } in &self.steps {
             let end = at + polynomials.len();
             polynomials.values(x, &mut values[at..end]);
             at = end;
@@ -133,7 +133,7 @@ impl WallFunctions {
     pub(super) fn sum<T: Number>(&self, x: &[T], mut a: &[f64]) -> T {
         let radii = self.radii(x);
         let mut sum = T::everywhere(0.0);
-        for Step { polynomials, kinks } in &self.steps {
+        for LevelStep { polynomials, kinks } in &self.steps {
             sum = polynomials.added(sum, x, a);
             a = &a[polynomials.len().min(a.len())..];
             for radius in &radii {
@@ -150,7 +150,7 @@ impl WallFunctions {
     pub(super) fn rates<T: Number>(&self, x: &[T], local: (&[T], &[T]), values: &mut [T], rates: &mut [T]) {
         let radii = self.radii(x);
         let mut at = 0;
-        for Step { polynomials, kinks } in &self.steps {
+        for LevelStep { polynomials, kinks } in &self.steps {
             let end = at + polynomials.len();
             polynomials.rates(x, local, &mut values[at..end], &mut rates[at..end]);
             at = end;
@@ -169,7 +169,7 @@ impl WallFunctions {
     pub(super) fn combine<T: Number>(&self, x: &[T], a: &[f64], sum: &mut Jet<T>) {
         let radii = self.radii(x);
         let mut at = 0;
-        for Step { polynomials, kinks } in &self.steps {
+        for LevelStep { polynomials, kinks } in &self.steps {
             let end = at + polynomials.len();
             polynomials.combine(x, &a[at..end], sum);
             at = end;

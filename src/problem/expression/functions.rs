@@ -4,18 +4,18 @@ use num_dual::{Dual64, DualNum};
 
 /// A function of numbers and parameters.
 #[derive(Debug)]
-pub(super) struct Function {
+pub(super) struct NamedFunction {
     pub(super) name: &'static str,
     pub(super) real: fn(f64) -> f64,
     pub(super) dual: fn(&Dual64) -> Dual64,
 }
 
-pub(super) static FUNCTIONS: [Function; 5] = [
-    Function { name: "sqrt", real: f64::sqrt, dual: DualNum::sqrt },
-    Function { name: "exp", real: f64::exp, dual: DualNum::exp },
-    Function { name: "ln", real: f64::ln, dual: DualNum::ln },
-    Function { name: "sin", real: f64::sin, dual: DualNum::sin },
-    Function { name: "cos", real: f64::cos, dual: DualNum::cos },
+pub(super) static FUNCTIONS: [NamedFunction; 5] = [
+    NamedFunction { name: "sqrt", real: f64::sqrt, dual: DualNum::sqrt },
+    NamedFunction { name: "exp", real: f64::exp, dual: DualNum::exp },
+    NamedFunction { name: "ln", real: f64::ln, dual: DualNum::ln },
+    NamedFunction { name: "sin", real: f64::sin, dual: DualNum::sin },
+    NamedFunction { name: "cos", real: f64::cos, dual: DualNum::cos },
 ];
 
 /// Functions with kinks or jumps.

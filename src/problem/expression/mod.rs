@@ -9,7 +9,7 @@ mod parser;
 use crate::fokker_planck::HIGHEST_DEGREE as HIGHEST;
 use crate::polynomial::{Polynomial, is_real, series};
 use crate::record::Read;
-use functions::{FUNCTIONS, Function, of_state};
+use functions::{FUNCTIONS, NamedFunction, of_state};
 use num_dual::{Dual64, DualNum};
 use parser::{Expression, parsed};
 
@@ -184,7 +184,7 @@ fn signed(taken_away: bool, term: Term) -> Term {
     }
 }
 
-fn applied(function: &Function, term: Term) -> Read<Term> {
+fn applied(function: &NamedFunction, term: Term) -> Read<Term> {
     match term {
         // A derivative that is infinite does not matter where there is none.
         Term::Number(value) if is_real(value) => Ok(Term::Number((function.real)(value.re).into())),

@@ -1,6 +1,6 @@
 //! From text to a tree.
 
-use super::functions::{FUNCTIONS, Function, outside};
+use super::functions::{FUNCTIONS, NamedFunction, outside};
 use super::{Fault, Parsed};
 
 /// The longest expression, in characters, and its deepest parentheses.
@@ -17,7 +17,7 @@ pub(super) enum Expression {
     },
     Function {
         at: usize,
-        function: &'static Function,
+        function: &'static NamedFunction,
         of: Box<Expression>,
     },
     /// Terms, with whether each is taken away.

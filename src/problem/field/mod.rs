@@ -10,7 +10,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 pub(super) use any_size::AnySize;
 pub(super) use fixed::Fixed;
-pub(super) use polynomials::Polynomials;
+pub(super) use polynomials::PolynomialField;
 
 /// States that are advanced in lockstep.
 pub(crate) const LANES: usize = 16;

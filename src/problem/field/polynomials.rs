@@ -7,7 +7,7 @@ use crate::polynomial::Polynomial;
 use pulp::Arch;
 
 /// The polynomials of a system, and the derivatives that are asked of it.
-pub(in crate::problem) struct Polynomials {
+pub(in crate::problem) struct PolynomialField {
     /// The drift as written, ½ Σ_k (G_k·∇)G_k, and the Itô drift f.
     drift: Vec<Sum>,
     along: Vec<Sum>,
@@ -22,7 +22,7 @@ pub(in crate::problem) struct Polynomials {
     diffusion: Vec<[Sum; 3]>,
 }
 
-impl Polynomials {
+impl PolynomialField {
     /// `induces` adds the drift that the noise induces.
     pub(in crate::problem) fn new(drift: &[Polynomial], columns: &[Vec<Polynomial>], induces: bool) -> Self {
         let n = drift.len();
@@ -38,7 +38,7 @@ impl Polynomials {
         let divergence = (0..n).fold(Polynomial::zero(n), |sum, i| sum + ito[i].derivative(i));
         let slopes_of = |g: &[Polynomial]| pairs().map(|(i, j)| Sum::of(&g[i].derivative(j))).collect::<Vec<_>>();
         let sums = |all: &[Polynomial]| all.iter().map(Sum::of).collect();
-        Polynomials {
+        PolynomialField {
             drift: sums(drift),
             along: sums(&along),
             columns: columns.iter().map(|column| sums(column)).collect(),
@@ -93,7 +93,7 @@ impl Polynomials {
     }
 }
 
-impl Field for Polynomials {
+impl Field for PolynomialField {
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
         arch.dispatch(OnRegisters(|| on_all(&self.columns[k], x, column)));
     }

@@ -1,4 +1,4 @@
-use super::read::{Document, Read};
+use super::read::{TextContent, TextDocument};
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
@@ -25,7 +25,7 @@ impl Text {
 impl Family for Text {
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
         let mut changes = self.changes.clone();
-        let names = Document(&self.text).equations(&|name, found| self.changed(name, found), 0)?.names;
+        let names = TextDocument(&self.text).equations(&|name, found| self.changed(name, found), 0)?.names;
         for (name, present) in names.parameters {
             let new = value(&name, present.re);
             if new != present.re {
@@ -33,7 +33,7 @@ impl Family for Text {
                 changes.push((name, new));
             }
         }
-        Document(&self.text).problem(changes)
+        TextDocument(&self.text).problem(changes)
     }
 
     fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted> {
@@ -42,7 +42,7 @@ impl Family for Text {
             let present = self.changed(name, found);
             present + (value(name, present.re) - present.re)
         };
-        let Read { form, names, walls } = Document(&self.text).equations(&seeded, 1)?;
+        let TextContent { form, names, walls } = TextDocument(&self.text).equations(&seeded, 1)?;
         let n = names.variables();
         let padded = |mut entries: Vec<Polynomial>| {
             entries.resize(n, Polynomial::zero(n));

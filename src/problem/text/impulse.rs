@@ -1,6 +1,6 @@
 //! Impulses from text and to text.
 
-use super::read::{Document, Entry};
+use super::read::{Entry, TextDocument};
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
@@ -13,7 +13,7 @@ use toml::de::DeTable;
 const LAWS: &str = "give one law: amplitude = { normal = { mean = 0, deviation = 0.3 } }, { exponential = { mean = 0.2 } }, \
 { uniform = { low = -1, high = 1 } }, { two_point = { a = -0.3, b = 0.3 } } or { laplace = { mean = 0, scale = 0.2 } }";
 
-impl Document<'_> {
+impl TextDocument<'_> {
     /// The impulses of a table.
     pub(super) fn impulse(
         self,

@@ -20,7 +20,7 @@ type Key<'a> = Spanned<Cow<'a, str>>;
 pub(super) type Entry<'a> = Spanned<DeValue<'a>>;
 
 /// What a document says.
-pub(super) struct Read {
+pub(super) struct TextContent {
     pub(super) form: PolynomialForm<Dual64>,
     pub(super) names: Names,
     pub(super) walls: Vec<Placed>,
@@ -35,13 +35,13 @@ pub(super) struct Placed {
 }
 
 /// Gives a parameter another value.
-type Change<'a> = &'a dyn Fn(&str, Dual64) -> Dual64;
+type NewValue<'a> = &'a dyn Fn(&str, Dual64) -> Dual64;
 
 /// A document, for the lines of its errors.
 #[derive(Clone, Copy)]
-pub(super) struct Document<'a>(pub(super) &'a str);
+pub(super) struct TextDocument<'a>(pub(super) &'a str);
 
-impl Document<'_> {
+impl TextDocument<'_> {
     pub(super) fn wrong<T>(self, place: usize, name: &str, problem: impl Into<String>) -> Result<T> {
         let before = self.0.get(..place).unwrap_or(self.0);
         let line = 1 + before.matches('\n').count();
@@ -132,7 +132,7 @@ impl Document<'_> {
         self.wrong(place, name, problem)
     }
 
-    fn parameters(self, root: &DeTable<'_>, states: &[String], change: Change<'_>) -> Result<Vec<(String, Dual64)>> {
+    fn parameters(self, root: &DeTable<'_>, states: &[String], change: NewValue<'_>) -> Result<Vec<(String, Dual64)>> {
         let mut parameters: Vec<(String, Dual64)> = Vec::new();
         let Some(value) = root.get("parameters") else { return Ok(parameters) };
         // A parameter may be made of those above it.
@@ -212,7 +212,7 @@ impl Document<'_> {
     }
 
     /// What it says, the parameters as `change` gives them; beside the states polynomials have so many `more` variables.
-    pub(super) fn equations(self, change: Change<'_>, more: usize) -> Result<Read> {
+    pub(super) fn equations(self, change: NewValue<'_>, more: usize) -> Result<TextContent> {
         let root = match DeTable::parse(self.0) {
             Ok(root) => root.into_inner(),
             Err(error) => {
@@ -268,12 +268,13 @@ impl Document<'_> {
                 walls.push(self.wall(entry, &names)?);
             }
         }
-        Ok(Read { form, names, walls })
+        Ok(TextContent { form, names, walls })
     }
 
     pub(super) fn problem(self, changes: Vec<(String, f64)>) -> Result<Problem> {
         let mut family = Text { text: self.0.to_owned(), changes, walls: Vec::new() };
-        let Read { form, names, walls: placed } = self.equations(&|name, value| family.changed(name, value), 0)?;
+        let TextContent { form, names, walls: placed } =
+            self.equations(&|name, value| family.changed(name, value), 0)?;
         let parameters = names.parameters.into_iter().map(|(name, value)| (name, value.re)).collect();
         family.walls = placed.iter().map(|placed| placed.wall).collect();
         let problem = Problem::of_polynomials(form.real(), names.states, parameters, Some(Box::new(family)))?;
@@ -339,6 +340,6 @@ impl Problem {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
-        Document(text).problem(Vec::new())
+        TextDocument(text).problem(Vec::new())
     }
 }

@@ -6,7 +6,7 @@ use crate::simulation::{
     boundaries::Boundaries,
     impulses::{FIRST_HALF, SECOND_HALF, TimedImpulses},
     passage::Passages,
-    scheme::{Scheme, Scratch},
+    scheme::{Scheme, StepBuffers},
 };
 use pulp::NullaryFnOnce;
 use std::ops::Range;
@@ -25,7 +25,7 @@ pub(in crate::simulation) struct Workspace {
     pub(super) state: Vec<f64>,
     pub(super) shorter: Vec<f64>,
     pub(super) impulses: TimedImpulses,
-    pub(in crate::simulation) scratch: Scratch,
+    pub(in crate::simulation) scratch: StepBuffers,
 }
 
 impl Workspace {

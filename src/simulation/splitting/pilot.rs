@@ -1,6 +1,6 @@
 use super::{
     importance::Importance,
-    population::{Motion, Particles, Population},
+    population::{ParticleMotion, Particles, Population},
     tally::Levels,
 };
 use crate::{error::Result, simulation::boundaries::Boundaries};
@@ -23,8 +23,8 @@ const CELL: f64 = 1.0 / 3.0;
 const LEAST_SEEN: f64 = 50.0;
 
 /// The run that finds the thresholds, before the measurement.
-pub(super) struct Pilot<'a> {
-    pub(super) motion: &'a Motion<'a>,
+pub(super) struct SplittingPilot<'a> {
+    pub(super) motion: &'a ParticleMotion<'a>,
     pub(super) boundaries: &'a Boundaries,
     /// Cycles of one round.
     pub(super) cycles: usize,
@@ -41,7 +41,7 @@ struct Excess {
     below: [f64; 3],
 }
 
-impl Pilot<'_> {
+impl SplittingPilot<'_> {
     /// Thresholds that each leave a share of e⁻¹ beyond them. In a round of some cycles particles pass a little beyond the
     /// last threshold, and the next ones are set from them.
     pub(super) fn thresholds(&self, population: &mut Population, states: &Particles) -> Result<Vec<f64>> {

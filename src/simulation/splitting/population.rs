@@ -69,7 +69,7 @@ struct Bin {
 }
 
 /// The motion of the particles: the scheme, the boundaries, and the steps between two resamplings.
-pub(super) struct Motion<'a> {
+pub(super) struct ParticleMotion<'a> {
     pub(super) scheme: &'a Scheme<'a>,
     pub(super) importance: &'a Importance<'a>,
     /// The moduli beyond which a state has exploded.
@@ -134,7 +134,7 @@ impl Population {
     /// each level of `boundaries` is added to `crossings`.
     pub(super) fn advance(
         &mut self,
-        motion: &Motion<'_>,
+        motion: &ParticleMotion<'_>,
         boundaries: &Boundaries,
         crossings: &mut [f64],
     ) -> Result<Particles> {

@@ -1,4 +1,4 @@
-use super::tally::{Levels, Tally};
+use super::tally::{Levels, ReplicaTally};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::provenance::Provenance;
@@ -14,7 +14,7 @@ const LEAST_MET: usize = 8;
 /// half is hardly more informative. Smaller probabilities are reached by [`Splitting::rarest`](crate::Splitting::rarest).
 #[derive(Clone, Debug)]
 pub struct Tails {
-    replicas: Vec<Tally>,
+    replicas: Vec<ReplicaTally>,
     watched: Vec<Levels>,
     /// The levels whose up-crossings were counted.
     crossings: Vec<f64>,
@@ -22,7 +22,12 @@ pub struct Tails {
 }
 
 impl Tails {
-    pub(super) fn new(replicas: Vec<Tally>, watched: Vec<Levels>, crossings: Vec<f64>, provenance: Provenance) -> Self {
+    pub(super) fn new(
+        replicas: Vec<ReplicaTally>,
+        watched: Vec<Levels>,
+        crossings: Vec<f64>,
+        provenance: Provenance,
+    ) -> Self {
         Tails { replicas, watched, crossings, provenance }
     }
 
@@ -82,7 +87,7 @@ impl Tails {
     /// relaxation or the burn-in was too short.
     pub fn stationarity(&self) -> f64 {
         let change = |bin: usize, what: usize| {
-            let change = |tally: &Tally| [tally.halves[1][bin][what] - tally.halves[0][bin][what], 1.0];
+            let change = |tally: &ReplicaTally| [tally.halves[1][bin][what] - tally.halves[0][bin][what], 1.0];
             let change = jackknife(&self.replicas, change, |[sum, count]| sum / count);
             if change.error > 0.0 { change.value / change.error } else { 0.0 }
         };
@@ -92,7 +97,7 @@ impl Tails {
     }
 
     /// The mean over the replicas, which all had the same time.
-    fn mean(&self, value: impl Fn(&Tally) -> f64) -> Estimate {
+    fn mean(&self, value: impl Fn(&ReplicaTally) -> f64) -> Estimate {
         let mean = jackknife(&self.replicas, |tally| [value(tally), 1.0], |[sum, count]| sum / count);
         let met = self.replicas.iter().filter(|&tally| value(tally) != 0.0).count();
         if met < LEAST_MET { Estimate::new(mean.value, f64::INFINITY) } else { mean }

@@ -1,10 +1,10 @@
 use super::{
     importance::Importance,
-    pilot::Pilot,
-    population::{Motion, Particles, Population},
+    pilot::SplittingPilot,
+    population::{ParticleMotion, Particles, Population},
     result::Tails,
     setup::Splitting,
-    tally::{Levels, Tally},
+    tally::{Levels, ReplicaTally},
 };
 use crate::checks::{finite, positive, require, state_index};
 use crate::error::Result;
@@ -61,15 +61,20 @@ impl Splitting<'_> {
         };
         let largest = |i: usize| states.iter().map(|x| x[i].abs()).fold(0.0, f64::max);
         let bounds = (0..n).map(|i| 1e6 * largest(i)).collect();
-        let motion = Motion { scheme: &scheme, importance: &importance, bounds, steps: plan.steps };
+        let motion = ParticleMotion { scheme: &scheme, importance: &importance, bounds, steps: plan.steps };
         let displaced = problem.velocity_of(0).is_some();
         let crossings = plan.levels.iter().filter(|(state, _)| displaced && *state == 0);
         let crossings = crossings.flat_map(|(_, levels)| levels.clone()).collect();
         let contacts = problem.contacts();
         let [boundaries, quiet] = [crossings, Vec::new()].map(|y| Boundaries::for_scheme(&scheme, &contacts, y));
 
-        let pilot =
-            Pilot { motion: &motion, boundaries: &quiet, cycles: plan.round, rarest: self.rarest, walls: &walls };
+        let pilot = SplittingPilot {
+            motion: &motion,
+            boundaries: &quiet,
+            cycles: plan.round,
+            rarest: self.rarest,
+            walls: &walls,
+        };
         let mut population = Population::new(&scheme, self.seed, 0, PILOT * self.particles);
         let (first, rest) = states.values().split_at(STATES * n);
         let thresholds = pilot.thresholds(&mut population, &Particles::equal(n, first))?;
@@ -79,7 +84,7 @@ impl Splitting<'_> {
         let most = (self.replicas * (thresholds.len() + 1) * self.particles * plan.steps) as u64 * cycles as u64;
         let control = Control::new(self.progress.take(), None);
         control.set(0, most);
-        let replica = |index: usize, states: &mut &[f64]| -> Result<(Tally, u64)> {
+        let replica = |index: usize, states: &mut &[f64]| -> Result<(ReplicaTally, u64)> {
             let mut population = Population::new(&scheme, self.seed, 1 + index as u64, self.particles);
             population.set_thresholds(&thresholds);
             population.place(&importance, &Particles::equal(n, states))?;
@@ -93,7 +98,8 @@ impl Splitting<'_> {
             replica.run(&mut population, index, &plan, thresholds.len() + 1)
         };
         let mut starts: Vec<&[f64]> = rest.chunks(STATES * n).collect();
-        let (replicas, steps): (Vec<Tally>, Vec<u64>) = control.on_all(&mut starts, replica)?.into_iter().unzip();
+        let (replicas, steps): (Vec<ReplicaTally>, Vec<u64>) =
+            control.on_all(&mut starts, replica)?.into_iter().unzip();
 
         let cycle = plan.steps as f64 * spans.step;
         let provenance = Provenance {
@@ -144,7 +150,7 @@ impl Splitting<'_> {
     }
 
     /// Checks all options that the starting states do not need.
-    fn plan(&self, walls: &[[f64; 2]], spans: Spans) -> Result<Plan> {
+    fn plan(&self, walls: &[[f64; 2]], spans: Spans) -> Result<SplittingPlan> {
         require(self.particles > 0, "number of particles", 0.0, "take at least 1")?;
         let remedy = "take at least 16, whose spread is the standard error";
         require(self.replicas >= LEAST_REPLICAS, "number of replicas", self.replicas as f64, remedy)?;
@@ -159,7 +165,7 @@ impl Splitting<'_> {
         let path = (self.replicas * self.particles) as f64 * steps * cycles(relaxation + duration);
         let remedy = "more than 2^53 path-steps never end: take a longer time step or a shorter duration";
         require(path <= 2.0_f64.powi(53), "number of path-steps", path, remedy)?;
-        Ok(Plan {
+        Ok(SplittingPlan {
             levels: self.sorted_levels(walls)?,
             steps: steps as usize,
             round: cycles(ROUND * relaxation) as usize,
@@ -201,7 +207,7 @@ struct Spans {
 }
 
 /// The options in whole numbers.
-struct Plan {
+struct SplittingPlan {
     /// The levels of each state.
     levels: Vec<(usize, Vec<f64>)>,
     /// Time steps of a cycle, from one resampling to the next.
@@ -214,7 +220,7 @@ struct Plan {
 
 /// The data of one replica.
 struct Replica<'a, 'c> {
-    motion: &'a Motion<'a>,
+    motion: &'a ParticleMotion<'a>,
     /// Without levels and with them.
     quiet: &'a Boundaries,
     boundaries: &'a Boundaries,
@@ -224,8 +230,14 @@ struct Replica<'a, 'c> {
 
 impl Replica<'_, '_> {
     /// Relaxes and measures; returns the path-steps too.
-    fn run(&self, population: &mut Population, index: usize, plan: &Plan, bins: usize) -> Result<(Tally, u64)> {
-        let mut tally = Tally::new(self.watched, self.boundaries.levels.len(), bins);
+    fn run(
+        &self,
+        population: &mut Population,
+        index: usize,
+        plan: &SplittingPlan,
+        bins: usize,
+    ) -> Result<(ReplicaTally, u64)> {
+        let mut tally = ReplicaTally::new(self.watched, self.boundaries.levels.len(), bins);
         let (mut path_steps, mut unreported) = (0, 0);
         let last = plan.relaxing + plan.measuring - 1;
         for cycle in 0..=last {

@@ -10,7 +10,7 @@ pub(super) struct Levels {
 
 /// The measurements of one replica.
 #[derive(Clone, Debug)]
-pub(super) struct Tally {
+pub(super) struct ReplicaTally {
     /// The number of instants at which the particles were counted; at each the weights have the sum 1.
     pub(super) instants: f64,
     /// For each of [`Levels`], the weight between neighbouring edges, summed over the instants.
@@ -44,9 +44,9 @@ impl Levels {
     }
 }
 
-impl Tally {
+impl ReplicaTally {
     pub(super) fn new(watched: &[Levels], crossings: usize, bins: usize) -> Self {
-        Tally {
+        ReplicaTally {
             instants: 0.0,
             mass: watched.iter().map(|levels| vec![0.0; levels.edges.len() + 1]).collect(),
             time: 0.0,

@@ -18,7 +18,7 @@ pub(super) struct HalfPlaneBasis {
 }
 
 /// Functions and their derivatives in z at a set of points: rows are points, columns functions.
-pub(super) struct Values {
+pub(super) struct BasisValues {
     pub(super) value: Mat<f64>,
     pub(super) first: Mat<f64>,
     pub(super) second: Mat<f64>,
@@ -48,11 +48,11 @@ impl HalfPlaneBasis {
     }
 
     /// The functions at points, with their derivatives in z₁, in z₂ and twice in z₂.
-    pub(super) fn at(&self, points: &[[f64; 2]]) -> Values {
+    pub(super) fn at(&self, points: &[[f64; 2]]) -> BasisValues {
         let hermite = hermite_products(&self.indices, self.order, points);
         let mut value = hermite.value * &self.transform;
         value.row_iter_mut().for_each(|mut row| row -= self.means.transpose());
-        Values {
+        BasisValues {
             value,
             first: hermite.first * &self.transform,
             second: hermite.second * &self.transform,
@@ -71,17 +71,15 @@ impl HalfPlaneBasis {
     }
 }
 
-/// The value of the product of index (i, j) from the rows h₀ … of both coordinates.
-type Entry<'a> = &'a dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64;
-
-fn hermite_products(indices: &[Vec<u32>], order: u32, points: &[[f64; 2]]) -> Values {
+fn hermite_products(indices: &[Vec<u32>], order: u32, points: &[[f64; 2]]) -> BasisValues {
     let rows: Vec<[Vec<f64>; 2]> = points.iter().map(|z| z.map(|z| hermite_row(z, order))).collect();
-    let matrix = |entry: Entry<'_>| {
+    // An entry is the value of the product of index (i, j) from the rows h₀ … of both coordinates.
+    let matrix = |entry: &dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64| {
         Mat::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], [0, 1].map(|d| indices[k][d] as usize)))
     };
     let slope = |row: &[f64], j: usize| if j > 0 { (j as f64).sqrt() * row[j - 1] } else { 0.0 };
     let bend = |row: &[f64], j: usize| if j > 1 { ((j * (j - 1)) as f64).sqrt() * row[j - 2] } else { 0.0 };
-    Values {
+    BasisValues {
         value: matrix(&|h, [i, j]| h[0][i] * h[1][j]),
         first: matrix(&|h, [i, j]| slope(&h[0], i) * h[1][j]),
         second: matrix(&|h, [i, j]| h[0][i] * slope(&h[1], j)),

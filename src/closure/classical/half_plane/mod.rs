@@ -7,7 +7,7 @@
 mod basis;
 mod weight;
 
-pub(super) use weight::{Weight, fixed_point, in_plane};
+pub(super) use weight::{HalfPlaneWeight, fixed_point, in_plane};
 
 use super::Basis;
 use super::galerkin::GalerkinEquations;
@@ -51,7 +51,7 @@ enum WallTerm {
 
 impl HalfPlaneGalerkin {
     /// Above a wall of restitution `r`.
-    pub(super) fn new(operator: &FokkerPlanck, r: f64, weight: &Weight, basis: Basis, order: u32) -> Self {
+    pub(super) fn new(operator: &FokkerPlanck, r: f64, weight: &HalfPlaneWeight, basis: Basis, order: u32) -> Self {
         let scaled = operator.in_frame(&weight.frame);
         // The integrands are polynomials, of degree 3n − 2 and more with a drift of degree above n.
         let nodes = weight.nodes((3 * order + scaled.degree()) as usize / 2 + 1);

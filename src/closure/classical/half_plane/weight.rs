@@ -23,26 +23,26 @@ const CUT: f64 = 60.0;
 
 /// The weight f_N: a Gaussian, of which only y ≥ b counts.
 #[derive(Clone, Debug)]
-pub(in crate::closure::classical) struct Weight {
+pub(in crate::closure::classical) struct HalfPlaneWeight {
     pub(in crate::closure::classical) frame: Frame,
     /// The wall's coordinate z₁.
     wall: f64,
 }
 
 /// Points with weights that sum to one over the half plane.
-pub(super) struct Nodes {
+pub(super) struct HalfPlaneNodes {
     pub(super) z: Vec<[f64; 2]>,
     pub(super) weights: Vec<f64>,
     /// ∫ f_N over the half plane, in the scale in which the wall's nodes are weighted.
     mass: f64,
 }
 
-impl Weight {
+impl HalfPlaneWeight {
     /// Above a wall at `offset`.
     pub(in crate::closure::classical) fn new(gaussian: &Gaussian, offset: f64) -> Result<Self> {
         let frame = Frame::new(gaussian)?;
         let wall = (offset - frame.origin()[0]) / frame.scale()[(0, 0)];
-        Ok(Weight { frame, wall })
+        Ok(HalfPlaneWeight { frame, wall })
     }
 
     /// The density of z₁ relative to its value at the wall or at the centre, so that a far wall does not underflow.
@@ -51,14 +51,14 @@ impl Weight {
     }
 
     /// Nodes on the half plane, exact for polynomials of degree 2`count` − 1 in each coordinate.
-    pub(super) fn nodes(&self, count: usize) -> Nodes {
+    pub(super) fn nodes(&self, count: usize) -> HalfPlaneNodes {
         let cut = (2.0 * CUT).sqrt();
         let last = if self.wall > 0.0 { self.wall.hypot(cut) } else { cut };
         let mut outwards = HALF_LINE_RULE.on(self.wall.max(-cut), last);
         outwards.weights.iter_mut().zip(&outwards.nodes).for_each(|(w, z)| *w *= self.outward_density(*z));
         let (outwards, along) = (outwards.condensed(count), Rule::hermite(count));
         let mass: f64 = outwards.weights.iter().sum();
-        let mut nodes = Nodes { z: Vec::new(), weights: Vec::new(), mass };
+        let mut nodes = HalfPlaneNodes { z: Vec::new(), weights: Vec::new(), mass };
         for (z1, w1) in outwards.iter() {
             for (z2, w2) in along.iter() {
                 nodes.z.push([z1, z2]);
@@ -69,7 +69,7 @@ impl Weight {
     }
 
     /// Points on the wall with w of one sign, as pairs of w and its weight f_N(0, w) dw, normalised as `nodes`.
-    pub(super) fn wall_nodes(&self, sign: f64, nodes: &Nodes) -> Vec<(f64, f64)> {
+    pub(super) fn wall_nodes(&self, sign: f64, nodes: &HalfPlaneNodes) -> Vec<(f64, f64)> {
         let scale = self.frame.scale();
         let (mean, sigma) = (self.mean_at_wall(), scale[(1, 1)]);
         let factor = self.outward_density(self.wall) / (scale[(0, 0)] * nodes.mass);

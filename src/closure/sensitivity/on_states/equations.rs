@@ -1,6 +1,6 @@
 use super::masses::{BELOW, COLUMNS, Masses, product};
-use super::walk::{Moved, Walk};
-use super::weights::{Calibration, SETS};
+use super::walk::{Moved, PilotWalk};
+use super::weights::{CalibrationWeights, SETS};
 use crate::closure::dynamics::Dynamics;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{GrazingMotion, Polynomials};
@@ -22,7 +22,7 @@ const DEGREES: [u32; 4] = [2, 4, 6, 8];
 /// the impacts have rows of their own beside the states: A gets ν E\[ψ_l₋ (ψ_k₊ − ψ_k₋)\], and g what a parameter changes in the
 /// jumps.
 pub(super) struct StateEquations<'a> {
-    walk: Walk<'a>,
+    walk: PilotWalk<'a>,
     /// The weights of the rows of each trajectory, and what leaving out each lot changes in them.
     weights: Vec<Mat<f64>>,
     /// Σ w ψ under these.
@@ -33,13 +33,13 @@ pub(super) struct StateEquations<'a> {
 }
 
 /// The g of a derivative with its [`COLUMNS`], and what of s is known, in the rows of each trajectory.
-struct Source {
+struct SourceTerm {
     g: Mat<f64>,
     known: Option<Vec<Vec<f64>>>,
 }
 
 /// What the equations are made on.
-pub(super) struct Ground {
+pub(super) struct EquationGround {
     pub(super) symmetry: Symmetry,
     products: Products,
     contacts: Vec<Contact>,
@@ -47,7 +47,7 @@ pub(super) struct Ground {
     length: usize,
 }
 
-impl Ground {
+impl EquationGround {
     /// The functions of the two highest degrees for which there are enough states, the highest first; none where the pilot carries
     /// no density.
     pub(super) fn ladder(motion: &Dynamics, along: &[StillMotion]) -> Option<Vec<Self>> {
@@ -67,7 +67,7 @@ impl Ground {
             let products = Products::new(&Polynomials::new(centre.clone(), half_width.clone(), exponents));
             let images = products.images(&problem.operator().impulse_terms())?;
             let (products, contacts) = (products.struck(images), contacts.clone());
-            Some(Ground { symmetry: symmetry.clone(), products, contacts, lower, length })
+            Some(EquationGround { symmetry: symmetry.clone(), products, contacts, lower, length })
         };
         let degrees = functions(problem, &symmetry, blocks);
         degrees.into_iter().rev().take(2).map(ground).collect()
@@ -85,7 +85,7 @@ fn functions(problem: &Problem, symmetry: &Symmetry, blocks: usize) -> Vec<(u32,
 }
 
 /// Sums over a lot: A = Σ w 𝓖ψ ψᵀ under the weights of all states, Σ w ψ under the weights of each set, and these weights.
-struct Sums {
+struct LotSums {
     matrix: Mat<f64>,
     values: Mat<f64>,
     weights: Vec<(usize, Mat<f64>)>,
@@ -93,14 +93,15 @@ struct Sums {
 
 impl<'a> StateEquations<'a> {
     /// None where the states lie on a surface.
-    pub(super) fn new(ground: &'a Ground, motion: &'a Dynamics) -> Option<Self> {
+    pub(super) fn new(ground: &'a EquationGround, motion: &'a Dynamics) -> Option<Self> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
         let (length, contacts) = (ground.length, &ground.contacts[..]);
         let used = pilot.samples() / length * length;
-        let walk = Walk { problem, pilot, products: &ground.products, contacts, used, length };
-        let calibration = Calibration::new(&walk)?;
+        let walk = PilotWalk { problem, pilot, products: &ground.products, contacts, used, length };
+        let calibration = CalibrationWeights::new(&walk)?;
         let count = walk.functions();
-        let zero = || Sums { matrix: Mat::zeros(count, count), values: Mat::zeros(count, SETS), weights: Vec::new() };
+        let zero =
+            || LotSums { matrix: Mat::zeros(count, count), values: Mat::zeros(count, SETS), weights: Vec::new() };
         let lots = walk.lots(zero, |sums, [lot, t], place| {
             let (values, images) = (walk.values(t, place), walk.images(t, place));
             let weights = calibration.weights(&walk, images.as_ref(), [lot, t]);
@@ -137,10 +138,10 @@ impl<'a> StateEquations<'a> {
         let source = |(motion, grazing): (&StillMotion, &[GrazingMotion])| {
             let g = self.tested(motion)?;
             if grazing.is_empty() {
-                return Some(Source { g, known: None });
+                return Some(SourceTerm { g, known: None });
             }
             let known = self.known(grazing);
-            Some(Source { g: g + self.carried(&known), known: Some(known) })
+            Some(SourceTerm { g: g + self.carried(&known), known: Some(known) })
         };
         self.solved(&along.map(source).collect::<Option<Vec<_>>>()?)
     }
@@ -190,10 +191,10 @@ impl<'a> StateEquations<'a> {
 
     /// The derivatives with A d = −g, given each g, its changes, and its own by the functions of two degrees less. None where one is
     /// not finite.
-    fn solved(&self, sources: &[Source]) -> Option<Vec<Masses>> {
+    fn solved(&self, sources: &[SourceTerm]) -> Option<Vec<Masses>> {
         let [factors, below] = &self.factors;
         let own: Vec<Mat<f64>> = sources.iter().map(|source| -factors.solve(source.g.get(.., ..1))).collect();
-        let solved = |(source, (own, residual)): (&Source, (&Mat<f64>, Mat<f64>))| {
+        let solved = |(source, (own, residual)): (&SourceTerm, (&Mat<f64>, Mat<f64>))| {
             let lower = below.solve(source.g.get(..self.lower, BELOW..));
             let steps = factors.solve(residual);
             let d = Mat::from_fn(self.walk.functions(), COLUMNS, |k, column| match column {
@@ -209,7 +210,7 @@ impl<'a> StateEquations<'a> {
     }
 
     /// The change of each A d + g with the weights of each set, from that of g.
-    fn residuals(&self, solved: &[Mat<f64>], sources: &[Source]) -> Vec<Mat<f64>> {
+    fn residuals(&self, solved: &[Mat<f64>], sources: &[SourceTerm]) -> Vec<Mat<f64>> {
         let (walk, count) = (self.walk, self.walk.functions());
         let zero = || vec![Mat::zeros(count, SETS); solved.len()];
         let lots = walk.lots(zero, |sums, [_, t], place| {

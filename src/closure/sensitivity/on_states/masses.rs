@@ -1,4 +1,4 @@
-use super::walk::{LOTS, Walk};
+use super::walk::{LOTS, PilotWalk};
 use crate::estimate::Estimate;
 use crate::parallel;
 use crate::states::States;
@@ -20,7 +20,7 @@ pub(super) struct Masses {
 
 impl Masses {
     /// From the parts of all trajectories, with the [`COLUMNS`].
-    pub(super) fn gathered(walk: &Walk<'_>, parts: Vec<(usize, Mat<f64>)>) -> Self {
+    pub(super) fn gathered(walk: &PilotWalk<'_>, parts: Vec<(usize, Mat<f64>)>) -> Self {
         let nothing = || vec![0.0; walk.all()];
         let changes = vec![vec![0.0; walk.all()]; LOTS];
         let mut all = Masses { own: nothing(), below: nothing(), changes, states: walk.pilot.states.len() };

@@ -31,7 +31,7 @@ use crate::parallel;
 use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use crate::states::States;
 use displaced::Displaced;
-use equations::{Ground, StateEquations};
+use equations::{EquationGround, StateEquations};
 use fit::Likely;
 use masses::{Masses, doubt, jackknife};
 use std::fmt;
@@ -45,7 +45,7 @@ const DRAWS: usize = 1 << 16;
 const NOISIER: f64 = 1.4;
 
 /// A function of the state that is averaged.
-type Integrand<'a> = dyn Fn(&[f64]) -> f64 + Sync + 'a;
+type StateFunction<'a> = dyn Fn(&[f64]) -> f64 + Sync + 'a;
 
 /// The derivative of a density that the pilot's states carry, in the coordinates in which walls stand still.
 pub(super) struct OnStates {
@@ -69,7 +69,7 @@ impl fmt::Debug for OnStates {
 }
 
 /// Derivatives by the equations of the degree that serves them best, and the weights of the states.
-struct Found {
+struct StateDerivatives {
     symmetry: Symmetry,
     masses: Vec<Masses>,
     density: Arc<Masses>,
@@ -95,7 +95,7 @@ impl ClosureDensity {
         }
         let motion = self.origin()?;
         let grazing = self.grazing(motion, &along)?;
-        let Found { symmetry, masses, density } = self.on_states(motion, &along, &grazing)?;
+        let StateDerivatives { symmetry, masses, density } = self.on_states(motion, &along, &grazing)?;
         let states = self.pilot_states(motion)?;
         let (points, measure) = self.carrying_nodes().ok_or(self.failed())?;
         let likely = Likely::new(self.functions_with(&symmetry), &points, &measure).ok_or(self.failed())?;
@@ -135,7 +135,12 @@ impl ClosureDensity {
 
     /// What the equations of the highest degree give along some derivatives of the operator, or those of two degrees less if the
     /// highest are [noisier](NOISIER) than that: where functions are all but dependent on each other in the equations, their noise is large.
-    fn on_states(&self, motion: &Dynamics, along: &[StillMotion], grazing: &[Vec<GrazingMotion>]) -> Result<Found> {
+    fn on_states(
+        &self,
+        motion: &Dynamics,
+        along: &[StillMotion],
+        grazing: &[Vec<GrazingMotion>],
+    ) -> Result<StateDerivatives> {
         let curved = |motion: &StillMotion| {
             motion.operator.impulse_terms().iter().flat_map(ImpulseTerm::fields).any(|(_, h)| h.degree() > 1)
         };
@@ -146,11 +151,12 @@ impl ClosureDensity {
             return Err(Error::NotServed { method: "closure", what, remedy });
         }
         let states = self.pilot_states(motion)?;
-        let ladder = Ground::ladder(motion, along).ok_or(self.too_few())?;
-        let of_degree = |ground: &Ground| {
+        let ladder = EquationGround::ladder(motion, along).ok_or(self.too_few())?;
+        let of_degree = |ground: &EquationGround| {
             let equations = StateEquations::new(ground, motion)?;
             let masses = equations.along(along.iter().zip(grazing.iter().map(Vec::as_slice)))?;
-            let found = Found { symmetry: ground.symmetry.clone(), masses, density: Arc::new(equations.density()) };
+            let found =
+                StateDerivatives { symmetry: ground.symmetry.clone(), masses, density: Arc::new(equations.density()) };
             Some((doubt(states, &found.masses), found))
         };
         let mut degrees = ladder.iter().filter_map(of_degree);
@@ -253,11 +259,11 @@ impl OnStates {
     }
 
     /// dE g/dθ, with its standard error, given Σ η_i ∂_i g where states move with walls.
-    pub(super) fn expectation(&self, g: &Integrand<'_>, slope: Option<&Integrand<'_>>) -> Estimate {
+    pub(super) fn expectation(&self, g: &StateFunction<'_>, slope: Option<&StateFunction<'_>>) -> Estimate {
         let Some(pilot) = self.motion.pilot() else { return Estimate::new(f64::NAN, f64::INFINITY) };
         // Every state stands for its mirror images too.
         let count = self.symmetry.count() as f64;
-        let values = |g: &Integrand<'_>| -> Vec<f64> {
+        let values = |g: &StateFunction<'_>| -> Vec<f64> {
             let at = |x: &[f64]| self.symmetry.images(x).map(|image| g(&image)).sum::<f64>() / count;
             parallel::map(pilot.states.len(), |k| at(pilot.states.state(k)))
         };

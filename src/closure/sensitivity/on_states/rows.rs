@@ -1,20 +1,20 @@
 //! Functions at eight states, and their images under an operator, in rows of a table: in the widest registers of the processor.
 
-use crate::control_variates::impulses::Images;
-use crate::control_variates::products::{Lane, Products, Scratch};
+use crate::control_variates::impulses::ImpulseImages;
+use crate::control_variates::products::{PointLane, Products, Scratch};
 use faer::MatMut;
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 
 /// An operator b·∇ + ½ B:∇∇ with impulses: B, the states of its mixed parts, and the images under impulses; b is `first` of the scratch.
-pub(super) type Operator<'s> = (&'s [Lane], &'s [usize], &'s Images);
+pub(super) type OperatorParts<'s> = (&'s [PointLane], &'s [usize], &'s ImpulseImages);
 
 /// The functions from `first` on at eight states, or their images under an operator, in rows of a table.
 pub(super) struct Rows<'s> {
     pub(super) products: &'s Products,
     pub(super) first: usize,
-    pub(super) x: &'s [Lane],
-    pub(super) operator: Option<Operator<'s>>,
+    pub(super) x: &'s [PointLane],
+    pub(super) operator: Option<OperatorParts<'s>>,
     pub(super) scratch: &'s mut Scratch,
     pub(super) rows: &'s Range<usize>,
     pub(super) table: MatMut<'s, f64>,
@@ -42,7 +42,7 @@ impl NullaryFnOnce for Rows<'_> {
 
 /// Writes the values for each column into rows of a table.
 #[inline(always)]
-pub(super) fn enter(rows: &Range<usize>, mut table: MatMut<'_, f64>, of: impl Fn(usize) -> Lane) {
+pub(super) fn enter(rows: &Range<usize>, mut table: MatMut<'_, f64>, of: impl Fn(usize) -> PointLane) {
     for k in 0..table.ncols() {
         let lane = of(k);
         let column = table.as_mut().col_mut(k).subrows_mut(rows.start, rows.len());

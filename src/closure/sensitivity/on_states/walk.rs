@@ -1,9 +1,9 @@
-use super::rows::{Operator, Rows, enter};
+use super::rows::{OperatorParts, Rows, enter};
 use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::Sites;
-use crate::control_variates::impulses::Images;
-use crate::control_variates::products::{LANES, Lane, Products, Scratch, ZERO};
+use crate::control_variates::impulses::ImpulseImages;
+use crate::control_variates::products::{LANES, PointLane, Products, Scratch, ZERO};
 use crate::parallel;
 use crate::polynomial::Polynomial;
 use crate::problem::{Contact, Problem, StillMotion};
@@ -20,7 +20,7 @@ pub(super) const LOTS: usize = 32;
 /// Tables have a row for each state of a trajectory, and after them one for each impact before these, where Gψ is the jump ψ₊ − ψ₋:
 /// Σ E\[𝓖ψ\] + ν E\[ψ₊ − ψ₋\] = 0, the sum over walls.
 #[derive(Clone, Copy)]
-pub(super) struct Walk<'a> {
+pub(super) struct PilotWalk<'a> {
     pub(super) problem: &'a Problem,
     pub(super) pilot: &'a Pilot,
     pub(super) products: &'a Products,
@@ -38,7 +38,7 @@ pub(super) struct Moved {
     drift: Vec<(usize, Polynomial)>,
     diffusion: Vec<(usize, Polynomial)>,
     coupled: Vec<usize>,
-    impulses: Images,
+    impulses: ImpulseImages,
     walls: Vec<[f64; 2]>,
 }
 
@@ -65,18 +65,18 @@ impl Moved {
 }
 
 /// Room for the functions at eight states, and which of a trajectory's states these are.
-pub(super) struct Place {
+pub(super) struct WalkBuffers {
     arch: Arch,
-    x: Vec<Lane>,
+    x: Vec<PointLane>,
     sites: Sites,
     scratch: Scratch,
-    moved: [Vec<Lane>; 2],
+    moved: [Vec<PointLane>; 2],
     /// The states before and after eight impacts.
-    ends: [Vec<Lane>; 2],
+    ends: [Vec<PointLane>; 2],
     pub(super) rows: Range<usize>,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PilotWalk<'a> {
     /// The number of functions, without the constant.
     pub(super) fn functions(&self) -> usize {
         self.products.len() - 1
@@ -123,11 +123,11 @@ impl<'a> Walk<'a> {
     pub(super) fn lots<T: Send>(
         &self,
         zero: impl Fn() -> T + Sync,
-        visit: impl Fn(&mut T, [usize; 2], &mut Place) + Sync,
+        visit: impl Fn(&mut T, [usize; 2], &mut WalkBuffers) + Sync,
     ) -> Vec<T> {
         let lot = |lot: usize| {
             let n = self.problem.dimension();
-            let mut place = Place {
+            let mut place = WalkBuffers {
                 arch: Arch::new(),
                 x: vec![ZERO; n],
                 sites: Sites::new(self.problem, &[]),
@@ -144,7 +144,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Visits the states of a trajectory, eight at a time.
-    fn each(&self, t: usize, place: &mut Place, mut visit: impl FnMut(&mut Place)) {
+    fn each(&self, t: usize, place: &mut WalkBuffers, mut visit: impl FnMut(&mut WalkBuffers)) {
         for at in (0..self.used).step_by(LANES) {
             place.rows = at..(at + LANES).min(self.used);
             for l in 0..LANES {
@@ -163,21 +163,21 @@ impl<'a> Walk<'a> {
     }
 
     /// The functions in all rows of a trajectory.
-    pub(super) fn values(&self, t: usize, place: &mut Place) -> Mat<f64> {
+    pub(super) fn values(&self, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
         self.each(t, place, |place| {
-            let Place { x, scratch, rows, arch, .. } = place;
+            let WalkBuffers { x, scratch, rows, arch, .. } = place;
             self.enter_rows(*arch, x, None, (scratch, rows), table.as_mut());
         });
         self.each_impacts(t, place, |place, _| {
-            let Place { ends: [before, _], scratch, rows, arch, .. } = place;
+            let WalkBuffers { ends: [before, _], scratch, rows, arch, .. } = place;
             self.enter_rows(*arch, before, None, (scratch, rows), table.as_mut());
         });
         table
     }
 
     /// Their images in all rows of a trajectory.
-    pub(super) fn images(&self, t: usize, place: &mut Place) -> Mat<f64> {
+    pub(super) fn images(&self, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
         self.each(t, place, |place| self.enter_images(t, place, table.as_mut()));
         let mut after = vec![ZERO; self.products.len()];
@@ -186,7 +186,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The images under the derivative of the generator in all rows of a trajectory.
-    pub(super) fn moved(&self, moved: &Moved, t: usize, place: &mut Place) -> Mat<f64> {
+    pub(super) fn moved(&self, moved: &Moved, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
         self.each(t, place, |place| self.enter_moved(moved, place, table.as_mut()));
         if moved.walls.iter().any(|rates| *rates != [0.0; 2]) {
@@ -196,7 +196,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Visits the impacts of a trajectory, eight at a time.
-    fn each_impacts(&self, t: usize, place: &mut Place, mut visit: impl FnMut(&mut Place, &[Impact])) {
+    fn each_impacts(&self, t: usize, place: &mut WalkBuffers, mut visit: impl FnMut(&mut WalkBuffers, &[Impact])) {
         let Collisions { impacts, states } = &self.pilot.collisions;
         let all = self.impacts(t);
         let mut x = vec![0.0; self.problem.dimension()];
@@ -216,7 +216,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The jumps of the functions at impacts, with room for their values after these.
-    fn enter_jumps(&self, place: &mut Place, after: &mut [Lane], table: MatMut<'_, f64>) {
+    fn enter_jumps(&self, place: &mut WalkBuffers, after: &mut [PointLane], table: MatMut<'_, f64>) {
         self.products.place_values(&place.ends[1], &mut place.scratch);
         after.iter_mut().enumerate().for_each(|(k, lane)| *lane = self.products.value(&place.scratch, k));
         self.products.place_values(&place.ends[0], &mut place.scratch);
@@ -227,7 +227,7 @@ impl<'a> Walk<'a> {
     }
 
     /// How jumps move: ψ₊ as the velocities there do, by r′ ∂x₊/∂r; and by −η′ their rate, as the time of a stretched coordinate.
-    fn enter_struck(&self, moved: &Moved, impacts: &[Impact], place: &mut Place, mut table: MatMut<'_, f64>) {
+    fn enter_struck(&self, moved: &Moved, impacts: &[Impact], place: &mut WalkBuffers, mut table: MatMut<'_, f64>) {
         let [drift, diffusion] = &mut place.moved;
         drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZERO);
         let mut stretching = ZERO;
@@ -259,8 +259,8 @@ impl<'a> Walk<'a> {
     }
 
     /// Their images under the generator.
-    fn enter_images(&self, t: usize, place: &mut Place, table: MatMut<'_, f64>) {
-        let Place { x, sites, scratch, rows, arch, .. } = place;
+    fn enter_images(&self, t: usize, place: &mut WalkBuffers, table: MatMut<'_, f64>) {
+        let WalkBuffers { x, sites, scratch, rows, arch, .. } = place;
         let [begin, end] = [rows.start, rows.end].map(|row| (self.first(t) + row) * x.len());
         sites.place(self.problem, &self.pilot.states.values()[begin..end]);
         scratch.first.copy_from_slice(&sites.drift);
@@ -269,8 +269,8 @@ impl<'a> Walk<'a> {
     }
 
     /// The images under the derivative of the generator.
-    fn enter_moved(&self, moved: &Moved, place: &mut Place, table: MatMut<'_, f64>) {
-        let Place { x, scratch, rows, arch, moved: [drift, diffusion], .. } = place;
+    fn enter_moved(&self, moved: &Moved, place: &mut WalkBuffers, table: MatMut<'_, f64>) {
+        let WalkBuffers { x, scratch, rows, arch, moved: [drift, diffusion], .. } = place;
         drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZERO);
         let mut state = vec![0.0; x.len()];
         for l in 0..LANES {
@@ -287,8 +287,8 @@ impl<'a> Walk<'a> {
     fn enter_rows(
         &self,
         arch: Arch,
-        x: &[Lane],
-        operator: Option<Operator<'_>>,
+        x: &[PointLane],
+        operator: Option<OperatorParts<'_>>,
         (scratch, rows): (&mut Scratch, &Range<usize>),
         table: MatMut<'_, f64>,
     ) {

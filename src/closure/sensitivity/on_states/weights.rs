@@ -1,4 +1,4 @@
-use super::walk::{LOTS, Walk};
+use super::walk::{LOTS, PilotWalk};
 use crate::control_variates::regression;
 use crate::numerics::add_gram;
 use faer::{Mat, MatRef, Scale};
@@ -36,7 +36,7 @@ impl Moments {
 }
 
 /// The weights that make all means of 𝓖ψ zero.
-pub(super) struct Calibration {
+pub(super) struct CalibrationWeights {
     /// λ and 1 + λ·E𝓖ψ of all states, and of those without each lot: the weight of a block is that less its λ·𝓖ψ, over the number
     /// of states.
     lambda: Mat<f64>,
@@ -44,9 +44,9 @@ pub(super) struct Calibration {
     counts: Vec<f64>,
 }
 
-impl Calibration {
+impl CalibrationWeights {
     /// None where the states lie on a surface.
-    pub(super) fn new(walk: &Walk<'_>) -> Option<Self> {
+    pub(super) fn new(walk: &PilotWalk<'_>) -> Option<Self> {
         let count = walk.functions();
         let lots = walk.lots(
             || Moments::zero(count),
@@ -70,11 +70,11 @@ impl Calibration {
             levels.push(level);
             counts.push(moments.blocks * walk.length as f64);
         }
-        Some(Calibration { lambda, levels, counts })
+        Some(CalibrationWeights { lambda, levels, counts })
     }
 
     /// The weights of a trajectory's rows, and what leaving out each lot changes in them.
-    pub(super) fn weights(&self, walk: &Walk<'_>, images: MatRef<'_, f64>, [lot, t]: [usize; 2]) -> Mat<f64> {
+    pub(super) fn weights(&self, walk: &PilotWalk<'_>, images: MatRef<'_, f64>, [lot, t]: [usize; 2]) -> Mat<f64> {
         let blocks = walk.blocks(t);
         let taken = block_means(walk, images, &blocks) * &self.lambda;
         let weight = |block: usize, set: usize| (self.levels[set] - taken[(block, set)]) / self.counts[set];
@@ -91,7 +91,7 @@ impl Calibration {
 }
 
 /// The means over blocks of rows, each with what it counts for.
-fn block_means(walk: &Walk<'_>, table: MatRef<'_, f64>, blocks: &[(usize, f64)]) -> Mat<f64> {
+fn block_means(walk: &PilotWalk<'_>, table: MatRef<'_, f64>, blocks: &[(usize, f64)]) -> Mat<f64> {
     let mut means = Mat::zeros(walk.used / walk.length, table.ncols());
     for (mut mean, column) in means.col_iter_mut().zip(table.col_iter()) {
         for ((block, share), value) in blocks.iter().zip(column.iter()) {
