@@ -31,8 +31,8 @@ pub trait Sensitivity {
     /// As [`Sensitivity::relative`].
     fn pdf(&self, x: &[f64]) -> Result<Estimate>;
 
-    /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the nodes or of the smallest cell: ∂p/∂x ~ u^(g − 1)
-    /// within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
+    /// ∫ |∂p/∂θ| dx. By the offset of a wall with r ≤ 0.5 it is infinite, and the value that of the nodes or of the smallest cell:
+    /// ∂p/∂x ~ u^(g − 1) within |v| ~ u^(1/3) of the grazing point, with g ≤ −1/3. Moments, tails and rates are finite all the same.
     fn size(&self) -> f64;
 
     /// The estimate of ∫ |∂p̃/∂θ − ∂p/∂θ| dx, to be compared with [`Sensitivity::size`].

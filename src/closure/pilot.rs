@@ -92,6 +92,11 @@ impl<'a> PilotPlan<'a> {
         PILOT_TRAJECTORIES as f64 * self.length(count, burn_in) / step * step_cost(self.problem, step)
     }
 
+    /// Whether a single pilot of `count` states takes all the time that pilots may take.
+    pub(super) fn is_costly(&self, count: usize) -> bool {
+        self.path_steps(count, self.burn_in, self.step) > MOST_PATH_STEPS
+    }
+
     /// The time that each trajectory of a pilot of `count` states runs.
     fn length(&self, count: usize, burn_in: f64) -> f64 {
         burn_in + count.div_ceil(PILOT_TRAJECTORIES) as f64 * self.interval

@@ -229,6 +229,7 @@ impl Closure {
             let last = inflated.inflation <= 1.0;
             // A grid takes less time than another attempt.
             let last = last || self.reference == Reference::Automatic && problem.impulses().is_empty();
+            let last = last || plan.is_costly(states);
             let closed = self.on_panels(problem, [pilot, &inflated], begin);
             if let Ok(density) = closed {
                 let least = best.as_ref().map_or(f64::INFINITY, Density::l1_estimate);

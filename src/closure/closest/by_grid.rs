@@ -16,7 +16,7 @@ use crate::closure::projection::tempered;
 use crate::closure::{HIGHEST_ORDER, REFERENCE_EXCESS};
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::grid::Grid;
+use crate::grid::{Grid, GridDensity};
 use crate::numerics::weighted_sum;
 use crate::problem::Problem;
 use crate::provenance::Provenance;
@@ -46,10 +46,16 @@ impl Closure {
     ) -> Result<ClosureDensity> {
         let mut found = None;
         for accuracy in ACCURACIES {
+            // A grid that the memory ends has what it reached as its estimate.
+            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(MEMORY)).solve(problem);
+            let grid = match grid {
+                Ok(grid) => grid,
+                Err(error) => return found.unwrap_or(Err(error)),
+            };
             // A mesh that is too coarse for the shares of wells may have no answer where a finer one has.
-            match self.by_grid_of(accuracy, problem, pilot, begin) {
-                Ok((closed, true)) => return Ok(closed),
-                Ok((closed, false)) => found = Some(Ok(closed)),
+            match self.next_to_grid(&grid, problem, pilot, begin) {
+                Ok((closed, limited)) if !limited || grid.l1_estimate() > accuracy => return Ok(closed),
+                Ok((closed, _)) => found = Some(Ok(closed)),
                 Err(error) => found = found.or(Some(Err(error))),
             }
         }
@@ -57,18 +63,16 @@ impl Closure {
         found.unwrap_or(Err(Error::NotClosed { order: self.lowest(), reason }))
     }
 
-    /// The closest to the density of a grid of this accuracy, and whether a finer one would not change it.
-    fn by_grid_of(
+    /// The closest to the density of this grid, and whether the grid's own error limits it.
+    fn next_to_grid(
         &self,
-        accuracy: f64,
+        grid: &GridDensity,
         problem: &Problem,
         pilot: &Pilot,
         begin: Instant,
     ) -> Result<(ClosureDensity, bool)> {
-        // A grid that the memory ends has what it reached as its estimate.
-        let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(MEMORY)).solve(problem)?;
         let symmetry = problem.symmetry();
-        let mut closest = Closest::new(&grid, self, &symmetry)?;
+        let mut closest = Closest::new(grid, self, &symmetry)?;
         let closed = self.at_order(HIGHEST_ORDER, false, |order| {
             let mut content = closest.content(order, begin)?;
             content.indication = closest.indication(problem, &content.exponent, order);
@@ -79,10 +83,10 @@ impl Closure {
             Ok(ClosureDensity::new(content))
         })?;
         if let Some(exact) = exact(&closed, problem, pilot) {
-            return Ok((exact, true));
+            return Ok((exact, false));
         }
         let limited = closest.target.error > MINOR * closed.l1_estimate();
-        Ok((closed, !limited || problem.dimension() == 1 || grid.l1_estimate() > accuracy))
+        Ok((closed, limited && problem.dimension() > 1))
     }
 }
 

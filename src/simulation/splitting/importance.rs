@@ -12,8 +12,10 @@ pub(super) enum Importance<'a> {
     /// The squared distance from the mean, in standard deviations of the stationary states.
     Distance { mean: DVector<f64>, scale: Cholesky<f64, Dyn> },
     /// The user's function.
-    Given(Box<dyn Fn(&[f64]) -> f64 + Send + Sync + 'a>),
+    Given(Box<GivenFunction<'a>>),
 }
+
+type GivenFunction<'a> = dyn Fn(&[f64]) -> f64 + Send + Sync + 'a;
 
 impl Importance<'_> {
     /// The energy if every state is a displacement or a velocity, otherwise the distance from the mean.

@@ -71,10 +71,12 @@ impl HalfPlaneBasis {
     }
 }
 
+/// An entry is the value of the product of index (i, j) from the rows h₀ … of both coordinates.
+type ProductEntry<'a> = &'a dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64;
+
 fn hermite_products(indices: &[Vec<u32>], order: u32, points: &[[f64; 2]]) -> BasisValues {
     let rows: Vec<[Vec<f64>; 2]> = points.iter().map(|z| z.map(|z| hermite_row(z, order))).collect();
-    // An entry is the value of the product of index (i, j) from the rows h₀ … of both coordinates.
-    let matrix = |entry: &dyn Fn(&[Vec<f64>; 2], [usize; 2]) -> f64| {
+    let matrix = |entry: ProductEntry<'_>| {
         Mat::from_fn(points.len(), indices.len(), |i, k| entry(&rows[i], [0, 1].map(|d| indices[k][d] as usize)))
     };
     let slope = |row: &[f64], j: usize| if j > 0 { (j as f64).sqrt() * row[j - 1] } else { 0.0 };
