@@ -60,8 +60,8 @@ const ROUNDS: usize = 5;
 const METHOD: &str = "closure";
 
 impl Closure {
-    /// The exponential polynomial of the order that is closest to a density of one state or two, such as a grid's, also one in time:
-    /// the best that the order can do, with its distance as the estimate. Of all even orders up to the one given it is the closest
+    /// The exponential polynomial of the order that is closest to a density of one state or two, such as a grid's, also one in time, or
+    /// a simulation's: the best that the order can do, with its distance as the estimate, in which a simulation's noise is. Of all even orders up to the one given it is the closest
     /// one; an adaptive closure takes the lowest that meets its target.
     ///
     /// It is closest in the Kullback-Leibler distance where the density is above a millionth of its peak, so that its moments up to
