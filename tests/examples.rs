@@ -263,7 +263,7 @@ fn an_order_study_sets_the_classical_closure_beside_the_robust_one() {
     let [robust, classical] = answer["rows"].as_array().unwrap().as_slice() else { panic!("{answer}") };
     assert!(robust["l1"].as_f64().unwrap() < 0.1 && robust["seed"] == 2, "{robust}");
     assert_eq!(robust["origin"], "moment equations, tails 0.000");
-    assert!(classical["l1"].is_null() && classical["termination"] == "no density", "{classical}");
+    assert!(classical["l1"].is_null() && classical["termination"] == "not closed", "{classical}");
     assert!(classical["refusal"].as_str().unwrap().contains("no root"));
     let alone = order_study(&["--model", "duffing", "--orders", "4", "--method", "classical"]);
     assert_eq!(alone["rows"].as_array().unwrap().len(), 1);

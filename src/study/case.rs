@@ -83,7 +83,12 @@ impl<'a> Case<'a> {
                 (Some(density), provenance)
             }
             Err(error) if error.is_without_density() => {
-                let (termination, refusal) = (Some(String::from("no density")), Some(error.to_string()));
+                let termination = match error {
+                    Error::NotClosed { .. } => "not closed",
+                    Error::NotNormalisable { .. } => "not normalisable",
+                    _ => "no density",
+                };
+                let (termination, refusal) = (Some(termination.to_owned()), Some(error.to_string()));
                 (None, Provenance { termination, refusal, ..Provenance::default() })
             }
             Err(error) => return Err(error),

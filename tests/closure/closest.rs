@@ -198,7 +198,7 @@ fn the_closest_to_a_simulation_averages_over_its_noise() {
     let truth = on_grid("Duffing", &problem);
     let simulated = Simulation::new().samples(1_000_000).seed(3).run(&problem).unwrap();
     let fitted = Closure::new(4).fit(&simulated).unwrap();
-    let (estimate, distance) = (fitted.l1_estimate(), l1_from(&*truth, &fitted));
+    let (estimate, distance) = (fitted.l1_estimate(), l1_from(&truth, &fitted));
     println!("order 4: {distance:.2e}, estimate {estimate:.2e}");
     assert!(distance < 0.01 && (0.03..0.07).contains(&estimate));
     assert_eq!(fitted.moment(&[2, 0]).unwrap(), simulated.moment(&[2, 0]).unwrap());

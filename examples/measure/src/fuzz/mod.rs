@@ -34,8 +34,8 @@ pub(crate) struct Options {
     /// The input of this number alone, printed whole
     #[arg(long)]
     only: Option<u64>,
-    /// Seconds that one method may take for one input; closures in three states and more, which take up to half a
-    /// minute where a drift is read term by term, may take three times as long
+    /// Seconds that one method may take for one input; closures by references in many states, which by their documentation
+    /// take up to half a minute, may take three times as long
     #[arg(long, default_value_t = 20.0)]
     bound: f64,
     /// The folder of the process that runs the inputs

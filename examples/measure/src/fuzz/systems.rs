@@ -24,8 +24,8 @@ struct Wild {
 
 fn sum<S: Scalar>(terms: &Terms, x: &[S]) -> S {
     terms.iter().fold(S::from(0.0), |sum, (powers, c)| {
-        let factors = powers.iter().zip(x).flat_map(|(power, x)| (0..*power).map(move |_| *x));
-        sum + factors.fold(S::from(*c), |product, x| product * x)
+        let factors = powers.iter().zip(x).filter(|(power, _)| **power > 0);
+        sum + factors.fold(S::from(*c), |product, (power, x)| product * x.powi(*power))
     })
 }
 
@@ -227,9 +227,8 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
             let reference = if method == 1 { references[draw.below(4)] } else { Reference::Automatic };
             closure = closure.reference(reference);
             let density = probe.ask(&format!("{closure:?}"), || {
-                // A pilot's bound on work is half a minute where a drift is read term by term, as here, and so is that of a reference in
-                // four states; an adaptive closure has several.
-                if n > 2 {
+                // Half a minute for a reference in four states, and an adaptive closure has several.
+                if n > 2 && reference == Reference::Equations {
                     Probe::may_take_longer(3.0);
                 }
                 closure.solve(problem)
