@@ -37,6 +37,7 @@
 //! up to 7 %.
 
 mod candidates;
+mod carried;
 mod classical;
 mod closest;
 mod density;

@@ -55,6 +55,8 @@ pub(super) struct Pilot {
     pub(super) inflation: f64,
     /// Whether the first and the second half of the samples agree.
     pub(super) stationary: bool,
+    /// What it took with all tries, in time steps under constant noise.
+    pub(super) cost: f64,
 }
 
 /// The plan by which pilots of one problem run.
@@ -64,11 +66,15 @@ pub(super) struct PilotPlan<'a> {
     step: f64,
     burn_in: f64,
     interval: f64,
+    /// What a pilot may take with all its tries, in time steps under constant noise.
+    most: f64,
+    /// Whether trajectories were shown to settle.
+    pub(super) settles: bool,
 }
 
 impl<'a> PilotPlan<'a> {
-    /// Time step and burn-in from the system's rates.
-    pub(super) fn new(problem: &'a Problem, seed: u64) -> Result<Self> {
+    /// Time step and burn-in from the system's rates, for a system that was shown to settle, or not.
+    pub(super) fn new(problem: &'a Problem, seed: u64, settles: bool) -> Result<Self> {
         let scales = TimeScales::of(problem)?;
         let walled = problem.dimension() > 2 && !problem.walls().is_empty();
         let step = if walled { STEP_AT_WALLS } else { STEP };
@@ -77,14 +83,17 @@ impl<'a> PilotPlan<'a> {
         require(rate * scales.short(1.0) <= MOST_OFTEN, "rate of the impulses", rate, remedy)?;
         let step = scales.short(step).min(MOST_IMPULSES / rate);
         let interval = scales.short(INTERVAL);
-        Ok(PilotPlan { problem, seed, step, burn_in: burn_in(problem, &scales, step)?, interval })
+        let most = ALL_TRIES * MOST_PATH_STEPS;
+        Ok(PilotPlan { problem, seed, step, burn_in: burn_in(problem, &scales, step)?, interval, most, settles })
     }
 
-    /// The same with `factor` times the time between states, and before the first, or as many times as `count` states allow.
-    pub(super) fn slower(self, factor: f64, count: usize) -> Self {
-        let most = MOST_PATH_STEPS / self.path_steps(count, self.burn_in, self.step);
-        let factor = factor.min(most).max(1.0);
-        PilotPlan { burn_in: factor * self.burn_in, interval: factor * self.interval, ..self }
+    /// The same after a pilot of `count` states, with `factor` times the time between states, and before the first, or as many times
+    /// as what that pilot left of the work allows. None where that is no longer.
+    pub(super) fn slower(self, factor: f64, count: usize, before: &Pilot) -> Option<Self> {
+        let most = self.most - before.cost;
+        let factor = factor.min(most.min(MOST_PATH_STEPS) / self.path_steps(count, self.burn_in, self.step));
+        let [burn_in, interval] = [self.burn_in, self.interval].map(|time| factor * time);
+        (factor > 1.0).then_some(PilotPlan { burn_in, interval, most, ..self })
     }
 
     /// What a pilot of `count` states costs, in time steps under constant noise.
@@ -109,7 +118,7 @@ impl<'a> PilotPlan<'a> {
             return Ok(Pilot { inflation, ..pilot });
         }
         TimeScales::require_moderate(self.problem)?;
-        let (mut inflation, mut left) = (inflation, ALL_TRIES * MOST_PATH_STEPS);
+        let (mut inflation, mut left) = (inflation, self.most);
         loop {
             match self.at(count, inflation, &mut left) {
                 Err(Error::Exploded { .. }) if inflation > 1.0 && left > 0.0 => inflation = (inflation / 1.5).max(1.0),
@@ -159,7 +168,8 @@ impl<'a> PilotPlan<'a> {
                     require_motion(&states, states.len() / PILOT_TRAJECTORIES)?;
                     let stationary = stationary(&states);
                     if stationary || doubled == DOUBLINGS || !affords(2.0 * burn_in, step) {
-                        return Ok(Pilot { states, collisions, interval, inflation, stationary });
+                        let (stationary, cost) = (stationary && self.settles, self.most - *left);
+                        return Ok(Pilot { states, collisions, interval, inflation, stationary, cost });
                     }
                     (burn_in, doubled) = (2.0 * burn_in, doubled + 1);
                 }
@@ -183,7 +193,7 @@ impl Pilot {
     /// Independent states at a time after a start.
     pub(super) fn of(states: States, time: f64) -> Self {
         let collisions = Collisions { impacts: Vec::new(), states: States::new(states.dimension()) };
-        Pilot { states, collisions, interval: time, inflation: 1.0, stationary: true }
+        Pilot { states, collisions, interval: time, inflation: 1.0, stationary: true, cost: 0.0 }
     }
 
     /// The pilot of the problem in a mirror, x → −x.

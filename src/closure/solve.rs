@@ -8,16 +8,14 @@ use super::method::{Closure, Order, Reference};
 use super::nodal::NodalClosure;
 use super::pilot::{Pilot, PilotPlan};
 use super::reference::ReferenceStart;
-use super::sampled::SampledSystem;
-use super::samples::FunctionFamily;
 use super::space::degrees::Degrees;
 use super::space::nested_spaces::Smooth;
-use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, LOW_DEGREE, UNRELIABLE};
+use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, UNRELIABLE};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
-use crate::problem::{Problem, Symmetry, Wall};
+use crate::problem::{Problem, Wall};
 use crate::simulation::require_settling;
 use std::time::Instant;
 
@@ -30,44 +28,13 @@ const FLOWS: usize = 8;
 /// The states of a pilot, without their mirror images, where nodes carry the density. Halved or doubled, it changes L¹ errors
 /// of nine closures of orders 4 to 8 by up to −28 % or +7 %.
 const STATES: usize = 20_000;
-/// The states of a pilot, without their mirror images, where they carry the density themselves. Halved or doubled, it makes the
-/// standard error of E x² of an oscillator under filtered noise 1.8 or 0.44 times as large.
-const CARRYING_STATES: usize = 102_400;
-/// The states of a pilot that carry the density next to walls in three states and more, where functions with kinks have larger
-/// variances: the L¹ distance of the displacement and its velocity from a long simulation, 5e-3, is 9e-3 with a quarter of
-/// them.
-const CARRYING_STATES_AT_WALLS: usize = 409_600;
 /// A kurtosis above this is that of a power tail, in which an inflated pilot spreads too wide for any polynomial; limit cycles,
 /// wells and hardening springs are below 3 or near it. None of nine closures of orders 4 to 8 depends on it.
 const HEAVY: f64 = 8.0;
-/// Where more consecutive states of a trajectory than this are worth one independent state, the pilot's states are taken
-/// farther apart.
-const CORRELATED: f64 = 3.0;
-/// The largest factor by which a pilot's states are taken farther apart: a bound on work.
-const LONGER: f64 = 64.0;
-/// Where so many consecutive states of a trajectory, taken farther apart, are still worth only one, the trajectories have not
-/// left their starts.
-const UNMIXED: f64 = 16.0;
-/// Where this share of all states of a trajectory is worth only one, the trajectories have not left their starts: those of a
-/// Brownian motion are all worth one.
-const UNMIXED_SHARE: f64 = 0.75;
-/// The number of states worth one from which on trajectories of so many states have not left their starts.
-fn unmixed(samples: usize) -> f64 {
-    UNMIXED.min(UNMIXED_SHARE * samples as f64)
-}
-/// Whether trajectories of so many states have stayed where they began, as in wells that nothing leaves; of fewer than eight it shows
-/// too little.
-fn have_stayed(slowness: f64, samples: usize) -> bool {
-    samples >= 8 && slowness > UNMIXED_SHARE * samples as f64
-}
 /// The fewest states of a pilot between two walls that suffice for the likelihood of a density.
 const LEAST_BETWEEN: usize = 100;
 
-const METHOD: &str = "closure";
-/// What trajectories do that never leave the well where they began.
-const STAYING: &str = "stay where they began, for longer than a pilot runs: the noise hardly takes them from well to well, so take \
-    stronger noise, or a model of one well";
-
+pub(super) const METHOD: &str = "closure";
 /// ∫ |p̃ − p| dx of two densities that share no state.
 const FARTHEST: f64 = 2.0;
 
@@ -96,11 +63,11 @@ impl Closure {
         problem.operator().require_reached(&problem.joined())?;
         let walls = if problem.dimension() > 2 { [None, None] } else { problem.walls_of_plane(METHOD)? };
         self.serves_impulses(problem)?;
-        require_settling(problem)?;
+        let settles = require_settling(problem)?;
         if walls.iter().any(Option::is_some) {
-            self.next_to_walls(problem, walls, begin)
+            self.next_to_walls(problem, walls, settles, begin)
         } else {
-            self.in_open_space(problem, begin)
+            self.in_open_space(problem, settles, begin)
         }
     }
 
@@ -122,7 +89,7 @@ impl Closure {
         }
     }
 
-    fn in_open_space(&self, problem: &Problem, begin: Instant) -> Result<ClosureDensity> {
+    fn in_open_space(&self, problem: &Problem, settles: bool, begin: Instant) -> Result<ClosureDensity> {
         let dimension = problem.dimension();
         self.check(dimension, HIGHEST_ORDER)?;
         if self.reference == Reference::Grid && (dimension > 2 || !problem.impulses().is_empty()) {
@@ -130,66 +97,10 @@ impl Closure {
             let remedy = "take another reference, or leave out `reference`";
             return Err(Error::NotServed { method: METHOD, what, remedy });
         }
-        let plan = PilotPlan::new(problem, self.seed)?;
-        if dimension > 4 && self.reference == Reference::Equations {
-            let remedy = "take the pilot's states, as is the default";
-            return Err(Error::NotServed { method: METHOD, what: "five states and more on nodes", remedy });
-        }
         if dimension > 2 || self.reference == Reference::States {
-            let walled = !problem.walls().is_empty();
-            let symmetry = if walled { Symmetry::none(dimension) } else { problem.symmetry() };
-            let referred = self.reference == Reference::Equations;
-            if walled && referred {
-                let remedy = "take the pilot's states, as is the default";
-                return Err(Error::NotServed {
-                    method: METHOD,
-                    what: "walls in three states and more on nodes",
-                    remedy,
-                });
-            }
-            let default = if walled { CARRYING_STATES_AT_WALLS } else { CARRYING_STATES };
-            let states = self.states.unwrap_or(default);
-            let mut pilot = plan.pilot(states, 1.0)?;
-            let (mut slow, mut slowness) = pilot.slowest(&symmetry);
-            if slowness > CORRELATED {
-                match plan.slower(slowness.min(LONGER), states).pilot(states, 1.0) {
-                    Ok(longer) => {
-                        pilot = longer;
-                        (slow, slowness) = pilot.slowest(&symmetry);
-                    }
-                    // There is no time for shorter steps in a run that long.
-                    Err(Error::Exploded { .. }) => {}
-                    Err(error) => return Err(error),
-                }
-            }
-            let samples = pilot.samples();
-            pilot.stationary &= samples == 1 || slowness < unmixed(samples);
-            let stayed = have_stayed(slowness, samples);
-            let problem = problem.clone();
-            let (seed, memory) = (self.seed, self.memory);
-            let family = FunctionFamily::new(&problem, &pilot, &self.degrees, &symmetry).ok_or(Error::NotServed {
-                method: METHOD,
-                what: "noise on a gap at a wall that depends on the state there",
-                remedy: "take the simulation",
-            })?;
-            let rare = is_rare(&problem, &pilot);
-            let nodal = SampledSystem { problem, rare, family, pilot, referred, seed, memory, begin };
-            let closed = |order| match self.order {
-                // Where trajectories stayed, a low order shows in less time whether there is a density at all.
-                Order::Fixed(_) if stayed && order > LOW_DEGREE => {
-                    nodal.closed(LOW_DEGREE).and_then(|_| nodal.best_up_to(order))
-                }
-                Order::Fixed(_) => nodal.best_up_to(order),
-                Order::Adaptive(_) => nodal.closed(order),
-            };
-            let closed = self.at_order(HIGHEST_ORDER, true, |order| of_use(closed(order)?, order));
-            return closed.map_err(|error| match error {
-                Error::NotClosed { .. } if stayed => {
-                    Error::no_density(format!("in state {slow} trajectories {STAYING}"))
-                }
-                error => error,
-            });
+            return self.on_states(problem, settles, begin);
         }
+        let plan = PilotPlan::new(problem, self.seed, settles)?;
         let pilot = plan.pilot(self.states.unwrap_or(STATES), 1.0)?;
         if self.reference == Reference::Equations || !problem.impulses().is_empty() {
             self.by_equations(problem, (&plan, &pilot), begin)
@@ -200,6 +111,7 @@ impl Closure {
 
     /// By the moment equations of nodes, and where these do not serve by a grid.
     fn by_either(&self, problem: &Problem, run: (&PilotPlan<'_>, &Pilot), begin: Instant) -> Result<ClosureDensity> {
+        let settles = run.0.settles;
         let by_equations = (self.reference != Reference::Grid).then(|| self.by_equations(problem, run, begin));
         match by_equations {
             Some(Ok(density)) if density.content.is_served_by_equations() => Ok(density),
@@ -209,10 +121,7 @@ impl Closure {
                 (Ok(closest), Err(_)) => Ok(closest),
                 (Err(_), Ok(density)) if density.l1_estimate() < FARTHEST => Ok(density),
                 // Neither: the pilot's states have a density in any case.
-                (Err(_), by_equations) => {
-                    let on_states = Closure { reference: Reference::States, ..self.clone() };
-                    on_states.in_open_space(problem, begin).or(by_equations)
-                }
+                (Err(_), by_equations) => self.on_states(problem, settles, begin).or(by_equations),
             },
             None => self.by_grid(problem, run.1, begin),
         }
@@ -264,7 +173,13 @@ impl Closure {
     }
 
     /// The closure of an oscillator next to one wall, or between two.
-    fn next_to_walls(&self, problem: &Problem, walls: [Option<Wall>; 2], begin: Instant) -> Result<ClosureDensity> {
+    fn next_to_walls(
+        &self,
+        problem: &Problem,
+        walls: [Option<Wall>; 2],
+        settles: bool,
+        begin: Instant,
+    ) -> Result<ClosureDensity> {
         self.check(2, HIGHEST_ORDER_AT_WALLS)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
         match self.reference {
@@ -291,7 +206,7 @@ impl Closure {
             [Some(lower), _] => (problem.without_walls().with_wall(lower)?, false),
             [None, _] => (problem.mirrored()?, true),
         };
-        let plan = PilotPlan::new(&met, self.seed)?;
+        let plan = PilotPlan::new(&met, self.seed, settles)?;
         let run = |inflation: f64| {
             let pilot = plan.pilot(self.states.unwrap_or(STATES), inflation)?;
             Ok(if turned { pilot.mirrored() } else { pilot })
@@ -374,14 +289,14 @@ impl Closure {
 }
 
 /// Whether impulses alone are so rare that the density is rough.
-fn is_rare(problem: &Problem, pilot: &Pilot) -> bool {
+pub(super) fn is_rare(problem: &Problem, pilot: &Pilot) -> bool {
     let few = pilot.states.iter().step_by((pilot.states.len() / FLOWS).max(1));
     problem.impulses_while_shrinking(few).is_some_and(|count| count < RARE)
 }
 
 /// Refuses a density whose estimated error is the largest that there is. On Gauss nodes in open space such an estimate may be that
 /// of a power tail, which a density can be close to all the same.
-fn of_use(density: ClosureDensity, order: u32) -> Result<ClosureDensity> {
+pub(super) fn of_use(density: ClosureDensity, order: u32) -> Result<ClosureDensity> {
     let reason =
         "it has nothing in common with the density: take more of the pilot's states, another order, or the grid";
     if density.l1_estimate() < FARTHEST { Ok(density) } else { Err(Error::NotClosed { order, reason }) }

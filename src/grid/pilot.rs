@@ -30,6 +30,8 @@ const INTERVAL: f64 = 4.0;
 #[derive(Clone, Debug)]
 pub(super) struct GridPilot {
     pub(super) states: States,
+    /// Whether trajectories were shown to settle.
+    pub(super) settles: bool,
 }
 
 impl GridPilot {
@@ -39,7 +41,8 @@ impl GridPilot {
     /// [`Error::Exploded`](crate::Error::Exploded) with every time step that was tried, [`Error::NoDensity`](crate::Error::NoDensity)
     /// where trajectories keep growing or end at a point.
     pub(super) fn new(problem: &Problem) -> Result<Self> {
-        let mut pilot = GridPilot { states: settled(problem, [TRAJECTORIES, STATES])? };
+        let (states, settles) = settled(problem, [TRAJECTORIES, STATES])?;
+        let mut pilot = GridPilot { states, settles };
         let (reach, middle, states) = (pilot.reach(), pilot.middle(), problem.dimension());
         let deviation = |axis: usize| FARTHER * (reach[axis][1] - middle[axis]).max(middle[axis] - reach[axis][0]);
         let covariance = DMatrix::from_fn(states, states, |i, j| if i == j { deviation(i).powi(2) } else { 0.0 });

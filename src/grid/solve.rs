@@ -32,6 +32,9 @@ const DEGREE: usize = 10;
 /// The lowest degree of the polynomials for the closed form of one state: with a lower one what is left in the highest degree
 /// of a cell falls too slowly to come to rounding.
 const LEAST: usize = 6;
+/// What remains open of a system whose trajectories were followed for too short a time.
+const UNSETTLED: &str = "trajectories spread farther for as long as the work of a pilot allows: there may be no stationary density, so \
+    compare with a long simulation";
 
 impl Grid {
     /// The density, on a mesh that is fine next to the speed 0 at walls with r < 1 and at `other` sides of state 0.
@@ -148,6 +151,8 @@ impl Grid {
             Some(format!(
                 "the estimate is {l1_estimate:.1e}, above the accuracy asked for: rounding, leaks and the shares of wells that exchange little leave {changed:.1e} open, which no finer mesh lowers"
             ))
+        } else if !pilot.settles {
+            Some(UNSETTLED.to_owned())
         } else {
             walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
         };

@@ -1,7 +1,7 @@
 //! Problems from their definitions.
 
 use super::family::{Family, Lifted};
-use super::field::{AnySize, Field, Fixed, PolynomialField};
+use super::field::{Field, Fixed, PolynomialField};
 use super::{Problem, SystemEquations};
 use crate::checks::dimension;
 use crate::error::{Error, Result};
@@ -56,8 +56,7 @@ impl<T: PolynomialDrift<N, M> + 'static, const N: usize, const M: usize> Definit
 
 impl<T: PolynomialSystem + 'static> Definition<Slices> for T {
     fn parts(self) -> Result<SystemParts> {
-        let (equations, names) = (any_size(&self, 0)?, self.names());
-        Ok(SystemParts { equations, names, field: Box::new(|induces| Box::new(AnySize { system: self, induces })) })
+        Ok(SystemParts::of_polynomials(any_size(&self, 0)?, self.names()))
     }
 }
 
@@ -79,6 +78,15 @@ pub struct SystemParts {
     equations: PolynomialForm<f64>,
     names: Vec<String>,
     field: Box<dyn FnOnce(bool) -> Box<dyn Field>>,
+}
+
+impl SystemParts {
+    /// A system that is followed by its polynomials.
+    fn of_polynomials(equations: PolynomialForm<f64>, names: Vec<String>) -> Self {
+        let (drift, columns) = (equations.drift.clone(), equations.columns.clone());
+        let field = move |induces| Box::new(PolynomialField::new(&drift, &columns, induces)) as Box<dyn Field>;
+        SystemParts { equations, names, field: Box::new(field) }
+    }
 }
 
 /// The equations of a system as polynomials.
@@ -122,10 +130,7 @@ impl Problem {
         parameters: Vec<(String, f64)>,
         family: Option<Box<dyn Family>>,
     ) -> Result<Self> {
-        let (drift, columns) = (equations.drift.clone(), equations.columns.clone());
-        let field =
-            Box::new(move |induces| Box::new(PolynomialField::new(&drift, &columns, induces)) as Box<dyn Field>);
-        SystemParts { equations, names, field }.problem(parameters, family)
+        SystemParts::of_polynomials(equations, names).problem(parameters, family)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Flows of fields over short times, and steps that are made of them.
 
 use super::{Contact, LANES, Lane};
-use crate::scalar::Scalar;
 
 /// Time steps under noise that is the same everywhere: kicks F(h/2) W(h) F(h/2), between them every displacement straight on.
 pub(crate) struct Kicks<'a> {
@@ -67,21 +66,21 @@ pub(crate) fn near(walls: &[Nearness], x: &[Lane], tau: f64) -> [bool; LANES] {
     near
 }
 
+/// A kick without the straight piece after it, at all lanes. No closure, which the compiler leaves as a function of its own, for
+/// registers of two numbers, where it is long.
+pub(super) trait KickLanes {
+    /// Takes the states `x` through it for the increments `w` of all processes.
+    fn kick(&mut self, x: &mut [Lane], w: &[Lane]);
+}
+
 impl Kicks<'_> {
-    /// Kicks for the increments `w`, which are those of all processes for each, and every displacement straight on after it; `kick`
-    /// takes the states through the first part. They end after a kick that leaves a trajectory near the wall. Returned
-    /// is their number, and whether they ended so.
+    /// Kicks for the increments `w`, which are those of all processes for each, and every displacement straight on after it.
+    /// They end after a kick that leaves a trajectory near the wall. Returned is their number, and whether they ended so.
     #[inline(always)]
-    pub(super) fn run(
-        &self,
-        x: &mut [Lane],
-        w: &[Lane],
-        processes: usize,
-        mut kick: impl FnMut(&mut [Lane], &[Lane]),
-    ) -> (usize, bool) {
+    pub(super) fn run(&self, x: &mut [Lane], w: &[Lane], processes: usize, mut kick: impl KickLanes) -> (usize, bool) {
         let mut additions = self.additions;
         for before in 0..self.count {
-            kick(x, &w[before * processes..][..processes]);
+            kick.kick(x, &w[before * processes..][..processes]);
             if self.walls.is_none_or(|walls| near(walls, x, self.step).contains(&true)) {
                 return (before + 1, true);
             }
@@ -103,22 +102,18 @@ impl Kicks<'_> {
 
 /// F W F: the flow of the drift over the time `half`, G w with the entries `noise` of G, and the flow once more.
 #[inline(always)]
-pub(super) fn kick<S, X>(
-    x: X,
+pub(super) fn kick<const N: usize>(
+    x: [f64; N],
     half: f64,
     moved: &[f64],
     noise: impl Fn(usize, usize) -> f64,
-    w: &[S],
-    drift: impl Fn(&X) -> X,
-) -> X
-where
-    S: Scalar,
-    X: AsRef<[S]> + AsMut<[S]> + Clone,
-{
+    w: &[f64],
+    drift: impl Fn([f64; N]) -> [f64; N],
+) -> [f64; N] {
     let mut x = midpoint(x, half, moved, &drift);
-    for (i, x) in x.as_mut().iter_mut().enumerate() {
+    for (i, x) in x.iter_mut().enumerate() {
         for (k, w) in w.iter().enumerate() {
-            *x = *x + *w * noise(i, k);
+            *x += w * noise(i, k);
         }
     }
     midpoint(x, half, moved, drift)
@@ -126,42 +121,32 @@ where
 
 /// The explicit midpoint rule.
 #[inline(always)]
-pub(super) fn midpoint<S, X>(x: X, tau: f64, moved: &[f64], drift: impl Fn(&X) -> X) -> X
-where
-    S: Scalar,
-    X: AsRef<[S]> + AsMut<[S]> + Clone,
-{
-    let middle = ahead(x.clone(), drift(&x), |i| S::from(moved[i] * (tau / 2.0)));
-    let slope = drift(&middle);
-    ahead(x, slope, |i| S::from(moved[i] * tau))
+pub(super) fn midpoint<const N: usize>(
+    x: [f64; N],
+    tau: f64,
+    moved: &[f64],
+    drift: impl Fn([f64; N]) -> [f64; N],
+) -> [f64; N] {
+    let middle = ahead(x, drift(x), |i| moved[i] * (tau / 2.0));
+    ahead(x, drift(middle), |i| moved[i] * tau)
 }
 
 /// The classical Runge-Kutta rule.
 #[inline(always)]
-pub(super) fn runge_kutta<S, X>(x: X, s: S, field: impl Fn(&X) -> X) -> X
-where
-    S: Scalar,
-    X: AsRef<[S]> + AsMut<[S]> + Clone,
-{
-    let first = field(&x);
-    let second = field(&ahead(x.clone(), first.clone(), |_| s / 2.0));
-    let third = field(&ahead(x.clone(), second.clone(), |_| s / 2.0));
-    let mut mean = field(&ahead(x.clone(), third.clone(), |_| s));
-    for (i, last) in mean.as_mut().iter_mut().enumerate() {
-        *last = first.as_ref()[i] + (second.as_ref()[i] + third.as_ref()[i]) * 2.0 + *last;
-    }
-    ahead(x, mean, |_| s / 6.0)
+pub(super) fn runge_kutta<const N: usize>(x: [f64; N], s: f64, field: impl Fn([f64; N]) -> [f64; N]) -> [f64; N] {
+    let first = field(x);
+    let second = field(ahead(x, first, |_| s / 2.0));
+    let third = field(ahead(x, second, |_| s / 2.0));
+    let last = field(ahead(x, third, |_| s));
+    let sum = std::array::from_fn(|i| first[i] + (second[i] + third[i]) * 2.0 + last[i]);
+    ahead(x, sum, |_| s / 6.0)
 }
 
 /// x_i + τ_i × slope_i.
 #[inline(always)]
-fn ahead<S, X>(mut x: X, slope: X, tau: impl Fn(usize) -> S) -> X
-where
-    S: Scalar,
-    X: AsRef<[S]> + AsMut<[S]>,
-{
-    for (i, (x, slope)) in x.as_mut().iter_mut().zip(slope.as_ref()).enumerate() {
-        *x = *x + *slope * tau(i);
+fn ahead<const N: usize>(mut x: [f64; N], slope: [f64; N], tau: impl Fn(usize) -> f64) -> [f64; N] {
+    for i in 0..N {
+        x[i] += slope[i] * tau(i);
     }
     x
 }

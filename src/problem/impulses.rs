@@ -1,6 +1,5 @@
 //! Impulses of a problem: how often they come, and methods that do not serve them.
 
-use super::flow::midpoint;
 use super::{Problem, TimeScales};
 use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
@@ -43,13 +42,16 @@ impl Problem {
             return None;
         }
         let step = TimeScales::of(self).ok()?.short(1.0) / STEPS;
-        let moved = vec![1.0; self.dimension()];
-        let drift = |x: &Vec<f64>| {
+        let drift = |x: &[f64]| {
             let mut drift = vec![0.0; x.len()];
             self.field().ito_drift(x, &mut drift);
             drift
         };
-        let speed = |x: &Vec<f64>| drift(x).iter().map(|f| f * f).sum::<f64>().sqrt();
+        let ahead = |x: &[f64], slope: Vec<f64>, tau: f64| -> Vec<f64> {
+            x.iter().zip(slope).map(|(x, slope)| x + tau * slope).collect()
+        };
+        let midpoint = |x: Vec<f64>, _| ahead(&x, drift(&ahead(&x, drift(&x), step / 2.0)), step);
+        let speed = |x: &[f64]| drift(x).iter().map(|f| f * f).sum::<f64>().sqrt();
         let shrinking = |x: &[f64]| {
             let mut end = x.to_vec();
             let resting = AT_REST * speed(&end);
@@ -57,7 +59,7 @@ impl Problem {
                 if stretch > 0 && speed(&end) < resting {
                     break;
                 }
-                end = (0..LOOK).fold(end, |x, _| midpoint(x, step, &moved, drift));
+                end = (0..LOOK).fold(end, midpoint);
             }
             Some(-self.field().divergence(&end)).filter(|shrinking| *shrinking > 0.0)
         };

@@ -11,10 +11,8 @@ mod impulses;
 mod mirror;
 mod modulated_moments;
 mod motion;
-mod pack;
 mod room;
 mod symmetry;
-mod tangent;
 mod text;
 mod time_scales;
 #[cfg(test)]

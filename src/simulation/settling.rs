@@ -29,12 +29,12 @@ const ENDED: f64 = 1e-2;
 
 /// States of some trajectories from near rest, `count` of them. Where they explode time steps are halved; where they grow from the first
 /// quarter to the last, as after a start at a state of rest that they leave, runs with longer times between states show whether they go
-/// on, as far as the work allows.
+/// on, as far as the work allows. Beside the states is whether it allowed to show that they settle.
 ///
 /// # Errors
 /// [`Error::TooStiff`]; [`Error::Exploded`] with every time step that was tried; [`Error::NoDensity`] where trajectories keep growing,
 /// or all end at a point.
-pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> Result<States> {
+pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> Result<(States, bool)> {
     TimeScales::require_drift(problem)?;
     TimeScales::require_moderate(problem)?;
     let mut trials = Trials::new(problem, [trajectories, count])?;
@@ -43,19 +43,19 @@ pub(crate) fn settled(problem: &Problem, [trajectories, count]: [usize; 2]) -> R
     // A root of time shows in a longer run alone.
     let bounded = growing(&spreads, GROWING).is_none();
     if bounded && trials.scales.settles() {
-        return Ok(first);
+        return Ok((first, true));
     }
     let (mut grown, mut last) = (None, first.clone());
     for (longer, factor) in LONGER {
         if !trials.affords(longer, trials.step) {
-            return Ok(if bounded { first } else { last });
+            return Ok((if bounded { first } else { last }, false));
         }
         let spreads;
         (spreads, last) = trials.run(longer)?;
         grown = growing(&spreads, factor);
         // Where all is much slower than farther out, they had no time to grow.
         if grown.is_none() || longer * trials.scales.share(problem, &last)? < 1.0 {
-            return Ok(if bounded { first } else { last });
+            return Ok((if bounded { first } else { last }, true));
         }
     }
     let behaviour = "keep growing: the drift must bring them back, so check the signs of damping and leading stiffness";
@@ -117,16 +117,16 @@ impl<'a> Trials<'a> {
 }
 
 /// Refuses a system without a stationary density where that is in doubt: its Gaussian closure does not settle, or nothing
-/// moves trajectories from where they start.
+/// moves trajectories from where they start. Whether trajectories were shown to settle.
 ///
 /// # Errors
 /// Those of [`settled`].
-pub(crate) fn require_settling(problem: &Problem) -> Result<()> {
+pub(crate) fn require_settling(problem: &Problem) -> Result<bool> {
     TimeScales::require_drift(problem)?;
     if TimeScales::of(problem)?.settles() && !rests(problem) {
-        return Ok(());
+        return Ok(true);
     }
-    settled(problem, FEW).map(|_| ())
+    settled(problem, FEW).map(|(_, settles)| settles)
 }
 
 /// Refuses trajectories of `each` states that all end at a point, where the states are enough to show it.
@@ -171,4 +171,34 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut all: Vec<f64> = values.collect();
     let middle = all.len() / 2;
     if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Scalar;
+    use crate::system::PolynomialDrift;
+
+    /// x″ = −x under noise on the velocity that hardly depends on the states, by as many terms as a factor that is not 0 makes.
+    struct Undamped(f64);
+
+    impl PolynomialDrift<2, 1> for Undamped {
+        fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+            [v, -x]
+        }
+        fn noise<S: Scalar>(&self, [x, v]: [S; 2]) -> [[S; 1]; 2] {
+            [[S::from(0.0)], [(x + v + x * x) * self.0 + 0.3]]
+        }
+    }
+
+    /// Growth as the square root of time shows in the longest of the runs alone; where each step costs nine times as much, the
+    /// work ends before, and the answer is that nothing was shown.
+    #[test]
+    fn what_the_work_does_not_allow_is_not_shown() -> Result<()> {
+        let refused = settled(&Problem::of(Undamped(0.0))?, FEW);
+        assert!(matches!(refused, Err(Error::NoDensity { .. })), "{refused:?}");
+        let (states, settles) = settled(&Problem::of(Undamped(1e-6))?, FEW)?;
+        assert!(!settles && states.len() == FEW[1], "{settles}");
+        Ok(())
+    }
 }

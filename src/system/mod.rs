@@ -89,6 +89,9 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
 /// A system as [`PolynomialDrift`] whose number of states is a number at run time: a chain of any length, a model from a
 /// file.
 ///
+/// Its definition is called with symbols alone, once: all methods follow its polynomials, multiplied out. Those of (x − 10⁴)³ lose
+/// twelve digits where x is near 10⁴, so that states are best measured from where the density is.
+///
 /// ```
 /// use expoly::{PolynomialSystem, Problem, Scalar};
 ///

@@ -162,8 +162,8 @@ pub(in crate::closure) struct Samples<'a> {
 /// Above elastic walls a density that is exact has no kinks, and is sought without them first.
 pub(in crate::closure) fn close_on_samples(samples: Samples<'_>) -> Option<SampleClosure> {
     let without_kinks = samples.family.without_kinks();
-    let without_kinks = without_kinks.and_then(|family| closed(Samples { family: &family, ..samples }));
-    without_kinks.filter(|found| found.exact).or_else(|| closed(samples))
+    let exact = without_kinks.and_then(|family| closed(Samples { family: &family, ..samples }, true));
+    exact.or_else(|| closed(samples, false))
 }
 
 /// Closes at one order by the means of a density at a time, of which the states of `samples` are draws. None where they are too few.
@@ -205,8 +205,9 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
 }
 
 /// Closes in one family of functions, by integrals over nested nodes where a state is thin, over a lattice where that resolves the
-/// density, and over draws from the states' copula otherwise. None where they are too few for its functions.
-fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
+/// density, and over draws from the states' copula otherwise. None where they are too few for its functions, and where the density is
+/// not exact if `exact_alone` asks for nothing else.
+fn closed(samples: Samples<'_>, exact_alone: bool) -> Option<SampleClosure> {
     let Samples { problem, family, order, .. } = samples;
     let (space, higher) = (family.functions(order), family.compared(order));
     let corners = family.corners();
@@ -231,6 +232,7 @@ fn closed(samples: Samples<'_>) -> Option<SampleClosure> {
     let root = if struck { None } else { likelihood.polished(problem, &fit) };
     let (l1_estimate, exact, fit) = match (root, &nested) {
         (Some(root), _) => ([0.0; 2], true, root),
+        (None, _) if exact_alone => return None,
         (None, Some((_, other, above))) => {
             let of_other = if *above { comparing } else { Products::of(&family.functions((order - 1) / 2 * 2)) };
             let other = (&Likelihood { products: &of_other, nodes: &other.nodes, ..likelihood }, &other.fit);

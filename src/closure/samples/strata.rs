@@ -7,6 +7,7 @@ use super::walls::WallNodes;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::Corner;
 use crate::numerics::Rule;
+use crate::parallel;
 use crate::problem::Contact;
 use crate::states::States;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -27,6 +28,8 @@ const FINER: f64 = 0.5;
 const FINEST: f64 = 0.2;
 /// The coarsest spacing of the lattice along the walls' line, in standard deviations.
 const COARSEST: f64 = 0.9;
+/// The most places of the lattice for each node that there may be: a bound on work where the states have heavy tails.
+const SEARCHED: usize = 16;
 
 /// The states as (y, w, z): the displacement that meets the walls, its rate, and the others, about which the density of the
 /// latter two is centred at each y.
@@ -164,17 +167,13 @@ impl<'a> Strata<'a> {
         std::iter::once(h * FINER).chain(self.others.iter().map(|_| h)).collect()
     }
 
-    /// Visits the states of a lattice of the spacing h at each Gauss node in y, with the node's weight and the sum of the place's
-    /// whole numbers, while `visit` goes on.
-    fn each_state(&self, h: f64, mut visit: impl FnMut(&[f64], f64, f64) -> bool) -> bool {
+    /// Visits the places of a lattice of the spacing h at a y, with the sum of the place's whole numbers, while `visit` goes on.
+    fn each_place(&self, y: f64, h: f64, mut visit: impl FnMut(&[f64], f64) -> bool) -> bool {
         let steps = self.steps(h);
         let [mut place, mut x] = [self.others.len() + 1, self.others.len() + 2].map(|size| vec![0.0; size]);
-        self.across().into_iter().all(|(y, weight)| {
-            lattice::each(0, self.radius * self.radius, &steps, &mut place, &mut |place| {
-                self.place(y, place, &mut x);
-                let parity = place.iter().zip(&steps).map(|(p, step)| (p / step).round()).sum();
-                !self.copula.trusts(&x) || visit(&x, weight, parity)
-            })
+        lattice::each(0, self.radius * self.radius, &steps, &mut place, &mut |place| {
+            self.place(y, place, &mut x);
+            visit(&x, place.iter().zip(&steps).map(|(p, step)| (p / step).round()).sum())
         })
     }
 
@@ -192,31 +191,46 @@ impl<'a> Strata<'a> {
         Some((self.nodes(h, corners), self.on_walls(h, corners)))
     }
 
-    /// How many nodes there are, unless more than `most`.
+    /// How many nodes there are, unless more than `most`, or few of the places of the lattice.
     fn count(&self, h: f64, most: usize) -> Option<usize> {
-        let mut count = 0;
-        let counted = self.each_state(h, |_, _, _| {
-            count += 1;
-            count <= most
+        let across = self.across();
+        let searched = SEARCHED * most / across.len();
+        let counts = parallel::map(across.len(), |k| {
+            let [mut count, mut places] = [0; 2];
+            let counted = self.each_place(across[k].0, h, |x, _| {
+                places += 1;
+                count += usize::from(self.copula.trusts(x));
+                count <= most && places <= searched
+            });
+            counted.then_some(count)
         });
-        counted.then_some(count)
+        counts.into_iter().sum::<Option<usize>>().filter(|count| *count <= most)
     }
 
     fn nodes(&self, h: f64, corners: &[Corner]) -> SampleNodes {
         let n = self.others.len() + 2;
         let volume = self.axes.diagonal().product() * self.steps(h).iter().product::<f64>();
-        let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
-        self.each_state(h, |x, weight, parity| {
-            let (points, bases) = &mut halves[parity.rem_euclid(2.0) as usize];
-            points.extend_from_slice(x);
-            bases.push((weight * volume).ln() + known(corners, x));
-            true
+        let across = self.across();
+        let along = parallel::map(across.len(), |k| {
+            let (y, weight) = across[k];
+            let mut halves = [(); 2].map(|()| (Vec::new(), Vec::new()));
+            self.each_place(y, h, |x, parity| {
+                if self.copula.trusts(x) {
+                    let (points, bases) = &mut halves[parity.rem_euclid(2.0) as usize];
+                    points.extend_from_slice(x);
+                    bases.push((weight * volume).ln() + known(corners, x));
+                }
+                true
+            });
+            halves
         });
         let mut nodes = SampleNodes::empty(n);
         let mut points = Vec::new();
-        for (half, bases) in halves {
-            points.extend(half);
-            nodes.base.extend(bases);
+        for half in 0..2 {
+            for (at, bases) in along.iter().map(|halves| &halves[half]) {
+                points.extend(at);
+                nodes.base.extend(bases);
+            }
             nodes.parts.push(nodes.base.len());
         }
         SampleNodes { points: States::from_values(n, points), ..nodes }

@@ -1,6 +1,6 @@
 //! Systems of a number of states that is known to the compiler: arrays, several lanes at once.
 
-use super::super::flow::{Kicks, kick, midpoint, runge_kutta};
+use super::super::flow::{KickLanes, Kicks, kick, midpoint, runge_kutta};
 use super::{Field, LANES, Lane};
 use crate::fokker_planck::Local;
 use crate::system::PolynomialDrift;
@@ -85,8 +85,8 @@ struct OnFlow<'a, T, const N: usize, const M: usize> {
 impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> OnFlow<'_, T, N, M> {
     /// Column k, by a choice and not by an index, so that the other columns need no memory.
     #[inline(always)]
-    fn column(&self, x: &[f64; N]) -> [f64; N] {
-        let noise = self.system.noise(*x);
+    fn column(&self, x: [f64; N]) -> [f64; N] {
+        let noise = self.system.noise(x);
         let mut column = [0.0; N];
         for i in 0..N {
             for k in 0..M {
@@ -124,27 +124,40 @@ struct OnKicks<'a, D, const N: usize, const M: usize> {
     drift: D,
 }
 
-impl<D: Fn(&[f64; N]) -> [f64; N], const N: usize, const M: usize> NullaryFnOnce for OnKicks<'_, D, N, M> {
+impl<D: Fn([f64; N]) -> [f64; N], const N: usize, const M: usize> NullaryFnOnce for OnKicks<'_, D, N, M> {
     type Output = (usize, bool);
 
     #[inline(always)]
     fn call(self) -> (usize, bool) {
         let Kicks { step, moved, noise, .. } = *self.kicks;
-        let (moved, noise): ([f64; N], [[f64; M]; N]) = (array(moved), std::array::from_fn(|i| array(&noise[i * M..])));
+        let noise: [[f64; M]; N] = std::array::from_fn(|i| array(&noise[i * M..]));
         let mut states = [[0.0; LANES]; N];
         states.copy_from_slice(&self.x[..N]);
-        let kicks = self.kicks.run(&mut states, self.w, M, |x, w| {
-            for l in 0..LANES {
-                let (state, w): ([f64; N], [f64; M]) =
-                    (std::array::from_fn(|i| x[i][l]), std::array::from_fn(|k| w[k][l]));
-                let state = kick(state, step / 2.0, &moved, |i, k| noise[i][k], &w, &self.drift);
-                for i in 0..N {
-                    x[i][l] = state[i];
-                }
-            }
-        });
+        let kick = OneByOne { half: step / 2.0, moved: array(moved), noise, drift: self.drift };
+        let kicks = self.kicks.run(&mut states, self.w, M, kick);
         self.x[..N].copy_from_slice(&states);
         kicks
+    }
+}
+
+/// A kick of one lane after another, several of which the compiler may join.
+struct OneByOne<D, const N: usize, const M: usize> {
+    half: f64,
+    moved: [f64; N],
+    noise: [[f64; M]; N],
+    drift: D,
+}
+
+impl<D: Fn([f64; N]) -> [f64; N], const N: usize, const M: usize> KickLanes for OneByOne<D, N, M> {
+    #[inline(always)]
+    fn kick(&mut self, x: &mut [Lane], w: &[Lane]) {
+        for l in 0..LANES {
+            let (state, w): ([f64; N], [f64; M]) = (std::array::from_fn(|i| x[i][l]), std::array::from_fn(|k| w[k][l]));
+            let state = kick(state, self.half, &self.moved, |i, k| self.noise[i][k], &w, &self.drift);
+            for i in 0..N {
+                x[i][l] = state[i];
+            }
+        }
     }
 }
 
@@ -160,12 +173,12 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T
 
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
         let moved: [f64; N] = array(moved);
-        let drift = |x: &[f64; N]| self.system.drift(*x);
+        let drift = |x: [f64; N]| self.system.drift(x);
         if induced == 0.0 {
             arch.dispatch(OnLanes { x, values: to, function: |x| midpoint(x, tau, &moved, drift) });
         } else {
-            let both = |x: &[f64; N]| {
-                let (drift, more) = (drift(x), self.along(*x));
+            let both = |x: [f64; N]| {
+                let (drift, more) = (drift(x), self.along(x));
                 std::array::from_fn(|i| drift[i] + induced * more[i])
             };
             arch.dispatch(OnLanes { x, values: to, function: |x| midpoint(x, tau, &moved, both) });
@@ -173,13 +186,13 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T
     }
 
     fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
-        let drift = |x: &[f64; N]| self.system.drift(*x);
+        let drift = |x: [f64; N]| self.system.drift(x);
         arch.dispatch(OnKicks::<_, N, M> { x, w, kicks, drift })
     }
 
     fn kick(&self, x: &mut [f64], w: &[f64], Kicks { step, moved, noise, .. }: &Kicks<'_>) {
         let noise = |i: usize, k: usize| noise[i * M + k];
-        x.copy_from_slice(&kick(array::<N>(x), step / 2.0, moved, noise, w, |x| self.system.drift(*x)));
+        x.copy_from_slice(&kick(array::<N>(x), step / 2.0, moved, noise, w, |x| self.system.drift(x)));
     }
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {

@@ -1,14 +1,12 @@
 //! The user's own definition behind a trait object: nothing outside this folder is compiled for a user's type.
 
-mod any_size;
 mod fixed;
 mod polynomials;
 
 use super::flow::Kicks;
 use crate::fokker_planck::Local;
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 
-pub(super) use any_size::AnySize;
 pub(super) use fixed::Fixed;
 pub(super) use polynomials::PolynomialField;
 
@@ -56,16 +54,4 @@ pub(crate) trait Field: Send + Sync {
 
     /// ∂f_i/∂x_j of the Itô drift, by rows, and Σ|∂G_ik/∂x_j|².
     fn slopes(&self, x: &[f64], jacobian: &mut [f64]) -> f64;
-}
-
-/// A call with the registers that it is compiled for.
-struct OnRegisters<F>(F);
-
-impl<R, F: FnOnce() -> R> NullaryFnOnce for OnRegisters<F> {
-    type Output = R;
-
-    #[inline(always)]
-    fn call(self) -> R {
-        (self.0)()
-    }
 }

@@ -1,10 +1,10 @@
 //! Systems that are given as polynomials: sums of products, at all lanes at once and without a vector of their own.
 
-use super::super::flow::Kicks;
-use super::{Field, LANES, Lane, OnRegisters};
+use super::super::flow::{KickLanes, Kicks};
+use super::{Field, LANES, Lane};
 use crate::fokker_planck::{Local, noise_induced_drift};
 use crate::polynomial::Polynomial;
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 /// The polynomials of a system, and the derivatives that are asked of it.
 pub(in crate::problem) struct PolynomialField {
@@ -77,11 +77,20 @@ impl PolynomialField {
         self.drive(x, tau / 2.0, moved, induced, middle);
         self.drive(middle, tau, moved, induced, x);
     }
+}
 
-    /// A kick under noise that is the same everywhere.
+/// A kick under noise that is the same everywhere, with room for a state.
+struct Kick<'a, const L: usize> {
+    field: &'a PolynomialField,
+    kicks: &'a Kicks<'a>,
+    middle: &'a mut [[f64; L]],
+}
+
+impl<const L: usize> Kick<'_, L> {
     #[inline(always)]
-    fn kicked<const L: usize>(&self, x: &mut [[f64; L]], w: &[[f64; L]], kicks: &Kicks<'_>, middle: &mut [[f64; L]]) {
-        self.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
+    fn on(&mut self, x: &mut [[f64; L]], w: &[[f64; L]]) {
+        let Kick { field, kicks, middle } = self;
+        field.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
         for (x, noise) in x.iter_mut().zip(kicks.noise.chunks_exact(w.len().max(1))) {
             for (w, g) in w.iter().zip(noise) {
                 for l in 0..L {
@@ -89,50 +98,123 @@ impl PolynomialField {
                 }
             }
         }
-        self.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
+        field.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
+    }
+}
+
+impl KickLanes for Kick<'_, LANES> {
+    #[inline(always)]
+    fn kick(&mut self, x: &mut [Lane], w: &[Lane]) {
+        self.on(x, w);
+    }
+}
+
+/// Sums at all lanes, with the registers that the call is compiled for. This and the calls below are no closures, which the
+/// compiler leaves as functions of their own, for registers of two numbers, where they are long.
+struct OnLanes<'a> {
+    sums: &'a [Sum],
+    x: &'a [Lane],
+    values: &'a mut [Lane],
+}
+
+impl NullaryFnOnce for OnLanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        on_all(self.sums, self.x, self.values);
+    }
+}
+
+/// The flow of a column of G at all lanes, with room for two states.
+struct OnNoiseFlow<'a> {
+    column: &'a [Sum],
+    x: &'a [Lane],
+    s: &'a Lane,
+    room: [&'a mut [Lane]; 2],
+    to: &'a mut [Lane],
+}
+
+impl NullaryFnOnce for OnNoiseFlow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let OnNoiseFlow { column, x, s, room: [slope, at], to } = self;
+        to.copy_from_slice(x);
+        at.copy_from_slice(x);
+        for (share, next) in [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)] {
+            on_all(column, at, slope);
+            for (i, slope) in slope.iter().enumerate() {
+                for l in 0..LANES {
+                    to[i][l] += share * s[l] * slope[l];
+                    at[i][l] = x[i][l] + next * s[l] * slope[l];
+                }
+            }
+        }
+    }
+}
+
+/// The flow of the drift at all lanes, with room for a state.
+struct OnDriftFlow<'a> {
+    field: &'a PolynomialField,
+    x: &'a mut [Lane],
+    tau: f64,
+    moved: &'a [f64],
+    induced: f64,
+    middle: &'a mut [Lane],
+}
+
+impl NullaryFnOnce for OnDriftFlow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.field.flow(self.x, self.tau, self.moved, self.induced, self.middle);
+    }
+}
+
+/// Kicks at all lanes.
+struct OnKicks<'a> {
+    x: &'a mut [Lane],
+    w: &'a [Lane],
+    kick: Kick<'a, LANES>,
+}
+
+impl NullaryFnOnce for OnKicks<'_> {
+    type Output = (usize, bool);
+
+    #[inline(always)]
+    fn call(self) -> (usize, bool) {
+        let OnKicks { x, w, kick } = self;
+        kick.kicks.run(x, w, kick.field.columns.len(), kick)
     }
 }
 
 impl Field for PolynomialField {
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
-        arch.dispatch(OnRegisters(|| on_all(&self.columns[k], x, column)));
+        arch.dispatch(OnLanes { sums: &self.columns[k], x, values: column });
     }
 
     fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
-        let column = &self.columns[k];
         let mut room = vec![[0.0; LANES]; 2 * x.len()];
-        let (slope, at) = room.split_at_mut(x.len());
-        arch.dispatch(OnRegisters(|| {
-            to.copy_from_slice(x);
-            at.copy_from_slice(x);
-            for (share, next) in [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)] {
-                on_all(column, at, slope);
-                for (i, slope) in slope.iter().enumerate() {
-                    for l in 0..LANES {
-                        to[i][l] += share * s[l] * slope[l];
-                        at[i][l] = x[i][l] + next * s[l] * slope[l];
-                    }
-                }
-            }
-        }));
+        arch.dispatch(OnNoiseFlow { column: &self.columns[k], x, s, room: room.split_at_mut(x.len()).into(), to });
     }
 
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
-        let mut middle = vec![[0.0; LANES]; x.len()];
-        arch.dispatch(OnRegisters(|| {
-            to.copy_from_slice(x);
-            self.flow(to, tau, moved, induced, &mut middle);
-        }));
+        to.copy_from_slice(x);
+        let middle = &mut vec![[0.0; LANES]; x.len()];
+        arch.dispatch(OnDriftFlow { field: self, x: to, tau, moved, induced, middle });
     }
 
     fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
-        let mut middle = vec![[0.0; LANES]; x.len()];
-        arch.dispatch(OnRegisters(|| kicks.run(x, w, self.columns.len(), |x, w| self.kicked(x, w, kicks, &mut middle))))
+        let middle = &mut vec![[0.0; LANES]; x.len()];
+        arch.dispatch(OnKicks { x, w, kick: Kick { field: self, kicks, middle } })
     }
 
     fn kick(&self, x: &mut [f64], w: &[f64], kicks: &Kicks<'_>) {
         let [mut one, w] = [&*x, w].map(|values| values.iter().map(|&value| [value]).collect::<Vec<_>>());
-        self.kicked(&mut one, &w, kicks, &mut vec![[0.0]; x.len()]);
+        Kick { field: self, kicks, middle: &mut vec![[0.0]; x.len()] }.on(&mut one, &w);
         x.iter_mut().zip(one).for_each(|(x, [one])| *x = one);
     }
 
@@ -141,7 +223,7 @@ impl Field for PolynomialField {
     }
 
     fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
-        arch.dispatch(OnRegisters(|| on_all(&self.ito, x, drift)));
+        arch.dispatch(OnLanes { sums: &self.ito, x, values: drift });
     }
 
     fn divergence(&self, x: &[f64]) -> f64 {
