@@ -29,21 +29,17 @@ const UNMIXED: f64 = 16.0;
 /// Where this share of all states of a trajectory is worth only one, the trajectories have not left their starts: those of a
 /// Brownian motion are all worth one.
 const UNMIXED_SHARE: f64 = 0.75;
-/// What trajectories do that never leave the well where they began.
-const STAYING: &str = "stay where they began, for longer than a pilot runs: the noise hardly takes them from well to well, so take \
-    stronger noise, or a model of one well";
+/// Why states have no density whose trajectories never leave the well where they began.
+const STAYING: &str = "trajectories stay where they began, for longer than a pilot runs: the noise hardly takes them from well to well, \
+    if it does at all, so take stronger noise, or a model of one well";
 
 impl Closure {
-    /// On the states of a pilot, whose trajectories are known to settle or not.
+    /// On the states of a pilot of a problem whose trajectories were shown to settle, or not.
     pub(super) fn on_states(&self, problem: &Problem, settles: bool, begin: Instant) -> Result<ClosureDensity> {
         let (dimension, walled) = (problem.dimension(), !problem.walls().is_empty());
         let referred = self.reference == Reference::Equations;
-        let unreferred = match (dimension, walled) {
-            (5.., _) => Some("five states and more on nodes"),
-            (_, true) => Some("walls in three states and more on nodes"),
-            _ => None,
-        };
-        if let Some(what) = unreferred.filter(|_| referred) {
+        if referred && (dimension > 4 || walled) {
+            let what = if walled { "walls in three states and more on nodes" } else { "five states and more on nodes" };
             let remedy = "take the pilot's states, as is the default";
             return Err(Error::NotServed { method: METHOD, what, remedy });
         }
@@ -51,12 +47,12 @@ impl Closure {
         let plan = PilotPlan::new(problem, self.seed, settles)?;
         let states = self.states.unwrap_or(if walled { CARRYING_STATES_AT_WALLS } else { CARRYING_STATES });
         let mut pilot = plan.pilot(states, 1.0)?;
-        let (mut slow, mut slowness) = pilot.slowest(&symmetry);
+        let mut slowness = pilot.slowness(&symmetry);
         let slower = if slowness > CORRELATED { plan.slower(slowness.min(LONGER), states, &pilot) } else { None };
         match slower.map(|plan| plan.pilot(states, 1.0)) {
             Some(Ok(longer)) => {
                 pilot = longer;
-                (slow, slowness) = pilot.slowest(&symmetry);
+                slowness = pilot.slowness(&symmetry);
             }
             Some(Err(error)) if !matches!(error, Error::Exploded { .. }) => return Err(error),
             // There is no time for shorter steps in a run that long.
@@ -84,7 +80,7 @@ impl Closure {
         };
         let closed = self.at_order(HIGHEST_ORDER, true, |order| of_use(closed(order)?, order));
         closed.map_err(|error| match error {
-            Error::NotClosed { .. } if stayed => Error::no_density(format!("in state {slow} trajectories {STAYING}")),
+            Error::NotClosed { order, .. } if stayed => Error::NotClosed { order, reason: STAYING },
             error => error,
         })
     }
@@ -94,6 +90,7 @@ impl Closure {
 fn unmixed(samples: usize) -> f64 {
     UNMIXED.min(UNMIXED_SHARE * samples as f64)
 }
+
 /// Whether trajectories of so many states have stayed where they began, as in wells that nothing leaves; of fewer than eight it shows
 /// too little.
 fn have_stayed(slowness: f64, samples: usize) -> bool {

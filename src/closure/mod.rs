@@ -21,7 +21,7 @@
 //! exponential polynomial closest to any density of one state or two.
 //!
 //! `method` holds the options, and `solve` the way from a problem to the steps: `nodal` takes them on Gauss nodes in one and two
-//! states, also next to walls. In three and more, `sampled` and `samples`, the pilot's states take the place of the reference:
+//! states, also next to walls. In three and more, `carried`, `sampled` and `samples`, the pilot's states take the place of the reference:
 //! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
 //! reference as well. Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls.
 //!

@@ -226,11 +226,6 @@ impl Pilot {
     /// standard error of E x_i² between trajectories over that of independent states, for the slowest state; and that of E
     /// x_i where no symmetry makes it zero.
     pub(super) fn slowness(&self, symmetry: &Symmetry) -> f64 {
-        self.slowest(symmetry).1
-    }
-
-    /// The slowest state, and that number.
-    pub(super) fn slowest(&self, symmetry: &Symmetry) -> (usize, f64) {
         let samples = self.samples();
         let slowness = |values: Vec<f64>| -> f64 {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -240,8 +235,7 @@ impl Pilot {
         };
         let of = |i: usize, power: i32| slowness(self.states.iter().map(|x| x[i].powi(power)).collect());
         let own = |i: usize| if symmetry.flips(i) { of(i, 2) } else { of(i, 1).max(of(i, 2)) };
-        let all = (0..self.states.dimension()).map(|i| (i, own(i)));
-        all.fold((0, 1.0), |slowest, state| if state.1 > slowest.1 { state } else { slowest })
+        (0..self.states.dimension()).map(own).fold(1.0, f64::max)
     }
 
     /// Centre and standard deviations of the states and their mirror images.

@@ -54,8 +54,8 @@ impl Closure {
     /// [`Error::OutOfRange`] for an option without a meaning; [`Error::Dimension`] where [`Closure::degrees`] or
     /// [`Closure::starting_from`] belong to another number of states; [`Error::NotServed`] for nodes that do not serve the problem, for
     /// noise on a gap that depends on the state at the wall, and for impulses next to walls; [`Error::Exploded`] where no trajectory stays;
-    /// [`Error::NoDensity`] where no noise reaches a state, or trajectories grow without end, come to rest or stay where they began; [`Error::TooStiff`] for rates too
-    /// far apart where the system is not linear; [`Error::NotClosed`] where the pilot's states allow no density;
+    /// [`Error::NoDensity`] where no noise reaches a state, or trajectories grow without end or come to rest; [`Error::TooStiff`] for rates too
+    /// far apart where the system is not linear; [`Error::NotClosed`] where the pilot's states allow no density, as where they stay in the well where they began;
     /// [`Error::TooMuchMemory`] where the states or the equations would not keep to [`Closure::memory_limit`].
     pub fn solve(&self, problem: &Problem) -> Result<ClosureDensity> {
         let begin = Instant::now();
@@ -111,7 +111,6 @@ impl Closure {
 
     /// By the moment equations of nodes, and where these do not serve by a grid.
     fn by_either(&self, problem: &Problem, run: (&PilotPlan<'_>, &Pilot), begin: Instant) -> Result<ClosureDensity> {
-        let settles = run.0.settles;
         let by_equations = (self.reference != Reference::Grid).then(|| self.by_equations(problem, run, begin));
         match by_equations {
             Some(Ok(density)) if density.content.is_served_by_equations() => Ok(density),
@@ -121,7 +120,7 @@ impl Closure {
                 (Ok(closest), Err(_)) => Ok(closest),
                 (Err(_), Ok(density)) if density.l1_estimate() < FARTHEST => Ok(density),
                 // Neither: the pilot's states have a density in any case.
-                (Err(_), by_equations) => self.on_states(problem, settles, begin).or(by_equations),
+                (Err(_), by_equations) => self.on_states(problem, run.0.settles, begin).or(by_equations),
             },
             None => self.by_grid(problem, run.1, begin),
         }

@@ -80,16 +80,16 @@ impl PolynomialField {
 }
 
 /// A kick under noise that is the same everywhere, with room for a state.
-struct Kick<'a, const L: usize> {
+struct PolynomialKick<'a, const L: usize> {
     field: &'a PolynomialField,
     kicks: &'a Kicks<'a>,
     middle: &'a mut [[f64; L]],
 }
 
-impl<const L: usize> Kick<'_, L> {
+impl<const L: usize> PolynomialKick<'_, L> {
     #[inline(always)]
     fn on(&mut self, x: &mut [[f64; L]], w: &[[f64; L]]) {
-        let Kick { field, kicks, middle } = self;
+        let PolynomialKick { field, kicks, middle } = self;
         field.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
         for (x, noise) in x.iter_mut().zip(kicks.noise.chunks_exact(w.len().max(1))) {
             for (w, g) in w.iter().zip(noise) {
@@ -102,7 +102,7 @@ impl<const L: usize> Kick<'_, L> {
     }
 }
 
-impl KickLanes for Kick<'_, LANES> {
+impl KickLanes for PolynomialKick<'_, LANES> {
     #[inline(always)]
     fn kick(&mut self, x: &mut [Lane], w: &[Lane]) {
         self.on(x, w);
@@ -111,13 +111,13 @@ impl KickLanes for Kick<'_, LANES> {
 
 /// Sums at all lanes, with the registers that the call is compiled for. This and the calls below are no closures, which the
 /// compiler leaves as functions of their own, for registers of two numbers, where they are long.
-struct OnLanes<'a> {
+struct SumsOnLanes<'a> {
     sums: &'a [Sum],
     x: &'a [Lane],
     values: &'a mut [Lane],
 }
 
-impl NullaryFnOnce for OnLanes<'_> {
+impl NullaryFnOnce for SumsOnLanes<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -127,7 +127,7 @@ impl NullaryFnOnce for OnLanes<'_> {
 }
 
 /// The flow of a column of G at all lanes, with room for two states.
-struct OnNoiseFlow<'a> {
+struct NoiseFlowOnLanes<'a> {
     column: &'a [Sum],
     x: &'a [Lane],
     s: &'a Lane,
@@ -135,12 +135,12 @@ struct OnNoiseFlow<'a> {
     to: &'a mut [Lane],
 }
 
-impl NullaryFnOnce for OnNoiseFlow<'_> {
+impl NullaryFnOnce for NoiseFlowOnLanes<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let OnNoiseFlow { column, x, s, room: [slope, at], to } = self;
+        let NoiseFlowOnLanes { column, x, s, room: [slope, at], to } = self;
         to.copy_from_slice(x);
         at.copy_from_slice(x);
         for (share, next) in [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)] {
@@ -156,7 +156,7 @@ impl NullaryFnOnce for OnNoiseFlow<'_> {
 }
 
 /// The flow of the drift at all lanes, with room for a state.
-struct OnDriftFlow<'a> {
+struct DriftFlowOnLanes<'a> {
     field: &'a PolynomialField,
     x: &'a mut [Lane],
     tau: f64,
@@ -165,7 +165,7 @@ struct OnDriftFlow<'a> {
     middle: &'a mut [Lane],
 }
 
-impl NullaryFnOnce for OnDriftFlow<'_> {
+impl NullaryFnOnce for DriftFlowOnLanes<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -175,46 +175,46 @@ impl NullaryFnOnce for OnDriftFlow<'_> {
 }
 
 /// Kicks at all lanes.
-struct OnKicks<'a> {
+struct KicksOnLanes<'a> {
     x: &'a mut [Lane],
     w: &'a [Lane],
-    kick: Kick<'a, LANES>,
+    kick: PolynomialKick<'a, LANES>,
 }
 
-impl NullaryFnOnce for OnKicks<'_> {
+impl NullaryFnOnce for KicksOnLanes<'_> {
     type Output = (usize, bool);
 
     #[inline(always)]
     fn call(self) -> (usize, bool) {
-        let OnKicks { x, w, kick } = self;
+        let KicksOnLanes { x, w, kick } = self;
         kick.kicks.run(x, w, kick.field.columns.len(), kick)
     }
 }
 
 impl Field for PolynomialField {
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
-        arch.dispatch(OnLanes { sums: &self.columns[k], x, values: column });
+        arch.dispatch(SumsOnLanes { sums: &self.columns[k], x, values: column });
     }
 
     fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
         let mut room = vec![[0.0; LANES]; 2 * x.len()];
-        arch.dispatch(OnNoiseFlow { column: &self.columns[k], x, s, room: room.split_at_mut(x.len()).into(), to });
+        arch.dispatch(NoiseFlowOnLanes { column: &self.columns[k], x, s, room: room.split_at_mut(x.len()).into(), to });
     }
 
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
         to.copy_from_slice(x);
         let middle = &mut vec![[0.0; LANES]; x.len()];
-        arch.dispatch(OnDriftFlow { field: self, x: to, tau, moved, induced, middle });
+        arch.dispatch(DriftFlowOnLanes { field: self, x: to, tau, moved, induced, middle });
     }
 
     fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
         let middle = &mut vec![[0.0; LANES]; x.len()];
-        arch.dispatch(OnKicks { x, w, kick: Kick { field: self, kicks, middle } })
+        arch.dispatch(KicksOnLanes { x, w, kick: PolynomialKick { field: self, kicks, middle } })
     }
 
     fn kick(&self, x: &mut [f64], w: &[f64], kicks: &Kicks<'_>) {
         let [mut one, w] = [&*x, w].map(|values| values.iter().map(|&value| [value]).collect::<Vec<_>>());
-        Kick { field: self, kicks, middle: &mut vec![[0.0]; x.len()] }.on(&mut one, &w);
+        PolynomialKick { field: self, kicks, middle: &mut vec![[0.0]; x.len()] }.on(&mut one, &w);
         x.iter_mut().zip(one).for_each(|(x, [one])| *x = one);
     }
 
@@ -223,7 +223,7 @@ impl Field for PolynomialField {
     }
 
     fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
-        arch.dispatch(OnLanes { sums: &self.ito, x, values: drift });
+        arch.dispatch(SumsOnLanes { sums: &self.ito, x, values: drift });
     }
 
     fn divergence(&self, x: &[f64]) -> f64 {
