@@ -5,7 +5,7 @@ use super::initial::Initial;
 use super::march::Stepper;
 use super::mesh::Mesh;
 use super::operator::Layout;
-use super::refinement::{Finer, finer};
+use super::refinement::{Finer, finer, indicator};
 use super::shape::Shape;
 use super::start::Ground;
 use super::tree::Tree;
@@ -36,6 +36,16 @@ const LOOK: usize = 4;
 const WORTH: f64 = 0.8;
 /// The steps in time after which a transient is given up.
 const MAX_STEPS: usize = 20_000;
+/// The most unknowns times steps to the end, at their present length, for which a mesh is refined: a bound on work, beyond an hour.
+/// Densities of one oscillator with an accuracy of 1e-5 take 1e8.
+pub(super) const MOST_WORK: f64 = 1e9;
+/// The density of the lower degree has up to 9 times the density's own aim in its highest degree. With more it has a mode of cells
+/// where next to nothing is, which would grow: the mesh is refined for this one too.
+const LOWER: f64 = 16.0;
+/// Why a mesh is not refined.
+const NO_MEMORY: &str = "the memory does not suffice for the mesh: raise `memory_limit`";
+const NO_TIME: &str =
+    "the mesh that the density needs is too large for so many steps: ask for an earlier time, or a larger accuracy";
 
 /// What a density is followed by: the noise's envelope, and the accuracy of mesh and steps.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +54,7 @@ pub(super) struct EvolutionPlan<'a> {
     pub(super) accuracy: f64,
     pub(super) degree: usize,
     pub(super) memory: MemoryLimit,
+    pub(super) most_work: f64,
 }
 
 /// Densities of two degrees on one mesh, which has cells where they need them: it is refined before a step that it would not hold,
@@ -57,6 +68,8 @@ pub(super) struct Evolution<'a> {
     /// Those of the degree and of one less.
     pub(super) fields: [GridField; 2],
     pub(super) time: f64,
+    /// The last time that is asked for.
+    end: f64,
     /// The longest step that is tried next, the last one, and those since the mesh was looked through.
     step: f64,
     last: f64,
@@ -66,8 +79,8 @@ pub(super) struct Evolution<'a> {
     pub(super) error: f64,
     /// and that of their masses.
     pub(super) moved: f64,
-    /// Whether the memory did not suffice for the mesh.
-    pub(super) exhausted: bool,
+    /// Why the mesh is no longer refined, once it is not.
+    pub(super) exhausted: Option<&'static str>,
 }
 
 impl<'a> Evolution<'a> {
@@ -94,6 +107,7 @@ impl<'a> Evolution<'a> {
             steppers,
             fields,
             time,
+            end,
             step,
             last: f64::INFINITY,
             // The first mesh may be finer than it need be.
@@ -101,7 +115,7 @@ impl<'a> Evolution<'a> {
             steps: 0,
             error: 0.0,
             moved: 0.0,
-            exhausted,
+            exhausted: exhausted.then_some(NO_MEMORY),
         })
     }
 
@@ -149,14 +163,16 @@ impl<'a> Evolution<'a> {
             refused = 0;
             let lasts = (tolerance / (2.0 * error)).powf(0.25);
             let next = GridField { coefficients: p, ..self.fields[0].clone() };
-            if !self.exhausted {
-                match finer(&next, aim, self.plan.memory) {
-                    Finer::Enough => {}
-                    Finer::Layout(layout) => {
-                        self.move_to(&layout, step * lasts.min(GROWTH))?;
+            let lower = GridField { coefficients: q, ..self.fields[1].clone() };
+            if self.exhausted.is_none() {
+                let longer = step * lasts.min(GROWTH);
+                match self.refined([&next, &lower], aim, (self.end - self.time) / longer) {
+                    Ok(None) => {}
+                    Ok(Some(layout)) => {
+                        self.move_to(&layout, longer)?;
                         continue;
                     }
-                    Finer::Exhausted => self.exhausted = true,
+                    Err(reason) => self.exhausted = Some(reason),
                 }
             }
             self.time = if left <= step * (1.0 + 1e-12) { until } else { self.time + step };
@@ -166,8 +182,7 @@ impl<'a> Evolution<'a> {
                 return Err(Error::NotResolved { estimate: self.error, reason: reason.into() });
             }
             self.moved += GridField { coefficients: difference, ..next.clone() }.mass().abs();
-            self.fields[1].coefficients = q;
-            self.fields[0] = next;
+            self.fields = [next, lower];
             // The error of a longer step grows with the fourth power of the length.
             if step * lasts > self.step * change {
                 self.step = (step * lasts).min(self.step * GROWTH);
@@ -181,6 +196,36 @@ impl<'a> Evolution<'a> {
             }
         }
         Ok(())
+    }
+
+    /// The mesh that holds the densities of both degrees, where theirs does not; or the reason why there is none.
+    fn refined(
+        &self,
+        [fine, coarse]: [&GridField; 2],
+        aim: f64,
+        steps: f64,
+    ) -> std::result::Result<Option<Layout>, &'static str> {
+        let needed = match finer(fine, aim, self.plan.memory) {
+            Finer::Enough => finer(coarse, LOWER * aim, self.plan.memory),
+            needed => needed,
+        };
+        match needed {
+            Finer::Enough => Ok(None),
+            Finer::Layout(layout) => {
+                let unknowns = (layout.mesh.cells.len() * fine.shape.block()) as f64;
+                if unknowns * steps.min(MAX_STEPS as f64) <= self.plan.most_work {
+                    Ok(Some(layout))
+                } else {
+                    Err(NO_TIME)
+                }
+            }
+            Finer::Exhausted => Err(NO_MEMORY),
+        }
+    }
+
+    /// What the mesh leaves in the highest degree of the density, where it is no longer refined.
+    pub(super) fn unresolved(&self) -> f64 {
+        if self.exhausted.is_some() { indicator(&self.fields[0].highest()) } else { 0.0 }
     }
 
     /// Goes on on another mesh, whose factors are new with any `step`.
@@ -225,4 +270,39 @@ impl<'a> Evolution<'a> {
 
 fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::{Grid, GridDensity};
+    use crate::problem::Problem;
+    use crate::transient::Start;
+
+    /// A mesh that would be too large for the steps to the end stays as it is, and what it leaves in the highest degree is said.
+    #[test]
+    fn a_mesh_too_large_for_its_steps_is_not_refined() -> Result<()> {
+        let text = "states = ['x', 'v']\ndrift = { x = 'v', v = '-0.2*v - x - 0.3*x^3' }\nnoise.w.v = 'sqrt(0.4)'";
+        let GridDensity { fine, coarse, kept, .. } = Grid::new().accuracy(1e-2).solve(&Problem::from_toml(text)?)?;
+        let ground = kept.ground(fine.mesh.domain(), fine.mesh.sides, 1e-3);
+        let initial = Initial::new(&Start::Point(vec![1.0, 0.0]), &ground, None, (0.5, 1e-3))?;
+        let after = |most_work: f64| -> Result<(Option<&'static str>, usize, f64)> {
+            let plan = EvolutionPlan {
+                envelope: None,
+                accuracy: 1e-3,
+                degree: fine.shape.degree,
+                memory: MemoryLimit::default(),
+                most_work,
+            };
+            let mut evolution = Evolution::new(plan, &ground, &initial, [&fine, &coarse], 1.0)?;
+            evolution.advance(1.0)?;
+            Ok((evolution.exhausted, evolution.fields[0].mesh.cells.len(), evolution.unresolved()))
+        };
+        let (reason, cells, unresolved) = after(MOST_WORK)?;
+        assert!(reason.is_none() && unresolved == 0.0);
+        let (reason, fewer, unresolved) = after(1.0)?;
+        assert!(reason == Some(NO_TIME) && fewer < cells, "{fewer} cells for {cells}");
+        assert!(unresolved > 1e-3, "{unresolved:e}");
+        Ok(())
+    }
 }

@@ -1,7 +1,7 @@
 //! Transient densities p(x, t), and the rates at which transients die.
 
 use super::density::GridDensity;
-use super::evolution::{Evolution, EvolutionPlan};
+use super::evolution::{Evolution, EvolutionPlan, MOST_WORK};
 use super::field::{GridField, difference};
 use super::initial::Initial;
 use super::relaxation::slowest;
@@ -60,8 +60,8 @@ impl GridDensity {
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
     /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain or is too narrow for double precision there;
     /// [`Error::Dimension`] for a start in other than the problem's states; [`Error::NotResolved`] if the errors of the steps add up to
-    /// the density itself, or it has spread beyond the domain under an envelope. Where the memory ends
-    /// first, the provenance warns.
+    /// the density itself, or it has spread beyond the domain under an envelope. Where the memory does not suffice for the mesh, or the
+    /// mesh is too large for the steps, the provenance warns.
     ///
     /// ```
     /// use expoly::{Course, Envelope, Grid, models::{Linear, Solved}};
@@ -84,7 +84,7 @@ impl GridDensity {
         let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
         let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
-        let plan = EvolutionPlan { envelope, accuracy, degree, memory: self.kept.grid.memory };
+        let plan = EvolutionPlan { envelope, accuracy, degree, memory: self.kept.grid.memory, most_work: MOST_WORK };
         let mut evolution = Evolution::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
         let at = |time: &f64| {
             evolution.advance(*time)?;
@@ -94,9 +94,8 @@ impl GridDensity {
             density.provenance.l1_estimate = Some(difference(&fine, &coarse) + self.changed() + initial.error);
             density.provenance.cells = Some(fine.mesh.cells.len());
             density.provenance.unknowns = Some(fine.coefficients.len());
-            if evolution.exhausted {
-                density.provenance.warning =
-                    Some("the memory does not suffice for the mesh: raise `memory_limit`".into());
+            if let Some(reason) = evolution.exhausted {
+                density.provenance.warning = Some(reason.into());
             }
             (density.fine, density.coarse) = (fine, coarse);
             if envelope.is_some() {
