@@ -3,9 +3,8 @@
 //! An oscillator in the right one of two wells, x″ + 0.5 x′ − x + x³ = ξ with D = 0.3, at rest at its bottom. Answer, by
 //! `cargo run --release --example transient`: within its well it is spread after one time unit, and E x, which is 1 at the start,
 //! falls with the slowest rate of relaxation, 0.4145, with which the wells mix. After 7/0.4145 = 17 time units the start is
-//! forgotten to a thousandth. A closure of order 8 knows p(x, t) at any time without a time step, by the moment equations of the
-//! stationary density and, before that, by a frame that moves with it; the grid solves the equation in time, and the simulation
-//! starts many trajectories. A figure goes to `out/transient/`.
+//! forgotten to a thousandth. The grid solves the equation in time, a closure of order 8 is the exponential polynomial closest to that,
+//! and the simulation starts many trajectories. A figure goes to `out/transient/`.
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 

@@ -13,10 +13,9 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub enum Start {
     /// A known state. No mesh holds a point: on a grid the density is followed as a Gaussian, with the moments of the Gaussian
-    /// closure, as long as that is right to the accuracy asked for, and on a mesh from then on. The closure takes the
-    /// point's own moments.
+    /// closure, as long as that is right to the accuracy asked for, and on a mesh from then on.
     Point(Vec<f64>),
-    /// A normal distribution. For the closure it should be wide enough for the polynomials, which the error estimates show.
+    /// A normal distribution.
     Gaussian(Gaussian),
     /// The stationary density of the system itself.
     Stationary,
@@ -138,8 +137,8 @@ pub struct Transient<D> {
     pub time: f64,
     /// p(x, t), with the error estimates of its method; the steps' errors are in `step_error`.
     pub density: D,
-    /// The sum of the time steps' error estimates up to here, relative to the root mean square of p; 0 for a closure, whose
-    /// equations are solved without steps, and for a simulation, whose errors are those of chance.
+    /// The sum of the time steps' error estimates up to here, relative to the root mean square of p: on a grid, and of a closure that is
+    /// closest to it. 0 for an exact closure and for a simulation, whose errors are those of chance.
     pub step_error: f64,
 }
 

@@ -25,7 +25,7 @@
 //! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
 //! reference as well. Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls.
 //!
-//! `dynamics` follows densities in time, by the moment equations that `reference` solves for the stationary one.
+//! `dynamics` has densities in time, by `closest` and on trajectories, and the modes of moment equations in time.
 //!
 //! `classical` is the literature's method.
 //!

@@ -69,7 +69,7 @@ impl NodalClosure {
     pub(super) fn closed(&self, order: u32) -> Result<ClosureDensity> {
         let content = self.found(order)?;
         let weight = content.reference.as_ref().map_or(&content.exponent, |reference| &reference.weight).clone();
-        Ok(ClosureDensity::new(content).moving(Dynamics::new(&self.problem, &self.discretisation, weight, self.rare)))
+        Ok(ClosureDensity::new(content).moving(Dynamics::new(&self.problem, &self.discretisation, weight)))
     }
 
     /// The content of an order's density: an exact one by the pilot's states for a linear system, whose equations may not show what its slow

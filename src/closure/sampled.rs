@@ -161,16 +161,22 @@ impl SampledSystem {
 
     /// A stationary density, with what questions of time and of parameters are answered by.
     fn moving(&self, content: Content, copula: Copula) -> ClosureDensity {
-        let SampledSystem { problem, pilot, seed, rare, .. } = self;
-        let dynamics = Dynamics::carried(problem, (pilot, copula), content.exponent.clone(), *seed, *rare);
+        let SampledSystem { problem, pilot, seed, .. } = self;
+        let dynamics = Dynamics::carried(problem, (pilot, copula), content.exponent.clone(), *seed);
         ClosureDensity::new(content).moving(dynamics)
     }
 
-    /// The closure of an order at a time of which the pilot's states are draws, by their means and those of moment equations.
+    /// The closure of an order at a time of which the pilot's states are draws, by their means and those of moment equations. A part of
+    /// the density is `missed` by polynomials of any order.
     ///
     /// # Errors
     /// As [`SampledSystem::closed`].
-    pub(super) fn at_time(&self, order: u32, equations: Option<(&States, [&[f64]; 2])>) -> Result<ClosureDensity> {
+    pub(super) fn at_time(
+        &self,
+        order: u32,
+        equations: Option<(&States, [&[f64]; 2])>,
+        missed: f64,
+    ) -> Result<ClosureDensity> {
         let copula = self.copula(order)?;
         let SampledSystem { problem, pilot, family, seed, .. } = self;
         let samples = Samples { problem, pilot, family, order, copula: &copula, seed: *seed };
@@ -179,6 +185,7 @@ impl SampledSystem {
         let (found, share) = close_on_means(samples, from).ok_or(Error::NotClosed { order, reason })?;
         let mut content = self.content(order, found, copula)?;
         content.candidates[0].origin = if share < 0.5 { Origin::StationaryWeight } else { Origin::MaximumLikelihood };
+        content.candidates[0].l1_estimate = (content.candidates[0].l1_estimate + missed).min(2.0);
         content.indication = None;
         content.provenance.stationary = None;
         Ok(ClosureDensity::new(content))

@@ -181,20 +181,9 @@ impl Closure {
     ) -> Result<ClosureDensity> {
         self.check(2, HIGHEST_ORDER_AT_WALLS)?;
         let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
-        match self.reference {
-            Reference::States => {
-                return refused(
-                    "walls of a plane on the pilot's states",
-                    "nodes are graded towards walls; leave out `reference`",
-                );
-            }
-            Reference::Grid => {
-                return refused(
-                    "a grid as the reference next to walls",
-                    "take the grid itself, or leave out `reference`",
-                );
-            }
-            Reference::Automatic | Reference::Equations => {}
+        if self.reference == Reference::States {
+            let remedy = "nodes are graded towards walls; leave out `reference`";
+            return refused("walls of a plane on the pilot's states", remedy);
         }
         if self.degrees != Degrees::complete() {
             return refused("walls with some monomials alone", "leave the degrees complete");
@@ -216,9 +205,20 @@ impl Closure {
             let reason = "hardly a state of the pilot lies between the walls: take more `pilot_states`, or the grid";
             return Err(Error::NotClosed { order: self.lowest(), reason });
         }
-        let discretisation = walled::walled(problem, &inflated, walls);
-        let nodal = self.nodal(problem, discretisation, [&pilot, &inflated], begin)?;
-        self.at_order(HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
+        if self.reference == Reference::Grid {
+            return self.by_grid(problem, &pilot, begin);
+        }
+        let closed = || {
+            let discretisation = walled::walled(problem, &inflated, walls);
+            let nodal = self.nodal(problem, discretisation, [&pilot, &inflated], begin)?;
+            self.at_order(HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
+        };
+        match closed() {
+            Err(error) if self.reference == Reference::Automatic => {
+                self.by_grid(problem, &pilot, begin).map_err(|_| error)
+            }
+            closed => closed,
+        }
     }
 
     fn nodal(

@@ -1,5 +1,6 @@
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::problem::Wall;
 use crate::states::States;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -21,6 +22,11 @@ pub trait Evidence {
     /// [`statistics`](crate::statistics) take the standard error of a combination of several values from here.
     fn sampled(&self) -> Option<&dyn Sampled> {
         None
+    }
+
+    /// The walls that oscillators of a plane graze, each with the noise intensity D at (b, 0), where ln p is not smooth.
+    fn grazed_walls(&self) -> Vec<(Wall, f64)> {
+        Vec::new()
     }
 
     /// The statistics of impacts, if the density counted some rather than integrated over walls.

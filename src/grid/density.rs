@@ -1,9 +1,10 @@
 use super::field::{Along, EVERYWHERE, GridField};
 use super::kept::Kept;
 use crate::checks::{coordinate, dimension, point, require};
-use crate::density::{Crossing, Density, summary};
+use crate::density::{Crossing, Density, Evidence, summary};
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::problem::Wall;
 use crate::provenance::Provenance;
 use std::fmt;
 use std::sync::Arc;
@@ -58,6 +59,13 @@ impl GridDensity {
     }
 }
 
+impl Evidence for GridDensity {
+    fn grazed_walls(&self) -> Vec<(Wall, f64)> {
+        let Kept { problem, walls, .. } = &*self.kept;
+        walls.iter().flatten().map(|wall| (*wall, problem.intensity_at_rest(wall))).collect()
+    }
+}
+
 impl Density for GridDensity {
     fn dimension(&self) -> usize {
         self.fine.shape.states
@@ -68,6 +76,10 @@ impl Density for GridDensity {
     /// an upper bound in practice.
     fn provenance(&self) -> &Provenance {
         &self.provenance
+    }
+
+    fn evidence(&self) -> &dyn Evidence {
+        self
     }
 
     fn impact_rate(&self) -> Option<Estimate> {

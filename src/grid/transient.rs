@@ -5,6 +5,7 @@ use super::evolution::{Evolution, EvolutionPlan, MOST_WORK};
 use super::field::{GridField, difference};
 use super::initial::Initial;
 use super::relaxation::slowest;
+use crate::checks::require;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::grid::require_accuracy;
@@ -13,6 +14,8 @@ use crate::transient::{Course, Relaxation, Transient, check_times};
 /// The largest density at the edge of the domain, relative to the peak, that a transient under an envelope may have: the
 /// domain cuts one with more.
 const CUT: f64 = 1e-3;
+/// The largest part of the mass that may have left the domain.
+const LOST: f64 = 1e-2;
 
 impl GridDensity {
     /// The `count` slowest modes of relaxation by rising rate, the stationary density itself first, whose rate is 0 but for
@@ -58,7 +61,7 @@ impl GridDensity {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
-    /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain or is too narrow for double precision there;
+    /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain, leaves it, or is too narrow for double precision there;
     /// [`Error::Dimension`] for a start in other than the problem's states; [`Error::NotResolved`] if the errors of the steps add up to
     /// the density itself, or it has spread beyond the domain under an envelope. Where the memory does not suffice for the mesh, or the
     /// mesh is too large for the steps, the provenance warns.
@@ -97,6 +100,10 @@ impl GridDensity {
             if let Some(reason) = evolution.exhausted {
                 density.provenance.warning = Some(reason.into());
             }
+            let lost = (1.0 - fine.mass()).abs();
+            let remedy = "the rest left the domain by its edges: start nearer to its middle, ask for an earlier time, or widen `Grid::domain`";
+            require(lost <= LOST, "mass of a transient in the domain", fine.mass(), remedy)?;
+            density.provenance.l1_estimate = density.provenance.l1_estimate.map(|estimate| estimate + lost);
             (density.fine, density.coarse) = (fine, coarse);
             if envelope.is_some() {
                 density.require_inside()?;

@@ -263,6 +263,13 @@ impl Problem {
         self.noise_of_rate(contact, derivative).0.constant_term() / 2.0
     }
 
+    /// The noise intensity D where an oscillator of a plane rests on a wall.
+    pub(crate) fn intensity_at_rest(&self, wall: &Wall) -> f64 {
+        let (mut drift, mut diffusion) = ([0.0; 2], [0.0; 4]);
+        self.point(&[wall.offset(), 0.0], &mut drift, &mut diffusion);
+        diffusion[3] / 2.0
+    }
+
     /// The wall below the motion and the one above it, for a method of one displacement (state 0) and its velocity (state 1).
     pub(crate) fn walls_of_plane(&self, method: &'static str) -> Result<[Option<Wall>; 2]> {
         if self.walls.is_empty() {

@@ -1,9 +1,9 @@
 //! The exponential polynomial closest to a density that is known, and the closures that fall back on it.
 
-use crate::common::{duffing, l1_from, on_grid, problem};
+use crate::common::{duffing, duffing_above, l1_from, on_grid, problem};
 use expoly::{
     ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Grid, GridDensity, Origin, Problem, Reference,
-    Simulation, Weight, compare,
+    Simulation, Wall, Weight, compare,
 };
 
 macro_rules! case {
@@ -203,6 +203,35 @@ fn the_closest_to_a_simulation_averages_over_its_noise() {
     assert!(distance < 0.01 && (0.03..0.07).contains(&estimate));
     assert_eq!(fitted.moment(&[2, 0]).unwrap(), simulated.moment(&[2, 0]).unwrap());
     assert!(Closure::new(2).fit(&simulated).unwrap().l1_estimate() > 1.5 * estimate);
+}
+
+/// Next to walls that take energy the closest density has the kinks of grazing impacts: its distance falls with the order, and is its
+/// estimate; impact rates are right to their errors, and a wall above the motion is one below in a mirror.
+#[test]
+fn walls_have_a_closest_density() {
+    let above = duffing_above(-0.5, 0.8);
+    let below = problem(duffing()).with_wall(Wall::below(0.5, 0.8).unwrap()).unwrap();
+    let [truth, mirrored] = [&above, &below].map(|problem| Grid::new().accuracy(1e-5).solve(problem).unwrap());
+    let rate = truth.impact_rate().unwrap();
+    let mut last = f64::INFINITY;
+    for order in [4, 6, 8] {
+        let [fitted, other] = [&truth, &mirrored].map(|grid| Closure::new(order).fit(grid).unwrap());
+        let (distance, estimate) = (l1_from(&truth, &fitted), fitted.l1_estimate());
+        let rates = [&fitted, &other].map(|density| density.impact_rate().unwrap());
+        println!(
+            "n = {order}: {distance:.1e}, estimate {estimate:.1e}, rates {} and {} for {rate}",
+            rates[0], rates[1]
+        );
+        assert!((0.9..1.2).contains(&(estimate / distance)) && distance < 0.7 * last, "{distance:e}, {estimate:e}");
+        assert!(rates.iter().all(|own| (own.value - rate.value).abs() < 1.1 * own.error + rate.error), "{rates:?}");
+        assert!(rates.iter().all(|own| own.error < 6e-3 * rate.value), "{rates:?}");
+        last = distance;
+    }
+    let by_grid = Closure::new(6).reference(Reference::Grid).solve(&above).unwrap();
+    let by_equations = Closure::new(6).solve(&above).unwrap();
+    let apart = l1_from(&truth, &by_grid) / l1_from(&truth, &by_equations);
+    println!("by a grid {apart:.2} times as far as by equations");
+    assert!((0.7..1.3).contains(&apart), "{apart}");
 }
 
 /// What cannot be served is refused by name.

@@ -3,9 +3,7 @@
 use crate::common::moving::{POWERS, correlated, linear_after, moments, normal, two_wells, van_der_pol};
 use crate::common::*;
 use expoly::models::Linear;
-use expoly::{
-    Closure, ClosureDensity, Course, Density, Envelope, Error, Gaussian, Grid, Origin, Result, Start, Wall, compare,
-};
+use expoly::{Closure, ClosureDensity, Density, Error, Gaussian, Grid, Origin, Result, Start, Wall, compare};
 use nalgebra::{DMatrix, Vector2, dmatrix, dvector};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -50,17 +48,12 @@ fn one_state_starts_from_a_point() {
         println!("t = {}: {distance:.1e}, estimate {estimate:.1e}", transient.time);
         assert!(distance < 1e-5 && estimate < 1e-4, "t = {}: {distance:e} and {estimate:e}", transient.time);
     }
-    let origins = |k: usize| found[k].density.candidates()[0].origin;
-    assert_eq!(origins(1), Origin::MovingFrame);
-    // Noise has not yet made a Gaussian of the point, which no polynomial follows.
-    assert_eq!(origins(0), Origin::StationaryWeight);
-    assert!(found[0].density.warning().is_some() && found[0].density.l1_estimate() > 0.2);
+    assert!(found.iter().all(|transient| transient.density.candidates()[0].origin == Origin::Exact));
 }
 
-/// Oscillators in one well, in two and on a limit cycle, order 6, against the grid: the distance is at most twice that of the best
-/// polynomial of the order before t = 4 and 1.3 times from then on; the truth itself, projected, gave the best ones. Measured are
-/// 0.9 to 1.15 times. The estimate is at most 2.1 times the distance from t = 2 on, and ten before, where the distance of two
-/// neighbouring orders makes it; moments are right within four times their errors.
+/// Oscillators in one well, in two and on a limit cycle, order 6, against a finer grid: the distance is at most 1.3 times that of the
+/// best polynomial of the order, with the 1e-4 of the grid that it is closest to; the truth itself, projected, gave the best ones.
+/// The estimate is 0.8 to 1.5 times the distance, and moments are right within their errors.
 #[test]
 fn densities_spread_as_on_a_grid() {
     let [start, rest] = [&normal([1.0, 0.0], 0.2), &normal([0.0, 0.0], 0.2)];
@@ -81,18 +74,17 @@ fn densities_spread_as_on_a_grid() {
         let truth = grid.solve(&problem).unwrap().transient(start, &times, 3e-4).unwrap();
         let found = Closure::new(6).transient(&problem, start, &times).unwrap();
         for ((found, truth), (time, best)) in found.iter().zip(&truth).zip(best) {
-            let most = if time < 4.0 { 2.0 } else { 1.3 } * best;
+            let most = 1.3 * best + 1e-4;
             let (distance, estimate) = (l1_from(&truth.density, &found.density), found.density.l1_estimate());
             let origin = found.density.candidates()[0].origin;
             println!("t = {time}: {distance:.1e} of {most:.1e}, estimate {estimate:.1e}, {origin}");
-            assert!(distance < most && distance < 1.3 * estimate, "t = {time}: {distance:e}, {estimate:e}");
-            let factor = if time < 2.0 { 10.0 } else { 2.3 };
-            assert!(estimate < factor * distance, "t = {time}: {distance:e}, {estimate:e}");
+            assert!(distance < most, "t = {time}: {distance:e}, {estimate:e}");
+            assert!((0.8..1.5).contains(&(estimate / distance)), "t = {time}: {distance:e}, {estimate:e}");
             for powers in [[1, 0], [0, 1], [2, 0], [0, 2]] {
                 let [own, known] = [found.moment(&powers).unwrap(), truth.moment(&powers).unwrap()];
                 let apart = (own.value - known.value).abs();
                 println!("   {powers:?}: {own}, {apart:.1e} off, grid {:.1e}", known.error);
-                assert!(apart < 4.0 * own.error + known.error + 1e-6, "{powers:?}: {own} and {known}");
+                assert!(apart < own.error + known.error, "{powers:?}: {own} and {known}");
             }
         }
     }
@@ -179,9 +171,8 @@ fn questions_of_time_without_a_meaning_are_refused() {
     ] {
         assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
     }
-    let endless = Course::from(&wide).under(Envelope::steps([(0.0, 1.0)]).unwrap());
-    let endless = Closure::new(4).transient(&oscillator, endless, &[1e9]);
-    assert!(matches!(endless, Err(Error::OutOfRange { name: "last time of a transient", .. })), "{:?}", endless.err());
+    // So late what the stationary density loses by the edges of its domain is all that there is.
+    assert!(matches!(refused(&wide, &[1e9]), Error::OutOfRange { name: "mass of a transient in the domain", .. }));
     for start in [Start::Point(vec![0.0]), Start::Gaussian(Gaussian { mean: dvector![0.0], covariance: dmatrix![1.0] })]
     {
         assert!(matches!(refused(&start, &[1.0]), Error::Dimension { expected: 2, found: 1, .. }));

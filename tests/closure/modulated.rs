@@ -1,9 +1,9 @@
-//! The closure under noise that rises and fades: trajectories carry it.
+//! The closure under noise that rises and fades, which a grid follows.
 
 use crate::common::moving::{Noisy, POWERS, correlated, normal};
 use crate::common::*;
 use expoly::models::Duffing;
-use expoly::{Closure, Course, Density, Envelope, Error, Grid, Wall, compare};
+use expoly::{Closure, Course, Density, Envelope, Grid, Wall, compare};
 
 /// Under noise that rises and fades the moments of first and second order obey equations of their own, with noise in the velocity
 /// as well, whose drift in Itô's sense is modulated too. Those of the closure are within four of their errors.
@@ -52,11 +52,15 @@ fn modulated_noise_agrees_with_a_grid() {
     assert!(apart < estimate);
 }
 
-/// No polynomial of the states has the density next to a wall, where trajectories carry it.
+/// Next to a wall too: order 6 is off by what it says, 1 %, which two expressions of the distance have alike.
 #[test]
-fn walls_under_modulated_noise_are_refused() {
-    let walled = problem(Duffing::new(0.2, 1.0, 0.3, 0.4).unwrap()).with_wall(Wall::above(-0.5, 1.0).unwrap()).unwrap();
-    let course = Course::from([0.7, 0.0]).under(Envelope::exponentials(1.3, 0.09, 1.49).unwrap());
-    let refused = Closure::new(4).transient(&walled, course, &[6.0]).unwrap_err();
-    assert!(matches!(refused, Error::NotServed { .. }) && refused.to_string().contains("grid"), "{refused}");
+fn walls_under_modulated_noise_agree_with_a_grid() {
+    let walled = problem(Duffing::new(0.2, 1.0, 0.3, 0.4).unwrap()).with_wall(Wall::above(-0.5, 0.8).unwrap()).unwrap();
+    let course = || Course::from([0.7, 0.0]).under(Envelope::exponentials(1.3, 0.09, 1.49).unwrap());
+    let found = Closure::new(6).transient(&walled, course(), &[6.0]).unwrap().remove(0).density;
+    let grid = Grid::new().accuracy(1e-4).solve(&walled).unwrap();
+    let truth = grid.transient(course(), &[6.0], 1e-4).unwrap().remove(0).density;
+    let (distance, estimate) = (l1_from(&truth, &found), found.l1_estimate());
+    println!("{distance:.1e}, estimate {estimate:.1e}");
+    assert!(distance < 0.02 && (0.8..1.5).contains(&(estimate / distance)), "{distance:e} and {estimate:e}");
 }

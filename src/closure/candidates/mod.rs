@@ -61,8 +61,6 @@ pub enum Origin {
     MaximumLikelihood,
     /// A transient density of the moment equations under the weight of the stationary one.
     StationaryWeight,
-    /// A transient density in coordinates that move with it.
-    MovingFrame,
 }
 
 impl fmt::Display for Origin {
@@ -73,7 +71,6 @@ impl fmt::Display for Origin {
             Origin::Exact => f.pad("exact"),
             Origin::MaximumLikelihood => f.pad("maximum likelihood"),
             Origin::StationaryWeight => f.pad("moment equations in time"),
-            Origin::MovingFrame => f.pad("moving frame"),
         }
     }
 }

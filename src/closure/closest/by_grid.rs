@@ -13,7 +13,7 @@ use crate::closure::pilot::Pilot;
 use crate::closure::projection::exact::exact_about;
 use crate::closure::projection::on_states::exact_near;
 use crate::closure::projection::tempered;
-use crate::closure::{HIGHEST_ORDER, REFERENCE_EXCESS};
+use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, REFERENCE_EXCESS};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::grid::{Grid, GridDensity};
@@ -73,16 +73,18 @@ impl Closure {
     ) -> Result<(ClosureDensity, bool)> {
         let symmetry = problem.symmetry();
         let mut closest = Closest::new(grid, self, &symmetry)?;
-        let closed = self.at_order(HIGHEST_ORDER, false, |order| {
+        let free = problem.walls().is_empty();
+        let highest = if free { HIGHEST_ORDER } else { HIGHEST_ORDER_AT_WALLS };
+        let closed = self.at_order(highest, false, |order| {
             let mut content = closest.content(order, begin)?;
-            content.indication = closest.indication(problem, &content.exponent, order);
-            content.provenance.reference = Some(match problem.dimension() {
-                1 => String::from("closed form"),
-                _ => format!("grid of {} cells, estimate {:.1e}", grid.cells().len(), grid.l1_estimate()),
-            });
+            // Impacts have a part in the equations that the residual in between does not show.
+            content.indication = if free { closest.indication(problem, &content.exponent, order) } else { None };
+            if problem.dimension() == 1 {
+                content.provenance.reference = Some(String::from("closed form"));
+            }
             Ok(ClosureDensity::new(content))
         })?;
-        if let Some(exact) = exact(&closed, problem, pilot) {
+        if let Some(exact) = exact(&closed, problem, pilot).filter(|_| free) {
             return Ok((exact, false));
         }
         let limited = closest.target.error > MINOR * closed.l1_estimate();
@@ -115,7 +117,7 @@ impl Closest<'_> {
         let TargetDensity { points, weights, .. } = &self.target;
         let locals = locals(problem, points);
         let excess = REFERENCE_EXCESS[problem.dimension() - 1] - 2;
-        let values = nodes::values(&self.family().functions(order + excess), points);
+        let values = nodes::values(&self.family.functions(order + excess), points);
         let measure = tempered(&exponent.values(points), weights, 1.0);
         let residuals = exponent.residuals(points, |i| &locals[i]);
         let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();

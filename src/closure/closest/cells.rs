@@ -57,7 +57,10 @@ impl DomainCells {
     pub(in crate::closure) fn section(&self, state: usize, x: f64) -> Vec<(Vec<f64>, f64)> {
         let [_, rule] = self.rules();
         let mut found = Vec::new();
-        for limits in self.limits.iter().filter(|limits| (limits[state][0]..limits[state][1]).contains(&x)) {
+        let end = self.bounds()[state][1];
+        // A wall above the motion is the upper end of all.
+        let meets = |[low, high]: [f64; 2]| (low..high).contains(&x) || x == high && x == end;
+        for limits in self.limits.iter().filter(|limits| meets(limits[state])) {
             let mut point = vec![x; limits.len()];
             let Some(other) = (0..limits.len()).find(|axis| *axis != state) else {
                 found.push((point, 1.0));

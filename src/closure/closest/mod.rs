@@ -16,17 +16,17 @@ pub(crate) use cells::DomainCells;
 use super::candidates::{Candidate, Fitted, Origin, chosen};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
-use super::density::exponent::Exponent;
+use super::density::exponent::{Exponent, known_values};
 use super::discretisation::nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::method::Closure;
 use super::projection::{mixed, project, tempered};
 use super::reference::{normalised, scaled_mass};
 use super::samples::Moment;
-use super::space::Functions;
-use super::space::nested_spaces::Smooth;
+use super::space::nested_spaces::{Smooth, SpaceFamily, Walled};
 use super::space::orthonormal::Orthonormal;
-use crate::closure::{HIGHEST_ORDER, LOWEST_COMPARED};
+use super::space::{Corner, Functions};
+use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, LOWEST_COMPARED};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::parallel;
@@ -61,8 +61,9 @@ const METHOD: &str = "closure";
 
 impl Closure {
     /// The exponential polynomial of the order that is closest to a density of one state or two, such as a grid's, also one in time, or
-    /// a simulation's: the best that the order can do, with its distance as the estimate, in which a simulation's noise is. Of all even orders up to the one given it is the closest
-    /// one; an adaptive closure takes the lowest that meets its target.
+    /// a simulation's: the best that the order can do, with its distance as the estimate, in which a simulation's noise is. Of all even
+    /// orders up to the one given it is the closest one; an adaptive closure takes the lowest that meets its target. Next to the walls of
+    /// an oscillator on a grid or of a closure, ln p has what [`Closure::solve`] gives it there, up to order 10.
     ///
     /// It is closest in the Kullback-Leibler distance where the density is above a millionth of its peak, so that its moments up to
     /// the order are those of the density; [`Closure::weight`] may give the tails more. A heavy tail decides that distance, and what is
@@ -86,14 +87,16 @@ impl Closure {
     pub fn fit(&self, density: &dyn Density) -> Result<ClosureDensity> {
         let begin = Instant::now();
         let states = density.dimension();
-        self.check(states, HIGHEST_ORDER)?;
+        let walled = !density.evidence().grazed_walls().is_empty();
+        let highest = if walled { HIGHEST_ORDER_AT_WALLS } else { HIGHEST_ORDER };
+        self.check(states, highest)?;
         if states > 2 {
             let (what, remedy) = ("a density of three states and more to be close to", "solve the problem");
             return Err(Error::NotServed { method: METHOD, what, remedy });
         }
         let symmetry = Symmetry::none(states);
         let mut closest = Closest::new(density, self, &symmetry)?;
-        self.at_order(HIGHEST_ORDER, false, |order| Ok(ClosureDensity::new(closest.content(order, begin)?)))
+        self.at_order(highest, false, |order| Ok(ClosureDensity::new(closest.content(order, begin)?)))
     }
 }
 
@@ -107,6 +110,9 @@ pub(super) struct Closest<'a> {
     found: BTreeMap<u32, Option<(Fitted, Functions)>>,
     /// The same without the tail, once this has been found to hold much.
     above_tail: Option<Box<Self>>,
+    /// The functions of all orders on the box around the cells, and the part of ln p next to walls that no function here can follow.
+    family: SpaceFamily,
+    known: Vec<Corner>,
 }
 
 impl<'a> Closest<'a> {
@@ -119,7 +125,8 @@ impl<'a> Closest<'a> {
     /// Where the density is above a share of its peak.
     fn above(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry, level: f64) -> Result<Self> {
         let target = TargetDensity::new(density, symmetry, level)?;
-        Ok(Closest { density, closure, symmetry, target, found: BTreeMap::new(), above_tail: None })
+        let (family, known) = spaces(density, closure, symmetry, &target.bounds());
+        Ok(Closest { density, closure, symmetry, target, found: BTreeMap::new(), above_tail: None, family, known })
     }
 
     /// The content of the closest density of an order, or of a lower one if that is closer, with or without the tail.
@@ -189,6 +196,7 @@ impl<'a> Closest<'a> {
             order: Some(order),
             unknowns: Some(exponent.coefficients.len()),
             nodes: Some(self.target.weights.len()),
+            reference: reference(self.density.provenance()),
             seconds: begin.elapsed().as_secs_f64(),
             ..Provenance::default()
         };
@@ -210,11 +218,10 @@ impl<'a> Closest<'a> {
     /// The closest density of an even order up to one, or of that order, with its functions: the lowest that is as close as the density
     /// is known.
     fn best(&mut self, order: u32) -> Option<(Fitted, Functions)> {
-        let family = self.family();
         let mut best: Option<(Fitted, Functions)> = None;
         for lower in (2..order).step_by(2).chain([order]) {
             let fitted = || {
-                let space = family.functions(lower);
+                let space = self.family.functions(lower);
                 Some((self.fitted(&space, 0.0)?, space))
             };
             let found = match self.found.get(&lower) {
@@ -238,12 +245,12 @@ impl<'a> Closest<'a> {
         let target = normalised(logarithm, weights);
         let measure = mixed(&target, weights, share);
         let functions = Orthonormal::new(nodes::values(space, points), &measure)?;
-        let fixed = vec![0.0; weights.len()];
+        let fixed = known_values(&self.known, points);
         let fit = project((&functions, functions.values.as_ref()), &fixed, &target, &measure)?;
         let (top, mass) = scaled_mass(&fit.logarithm, weights);
         let shift = -top - mass.ln();
         let exponent = Exponent {
-            known: Vec::new(),
+            known: self.known.clone(),
             space: space.clone(),
             constant: fit.constant + shift,
             coefficients: fit.coefficients,
@@ -266,18 +273,6 @@ impl<'a> Closest<'a> {
         Some(Fitted { candidate, exponent })
     }
 
-    /// The functions of all orders on the box around the cells.
-    fn family(&self) -> Smooth {
-        let side = |(i, [low, high]): (usize, [f64; 2])| {
-            // Functions with the symmetry have it about 0.
-            let centre = if self.symmetry.flips(i) { 0.0 } else { (low + high) / 2.0 };
-            (centre, (high - centre).max(centre - low))
-        };
-        let (centre, half_width) = self.target.bounds().into_iter().enumerate().map(side).unzip();
-        let (degrees, symmetry) = (self.closure.degrees.clone(), self.symmetry.clone());
-        Smooth { degrees, symmetry, centre, half_width }
-    }
-
     /// What two rules differ by in the mass of exp(Q), on each cell.
     fn differences(&self, exponent: &Exponent) -> Vec<f64> {
         let sums = |(points, weights): (States, Vec<f64>)| -> Vec<f64> {
@@ -292,11 +287,41 @@ impl<'a> Closest<'a> {
 
     /// The moments of the density that exp(Q) has too, where they are known.
     fn moments(&self, space: &Functions) -> Vec<Moment> {
-        let exponents = space.polynomials().map_or(&[][..], |own| own.exponents());
+        let exponents = space.single().map_or(&[][..], |(own, _)| own.exponents());
         let known = parallel::map(exponents.len(), |k| {
             let moment = self.density.moment(&exponents[k]).ok()?;
             Some(Moment { powers: exponents[k].clone(), value: moment.value, error: moment.error })
         });
         known.into_iter().flatten().collect()
     }
+}
+
+/// The functions of all orders on a box, and what ln p has next to walls beside them.
+fn spaces(
+    density: &dyn Density,
+    closure: &Closure,
+    symmetry: &Symmetry,
+    bounds: &[[f64; 2]],
+) -> (SpaceFamily, Vec<Corner>) {
+    let side = |(i, [low, high]): (usize, &[f64; 2])| {
+        // Functions with the symmetry have it about 0.
+        let centre = if symmetry.flips(i) { 0.0 } else { (low + high) / 2.0 };
+        (centre, (high - centre).max(centre - low))
+    };
+    let (centre, half_width): (Vec<f64>, Vec<f64>) = bounds.iter().enumerate().map(side).unzip();
+    let walls = density.evidence().grazed_walls();
+    if walls.is_empty() {
+        let (degrees, symmetry) = (closure.degrees.clone(), symmetry.clone());
+        return (SpaceFamily::Smooth(Smooth { degrees, symmetry, centre, half_width }), Vec::new());
+    }
+    let speed = bounds[1][0].abs().max(bounds[1][1].abs());
+    let corner = |(wall, intensity)| Corner::new(wall, vec![1], intensity, [2.0 * half_width[0], speed]);
+    let corners: Vec<Corner> = walls.into_iter().map(corner).collect();
+    (SpaceFamily::Walled(Walled { corners: corners.clone(), centre, half_width }), corners)
+}
+
+/// What a density is closest to.
+fn reference(Provenance { cells, l1_estimate, .. }: &Provenance) -> Option<String> {
+    let (cells, estimate) = ((*cells)?, (*l1_estimate)?);
+    Some(format!("grid of {cells} cells, estimate {estimate:.1e}"))
 }

@@ -11,6 +11,7 @@ use crate::density::{CountedImpacts, Crossing, Density, Evidence, moderate, pair
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::power;
+use crate::problem::Wall;
 use crate::provenance::Provenance;
 use crate::states::States;
 
@@ -193,6 +194,11 @@ impl Evidence for ClosureDensity {
 
     fn integrates_on_draws(&self) -> bool {
         matches!(self.content.integrals, Integrals::Draws(_))
+    }
+
+    fn grazed_walls(&self) -> Vec<(Wall, f64)> {
+        let known = if self.dimension() == 2 { &self.content.exponent.known[..] } else { &[] };
+        known.iter().map(|corner| (*corner.wall(), corner.intensity())).collect()
     }
 
     fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {

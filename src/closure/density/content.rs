@@ -119,9 +119,7 @@ impl Content {
             Some(
                 "impulses are so rare that the density is rough or unbounded where the motion comes to rest between them",
             )
-        } else if chosen.l1_estimate > UNRELIABLE
-            && matches!(chosen.origin, Origin::StationaryWeight | Origin::MovingFrame)
-        {
+        } else if chosen.l1_estimate > UNRELIABLE && chosen.origin == Origin::StationaryWeight {
             Some(
                 "the estimated error is large: the density is too narrow for its polynomials at this time; take a later one",
             )

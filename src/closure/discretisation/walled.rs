@@ -41,11 +41,7 @@ pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Optio
     let speed = bounds[1][1].abs().max(bounds[1][0].abs());
     let reach = [bounds[0][1] - bounds[0][0], speed];
     let corners = |inflation: f64| -> Vec<Corner> {
-        let corner = |wall: &Wall| {
-            let (mut drift, mut diffusion) = ([0.0; 2], [0.0; 4]);
-            problem.point(&[wall.offset(), 0.0], &mut drift, &mut diffusion);
-            Corner::new(*wall, vec![1], inflation * (diffusion[3] / 2.0), reach)
-        };
+        let corner = |wall: &Wall| Corner::new(*wall, vec![1], inflation * problem.intensity_at_rest(wall), reach);
         walls.iter().flatten().map(corner).collect()
     };
 

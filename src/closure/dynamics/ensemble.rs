@@ -1,9 +1,9 @@
-//! Transients in three states and more and under noise that rises and fades: trajectories from the start find where the density is at
-//! a time, and its means are theirs and, under steady noise, those of the moment equations.
+//! Transients in three states and more, and under impulses: trajectories from the start find where the density is at a time, and its
+//! means are theirs and, under steady noise, those of the moment equations.
 
-use super::moment_system::MomentSystem;
-use super::start::{Beginning, Weighted};
-use super::{Dynamics, Law};
+use super::Dynamics;
+use super::moment_system::{Law, MomentSystem};
+use super::start::{Weighted, beginning};
 use crate::checks::{positive, require};
 use crate::closure::HIGHEST_ORDER;
 use crate::closure::density::ClosureDensity;
@@ -20,11 +20,11 @@ use crate::transient::{Course, Start, Transient};
 use faer::Mat;
 use std::time::Instant;
 
-/// The least order of the stationary density under which the moment equations of a transient in three states and more are taken.
+/// The least order of the stationary density under which the moment equations of a transient are taken.
 const CARRIED_BASE: u32 = 4;
-/// The highest order of the stationary density under which the moment equations of a transient in three states and more are taken.
+/// The highest order of the stationary density under which the moment equations of a transient are taken.
 const CARRIED_MOST: u32 = 6;
-/// The trajectories of a transient in three states and more, or under noise that rises and fades, unless their number is given.
+/// The trajectories of a transient, unless their number is given.
 const ENSEMBLE: usize = 1 << 18;
 /// The latest time of a transient that trajectories carry, in the shortest of the system's times: as long as the longest burn-in, a
 /// bound on work.
@@ -95,7 +95,10 @@ impl Closure {
             let law = solved.as_ref().and_then(|solved| solved.law(k));
             let equations = law.as_ref().map(|law| (&law.points, law.masses.each_ref().map(Vec::as_slice)));
             let highest = HIGHEST_ORDER;
-            Ok(at(time, self.at_order(highest, true, |order| sampled.at_time(order, equations))?))
+            // What no impulse has met is where the start was taken without, apart from the rest; of two parts the smaller one is missed.
+            let unmet = (-time * problem.impulses().iter().map(|impulse| impulse.process().rate()).sum::<f64>()).exp();
+            let missed = unmet.min(1.0 - unmet);
+            Ok(at(time, self.at_order(highest, true, |order| sampled.at_time(order, equations, missed))?))
         };
         times.iter().copied().zip(states).enumerate().map(closed).collect()
     }
@@ -112,10 +115,10 @@ impl<'a> SolvedMoments<'a> {
     fn new(dynamics: &'a Dynamics, start: &Start, times: &[f64]) -> Option<Self> {
         let system = dynamics.system()?;
         let weighted = Weighted::of(start, system).ok()?;
-        let beginning = Beginning::new(0.0, &weighted, system, &dynamics.domain).ok()?;
+        let start = beginning(&weighted, system, &dynamics.domain).ok()?;
         let means = [false, true].map(|lower| {
             let matrix = system.matrix(lower);
-            propagated(matrix, &beginning.coefficients[..matrix.ncols()], times)
+            propagated(matrix, &start[..matrix.ncols()], times)
         });
         Some(SolvedMoments { system, means })
     }

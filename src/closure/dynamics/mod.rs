@@ -1,21 +1,15 @@
 //! The closure in time: how any density of a system comes about, and approaches the stationary one.
 //!
+//! - `transient`: the exponential polynomials closest to the densities of a grid in time; `linear`: exact ones;
+//! - `ensemble`: the same in three states and more, and under impulses, where trajectories carry it;
 //! - `moment_system`: the moment equations of a fixed weight, dd/dt = A d, and the degree up to which they are stable;
-//! - `hermite`, `moving_frame`, `early`: a density that is still narrow, in coordinates that move with it;
-//! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response;
-//! - `start`: d at time 0; `transient`: d at later times;
-//! - `ensemble`: the same in three states and more, and under noise that rises and fades, where trajectories carry it;
-//! - `law`, `entropy`: means, and the density of largest entropy that has them; `snapshot`: the exponential polynomial of a time.
+//! - `start`: d at time 0;
+//! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response.
 
-mod early;
 mod ensemble;
-mod entropy;
-mod hermite;
-mod law;
+mod linear;
 mod moment_system;
-mod moving_frame;
 mod relaxation;
-mod snapshot;
 mod start;
 mod transient;
 
@@ -34,14 +28,11 @@ use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::numerics::{Rule, exponentials};
 use crate::problem::{Problem, Symmetry};
-use law::Law;
 pub(super) use moment_system::MomentSystem;
 use std::sync::{Arc, OnceLock};
 
 /// The most nodes times functions of moment equations in three states and more: two tables of so many numbers take 400 MB.
 const MOST_ENTRIES: usize = 25_000_000;
-/// The answer at a time is defined within so many standard deviations about the mean.
-const FARTHEST: f64 = 14.0;
 
 /// What a closure is made from, as far as questions of time need it: they are answered on the nodes of its whole trust domain,
 /// under the weight of its reference, or under the density itself where the pilot's states carry it.
@@ -52,8 +43,6 @@ pub(in crate::closure) struct Dynamics {
     carrier: Carrier,
     passages: Vec<WallPassage>,
     weight: Exponent,
-    /// Whether impulses alone are so rare that the density is rough.
-    rare: bool,
     /// Made at the first question.
     system: OnceLock<Option<MomentSystem>>,
 }
@@ -73,7 +62,7 @@ struct CarryingStates {
 }
 
 impl Dynamics {
-    pub(super) fn new(problem: &Problem, discretisation: &Discretisation, weight: Exponent, rare: bool) -> Self {
+    pub(super) fn new(problem: &Problem, discretisation: &Discretisation, weight: Exponent) -> Self {
         Dynamics {
             problem: problem.clone(),
             domain: discretisation.domain.clone(),
@@ -81,19 +70,12 @@ impl Dynamics {
             carrier: Carrier::Rules(discretisation.nodes.rules.clone()),
             passages: discretisation.passages.clone(),
             weight,
-            rare,
             system: OnceLock::new(),
         }
     }
 
     /// The same where the pilot's states carry the density `weight`. Next to walls there are questions of parameters alone.
-    pub(super) fn carried(
-        problem: &Problem,
-        (pilot, copula): (&Pilot, Copula),
-        weight: Exponent,
-        seed: u64,
-        rare: bool,
-    ) -> Self {
+    pub(super) fn carried(problem: &Problem, (pilot, copula): (&Pilot, Copula), weight: Exponent, seed: u64) -> Self {
         let (centre, _) = pilot.spread(&Symmetry::none(problem.dimension()));
         let domain = TrustDomain::new(pilot, &problem.symmetry(), centre, [None, None], WIDENING);
         let (centre, half_width) = domain.box_around();
@@ -104,7 +86,6 @@ impl Dynamics {
             carrier: Carrier::States(Box::new(CarryingStates { pilot: pilot.clone(), copula, seed })),
             passages: Vec::new(),
             weight,
-            rare,
             system: OnceLock::new(),
         }
     }
@@ -186,23 +167,18 @@ impl ClosureDensity {
     /// What the closure is made from, and its moment equations.
     pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
         let dynamics = self.origin()?;
-        served(self.dimension(), dynamics.problem.walls().len(), true)?;
+        served(self.dimension() > 2, &dynamics.problem)?;
         let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
         let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
         Ok((dynamics, dynamics.system().ok_or(refusal)?))
     }
 }
 
-/// Refuses questions of time that the equations have no answer to.
-fn served(states: usize, walls: usize, steady: bool) -> Result<()> {
-    let (what, remedy) = if steady {
-        ("time next to walls in three states and more", "take the simulation")
-    } else {
-        ("walls under noise that rises and fades", "take the simulation, or in two states the grid")
-    };
-    if (states > 2 || !steady) && walls > 0 {
-        Err(Error::NotServed { method: "closure", what, remedy })
-    } else {
-        Ok(())
+/// Refuses questions of time next to walls where trajectories carry the density.
+fn served(carried: bool, problem: &Problem) -> Result<()> {
+    if carried && !problem.walls().is_empty() {
+        let what = "time next to walls in three states and more, or under impulses";
+        return Err(Error::NotServed { method: "closure", what, remedy: "take the simulation" });
     }
+    Ok(())
 }

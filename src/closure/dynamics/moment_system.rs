@@ -1,5 +1,4 @@
 use super::Dynamics;
-use super::law::Law;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::locals;
 use crate::closure::discretisation::nodes::{NodalGenerator, Nodes, Table};
@@ -11,6 +10,7 @@ use crate::closure::space::{Functions, Polynomials};
 use crate::fokker_planck::Local;
 use crate::numerics::{combination, weighted_product, weighted_sum};
 use crate::problem::Symmetry;
+use crate::states::States;
 use faer::prelude::*;
 use faer::{Mat, MatRef};
 
@@ -159,8 +159,15 @@ impl MomentSystem {
     /// The law with some means, by the equations of the highest degree and by those of the one below it. None where it has no
     /// variance.
     pub(super) fn law(&self, means: [&[f64]; 2]) -> Option<Law> {
-        let ratios = self.ratios(means);
-        Law::new(self.nodes.points.clone(), &self.measure, ratios.each_ref().map(Vec::as_slice))
+        let points = self.nodes.points.clone();
+        let masses = self.ratios(means).map(|ratio| -> Vec<f64> {
+            let mass: f64 = ratio.iter().zip(&self.measure).map(|(r, w)| r * w).sum();
+            ratio.iter().zip(&self.measure).map(|(r, w)| r * w / mass).collect()
+        });
+        let mean = |of: &dyn Fn(&[f64]) -> f64| points.iter().zip(&masses[0]).map(|(x, w)| w * of(x)).sum::<f64>();
+        let variance = |i: usize| mean(&|x| x[i] * x[i]) - mean(&|x| x[i]).powi(2);
+        let sound = (0..points.dimension()).map(variance).all(|v| v > 0.0 && v.is_finite());
+        sound.then_some(Law { points, masses })
     }
 
     /// ∫ ω |δ| of the functions of the highest degrees.
@@ -204,6 +211,15 @@ impl MomentSystem {
         let solved = inner.partial_piv_lu().solve(-&forced.to_owned());
         std::iter::once(1.0).chain((0..solved.nrows()).map(|k| solved[(k, 0)])).collect()
     }
+}
+
+/// Points with masses, some of which may be negative: means of polynomials under a density p̂ = ω (1 + δ), which are those of the
+/// equations, where p̂ itself, a polynomial times ω, may be rough and negative in places.
+#[derive(Debug)]
+pub(super) struct Law {
+    pub(super) points: States,
+    /// By the equations of the highest degree, and of the one below it.
+    pub(super) masses: [Vec<f64>; 2],
 }
 
 /// Rates and frequencies ≥ 0 of the modes of a matrix; none where one of them grows, or an entry is not finite.

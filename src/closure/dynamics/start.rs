@@ -19,48 +19,32 @@ const START_NODES: usize = 40;
 /// Points with the masses that a density has there.
 #[derive(Debug)]
 pub(super) struct Weighted {
-    pub(super) points: States,
-    pub(super) masses: Vec<f64>,
-    /// An estimate of its error, in L¹.
-    pub(super) error: f64,
+    points: States,
+    masses: Vec<f64>,
 }
 
-/// What the equations begin with.
-#[derive(Debug)]
-pub(super) struct Beginning {
-    pub(super) time: f64,
-    /// d at that time, d₀ = 1.
-    pub(super) coefficients: Vec<f64>,
-    /// An estimate of the error of the density until then, in L¹, and the mass outside of the domain.
-    pub(super) error: f64,
-}
-
-impl Beginning {
-    /// The means of ψ under a density on the domain.
-    ///
-    /// # Errors
-    /// [`OutOfRange`](crate::Error::OutOfRange) if much of it lies elsewhere.
-    pub(super) fn new(time: f64, weighted: &Weighted, system: &MomentSystem, domain: &TrustDomain) -> Result<Self> {
-        let mut inside = Weighted { error: weighted.error, ..Weighted::none(domain.centre.len()) };
-        for (x, mass) in weighted.points.iter().zip(&weighted.masses).filter(|(x, _)| domain.contains(x)) {
-            inside.enter(x, *mass);
-        }
-        let mass: f64 = inside.masses.iter().sum();
-        let outside = (mass - 1.0).abs();
-        let remedy = "it must lie inside the closure's domain and away from walls, and not be too narrow for its nodes";
-        require(outside <= OUTSIDE, "mass of the start in the domain", mass, remedy)?;
-        let sums = weighted_sum(nodes::values(&system.space, &inside.points).as_ref(), &inside.masses);
-        let mut means = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
-        system.functions.transform(means.as_mut());
-        let coefficients = (0..sums.len()).map(|k| means[(0, k)] / means[(0, 0)]).collect();
-        Ok(Beginning { time, coefficients, error: inside.error + outside })
+/// The means of ψ under a density on the domain, which the equations begin with, that of ψ₀ = 1 first.
+///
+/// # Errors
+/// [`OutOfRange`](crate::Error::OutOfRange) if much of it lies elsewhere.
+pub(super) fn beginning(weighted: &Weighted, system: &MomentSystem, domain: &TrustDomain) -> Result<Vec<f64>> {
+    let mut inside = Weighted::none(domain.centre.len());
+    for (x, mass) in weighted.points.iter().zip(&weighted.masses).filter(|(x, _)| domain.contains(x)) {
+        inside.enter(x, *mass);
     }
+    let mass: f64 = inside.masses.iter().sum();
+    let remedy = "it must lie inside the closure's domain, and not be too narrow for its nodes";
+    require((mass - 1.0).abs() <= OUTSIDE, "mass of the start in the domain", mass, remedy)?;
+    let sums = weighted_sum(nodes::values(&system.space, &inside.points).as_ref(), &inside.masses);
+    let mut means = Mat::from_fn(1, sums.len(), |_, k| sums[k]);
+    system.functions.transform(means.as_mut());
+    Ok((0..sums.len()).map(|k| means[(0, k)] / means[(0, 0)]).collect())
 }
 
 impl Weighted {
     /// No points.
     fn none(states: usize) -> Self {
-        Weighted { points: States::new(states), masses: Vec::new(), error: 0.0 }
+        Weighted { points: States::new(states), masses: Vec::new() }
     }
 
     /// Adds a point.

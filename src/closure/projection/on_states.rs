@@ -50,7 +50,7 @@ pub(in crate::closure) fn exact_on_states(
 /// ln p of a normal density, up to a constant. None where the covariance has no inverse, or a monomial is not among the functions.
 ///
 /// The residual of a system whose rates are far apart is that of the fastest, and does not show what the slowest states do.
-fn quadratic(space: &Functions, Gaussian { mean, covariance }: &Gaussian) -> Option<Exponent> {
+pub(in crate::closure) fn quadratic(space: &Functions, Gaussian { mean, covariance }: &Gaussian) -> Option<Exponent> {
     let polynomials = space.polynomials()?;
     let precision = covariance.clone().cholesky()?.inverse();
     let half_width = polynomials.half_width();

@@ -44,8 +44,6 @@ const MINOR: f64 = 0.7;
 /// The factor at which the ratio of a reference's density to its weight is cut off, upwards and downwards, before its logarithm
 /// is taken. Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +4 % or ±1 %.
 const CUT: f64 = 20.0;
-/// The ratio of a density in time to its weight is cut off at this factor, upwards and downwards, before its logarithm is taken.
-const CUT_IN_TIME: f64 = 1e12;
 
 /// A start for a reference: the weight of a similar system's, and the size of its correction.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,9 +74,6 @@ pub(crate) struct ReferenceDensity {
     /// The size of δ.
     #[serde(with = "number")]
     pub(super) size: f64,
-    /// 1 + δ is cut off at this factor, upwards and downwards, before its logarithm is taken.
-    #[serde(default = "cut", skip_serializing_if = "is_cut")]
-    pub(super) cut: f64,
     /// ln p̂ at the nodes, normalised over them.
     #[serde(skip)]
     pub(super) logarithm: Vec<f64>,
@@ -91,12 +86,6 @@ pub(crate) struct ReferenceDensity {
 }
 
 impl ReferenceDensity {
-    /// The density of a time, with an estimate of its error: ω (1 + δ) with a δ that is not small.
-    pub(super) fn in_time(weight: Exponent, space: Functions, correction: Vec<f64>, error: f64) -> Self {
-        let (logarithm, cut) = (Vec::new(), CUT_IN_TIME);
-        ReferenceDensity { weight, space, correction, error, size: 1.0, cut, logarithm, doubt: error, solved: 1 }
-    }
-
     /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error
     /// that the edge of the domain makes, as ripples; where they are larger than the distance between the reference and the
     /// answer, a correction without them is tried too. A lattice has no edge, and its initial weight is already a fit of the
@@ -195,7 +184,7 @@ impl ReferenceDensity {
             if worse > 1 {
                 break;
             }
-            let target: Vec<f64> = log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d, CUT)).collect();
+            let target: Vec<f64> = log.iter().zip(&found.correction).map(|(q, d)| q + log_ratio(*d)).collect();
             let before = std::mem::replace(&mut change, found.size);
             // Of two that are about as good the later one is better in the tails.
             if error < SAME * least {
@@ -208,7 +197,6 @@ impl ReferenceDensity {
                     doubt: error,
                     solved,
                     size: found.size,
-                    cut: CUT,
                 });
             }
             // After the first renewals the correction is the part that a polynomial of the weight's degree cannot represent.
@@ -305,7 +293,7 @@ impl ReferenceDensity {
         let (weight, space) = (self.weight.checked(states)?, self.space.checked(states)?);
         // A correction may be cut off before the last functions.
         let fits = (1..=space.len() + 1).contains(&self.correction.len());
-        if !fits || !self.correction.iter().all(|c| c.is_finite()) || self.cut.is_nan() || self.cut < 1.0 {
+        if !fits || !self.correction.iter().all(|c| c.is_finite()) {
             return Err(String::from("the reference's coefficients do not fit its functions"));
         }
         Ok(ReferenceDensity { weight, space, doubt: self.error, ..self })
@@ -316,8 +304,7 @@ impl ReferenceDensity {
 impl Function for ReferenceDensity {
     #[inline(always)]
     fn at<T: Number>(&self, x: &[T]) -> T {
-        let cut = self.cut;
-        self.weight.value(x) + self.correction_at(x).map(|correction| log_ratio(correction, cut))
+        self.weight.value(x) + self.correction_at(x).map(log_ratio)
     }
 }
 
@@ -332,18 +319,8 @@ impl Function for Correction<'_> {
 }
 
 /// ln (1 + δ), cut off where δ is far from small.
-fn log_ratio(correction: f64, cut: f64) -> f64 {
-    (1.0 + correction).clamp(cut.recip(), cut).ln()
-}
-
-/// The cut of a stationary reference.
-fn cut() -> f64 {
-    CUT
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
-fn is_cut(cut: &f64) -> bool {
-    *cut == CUT
+fn log_ratio(correction: f64) -> f64 {
+    (1.0 + correction).clamp(CUT.recip(), CUT).ln()
 }
 
 /// The highest of some logarithms, and the sum over the nodes of their exponentials relative to it.

@@ -95,6 +95,17 @@ impl SpaceFamily {
         }
     }
 
+    /// The functions of an order's answer alone.
+    pub(in crate::closure) fn functions(&self, order: u32) -> Functions {
+        match self {
+            SpaceFamily::Smooth(smooth) => smooth.functions(order),
+            SpaceFamily::Walled(walled) => {
+                let [answer, ..] = walled.spaces(order);
+                answer
+            }
+        }
+    }
+
     /// The same for densities that do not share the system's symmetry, with all monomials.
     pub(in crate::closure) fn without_symmetry(&self) -> Self {
         match self {
