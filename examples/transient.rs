@@ -86,7 +86,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         views.push(View::Curves(panel));
     }
 
-    // Over time: moments by the equations themselves, and what is left of the start.
+    // Over time: moments, and what is left of the start.
     let (closed, on_grid) = (closure.transient(&problem, &start, &many)?, grid.transient(&start, &many, 1e-4)?);
     let mut lines = [const { Vec::new() }; 3];
     let mut known = [const { Vec::new() }; 2];

@@ -28,7 +28,7 @@ const ACCURACIES: [f64; 2] = [1e-3, 1e-5];
 /// A second, finer grid stands for the reference where the error of the first is above this share of the estimated L¹ distance.
 const MINOR: f64 = 0.1;
 /// The most memory of a grid that stands for a reference, in GiB: a bound on work, which makes it a matter of seconds.
-const MEMORY: f64 = 0.3;
+pub(in crate::closure) const MEMORY: f64 = 0.3;
 /// In two states the moment equations' answer is taken where its estimate is below this share of that by a grid. None of nine
 /// closures depends on the value.
 const BETTER: f64 = 0.5;

@@ -7,7 +7,7 @@
 //! exp(Q) is closest in the Kullback-Leibler distance, in which it has the moments of the density up to its order. Its estimate is
 //! ∫ |exp(Q) − p| dx, with the error of p and what lies beyond the cells.
 
-mod by_grid;
+pub(super) mod by_grid;
 mod cells;
 mod target;
 

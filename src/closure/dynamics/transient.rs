@@ -1,6 +1,7 @@
 //! Transients from a start.
 
 use super::served;
+use crate::closure::closest::by_grid::MEMORY;
 use crate::closure::density::ClosureDensity;
 use crate::closure::method::Closure;
 use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS};
@@ -79,7 +80,8 @@ impl Closure {
         course: &Course,
         times: &[f64],
     ) -> Result<Vec<Transient<ClosureDensity>>> {
-        let stationary = Grid::new().accuracy(ACCURACY).within(self.memory).solve(problem)?;
+        let memory = self.memory.at_most(MEMORY);
+        let stationary = Grid::new().accuracy(ACCURACY).within(memory).solve(problem)?;
         let closest = |_, Transient { time, density, step_error }: Transient<GridDensity>| {
             Ok(Transient { time, density: self.fit(&density)?, step_error })
         };
