@@ -100,14 +100,14 @@ impl GridDensity {
             if let Some(reason) = evolution.exhausted {
                 density.provenance.warning = Some(reason.into());
             }
-            let lost = (1.0 - fine.mass()).abs();
-            let remedy = "the rest left the domain by its edges: start nearer to its middle, ask for an earlier time, or widen `Grid::domain`";
-            require(lost <= LOST, "mass of a transient in the domain", fine.mass(), remedy)?;
-            density.provenance.l1_estimate = density.provenance.l1_estimate.map(|estimate| estimate + lost);
             (density.fine, density.coarse) = (fine, coarse);
             if envelope.is_some() {
                 density.require_inside()?;
             }
+            let lost = (1.0 - density.fine.mass()).abs();
+            let remedy = "the rest left the domain by its edges: start nearer to its middle, ask for an earlier time, or widen `Grid::domain`";
+            require(lost <= LOST, "mass of a transient in the domain", density.fine.mass(), remedy)?;
+            density.provenance.l1_estimate = density.provenance.l1_estimate.map(|estimate| estimate + lost);
             Ok(Transient { time: *time, density, step_error: evolution.error })
         };
         times.iter().map(at).collect()
