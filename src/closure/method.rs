@@ -52,8 +52,8 @@ pub(super) enum Order {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reference {
     /// In one state and two the solution of the moment equations, and where they have none, contradict the pilot, or have an error
-    /// that is a large part of the estimate, the density of a [`Grid`](crate::Grid), which in one state is a closed form; next to walls
-    /// that of a grid where they have none. In three states and more the pilot's states, as under impulses what serves there.
+    /// that is a large part of the estimate, the density of a [`Grid`](crate::Grid), which in one state is a closed form. In three
+    /// states and more the pilot's states, as next to walls and under impulses what serves there.
     #[default]
     Automatic,
     /// The solution of the moment equations of a higher degree, on nodes: products of Gauss nodes in one state and in two, a lattice in

@@ -208,17 +208,9 @@ impl Closure {
         if self.reference == Reference::Grid {
             return self.by_grid(problem, &pilot, begin);
         }
-        let closed = || {
-            let discretisation = walled::walled(problem, &inflated, walls);
-            let nodal = self.nodal(problem, discretisation, [&pilot, &inflated], begin)?;
-            self.at_order(HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
-        };
-        match closed() {
-            Err(error) if self.reference == Reference::Automatic => {
-                self.by_grid(problem, &pilot, begin).map_err(|_| error)
-            }
-            closed => closed,
-        }
+        let discretisation = walled::walled(problem, &inflated, walls);
+        let nodal = self.nodal(problem, discretisation, [&pilot, &inflated], begin)?;
+        self.at_order(HIGHEST_ORDER_AT_WALLS, false, |order| of_use(nodal.closed(order)?, order))
     }
 
     fn nodal(

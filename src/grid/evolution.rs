@@ -55,6 +55,8 @@ pub(super) struct EvolutionPlan<'a> {
     pub(super) degree: usize,
     pub(super) memory: MemoryLimit,
     pub(super) most_work: f64,
+    /// The most unknowns that all steps together solve for.
+    pub(super) most_spent: f64,
 }
 
 /// Densities of two degrees on one mesh, which has cells where they need them: it is refined before a step that it would not hold,
@@ -75,6 +77,8 @@ pub(super) struct Evolution<'a> {
     last: f64,
     since: usize,
     steps: usize,
+    /// The unknowns of all steps together.
+    spent: f64,
     /// The sum of the steps' differences from a lower order, relative to the root mean square of p,
     pub(super) error: f64,
     /// and that of their masses.
@@ -113,6 +117,7 @@ impl<'a> Evolution<'a> {
             // The first mesh may be finer than it need be.
             since: LOOK - 1,
             steps: 0,
+            spent: 0.0,
             error: 0.0,
             moved: 0.0,
             exhausted: exhausted.then_some(NO_MEMORY),
@@ -144,7 +149,9 @@ impl<'a> Evolution<'a> {
             let step = left / if again { same.round() } else { (fewest - 1e-9).ceil().max(1.0) };
             self.last = step;
             self.steps += 1;
-            if self.steps > MAX_STEPS || self.step < f64::EPSILON * left {
+            self.spent += self.fields[0].coefficients.len() as f64;
+            let long = self.steps > MAX_STEPS || self.spent > self.plan.most_spent;
+            if long || self.step < f64::EPSILON * left {
                 let remedy = "too many steps are needed to get there: take an earlier time or a larger accuracy";
                 return Err(Error::OutOfRange { name: "time", value: end, remedy });
             }
@@ -293,6 +300,7 @@ mod tests {
                 degree: fine.shape.degree,
                 memory: MemoryLimit::default(),
                 most_work,
+                most_spent: MOST_WORK,
             };
             let mut evolution = Evolution::new(plan, &ground, &initial, [&fine, &coarse], 1.0)?;
             evolution.advance(1.0)?;

@@ -176,8 +176,14 @@ impl Survival {
         let ground = kept.ground(self.domain.clone(), self.sides, accuracy);
         let initial = Initial::new(start, &ground, envelope, (f64::INFINITY, accuracy))?;
         let [shape, _] = self.shapes();
-        let plan =
-            EvolutionPlan { envelope, accuracy, degree: shape.degree, memory: kept.grid.memory, most_work: MOST_WORK };
+        let plan = EvolutionPlan {
+            envelope,
+            accuracy,
+            degree: shape.degree,
+            memory: kept.grid.memory,
+            most_work: MOST_WORK,
+            most_spent: MOST_WORK,
+        };
         let stationary = [&self.stationary.fine, &self.stationary.coarse];
         let mut evolution = Evolution::new(plan, &ground, &initial, stationary, times.last().copied().unwrap_or(0.0))?;
         let at = |time: &f64| {

@@ -76,10 +76,16 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn transient(&self, course: impl Into<Course>, times: &[f64], accuracy: f64) -> Result<Vec<Transient<Self>>> {
-        self.evolved(&course.into(), times, accuracy)
+        self.evolved(&course.into(), times, (accuracy, MOST_WORK))
     }
 
-    fn evolved(&self, course: &Course, times: &[f64], accuracy: f64) -> Result<Vec<Transient<Self>>> {
+    /// The same with a bound on the unknowns that all steps together solve for.
+    pub(crate) fn evolved(
+        &self,
+        course: &Course,
+        times: &[f64],
+        (accuracy, most_spent): (f64, f64),
+    ) -> Result<Vec<Transient<Self>>> {
         let (start, envelope) = (&course.start, course.envelope.as_ref());
         require_accuracy("accuracy of a transient", accuracy)?;
         let ground = self.kept.ground(self.fine.mesh.domain(), self.fine.mesh.sides, accuracy);
@@ -87,7 +93,14 @@ impl GridDensity {
         let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
         let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
-        let plan = EvolutionPlan { envelope, accuracy, degree, memory: self.kept.grid.memory, most_work: MOST_WORK };
+        let plan = EvolutionPlan {
+            envelope,
+            accuracy,
+            degree,
+            memory: self.kept.grid.memory,
+            most_work: MOST_WORK,
+            most_spent,
+        };
         let mut evolution = Evolution::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
         let at = |time: &f64| {
             evolution.advance(*time)?;

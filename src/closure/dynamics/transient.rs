@@ -14,6 +14,9 @@ use crate::transient::{Course, Transient, check_times};
 /// The accuracy of the grid's densities in time: early, where an order follows a density well, 3e-4 doubles its distance, and 3e-5 takes
 /// twice the time.
 const ACCURACY: f64 = 1e-4;
+/// The most unknowns that all steps of a grid together solve for: a bound on work, of half a minute. Densities of an oscillator up to
+/// the time at which the start is forgotten take a fifth of it, or less.
+const MOST_SPENT: f64 = 1.5e7;
 
 impl Closure {
     /// The densities of a problem at rising `times` after a start, each closed by this order.
@@ -33,8 +36,8 @@ impl Closure {
     /// Those of the grid, of its transients and of [`Closure::fit`], and where trajectories carry the density those of [`Closure::solve`]
     /// and [`Error::NotServed`](crate::Error::NotServed) next to walls or if the start is a density;
     /// [`Error::Dimension`](crate::Error::Dimension) for the start of another number of states,
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if times do not rise from 0 on, for a start outside of the domain, and for a time at
-    /// which a point has no density yet.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if times do not rise from 0 on, for a start outside of the domain, for a time at
+    /// which a point has no density yet, and for one that takes too many steps: fit a grid's transient of a larger accuracy then.
     ///
     /// ```
     /// use expoly::{Closure, Density, Gaussian, models::{Linear, Solved}};
@@ -85,6 +88,6 @@ impl Closure {
         let closest = |_, Transient { time, density, step_error }: Transient<GridDensity>| {
             Ok(Transient { time, density: self.fit(&density)?, step_error })
         };
-        parallel::map_into(stationary.transient(course, times, ACCURACY)?, closest).into_iter().collect()
+        parallel::map_into(stationary.evolved(course, times, (ACCURACY, MOST_SPENT))?, closest).into_iter().collect()
     }
 }
