@@ -130,6 +130,8 @@ const LOWEST_COMPARED: f64 = 1e-5;
 /// The tails of a density are accurate within so many decades of the reference, and right where they have cost as much in L¹ as
 /// they may. Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +7 % or −3 %.
 const TAILS_ENOUGH: f64 = 0.25;
+/// The most memory of a grid that a closure is the closest to, in GiB: a bound on work, which makes it a matter of seconds.
+const GRID_MEMORY: f64 = 0.3;
 /// Draws for integrals of a density: a standard error of some tenths of a percent for fourth moments in ten states.
 const DRAWS: usize = 400_000;
 /// The fewest consecutive states of a block next to walls, so that most impacts belong to the block of the states that they

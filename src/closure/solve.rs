@@ -114,7 +114,7 @@ impl Closure {
         let by_equations = (self.reference != Reference::Grid).then(|| self.by_equations(problem, run, begin));
         match by_equations {
             Some(Ok(density)) if density.content.is_served_by_equations() => Ok(density),
-            Some(by_equations) => match (self.by_grid(problem, run.1, begin), by_equations) {
+            Some(by_equations) => match (self.by_grid(problem, Some(run.1), begin), by_equations) {
                 (Ok(closest), Ok(density)) if closest.is_worse_than(&density) => Ok(density),
                 (Ok(closest), Ok(density)) => Ok(closest.with_motion_of(&density)),
                 (Ok(closest), Err(_)) => Ok(closest),
@@ -122,7 +122,7 @@ impl Closure {
                 // Neither: the pilot's states have a density in any case.
                 (Err(_), by_equations) => self.on_states(problem, run.0.settles, begin).or(by_equations),
             },
-            None => self.by_grid(problem, run.1, begin),
+            None => self.by_grid(problem, Some(run.1), begin),
         }
     }
 
@@ -171,6 +171,13 @@ impl Closure {
         self.at_order(HIGHEST_ORDER, false, |order| nodal.closed(order))
     }
 
+    /// Refuses some monomials alone, next to the walls of a plane.
+    pub(super) fn require_complete_degrees(&self) -> Result<()> {
+        let (what, remedy) = ("walls with some monomials alone", "leave the degrees complete");
+        let complete = self.degrees == Degrees::complete();
+        if complete { Ok(()) } else { Err(Error::NotServed { method: METHOD, what, remedy }) }
+    }
+
     /// The closure of an oscillator next to one wall, or between two.
     fn next_to_walls(
         &self,
@@ -180,13 +187,15 @@ impl Closure {
         begin: Instant,
     ) -> Result<ClosureDensity> {
         self.check(2, HIGHEST_ORDER_AT_WALLS)?;
-        let refused = |what, remedy| Err(Error::NotServed { method: METHOD, what, remedy });
-        if self.reference == Reference::States {
-            let remedy = "nodes are graded towards walls; leave out `reference`";
-            return refused("walls of a plane on the pilot's states", remedy);
-        }
-        if self.degrees != Degrees::complete() {
-            return refused("walls with some monomials alone", "leave the degrees complete");
+        self.require_complete_degrees()?;
+        match self.reference {
+            Reference::States => {
+                let (what, remedy) =
+                    ("walls of a plane on the pilot's states", "nodes are graded towards walls; leave out `reference`");
+                return Err(Error::NotServed { method: METHOD, what, remedy });
+            }
+            Reference::Grid => return self.by_grid(problem, None, begin),
+            Reference::Automatic | Reference::Equations => {}
         }
         // The pilot has one wall, below the motion: its states beyond a second wall are left out, and for a single wall above
         // the motion the mirrored problem runs.
@@ -204,9 +213,6 @@ impl Closure {
         if pilot.states.len() < LEAST_BETWEEN {
             let reason = "hardly a state of the pilot lies between the walls: take more `pilot_states`, or the grid";
             return Err(Error::NotClosed { order: self.lowest(), reason });
-        }
-        if self.reference == Reference::Grid {
-            return self.by_grid(problem, &pilot, begin);
         }
         let discretisation = walled::walled(problem, &inflated, walls);
         let nodal = self.nodal(problem, discretisation, [&pilot, &inflated], begin)?;

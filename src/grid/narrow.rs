@@ -64,7 +64,7 @@ impl<'a> Narrow<'a> {
             moments: ModulatedMoments::new(problem),
             residual: Residual::new(problem),
             time: 0.0,
-            gaussian: Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(states, states) },
+            gaussian: Gaussian::point(x),
             error: 0.0,
             rate: 0.0,
         };

@@ -1,7 +1,7 @@
 //! First passages: the part of a density that has passed no level.
 
 use super::density::GridDensity;
-use super::evolution::{Evolution, EvolutionPlan, MOST_WORK};
+use super::evolution::{Evolution, EvolutionPlan};
 use super::field::GridField;
 use super::flux::Part;
 use super::initial::Initial;
@@ -176,14 +176,7 @@ impl Survival {
         let ground = kept.ground(self.domain.clone(), self.sides, accuracy);
         let initial = Initial::new(start, &ground, envelope, (f64::INFINITY, accuracy))?;
         let [shape, _] = self.shapes();
-        let plan = EvolutionPlan {
-            envelope,
-            accuracy,
-            degree: shape.degree,
-            memory: kept.grid.memory,
-            most_work: MOST_WORK,
-            most_spent: MOST_WORK,
-        };
+        let plan = EvolutionPlan::new(envelope, accuracy, shape.degree, kept.grid.memory);
         let stationary = [&self.stationary.fine, &self.stationary.coarse];
         let mut evolution = Evolution::new(plan, &ground, &initial, stationary, times.last().copied().unwrap_or(0.0))?;
         let at = |time: &f64| {

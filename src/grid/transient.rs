@@ -93,14 +93,8 @@ impl GridDensity {
         let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
         let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
-        let plan = EvolutionPlan {
-            envelope,
-            accuracy,
-            degree,
-            memory: self.kept.grid.memory,
-            most_work: MOST_WORK,
-            most_spent,
-        };
+        let plan = EvolutionPlan::new(envelope, accuracy, degree, self.kept.grid.memory);
+        let plan = EvolutionPlan { most_spent, ..plan };
         let mut evolution = Evolution::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
         let at = |time: &f64| {
             evolution.advance(*time)?;

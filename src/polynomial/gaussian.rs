@@ -16,6 +16,11 @@ pub struct Gaussian {
 }
 
 impl Gaussian {
+    /// A point, without a width.
+    pub(crate) fn point(x: &[f64]) -> Self {
+        Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(x.len(), x.len()) }
+    }
+
     /// The lower Cholesky factor L of the covariance: x = mean + L z with z standard normal.
     ///
     /// # Errors

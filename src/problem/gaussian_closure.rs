@@ -3,8 +3,9 @@
 use super::units::natural_units;
 use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
-use crate::numerics::runge_kutta;
+use crate::numerics::{propagated, runge_kutta};
 use crate::polynomial::{Gaussian, Polynomial};
+use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
 
@@ -40,7 +41,7 @@ fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
     let equations = MomentEquations::new(operator);
     if operator.is_linear() {
         // One step of Newton's method is all, however far apart its rates are; from 0, so that no small variance is lost in a large one.
-        let point = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::zeros(n, n) };
+        let point = Gaussian::point(&vec![0.0; n]);
         let change = equilibrated(&equations.jacobian(&point), &-equations.rate(&point));
         let found = change.map(|change| equations.moved(&point, &change));
         if let Some(found) = found.filter(|found| found.covariance.clone().cholesky().is_some()) {
@@ -192,6 +193,22 @@ impl MomentEquations {
 /// The index pairs of a lower triangle, row by row.
 fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)))
+}
+
+/// The moments of a linear system at some times after `start`: its moment equations are linear, and solved exactly.
+pub(crate) fn linear_after(operator: &FokkerPlanck, start: &Gaussian, times: &[f64]) -> Vec<Gaussian> {
+    let (equations, origin) = (MomentEquations::new(operator), Gaussian::point(&vec![0.0; operator.dimension()]));
+    let (constant, jacobian) = (equations.rate(&origin), equations.jacobian(&origin));
+    // The first entry is 1.
+    let matrix = Mat::from_fn(1 + constant.len(), 1 + constant.len(), |i, j| match (i, j) {
+        (0, _) => 0.0,
+        (i, 0) => constant[i - 1],
+        (i, j) => jacobian[(i - 1, j - 1)],
+    });
+    let from: Vec<f64> = std::iter::once(1.0).chain(equations.pack(start).iter().copied()).collect();
+    let found = propagated(matrix.as_ref(), &from, times);
+    let at = |time: usize| equations.moved(&origin, &DVector::from_fn(constant.len(), |k, _| found[(1 + k, time)]));
+    (0..times.len()).map(at).collect()
 }
 
 /// The Gaussian closure's moments at a time after `start`, by the classical Runge-Kutta method; a covariance of zero is a

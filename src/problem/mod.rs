@@ -25,7 +25,7 @@ pub(crate) use contact::Contact;
 pub use definition::Definition;
 pub(crate) use field::{Field, LANES, Lane};
 pub(crate) use flow::{Addition, Kicks, Nearness, near};
-pub(crate) use gaussian_closure::gaussian_after;
+pub(crate) use gaussian_closure::{gaussian_after, linear_after};
 pub(crate) use modulated_moments::ModulatedMoments;
 pub(crate) use motion::{Motion, PlaneMotion, StillMotion};
 pub(crate) use room::reflect;

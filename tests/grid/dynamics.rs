@@ -213,8 +213,8 @@ fn the_error_of_the_mesh_is_in_the_estimate() {
 }
 
 /// Where next to nothing is, cells have modes that grow, in the lower degree first: the mesh of an accuracy of 1e-3 would make that
-/// degree's distance 0.13 at t = 32, where the density itself is right to 4e-4. The distance is below 7e-3 where cells are divided for
-/// the lower degree too.
+/// degree's distance 0.13 at t = 32, where the density itself is right to 2.3e-4. Where cells are divided for the lower degree too it
+/// is 6.3e-3.
 #[test]
 fn modes_of_cells_do_not_grow_in_the_lower_degree() {
     let text = "states = ['x', 'v']\ndrift = { x = 'v', v = '0.5*(1 - x^2)*v - x' }\nnoise.w.v = 'sqrt(0.4)'";
@@ -227,5 +227,5 @@ fn modes_of_cells_do_not_grow_in_the_lower_degree() {
     let (found, truth) = (at(1e-3), at(1e-4));
     let off = l1_from(&truth, &found);
     println!("{off:.1e} off, {:.1e} estimated", found.l1_estimate());
-    assert!(off < 1e-3 && (0.8 * off..1.5e-2).contains(&found.l1_estimate()));
+    assert!(off < 4e-4 && (0.8 * off..8e-3).contains(&found.l1_estimate()));
 }

@@ -13,7 +13,7 @@ use crate::closure::pilot::Pilot;
 use crate::closure::projection::exact::exact_about;
 use crate::closure::projection::on_states::exact_near;
 use crate::closure::projection::tempered;
-use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, REFERENCE_EXCESS};
+use crate::closure::{GRID_MEMORY, HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, REFERENCE_EXCESS};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::grid::{Grid, GridDensity};
@@ -27,27 +27,26 @@ use std::time::Instant;
 const ACCURACIES: [f64; 2] = [1e-3, 1e-5];
 /// A second, finer grid stands for the reference where the error of the first is above this share of the estimated L¹ distance.
 const MINOR: f64 = 0.1;
-/// The most memory of a grid that stands for a reference, in GiB: a bound on work, which makes it a matter of seconds.
-pub(in crate::closure) const MEMORY: f64 = 0.3;
 /// In two states the moment equations' answer is taken where its estimate is below this share of that by a grid. None of nine
 /// closures depends on the value.
 const BETTER: f64 = 0.5;
 
 impl Closure {
-    /// The closest to the density of a grid, which in one state is a closed form.
+    /// The closest to the density of a grid, which in one state is a closed form; an exact one where the states of a pilot show it, which
+    /// next to walls they do not.
     ///
     /// # Errors
     /// Those of the grid; [`Error::NotClosed`] where no polynomial is found.
     pub(in crate::closure) fn by_grid(
         &self,
         problem: &Problem,
-        pilot: &Pilot,
+        pilot: Option<&Pilot>,
         begin: Instant,
     ) -> Result<ClosureDensity> {
         let mut found = None;
         for accuracy in ACCURACIES {
             // A grid that the memory ends has what it reached as its estimate.
-            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(MEMORY)).solve(problem);
+            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(GRID_MEMORY)).solve(problem);
             let grid = match grid {
                 Ok(grid) => grid,
                 Err(error) => return found.unwrap_or(Err(error)),
@@ -68,7 +67,7 @@ impl Closure {
         &self,
         grid: &GridDensity,
         problem: &Problem,
-        pilot: &Pilot,
+        pilot: Option<&Pilot>,
         begin: Instant,
     ) -> Result<(ClosureDensity, bool)> {
         let symmetry = problem.symmetry();
@@ -84,7 +83,7 @@ impl Closure {
             }
             Ok(ClosureDensity::new(content))
         })?;
-        if let Some(exact) = exact(&closed, problem, pilot).filter(|_| free) {
+        if let Some(exact) = pilot.and_then(|pilot| exact(&closed, problem, pilot)) {
             return Ok((exact, false));
         }
         let limited = closest.target.error > MINOR * closed.l1_estimate();

@@ -7,7 +7,7 @@
 //! exp(Q) is closest in the Kullback-Leibler distance, in which it has the moments of the density up to its order. Its estimate is
 //! ∫ |exp(Q) − p| dx, with the error of p and what lies beyond the cells.
 
-pub(super) mod by_grid;
+mod by_grid;
 mod cells;
 mod target;
 
@@ -90,6 +90,9 @@ impl Closure {
         let walled = !density.evidence().grazed_walls().is_empty();
         let highest = if walled { HIGHEST_ORDER_AT_WALLS } else { HIGHEST_ORDER };
         self.check(states, highest)?;
+        if walled {
+            self.require_complete_degrees()?;
+        }
         if states > 2 {
             let (what, remedy) = ("a density of three states and more to be close to", "solve the problem");
             return Err(Error::NotServed { method: METHOD, what, remedy });

@@ -8,13 +8,10 @@ use crate::closure::pilot::normal_density;
 use crate::closure::projection::exact::exact_about;
 use crate::closure::projection::on_states::quadratic;
 use crate::closure::space::nested_spaces::Smooth;
-use crate::numerics::propagated;
 use crate::polynomial::Gaussian;
-use crate::problem::Problem;
+use crate::problem::{Problem, linear_after};
 use crate::provenance::Provenance;
 use crate::transient::{Course, Start, Transient};
-use faer::Mat;
-use nalgebra::{DMatrix, DVector};
 use std::time::Instant;
 
 /// The half-width of the region about which a normal density is integrated, and of the box of its polynomial, in standard deviations.
@@ -32,9 +29,7 @@ impl Closure {
         let begin = Instant::now();
         let stationary = normal_density(problem).filter(|_| envelope.is_none())?;
         let start = match start {
-            Start::Point(x) => {
-                Gaussian { mean: DVector::from_column_slice(x), covariance: DMatrix::zeros(x.len(), x.len()) }
-            }
+            Start::Point(x) => Gaussian::point(x),
             Start::Gaussian(gaussian) => gaussian.clone(),
             Start::Stationary => stationary,
             Start::Density(_) => return None,
@@ -45,7 +40,7 @@ impl Closure {
             content.provenance = Provenance { order: Some(self.lowest()), seconds, ..Provenance::default() };
             Some(Transient { time: *time, density: ClosureDensity::new(content), step_error: 0.0 })
         };
-        times.iter().zip(after(problem, &start, times)).map(at).collect()
+        times.iter().zip(linear_after(problem.operator(), &start, times)).map(at).collect()
     }
 
     fn normal(&self, gaussian: &Gaussian) -> Option<Content> {
@@ -56,35 +51,4 @@ impl Closure {
             Smooth { degrees: self.degrees.clone(), ..Smooth::complete(centre.clone(), half_width) }.functions(2);
         exact_about(quadratic(&space, gaussian)?, &TrustDomain::whole(centre, deviation, REACH))
     }
-}
-
-/// Mean and covariance of a linear system at some times: m′ = b + A m and S′ = A S + S Aᵀ + B, solved exactly.
-fn after(problem: &Problem, start: &Gaussian, times: &[f64]) -> Vec<Gaussian> {
-    let (n, operator) = (problem.dimension(), problem.operator());
-    let slope = |i: usize, j: usize| operator.drift()[i].derivative(j).constant_term();
-    let covariance = |i: usize, j: usize| 1 + n + i * n + j;
-    let mut matrix = Mat::zeros(1 + n + n * n, 1 + n + n * n);
-    for i in 0..n {
-        matrix[(1 + i, 0)] = operator.drift()[i].constant_term();
-        for j in 0..n {
-            matrix[(1 + i, 1 + j)] = slope(i, j);
-            matrix[(covariance(i, j), 0)] = operator.diffusion()[i][j].constant_term();
-            for k in 0..n {
-                matrix[(covariance(i, j), covariance(k, j))] += slope(i, k);
-                matrix[(covariance(i, j), covariance(i, k))] += slope(j, k);
-            }
-        }
-    }
-    let entries = |i: usize| (0..n).map(move |j| (i, j));
-    let from = std::iter::once(1.0)
-        .chain(start.mean.iter().copied())
-        .chain((0..n).flat_map(entries).map(|(i, j)| start.covariance[(i, j)]));
-    let found = propagated(matrix.as_ref(), &from.collect::<Vec<_>>(), times);
-    let at = |time: usize| Gaussian {
-        mean: DVector::from_fn(n, |i, _| found[(1 + i, time)]),
-        covariance: DMatrix::from_fn(n, n, |i, j| {
-            (found[(covariance(i, j), time)] + found[(covariance(j, i), time)]) / 2.0
-        }),
-    };
-    (0..times.len()).map(at).collect()
 }

@@ -1,10 +1,9 @@
 //! Transients from a start.
 
 use super::served;
-use crate::closure::closest::by_grid::MEMORY;
 use crate::closure::density::ClosureDensity;
 use crate::closure::method::Closure;
-use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS};
+use crate::closure::{GRID_MEMORY, HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS};
 use crate::error::Result;
 use crate::grid::{Grid, GridDensity};
 use crate::parallel;
@@ -68,6 +67,9 @@ impl Closure {
         check_times(times, 0.0, "it is counted from the start on")?;
         let highest = if problem.walls().is_empty() { HIGHEST_ORDER } else { HIGHEST_ORDER_AT_WALLS };
         self.check(problem.dimension(), highest)?;
+        if !problem.walls().is_empty() {
+            self.require_complete_degrees()?;
+        }
         if carried {
             return self.carried_transient(problem, course, times);
         }
@@ -83,7 +85,7 @@ impl Closure {
         course: &Course,
         times: &[f64],
     ) -> Result<Vec<Transient<ClosureDensity>>> {
-        let memory = self.memory.at_most(MEMORY);
+        let memory = self.memory.at_most(GRID_MEMORY);
         let stationary = Grid::new().accuracy(ACCURACY).within(memory).solve(problem)?;
         let closest = |_, Transient { time, density, step_error }: Transient<GridDensity>| {
             Ok(Transient { time, density: self.fit(&density)?, step_error })
