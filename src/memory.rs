@@ -26,6 +26,11 @@ impl MemoryLimit {
         MemoryLimit(self.0.min(limit))
     }
 
+    /// The numbers of eight bytes that it holds.
+    pub(crate) fn numbers(self) -> f64 {
+        self.0 * NUMBERS
+    }
+
     /// Refuses a limit that is no number of gibibytes.
     pub(crate) fn check(self) -> Result<()> {
         positive("memory limit in GiB", self.0, "it must be finite and above zero; 8 is the default").map(|_| ())

@@ -103,6 +103,11 @@ impl FokkerPlanck {
         (0..n).filter(|&i| (0..n).any(|j| j != i && !self.diffusion[i][j].is_zero())).collect()
     }
 
+    /// The number of terms of the drift.
+    pub(crate) fn drift_terms(&self) -> usize {
+        self.drift.iter().map(|f| f.terms().count()).sum()
+    }
+
     /// The number of terms of B, on the diagonal and below it, that depend on the state.
     pub(crate) fn varying_noise(&self) -> usize {
         let lower = self.diffusion.iter().enumerate().flat_map(|(i, row)| &row[..=i]);

@@ -11,8 +11,7 @@ use super::start::Ground;
 use super::tree::Tree;
 use crate::envelope::Envelope;
 use crate::error::{Error, Result};
-use crate::grid::{HOPELESS, SHARE};
-use crate::memory::MemoryLimit;
+use crate::grid::{Grid, GridProgress, HOPELESS, SHARE};
 use crate::states::States;
 use std::sync::Arc;
 
@@ -53,7 +52,8 @@ pub(super) struct EvolutionPlan<'a> {
     pub(super) envelope: Option<&'a Envelope>,
     pub(super) accuracy: f64,
     pub(super) degree: usize,
-    pub(super) memory: MemoryLimit,
+    /// Whose memory and progress these are.
+    pub(super) grid: &'a Grid,
     /// The most unknowns times steps to the end for which the mesh is refined,
     pub(super) most_ahead: f64,
     /// and the most unknowns that all steps together solve for.
@@ -62,8 +62,8 @@ pub(super) struct EvolutionPlan<'a> {
 
 impl<'a> EvolutionPlan<'a> {
     /// With the bounds on work of a grid.
-    pub(super) fn new(envelope: Option<&'a Envelope>, accuracy: f64, degree: usize, memory: MemoryLimit) -> Self {
-        EvolutionPlan { envelope, accuracy, degree, memory, most_ahead: MOST_WORK, most_spent: MOST_WORK }
+    pub(super) fn new(envelope: Option<&'a Envelope>, accuracy: f64, degree: usize, grid: &'a Grid) -> Self {
+        EvolutionPlan { envelope, accuracy, degree, grid, most_ahead: MOST_WORK, most_spent: MOST_WORK }
     }
 }
 
@@ -106,7 +106,7 @@ impl<'a> Evolution<'a> {
     ) -> Result<Self> {
         let shapes = [0, 1].map(|less| Shape { states: ground.domain.len(), degree: plan.degree - less });
         let aim = SHARE * plan.accuracy;
-        let (layout, field, exhausted) = initial.held(ground, stationary[0], (shapes[0], plan.memory), aim)?;
+        let (layout, field, exhausted) = initial.held(ground, stationary[0], (shapes[0], plan.grid.memory), aim)?;
         let coarse = initial.field(stationary[1], &layout.mesh, shapes[1])?;
         let base = ground.mesh_for(&States::new(ground.domain.len())).tree;
         let steppers = Self::steppers(plan, ground, &layout)?;
@@ -133,7 +133,7 @@ impl<'a> Evolution<'a> {
     }
 
     fn steppers(plan: EvolutionPlan<'_>, ground: &Ground<'_>, layout: &Layout) -> Result<[Stepper; 2]> {
-        let of = |degree| Stepper::new(ground.problem, layout, degree, plan.envelope.is_some(), plan.memory);
+        let of = |degree| Stepper::new(ground.problem, layout, degree, plan.envelope.is_some(), plan.grid.memory);
         let (fine, coarse) = rayon::join(|| of(plan.degree), || of(plan.degree - 1));
         Ok([fine?, coarse?])
     }
@@ -141,7 +141,8 @@ impl<'a> Evolution<'a> {
     /// Goes on to `end`, at steps of the envelope in between anew.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the steps become too many, [`Error::NotResolved`] if their errors add up to the density itself.
+    /// [`Error::OutOfRange`] if the steps become too many, [`Error::NotResolved`] if their errors add up to the density itself,
+    /// [`Error::Cancelled`].
     pub(super) fn advance(&mut self, end: f64) -> Result<()> {
         // Where every step needs new factors anyway its length follows the error more closely.
         let change = if self.plan.envelope.is_some() { FINE_CHANGE } else { CHANGE };
@@ -163,6 +164,7 @@ impl<'a> Evolution<'a> {
                 let remedy = "too many steps are needed to get there: take an earlier time or a larger accuracy";
                 return Err(Error::OutOfRange { name: "time", value: end, remedy });
             }
+            self.plan.grid.report(|| self.progress())?;
             let times = [self.time, step];
             let [fine, coarse] = &mut self.steppers;
             let [p, q] = self.fields.each_ref().map(|field| &field.coefficients);
@@ -213,6 +215,13 @@ impl<'a> Evolution<'a> {
         Ok(())
     }
 
+    /// Before a step.
+    fn progress(&self) -> GridProgress {
+        let field = &self.fields[0];
+        let (rounds, cells, indicator) = (self.steps, field.mesh.cells.len(), indicator(&field.highest()));
+        GridProgress { rounds, cells, indicator, time: Some(self.time), ..GridProgress::default() }
+    }
+
     /// The mesh that holds the densities of both degrees, where theirs does not; or the reason why there is none.
     fn refined(
         &self,
@@ -220,8 +229,8 @@ impl<'a> Evolution<'a> {
         aim: f64,
         steps: f64,
     ) -> std::result::Result<Option<Layout>, &'static str> {
-        let needed = match finer(fine, aim, self.plan.memory) {
-            Finer::Enough => finer(coarse, LOWER * aim, self.plan.memory),
+        let needed = match finer(fine, aim, self.plan.grid.memory) {
+            Finer::Enough => finer(coarse, LOWER * aim, self.plan.grid.memory),
             needed => needed,
         };
         match needed {
@@ -290,7 +299,7 @@ fn norm(x: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{Grid, GridDensity};
+    use crate::grid::GridDensity;
     use crate::problem::Problem;
     use crate::transient::Start;
 
@@ -302,7 +311,7 @@ mod tests {
         let ground = kept.ground(fine.mesh.domain(), fine.mesh.sides, 1e-3);
         let initial = Initial::new(&Start::Point(vec![1.0, 0.0]), &ground, None, (0.5, 1e-3))?;
         let after = |most_ahead: f64| -> Result<(Option<&'static str>, usize, f64)> {
-            let plan = EvolutionPlan::new(None, 1e-3, fine.shape.degree, MemoryLimit::default());
+            let plan = EvolutionPlan::new(None, 1e-3, fine.shape.degree, &kept.grid);
             let plan = EvolutionPlan { most_ahead, ..plan };
             let mut evolution = Evolution::new(plan, &ground, &initial, [&fine, &coarse], 1.0)?;
             evolution.advance(1.0)?;

@@ -115,9 +115,9 @@ pub struct Grid {
 type GridCallback = Arc<dyn Fn(GridProgress) -> ControlFlow<()> + Send + Sync>;
 
 /// How far a grid has come.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GridProgress {
-    /// Linear systems that have been solved.
+    /// Linear systems that have been solved, or steps in time that have been taken.
     pub rounds: usize,
     /// Cells of the last one.
     pub cells: usize,
@@ -125,6 +125,8 @@ pub struct GridProgress {
     pub indicator: f64,
     /// The L¹ distance between the solutions of two degrees, where the last mesh has been solved for both.
     pub estimate: Option<f64>,
+    /// Where a density is followed, the time that it has come to.
+    pub time: Option<f64>,
 }
 
 impl Default for Grid {
@@ -166,7 +168,8 @@ impl Grid {
     }
 
     /// The memory that matrices and factors may take, 8 GiB by default. They are estimated before they are allocated: a thousand
-    /// cells of degree 8 take a quarter of a gibibyte. Where it ends before the accuracy is reached, the density has what was
+    /// cells of degree 8 take a quarter of a gibibyte. All solutions on the way to the last mesh together take eight times the limit at
+    /// most, which bounds the work. Where it ends before the accuracy is reached, the density has what was
     /// reached as its estimate, and a warning.
     pub fn memory_limit(self, gibibytes: f64) -> Self {
         Grid { memory: MemoryLimit::gibibytes(gibibytes), ..self }
@@ -176,7 +179,8 @@ impl Grid {
         Grid { memory, ..self }
     }
 
-    /// A callback that is called after each linear system; it stops the grid by `Break`.
+    /// A callback that is called after each linear system, and after each step of a transient or a survival that the density is asked
+    /// for; it stops the grid by `Break`.
     pub fn progress(self, callback: impl Fn(GridProgress) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
         Grid { progress: Some(Arc::new(callback)), ..self }
     }

@@ -33,7 +33,7 @@ impl Layout {
     }
 
     /// The numbers that matrices and factors of a degree take.
-    fn numbers(&self, shape: Shape) -> f64 {
+    pub(super) fn numbers(&self, shape: Shape) -> f64 {
         let (block, face) = (shape.block() as f64, shape.face() as f64);
         let cell = |segments: &Vec<super::mesh::Segment>| {
             let faces = segments.iter().filter(|segment| segment.face.is_some()).count() as f64 * face;

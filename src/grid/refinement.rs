@@ -3,7 +3,7 @@
 use super::field::{GridField, difference};
 use super::mesh::Mesh;
 use super::operator::Layout;
-use super::shape::Place;
+use super::shape::{Place, Shape};
 use super::stationary::{Question, Stationary, solve};
 use crate::error::{Error, Result};
 use crate::grid::GridProgress;
@@ -23,6 +23,10 @@ const SETTLED: f64 = 1e-3;
 const CAUTION: f64 = 0.5;
 /// The smallest factor by which a failed test by two degrees lowers the aim of the refinement.
 const LEAST: f64 = 0.02;
+/// All solutions on the way to a mesh together have at most so many times the numbers that the memory holds: a bound on work. Where
+/// each mesh has twice the cells of the one before, they have three to four times the numbers of the last. A system with dozens of
+/// wells that exchange next to nothing finds one of them with each solution.
+const SOLUTIONS: f64 = 8.0;
 /// A mesh that a density on its way through time has outgrown is refined for this part of the aim: one that is just fine
 /// enough would not be so for long.
 const AHEAD: f64 = 0.5;
@@ -39,7 +43,7 @@ pub(super) struct Pair {
     pub(super) difference: f64,
     /// Linear systems that were solved on the way.
     pub(super) rounds: usize,
-    /// Whether the memory ended before the accuracy was reached.
+    /// Whether the memory, or the work that goes with it, ended before the accuracy was reached.
     pub(super) exhausted: bool,
 }
 
@@ -53,10 +57,13 @@ pub(super) fn resolve(
     mut report: impl FnMut(GridProgress) -> Result<()>,
 ) -> Result<Pair> {
     let (mut layout, mut places) = (Layout::new(start), vec![first_pin]);
-    let (mut aim, mut rounds, mut exhausted) = (target, 0, false);
+    let (mut aim, mut rounds, mut exhausted, mut spent) = (target, 0, false, 0.0);
     let mut last = [f64::INFINITY; 2];
     loop {
         rounds += 1;
+        spent += layout.numbers(Shape { states: layout.mesh.dimension(), degree });
+        let over = spent > SOLUTIONS * question.memory.numbers();
+        exhausted |= over;
         let mut fine = solve(question, &layout, degree, &places)?;
         // A place that had a pin this time is not missed, whether it has a well or not.
         let missed = fine.missed(question.states).filter(|place| !places.contains(place));
@@ -64,7 +71,7 @@ pub(super) fn resolve(
         places.extend(missed.clone());
         let unresolved = fine.unresolved();
         let indicator = indicator(&unresolved);
-        let progress = GridProgress { rounds, cells: layout.mesh.cells.len(), indicator, estimate: None };
+        let progress = GridProgress { rounds, cells: layout.mesh.cells.len(), indicator, ..GridProgress::default() };
         report(progress)?;
         require_begun(progress)?;
         let enough = indicator <= aim || rounds >= ROUNDS || exhausted;
@@ -78,7 +85,7 @@ pub(super) fn resolve(
                 Err(_) => exhausted = true,
             }
         }
-        if missed.is_some() && rounds < ROUNDS {
+        if missed.is_some() && rounds < ROUNDS && !over {
             continue;
         }
         let mut coarse = solve(question, &layout, degree - 1, &fine.wells.places_of_pins())?;

@@ -56,8 +56,7 @@ impl Grid {
         let rounds = std::cell::Cell::new(0);
         let mut report = |mut progress: GridProgress| {
             progress.rounds += rounds.get();
-            let stop = self.progress.as_ref().is_some_and(|callback| callback(progress).is_break());
-            if stop { Err(Error::Cancelled { done: progress.rounds as u64, unit: "linear systems" }) } else { Ok(()) }
+            self.report(|| progress)
         };
         let mut doubled = 0;
         loop {
@@ -193,6 +192,17 @@ impl Grid {
         // What lies beyond the edges is not within the domain.
         density.provenance.l1_estimate = Some(l1_estimate + density.beyond(&vec![0; problem.dimension()]));
         Ok(density)
+    }
+
+    /// Calls the callback, if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] if it returns `Break`.
+    pub(super) fn report(&self, progress: impl FnOnce() -> GridProgress) -> Result<()> {
+        let Some(callback) = &self.progress else { return Ok(()) };
+        let progress = progress();
+        let stop = callback(progress).is_break();
+        if stop { Err(Error::Cancelled { done: progress.rounds as u64, unit: "linear systems" }) } else { Ok(()) }
     }
 
     pub(super) fn degree_for(&self, accuracy: f64, grazed: bool) -> usize {

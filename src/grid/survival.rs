@@ -14,8 +14,7 @@ use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::grid::kept::Kept;
-use crate::grid::require_accuracy;
-use crate::grid::{ROUNDS, singular};
+use crate::grid::{GridProgress, ROUNDS, require_accuracy, singular};
 use crate::problem::TimeScales;
 use crate::transient::{Course, Start, check_limits, check_times};
 use std::sync::Arc;
@@ -98,7 +97,9 @@ fn resolved(
     let Kept { problem, grid, .. } = kept;
     let degree = grid.degree_for(grid.accuracy, true);
     let shift = 1.0 / TimeScales::of(problem)?.memory();
-    for _ in 0..ROUNDS {
+    for rounds in 0..ROUNDS {
+        let cells = layout.mesh.cells.len();
+        grid.report(|| GridProgress { rounds, cells, ..GridProgress::default() })?;
         let operator = Operator::new(problem, &layout, degree, Part::Whole, grid.memory)?;
         let start = start(&layout.mesh, operator.shape)?;
         let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.field;
@@ -176,7 +177,7 @@ impl Survival {
         let ground = kept.ground(self.domain.clone(), self.sides, accuracy);
         let initial = Initial::new(start, &ground, envelope, (f64::INFINITY, accuracy))?;
         let [shape, _] = self.shapes();
-        let plan = EvolutionPlan::new(envelope, accuracy, shape.degree, kept.grid.memory);
+        let plan = EvolutionPlan::new(envelope, accuracy, shape.degree, &kept.grid);
         let stationary = [&self.stationary.fine, &self.stationary.coarse];
         let mut evolution = Evolution::new(plan, &ground, &initial, stationary, times.last().copied().unwrap_or(0.0))?;
         let at = |time: &f64| {

@@ -63,8 +63,9 @@ impl GridDensity {
     /// [`Error::OutOfRange`] if times do not rise or are not finite, a time lies before the start has a density, the accuracy is
     /// not between 1e-11 and 0.1, or the start lies (partly) outside the domain, leaves it, or is too narrow for double precision there;
     /// [`Error::Dimension`] for a start in other than the problem's states; [`Error::NotResolved`] if the errors of the steps add up to
-    /// the density itself, or it has spread beyond the domain under an envelope. Where the memory does not suffice for the mesh, or the
-    /// mesh is too large for the steps, the provenance warns.
+    /// the density itself, or it has spread beyond the domain under an envelope; [`Error::Cancelled`] if
+    /// [`Grid::progress`](crate::Grid::progress) stops it. Where the memory does not suffice for the mesh, or the mesh is too large for
+    /// the steps, the provenance warns.
     ///
     /// ```
     /// use expoly::{Course, Envelope, Grid, models::{Linear, Solved}};
@@ -93,7 +94,7 @@ impl GridDensity {
         let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
         let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
-        let plan = EvolutionPlan::new(envelope, accuracy, degree, self.kept.grid.memory);
+        let plan = EvolutionPlan::new(envelope, accuracy, degree, &self.kept.grid);
         let plan = EvolutionPlan { most_spent, ..plan };
         let mut evolution = Evolution::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;
         let at = |time: &f64| {

@@ -1,6 +1,6 @@
 //! The fastest and the slowest rate of a system.
 
-use super::{Problem, units::natural_units};
+use super::{Contact, Problem, units::natural_units};
 use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
 use crate::polynomial::Gaussian;
@@ -20,7 +20,8 @@ const DRIFTLESS: &str = "trajectories spread without end: the drift is the same 
 /// so that a count of the corresponding times does not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TimeScales {
-    /// A bound on the moduli of the Jacobian's eigenvalues up to two standard deviations from the mean.
+    /// A bound on the moduli of the Jacobian's eigenvalues up to two standard deviations from the mean, and the rate of passages
+    /// between two walls.
     fastest: f64,
     /// The slowest decay of the linearised system.
     slowest: f64,
@@ -29,13 +30,14 @@ pub(crate) struct TimeScales {
 }
 
 impl TimeScales {
-    /// Of the system without its walls, near the normal density of its Gaussian closure.
+    /// Of the system near the normal density of its Gaussian closure, its walls apart, but for two that noise alone throws trajectories
+    /// between.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] where coefficients differ so much that no units are finite.
     pub(crate) fn of(problem: &Problem) -> Result<Self> {
         let (gaussian, settles) = near(problem)?;
-        let fastest = fastest(problem, &gaussian).max(f64::MIN_POSITIVE);
+        let fastest = fastest(problem, &gaussian).max(between_walls(problem)).max(f64::MIN_POSITIVE);
         let slowest = slowest(problem, &gaussian).max(SLOWEST * fastest);
         Ok(TimeScales { fastest, slowest, settles })
     }
@@ -160,6 +162,27 @@ fn fastest(problem: &Problem, gaussian: &Gaussian) -> f64 {
     fastest
 }
 
+/// The largest rate (2D / L²)^(1/3) at which noise of the intensity D moves a trajectory from one wall to another at the distance L, where
+/// impacts take energy; 0 without such walls. Trajectories graze these at all times, and steps of more than its inverse would be
+/// shortened without end.
+fn between_walls(problem: &Problem) -> f64 {
+    let contacts = problem.contacts();
+    let facing = |a: &Contact, b: &Contact| {
+        a.wall.state() == b.wall.state()
+            && a.wall.other() == b.wall.other()
+            && a.wall.is_above()
+            && !b.wall.is_above()
+            && a.wall.restitution().min(b.wall.restitution()) < 1.0
+    };
+    let rate = |a: &Contact, b: &Contact| {
+        let intensities = [a, b].map(|contact| problem.intensity_at(contact).unwrap_or(0.0));
+        let distance = b.wall.offset() - a.wall.offset();
+        (2.0 * intensities[0].max(intensities[1]) / (distance * distance)).cbrt()
+    };
+    let pairs = contacts.iter().flat_map(|a| contacts.iter().map(move |b| (a, b)));
+    pairs.filter(|(a, b)| facing(a, b)).map(|(a, b)| rate(a, b)).filter(|rate| rate.is_finite()).fold(0.0, f64::max)
+}
+
 fn mean_jacobian(problem: &Problem, gaussian: &Gaussian) -> DMatrix<f64> {
     let n = problem.dimension();
     let slope = |i: usize, j: usize| gaussian.expectation(&problem.operator().drift()[i].derivative(j));
@@ -184,6 +207,7 @@ pub(crate) fn two_digits(x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::models::{Duffing, Solved};
+    use crate::problem::Wall;
 
     /// c/2 = 0.1; and k + 3μx² = 3.29 at two deviations, times the ratio of the deviations, 0.80, and c.
     #[test]
@@ -194,6 +218,24 @@ mod tests {
         // Time in units of 10⁻⁶: c, k, μ and D take the powers 1, 2, 2 and 3 of it.
         let hasty = TimeScales::of(&Duffing::new(0.2e6, 1e12, 0.3e12, 0.2e18)?.problem()?)?;
         assert!((hasty.slowest - 1e5).abs() < 1e-4 && (hasty.fastest / scales.fastest - 1e6).abs() < 1e-4);
+        Ok(())
+    }
+
+    /// Nothing but two lossy walls, 0.1 apart, bounds noise of 4e19: it crosses in (0.01 / 8e19)^(1/3) = 5e-8.
+    #[test]
+    fn noise_between_two_walls_has_its_rate() -> Result<()> {
+        let duffing = Duffing::new(0.2, 1.0, 0.3, 4e19)?.problem()?;
+        let free = TimeScales::of(&duffing)?;
+        let between = |below: f64, r: f64| -> Result<TimeScales> {
+            let problem = duffing.clone().with_wall(Wall::above(0.0, r)?)?.with_wall(Wall::below(below, r)?)?;
+            TimeScales::of(&problem)
+        };
+        let walls = between(0.1, 0.7)?;
+        assert!((walls.fastest / 2e7 - 1.0).abs() < 1e-3, "{walls:?}");
+        assert!(walls.fastest > 10.0 * free.fastest);
+        // Far walls, and those that take no energy, change nothing.
+        assert_eq!(between(1e6, 0.7)?.fastest, free.fastest);
+        assert_eq!(between(0.1, 1.0)?.fastest, free.fastest);
         Ok(())
     }
 

@@ -4,9 +4,10 @@ use crate::common::*;
 use expoly::models::{Duffing, Linear, Solved};
 use expoly::statistics::energy_balance;
 use expoly::{
-    Crossing, Density, Error, Grid, GridDensity, GridProgress, Intensity, Oscillator, Polynomial, PolynomialDrift,
-    Problem, Scalar, Sensitivity, Simulation, Wall,
+    Crossing, Density, Error, Gaussian, Grid, GridDensity, GridProgress, Intensity, Oscillator, Polynomial,
+    PolynomialDrift, Problem, Scalar, Sensitivity, Simulation, Start, Wall,
 };
+use nalgebra::{dmatrix, dvector};
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex};
 
@@ -321,6 +322,22 @@ fn a_callback_stops_the_grid() {
     let last = seen.last().unwrap();
     assert_eq!((Some(last.rounds), Some(last.cells)), (density.provenance().iterations, density.provenance().cells));
     assert!(last.estimate.is_some_and(|estimate| estimate <= 1e-4), "{last:?}");
+}
+
+/// A callback sees the steps of a transient and of a survival, and stops them.
+#[test]
+fn a_callback_stops_a_density_on_its_way() {
+    let callback = |progress: GridProgress| match progress.time {
+        Some(time) if time > 0.5 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    let density = Grid::new().accuracy(1e-3).progress(callback).solve(&problem(duffing())).unwrap();
+    let near = Start::Gaussian(Gaussian { mean: dvector![0.5, 0.0], covariance: dmatrix![0.1, 0.0; 0.0, 0.1] });
+    assert!(density.transient(near.clone(), &[0.2], 1e-3).is_ok());
+    let transient = density.transient(near.clone(), &[0.2, 1.0], 1e-3).map(|_| ());
+    assert!(matches!(transient, Err(Error::Cancelled { .. })), "{transient:?}");
+    let survival = density.survival([-2.0, 2.0]).unwrap().probability(near, &[1.0], 1e-3);
+    assert!(matches!(survival, Err(Error::Cancelled { .. })), "{survival:?}");
 }
 
 #[test]

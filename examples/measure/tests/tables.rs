@@ -67,13 +67,6 @@ fn readme_prints_what_the_tables_hold() {
         "reaches 1e-6 for {reached}, and its estimate is 1 to 12 times the distance from a finer solution for {right}"
     ));
 
-    let exact = summary(&["--exact", "--best", "--orders", "4"]);
-    let [right, plain] = numbers(after(&exact, "within a factor 1.5:").next().unwrap());
-    says(format!("of {plain} at n = 4 without a warning"));
-    says(format!("within a factor 1.5 for {right}"));
-    let worst = after(&exact, "best of its order:").next().unwrap().split_once("worst ").unwrap().1;
-    says(format!("than {worst} times the best polynomial of its order"));
-
     let few = summary(&["--exact", "--few", "--orders", "4"]);
     let [densities, warned] = numbers(&after(&few, "n = 4:").last().unwrap().replace(',', " "));
     says(format!("{warned} of {densities} a warning"));

@@ -13,9 +13,9 @@ use crate::transient::{Course, Transient, check_times};
 /// The accuracy of the grid's densities in time: early, where an order follows a density well, 3e-4 doubles its distance, and 3e-5 takes
 /// twice the time.
 const ACCURACY: f64 = 1e-4;
-/// The most unknowns that all steps of a grid together solve for: a bound on work, of half a minute. Densities of an oscillator up to
-/// the time at which the start is forgotten take a fifth of it, or less.
-const MOST_SPENT: f64 = 1.5e7;
+/// The most unknowns that all steps of a grid together solve for: a bound on work, of a quarter of a minute and, on the
+/// largest meshes, half of one. Densities of an oscillator up to the time at which the start is forgotten take two fifths of it, or less.
+const MOST_SPENT: f64 = 8e6;
 
 impl Closure {
     /// The densities of a problem at rising `times` after a start, each closed by this order.

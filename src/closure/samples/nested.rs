@@ -20,6 +20,9 @@ use crate::states::States;
 /// The most points of the states beside a thin one, by the number of these states, mirror images among the points. With 24 × 24
 /// in place of 32 × 32 order 6 of a harvester lost 2e-3 nats, and 48 × 48 gained 3e-4.
 const POINTS: [usize; 4] = [40, 1024, 9600, 9600];
+/// The most nodes times the square of the number of functions, for the fit of an order and for that which it is compared with: the
+/// work of one step of their search, half a second.
+const MOST_WORK: f64 = 6e9;
 /// Nodes on a line along a thin state, an even number: half a standard deviation apart.
 const ALONG: usize = 56;
 /// The most times that lines along a thin state are laid for one density.
@@ -68,7 +71,7 @@ impl Fitting<'_> {
         if !family.corners().is_empty() {
             return None;
         }
-        let mut sheet = Sheet::new(pilot, family, thin_state(&pilot.states, family)?)?;
+        let mut sheet = Sheet::new(pilot, family, thin_state(&pilot.states, family)?, products.len())?;
         let (mut start, mut below) = (Vec::new(), None);
         let mut fitted = |space: Functions, products: &Products, search| {
             sheet.fitted(&space, products, &self.means[..products.len() - 1], &mut start, search)
@@ -83,7 +86,9 @@ impl Fitting<'_> {
         if uneven > UNEVEN {
             return None;
         }
-        let above = fitted(family.compared(order), comparing, LAYING).filter(|above| above.fit.converged);
+        let affordable = (own.nodes.base.len() as f64) < most_nodes(comparing.len());
+        let above = affordable.then(|| fitted(family.compared(order), comparing, LAYING)).flatten();
+        let above = above.filter(|above| above.fit.converged);
         match (above, below) {
             (Some(other), _) => Some(OnLines { own, other, above: true }),
             (None, Some(other)) => Some(OnLines { own, other, above: false }),
@@ -92,9 +97,14 @@ impl Fitting<'_> {
     }
 }
 
+/// The most nodes for so many functions.
+fn most_nodes(functions: usize) -> f64 {
+    MOST_WORK / (functions as f64).powi(2)
+}
+
 impl Sheet {
-    /// None where no lattice of the other states has few enough points.
-    fn new(pilot: &Pilot, family: &FunctionFamily, state: usize) -> Option<Self> {
+    /// For so many functions. None where no lattice of the other states has few enough points.
+    fn new(pilot: &Pilot, family: &FunctionFamily, state: usize, functions: usize) -> Option<Self> {
         let n = pilot.states.dimension();
         let mut others = States::with_capacity(n - 1, pilot.states.len());
         for x in &pilot.states {
@@ -105,7 +115,7 @@ impl Sheet {
         let others = Pilot::of(others, pilot.interval);
         let symmetry = family.symmetry().without(state);
         let trusted = Copula::new(&others, &symmetry)?;
-        let points = POINTS.get(n - 2)? / symmetry.count();
+        let points = (POINTS.get(n - 2)? / symmetry.count()).min(most_nodes(functions) as usize / ALONG);
         let (lattice, ground) = Lattice::finest(&others, &symmetry, &trusted, points)?;
         let mut points = States::with_capacity(n, ground.points.len());
         for x in &ground.points {

@@ -4,17 +4,13 @@ use super::Options;
 use super::runner::{Place, Row};
 use super::statistics::{quantile, share};
 use crate::Outcome;
-use expoly::{Closure, Density, Problem, Reference};
+use expoly::{Closure, Density, Problem};
 use std::fmt;
 use std::time::Instant;
 use support::exact::{Exact, Truth};
 
 /// Draws from the exact density.
 const DRAWS: usize = 40_000;
-/// The best closure of an order is that by a reference in up to so many states, and in more that on so many states of a
-/// pilot.
-const REFERRED: usize = 4;
-const BEST: usize = 409_600;
 
 /// One density against the truth.
 struct InManyStates {
@@ -22,8 +18,6 @@ struct InManyStates {
     states: usize,
     l1: f64,
     estimate: f64,
-    /// Of the closure of this order without the pilot's noise.
-    best: Option<f64>,
     warning: Option<String>,
     seconds: f64,
 }
@@ -35,14 +29,14 @@ impl InManyStates {
 }
 
 impl Row for InManyStates {
-    const COLUMNS: &'static [&'static str] = &["states", "l1", "estimate", "best", "seconds"];
+    const COLUMNS: &'static [&'static str] = &["states", "l1", "estimate", "seconds"];
 
     fn place(&self) -> Place {
         self.place
     }
 
     fn numbers(&self) -> Vec<f64> {
-        vec![self.states as f64, self.l1, self.estimate, self.best.unwrap_or(f64::NAN), self.seconds]
+        vec![self.states as f64, self.l1, self.estimate, self.seconds]
     }
 
     fn warning(&self) -> Option<&str> {
@@ -50,15 +44,14 @@ impl Row for InManyStates {
     }
 
     fn read(place: Place, numbers: &[f64], warning: Option<String>) -> Option<Self> {
-        let &[states, l1, estimate, best, seconds] = numbers else { return None };
-        let best = Some(best).filter(|best| best.is_finite());
-        Some(InManyStates { place, states: states as usize, l1, estimate, best, warning, seconds })
+        let &[states, l1, estimate, seconds] = numbers else { return None };
+        Some(InManyStates { place, states: states as usize, l1, estimate, warning, seconds })
     }
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
     let orders = options.orders(&[2, 4]);
-    println!("seed {}; L1 (estimate), best of its order, warning, seconds", options.seed);
+    println!("seed {}; L1 (estimate), warning, seconds", options.seed);
     // Of each four in a row the first two have three and four states.
     let number = |index: usize| if options.few { index / 2 * 4 + index % 2 } else { index };
     let random = |index| Exact::random(options.seed, number(index));
@@ -70,27 +63,16 @@ pub(crate) fn run(options: &Options) -> Outcome {
         let begin = Instant::now();
         let density = Closure::new(order).solve(problem)?;
         let seconds = begin.elapsed().as_secs_f64();
-        let best = || {
-            let closure = Closure::new(order);
-            let referred = problem.dimension() <= REFERRED;
-            let closure = if referred { closure.reference(Reference::Equations) } else { closure.pilot_states(BEST) };
-            system.l1(&closure.solve(problem)?, truth)
-        };
         Ok(InManyStates {
             place,
             states: problem.dimension(),
             l1: system.l1(&density, truth)?,
             estimate: density.l1_estimate(),
-            best: (options.best && density.warning().is_none()).then(best).transpose()?,
             warning: density.warning().map(str::to_owned),
             seconds,
         })
     };
-    let (table, count) = match (options.few, options.best) {
-        (true, _) => ("exact_few.csv", 100),
-        (false, true) => ("exact_best.csv", 60),
-        (false, false) => ("exact.csv", 60),
-    };
+    let (table, count) = if options.few { ("exact_few.csv", 100) } else { ("exact.csv", 60) };
     let campaign = options.campaign(table, count, &orders);
     let Some(findings) = campaign.findings(system, truth, row)? else { return Ok(()) };
     findings.print_missing();
@@ -103,10 +85,9 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
 impl fmt::Display for InManyStates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let best = self.best.map_or_else(String::new, |best| format!(", best {best:.1e}"));
         write!(
             f,
-            "       n = {:2}: {:.2e} ({:.2e}) {:5.2}{best}  {:.1} s  {}",
+            "       n = {:2}: {:.2e} ({:.2e}) {:5.2}  {:.1} s  {}",
             self.place.order,
             self.l1,
             self.estimate,
@@ -129,8 +110,6 @@ fn summary(order: u32, rows: &[&InManyStates]) {
     println!("  without a warning: L1 median {:.1e}, 90 % {:.1e}, worst {:.1e}", l1(0.5), l1(0.9), l1(1.0));
     println!("  estimate within a factor 1.5: {}; 3: {}", within(1.5), within(3.0));
     println!("  estimate/L1: 5 % {:.2}, median {:.2}, 95 % {:.2}", ratio(0.05), ratio(0.5), ratio(0.95));
-    let best = |share| quantile(plain.iter().filter_map(|row| row.best.map(|best| row.l1 / best)), share);
-    println!("  L1/best of its order: median {:.2}, worst {:.2}", best(0.5), best(1.0));
     println!("  seconds: median {:.1}, worst {:.1}", seconds(rows, 0.5), seconds(rows, 1.0));
 }
 

@@ -56,10 +56,6 @@ pub(crate) struct Options {
     /// Random wells, linear systems and wells beside linear states, whose density is exp of a polynomial [default order: 4]
     #[arg(long)]
     known: bool,
-    /// With --exact, a column for the best of the order where nothing warns: the closure by a reference, or on four times as
-    /// many states
-    #[arg(long)]
-    best: bool,
     /// With --exact, systems of three and four states alone
     #[arg(long, requires = "exact")]
     few: bool,

@@ -2,12 +2,24 @@
 
 use super::{Options, documents::Documents, files::Files, systems};
 use crate::draw::Draw;
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 /// The place and the message of the last panic.
 static PANIC: Mutex<String> = Mutex::new(String::new());
+
+/// When the call that is under way began.
+static BEGUN: Mutex<Option<Instant>> = Mutex::new(None);
+
+/// What a user does who waits for so many seconds: it ends the call that is under way.
+pub(super) fn patience(seconds: f64) -> ControlFlow<()> {
+    let begun = *BEGUN.lock().unwrap_or_else(PoisonError::into_inner);
+    let over = begun.is_some_and(|begun| begun.elapsed().as_secs_f64() > seconds);
+    if over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}
 
 /// The calls of the library for one input, and their findings.
 pub(super) struct Probe {
@@ -43,6 +55,7 @@ impl Probe {
     /// A call that must return.
     pub(super) fn step<T>(&mut self, name: &str, question: impl FnOnce() -> T) -> Option<T> {
         println!("step {name}");
+        *BEGUN.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
         let answer = catch_unwind(AssertUnwindSafe(question));
         if answer.is_err() {
             let panic = PANIC.lock().unwrap_or_else(PoisonError::into_inner).clone();

@@ -1,6 +1,7 @@
 //! Random systems, tame and wild, for one method each.
 
-use super::{densities, documents, motion, probe::Probe};
+use super::probe::{Probe, patience};
+use super::{densities, documents, motion};
 use crate::draw::Draw;
 use expoly::{
     Amplitude, Basis, Closure, Density, Grid, Interpretation, PoissonImpulses, PolynomialSystem, Problem, Reference,
@@ -8,6 +9,9 @@ use expoly::{
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
+
+/// Seconds after which a density on a grid is ended on its way through time, where the bound on work is half an hour.
+const PATIENCE: f64 = 15.0;
 
 type Terms = Vec<(Vec<u32>, f64)>;
 
@@ -247,7 +251,9 @@ fn solved(probe: &mut Probe, problem: &Problem) -> Option<Box<dyn Density>> {
         }
         4 | 5 => {
             // What two cores fill within the bound.
-            let mut grid = Grid::new().memory_limit(1.0);
+            let mut grid = Grid::new().memory_limit(1.0).progress(|progress| {
+                if progress.time.is_some() { patience(PATIENCE) } else { ControlFlow::Continue(()) }
+            });
             if !usual {
                 grid = grid.degree(2 + draw.below(4)).accuracy(draw.log_within(1e-4, 0.1));
             }
