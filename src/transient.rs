@@ -5,6 +5,7 @@ use crate::density::{Density, Frame};
 use crate::envelope::Envelope;
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::numerics::sort_by_number;
 use crate::polynomial::Gaussian;
 use std::fmt;
 use std::sync::Arc;
@@ -172,9 +173,9 @@ impl Relaxation {
         let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         let nearest = |a: &[f64; 2]| smaller.iter().map(|b| distance(a, b)).fold(f64::INFINITY, f64::min);
         let mode = |a: &[f64; 2]| Relaxation { rate: a[0], frequency: a[1], error: nearest(a) };
-        all.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+        sort_by_number(&mut all, |rate| rate[0].hypot(rate[1]));
         let mut modes: Vec<Self> = all.iter().take(count.saturating_mul(2)).map(mode).collect();
-        modes.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+        sort_by_number(&mut modes, |mode| mode.rate);
         modes.truncate(count);
         modes
     }

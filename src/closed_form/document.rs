@@ -8,7 +8,7 @@ use serde_json::Value;
 
 const FORMAT: &str = "expoly closed form";
 /// Raised whenever the meaning of a document changes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -56,7 +56,7 @@ pub(super) fn read(text: &str) -> Read<ClosedForm> {
         return Err(format!("its content has the checksum {found}, not {checksum}: it was altered"));
     }
     names::check(&names).map_err(|error| error.to_string())?;
-    let density = ClosedDensity::deserialize(density).map_err(|error| error.to_string())?;
+    let density = ClosedDensity::deserialize(&density).map_err(|error| error.to_string())?;
     let form = ClosedForm { names, density };
     if form.names.len() != form.dimension() {
         return Err(format!("it names {} states, {:?}, of {}", form.names.len(), form.names, form.dimension()));

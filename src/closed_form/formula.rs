@@ -123,30 +123,36 @@ type Written<'a> = (Coordinates<'a>, (f64, Terms), Vec<CornerFormula<'a>>);
 /// ln p in the functions that it was sought in.
 fn in_functions(density: &ClosureDensity) -> Result<Written<'_>> {
     let exponent = density.exponent();
-    let Some((polynomials, kinks)) = exponent.space.single() else {
-        let reason = "its functions are several lists; save it as JSON instead";
-        return Err(Error::NotKnown { what: "its text in a language".into(), remedy: reason });
-    };
-    let (smooth, mut singular) = exponent.coefficients.split_at(polynomials.len());
-    let terms = polynomials.exponents().iter().cloned().zip(smooth.iter().copied()).collect();
-    let mut corners = Vec::new();
-    for corner in exponent.space.corners() {
-        let (own, rest) = singular.split_at(kinks.len());
-        singular = rest;
-        let reach = corner.reach();
-        let grazes = exponent.known.contains(corner);
-        corners.push(CornerFormula {
+    let space = &exponent.space;
+    let corner = |corner| {
+        let (reach, grazes) = (Corner::reach(corner), exponent.known.contains(corner));
+        CornerFormula {
             offset: corner.wall().offset(),
             side: corner.side(),
             reach,
             kappa: 27.0 * corner.intensity() * reach[0] / reach[1].powi(3),
-            kinks: kinks.iter().map(|kink| kink.0).zip(own.iter().copied()).collect(),
+            kinks: Vec::new(),
             // None at an elastic wall.
             grazing: Some(corner).filter(|_| grazes).and_then(Corner::similarity).filter(|found| found.exponent != 0.0),
-        });
+        }
+    };
+    let mut corners: Vec<CornerFormula<'_>> = space.corners().iter().map(corner).collect();
+    let mut terms = Vec::new();
+    for (kink, polynomials, a) in space.terms(&exponent.coefficients) {
+        let own = polynomials.exponents().iter().cloned().zip(a.iter().copied());
+        match kink {
+            None => terms.extend(own),
+            Some((wall, kink)) if space.dimension() == 2 => {
+                corners[wall].kinks.extend(own.map(|(_, a)| (kink.0, a)));
+            }
+            Some(_) => {
+                let reason = "its kinks are multiplied by polynomials of other states; save it as JSON instead";
+                return Err(Error::NotKnown { what: "its text in a language".into(), remedy: reason });
+            }
+        }
     }
-    let coordinates = Coordinates::Legendre { centre: polynomials.centre(), half_width: polynomials.half_width() };
-    Ok((coordinates, (exponent.constant, terms), corners))
+    let [centre, half_width] = space.box_around();
+    Ok((Coordinates::Legendre { centre, half_width }, (exponent.constant, terms), corners))
 }
 
 fn of_exp_polynomial<'a>(density: &'a ExpPolynomial, names: &'a [String]) -> Result<Formula<'a>> {

@@ -126,20 +126,8 @@ impl NodalClosure {
         if rules.apart.is_nan() || rules.apart > RISING {
             return Err(failed("the polynomial nearest to its moments rises between the nodes; try another order"));
         }
-        let lines = if rules.rules == discretisation.nodes.rules {
-            discretisation.lines.clone()
-        } else {
-            let Nodes { points, weights, .. } = Nodes::tensor(&kept.domain, rules.rules.clone());
-            let log = exponent.values(&points);
-            exponent.constant += normalised(&log, &weights)[0] - log[0];
-            rules.rules.clone()
-        };
-        let (values, at_walls) = (values.as_ref(), table.after.get(.., ..nested.lower_columns));
-        let rates = Mat::from_fn(kept.points.len(), nested.lower_columns, |i, k| table.rates[(kept.nodes[i], k)]);
-        let rates = rates.as_ref();
-        let probe = Probe { kept: &kept, values, rates, at_walls, own: nested.answer_columns, order };
-        let unknown = Indication { indicator: f64::INFINITY, residual: f64::INFINITY };
-        let indication = indicate(discretisation, &exponent, &probe).unwrap_or(unknown);
+        let lines = self.normalise(&mut exponent, &kept.domain, &rules);
+        let indication = self.indication(&exponent, (&kept, values.as_ref()), (&nested, &table), order);
         let reference_shift = reference.value(&kept.points[0]) - scoring.target[0];
         let reference = reference.shifted(-reference_shift);
         let unknowns = exponent.coefficients.len();
@@ -162,6 +150,33 @@ impl NodalClosure {
             indication: Some(indication),
             provenance,
         })
+    }
+
+    /// The indicator and the residual of exp(Q), given the functions at the kept nodes.
+    fn indication(
+        &self,
+        exponent: &Exponent,
+        (kept, values): (&Retained, MatRef<'_, f64>),
+        (nested, table): (&NestedSpaces, &Table),
+        order: u32,
+    ) -> Indication {
+        let columns = nested.lower_columns;
+        let rates = Mat::from_fn(kept.points.len(), columns, |i, k| table.rates[(kept.nodes[i], k)]);
+        let (rates, at_walls) = (rates.as_ref(), table.after.get(.., ..columns));
+        let probe = Probe { kept, values, rates, at_walls, own: nested.answer_columns, order };
+        let unknown = Indication { indicator: f64::INFINITY, residual: f64::INFINITY };
+        indicate(&self.discretisation, exponent, &probe).unwrap_or(unknown)
+    }
+
+    /// Gives exp(Q) the mass 1 by rules that are not those of the nodes. The rules of integrals along lines.
+    fn normalise(&self, exponent: &mut Exponent, domain: &TrustDomain, rules: &ResolvedRules) -> Vec<Rule> {
+        if rules.rules == self.discretisation.nodes.rules {
+            return self.discretisation.lines.clone();
+        }
+        let Nodes { points, weights, .. } = Nodes::tensor(domain, rules.rules.clone());
+        let log = exponent.values(&points);
+        exponent.constant += normalised(&log, &weights)[0] - log[0];
+        rules.rules.clone()
     }
 
     /// The rules for integrals of exp(Q). None where they are not finite.

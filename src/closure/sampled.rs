@@ -5,6 +5,7 @@ use super::candidates::{Candidate, Origin};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
+use super::density::moment::Moment;
 use super::discretisation::Discretisation;
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
@@ -258,18 +259,11 @@ impl SampledSystem {
             accepted: found.carried,
         };
         let provenance = Provenance {
-            order: Some(order),
             unknowns: Some(exponent.coefficients.len()),
-            nodes: Some(pilot.states.len()),
-            seed: Some(self.seed),
-            pilot_states: Some(pilot.states.len()),
-            inflation: Some(pilot.inflation),
-            stationary: Some(pilot.stationary),
             iterations: Some(found.steps),
             calibration_degree: found.calibrated.0,
             smallest_weight: Some(found.calibrated.1),
-            seconds: self.begin.elapsed().as_secs_f64(),
-            ..Provenance::default()
+            ..self.provenance(order)
         };
         Ok(Content {
             exponent,
@@ -284,6 +278,21 @@ impl SampledSystem {
             indication: Some(Indication { indicator: found.residual[0], residual: found.residual[1] }),
             provenance,
         })
+    }
+
+    /// What all densities of an order have.
+    fn provenance(&self, order: u32) -> Provenance {
+        let pilot = &self.pilot;
+        Provenance {
+            order: Some(order),
+            nodes: Some(pilot.states.len()),
+            seed: Some(self.seed),
+            pilot_states: Some(pilot.states.len()),
+            inflation: Some(pilot.inflation),
+            stationary: Some(pilot.stationary),
+            seconds: self.begin.elapsed().as_secs_f64(),
+            ..Provenance::default()
+        }
     }
 
     /// The closure of an order by a reference of its own, which starts from the density found on the pilot's states.
@@ -338,20 +347,28 @@ impl SampledSystem {
         if content.reference.as_ref().is_some_and(|reference| reference.error > UNSOLVED) {
             return Err(unsolved);
         }
-        for own in &mut content.moments {
-            let Some(known) = found.moments.iter().find(|known| known.powers == own.powers) else { continue };
-            let apart = (own.value - known.value).abs() - SOLVED * own.value.abs();
-            if apart > CONTRADICTED * known.error.hypot(own.error) {
-                return Err("the pilot's moments contradict the solution of its moment equations");
-            }
-            // The more accurate of the two.
-            if known.error < own.error {
-                own.clone_from(known);
-            }
-        }
+        more_accurate(&mut content.moments, &found.moments)?;
         content.candidates[0].accepted = true;
         (content.provenance.calibration_degree, content.provenance.smallest_weight) =
             (found.calibrated.0, Some(found.calibrated.1));
         Ok(self.moving(content, copula.clone()))
     }
+}
+
+/// Takes the more accurate of two lists of moments.
+///
+/// # Errors
+/// The reason, where they contradict each other.
+fn more_accurate(moments: &mut [Moment], others: &[Moment]) -> std::result::Result<(), &'static str> {
+    for own in moments {
+        let Some(known) = others.iter().find(|known| known.powers == own.powers) else { continue };
+        let apart = (own.value - known.value).abs() - SOLVED * own.value.abs();
+        if apart > CONTRADICTED * known.error.hypot(own.error) {
+            return Err("the pilot's moments contradict the solution of its moment equations");
+        }
+        if known.error < own.error {
+            own.clone_from(known);
+        }
+    }
+    Ok(())
 }

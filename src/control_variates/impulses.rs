@@ -2,6 +2,7 @@
 
 use crate::fokker_planck::ImpulseTerm;
 use crate::numerics::legendre::recurrence;
+use crate::numerics::sort_by_number;
 use crate::polynomial::Polynomial;
 use std::collections::HashMap;
 
@@ -62,7 +63,7 @@ pub(crate) fn images(
             }
         }
         let mut found: Vec<(usize, f64)> = found.into_iter().filter(|(_, c)| *c != 0.0).collect();
-        found.sort_by_key(|(place, _)| *place);
+        sort_by_number(&mut found, |(place, _)| *place as f64);
         Some(found)
     };
     exponents.iter().map(image).collect()
@@ -102,8 +103,9 @@ fn powers(highest: usize) -> Vec<Vec<f64>> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
-    use crate::control_variates::products::{LANES, PointLane, Products};
+    use crate::control_variates::products::Products;
     use crate::fokker_planck::Impulse;
+    use crate::numerics::{EIGHT, PointLane};
     use crate::polynomial::monomials;
     use crate::system::{Amplitude, PoissonImpulses};
 
@@ -129,7 +131,7 @@ mod tests {
         let products = Products::on_box(&centre, &half_width, &exponents);
         let values = |x: [f64; 2]| {
             let mut scratch = products.scratch();
-            let lanes: Vec<PointLane> = x.iter().map(|x| [*x; LANES]).collect();
+            let lanes: Vec<PointLane> = x.iter().map(|x| [*x; EIGHT]).collect();
             products.place_values(&lanes, &mut scratch);
             (0..=exponents.len()).map(|k| products.value(&scratch, k)[0]).collect::<Vec<f64>>()
         };

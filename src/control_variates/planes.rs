@@ -1,6 +1,6 @@
 //! Functions of planes, (u, w) with two linear forms of the state, at eight points at a time.
 
-use super::products::{LANES, PointLane, ZERO};
+use crate::numerics::{EIGHT, PointLane, ZEROS};
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,10 +22,10 @@ impl Form {
     /// The same combination of numbers that belong to the states.
     #[inline(always)]
     pub(crate) fn of(&self, x: &[PointLane]) -> PointLane {
-        let mut form = ZERO;
+        let mut form = ZEROS;
         for (i, sign) in self.parts() {
             let x = x[i];
-            (0..LANES).for_each(|l| form[l] += sign * x[l]);
+            (0..EIGHT).for_each(|l| form[l] += sign * x[l]);
         }
         form
     }
@@ -33,11 +33,11 @@ impl Form {
     /// B of this form and another, from B of `n` states by rows.
     #[inline(always)]
     pub(crate) fn diffusion(&self, other: &Form, b: &[PointLane], n: usize) -> PointLane {
-        let mut sum = ZERO;
+        let mut sum = ZEROS;
         for (i, first) in self.parts() {
             for (j, second) in other.parts() {
                 let b = b[i * n + j];
-                (0..LANES).for_each(|l| sum[l] += first * second * b[l]);
+                (0..EIGHT).for_each(|l| sum[l] += first * second * b[l]);
             }
         }
         sum
@@ -127,11 +127,11 @@ impl Planes {
         for (range, plane) in self.each() {
             let forms = plane.forms();
             for k in range {
-                coupled.iter().for_each(|&c| slopes[c][1 + k] = ZERO);
+                coupled.iter().for_each(|&c| slopes[c][1 + k] = ZEROS);
                 for (form, slope) in forms.iter().zip([jets[k][1], jets[k][2]]) {
                     for (c, sign) in form.parts().filter(|(c, _)| coupled.contains(c)) {
                         let sum = &mut slopes[c][1 + k];
-                        (0..LANES).for_each(|l| sum[l] += sign * slope[l]);
+                        (0..EIGHT).for_each(|l| sum[l] += sign * slope[l]);
                     }
                 }
             }
@@ -148,7 +148,7 @@ impl Planes {
                 for (form, slope) in forms.iter().zip([jets[k][1], jets[k][2]]) {
                     for (i, sign) in form.parts() {
                         let sum = &mut gradient[i];
-                        (0..LANES).for_each(|l| sum[l] += sign * own[l] * slope[l]);
+                        (0..EIGHT).for_each(|l| sum[l] += sign * own[l] * slope[l]);
                     }
                 }
             }

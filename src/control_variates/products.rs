@@ -4,15 +4,8 @@ use super::impulses::{ImpulseImages, images};
 use super::planes::{PlaneLanes, Planes};
 use crate::fokker_planck::ImpulseTerm;
 use crate::numerics::legendre::recurrence;
+use crate::numerics::{EIGHT, PointLane, ZEROS};
 use std::collections::HashMap;
-
-/// Points that are worked on together.
-pub(crate) const LANES: usize = 8;
-
-/// One number for each of them.
-pub(crate) type PointLane = [f64; LANES];
-
-pub(crate) const ZERO: PointLane = [0.0; LANES];
 
 /// A product that is to be listed: one of the functions of planes, by its number among all of them, or none, times Legendre
 /// polynomials of these degrees in the states.
@@ -165,15 +158,15 @@ impl Products {
         let size = first + self.steps.len();
         let entries = n * self.degrees;
         Scratch {
-            first: vec![ZERO; n],
-            gradient: vec![ZERO; n],
-            planes: vec![[ZERO; 6]; first - 1],
-            table: vec![[ZERO; 3]; entries],
-            moved: vec![ZERO; entries],
-            entries: vec![ZERO; entries],
-            values: vec![ZERO; size],
-            rates: vec![ZERO; size],
-            slopes: vec![vec![ZERO; size]; n],
+            first: vec![ZEROS; n],
+            gradient: vec![ZEROS; n],
+            planes: vec![[ZEROS; 6]; first - 1],
+            table: vec![[ZEROS; 3]; entries],
+            moved: vec![ZEROS; entries],
+            entries: vec![ZEROS; entries],
+            values: vec![ZEROS; size],
+            rates: vec![ZEROS; size],
+            slopes: vec![vec![ZEROS; size]; n],
         }
     }
 
@@ -191,11 +184,11 @@ impl Products {
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
-            rows[0] = [[1.0; LANES], ZERO, ZERO];
+            rows[0] = [[1.0; EIGHT], ZEROS, ZEROS];
             if let Some(row) = rows.get_mut(1) {
-                (row[1], row[2]) = ([scale; LANES], ZERO);
+                (row[1], row[2]) = ([scale; EIGHT], ZEROS);
             }
-            let t = rows.get(1).map_or(ZERO, |row| row[0]);
+            let t = rows.get(1).map_or(ZEROS, |row| row[0]);
             // The recurrence, differentiated; whole lanes, which registers hold.
             for k in 1..self.degrees - 1 {
                 let [a, b] = recurrence(k);
@@ -217,7 +210,7 @@ impl Products {
     #[inline(always)]
     fn place_products(&self, x: &[PointLane], scratch: &mut Scratch) {
         self.place_tables(x, scratch);
-        scratch.values[0] = [1.0; LANES];
+        scratch.values[0] = [1.0; EIGHT];
         for (value, jet) in scratch.values[1..].iter_mut().zip(&scratch.planes) {
             *value = jet[0];
         }
@@ -235,13 +228,13 @@ impl Products {
         for i in 0..self.dimension() {
             let scale = self.half_width[i].recip();
             let rows = &mut scratch.table[i * self.degrees..(i + 1) * self.degrees];
-            rows[0][0] = [1.0; LANES];
+            rows[0][0] = [1.0; EIGHT];
             if let Some(row) = rows.get_mut(1) {
-                for l in 0..LANES {
+                for l in 0..EIGHT {
                     row[0][l] = (x[i][l] - self.centre[i]) * scale;
                 }
             }
-            let t = rows.get(1).map_or(ZERO, |row| row[0]);
+            let t = rows.get(1).map_or(ZEROS, |row| row[0]);
             for k in 1..self.degrees - 1 {
                 let [a, b] = recurrence(k);
                 let (p, p0) = (rows[k][0], rows[k - 1][0]);
@@ -268,7 +261,7 @@ impl Products {
         let mut image = scratch.rates[self.places[k]];
         for (place, c) in k.checked_sub(1).and_then(|k| impulses.get(k)).into_iter().flatten() {
             let value = self.value(scratch, *place);
-            (0..LANES).for_each(|l| image[l] += c * value[l]);
+            (0..EIGHT).for_each(|l| image[l] += c * value[l]);
         }
         image
     }
@@ -305,9 +298,9 @@ impl Products {
     #[inline(always)]
     fn apply_to_products(&self, second: &[PointLane], coupled: &[usize], scratch: &mut Scratch) {
         let n = self.dimension();
-        scratch.rates[0] = ZERO;
+        scratch.rates[0] = ZEROS;
         for &c in coupled {
-            scratch.slopes[c][0] = ZERO;
+            scratch.slopes[c][0] = ZEROS;
         }
         let Scratch { first, planes, rates, slopes, .. } = scratch;
         self.planes.apply((first, second), planes, &mut rates[1..]);
@@ -316,14 +309,14 @@ impl Products {
             let at = step.state * self.degrees + step.degree;
             let ([p, d, _], moved) = (scratch.table[at], scratch.moved[at]);
             let (value, rate) = (scratch.values[step.shorter], scratch.rates[step.shorter]);
-            let mut sum = ZERO;
-            for l in 0..LANES {
+            let mut sum = ZEROS;
+            for l in 0..EIGHT {
                 sum[l] = rate[l] * p[l] + value[l] * moved[l];
             }
             for &c in coupled {
                 let slope = scratch.slopes[c][step.shorter];
                 let mixed = second[c * n + step.state];
-                for l in 0..LANES {
+                for l in 0..EIGHT {
                     // Of the shorter product only a function of a plane may contain this state, so that each pair is met once.
                     sum[l] += mixed[l] * slope[l] * d[l];
                 }
@@ -336,10 +329,10 @@ impl Products {
 
     /// Σ a_k φ_k at the points placed, a₀ the constant's.
     pub(crate) fn sum(&self, a: &[f64], scratch: &Scratch) -> PointLane {
-        let mut sum = ZERO;
+        let mut sum = ZEROS;
         for (a, &place) in a.iter().zip(&self.places) {
             let value = scratch.values[place];
-            (0..LANES).for_each(|l| sum[l] += a * value[l]);
+            (0..EIGHT).for_each(|l| sum[l] += a * value[l]);
         }
         sum
     }
@@ -348,10 +341,10 @@ impl Products {
     /// what [`Products::apply`] left.
     pub(crate) fn gradient(&self, a: &[f64], scratch: &mut Scratch) {
         let sensitivity = &mut scratch.rates;
-        sensitivity.fill(ZERO);
-        scratch.entries.fill(ZERO);
+        sensitivity.fill(ZEROS);
+        scratch.entries.fill(ZEROS);
         for (&a, &place) in a.iter().zip(&self.places) {
-            sensitivity[place] = [a; LANES];
+            sensitivity[place] = [a; EIGHT];
         }
         let first = self.first();
         for (k, step) in self.steps.iter().enumerate().rev() {
@@ -363,9 +356,9 @@ impl Products {
             scratch.entries[at] = std::array::from_fn(|l| entry[l] + own[l] * value[l]);
         }
         for (i, sum) in scratch.gradient.iter_mut().enumerate() {
-            *sum = ZERO;
+            *sum = ZEROS;
             for at in i * self.degrees..(i + 1) * self.degrees {
-                (0..LANES).for_each(|l| sum[l] += scratch.entries[at][l] * scratch.table[at][1][l]);
+                (0..EIGHT).for_each(|l| sum[l] += scratch.entries[at][l] * scratch.table[at][1][l]);
             }
         }
         self.planes.add_gradient(&sensitivity[1..], &scratch.planes, &mut scratch.gradient);

@@ -1,5 +1,6 @@
 //! The test of whether exp(Q) has a finite integral: the sign of Q far away.
 
+use crate::numerics::sort_by_number;
 use crate::polynomial::{Polynomial, power};
 
 /// A direction in which Q does not fall to −∞, if there is one.
@@ -22,7 +23,7 @@ pub(crate) fn escape_direction(q: &Polynomial, half_space: bool, noise: f64) -> 
     let inside = |e: &Vec<f64>| !half_space || e[0] >= 0.0;
     let starts: Vec<Vec<f64>> = directions(n).into_iter().filter(inside).collect();
     let mut best: Vec<(f64, &Vec<f64>)> = starts.iter().map(|e| (leading.evaluate(e), e)).collect();
-    best.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sort_by_number(&mut best, |(value, _)| -value);
     let slopes: Vec<Polynomial> = (0..n).map(|i| leading.derivative(i)).collect();
     let climbed = best.iter().take(8 + 4 * n).map(|(_, e)| climb(leading, &slopes, (*e).clone())).filter(inside);
     starts.iter().cloned().chain(climbed).find(|e| !falls(e))

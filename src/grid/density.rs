@@ -4,6 +4,7 @@ use crate::checks::{coordinate, dimension, point, require};
 use crate::density::{Crossing, Density, Evidence, summary};
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::numerics::sort_by_number;
 use crate::problem::Wall;
 use crate::provenance::Provenance;
 use std::fmt;
@@ -164,12 +165,6 @@ pub(super) fn at(field: &GridField, state: usize, x: f64) -> Vec<Along<'static>>
     (0..field.shape.states).map(|axis| if axis == state { Along::At(x) } else { Along::All }).collect()
 }
 
-/// ∫ g(x_state) p dx.
-pub(super) fn of_one(field: &GridField, state: usize, g: &(dyn Fn(f64) -> f64 + Sync), degree: usize) -> f64 {
-    let along = |axis: usize| if axis == state { Along::Function(g, degree, EVERYWHERE) } else { Along::All };
-    field.integral(&(0..field.shape.states).map(along).collect::<Vec<_>>())
-}
-
 /// ∫ Π x_i^p_i p dx.
 pub(super) fn raw_moment(field: &GridField, powers: &[u32]) -> f64 {
     let functions: Vec<Box<dyn Fn(f64) -> f64 + Sync>> = powers
@@ -199,7 +194,7 @@ pub(super) fn unresolved(field: &GridField, crossing: Crossing, power: u32) -> f
         .flat_map(|cell| [mesh.cells[*cell].lower[1], mesh.cells[*cell].upper(1)])
         .filter(|v| if crossing.upward { *v >= 0.0 } else { *v <= 0.0 })
         .collect();
-    lines.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    sort_by_number(&mut lines, |v| v.abs());
     lines.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * b.abs());
     let layer = |k: usize| {
         let (Some(inner), Some(outer)) = (lines.get(k), lines.get(k + 1)) else { return 0.0 };

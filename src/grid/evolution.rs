@@ -9,7 +9,7 @@ use super::refinement::{Finer, finer, indicator};
 use super::shape::Shape;
 use super::start::Ground;
 use super::tree::Tree;
-use crate::envelope::Envelope;
+use crate::envelope::{Envelope, Piece};
 use crate::error::{Error, Result};
 use crate::grid::{Grid, GridProgress, HOPELESS, SHARE};
 use crate::states::States;
@@ -149,21 +149,7 @@ impl<'a> Evolution<'a> {
         let (aim, tolerance) = (SHARE * self.plan.accuracy, self.plan.accuracy);
         let mut refused = 0;
         while self.time < end {
-            let piece = self.plan.envelope.map(|envelope| envelope.piece(self.time));
-            let until = piece.map_or(end, |piece| end.min(piece.until));
-            let left = until - self.time;
-            // Equal steps up to the end, and the last length again where it is not much too short: a new one needs new factors.
-            let [fewest, same] = [left / self.step, left / self.last];
-            let again = (same - same.round()).abs() < 1e-9 * same && (1.0..change).contains(&(self.step / self.last));
-            let step = left / if again { same.round() } else { (fewest - 1e-9).ceil().max(1.0) };
-            self.last = step;
-            self.steps += 1;
-            self.spent += self.fields[0].coefficients.len() as f64;
-            let long = self.steps > MAX_STEPS || self.spent > self.plan.most_spent;
-            if long || self.step < f64::EPSILON * left {
-                let remedy = "too many steps are needed to get there: take an earlier time or a larger accuracy";
-                return Err(Error::OutOfRange { name: "time", value: end, remedy });
-            }
+            let (piece, until, step) = self.next_step(end, change)?;
             self.plan.grid.report(|| self.progress())?;
             let times = [self.time, step];
             let [fine, coarse] = &mut self.steppers;
@@ -192,7 +178,7 @@ impl<'a> Evolution<'a> {
                     Err(reason) => self.exhausted = Some(reason),
                 }
             }
-            self.time = if left <= step * (1.0 + 1e-12) { until } else { self.time + step };
+            self.time = if until - self.time <= step * (1.0 + 1e-12) { until } else { self.time + step };
             self.error += error;
             if self.error >= HOPELESS {
                 let reason = "the errors of the steps in time add up to the density, which moves by many of its own widths: take a wider start or a smaller accuracy";
@@ -213,6 +199,29 @@ impl<'a> Evolution<'a> {
             }
         }
         Ok(())
+    }
+
+    /// The piece of the envelope that the next step is in, the end of steps of its length, and this length.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if the steps become too many.
+    fn next_step(&mut self, end: f64, change: f64) -> Result<(Option<&'a Piece>, f64, f64)> {
+        let piece = self.plan.envelope.map(|envelope| envelope.piece(self.time));
+        let until = piece.map_or(end, |piece| end.min(piece.until));
+        let left = until - self.time;
+        // Equal steps up to the end, and the last length again where it is not much too short: a new one needs new factors.
+        let [fewest, same] = [left / self.step, left / self.last];
+        let again = (same - same.round()).abs() < 1e-9 * same && (1.0..change).contains(&(self.step / self.last));
+        let step = left / if again { same.round() } else { (fewest - 1e-9).ceil().max(1.0) };
+        self.last = step;
+        self.steps += 1;
+        self.spent += self.fields[0].coefficients.len() as f64;
+        let long = self.steps > MAX_STEPS || self.spent > self.plan.most_spent;
+        if long || self.step < f64::EPSILON * left {
+            let remedy = "too many steps are needed to get there: take an earlier time or a larger accuracy";
+            return Err(Error::OutOfRange { name: "time", value: end, remedy });
+        }
+        Ok((piece, until, step))
     }
 
     /// Before a step.

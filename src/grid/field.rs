@@ -160,6 +160,12 @@ impl GridField {
         })
     }
 
+    /// ∫ g(x_state) p dx, by Gauss rules for polynomials of this degree.
+    pub(super) fn integral_over(&self, state: usize, g: &(dyn Fn(f64) -> f64 + Sync), degree: usize) -> f64 {
+        let along = |axis: usize| if axis == state { Along::Function(g, degree, EVERYWHERE) } else { Along::All };
+        self.integral(&(0..self.shape.states).map(along).collect::<Vec<_>>())
+    }
+
     /// ∫ Π g_i(x_i) p dx.
     pub(super) fn integral(&self, factors: &[Along<'_>]) -> f64 {
         let at = factors.iter().enumerate().find_map(|(axis, factor)| match factor {

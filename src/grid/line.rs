@@ -7,7 +7,7 @@ use super::shape::{MOST, Shape};
 use super::tree::Tree;
 use crate::error::{Error, Result};
 use crate::grid::{HALVINGS, ROUNDS};
-use crate::numerics::{Rule, eigenvalues};
+use crate::numerics::{Rule, eigenvalues, sort_by_number};
 use crate::polynomial::Polynomial;
 use crate::problem::Problem;
 use crate::states::States;
@@ -61,7 +61,7 @@ impl Line {
         let mut line = Line { drift, diffusion, rule: Rule::legendre(NODES), ends, steps: vec![[inside, 0.0]] };
         line.extend(-1.0, scale, ends[0])?;
         line.extend(1.0, scale, ends[1])?;
-        line.steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        sort_by_number(&mut line.steps, |step| step[0]);
         Ok(line)
     }
 

@@ -7,6 +7,7 @@
 use super::shape::{MOST, Place};
 use super::tree::{MeshCell, Tree};
 use crate::density::Crossing;
+use crate::numerics::sort_by_number;
 
 /// The condition at one side of the domain along state 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +147,7 @@ impl Mesh {
         let [before, after] = [sign, -sign * restitution].map(|factor| {
             let mut all: Vec<_> = cells.iter().map(|cell| (speeds(*cell, factor), *cell)).collect();
             all.retain(|([low, high, _], _)| low + high > 0.0);
-            all.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+            sort_by_number(&mut all, |(speeds, _)| speeds[0]);
             all
         });
         let (mut i, mut j) = (0, 0);

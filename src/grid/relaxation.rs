@@ -2,7 +2,7 @@
 
 use super::operator::{Operator, Regular};
 use crate::error::Result;
-use crate::numerics::eigenvalues;
+use crate::numerics::{eigenvalues, sort_by_number};
 use crate::transient::Relaxation;
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -79,6 +79,6 @@ fn rates(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> Vec<[f64; 2]> {
         .filter(|inverse| inverse.re.is_finite() && inverse.im >= 0.0)
         .map(|inverse| [inverse.re - shift, inverse.im.abs()])
         .collect();
-    rates.sort_by(|a, b| (a[0] + shift).hypot(a[1]).total_cmp(&(b[0] + shift).hypot(b[1])));
+    sort_by_number(&mut rates, |rate| (rate[0] + shift).hypot(rate[1]));
     rates
 }

@@ -9,7 +9,8 @@ use super::operator::Layout;
 use super::pilot::GridPilot;
 use super::refinement::{Pair, resolve};
 use super::start::Ground;
-use super::stationary::{Question, Stationary};
+use super::stationary::Stationary;
+use super::wells::Question;
 use super::{Grid, GridProgress, shape, start, stationary};
 use crate::checks::positive;
 use crate::error::{Error, Result};
@@ -131,30 +132,17 @@ impl Grid {
         let mut edges = field.at_edges();
         let edge_level = edges.iter().map(|(.., level)| *level).fold(0.0, f64::max);
         let l1_estimate = difference + changed;
-        let warning = if !fine.wells.determined {
-            Some(format!(
-                "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
-                fine.places().len()
-            ))
-        } else if cut {
+        let warning = if cut && fine.wells.determined {
             Some(format!(
                 "the domain loses {:.1e} per unit time at its edges, where the density is {edge_level:.1e} of its peak: its tails are heavy",
                 fine.leak.lost
             ))
-        } else if exhausted {
-            Some(format!(
-                "the mesh has {} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: the density is too narrow for the memory; raise `memory_limit`",
-                mesh.cells.len()
-            ))
-        } else if l1_estimate > self.accuracy {
-            Some(format!(
-                "the estimate is {l1_estimate:.1e}, above the accuracy asked for: rounding, leaks and the shares of wells that exchange little leave {changed:.1e} open, which no finer mesh lowers"
-            ))
-        } else if !pilot.settles {
-            Some(UNSETTLED.to_owned())
         } else {
-            walls.iter().flatten().any(Wall::collapses).then(|| COLLAPSE.to_owned())
+            self.warning(&fine, l1_estimate, (exhausted, changed))
         };
+        let open = if pilot.settles { None } else { Some(UNSETTLED) };
+        let collapsing = walls.iter().flatten().any(Wall::collapses).then_some(COLLAPSE);
+        let warning = warning.or(open.or(collapsing).map(str::to_owned));
         if fine.wells.determined && (l1_estimate.is_nan() || l1_estimate >= HOPELESS) {
             let why = warning.unwrap_or_else(|| "check that the noise reaches every state".into());
             let reason = format!("its estimate of the error in L1 is {l1_estimate:.1e}; {why}");
@@ -192,6 +180,27 @@ impl Grid {
         // What lies beyond the edges is not within the domain.
         density.provenance.l1_estimate = Some(l1_estimate + density.beyond(&vec![0; problem.dimension()]));
         Ok(density)
+    }
+
+    /// What no mesh mends within the memory, given the estimate and the part of it that leaks, rounding and wells leave open.
+    fn warning(&self, fine: &Stationary, l1_estimate: f64, (exhausted, changed): (bool, f64)) -> Option<String> {
+        if !fine.wells.determined {
+            Some(format!(
+                "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
+                fine.places().len()
+            ))
+        } else if exhausted {
+            Some(format!(
+                "the mesh has {} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: the density is too narrow for the memory; raise `memory_limit`",
+                fine.density.field.mesh.cells.len()
+            ))
+        } else if l1_estimate > self.accuracy {
+            Some(format!(
+                "the estimate is {l1_estimate:.1e}, above the accuracy asked for: rounding, leaks and the shares of wells that exchange little leave {changed:.1e} open, which no finer mesh lowers"
+            ))
+        } else {
+            None
+        }
     }
 
     /// Calls the callback, if there is one.

@@ -7,11 +7,9 @@ use super::field::GridField;
 use super::flux::Part;
 use super::operator::{Factors, GridSolution, Layout, Operator};
 use super::pins::{Pin, Pinned};
-use super::wells::Wells;
+use super::wells::{Question, Wells};
 use crate::error::Result;
 use crate::grid::{HIDDEN, ROUNDING, singular};
-use crate::memory::MemoryLimit;
-use crate::problem::Problem;
 use crate::states::States;
 
 /// The share of the accuracy, in L¹, that rounding may change before a further pin is set, for a well of its own.
@@ -21,17 +19,6 @@ const SHARE: f64 = 0.1;
 const APART: f64 = 1e-9;
 /// The number of pins at which no further one is set, whatever rounding changes.
 const MOST: usize = 12;
-
-/// What a stationary density is solved for.
-#[derive(Clone, Copy)]
-pub(super) struct Question<'a> {
-    pub(super) problem: &'a Problem,
-    /// States of trajectories, by which wells have shares where equations do not determine them.
-    pub(super) states: &'a States,
-    pub(super) memory: MemoryLimit,
-    /// Changes of less than this, in L¹, do not matter.
-    pub(super) target: f64,
-}
 
 /// A stationary density, with the factors that made it.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! What lies beyond the domain, by the marginal density next to its edges.
 
-use super::density::{GridDensity, at, of_one};
+use super::density::{GridDensity, at};
 use crate::density::Density;
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -34,14 +34,14 @@ impl GridDensity {
 
     /// E|x|^power of a state within the domain.
     fn size(&self, state: usize, power: u32) -> f64 {
-        of_one(&self.fine, state, &|x: f64| x.abs().powi(power as i32), power as usize)
+        self.fine.integral_over(state, &|x: f64| x.abs().powi(power as i32), power as usize)
     }
 
     /// ∫ |x|^power p dx of a state beyond a side, by a power of the distance from the mean; none where p falls faster, or where it is
     /// not determined.
     fn power_beyond(&self, state: usize, side: usize, power: u32) -> Option<f64> {
         let edge = self.fine.mesh.domain()[state][side];
-        let mean = of_one(&self.fine, state, &|x| x, 1);
+        let mean = self.fine.integral_over(state, &|x| x, 1);
         // Not up to the edge, next to which a leak takes away.
         let at = |share: f64| {
             let p = self.marginal(state, mean + share * (edge - mean)).ok()?;
@@ -59,7 +59,7 @@ impl GridDensity {
     /// The same by a normal density.
     fn normal_beyond(&self, state: usize, side: usize, power: u32) -> f64 {
         let ([low, high], edge) = (self.fine.mesh.domain()[state], self.fine.mesh.domain()[state][side]);
-        let variance = self.size(state, 2) - of_one(&self.fine, state, &|x| x, 1).powi(2);
+        let variance = self.size(state, 2) - self.fine.integral_over(state, &|x| x, 1).powi(2);
         let peak = (TAU * variance.abs()).sqrt().recip();
         let level = (self.fine.integral(&at(&self.fine, state, edge)).abs() / peak).clamp(f64::MIN_POSITIVE, 0.5);
         let decay = (high - low) / (4.0 * -level.ln());

@@ -6,13 +6,13 @@
 //! doi:10.1287/opre.33.5.1107). Since columns keep their sums, rounding changes what wells exchange by 3e-17 of what passes a pin at
 //! most: shares are determined up to barriers of some 28 temperatures. Beyond, those of trajectories stand for them.
 
-use super::density::of_one;
 use super::field::GridField;
 use super::operator::{GridSolution, Operator};
 use super::pins::Pin;
-use super::stationary::Question;
 use crate::error::{Error, Result};
 use crate::grid::{HIDDEN, KEPT, ROUNDING, singular};
+use crate::memory::MemoryLimit;
+use crate::problem::Problem;
 use crate::problem::Symmetry;
 use crate::states::States;
 use nalgebra::{DMatrix, DVector};
@@ -28,6 +28,17 @@ const NEAR: f64 = 3.0;
 const NOTHING: f64 = 1e-200;
 /// Shares of wells that rounding, leaks or another degree may change by so much are not determined by the equation.
 const UNDETERMINED: f64 = 0.1;
+
+/// What a stationary density is solved for.
+#[derive(Clone, Copy)]
+pub(super) struct Question<'a> {
+    pub(super) problem: &'a Problem,
+    /// States of trajectories, by which wells have shares where equations do not determine them.
+    pub(super) states: &'a States,
+    pub(super) memory: MemoryLimit,
+    /// Changes of less than this, in L¹, do not matter.
+    pub(super) target: f64,
+}
 
 /// The wells and their shares.
 #[derive(Debug)]
@@ -249,7 +260,7 @@ fn images(symmetry: &Symmetry, pins: &[Pin]) -> Vec<Vec<(usize, f64)>> {
     let (domain, wells) = (mesh.domain(), 0..pins.len());
     let mean = |pin: &Pin| -> Vec<f64> {
         let width = |axis: usize| domain[axis][1] - domain[axis][0];
-        (0..mesh.dimension()).map(|axis| of_one(&pin.from.field, axis, &|x: f64| x, 1) / width(axis)).collect()
+        (0..mesh.dimension()).map(|axis| pin.from.field.integral_over(axis, &|x: f64| x, 1) / width(axis)).collect()
     };
     let means: Vec<Vec<f64>> = pins.iter().map(mean).collect();
     let image = |flip: &Vec<bool>| -> Option<Vec<(usize, f64)>> {

@@ -1,5 +1,5 @@
 //! Numerical mathematics for no oscillator in particular: Gauss rules, orthogonal polynomials, eigenvalues, least
-//! squares, maxima of concave functions, exponentials of many numbers and of matrices, sixth roots, functions at several points at once.
+//! squares, maxima of concave functions, exponentials of many numbers and of matrices, sixth roots, sorting, functions at several points at once.
 
 mod ascent;
 mod definite;
@@ -14,6 +14,7 @@ mod quadrature;
 mod resolvent;
 mod runge_kutta;
 mod sixth_root;
+mod sorting;
 mod tall;
 
 pub(crate) use ascent::{Concave, Search, Summit};
@@ -22,10 +23,11 @@ pub(crate) use eigenvalues::eigenvalues;
 pub(crate) use exponential::exponentials;
 pub(crate) use gram::{add_gram, symmetric, weighted_gram};
 pub(crate) use least_norm::least_norm;
-pub(crate) use number::{EIGHT, Eight, Number};
+pub(crate) use number::{EIGHT, Eight, Number, PointLane, ZEROS};
 pub(crate) use propagation::propagated;
 pub(crate) use quadrature::Rule;
 pub(crate) use resolvent::Resolvent;
 pub(crate) use runge_kutta::runge_kutta;
 pub(crate) use sixth_root::sixth_root;
+pub(crate) use sorting::sort_by_number;
 pub(crate) use tall::{combination, divide_by_triangle, stretches, triangle, weighted_product, weighted_sum};

@@ -6,6 +6,11 @@ use std::ops::{Add, AddAssign, Div, Mul, Sub};
 /// Points of an [`Eight`].
 pub(crate) const EIGHT: usize = 8;
 
+/// One number for each of eight points, without operations.
+pub(crate) type PointLane = [f64; EIGHT];
+
+pub(crate) const ZEROS: PointLane = [0.0; EIGHT];
+
 /// A number at one point, or at each of several: the same operations in the same order, so that the bits are the same.
 pub(crate) trait Number:
     Copy
@@ -63,7 +68,7 @@ impl Number for f64 {
 
 /// A number at each of eight points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Eight(pub(crate) [f64; EIGHT]);
+pub(crate) struct Eight(pub(crate) PointLane);
 
 impl Number for Eight {
     const POINTS: usize = EIGHT;

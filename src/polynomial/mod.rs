@@ -113,7 +113,10 @@ impl Polynomial {
 
     /// The sum of terms in any order; those of equal exponents are added in the order in which they come.
     fn collected<'a>(states: usize, terms: impl Iterator<Item = (&'a [u32], f64)>) -> Self {
-        let mut terms: Vec<(&[u32], f64)> = terms.collect();
+        Self::merged(states, terms.collect())
+    }
+
+    fn merged(states: usize, mut terms: Vec<(&[u32], f64)>) -> Self {
         if !terms.is_sorted_by(|a, b| ordered(a.0, b.0).is_le()) {
             terms.sort_by(|a, b| ordered(a.0, b.0));
         }

@@ -1,9 +1,5 @@
 use super::{
-    lanes::Lanes,
-    start::TrajectoryStart,
-    statistics::Buffers,
-    tally::{Tally, TallyLayout},
-    timetable::Timetable,
+    lanes::Lanes, layout::TallyLayout, start::TrajectoryStart, statistics::Buffers, tally::Tally, timetable::Timetable,
 };
 use crate::problem::LANES;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-use super::{boundaries::Boundaries, generator::Images, passage::Record, scheme::Scheme, tally::TallyLayout};
+use super::{boundaries::Boundaries, images::Images, layout::TallyLayout, passage::Record, scheme::Scheme};
 use crate::problem::{LANES, Lane};
 use pulp::{Arch, NullaryFnOnce};
 use serde::{Deserialize, Serialize};

@@ -6,9 +6,7 @@ use super::{
     grazing::Grazing,
     lanes::{read_lane, write_lane},
     passage::{Passage, Passages, Record, add_powers},
-    plan::Plan,
     scheme::Scheme,
-    walk::is_beyond,
 };
 use crate::problem::{Contact, LANES, Lane, Nearness};
 
@@ -42,6 +40,12 @@ pub(super) struct Boundaries {
     pub(super) shortest_rest: f64,
 }
 
+/// Whether a displacement is beyond limits.
+#[inline(always)]
+pub(super) fn is_beyond([low, high]: [f64; 2], x: f64) -> bool {
+    (x <= low) | (x >= high)
+}
+
 impl Boundaries {
     /// The boundaries that the trajectories of a system meet: the noise in the rule for grazing is that at rest on a wall.
     pub(super) fn for_scheme(scheme: &Scheme<'_>, contacts: &[Contact], levels: Vec<f64>) -> Self {
@@ -71,12 +75,10 @@ impl Boundaries {
         }
     }
 
-    /// The same boundaries, on which the crossings of levels and the speeds of impacts are counted as planned, and all passages
-    /// recorded for control variates.
-    pub(super) fn counting(self, plan: &Plan) -> Self {
-        let recording = !plan.control_variates.is_empty();
-        let shortest_rest = SHORTEST_REST * plan.interval();
-        Boundaries { levels: plan.levels.clone(), speeds: plan.impact_speeds(), recording, shortest_rest, ..self }
+    /// The same boundaries, on which the crossings of levels are counted, the speeds of impacts in bins, and the times at rest beside
+    /// which the interval between two samples is not long.
+    pub(super) fn counting(self, levels: Vec<f64>, speeds: Option<Axis>, interval: f64) -> Self {
+        Boundaries { levels, speeds, shortest_rest: SHORTEST_REST * interval, ..self }
     }
 
     /// The same boundaries, with or without a record of all passages.

@@ -1,4 +1,4 @@
-use super::{blocks::Blocks, tally::Tally, tally::TallyLayout};
+use super::{blocks::Blocks, layout::TallyLayout, tally::Tally};
 use crate::control_variates::regression;
 use crate::simulation::UNEVEN_WEIGHTS;
 use faer::Mat;

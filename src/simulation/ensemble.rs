@@ -2,13 +2,13 @@ use super::{
     batch::{Batch, Trajectories},
     boundaries::Boundaries,
     control::Control,
-    generator::Images,
+    images::Images,
     lanes::{Lanes, Workspace},
+    layout::TallyLayout,
     passage::{Passages, Record},
     paths::Paths,
     scheme::Scheme,
     statistics::Sample,
-    tally::TallyLayout,
     timetable::{Timetable, samples},
 };
 use crate::error::Result;

@@ -2,6 +2,7 @@ use super::{SimulatedDensity, batch::deal, checkpoint::State, tally::Tally};
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::file;
+use crate::numerics::sort_by_number;
 use crate::provenance::Stopped;
 use std::{io, path::Path};
 
@@ -52,7 +53,7 @@ impl SimulatedDensity {
             seconds += part.provenance().seconds;
             tallies.extend(part.into_tallies());
         }
-        tallies.sort_by_key(|tally| tally.batch);
+        sort_by_number(&mut tallies, |tally| tally.batch as f64);
         whole(&tallies, plan.trajectories)?;
         Ok(SimulatedDensity::new(tallies, plan, seconds, stopped))
     }

@@ -6,7 +6,7 @@
 //! - `boundaries`, `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it, and what
 //!   is counted of these;
 //! - `impulses`: Poisson impulses at their times in these drifts;
-//! - `grazing`, `chatter`: shorter steps for trajectories that graze a wall, and rest where no noise drives them off it;
+//! - `grazing`, `chatter`, `rest`: shorter steps for trajectories that graze a wall, and rest where no noise drives them off it;
 //! - `random`, `normal`: random numbers as a function of seed, trajectory and time step, and normal ones from them;
 //! - `lanes`: some trajectories advanced in lockstep, as wide registers allow;
 //! - `start`: where trajectories begin;
@@ -14,9 +14,9 @@
 //! - `batch`, `ensemble`: batches of trajectories, and their way on all threads;
 //! - `paths`: sampled states with the impacts between them;
 //! - `pilot`: a few trajectories ahead of all others, which show the range of the states;
-//! - `tally`, `bins`, `histogram`, `trend`, `blocks`: the sums that a batch makes of its samples;
-//! - `generator`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, and moments less the chance that is
-//!   correlated with them;
+//! - `layout`, `tally`, `bins`, `histogram`, `trend`, `blocks`: the sums that a batch makes of its samples;
+//! - `generator`, `images`, `calibration`: polynomials ψ with E 𝓖ψ = 0 as control variates, 𝓖ψ at the samples, and moments less the
+//!   chance that is correlated with them;
 //! - `stationarity`: the test of whether a run still depends on its start; `settling`: whether trajectories settle at all;
 //! - `jackknife`: estimates and standard errors from the batches, `distribution` with those of probabilities;
 //! - `plan`, `timetable`: the options that determine the results, and the times of samples;
@@ -43,9 +43,11 @@ mod ensemble;
 mod generator;
 mod grazing;
 mod histogram;
+mod images;
 mod impulses;
 mod jackknife;
 mod lanes;
+mod layout;
 mod merge;
 mod normal;
 mod passage;
@@ -56,6 +58,7 @@ pub(crate) mod processes;
 mod random;
 #[cfg(feature = "mpi")]
 pub(crate) mod ranks;
+mod rest;
 mod result;
 mod run;
 mod scheme;

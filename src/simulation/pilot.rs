@@ -1,13 +1,10 @@
-use super::{batch::Trajectories, ensemble::Ensemble, start::TrajectoryStart, timetable::Timetable};
+use super::{batch::Trajectories, ensemble::Ensemble, random::PILOT, start::TrajectoryStart, timetable::Timetable};
 use crate::error::Result;
 use crate::problem::LANES;
 use crate::simulation::BURN_IN_STRETCHES;
 
 /// The trajectories of the pilot, which finds the ranges of histograms.
 const PILOT_TRAJECTORIES: u64 = 64;
-
-/// The number of the pilot's first trajectory, which is also its stream: beyond every sampled one.
-pub(super) const FIRST: u64 = 1 << 32;
 
 /// The ranges of histograms and the bounds beyond which a trajectory has exploded, from a few trajectories before any is
 /// sampled.
@@ -28,7 +25,7 @@ impl SimulationPilot {
     /// Runs the pilot through the burn-in and takes the range of its states in the second half.
     pub(super) fn run(ensemble: &Ensemble<'_>, seed: u64, start: &TrajectoryStart) -> Result<Self> {
         let nothing = vec![Reach::NONE; start.dimension()];
-        let firsts = (FIRST..FIRST + PILOT_TRAJECTORIES).step_by(LANES);
+        let firsts = (PILOT..PILOT + PILOT_TRAJECTORIES).step_by(LANES);
         let mut groups: Vec<_> =
             firsts.map(|first| Trajectories::new(first..first + LANES as u64, seed, start)).collect();
         let seen = ensemble.control.on_all(&mut groups, |place, group| {

@@ -1,10 +1,11 @@
 use super::{
     bins::Axis,
+    boundaries::Boundaries,
     generator::ControlVariates,
+    layout::TallyLayout,
     passage::Passages,
     pilot::SimulationPilot,
     statistics::{Recorders, Requests},
-    tally::TallyLayout,
     timetable::Timetable,
 };
 use crate::polynomial::Polynomial;
@@ -92,6 +93,12 @@ impl Plan {
     /// The time between two samples.
     pub(super) fn interval(&self) -> f64 {
         self.timetable.interval_steps as f64 * self.time_step
+    }
+
+    /// Boundaries on which the passages of this plan are counted, all of them recorded for control variates.
+    pub(super) fn counted_by(&self, boundaries: Boundaries) -> Boundaries {
+        let counting = boundaries.counting(self.levels.clone(), self.impact_speeds(), self.interval());
+        counting.recording(!self.control_variates.is_empty())
     }
 
     /// The time before the first sample.

@@ -12,6 +12,8 @@ pub(super) struct Random {
     seed: u64,
 }
 
+/// The first of the streams of a simulation's pilot, which are beyond those of all sampled trajectories.
+pub(super) const PILOT: u64 = 1 << 32;
 /// Purposes above those of the noises, which have their own numbers.
 const COINS: u64 = 1 << 12;
 const START: u64 = COINS + 1;

@@ -3,10 +3,11 @@ use super::{
     calibration::{Calibration, Calibrations},
     histogram::Histogram,
     jackknife::jackknife,
+    layout::TallyLayout,
     passage::POWERS,
     plan::{Plan, same_level},
     stationarity::{drifts, warning},
-    tally::{Tally, TallyLayout},
+    tally::Tally,
 };
 use crate::checks::state_index;
 use crate::density::{CountedImpacts, Sampled, central};

@@ -95,10 +95,12 @@ impl<'a> Simulation<'a> {
         let timing = (scheme.step, rate, timetable);
         let mut plan = self.plan(problem, timing, &start, (axes, plane));
         if self.control_variates {
-            plan.control_variates = ControlVariates::new(problem, &plan.layout(), self.trajectories);
+            let layout = plan.layout();
+            let tracked = layout.tracked();
+            plan.control_variates = ControlVariates::new(problem, &layout.axes, tracked, self.trajectories);
         }
         // The pilot counts nothing; only the trajectories that are sampled do.
-        let counted = boundaries.clone().counting(&plan);
+        let counted = plan.counted_by(boundaries.clone());
         let session = Session {
             ensemble: ensemble.on(&counted),
             processes,

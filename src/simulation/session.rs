@@ -3,11 +3,12 @@ use super::{
     checkpoint::{Checkpoint, State},
     control::PATH_STEPS,
     ensemble::Ensemble,
+    layout::TallyLayout,
     plan::Plan,
     processes::{Processes, any_of, gather},
     result::SimulatedDensity,
     start::TrajectoryStart,
-    tally::{Tally, TallyLayout},
+    tally::Tally,
     target::Target,
     timetable::{next_check, samples},
 };

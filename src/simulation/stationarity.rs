@@ -1,11 +1,6 @@
 //! The tests of whether a run still depends on its start, and whether it has a stationary density.
 
-use super::{
-    calibration::Calibration,
-    jackknife::jackknife,
-    plan::Plan,
-    tally::{Tally, TallyLayout},
-};
+use super::{calibration::Calibration, jackknife::jackknife, layout::TallyLayout, plan::Plan, tally::Tally};
 use crate::problem::{COLLAPSE, Wall};
 use crate::simulation::UNEVEN_WEIGHTS;
 

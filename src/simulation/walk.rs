@@ -1,16 +1,17 @@
 //! The way of trajectories from a start on, all at the same time.
 
 use super::batch::{Trajectories, deal};
-use super::boundaries::Boundaries;
+use super::boundaries::{Boundaries, is_beyond};
 use super::control::Control;
 use super::lanes::{Lanes, Workspace};
+use super::layout::TallyLayout;
 use super::passage::Passages;
 use super::pilot::Reach;
 use super::plan::Plan;
 use super::scheme::{Modulation, Scheme};
 use super::start::TrajectoryStart;
 use super::statistics::Requests;
-use super::tally::{Tally, TallyLayout};
+use super::tally::Tally;
 use super::timetable::{Times, Timetable, whole};
 use super::{SimulatedDensity, Simulation};
 use crate::checks::require;
@@ -165,7 +166,7 @@ impl<'a> Walk<'a> {
         let modulation = envelope.filter(|_| *time >= 0.0).map(modulation);
         let scheme = Scheme::new(problem, simulation.amplitude, h).modulated(modulation);
         let boundaries = Boundaries::for_scheme(&scheme, contacts, Vec::new()).within(*within);
-        let boundaries = if let Some(plan) = plan { boundaries.counting(plan) } else { boundaries };
+        let boundaries = if let Some(plan) = plan { plan.counted_by(boundaries) } else { boundaries };
         let walk = |place: usize, walkers: &mut Walkers| {
             let (mut work, mut passages) = (Workspace::new(&scheme), boundaries.passages());
             let count = walkers.trajectories.count();
@@ -243,12 +244,6 @@ impl<'a> Walk<'a> {
         }
         reach.iter().map(Reach::interval).collect()
     }
-}
-
-/// Whether a displacement is beyond limits.
-#[inline(always)]
-pub(super) fn is_beyond([low, high]: [f64; 2], x: f64) -> bool {
-    (x <= low) | (x >= high)
 }
 
 impl Trajectories {

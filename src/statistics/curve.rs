@@ -3,7 +3,7 @@
 use crate::density::Density;
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::numerics::{Rule, legendre};
+use crate::numerics::{Rule, legendre, sort_by_number};
 use crate::parallel;
 
 /// The most coefficients of a panel.
@@ -98,7 +98,7 @@ impl Curve {
                 }
             }
         }
-        panels.sort_by(|a, b| a.low.total_cmp(&b.low));
+        sort_by_number(&mut panels, |panel| panel.low);
         let parts: Vec<Estimate> = panels.iter().map(CurvePanel::whole).collect();
         let mut below = vec![Estimate::new(0.0, 0.0); parts.len()];
         let mut above = below.clone();

@@ -1,5 +1,6 @@
 use crate::density::Density;
 use crate::error::{Error, Result};
+use crate::numerics::sort_by_number;
 
 /// Points along each of one or two states in the scan for maxima.
 const SCAN: usize = 61;
@@ -42,7 +43,7 @@ pub fn modes(density: &dyn Density) -> Result<Vec<(Vec<f64>, f64)>> {
         let remedy = "in more than two states take a closure, or the modes of single states";
         return Err(Error::NotKnown { what: "its maxima".into(), remedy });
     }
-    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sort_by_number(&mut found, |(_, density)| -density);
     Ok(found)
 }
 
@@ -63,7 +64,7 @@ fn starts(density: &dyn Density, bounds: &[[f64; 2]]) -> Result<Vec<Vec<f64>>> {
                 points.push((x, log));
             }
         }
-        points.sort_by(|a, b| b.1.total_cmp(&a.1));
+        sort_by_number(&mut points, |(_, log)| -log);
         return Ok(points.into_iter().take(STARTS).map(|(x, _)| x).collect());
     }
     let total = SCAN.pow(n as u32);

@@ -2,6 +2,7 @@
 
 use super::row::OrderRow;
 use crate::estimate::Estimate;
+use crate::numerics::sort_by_number;
 use std::fmt;
 
 /// An error is the method's own while it is above the truth's by this factor.
@@ -45,7 +46,7 @@ impl Convergence {
         let logarithmic: Vec<[f64; 2]> = points.iter().map(|[n, y]| [n.ln(), *y]).collect();
         let mut indicators: Vec<(u32, f64)> =
             rows.iter().filter_map(|row| Some((row.order, row.indicator?))).filter(|(_, eta)| !eta.is_nan()).collect();
-        indicators.sort_by_key(|(order, _)| *order);
+        sort_by_number(&mut indicators, |(order, _)| f64::from(*order));
         let enough = (0..indicators.len())
             .find(|&k| indicators[k + 1..].iter().all(|(_, later)| WORTH * later >= indicators[k].1))
             .filter(|k| k + 1 < indicators.len())

@@ -160,6 +160,6 @@ pub(super) fn gathered<R: Serialize + DeserializeOwned>(
 /// The first error, but before the cancellation of rows that were not begun the error that they were not begun for.
 pub(super) fn all(outcomes: impl IntoIterator<Item = Result<()>>) -> Result<()> {
     let mut errors: Vec<Error> = outcomes.into_iter().filter_map(Result::err).collect();
-    errors.sort_by_key(|error| matches!(error, Error::Cancelled { .. }));
-    errors.into_iter().next().map_or(Ok(()), Err)
+    let first = errors.iter().position(|error| !matches!(error, Error::Cancelled { .. })).unwrap_or(0);
+    if errors.is_empty() { Ok(()) } else { Err(errors.swap_remove(first)) }
 }

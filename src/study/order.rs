@@ -6,9 +6,9 @@ use super::table::OrderTable;
 use super::truth::Truth;
 use crate::checks::require;
 use crate::error::{Error, Result};
+use crate::numerics::sort_by_number;
 use crate::simulation::Progress;
 use crate::simulation::processes::{OneProcess, Processes};
-use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -121,7 +121,7 @@ impl<'a> OrderStudy<'a> {
         }
         // The costs of rows grow with their orders.
         let mut falling: Vec<usize> = (0..rows.len()).collect();
-        falling.sort_by_key(|&row| Reverse(rows[row].2));
+        sort_by_number(&mut falling, |&row| -f64::from(rows[row].2));
         let mut places = vec![0; rows.len()];
         falling.iter().enumerate().for_each(|(place, &row)| places[row] = place);
         let lines = StudyLines::new(&columns::<OrderRow>()?, &keyed)?;

@@ -267,7 +267,7 @@ fn a_corrupt_document_is_refused_by_name() {
     }
     for (from, to, said) in [
         ("expoly closed form", "something else", "format"),
-        ("\"version\":2", "\"version\":3", "version 3"),
+        ("\"version\":3", "\"version\":4", "version 4"),
         ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\"]", "1 states"),
         ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\",\"x\"]", "another state"),
         ("\"states\":[\"x\",\"v\"]", "\"states\":[\"x\",\"1\"]", "letter"),
@@ -280,7 +280,8 @@ fn a_corrupt_document_is_refused_by_name() {
         ("\"coefficients\":[", "\"coefficients\":[1.0,", "coefficients for"),
         ("\"exponents\":[[1,0]", "\"exponents\":[[1,99]", "99"),
         ("\"exponents\":[[1,0]", "\"exponents\":[[1]", "exponents [1]"),
-        ("\"kinks\":[[1,", "\"kinks\":[[-2147483648,", "none of a kink"),
+        ("\"kinks\":[0,[[1,", "\"kinks\":[0,[[-2147483648,", "none of a kink"),
+        ("\"kinks\":[0,", "\"kinks\":[7,", "no wall 7"),
         ("\"constant\":", "\"constant\":1e999,\"was\":", "number out of range"),
         ("\"half_width\":[", "\"half_width\":[-1.0,", "half width"),
         ("\"nodes\":[", "\"nodes\":[0.5,", "no rule"),

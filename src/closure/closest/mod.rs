@@ -1,28 +1,25 @@
 //! The exponential polynomial closest to a density that is known: that of a grid where the moment equations have no solution, or any
 //! other.
 //!
-//! - `target`: the density on cells that resolve it; `cells`: these, as the domain of the answer;
+//! - `target`: the density on cells that resolve it;
 //! - `by_grid`: the closure of a problem by the density of a grid.
 //!
 //! exp(Q) is closest in the Kullback-Leibler distance, in which it has the moments of the density up to its order. Its estimate is
 //! ∫ |exp(Q) − p| dx, with the error of p and what lies beyond the cells.
 
 mod by_grid;
-mod cells;
 mod target;
-
-pub(crate) use cells::DomainCells;
 
 use super::candidates::{Candidate, Fitted, Origin, chosen};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
 use super::density::exponent::{Exponent, known_values};
+use super::density::moment::Moment;
 use super::discretisation::nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::method::Closure;
 use super::projection::{mixed, project, tempered};
 use super::reference::{normalised, scaled_mass};
-use super::samples::Moment;
 use super::space::nested_spaces::{Smooth, SpaceFamily, Walled};
 use super::space::orthonormal::Orthonormal;
 use super::space::{Corner, Functions};
@@ -159,27 +156,7 @@ impl<'a> Closest<'a> {
     fn on_cells(&mut self, order: u32, begin: Instant) -> Result<Content> {
         let reason = "no polynomial of it is near the density; it may be too narrow: take a lower order";
         let failed = || Error::NotClosed { order, reason };
-        let mut apart = f64::INFINITY;
-        let mut best = self.best(order).ok_or_else(failed)?;
-        for round in 0.. {
-            let distance = best.0.candidate.l1_estimate;
-            let differences = self.differences(&best.0.exponent);
-            apart = differences.iter().sum();
-            let share = APART * (distance + self.target.error);
-            let coarse = |k: usize| differences[k].is_nan() || differences[k] > share / differences.len() as f64;
-            let count = (0..differences.len()).filter(|k| coarse(*k)).count();
-            if apart <= share || round == ROUNDS || !self.target.has_room(count) {
-                break;
-            }
-            self.target.divide(coarse)?;
-            self.found.clear();
-            best = self.best(order).ok_or_else(failed)?;
-        }
-        // What is no number is not small.
-        if apart.is_nan() || apart >= 1.0 {
-            return Err(failed());
-        }
-        let (_, space) = best;
+        let (space, apart) = self.on_resolved_cells(order)?.ok_or_else(failed)?;
         let mut tried = chosen(self.closure.weight, |share| self.fitted(&space, share));
         if tried.is_empty() {
             return Err(failed());
@@ -216,6 +193,26 @@ impl<'a> Closest<'a> {
             indication: None,
             provenance,
         })
+    }
+
+    /// The functions of the closest density, with what two rules on the cells differ by: cells are divided until it is a small part of
+    /// the distance. None where there is none, or none whose integrals are known.
+    fn on_resolved_cells(&mut self, order: u32) -> Result<Option<(Functions, f64)>> {
+        for round in 0.. {
+            let Some((fitted, space)) = self.best(order) else { break };
+            let differences = self.differences(&fitted.exponent);
+            let apart: f64 = differences.iter().sum();
+            let share = APART * (fitted.candidate.l1_estimate + self.target.error);
+            let coarse = |k: usize| differences[k].is_nan() || differences[k] > share / differences.len() as f64;
+            let count = (0..differences.len()).filter(|k| coarse(*k)).count();
+            if apart <= share || round == ROUNDS || !self.target.has_room(count) {
+                // What is no number is not small.
+                return Ok((apart < 1.0).then_some((space, apart)));
+            }
+            self.target.divide(coarse)?;
+            self.found.clear();
+        }
+        Ok(None)
     }
 
     /// The closest density of an even order up to one, or of that order, with its functions: the lowest that is as close as the density
@@ -290,10 +287,11 @@ impl<'a> Closest<'a> {
 
     /// The moments of the density that exp(Q) has too, where they are known.
     fn moments(&self, space: &Functions) -> Vec<Moment> {
-        let exponents = space.single().map_or(&[][..], |(own, _)| own.exponents());
-        let known = parallel::map(exponents.len(), |k| {
-            let moment = self.density.moment(&exponents[k]).ok()?;
-            Some(Moment { powers: exponents[k].clone(), value: moment.value, error: moment.error })
+        let powers = space.powers();
+        let known = parallel::map(powers.len(), |k| {
+            let (_, powers) = powers[k];
+            let moment = self.density.moment(powers).ok()?;
+            Some(Moment { powers: powers.to_vec(), value: moment.value, error: moment.error })
         });
         known.into_iter().flatten().collect()
     }

@@ -1,5 +1,5 @@
-use super::cells::{DomainCells, add_nodes};
 use crate::closure::closest::{ALONG, TAIL};
+use crate::closure::density::cells::{DomainCells, add_nodes};
 use crate::density::{Cell, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;

@@ -2,18 +2,20 @@
 //! reference.
 
 use super::content::{Content, Integrals};
+use super::impacts::{Combination, POWERS, WallImpacts};
 use crate::checks::{coordinate, dimension, point};
 use crate::closure::candidates::Origin;
 use crate::closure::density::ClosureDensity;
 use crate::closure::samples::ImportanceRule;
 use crate::closure::space::Corner;
-use crate::density::{CountedImpacts, Crossing, Density, Evidence, moderate, pair, placed};
+use crate::density::{Counted, CountedImpacts, Crossing, Density, Evidence, moderate, pair, placed};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::polynomial::power;
 use crate::problem::Wall;
 use crate::provenance::Provenance;
 use crate::states::States;
+use std::sync::Arc;
 
 impl ClosureDensity {
     /// ∫ g p dx over all states but those held, on draws: with its distance from that of the reference, if there is one.
@@ -203,5 +205,29 @@ impl Evidence for ClosureDensity {
 
     fn counted_impacts(&self) -> Option<&dyn CountedImpacts> {
         (!self.content.impacts.is_empty()).then_some(self as &dyn CountedImpacts)
+    }
+}
+
+impl ClosureDensity {
+    /// None where there is no such wall, or none was counted.
+    fn impacts_on(&self, walls: &[usize]) -> Option<Combination> {
+        let chosen: Option<Vec<WallImpacts>> = walls.iter().map(|&k| self.content.impacts.get(k).cloned()).collect();
+        chosen.filter(|chosen| !chosen.is_empty()).map(|chosen| Combination::of(&chosen))
+    }
+}
+
+impl CountedImpacts for ClosureDensity {
+    fn impact_speeds(&self, walls: &[usize]) -> Option<Arc<dyn Counted>> {
+        Some(Arc::new(self.impacts_on(walls)?))
+    }
+
+    fn impact_flux(&self, walls: &[usize], power: u32) -> Option<Estimate> {
+        let place = (power as usize).checked_sub(1).filter(|place| *place < POWERS)?;
+        Some(self.impacts_on(walls)?.estimate(&[(place, 1.0)]))
+    }
+
+    fn mean_impact_speed(&self, walls: &[usize], power: u32) -> Option<Estimate> {
+        let place = (power as usize).min(POWERS);
+        (place < POWERS).then(|| Some(self.impacts_on(walls)?.of_one_impact(&[(place, 1.0)])))?
     }
 }

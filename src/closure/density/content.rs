@@ -1,12 +1,13 @@
+use super::cells::DomainCells;
 use super::exponent::Exponent;
 use super::impacts::WallImpacts;
+use super::moment::Moment;
 use crate::closure::UNRELIABLE;
 use crate::closure::candidates::indicator::Indication;
 use crate::closure::candidates::{Candidate, Origin};
-use crate::closure::closest::DomainCells;
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::ReferenceDensity;
-use crate::closure::samples::{ImportanceRule, Lattice, Moment};
+use crate::closure::samples::{ImportanceRule, Lattice};
 use crate::closure::space::degrees::HIGHEST;
 use crate::numerics::Rule;
 use crate::problem::COLLAPSE;

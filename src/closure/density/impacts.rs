@@ -1,14 +1,12 @@
-//! The impacts of a pilot as answers of a closure.
+//! What the impacts of a pilot give.
 
-use super::ClosureDensity;
-use crate::density::{Counted, CountedImpacts};
+use crate::density::Counted;
 use crate::estimate::Estimate;
 use crate::record::{Read, positive};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// The powers 0, 1, 2 of the speed come first in a list of statistics; the counts in bins follow them.
-const POWERS: usize = 3;
+pub(super) const POWERS: usize = 3;
 
 /// What the pilot's calibrated impacts on a wall give per unit time: Σ 1, Σ |w| and Σ w² of the speeds w of approach, and the
 /// numbers of impacts in bins of |w|.
@@ -55,14 +53,14 @@ impl WallImpacts {
 
 /// The statistics of some walls together.
 #[derive(Clone, Debug)]
-struct Combination {
+pub(super) struct Combination {
     means: Vec<f64>,
     groups: Vec<Vec<f64>>,
     bin: f64,
 }
 
 impl Combination {
-    fn of(walls: &[WallImpacts]) -> Self {
+    pub(super) fn of(walls: &[WallImpacts]) -> Self {
         let sum = |lists: &mut dyn Iterator<Item = &Vec<f64>>| -> Vec<f64> {
             let mut sum: Vec<f64> = Vec::new();
             for list in lists {
@@ -80,7 +78,7 @@ impl Combination {
     }
 
     /// Σ c_k mean_k.
-    fn estimate(&self, c: &[(usize, f64)]) -> Estimate {
+    pub(super) fn estimate(&self, c: &[(usize, f64)]) -> Estimate {
         let along = |list: &[f64]| c.iter().map(|&(k, c)| c * list[k]).sum::<f64>();
         let square: f64 = self.groups.iter().map(|group| along(group).powi(2)).sum();
         let count = self.groups.len() as f64;
@@ -89,7 +87,7 @@ impl Combination {
     }
 
     /// Σ c_k mean_k over the rate.
-    fn of_one_impact(&self, c: &[(usize, f64)]) -> Estimate {
+    pub(super) fn of_one_impact(&self, c: &[(usize, f64)]) -> Estimate {
         let (value, rate) = (self.estimate(c).value, self.means[0]);
         let ratio = value / rate;
         let linear: Vec<(usize, f64)> = c.iter().map(|&(k, c)| (k, c / rate)).chain([(0, -ratio / rate)]).collect();
@@ -120,30 +118,6 @@ impl Counted for Combination {
     fn above(&self, x: f64) -> Estimate {
         let below = self.below(x);
         Estimate::new(1.0 - below.value, below.error)
-    }
-}
-
-impl ClosureDensity {
-    /// None where there is no such wall, or none was counted.
-    fn impacts_on(&self, walls: &[usize]) -> Option<Combination> {
-        let chosen: Option<Vec<WallImpacts>> = walls.iter().map(|&k| self.content.impacts.get(k).cloned()).collect();
-        chosen.filter(|chosen| !chosen.is_empty()).map(|chosen| Combination::of(&chosen))
-    }
-}
-
-impl CountedImpacts for ClosureDensity {
-    fn impact_speeds(&self, walls: &[usize]) -> Option<Arc<dyn Counted>> {
-        Some(Arc::new(self.impacts_on(walls)?))
-    }
-
-    fn impact_flux(&self, walls: &[usize], power: u32) -> Option<Estimate> {
-        let place = (power as usize).checked_sub(1).filter(|place| *place < POWERS)?;
-        Some(self.impacts_on(walls)?.estimate(&[(place, 1.0)]))
-    }
-
-    fn mean_impact_speed(&self, walls: &[usize], power: u32) -> Option<Estimate> {
-        let place = (power as usize).min(POWERS);
-        (place < POWERS).then(|| Some(self.impacts_on(walls)?.of_one_impact(&[(place, 1.0)])))?
     }
 }
 

@@ -1,15 +1,17 @@
 //! The answer: a density with its trust domain and its errors.
 //!
-//! - `exponent`: Q; `content`: all that an answer is made of, as it is stored;
-//! - `answers`: the methods of [`Density`]; `impacts`: those of [`CountedImpacts`](crate::CountedImpacts).
+//! - `exponent`: Q; `cells`: the domain of one that is closest to a density; `moment`, `impacts`: what is known better than by exp(Q);
+//! - `content`: all that an answer is made of, as it is stored;
+//! - `answers`: the methods of [`Density`], and of [`CountedImpacts`](crate::CountedImpacts).
 
 pub(super) mod answers;
+pub(super) mod cells;
 pub(super) mod content;
 pub(super) mod exponent;
 pub(super) mod impacts;
+pub(super) mod moment;
 
 use super::candidates::Candidate;
-use super::closest::DomainCells;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
@@ -23,6 +25,7 @@ use crate::numerics::exponentials;
 use crate::polynomial::Polynomial;
 use crate::provenance::Provenance;
 use crate::states::States;
+use cells::DomainCells;
 use content::{Content, Integrals};
 use exponent::Exponent;
 use serde::{Deserialize, Serialize, Serializer};

@@ -51,7 +51,7 @@ pub(in crate::closure) fn add_rates(
                 let mut slopes = Mat::zeros(after.len(), space.len() + 1);
                 let still = vec![0.0; points.dimension().pow(2)];
                 let local = |k: usize| (&impulses[k].drift[..], &still[..]);
-                sweep::tabulate_rates(space, &after, local, [table.as_mut(), slopes.as_mut()]);
+                sweep::tabulate_rates(space, &after, &local, [table.as_mut(), slopes.as_mut()]);
                 Some(slopes)
             };
             for column in 0..table.ncols() {

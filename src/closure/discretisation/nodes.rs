@@ -93,7 +93,7 @@ impl NodalGenerator<'_> {
     /// Fills tables with 1, φ₁ … φ_K at the points and their rates there, impacts left out.
     pub(in crate::closure) fn enter(&self, space: &Functions, [mut values, mut rates]: [MatMut<'_, f64>; 2]) {
         let local = |i: usize| (&self.locals[i].drift[..], &self.locals[i].diffusion[..]);
-        sweep::tabulate_rates(space, self.points, local, [values.as_mut(), rates.as_mut()]);
+        sweep::tabulate_rates(space, self.points, &local, [values.as_mut(), rates.as_mut()]);
         impulses::add_rates(self.impulses, self.domain, (space, self.points), values.as_ref(), rates);
     }
 }

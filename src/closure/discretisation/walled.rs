@@ -49,7 +49,7 @@ pub(in crate::closure) fn walled(problem: &Problem, pilot: &Pilot, walls: [Optio
     let nodes = Nodes::tensor(&domain, rules.clone());
     let (centre, half_width) = domain.box_around();
     let exponents = (1..=LOW_DEGREE).flat_map(|n| (0..=n).map(move |j| vec![n - j, j])).collect();
-    let polynomials = Functions::Polynomials(Polynomials::new(centre.clone(), half_width.clone(), exponents));
+    let polynomials = Functions::from(Polynomials::new(centre.clone(), half_width.clone(), exponents));
     let mut guess = likeliest(polynomials, corners(pilot.inflation), &nodes, &pilot.states, pilot.inflation)?;
     // The singular part scales with the intensity by its argument, and is not multiplied.
     guess.known = corners(1.0);

@@ -58,18 +58,7 @@ impl Closure {
             }
             Start::Point(_) | Start::Gaussian(_) | Start::Stationary => {}
         }
-        if let Some(first) = times.first() {
-            positive(
-                "first time of a transient",
-                *first,
-                "where trajectories carry the density the start itself is no answer",
-            )?;
-        }
-        if let Some(&last) = times.last() {
-            let longest = TimeScales::of(problem)?.short(LONGEST);
-            let remedy = "trajectories go there step by step, and long before it the density is the stationary one";
-            require(last <= longest, "last time of a transient", last, remedy)?;
-        }
+        require_carried(problem, times)?;
         // The equations have means up to their own degree, whatever the order of their weight.
         let order = Order::Fixed(self.highest().clamp(CARRIED_BASE, CARRIED_MOST));
         let base = if steady { Some(Closure { order, ..self.clone() }.solve(problem)?) } else { None };
@@ -102,6 +91,20 @@ impl Closure {
         };
         times.iter().copied().zip(states).enumerate().map(closed).collect()
     }
+}
+
+/// Refuses rising times that trajectories do not go to.
+fn require_carried(problem: &Problem, times: &[f64]) -> Result<()> {
+    if let Some(first) = times.first() {
+        let remedy = "where trajectories carry the density the start itself is no answer";
+        positive("first time of a transient", *first, remedy)?;
+    }
+    if let Some(&last) = times.last() {
+        let longest = TimeScales::of(problem)?.short(LONGEST);
+        let remedy = "trajectories go there step by step, and long before it the density is the stationary one";
+        require(last <= longest, "last time of a transient", last, remedy)?;
+    }
+    Ok(())
 }
 
 /// The moment equations' solutions of two degrees at some times.

@@ -2,6 +2,7 @@
 //!
 //! - `transient`: the exponential polynomials closest to the densities of a grid in time; `linear`: exact ones;
 //! - `ensemble`: the same in three states and more, and under impulses, where trajectories carry it;
+//! - `questions`: what a density has of it;
 //! - `moment_system`: the moment equations of a fixed weight, dd/dt = A d, and the degree up to which they are stable;
 //! - `start`: d at time 0;
 //! - `relaxation`: the modes of A, and with them autocovariance and spectral density of the stationary response.
@@ -9,12 +10,11 @@
 mod ensemble;
 mod linear;
 mod moment_system;
+mod questions;
 mod relaxation;
 mod start;
 mod transient;
 
-use super::candidates::Origin;
-use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
 use super::discretisation::nodes::Nodes;
 use super::discretisation::trust_domain::TrustDomain;
@@ -24,12 +24,11 @@ use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::Functions;
 use super::space::nested_spaces::{Smooth, SpaceFamily};
 use crate::closure::{FINE_NODES, WIDENING};
-use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::numerics::{Rule, exponentials};
 use crate::problem::{Problem, Symmetry};
 pub(super) use moment_system::MomentSystem;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 /// The most nodes times functions of moment equations in three states and more: two tables of so many numbers take 400 MB.
 const MOST_ENTRIES: usize = 25_000_000;
@@ -146,31 +145,6 @@ impl Dynamics {
     /// The moment equations; none where they are unstable at every degree.
     fn system(&self) -> Option<&MomentSystem> {
         self.system.get_or_init(|| MomentSystem::new(self)).as_ref()
-    }
-}
-
-impl ClosureDensity {
-    /// The problem that this is a density of.
-    pub(in crate::closure) fn problem(&self) -> Result<&Problem> {
-        Ok(&self.origin()?.problem)
-    }
-
-    pub(in crate::closure) fn origin(&self) -> Result<&Arc<Dynamics>> {
-        let (what, remedy) = if matches!(self.candidates()[0].origin, Origin::Closest { .. }) {
-            ("the motion behind a density that no moment equations gave", "take the grid")
-        } else {
-            ("the motion behind a density from a document", "solve the problem again")
-        };
-        self.dynamics.as_ref().ok_or(Error::NotKnown { what: what.into(), remedy })
-    }
-
-    /// What the closure is made from, and its moment equations.
-    pub(in crate::closure) fn motion(&self) -> Result<(&Arc<Dynamics>, &MomentSystem)> {
-        let dynamics = self.origin()?;
-        served(self.dimension() > 2, &dynamics.problem)?;
-        let reason = "its moment equations have a growing mode at every degree: take the grid, or the simulation";
-        let refusal = Error::NotClosed { order: self.provenance().order.unwrap_or(0), reason };
-        Ok((dynamics, dynamics.system().ok_or(refusal)?))
     }
 }
 

@@ -143,32 +143,15 @@ impl Integrated {
 /// The residual is pointwise: neither the edge of the domain nor the reference's error stands in the way. The last step begins where
 /// the residual counts as zero, so that Q, whose derivatives by parameters follow from it, is right to rounding.
 fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retained) -> Option<Exponent> {
-    let Retained { points, weights, .. } = kept;
-    let (states, count) = (points.dimension(), exponent.coefficients.len());
+    let count = exponent.coefficients.len();
     let mut current = exponent.clone();
-    let mut ends = States::new(states);
-    discretisation
-        .passages
-        .iter()
-        .for_each(|passage| [passage.before, passage.after].iter().for_each(|x| ends.push(x)));
-    let walls = nodes::values(&exponent.space, &ends);
+    let ends = WallEnds::new(discretisation, exponent);
     let mut last = f64::INFINITY;
     for _ in 0..EXACT_STEPS {
-        let log = current.values(points);
-        let measure = tempered(&log, weights, 1.0);
-        // The residual, its part that the drift makes, and the drift of its linearisation.
-        let linearised = sweep::at_jets(&current, points, |i, gradient, hessian| {
-            let local = &discretisation.locals[kept.nodes[i]];
-            let mut reversed = vec![0.0; states];
-            local.reversed(gradient, &mut reversed);
-            let along: f64 = local.drift.iter().zip(gradient).map(|(f, slope)| (f * slope).powi(2)).sum();
-            (local.residual(gradient, hessian), along, reversed)
-        });
-        let [square, parts] = linearised
-            .iter()
-            .zip(&measure)
-            .fold([0.0; 2], |[square, parts], ((r, along, _), w)| [square + w * r * r, parts + w * along]);
-        let size = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
+        let log = current.values(&kept.points);
+        let measure = tempered(&log, &kept.weights, 1.0);
+        let linearised = linearised(discretisation, &current, kept);
+        let size = relative_size(&linearised, &measure);
         if size < ROUNDING {
             return Some(current);
         }
@@ -178,29 +161,12 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
             return None;
         }
         last = size;
-        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), count + 1));
-        let local = |i: usize| (&linearised[i].2[..], &discretisation.locals[kept.nodes[i]].diffusion[..]);
-        sweep::tabulate_rates(&exponent.space, points, local, [values.as_mut(), images.as_mut()]);
-        // The residual itself stands in the first column.
-        images.col_as_slice_mut(0).iter_mut().zip(&linearised).for_each(|(image, (r, ..))| *image = *r);
-        let basis = Orthonormal::new(values, &measure)?;
+        let (basis, mut system) = tested(discretisation, exponent, kept, (&linearised, &measure))?;
+        if !ends.points.is_empty() {
+            system -= ends.missing(discretisation, &current, (&log, &kept.weights), &basis);
+        }
         // Coefficients in units in which every function has the same size under p̃.
         let scale: Vec<f64> = (1..=count).map(|k| basis.triangle.col(k).norm_l2().recip()).collect();
-        let mut system = weighted_product(basis.values.as_ref(), images.as_ref(), &measure);
-        if !ends.is_empty() {
-            let impacts = discretisation.passages.len();
-            let (top, mass) = scaled_mass(&log, weights);
-            let density: Vec<f64> = ends.iter().map(|x| (current.value(x) - top).exp() / mass).collect();
-            let mut tests = Mat::from_fn(impacts, count + 1, |i, k| walls[(2 * i + 1, k)]);
-            basis.transform(tests.as_mut());
-            let missing = Mat::from_fn(impacts, count + 1, |i, k| {
-                let passage = &discretisation.passages[i];
-                let [before, after] = [0, 1].map(|end| density[2 * i + end] * walls[(2 * i + end, k)]);
-                passage.weight * (passage.contraction * after - before)
-            });
-            // The first column is that of the constant function: the mismatch itself.
-            system -= tests.transpose() * missing;
-        }
         // Next to an exact solution many functions about a wall do nothing: the least step is taken.
         let matrix = Mat::from_fn(count, count, |k, l| system[(k + 1, l + 1)] * scale[l]);
         let right = Col::from_fn(count, |k| -system[(k + 1, 0)]);
@@ -216,4 +182,80 @@ fn polished(discretisation: &Discretisation, exponent: &Exponent, kept: &Retaine
         }
     }
     None
+}
+
+/// The residual at a node, the square of its part that the drift makes, and the drift of its linearisation.
+type LinearisedResidual = (f64, f64, Vec<f64>);
+
+fn linearised(discretisation: &Discretisation, current: &Exponent, kept: &Retained) -> Vec<LinearisedResidual> {
+    sweep::at_jets(current, &kept.points, |i, gradient, hessian| {
+        let local = &discretisation.locals[kept.nodes[i]];
+        let mut reversed = vec![0.0; gradient.len()];
+        local.reversed(gradient, &mut reversed);
+        let along: f64 = local.drift.iter().zip(gradient).map(|(f, slope)| (f * slope).powi(2)).sum();
+        (local.residual(gradient, hessian), along, reversed)
+    })
+}
+
+/// The root mean square of the residual, relative to that of its part.
+fn relative_size(linearised: &[LinearisedResidual], measure: &[f64]) -> f64 {
+    let [square, parts] = linearised
+        .iter()
+        .zip(measure)
+        .fold([0.0; 2], |[square, parts], ((r, along, _), w)| [square + w * r * r, parts + w * along]);
+    (square / parts.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// The functions of an exponent orthonormal under p̃, and ∫ ψ_k L′φ_l p̃ dx, with the residual itself in the first column.
+fn tested(
+    discretisation: &Discretisation,
+    exponent: &Exponent,
+    kept: &Retained,
+    (linearised, measure): (&[LinearisedResidual], &[f64]),
+) -> Option<(Orthonormal, Mat<f64>)> {
+    let (points, count) = (&kept.points, exponent.coefficients.len());
+    let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), count + 1));
+    let local = |i: usize| (&linearised[i].2[..], &discretisation.locals[kept.nodes[i]].diffusion[..]);
+    sweep::tabulate_rates(&exponent.space, points, &local, [values.as_mut(), images.as_mut()]);
+    images.col_as_slice_mut(0).iter_mut().zip(linearised).for_each(|(image, (r, ..))| *image = *r);
+    let basis = Orthonormal::new(values, measure)?;
+    let system = weighted_product(basis.values.as_ref(), images.as_ref(), measure);
+    Some((basis, system))
+}
+
+/// The states before and after each impact, one after the other, with the functions there.
+struct WallEnds {
+    points: States,
+    functions: Mat<f64>,
+}
+
+impl WallEnds {
+    fn new(discretisation: &Discretisation, exponent: &Exponent) -> Self {
+        let mut points = States::new(discretisation.domain.centre.len());
+        let passages = discretisation.passages.iter();
+        passages.for_each(|passage| [passage.before, passage.after].iter().for_each(|x| points.push(x)));
+        let functions = nodes::values(&exponent.space, &points);
+        WallEnds { points, functions }
+    }
+
+    /// What impacts take out of the equations: the first column is that of the constant function, the mismatch itself.
+    fn missing(
+        &self,
+        discretisation: &Discretisation,
+        current: &Exponent,
+        (log, weights): (&[f64], &[f64]),
+        basis: &Orthonormal,
+    ) -> Mat<f64> {
+        let (impacts, columns) = (discretisation.passages.len(), self.functions.ncols());
+        let (top, mass) = scaled_mass(log, weights);
+        let density: Vec<f64> = self.points.iter().map(|x| (current.value(x) - top).exp() / mass).collect();
+        let mut tests = Mat::from_fn(impacts, columns, |i, k| self.functions[(2 * i + 1, k)]);
+        basis.transform(tests.as_mut());
+        let missing = Mat::from_fn(impacts, columns, |i, k| {
+            let passage = &discretisation.passages[i];
+            let [before, after] = [0, 1].map(|end| density[2 * i + end] * self.functions[(2 * i + end, k)]);
+            passage.weight * (passage.contraction * after - before)
+        });
+        tests.transpose() * missing
+    }
 }

@@ -105,7 +105,7 @@ fn by_scores(space: &Functions, states: &States) -> Option<Vec<f64>> {
         let nothing = [vec![0.0; dimension], vec![0.0; dimension * dimension]];
         let rates = |local: [&[f64]; 2]| {
             let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(count, size + 1));
-            sweep::tabulate_rates(space, states, |_| (local[0], local[1]), [values.as_mut(), rates.as_mut()]);
+            sweep::tabulate_rates(space, states, &|_| (local[0], local[1]), [values.as_mut(), rates.as_mut()]);
             rates
         };
         let first = rates([&unit, &nothing[1]]);
@@ -145,7 +145,7 @@ fn root((states, locals): (&States, &[Local]), start: Exponent) -> Option<Expone
         last = own;
         let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(count, size + 1));
         let local = |i: usize| (&linearised[i].2[..], &locals[i].diffusion[..]);
-        sweep::tabulate_rates(&current.space, states, local, [values.as_mut(), rates.as_mut()]);
+        sweep::tabulate_rates(&current.space, states, &local, [values.as_mut(), rates.as_mut()]);
         let scale: Vec<f64> = (1..=size).map(|k| rates.col(k).norm_l2().max(f64::MIN_POSITIVE).recip()).collect();
         // The residual stands in the last column.
         let system =

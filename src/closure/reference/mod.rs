@@ -5,10 +5,10 @@
 pub(super) mod moment_equations;
 
 use super::density::exponent::Exponent;
+use super::density::moment::Moment;
 use super::discretisation::Discretisation;
 use super::discretisation::nodes::{Nodes, Table};
-use super::projection::{distance, project, tempered};
-use super::samples::Moment;
+use super::projection::{Projection, distance, project, tempered};
 use super::space::Functions;
 use super::space::nested_spaces::{NestedSpaces, Truncation};
 use super::space::sweep::{self, Function};
@@ -19,7 +19,7 @@ use crate::numerics::{Number, exponentials};
 use crate::polynomial::power;
 use crate::record::{Read, number};
 use crate::states::States;
-use moment_equations::resolve;
+use moment_equations::{Resolved, resolve};
 use serde::{Deserialize, Serialize};
 
 /// The most weights of a reference, each renewed from the solution under the one before. None of nine closures of orders 4 to 8
@@ -164,17 +164,7 @@ impl ReferenceDensity {
         // One bad weight may be followed by a good one; after a second one the search ends.
         let mut worse = 0;
         for solved in 1..=RENEWALS {
-            let measure = tempered(&log, &nodes.weights, 1.0);
-            let (top, mass) = scaled_mass(&log, &nodes.weights);
-            let passages: Vec<f64> = discretisation
-                .passages
-                .iter()
-                .map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass)
-                .collect();
-            let r = discretisation.has_residual().then(|| discretisation.residuals(&weight));
-            let Some(found) = resolve(table, nested.columns(), &measure, &passages, r.as_deref(), truncation) else {
-                break;
-            };
+            let Some(found) = corrected(discretisation, nested, table, (&weight, &log), truncation) else { break };
             let error = found.error;
             if discretisation.is_on_lattice() && error > UNUSABLE {
                 break;
@@ -206,21 +196,12 @@ impl ReferenceDensity {
                 break;
             }
             let values = table.functions.values.get(..nodes.len(), ..nested.weight_columns);
-            let Some(next) = project(
-                (&table.functions, values),
-                &discretisation.fixed,
-                &target,
-                &tempered(&target, &nodes.weights, WEIGHT_POWER),
-            ) else {
-                break;
-            };
-            weight = Exponent {
-                known: discretisation.known().to_vec(),
-                space: nested.weight.clone(),
-                constant: next.constant,
-                coefficients: next.coefficients,
-            };
-            log = next.logarithm;
+            let flat = tempered(&target, &nodes.weights, WEIGHT_POWER);
+            let fitted = project((&table.functions, values), &discretisation.fixed, &target, &flat);
+            let Some(Projection { constant, coefficients, logarithm, .. }) = fitted else { break };
+            let (known, space) = (discretisation.known().to_vec(), nested.weight.clone());
+            weight = Exponent { known, space, constant, coefficients };
+            log = logarithm;
         }
         best
     }
@@ -316,6 +297,23 @@ impl Function for Correction<'_> {
     fn at<T: Number>(&self, x: &[T]) -> T {
         self.0.correction_at(x)
     }
+}
+
+/// The solution of the moment equations under a weight, with its logarithm at the nodes. None where there is none.
+fn corrected(
+    discretisation: &Discretisation,
+    nested: &NestedSpaces,
+    table: &Table,
+    (weight, log): (&Exponent, &[f64]),
+    truncation: Truncation,
+) -> Option<Resolved> {
+    let nodes = &discretisation.nodes;
+    let measure = tempered(log, &nodes.weights, 1.0);
+    let (top, mass) = scaled_mass(log, &nodes.weights);
+    let passages = discretisation.passages.iter();
+    let passages: Vec<f64> = passages.map(|p| p.weight * (weight.value(&p.before) - top).exp() / mass).collect();
+    let r = discretisation.has_residual().then(|| discretisation.residuals(weight));
+    resolve(table, nested.columns(), &measure, &passages, r.as_deref(), truncation)
 }
 
 /// ln (1 + δ), cut off where δ is far from small.

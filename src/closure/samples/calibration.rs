@@ -3,6 +3,7 @@
 use super::family::FunctionFamily;
 use super::paths::{ImpactStatistics, PilotPaths};
 use super::products::Products;
+use super::sums::{LOTS, Regression, Sums};
 use crate::closure::density::impacts::WallImpacts;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::{LEAST_WEIGHT, MANY};
@@ -10,10 +11,9 @@ use crate::closure::space::Functions;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, PILOT_TRAJECTORIES};
 use crate::control_variates::impulses::images;
-use crate::control_variates::regression;
-use crate::numerics::symmetric;
+use crate::numerics::sort_by_number;
 use crate::parallel;
-use crate::problem::Problem;
+use crate::problem::{Problem, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 
@@ -22,8 +22,6 @@ const DEGREES: [u32; 6] = [2, 4, 6, 8, 10, 12];
 
 /// Groups of trajectories whose spread is the standard error of statistics of impacts.
 const GROUPS: usize = 64;
-/// Trajectories are summed in so many lots, of which every other one makes the first half.
-pub(super) const LOTS: usize = 16;
 
 /// Means of functions φ under the stationary density, from the pilot's states and the moment equations together.
 ///
@@ -53,75 +51,6 @@ pub(super) struct CalibratedMeans {
     speed_bin: f64,
 }
 
-/// Sums over blocks: their number, R = 𝓖ψ, φ, the lower triangle of RRᵀ, Rφᵀ and, of the first functions φ, the lower triangle
-/// of φφᵀ.
-pub(super) struct Sums {
-    pub(super) blocks: f64,
-    pub(super) first: [Vec<f64>; 2],
-    pub(super) square: Mat<f64>,
-    pub(super) mixed: Mat<f64>,
-    pub(super) own: Mat<f64>,
-}
-
-impl Sums {
-    /// For so many tests, functions, and functions with covariances.
-    pub(super) fn new([tests, functions, covered]: [usize; 3]) -> Self {
-        let (square, mixed) = (Mat::zeros(tests, tests), Mat::zeros(tests, functions));
-        let own = Mat::zeros(covered, covered);
-        Sums { blocks: 0.0, first: [vec![0.0; tests], vec![0.0; functions]], square, mixed, own }
-    }
-
-    fn add(&mut self, other: &Sums) {
-        self.blocks += other.blocks;
-        for (sum, part) in self.first.iter_mut().zip(&other.first) {
-            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-        }
-        self.square += &other.square;
-        self.mixed += &other.mixed;
-        self.own += &other.own;
-    }
-
-    fn means(&self) -> [Vec<f64>; 2] {
-        self.first.each_ref().map(|sums| sums.iter().map(|sum| sum / self.blocks).collect())
-    }
-
-    /// The regression on the first `tests` functions ψ. None where these are dependent on each other.
-    fn regression(&self, tests: usize) -> Option<Regression> {
-        let [r, phi] = self.means();
-        let covariance = |k: usize, l: usize| self.square[(k, l)] / self.blocks - r[k] * r[l];
-        let mixed = |k: usize, l: usize| {
-            if l < phi.len() { self.mixed[(k, l)] / self.blocks - r[k] * phi[l] } else { r[k] }
-        };
-        let solved = regression([tests, phi.len() + 1], covariance, mixed)?;
-        let beta = solved.get(.., ..phi.len()).to_owned();
-        let lambda = solved.col(phi.len()).iter().copied().collect();
-        Some(Regression { beta, lambda })
-    }
-
-    /// The calibrated means of φ.
-    fn calibrated(&self, Regression { beta, .. }: &Regression) -> Vec<f64> {
-        let [r, phi] = self.means();
-        let taken = |l: usize| (0..beta.nrows()).map(|k| beta[(k, l)] * r[k]).sum::<f64>();
-        phi.iter().enumerate().map(|(l, mean)| mean - taken(l)).collect()
-    }
-
-    /// The covariance of the means of the first functions φ less their regression, by the spread between blocks.
-    fn covariance(&self, Regression { beta, .. }: &Regression) -> Mat<f64> {
-        let [r, phi] = self.means();
-        let (own, size) = (symmetric(&self.own), self.own.nrows());
-        let mut left = Mat::from_fn(size, size, |k, l| own[(k, l)] / self.blocks - phi[k] * phi[l]);
-        let mixed = Mat::from_fn(beta.nrows(), size, |k, l| self.mixed[(k, l)] / self.blocks - r[k] * phi[l]);
-        matmul(left.as_mut(), Accum::Add, mixed.transpose(), beta.get(.., ..size), -1.0, Par::Seq);
-        Mat::from_fn(size, size, |k, l| 0.5 * (left[(k, l)] + left[(l, k)]) / self.blocks)
-    }
-}
-
-/// β, with a column for each φ, and λ = Cov(R)⁻¹ R̄.
-struct Regression {
-    beta: Mat<f64>,
-    lambda: Vec<f64>,
-}
-
 /// The calibration by tests up to one degree.
 struct Tested {
     degree: Option<u32>,
@@ -130,6 +59,81 @@ struct Tested {
     residuals: Mat<f64>,
     /// The variances that are left of the means, relative to the plain ones.
     left: f64,
+}
+
+/// Degrees of ψ, or none, each with its number of tests.
+type TestDegrees = Vec<(Option<u32>, usize)>;
+
+/// The degrees of ψ that so many blocks of states suffice for, after none, each with its number of monomials; and those of the highest.
+fn allowed(symmetry: &Symmetry, states: usize, blocks: usize) -> (TestDegrees, Vec<Vec<u32>>) {
+    let (mut degrees, mut exponents) = (vec![(None, 0)], Vec::new());
+    // From below, so that the many functions of a high degree in many states are not listed in vain.
+    for degree in DEGREES {
+        let tests = Degrees::complete().exponents(states, degree, |alpha| symmetry.keeps(alpha));
+        if tests.len() * BLOCKS_EACH > blocks || (degree > 6 && tests.len() > MANY) {
+            break;
+        }
+        degrees.push((Some(degree), tests.len()));
+        exponents = tests;
+    }
+    (degrees, exponents)
+}
+
+/// Sums over all blocks and over either half of the trajectories, with the means of R and φ over each trajectory, lot by lot.
+struct SumsOfLots {
+    halves: [Sums; 2],
+    all: Sums,
+    means: Vec<Vec<[Vec<f64>; 2]>>,
+}
+
+impl SumsOfLots {
+    /// None without a block.
+    fn new(paths: &PilotPaths<'_>) -> Option<Self> {
+        let lots = parallel::map(LOTS, |lot| paths.lot(lot));
+        let mut halves = [Sums::new(paths.sizes), Sums::new(paths.sizes)];
+        lots.iter().enumerate().for_each(|(lot, (sums, _))| halves[lot % 2].add(sums));
+        let mut all = Sums::new(paths.sizes);
+        halves.iter().for_each(|half| all.add(half));
+        let means = lots.into_iter().map(|(_, means)| means).collect();
+        (all.blocks > 0.0).then_some(SumsOfLots { halves, all, means })
+    }
+
+    /// The regressions on the tests of each degree, as long as these are not dependent on each other: the one that leaves the smallest
+    /// share of the variances of the first `wanted` functions between trajectories first. Without tests all of it is left.
+    fn regressed(&self, degrees: &[(Option<u32>, usize)], wanted: usize) -> Vec<Tested> {
+        let mean = |t: usize, kind: usize| self.means[t % LOTS][t / LOTS][kind].as_slice();
+        let mut plain = Vec::new();
+        let mut found: Vec<Tested> = Vec::new();
+        for &(degree, tests) in degrees {
+            let [first, second] = &self.halves;
+            let regressed = || Some([self.all.regression(tests)?, first.regression(tests)?, second.regression(tests)?]);
+            let Some(regressions) = regressed() else { break };
+            let residuals = residuals(&mean, [&regressions[1].beta, &regressions[2].beta]);
+            let variances = |l: usize| residuals.col(l).squared_norm_l2();
+            if degree.is_none() {
+                plain = (0..wanted).map(variances).collect();
+            }
+            let left = (0..wanted).map(|l| variances(l) / plain[l].max(f64::MIN_POSITIVE)).sum();
+            found.push(Tested { degree, regressions, residuals, left });
+        }
+        sort_by_number(&mut found, |tested| tested.left);
+        found
+    }
+
+    /// The place of the first regression whose weights of states are sound, and the smallest weight: a few far states must not
+    /// determine the regression of a high degree alone. Where they do so at every degree, the pilot has not mixed, the means are plain,
+    /// and the weight is the best of those.
+    fn soundest(&self, paths: &PilotPaths<'_>, found: &[Tested]) -> Option<(usize, f64)> {
+        let [r, _] = self.all.means();
+        let weight = |tested: &Tested| {
+            let lambda = &tested.regressions[0].lambda;
+            1.0 + r.iter().zip(lambda).map(|(r, l)| r * l).sum::<f64>() - paths.largest(lambda)
+        };
+        let weights: Vec<(Option<u32>, f64)> = found.iter().map(|tested| (tested.degree, weight(tested))).collect();
+        let sound = weights.iter().position(|(_, weight)| *weight > LEAST_WEIGHT)?;
+        let best = weights.iter().filter(|(degree, _)| degree.is_some()).map(|(_, weight)| *weight).reduce(f64::max);
+        Some((sound, best.filter(|best| *best <= LEAST_WEIGHT).unwrap_or(weights[sound].1)))
+    }
 }
 
 impl CalibratedMeans {
@@ -148,16 +152,7 @@ impl CalibratedMeans {
         let most = (samples / LEAST_BLOCKS).max(1);
         let length = (pilot.slowness(symmetry).ceil() as usize).max(least).min(most);
         let blocks = (samples / length) * PILOT_TRAJECTORIES;
-        let exponents = |degree| Degrees::complete().exponents(problem.dimension(), degree, |a| symmetry.keeps(a));
-        // From below, so that the many functions of a high degree in many states are not listed in vain.
-        let tested = DEGREES.iter().map(|&degree| (degree, exponents(degree)));
-        let allowed = tested
-            .take_while(|(degree, tests)| tests.len() * BLOCKS_EACH <= blocks && (*degree <= 6 || tests.len() <= MANY));
-        let (mut degrees, mut exponents) = (vec![(None, 0)], Vec::new());
-        for (degree, tests) in allowed {
-            degrees.push((Some(degree), tests.len()));
-            exponents = tests;
-        }
+        let (mut degrees, exponents) = allowed(symmetry, problem.dimension(), blocks);
         let (tested, kinks) = family.tests(exponents);
         degrees.iter_mut().skip(1).for_each(|(_, tests)| *tests += kinks);
         let mut products = [&tested, functions].map(Products::of);
@@ -173,60 +168,32 @@ impl CalibratedMeans {
         let paths =
             PilotPaths { problem, pilot, contacts: &contacts, statistics, products: &products, sizes, samples, length };
 
-        let lots: Vec<(Sums, Vec<[Vec<f64>; 2]>)> = parallel::map(LOTS, |lot| paths.lot(lot));
-        let mut halves = [Sums::new(sizes), Sums::new(sizes)];
-        lots.iter().enumerate().for_each(|(lot, (sums, _))| halves[lot % 2].add(sums));
-        let mut all = Sums::new(sizes);
-        halves.iter().for_each(|half| all.add(half));
-        if all.blocks == 0.0 {
-            return None;
-        }
-        let mean = |t: usize, kind: usize| lots[t % LOTS].1[t / LOTS][kind].as_slice();
-        // The share of the functions' variances between trajectories that each degree leaves; without tests, all of it.
-        let mut plain = Vec::new();
-        let mut found: Vec<Tested> = Vec::new();
-        for (degree, tests) in degrees {
-            let regressed =
-                || Some([all.regression(tests)?, halves[0].regression(tests)?, halves[1].regression(tests)?]);
-            let Some(regressions) = regressed() else { break };
-            let residuals = residuals(&mean, [&regressions[1].beta, &regressions[2].beta]);
-            let variances = |l: usize| residuals.col(l).squared_norm_l2();
-            if degree.is_none() {
-                plain = (0..wanted).map(variances).collect();
-            }
-            let left = (0..wanted).map(|l| variances(l) / plain[l].max(f64::MIN_POSITIVE)).sum();
-            found.push(Tested { degree, regressions, residuals, left });
-        }
-        found.sort_by(|a, b| a.left.total_cmp(&b.left));
-        let [r, _] = all.means();
-        let weight = |tested: &Tested| {
-            let lambda = &tested.regressions[0].lambda;
-            1.0 + r.iter().zip(lambda).map(|(r, l)| r * l).sum::<f64>() - paths.largest(lambda)
-        };
-        // A few far states must not determine the regression of a high degree alone; where they do so at every degree, the
-        // pilot has not mixed, and the means are plain.
-        let weights: Vec<(Option<u32>, f64)> = found.iter().map(|tested| (tested.degree, weight(tested))).collect();
-        let sound = weights.iter().position(|(_, weight)| *weight > LEAST_WEIGHT)?;
-        let best = weights.iter().filter(|(degree, _)| degree.is_some()).map(|(_, weight)| *weight).reduce(f64::max);
-        let smallest_weight = best.filter(|best| *best <= LEAST_WEIGHT).unwrap_or(weights[sound].1);
+        let sums = SumsOfLots::new(&paths)?;
+        let mut found = sums.regressed(&degrees, wanted);
+        let (sound, smallest_weight) = sums.soundest(&paths, &found)?;
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
-        let mut calibration = CalibratedMeans {
-            means: all.calibrated(&regressions[0]),
-            halves: [0, 1].map(|half| halves[half].calibrated(&regressions[half + 1])),
-            covariance: all.covariance(&regressions[0]),
+        let calibration = CalibratedMeans {
+            means: sums.all.calibrated(&regressions[0]),
+            halves: [0, 1].map(|half| sums.halves[half].calibrated(&regressions[half + 1])),
+            covariance: sums.all.covariance(&regressions[0]),
             residuals,
             degree,
             smallest_weight,
             speed_bin: statistics.bin,
             functions: count,
         };
-        // States of one trajectory are not independent, and β was found on the same states: as wide as between trajectories.
-        let wider: Vec<f64> = (0..calibration.covariance.nrows())
-            .map(|k| (calibration.error(&[(k, 1.0)]) / calibration.covariance[(k, k)].sqrt()).max(1.0))
+        Some(calibration.widened())
+    }
+
+    /// The same with a covariance as wide as between trajectories: states of one of them are not independent, and β was found on the
+    /// same states.
+    fn widened(self) -> Self {
+        let wider: Vec<f64> = (0..self.covariance.nrows())
+            .map(|k| (self.error(&[(k, 1.0)]) / self.covariance[(k, k)].sqrt()).max(1.0))
             .collect();
         let size = wider.len();
-        calibration.covariance = Mat::from_fn(size, size, |k, l| calibration.covariance[(k, l)] * wider[k] * wider[l]);
-        Some(calibration)
+        let covariance = Mat::from_fn(size, size, |k, l| self.covariance[(k, l)] * wider[k] * wider[l]);
+        CalibratedMeans { covariance, ..self }
     }
 
     /// The statistics of the impacts at each of so many walls.

@@ -2,13 +2,13 @@
 //! is one.
 
 use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, effective, lane};
-use super::products::{LANES, PointLane, Scratch, ZERO};
+use super::products::Scratch;
 use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH};
 use crate::closure::space::Corner;
 use crate::closure::{CONVERGING, EXACT_STEPS, SOLVED};
 use crate::control_variates::planes::Form;
 use crate::fokker_planck::Local;
-use crate::numerics::{Eight, add_gram, symmetric};
+use crate::numerics::{EIGHT, Eight, PointLane, ZEROS, add_gram, symmetric};
 use crate::parallel;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
@@ -39,20 +39,20 @@ pub(in crate::closure) struct Sites {
 impl Sites {
     pub(in crate::closure) fn new(problem: &Problem, corners: &[Corner]) -> Self {
         let n = problem.dimension();
-        let [x, drift, backward] = [(); 3].map(|()| vec![ZERO; n]);
+        let [x, drift, backward] = [(); 3].map(|()| vec![ZEROS; n]);
         let b = problem.operator().diffusion();
         let coupled = problem.operator().coupled();
         let noisy = (0..n).filter(|&i| !b[i][i].is_zero()).collect();
-        let (diffusion, local) = (vec![ZERO; n * n], Local::new(n));
+        let (diffusion, local) = (vec![ZEROS; n * n], Local::new(n));
         let grazed = corners.iter().filter(|corner| corner.grazes()).cloned().collect();
-        Sites { x, drift, diffusion, backward, source: ZERO, coupled, noisy, local, grazed }
+        Sites { x, drift, diffusion, backward, source: ZEROS, coupled, noisy, local, grazed }
     }
 
     /// Up to eight states, one after the other in `states`; the last stands in for those that are missing.
     pub(in crate::closure) fn place(&mut self, problem: &Problem, states: &[f64]) {
         let n = problem.dimension();
         let count = states.len() / n;
-        for l in 0..LANES {
+        for l in 0..EIGHT {
             let x = &states[l.min(count - 1) * n..][..n];
             problem.local(x, &mut self.local);
             for i in 0..n {
@@ -83,19 +83,19 @@ impl Sites {
             let [_, rate] = corner.forms();
             let (back, noise) = (rate.of(&backward), rate.diffusion(&rate, &self.diffusion, n));
             let intensity = corner.intensity();
-            for l in 0..LANES {
+            for l in 0..EIGHT {
                 let excess = 0.5 * noise[l] - intensity;
                 self.source[l] += back[l] * slope[l] + excess * (bend[l] + slope[l] * slope[l]);
             }
             for (other, with) in &slopes {
                 let mixed = rate.diffusion(other, &self.diffusion, n);
-                (0..LANES).for_each(|l| self.source[l] += mixed[l] * slope[l] * with[l]);
+                (0..EIGHT).for_each(|l| self.source[l] += mixed[l] * slope[l] * with[l]);
             }
             slopes.push((rate, slope));
             for (j, sign) in rate.parts() {
                 for i in 0..n {
                     let b = &self.diffusion[i * n + j];
-                    (0..LANES).for_each(|l| self.backward[i][l] += sign * b[l] * slope[l]);
+                    (0..EIGHT).for_each(|l| self.backward[i][l] += sign * b[l] * slope[l]);
                 }
             }
         }
@@ -160,56 +160,9 @@ impl Likelihood<'_> {
         let size = if columns == Columns::None { 0 } else { self.products.len() };
         let stretches = (ROOM / (size * size).max(1)).clamp(2, 64);
         let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).collect();
-        let stretch = |blocks: &[usize]| {
-            let mut sum = Equations::new(size);
-            let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem, self.corners));
-            let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(ROWS, size));
-            for &block in blocks {
-                let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
-                for at in (0..p.len()).step_by(LANES) {
-                    let count = LANES.min(p.len() - at);
-                    let n = problem.dimension();
-                    let first = block * BLOCK + at;
-                    sites.place(problem, &self.nodes.points.values()[first * n..(first + count) * n]);
-                    self.products.place(&sites.x, &mut scratch);
-                    let (r, parts) = self.residual_at(a, &sites, &mut scratch);
-                    match columns {
-                        Columns::Linearised => linearised(&sites, &mut scratch),
-                        Columns::Generator => scratch.first.copy_from_slice(&sites.drift),
-                        Columns::None => {}
-                    }
-                    if columns != Columns::None {
-                        self.products.apply(&sites.diffusion, &sites.coupled, &mut scratch);
-                    }
-                    let p = lane(&p[at..at + count]);
-                    for l in 0..LANES {
-                        sum.root += p[l] * r[l] * r[l];
-                        sum.size += p[l] * parts[l];
-                    }
-                    for k in 0..size {
-                        let value = self.products.value(&scratch, k);
-                        let image = self.products.image(&scratch, k);
-                        let [left, right, noise] = [&mut left, &mut right, &mut noise]
-                            .map(|table| &mut table.col_as_slice_mut(k)[at..at + LANES]);
-                        for l in 0..LANES {
-                            left[l] = p[l] * value[l];
-                            right[l] = image[l];
-                            noise[l] = r[l] * left[l];
-                            sum.tested[k] += noise[l];
-                        }
-                    }
-                }
-                let [left, right, noise] = [&left, &right, &noise].map(|table| table.get(..p.len(), ..));
-                matmul(sum.matrix.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
-                if columns == Columns::Generator {
-                    add_gram(sum.noise.as_mut(), noise);
-                    add_gram(sum.spread.as_mut(), left);
-                }
-            }
-            sum
-        };
         let runs: Vec<&[usize]> = blocks.chunks(blocks.len().div_ceil(stretches).max(1)).collect();
-        let parts: Vec<Equations> = parallel::map(runs.len(), |run| stretch(runs[run]));
+        let parts: Vec<Equations> =
+            parallel::map(runs.len(), |run| self.summed(problem, a, masses, (columns, runs[run])));
         let mut all = Equations::new(size);
         parts.iter().for_each(|part| all.add(part));
         let root = all.root.sqrt();
@@ -222,6 +175,63 @@ impl Likelihood<'_> {
         Equations { noise: symmetric(&all.noise), spread: symmetric(&all.spread), size, root, ..all }
     }
 
+    /// The sums of the equations over some blocks of the nodes.
+    fn summed(
+        &self,
+        problem: &Problem,
+        a: &[f64],
+        masses: &[f64],
+        (columns, blocks): (Columns, &[usize]),
+    ) -> Equations {
+        let size = if columns == Columns::None { 0 } else { self.products.len() };
+        let mut sum = Equations::new(size);
+        let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem, self.corners));
+        let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(ROWS, size));
+        for &block in blocks {
+            let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
+            for at in (0..p.len()).step_by(EIGHT) {
+                let count = EIGHT.min(p.len() - at);
+                let n = problem.dimension();
+                let first = block * BLOCK + at;
+                sites.place(problem, &self.nodes.points.values()[first * n..(first + count) * n]);
+                self.products.place(&sites.x, &mut scratch);
+                let (r, parts) = self.residual_at(a, &sites, &mut scratch);
+                match columns {
+                    Columns::Linearised => linearised(&sites, &mut scratch),
+                    Columns::Generator => scratch.first.copy_from_slice(&sites.drift),
+                    Columns::None => {}
+                }
+                if columns != Columns::None {
+                    self.products.apply(&sites.diffusion, &sites.coupled, &mut scratch);
+                }
+                let p = lane(&p[at..at + count]);
+                for l in 0..EIGHT {
+                    sum.root += p[l] * r[l] * r[l];
+                    sum.size += p[l] * parts[l];
+                }
+                for k in 0..size {
+                    let value = self.products.value(&scratch, k);
+                    let image = self.products.image(&scratch, k);
+                    let [left, right, noise] =
+                        [&mut left, &mut right, &mut noise].map(|table| &mut table.col_as_slice_mut(k)[at..at + EIGHT]);
+                    for l in 0..EIGHT {
+                        left[l] = p[l] * value[l];
+                        right[l] = image[l];
+                        noise[l] = r[l] * left[l];
+                        sum.tested[k] += noise[l];
+                    }
+                }
+            }
+            let [left, right, noise] = [&left, &right, &noise].map(|table| table.get(..p.len(), ..));
+            matmul(sum.matrix.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
+            if columns == Columns::Generator {
+                add_gram(sum.noise.as_mut(), noise);
+                add_gram(sum.spread.as_mut(), left);
+            }
+        }
+        sum
+    }
+
     /// The residual of Q at the sites where the products are placed, and the sum of the squares of the parts f_i ∂_iQ.
     fn residual_at(&self, a: &[f64], sites: &Sites, scratch: &mut Scratch) -> (PointLane, PointLane) {
         scratch.first.copy_from_slice(&sites.backward);
@@ -229,19 +239,19 @@ impl Likelihood<'_> {
         let mut r = sites.source;
         for (k, a) in a.iter().enumerate() {
             let image = self.products.image(scratch, k);
-            (0..LANES).for_each(|l| r[l] += a * image[l]);
+            (0..EIGHT).for_each(|l| r[l] += a * image[l]);
         }
         self.products.gradient(a, scratch);
         let slope = &scratch.gradient;
         for &i in &sites.noisy {
             for &j in &sites.noisy {
                 let b = &sites.diffusion[i * slope.len() + j];
-                (0..LANES).for_each(|l| r[l] += 0.5 * b[l] * slope[i][l] * slope[j][l]);
+                (0..EIGHT).for_each(|l| r[l] += 0.5 * b[l] * slope[i][l] * slope[j][l]);
             }
         }
-        let mut parts = ZERO;
+        let mut parts = ZEROS;
         for (f, slope) in sites.drift.iter().zip(slope) {
-            (0..LANES).for_each(|l| parts[l] += (f[l] * slope[l]).powi(2));
+            (0..EIGHT).for_each(|l| parts[l] += (f[l] * slope[l]).powi(2));
         }
         (r, parts)
     }
@@ -254,7 +264,7 @@ fn linearised(sites: &Sites, scratch: &mut Scratch) {
     for &i in &sites.noisy {
         for &j in &sites.noisy {
             let (b, slope) = (&sites.diffusion[i * n + j], &scratch.gradient[j]);
-            (0..LANES).for_each(|l| scratch.first[i][l] += b[l] * slope[l]);
+            (0..EIGHT).for_each(|l| scratch.first[i][l] += b[l] * slope[l]);
         }
     }
 }

@@ -2,21 +2,22 @@ use crate::closure::MOST_FUNCTIONS;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::MANY;
 use crate::closure::space::degrees::Degrees;
-use crate::closure::space::{ContactFunctions, ContactLevel, Corner, Functions, Polynomials, WallLevel};
+use crate::closure::space::{Corner, Functions, Polynomials, WallLevel};
+use crate::numerics::sort_by_number;
 use crate::problem::{Contact, Problem, Symmetry};
 
 /// The functions besides the polynomials of an order next to walls in four states and more: those of the closure, and those by
 /// which its error is estimated. Polynomials of degree 0 in the other states left an oscillator beside a second mass with twice
 /// the residual.
-const AT_WALLS: [ContactLevel; 2] = [beside(3, 5, 1), beside(4, 7, 2)];
+const AT_WALLS: [WallLevel; 2] = [beside(3, 5, 1), beside(4, 7, 2)];
 /// The functions besides the polynomials of an order next to walls in three states: those of the closure, and those by which
 /// its error is estimated.
-const AT_WALLS_OF_THREE: [ContactLevel; 2] = [beside(3, 5, 2), beside(4, 7, 2)];
+const AT_WALLS_OF_THREE: [WallLevel; 2] = [beside(3, 5, 2), beside(4, 7, 2)];
 /// The functions besides the polynomials of an order below four next to walls in three states and more: those of the closure,
 /// and those by which its error is estimated.
-const AT_WALLS_LOW: [ContactLevel; 2] = [beside(2, 3, 1), beside(3, 5, 2)];
-const fn beside(kinks: u32, angular: u32, others: u32) -> ContactLevel {
-    ContactLevel { plane: WallLevel { degree: 0, kinks, depth: 3, angular }, others }
+const AT_WALLS_LOW: [WallLevel; 2] = [beside(2, 3, 1), beside(3, 5, 2)];
+const fn beside(kinks: u32, angular: u32, others: u32) -> WallLevel {
+    WallLevel { degree: 0, kinks, depth: 3, angular, others }
 }
 /// Of more functions than this means have no covariance next to walls in three states and more: a bound on work.
 const MANY_AT_WALLS: usize = 480;
@@ -116,14 +117,14 @@ impl FunctionFamily {
     /// one first; and the number of kinks.
     pub(super) fn tests(&self, mut exponents: Vec<Vec<u32>>) -> (Functions, usize) {
         // The tests of a lower degree come first.
-        exponents.sort_by_key(|alpha| alpha.iter().sum::<u32>());
+        sort_by_number(&mut exponents, |alpha| f64::from(alpha.iter().sum::<u32>()));
         if self.corners.is_empty() {
-            return (Functions::Polynomials(self.polynomials(exponents)), 0);
+            return (self.polynomials(exponents).into(), 0);
         }
-        let level = ContactLevel { plane: WallLevel { degree: 0, kinks: KINKS, depth: 0, angular: 0 }, others: 0 };
+        let level = WallLevel { degree: 0, kinks: KINKS, depth: 0, angular: 0, others: 0 };
         let kinks = self.contacts(&[level], |_| Vec::new());
         let count = kinks.len();
-        (Functions::Contacts(kinks.then(self.polynomials(exponents))), count)
+        (kinks.then(self.polynomials(exponents)), count)
     }
 
     fn polynomials(&self, exponents: Vec<Vec<u32>>) -> Polynomials {
@@ -133,23 +134,20 @@ impl FunctionFamily {
     fn ladder(&self, orders: &[u32], exponents: impl Fn(u32) -> Vec<Vec<u32>>) -> Functions {
         if self.corners.is_empty() {
             let highest = orders.last().copied().unwrap_or(0);
-            return Functions::Polynomials(self.polynomials(exponents(highest)));
+            return self.polynomials(exponents(highest)).into();
         }
         let ladder = match (orders[0], self.dimension()) {
             (..4, _) => AT_WALLS_LOW,
             (_, ..=3) => AT_WALLS_OF_THREE,
             _ => AT_WALLS,
         };
-        let level = |(level, order): (ContactLevel, &u32)| ContactLevel {
-            plane: WallLevel { degree: *order, ..level.plane },
-            ..level
-        };
-        let levels: Vec<ContactLevel> = ladder.into_iter().zip(orders).map(level).collect();
-        Functions::Contacts(self.contacts(&levels, exponents))
+        let level = |(level, order): (WallLevel, &u32)| WallLevel { degree: *order, ..level };
+        let levels: Vec<WallLevel> = ladder.into_iter().zip(orders).map(level).collect();
+        self.contacts(&levels, exponents)
     }
 
-    fn contacts(&self, levels: &[ContactLevel], exponents: impl Fn(u32) -> Vec<Vec<u32>>) -> ContactFunctions {
-        ContactFunctions::new(self.corners.clone(), (&self.centre, &self.half_width), levels, exponents)
+    fn contacts(&self, levels: &[WallLevel], exponents: impl Fn(u32) -> Vec<Vec<u32>>) -> Functions {
+        Functions::next_to_walls(self.corners.clone(), (&self.centre, &self.half_width), levels, exponents)
     }
 
     pub(in crate::closure) fn box_around(&self) -> [&[f64]; 2] {

@@ -6,7 +6,7 @@ use super::likelihood::{Fit, Likelihood};
 use super::nodes::SampleNodes;
 use super::products::Products;
 use super::strata::Strata;
-use super::walls::WallNodes;
+use super::wall_nodes::WallNodes;
 use super::{FunctionFamily, Samples};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH, ROUGH, UNEVEN};

@@ -4,12 +4,12 @@ use super::copula::{Copula, Sampler};
 use super::nest::Nest;
 use super::nest_domain::NestedSampler;
 use super::nodes::SampleNodes;
-use super::products::{LANES, Products, ZERO};
+use super::products::Products;
 use crate::closure::density::exponent::{Exponent, known_value};
 use crate::closure::space::Corner;
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::numerics::exponentials;
+use crate::numerics::{EIGHT, ZEROS, exponentials};
 use crate::parallel;
 use crate::record::{Read, positive, states};
 use crate::states::States;
@@ -321,10 +321,10 @@ impl ImportanceRule {
     fn block(&self, sampler: &Draws<'_>, block: usize, mut each: impl FnMut(&[f64], f64)) {
         let n = self.products.dimension();
         let mut scratch = self.products.scratch();
-        let mut lanes = vec![ZERO; n];
-        let (mut points, mut logarithms) = (vec![0.0; LANES * n], [0.0; LANES]);
+        let mut lanes = vec![ZEROS; n];
+        let (mut points, mut logarithms) = (vec![0.0; EIGHT * n], [0.0; EIGHT]);
         let mut flush = |points: &[f64], logarithms: &[f64]| {
-            lanes.fill(ZERO);
+            lanes.fill(ZEROS);
             for (l, point) in points.chunks_exact(n).enumerate() {
                 lanes.iter_mut().zip(point).for_each(|(lane, x)| lane[l] = *x);
             }
@@ -342,7 +342,7 @@ impl ImportanceRule {
             points[filled * n..(filled + 1) * n].copy_from_slice(x);
             logarithms[filled] = logarithm;
             filled += 1;
-            if filled == LANES {
+            if filled == EIGHT {
                 flush(&points, &logarithms);
                 filled = 0;
             }

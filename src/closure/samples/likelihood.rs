@@ -1,12 +1,12 @@
 //! The most likely exponential polynomial with given means, by integrals over draws.
 
 use super::nodes::SampleNodes;
-use super::products::{LANES, PointLane, Products, Scratch, ZERO};
-use super::walls::WallNodes;
+use super::products::{Products, Scratch};
+use super::wall_nodes::WallNodes;
 use crate::closure::samples::{FEWER, MANY};
 use crate::closure::space::Corner;
 use crate::estimate::Estimate;
-use crate::numerics::{Concave, Search, add_gram, definite, exponentials, symmetric};
+use crate::numerics::{Concave, EIGHT, PointLane, Search, ZEROS, add_gram, definite, exponentials, symmetric};
 use crate::parallel;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef};
@@ -15,7 +15,7 @@ use faer::{Mat, MatRef};
 pub(super) const BLOCK: usize = 512;
 /// Rows of a table of functions at the draws of a block: the same rows of all columns are written one after the other, and
 /// columns a power of two apart would fall onto the same few lines of the cache.
-pub(super) const ROWS: usize = BLOCK + LANES;
+pub(super) const ROWS: usize = BLOCK + EIGHT;
 /// Draws whose triangle is made at a time.
 const STRETCH: usize = 8 * BLOCK;
 /// Matrices that are summed side by side hold about so many numbers together.
@@ -126,7 +126,7 @@ impl Likelihood<'_> {
     /// ln ∫ exp(Q), where the mass of each draw is known, from the heaviest of them.
     pub(super) fn log_mass_by(&self, a: &[f64], masses: &[f64]) -> f64 {
         let heaviest = (0..masses.len()).max_by(|i, k| masses[*i].total_cmp(&masses[*k])).unwrap_or(0);
-        let mut q = ZERO;
+        let mut q = ZEROS;
         self.each(heaviest, 1, &mut self.products.scratch(), |_, _, scratch| q = self.products.sum(a, scratch));
         q[0] + self.nodes.base[heaviest] - masses[heaviest].ln()
     }
@@ -140,12 +140,12 @@ impl Likelihood<'_> {
     pub(super) fn means(&self, masses: &[f64]) -> Vec<f64> {
         let size = self.products.len() - 1;
         let part = |block: usize| {
-            let (p, mut sums) = (run_of(masses, BLOCK, block), vec![ZERO; size]);
+            let (p, mut sums) = (run_of(masses, BLOCK, block), vec![ZEROS; size]);
             self.each(block * BLOCK, p.len(), &mut self.products.scratch(), |at, count, scratch| {
                 let p = lane(&p[at..at + count]);
                 for (k, sum) in sums.iter_mut().enumerate() {
                     let value = self.products.value(scratch, k + 1);
-                    (0..LANES).for_each(|l| sum[l] += p[l] * value[l]);
+                    (0..EIGHT).for_each(|l| sum[l] += p[l] * value[l]);
                 }
             });
             sums.iter().map(|sum| sum.iter().sum()).collect()
@@ -274,7 +274,7 @@ impl Likelihood<'_> {
     pub(super) fn triangle(&self, masses: &[f64], means: &[f64]) -> Mat<f64> {
         let stretch = |stretch: usize| {
             let p = run_of(masses, STRETCH, stretch);
-            let mut table = Mat::<f64>::zeros(p.len() + LANES, means.len());
+            let mut table = Mat::<f64>::zeros(p.len() + EIGHT, means.len());
             self.centred(stretch * STRETCH, p, means, &mut self.products.scratch(), &mut table);
             table.get(..p.len(), ..).qr().thin_R().to_owned()
         };
@@ -295,8 +295,8 @@ impl Likelihood<'_> {
             let root = lane(&p[at..at + count]).map(f64::sqrt);
             for (k, mean) in means.iter().enumerate() {
                 let value = self.products.value(scratch, k + 1);
-                let column = &mut table.col_as_slice_mut(k)[at..at + LANES];
-                (0..LANES).for_each(|l| column[l] = root[l] * (value[l] - mean));
+                let column = &mut table.col_as_slice_mut(k)[at..at + EIGHT];
+                (0..EIGHT).for_each(|l| column[l] = root[l] * (value[l] - mean));
             }
         });
     }
@@ -305,10 +305,10 @@ impl Likelihood<'_> {
     /// number.
     fn each(&self, first: usize, count: usize, scratch: &mut Scratch, mut visit: impl FnMut(usize, usize, &Scratch)) {
         let n = self.products.dimension();
-        let mut lanes = vec![ZERO; n];
-        for at in (0..count).step_by(LANES) {
-            let used = LANES.min(count - at);
-            for l in 0..LANES {
+        let mut lanes = vec![ZEROS; n];
+        for at in (0..count).step_by(EIGHT) {
+            let used = EIGHT.min(count - at);
+            for l in 0..EIGHT {
                 let x = self.nodes.points.state(first + at + l.min(used - 1));
                 lanes.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);
             }
@@ -355,7 +355,7 @@ impl Concave for Towards<'_> {
 
 /// At most eight numbers, and zeros in place of those that are missing.
 pub(super) fn lane(values: &[f64]) -> PointLane {
-    let mut lane = ZERO;
+    let mut lane = ZEROS;
     lane[..values.len()].copy_from_slice(values);
     lane
 }

@@ -6,15 +6,16 @@
 //! entropy, it always exists, and is found by a concave maximisation. A step that serves both the means and the moment
 //! equations under exp(Q) itself, each as accurately as it is known, then removes the rest of the pilot's noise.
 //!
-//! - `paths`, `calibration`, `moments`: the pilot's trajectories in blocks, their calibrated means, and moments from these;
+//! - `paths`, `sums`, `calibration`, `moments`: the pilot's trajectories in blocks, sums over these, calibrated means, and moments;
 //! - `family`: the functions of an order;
-//! - `nodes`, `copula`, `importance`, `lattice`, `strata`: nodes for integrals: draws, lattices and, next to walls, Gauss nodes across and a lattice along them;
+//! - `nodes`, `copula`, `importance`, `lattice`, `strata`, `wall_nodes`: nodes for integrals: draws, lattices and, next to walls, Gauss
+//!   nodes across and a lattice along them;
 //! - `likelihood`, `fitting`: the most likely density on such nodes;
 //! - `thin`, `lines`, `nest`, `nest_domain`, `nested`, `frame`: a state that nearly follows the others, nodes on lines along it where the density has
 //!   its mass, and the most likely density there, in orthonormal functions;
 //! - `means`: those of a density at a time, which satisfies no stationary equations;
 //! - `estimate`: the distance from the density of a higher order, as the estimate of the error;
-//! - `equations`, `walls`, `reconciliation`: the moment equations under exp(Q), the impacts' part in them, and the step that
+//! - `equations`, `impacts`, `reconciliation`: the moment equations under exp(Q), the impacts' part in them, and the step that
 //!   weighs them against the means.
 
 mod calibration;
@@ -24,6 +25,7 @@ mod estimate;
 mod family;
 mod fitting;
 mod frame;
+mod impacts;
 mod importance;
 mod lattice;
 mod likelihood;
@@ -37,8 +39,9 @@ mod nodes;
 mod paths;
 mod reconciliation;
 mod strata;
+mod sums;
 mod thin;
-mod walls;
+mod wall_nodes;
 
 pub(crate) use copula::Copula;
 pub(in crate::closure) use equations::Sites;
@@ -47,12 +50,12 @@ pub(in crate::closure) use fitting::unevenness;
 pub(crate) use importance::ImportanceRule;
 pub(crate) use lattice::Lattice;
 pub(in crate::closure) use means::MeansFrom;
-pub(crate) use moments::Moment;
 pub(in crate::closure) use nest::Nest;
 pub(in crate::closure) use nodes::SampleNodes;
 
 use super::density::exponent::Exponent;
 use super::density::impacts::WallImpacts;
+use super::density::moment::Moment;
 use super::pilot::Pilot;
 use crate::closure::CONVERGING;
 use crate::control_variates::products::{self, Products};

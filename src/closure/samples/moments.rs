@@ -1,21 +1,9 @@
 //! Moments from the means of Legendre products.
 
 use super::family::FunctionFamily;
+use crate::closure::density::moment::Moment;
 use crate::closure::space::Functions;
-use crate::record::number;
-use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-
-/// A raw moment with its standard error.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Moment {
-    pub(in crate::closure) powers: Vec<u32>,
-    #[serde(with = "number")]
-    pub(in crate::closure) value: f64,
-    #[serde(with = "number")]
-    pub(in crate::closure) error: f64,
-}
 
 /// The moments E x^α of the exponents α of the polynomials among the functions, as far as x^α is a combination of them.
 ///
@@ -26,11 +14,7 @@ pub(super) fn moments(
     means: &[f64],
     error: impl Fn(&[(usize, f64)]) -> f64,
 ) -> Vec<Moment> {
-    let listed: Vec<(usize, &[u32])> = match functions {
-        Functions::Polynomials(functions) => functions.exponents().iter().map(Vec::as_slice).enumerate().collect(),
-        Functions::Contacts(functions) => functions.polynomials(),
-        Functions::Walls(_) => Vec::new(),
-    };
+    let listed = functions.powers();
     let place: HashMap<&[u32], usize> = listed.iter().map(|&(k, alpha)| (alpha, k)).collect();
     let highest = listed.iter().flat_map(|(_, alpha)| *alpha).copied().max().unwrap_or(0);
     let [centre, half_width] = family.box_around();

@@ -1,11 +1,11 @@
 //! The pilot's trajectories cut into blocks, with the sums that calibrate its means.
 
-use super::calibration::{LOTS, Sums};
 use super::equations::Sites;
-use super::products::{LANES, PointLane, Products, Scratch, ZERO};
+use super::products::{Products, Scratch};
+use super::sums::{LOTS, Sums};
 use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
-use crate::numerics::add_gram;
+use crate::numerics::{EIGHT, PointLane, ZEROS, add_gram};
 use crate::parallel;
 use crate::problem::{Contact, Problem};
 use crate::simulation::{Collisions, Impact};
@@ -116,11 +116,11 @@ impl PilotPaths<'_> {
         let n = self.problem.dimension();
         let tests = self.products[0].len() - 1;
         let impacts: Vec<_> = self.impacts(t).collect();
-        let mut before = vec![ZERO; tests];
-        let [mut x, mut after] = [(); 2].map(|()| vec![ZERO; n]);
+        let mut before = vec![ZEROS; tests];
+        let [mut x, mut after] = [(); 2].map(|()| vec![ZEROS; n]);
         let mut state = vec![0.0; n];
-        for impacts in impacts.chunks(LANES) {
-            for l in 0..LANES {
+        for impacts in impacts.chunks(EIGHT) {
+            for l in 0..EIGHT {
                 let (impact, struck) = impacts[l.min(impacts.len() - 1)];
                 let contact = &self.contacts[impact.wall];
                 state.copy_from_slice(struck);
@@ -147,8 +147,8 @@ impl PilotPaths<'_> {
         let used = self.samples / self.length * self.length;
         let first = t * self.samples;
         let mut sites = Sites::new(self.problem, &[]);
-        for at in (0..used).step_by(LANES) {
-            let count = LANES.min(used - at);
+        for at in (0..used).step_by(EIGHT) {
+            let count = EIGHT.min(used - at);
             let states = &self.pilot.states.values()[(first + at) * n..(first + at + count) * n];
             sites.place(self.problem, states);
             self.products[0].place(&sites.x, scratch);
@@ -165,10 +165,10 @@ impl PilotPaths<'_> {
             let mut scratch = self.products[0].scratch();
             let mut sums = vec![0.0; blocks];
             self.each(t, &mut scratch, |used, at, _, scratch| {
-                let mut along = ZERO;
+                let mut along = ZEROS;
                 for (k, c) in lambda.iter().enumerate() {
                     let image = self.products[0].image(scratch, k + 1);
-                    (0..LANES).for_each(|l| along[l] += c * image[l]);
+                    (0..EIGHT).for_each(|l| along[l] += c * image[l]);
                 }
                 (0..used).for_each(|l| sums[(at + l) / self.length] += along[l] / self.length as f64);
             });

@@ -3,7 +3,7 @@
 use super::copula::Copula;
 use super::lattice;
 use super::nodes::SampleNodes;
-use super::walls::WallNodes;
+use super::wall_nodes::WallNodes;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::Corner;
 use crate::numerics::Rule;

@@ -4,7 +4,7 @@ use super::family::FunctionFamily;
 use crate::closure::discretisation::nodes;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{Functions, Polynomials};
-use crate::numerics::triangle;
+use crate::numerics::{sort_by_number, triangle};
 use crate::states::States;
 use faer::Mat;
 
@@ -44,9 +44,9 @@ fn unexplained(states: &States, family: &FunctionFamily, state: usize) -> [f64; 
         alpha[state] == 0 && family.symmetry().keeps(&product)
     };
     let mut exponents = Degrees::complete().exponents(centre.len(), 3, kept);
-    exponents.sort_by_key(|alpha| alpha.iter().sum::<u32>());
+    sort_by_number(&mut exponents, |alpha| f64::from(alpha.iter().sum::<u32>()));
     let linear = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() < 2).count();
-    let space = Functions::Polynomials(Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents));
+    let space = Functions::from(Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents));
     let values = nodes::values(&space, states);
     let (rows, columns) = (values.nrows(), values.ncols());
     // The state stands in the last column, whose entries are what each function explains beyond those before it.

@@ -43,7 +43,7 @@ impl<'a> Newton<'a> {
         });
         let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(points.len(), count + 1));
         let local = |i: usize| (&reversed[i][..], &own[i].diffusion[..]);
-        sweep::tabulate_rates(&space, points, local, [values.as_mut(), images.as_mut()]);
+        sweep::tabulate_rates(&space, points, &local, [values.as_mut(), images.as_mut()]);
         let basis = Orthonormal::new(values, &measure)?;
         basis.transform(images.as_mut());
         let mut system = weighted_product(basis.values.as_ref(), images.as_ref(), &measure);

@@ -245,7 +245,7 @@ impl ClosureDensity {
         if !self.exponent().space.corners().is_empty() {
             return self.exponent().space.clone();
         }
-        Functions::Polynomials(self.polynomials(symmetry))
+        self.polynomials(symmetry).into()
     }
 
     /// The polynomials of the order with a symmetry: the density's own, if it is the problem's.

@@ -129,7 +129,7 @@ impl<'a> SmoothTangent<'a> {
         let space = system.space.first(columns - 1);
         let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(locals.len(), columns));
         let local = |i: usize| (&flows[i].0[..], &flows[i].1[..]);
-        sweep::tabulate_rates(&space, &system.nodes.points, local, [values.as_mut(), images.as_mut()]);
+        sweep::tabulate_rates(&space, &system.nodes.points, &local, [values.as_mut(), images.as_mut()]);
         system.functions.transform(images.as_mut());
         self.lower.transform(images.as_mut());
         let still = self.strong(locals);

@@ -154,7 +154,7 @@ fn rates<'l>(
     local: impl Fn(usize) -> (&'l [f64], &'l [f64]) + Sync,
 ) -> Mat<f64> {
     let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len(), system.space.len() + 1));
-    sweep::tabulate_rates(&system.space, points, local, [values.as_mut(), rates.as_mut()]);
+    sweep::tabulate_rates(&system.space, points, &local, [values.as_mut(), rates.as_mut()]);
     rates
 }
 

@@ -1,5 +1,6 @@
 use crate::checks::{finite, require, state_index};
 use crate::error::Result;
+use crate::numerics::sort_by_number;
 
 /// Which monomials Q is made of: those whose weighted degree Σ_i w_i α_i is at most the order, with α_i ≤ m_i.
 ///
@@ -96,11 +97,13 @@ impl Degrees {
         keep: impl Fn(&[u32]) -> bool,
     ) -> Vec<Vec<u32>> {
         let (most, weights) = self.limits(states);
-        let degree = |alpha: &[u32]| alpha.iter().zip(&weights).map(|(&power, w)| w * f64::from(power)).sum::<f64>();
+        let degree = |alpha: &Vec<u32>| alpha.iter().zip(&weights).map(|(&power, w)| w * f64::from(power)).sum::<f64>();
         let mut found = Vec::new();
         extend(&mut found, &mut vec![0; states], (&most, &weights), 0, reach(order));
         found.retain(|alpha| alpha.iter().any(|&power| power > 0) && keep(alpha));
-        found.sort_by(|a, b| degree(a).total_cmp(&degree(b)).then_with(|| b.cmp(a)));
+        // Of one degree, higher powers of the first states come first.
+        found.reverse();
+        sort_by_number(&mut found, degree);
         found
     }
 }

@@ -1,6 +1,6 @@
 use super::degrees::Degrees;
 use crate::closure::REFERENCE_EXCESS;
-use crate::closure::space::{Corner, Functions, Polynomials, WallFunctions, WallLevel};
+use crate::closure::space::{Corner, Functions, Polynomials, WallLevel};
 use crate::problem::Symmetry;
 
 /// The number of highest degrees of a reference's correction, where the edge of the domain shows as ripples; the correction may
@@ -9,9 +9,9 @@ const BUFFER: u32 = 4;
 /// The levels of functions next to walls in two states: that of the weight, and those of the reference without and with its
 /// highest functions.
 const WALLED: [WallLevel; 3] = [
-    WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7 },
-    WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9 },
-    WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9 },
+    WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7, others: 0 },
+    WallLevel { degree: 10, kinks: 5, depth: 4, angular: 9, others: 0 },
+    WallLevel { degree: 12, kinks: 5, depth: 4, angular: 9, others: 0 },
 ];
 /// The degrees of the moment equations in time in one state and two, of which the highest stable one is taken.
 const DEGREES: [u32; 8] = [10, 12, 14, 16, 18, 20, 22, 24];
@@ -123,8 +123,8 @@ impl SpaceFamily {
             SpaceFamily::Smooth(smooth) => DEGREES.map(|degree| smooth.functions(degree)).to_vec(),
             SpaceFamily::Walled(walled) => (1..=WALLED.len())
                 .map(|steps| {
-                    let (corners, levels) = (walled.corners.clone(), &WALLED[..steps]);
-                    Functions::Walls(WallFunctions::new(corners, &walled.centre, &walled.half_width, levels))
+                    let sides = (&walled.centre[..], &walled.half_width[..]);
+                    Functions::in_a_plane(walled.corners.clone(), sides, &WALLED[..steps])
                 })
                 .collect(),
         }
@@ -174,7 +174,7 @@ impl Smooth {
 
     pub(in crate::closure) fn functions(&self, degree: u32) -> Functions {
         let exponents = self.degrees.exponents(self.centre.len(), degree, |alpha| self.symmetry.keeps(alpha));
-        Functions::Polynomials(Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents))
+        Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents).into()
     }
 }
 
@@ -194,8 +194,7 @@ impl Walled {
         let weight = if order <= weight.degree { weight } else { level(order) };
         let levels = [level(order), weight, lower, all];
         [1, 2, 3, 4].map(|steps| {
-            let corners = self.corners.clone();
-            Functions::Walls(WallFunctions::new(corners, &self.centre, &self.half_width, &levels[..steps]))
+            Functions::in_a_plane(self.corners.clone(), (&self.centre, &self.half_width), &levels[..steps])
         })
     }
 }
@@ -210,5 +209,5 @@ fn level(order: u32) -> WallLevel {
         8..=9 => (5, 7),
         _ => (5, 9),
     };
-    WallLevel { degree: order, kinks, depth: if order < 9 { 3 } else { 4 }, angular }
+    WallLevel { degree: order, kinks, depth: if order < 9 { 3 } else { 4 }, angular, others: 0 }
 }

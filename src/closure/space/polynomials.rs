@@ -57,6 +57,12 @@ impl Polynomials {
         self.exponents.len()
     }
 
+    /// Whether none of them depends on a state.
+    #[inline(always)]
+    pub(super) fn are_constant(&self) -> bool {
+        self.width == 1
+    }
+
     /// The middle of the box.
     pub(crate) fn centre(&self) -> &[f64] {
         &self.centre
@@ -259,8 +265,8 @@ fn as_polynomials(t: &Polynomial, highest: usize) -> Vec<Polynomial> {
 mod tests {
     use super::*;
     use crate::closure::space::Functions;
-    use crate::control_variates::products::{LANES, PointLane};
     use crate::fokker_planck::generator;
+    use crate::numerics::{EIGHT, PointLane};
 
     /// The jet, the rates and the powers are three routes to the same function.
     #[test]
@@ -294,15 +300,15 @@ mod tests {
         let exponents = [[1, 0, 0], [0, 2, 0], [1, 1, 0], [3, 1, 2], [0, 0, 5]].map(Vec::from).to_vec();
         let space = Polynomials::new(vec![0.1, -0.2, 0.3], vec![1.5, 0.7, 2.0], exponents);
         let products = Products::new(&space);
-        let space = Functions::Polynomials(space);
+        let space = Functions::from(space);
         let mut scratch = products.scratch();
         let x: [PointLane; 3] = std::array::from_fn(|i| std::array::from_fn(|l| 0.3 * i as f64 - 0.2 * l as f64 + 0.1));
         let (drift, diffusion) = ([0.4, -0.9, 1.3], [0.5, 0.1, 0.0, 0.1, 0.8, -0.3, 0.0, -0.3, 1.1]);
         let a = [0.7, 0.3, -1.2, 0.5, 0.7, -0.4];
         products.place(&x, &mut scratch);
-        scratch.first = drift.map(|f| [f; LANES]).to_vec();
-        products.apply(&diffusion.map(|b| [b; LANES]), &[0, 1, 2], &mut scratch);
-        for l in 0..LANES {
+        scratch.first = drift.map(|f| [f; EIGHT]).to_vec();
+        products.apply(&diffusion.map(|b| [b; EIGHT]), &[0, 1, 2], &mut scratch);
+        for l in 0..EIGHT {
             let point = [0, 1, 2].map(|i| x[i][l]);
             let (mut values, mut rates) = ([0.0; 5], [0.0; 5]);
             space.rates(&point, (&drift, &diffusion), &mut values, &mut rates);
@@ -313,7 +319,7 @@ mod tests {
         }
         let sum = products.sum(&a, &scratch);
         products.gradient(&a, &mut scratch);
-        for l in 0..LANES {
+        for l in 0..EIGHT {
             let mut jet = Jet::zero(3);
             space.combine(&[0, 1, 2].map(|i| x[i][l]), &a[1..], &mut jet);
             assert!((sum[l] - 0.7 - jet.value).abs() < 1e-12 * (1.0 + jet.value.abs()));

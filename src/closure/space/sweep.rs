@@ -53,13 +53,13 @@ pub(in crate::closure) fn tabulate(space: &Functions, points: &States, table: Ma
 pub(in crate::closure) fn tabulate_rates<'a>(
     space: &Functions,
     points: &States,
-    local: impl Fn(usize) -> (&'a [f64], &'a [f64]) + Sync,
+    local: &(dyn Fn(usize) -> (&'a [f64], &'a [f64]) + Sync),
     [values, rates]: [MatMut<'_, f64>; 2],
 ) {
     let [values, rates] = [values, rates].map(|table| stretches(table, STRETCH));
     parallel::map_into(values.into_iter().zip(rates).collect(), |run, (values, rates)| {
         let local = |i: usize| local(run * STRETCH + i);
-        Arch::new().dispatch(Rates { space, points: Points::run(points, run), local, values, rates });
+        Arch::new().dispatch(Rates { space, points: Points::run(points, run), local: &local, values, rates });
     });
 }
 
@@ -70,11 +70,25 @@ pub(in crate::closure) fn at_jets<R: Send>(
     of: impl Fn(usize, &[f64], &[f64]) -> R + Sync,
 ) -> Vec<R> {
     let stretch = |run: usize| {
-        let of = |i: usize, gradient: &[f64], hessian: &[f64]| of(run * STRETCH + i, gradient, hessian);
-        Arch::new().dispatch(JetSweep { function, points: Points::run(points, run), of })
+        let points = Points::run(points, run);
+        let mut all = Vec::with_capacity(points.len());
+        let mut visit = |i: usize, gradient: &[f64], hessian: &[f64]| {
+            all.push(of(run * STRETCH + i, gradient, hessian));
+        };
+        visit_jets(function, points, &mut visit);
+        all
     };
     let parts: Vec<Vec<R>> = parallel::map(points.len().div_ceil(STRETCH), stretch);
     parts.into_iter().flatten().collect()
+}
+
+/// What is called with the number, the gradient and the Hessian of each point.
+type JetVisit<'a> = &'a mut dyn FnMut(usize, &[f64], &[f64]);
+
+/// Not inlined, so that the derivatives are compiled once and not for each use of them.
+#[inline(never)]
+fn visit_jets(function: &impl Differentiable, points: Points<'_>, visit: JetVisit<'_>) {
+    Arch::new().dispatch(JetSweep { function, points, visit });
 }
 
 /// A stretch of points, state after state.
@@ -184,15 +198,15 @@ impl NullaryFnOnce for TableSweep<'_> {
     }
 }
 
-struct Rates<'a, L> {
+struct Rates<'a, 'l> {
     space: &'a Functions,
     points: Points<'a>,
-    local: L,
+    local: &'a dyn Fn(usize) -> (&'l [f64], &'l [f64]),
     values: MatMut<'a, f64>,
     rates: MatMut<'a, f64>,
 }
 
-impl<'l, L: Fn(usize) -> (&'l [f64], &'l [f64])> NullaryFnOnce for Rates<'_, L> {
+impl NullaryFnOnce for Rates<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -214,19 +228,18 @@ impl<'l, L: Fn(usize) -> (&'l [f64], &'l [f64])> NullaryFnOnce for Rates<'_, L> 
     }
 }
 
-struct JetSweep<'a, F, O> {
+struct JetSweep<'a, F> {
     function: &'a F,
     points: Points<'a>,
-    of: O,
+    visit: JetVisit<'a>,
 }
 
-impl<R, F: Differentiable, O: Fn(usize, &[f64], &[f64]) -> R> NullaryFnOnce for JetSweep<'_, F, O> {
-    type Output = Vec<R>;
+impl<F: Differentiable> NullaryFnOnce for JetSweep<'_, F> {
+    type Output = ();
 
     #[inline(always)]
-    fn call(self) -> Vec<R> {
+    fn call(self) {
         let states = self.points.states;
-        let mut all = Vec::with_capacity(self.points.len());
         let (mut x, mut jet) = (vec![ZERO; states], Jet::zero(states));
         let (mut gradient, mut hessian) = (vec![0.0; states], vec![0.0; states * states]);
         for first in (0..self.points.len()).step_by(EIGHT) {
@@ -235,10 +248,9 @@ impl<R, F: Differentiable, O: Fn(usize, &[f64], &[f64]) -> R> NullaryFnOnce for 
             for l in 0..EIGHT.min(self.points.len() - first) {
                 gradient.iter_mut().zip(&jet.gradient).for_each(|(to, from)| *to = from.0[l]);
                 hessian.iter_mut().zip(&jet.hessian).for_each(|(to, from)| *to = from.0[l]);
-                all.push((self.of)(first + l, &gradient, &hessian));
+                (self.visit)(first + l, &gradient, &hessian);
             }
         }
-        all
     }
 }
 
@@ -247,7 +259,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
     use crate::closure::density::exponent::Exponent;
-    use crate::closure::space::{Corner, Polynomials, WallFunctions, WallLevel};
+    use crate::closure::space::{Corner, Polynomials, WallLevel};
     use crate::problem::Wall;
     use faer::Mat;
 
@@ -256,10 +268,10 @@ mod tests {
         let (centre, half_width) = (vec![1.0, 0.0], vec![1.5, 4.0]);
         let corners = [Wall::above(-0.5, 0.7), Wall::below(2.5, 0.9)];
         let corners = corners.map(|wall| Corner::new(wall.unwrap(), vec![1], 0.2, [3.0, 4.0])).to_vec();
-        let levels = [WallLevel { degree: 4, kinks: 3, depth: 3, angular: 5 }];
+        let levels = [WallLevel { degree: 4, kinks: 3, depth: 3, angular: 5, others: 0 }];
         let monomials = [[1, 0], [0, 2], [1, 1], [3, 2], [0, 5]].map(Vec::from).to_vec();
-        let walls = Functions::Walls(WallFunctions::new(corners.clone(), &centre, &half_width, &levels));
-        let polynomials = Functions::Polynomials(Polynomials::new(centre, half_width, monomials));
+        let walls = Functions::in_a_plane(corners.clone(), (&centre, &half_width), &levels);
+        let polynomials = Functions::from(Polynomials::new(centre, half_width, monomials));
         [(vec![], polynomials), (corners, walls)].map(|(known, space)| {
             let coefficients = (0..space.len()).map(|k| (0.7 * k as f64).sin()).collect();
             Exponent { known, space, constant: 0.3, coefficients }
@@ -279,7 +291,7 @@ mod tests {
             let [table, beside, rates] = &mut tables;
             tabulate(space, &points, table.as_mut());
             let local: (&[f64], &[f64]) = (&[0.4, -0.9], &[0.5, 0.1, 0.1, 0.8]);
-            tabulate_rates(space, &points, |_| local, [beside.as_mut(), rates.as_mut()]);
+            tabulate_rates(space, &points, &|_| local, [beside.as_mut(), rates.as_mut()]);
             let (mut single, mut single_rates) = (vec![0.0; count], vec![0.0; count]);
             let mut jet = Jet::zero(2);
             for (i, x) in points.iter().enumerate() {

@@ -1,52 +1,30 @@
-use super::corner::{Kink, Radius};
-use super::{Corner, Jet, Polynomials};
-use crate::fokker_planck::generator;
-use crate::numerics::Number;
-use crate::record::Read;
-use serde::{Deserialize, Serialize};
+//! Ladders of functions next to walls.
 
-/// How many functions of each kind, with A = (w⁶ + (κu)²)^{1/6}, which grows like |w| and u^{1/3}.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct WallLevel {
-    /// Polynomials of total degree 1 to this.
-    pub(crate) degree: u32,
-    /// Kinks A u^i w^j with i + j up to this.
-    pub(crate) kinks: u32,
-    /// Angular functions A^{d−j} wʲ with d from 1 to this,
-    pub(crate) depth: u32,
-    /// and j from 0 to this.
-    pub(crate) angular: u32,
-}
+use super::corner::Kink;
+use super::degrees::Degrees;
+use super::functions::{Block, Functions};
+use super::{Corner, Polynomials};
 
-/// Functions for ln p next to walls: polynomials, and at each wall functions with the singularity of grazing impacts.
+/// How many functions of each kind, with A = (w⁶ + (κu)²)^{1/6}, which grows like |w| and u^{1/3}, and z the states beside the gap u and
+/// its rate w.
 ///
-/// Near (0, 0) p is a sum of functions of w/u^{1/3} times powers of A, of which polynomials contain only a few. A ladder
-/// of levels makes one list in which the functions of each level come before those that the next one adds.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct WallFunctions {
-    corners: Vec<Corner>,
-    steps: Vec<LevelStep>,
-    /// The highest powers of u, w, A and 1/A in kinks.
-    #[serde(skip)]
-    highest: [usize; 4],
-}
-
-/// What one level adds to those below it.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-struct LevelStep {
-    polynomials: Polynomials,
-    /// The same at each corner.
-    kinks: Vec<Kink>,
+/// Near (0, 0) p is a sum of functions of w/u^{1/3} times powers of A, of which polynomials contain only a few.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::closure) struct WallLevel {
+    /// Polynomials of total degree 1 to this.
+    pub(in crate::closure) degree: u32,
+    /// Kinks A u^i w^j z^a with i + j + |a| up to this.
+    pub(in crate::closure) kinks: u32,
+    /// Angular functions A^{d−j} wʲ z^a with d from 1 to this,
+    pub(in crate::closure) depth: u32,
+    /// j from 0 to this,
+    pub(in crate::closure) angular: u32,
+    /// and |a| up to d and to this.
+    pub(in crate::closure) others: u32,
 }
 
 impl WallLevel {
-    fn exponents(&self) -> impl Iterator<Item = Vec<u32>> + use<> {
-        (1..=self.degree).flat_map(|total| (0..=total).map(move |j| vec![total - j, j]))
-    }
-
-    pub(super) fn kinks(&self) -> impl Iterator<Item = Kink> + use<> {
+    fn kinks(&self) -> impl Iterator<Item = Kink> + use<> {
         let WallLevel { kinks, depth, angular, .. } = *self;
         let lines = (0..=kinks as i32).flat_map(|total| (0..=total).map(move |j| Kink([1, total - j, j])));
         let angles = (1..=depth as i32).flat_map(move |d| (0..=angular as i32).map(move |j| (d - j, j)));
@@ -54,149 +32,92 @@ impl WallLevel {
         let angles = angles.filter(|(power, _)| !(0..=1).contains(power)).map(|(power, j)| Kink([power, 0, j]));
         lines.chain(angles)
     }
+
+    /// The kinks at a wall, each with the exponents of the other states that it is multiplied by.
+    fn kinks_at(&self, corner: &Corner, states: usize) -> Vec<(Kink, Vec<Vec<u32>>)> {
+        let [gap, rate] = corner.forms();
+        let beside = |alpha: &[u32]| alpha[gap.first] == 0 && alpha[rate.first] == 0;
+        let others = |degree: i32| -> Vec<Vec<u32>> {
+            let constant = std::iter::once(vec![0; states]);
+            constant.chain(Degrees::complete().exponents(states, degree.max(0) as u32, beside)).collect()
+        };
+        let with_others = |kink: Kink| {
+            let (Kink([power, i, j]), kinks) = (kink, self.kinks as i32);
+            let degree = if power == 1 && i + j <= kinks { kinks - i - j } else { (power + j).min(self.others as i32) };
+            (kink, others(degree))
+        };
+        self.kinks().map(with_others).collect()
+    }
 }
 
-impl WallFunctions {
-    /// The functions of a ladder of levels; polynomials are scaled to the box `centre` ± `half_width` of the states.
-    pub(in crate::closure) fn new(
+impl Functions {
+    /// The functions of a ladder of levels, each after those of the ones below it; polynomials are scaled to the box
+    /// `centre` ± `half_width`, and `polynomials` lists the exponents of those alone up to a degree.
+    pub(in crate::closure) fn next_to_walls(
         corners: Vec<Corner>,
-        centre: &[f64],
-        half_width: &[f64],
-        nested: &[WallLevel],
+        (centre, half_width): (&[f64], &[f64]),
+        ladder: &[WallLevel],
+        polynomials: impl Fn(u32) -> Vec<Vec<u32>>,
     ) -> Self {
-        let step = |(step, level): (usize, &WallLevel)| {
-            let below = &nested[..step];
-            let new = |alpha: &Vec<u32>| below.iter().all(|level| alpha[0] + alpha[1] > level.degree);
-            let exponents = level.exponents().filter(new).collect();
-            let kinks = level.kinks().filter(|kink| below.iter().all(|level| level.kinks().all(|k| k != *kink)));
-            let polynomials = Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents);
-            LevelStep { polynomials, kinks: kinks.collect() }
+        let states = centre.len();
+        let scaled = |exponents| Polynomials::new(centre.to_vec(), half_width.to_vec(), exponents);
+        let mut blocks: Vec<Block> = Vec::new();
+        // The exponents of a list that no block below has beside the same kink, or beside none.
+        let new = |blocks: &[Block], kink: Option<(usize, Kink)>, mut exponents: Vec<Vec<u32>>| {
+            let same = blocks.iter().filter(|block| block.each().any(|own| own == kink));
+            let known: Vec<&Vec<u32>> = same.flat_map(|block| block.factors.exponents()).collect();
+            exponents.retain(|alpha| !known.contains(&alpha));
+            exponents
         };
-        WallFunctions::of(corners, nested.iter().enumerate().map(step).collect())
-    }
-
-    fn of(corners: Vec<Corner>, steps: Vec<LevelStep>) -> Self {
-        let powers = || steps.iter().flat_map(|step| &step.kinks).map(Kink::powers);
-        let highest = std::array::from_fn(|k| powers().map(|powers| powers[k]).max().unwrap_or(0));
-        WallFunctions { corners, steps, highest }
-    }
-
-    /// Refuses numbers without a meaning, such as those of a damaged file.
-    pub(super) fn checked(self) -> Read<Self> {
-        let step = |LevelStep { polynomials, kinks }: LevelStep| {
-            let kinks = kinks.into_iter().map(Kink::checked).collect::<Read<_>>()?;
-            Ok(LevelStep { polynomials: polynomials.checked(2)?, kinks })
-        };
-        let corners = self.corners.into_iter().map(|corner| corner.checked(2)).collect::<Read<_>>()?;
-        Ok(WallFunctions::of(corners, self.steps.into_iter().map(step).collect::<Read<_>>()?))
-    }
-
-    pub(super) fn corners(&self) -> &[Corner] {
-        &self.corners
-    }
-
-    pub(super) fn single(&self) -> Option<(&Polynomials, &[Kink])> {
-        match &self.steps[..] {
-            [LevelStep { polynomials, kinks }] => Some((polynomials, kinks)),
-            _ => None,
-        }
-    }
-
-    /// A at each corner.
-    #[inline(always)]
-    fn radii<T: Number>(&self, x: &[T]) -> Vec<Radius<T>> {
-        self.corners.iter().map(|corner| Radius::new(corner, x, self.highest)).collect()
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.steps.iter().map(|step| step.polynomials.len() + self.corners.len() * step.kinks.len()).sum()
-    }
-
-    #[inline(always)]
-    pub(super) fn values<T: Number>(&self, x: &[T], values: &mut [T]) {
-        let radii = self.radii(x);
-        let mut at = 0;
-        for LevelStep { polynomials, kinks } in &self.steps {
-            let end = at + polynomials.len();
-            polynomials.values(x, &mut values[at..end]);
-            at = end;
-            for radius in &radii {
-                for kink in kinks {
-                    values[at] = radius.value(kink);
-                    at += 1;
+        for level in ladder {
+            let mut added = vec![Block { kinks: None, factors: scaled(new(&blocks, None, polynomials(level.degree))) }];
+            // Where no noise ends a grazing impact it leaves no singularity of this kind.
+            let noisy = |(_, corner): &(usize, &Corner)| corner.intensity() > 0.0;
+            for (wall, corner) in corners.iter().enumerate().filter(noisy) {
+                for (kink, exponents) in level.kinks_at(corner, states) {
+                    let new = new(&blocks, Some((wall, kink)), exponents);
+                    match added.last_mut() {
+                        _ if new.is_empty() => {}
+                        Some(Block { kinks: Some((last, kinks)), factors })
+                            if *last == wall && factors.exponents() == new =>
+                        {
+                            kinks.push(kink);
+                        }
+                        _ => added.push(Block { kinks: Some((wall, vec![kink])), factors: scaled(new) }),
+                    }
                 }
             }
+            blocks.extend(added);
         }
+        Functions::of(corners, blocks)
     }
 
-    #[inline(always)]
-    pub(super) fn sum<T: Number>(&self, x: &[T], mut a: &[f64]) -> T {
-        let radii = self.radii(x);
-        let mut sum = T::everywhere(0.0);
-        for LevelStep { polynomials, kinks } in &self.steps {
-            sum = polynomials.added(sum, x, a);
-            a = &a[polynomials.len().min(a.len())..];
-            for radius in &radii {
-                for (kink, &a) in kinks.iter().zip(a) {
-                    sum += radius.value(kink) * a;
-                }
-                a = &a[kinks.len().min(a.len())..];
-            }
-        }
-        sum
-    }
-
-    #[inline(always)]
-    pub(super) fn rates<T: Number>(&self, x: &[T], local: (&[T], &[T]), values: &mut [T], rates: &mut [T]) {
-        let radii = self.radii(x);
-        let mut at = 0;
-        for LevelStep { polynomials, kinks } in &self.steps {
-            let end = at + polynomials.len();
-            polynomials.rates(x, local, &mut values[at..end], &mut rates[at..end]);
-            at = end;
-            for (radius, corner) in radii.iter().zip(&self.corners) {
-                for kink in kinks {
-                    let jet = corner.turned(radius.jet(kink));
-                    values[at] = jet.value;
-                    rates[at] = generator(local, &jet.gradient, jet.hessian.as_flattened());
-                    at += 1;
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn combine<T: Number>(&self, x: &[T], a: &[f64], sum: &mut Jet<T>) {
-        let radii = self.radii(x);
-        let mut at = 0;
-        for LevelStep { polynomials, kinks } in &self.steps {
-            let end = at + polynomials.len();
-            polynomials.combine(x, &a[at..end], sum);
-            at = end;
-            for (radius, corner) in radii.iter().zip(&self.corners) {
-                for kink in kinks {
-                    sum.add(a[at], &corner.turned(radius.jet(kink)));
-                    at += 1;
-                }
-            }
-        }
+    /// The same in a plane, with all polynomials.
+    pub(in crate::closure) fn in_a_plane(corners: Vec<Corner>, sides: (&[f64], &[f64]), ladder: &[WallLevel]) -> Self {
+        Functions::next_to_walls(corners, sides, ladder, |degree| Degrees::complete().exponents(2, degree, |_| true))
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
+    use crate::closure::space::Jet;
+    use crate::fokker_planck::generator;
     use crate::problem::Wall;
 
     const LEVELS: [WallLevel; 3] = [
-        WallLevel { degree: 4, kinks: 3, depth: 3, angular: 5 },
-        WallLevel { degree: 6, kinks: 3, depth: 3, angular: 7 },
-        WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7 },
+        WallLevel { degree: 4, kinks: 3, depth: 3, angular: 5, others: 0 },
+        WallLevel { degree: 6, kinks: 3, depth: 3, angular: 7, others: 0 },
+        WallLevel { degree: 8, kinks: 5, depth: 3, angular: 7, others: 0 },
     ];
 
-    fn functions(corners: Vec<Corner>) -> WallFunctions {
-        WallFunctions::new(corners, &[1.0, 0.0], &[1.5, 4.0], &LEVELS)
+    fn of_levels(corners: Vec<Corner>, levels: &[WallLevel]) -> Functions {
+        Functions::in_a_plane(corners, (&[1.0, 0.0], &[1.5, 4.0]), levels)
+    }
+
+    fn functions(corners: Vec<Corner>) -> Functions {
+        of_levels(corners, &LEVELS)
     }
 
     fn lower() -> Corner {
@@ -209,14 +130,10 @@ mod tests {
 
     #[test]
     fn levels_are_nested_and_counted() {
-        let counts = |corners: &[Corner]| {
-            [1, 2, 3]
-                .map(|steps| WallFunctions::new(corners.to_vec(), &[1.0, 0.0], &[1.5, 4.0], &LEVELS[..steps]).len())
-        };
+        let counts = |corners: &[Corner]| [1, 2, 3].map(|steps| of_levels(corners.to_vec(), &LEVELS[..steps]).len());
         assert_eq!(counts(&[lower()]), [36, 55, 83]);
         assert_eq!(counts(&[lower(), upper()]), [58, 83, 122]);
-        let (all, first) =
-            (functions(vec![lower()]), WallFunctions::new(vec![lower()], &[1.0, 0.0], &[1.5, 4.0], &LEVELS[..1]));
+        let (all, first) = (functions(vec![lower()]), of_levels(vec![lower()], &LEVELS[..1]));
         let (mut long, mut short) = ([0.0; 83], [0.0; 36]);
         all.values(&[0.3, 1.2], &mut long);
         first.values(&[0.3, 1.2], &mut short);
@@ -273,5 +190,70 @@ mod tests {
         functions.values(&[-0.5, 0.0], &mut values);
         assert!(values.iter().all(|value| value.is_finite()));
         assert!(functions.sum(&[-0.5, 0.0], &vec![1.0; functions.len()]).is_finite());
+    }
+
+    /// Four states (x, y, u, v), a wall below x and one between the bodies, which have the velocities u and v.
+    pub(in crate::closure::space) fn functions_of_four() -> Functions {
+        let between = Wall::below(1.5, 0.7).unwrap().between([0, 1], [1.0, 2.0]).unwrap();
+        let corners = vec![
+            Corner::new(Wall::above(-0.5, 0.8).unwrap(), vec![2], 0.2, [3.0, 4.0]),
+            Corner::new(between, vec![2, 3], 0.3, [2.5, 5.0]),
+        ];
+        let level = |degree, kinks, angular, others| WallLevel { degree, kinks, depth: 2, angular, others };
+        let polynomials = |degree| Degrees::complete().exponents(4, degree, |_| true);
+        let sides: (&[f64], &[f64]) = (&[0.5, 0.1, 0.0, 0.2], &[2.0, 2.5, 4.0, 3.0]);
+        Functions::next_to_walls(corners, sides, &[level(2, 1, 3, 1), level(4, 2, 4, 2)], polynomials)
+    }
+
+    pub(in crate::closure::space) const POINTS: [[f64; 4]; 3] =
+        [[0.4, -0.3, 1.1, -0.8], [-0.3, 0.2, -0.7, 0.5], [1.2, 0.1, 0.6, 1.3]];
+
+    /// Kinks A u^i w^j z^a of a total degree up to m in the gap, its rate and two more states: C(m + 4, 4); of the angular
+    /// functions with d = 1, 2 those with j = 0 … J but d and d − 1, and 3 or 6 polynomials of the other two states.
+    #[test]
+    fn levels_of_four_states_are_nested_and_counted() {
+        let functions = functions_of_four();
+        let [first, second] = [(14, 5 + 2 * 2 * 3), (69, 15 + 3 * 3 + 3 * 6)].map(|(p, kinks)| p + 2 * kinks);
+        assert_eq!(functions.len(), second);
+        let polynomials: Vec<(usize, &[u32])> = functions.powers();
+        assert_eq!((polynomials.len(), polynomials[14].0), (69, first));
+        assert_eq!(functions.dimension(), 4);
+    }
+
+    /// Rates and combinations agree, and gradients are those of the differences, whose error is the step squared times third
+    /// derivatives.
+    #[test]
+    fn derivatives_in_four_states_are_those_of_the_values() {
+        let functions = functions_of_four();
+        let count = functions.len();
+        let local: (&[f64], &[f64]) = (&[1.1, -0.8, 0.3, -0.6], &{
+            let mut b = [0.0; 16];
+            (b[10], b[11], b[14], b[15]) = (0.5, 0.2, 0.2, 0.7);
+            b
+        });
+        for x in POINTS {
+            let [mut values, mut rates, mut plain] = [(); 3].map(|()| vec![0.0; count]);
+            functions.rates(&x, local, &mut values, &mut rates);
+            functions.values(&x, &mut plain);
+            for k in 0..count {
+                let mut a = vec![0.0; count];
+                a[k] = 1.0;
+                let mut jet = Jet::zero(4);
+                functions.combine(&x, &a, &mut jet);
+                let size = 1.0 + jet.value.abs() + rates[k].abs();
+                assert!((jet.value - values[k]).abs() + (plain[k] - values[k]).abs() < 1e-13 * size, "{k}");
+                assert!((functions.sum(&x, &a) - values[k]).abs() < 1e-13 * size, "{k}");
+                assert!((generator(local, &jet.gradient, &jet.hessian) - rates[k]).abs() < 1e-12 * size, "{k}");
+                for i in 0..4 {
+                    let moved = |h: f64| {
+                        let mut y = x;
+                        y[i] += h;
+                        functions.sum(&y, &a)
+                    };
+                    let difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                    assert!((difference - jet.gradient[i]).abs() < 1e-6 * (1.0 + jet.gradient[i].abs()), "{k} {i}");
+                }
+            }
+        }
     }
 }

@@ -1,11 +1,11 @@
 //! From text.
 
-use super::family::Text;
 use crate::error::{Error, Result};
+use crate::numerics::sort_by_number;
 use crate::polynomial::{Polynomial, is_real};
+use crate::problem::Wall;
 use crate::problem::definition::PolynomialForm;
 use crate::problem::expression::{Fault, Names, is_name, number, polynomial, reserved};
-use crate::problem::{Problem, Wall};
 use crate::system::Interpretation;
 use num_dual::Dual64;
 use std::borrow::Cow;
@@ -28,8 +28,8 @@ pub(super) struct TextContent {
 
 /// A wall of a text.
 pub(super) struct Placed {
-    place: usize,
-    wall: Wall,
+    pub(super) place: usize,
+    pub(super) wall: Wall,
     /// Its offset and its restitution.
     pub(super) numbers: [Dual64; 2],
 }
@@ -270,76 +270,11 @@ impl TextDocument<'_> {
         }
         Ok(TextContent { form, names, walls })
     }
-
-    pub(super) fn problem(self, changes: Vec<(String, f64)>) -> Result<Problem> {
-        let mut family = Text { text: self.0.to_owned(), changes, walls: Vec::new() };
-        let TextContent { form, names, walls: placed } =
-            self.equations(&|name, value| family.changed(name, value), 0)?;
-        let parameters = names.parameters.into_iter().map(|(name, value)| (name, value.re)).collect();
-        family.walls = placed.iter().map(|placed| placed.wall).collect();
-        let problem = Problem::of_polynomials(form.real(), names.states, parameters, Some(Box::new(family)))?;
-        placed.into_iter().try_fold(problem, |problem, Placed { place, wall, .. }| {
-            problem.with_wall(wall).or_else(|error| self.wrong(place, "wall", error.to_string()))
-        })
-    }
 }
 
 /// The entries of a table in the order of the text.
 fn in_order<'b, 'c>(table: &'b DeTable<'c>) -> Vec<(&'b Key<'c>, &'b Entry<'c>)> {
     let mut entries: Vec<_> = table.iter().collect();
-    entries.sort_by_key(|(key, _)| key.span().start);
+    sort_by_number(&mut entries, |(key, _)| key.span().start as f64);
     entries
-}
-
-impl Problem {
-    /// The problem that a TOML document describes.
-    ///
-    /// A wall is on one displacement, `state = "x"`, or between two bodies, `between = ["x", "y"]` with their `masses`, which are
-    /// equal where they are not given ([`Wall::between`]).
-    ///
-    /// Entries are numbers, or expressions in quotes: `+`, `-`, `*`, `/` by a number, `^` with a whole exponent, and of numbers
-    /// and parameters also `sqrt`, `exp`, `ln`, `sin`, `cos` and `pi`. A parameter may be made of those above it. Each table
-    /// `[noise.NAME]` is one Wiener process; states that it does not name are not driven by it. Each table `[impulse.NAME]` is one
-    /// source of Poisson impulses with its `rate` and `amplitude`, the law of [`Amplitude`](crate::Amplitude), and H for states:
-    ///
-    /// ```toml
-    /// [impulse.hail]
-    /// rate = 2.0
-    /// amplitude = { normal = { mean = 0.0, deviation = 0.3 } } # or exponential, uniform, two_point, laplace
-    /// v = "1"
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::NotAProblem`] with the line, the column, the entry and what to write instead; those of [`Problem::of`].
-    ///
-    /// ```
-    /// use expoly::Problem;
-    /// let problem = Problem::from_toml(r#"
-    /// states = ["x", "v"]
-    /// [parameters]
-    /// c = 0.2
-    /// k = 1.0
-    /// mu = 0.3
-    /// D = 0.2
-    /// [drift]
-    /// x = "v"
-    /// v = "-c*v - k*x - mu*x^3"
-    /// [noise.w]
-    /// v = "sqrt(2*D)"
-    /// [[wall]]
-    /// state = "x"
-    /// above = -0.5
-    /// restitution = 0.9
-    /// "#)?;
-    /// assert_eq!(problem.drift()[1].text(problem.states()).to_string(), "- x - 0.2 v - 0.3 x^3");
-    /// assert_eq!(problem.walls()[0].offset(), -0.5);
-    /// assert_eq!(Problem::from_toml(&problem.to_toml()?)?.operator(), problem.operator());
-    ///
-    /// let error = Problem::from_toml("states = [\"x\"]\n[drift]\nx = \"-y\"").err();
-    /// assert!(error.is_some_and(|error| error.to_string().starts_with("line 3, column 7: x: \"y\" is neither a state")));
-    /// # Ok::<(), expoly::Error>(())
-    /// ```
-    pub fn from_toml(text: &str) -> Result<Self> {
-        TextDocument(text).problem(Vec::new())
-    }
 }

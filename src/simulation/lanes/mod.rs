@@ -4,8 +4,7 @@ mod steps;
 pub(super) use steps::{Workspace, read_lane, write_lane};
 
 use super::impulses::SPAN;
-use super::pilot::FIRST;
-use super::random::Random;
+use super::random::{PILOT, Random};
 use crate::problem::{LANES, Lane};
 use crate::{Error, Result, states::States};
 use serde::{Deserialize, Serialize};
@@ -111,7 +110,7 @@ impl Lanes {
             None => Ok(()),
             Some(l) => {
                 let (stream, state) = (self.first + l as u64, self.x.iter().map(|x| x[l]).collect());
-                Err(Error::Exploded { trajectory: stream % FIRST, pilot: stream >= FIRST, state, time, step })
+                Err(Error::Exploded { trajectory: stream % PILOT, pilot: stream >= PILOT, state, time, step })
             }
         }
     }

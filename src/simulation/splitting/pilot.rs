@@ -3,6 +3,7 @@ use super::{
     population::{ParticleMotion, Particles, Population},
     tally::Levels,
 };
+use crate::numerics::sort_by_number;
 use crate::{error::Result, simulation::boundaries::Boundaries};
 use std::f64::consts::E;
 
@@ -125,7 +126,7 @@ fn values(importance: &Importance<'_>, states: &Particles) -> Result<Vec<(f64, f
 
 /// The values above `above` that leave the shares e⁻¹, e⁻², ... ≥ `least` of the weight beyond them, rising.
 fn quantiles(mut values: Vec<(f64, f64)>, least: f64, above: f64) -> Vec<f64> {
-    values.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sort_by_number(&mut values, |(value, _)| -value);
     let total: f64 = values.iter().map(|&(_, w)| w).sum();
     // A threshold with no state below it would not divide the states.
     let above = values.last().map_or(above, |&(lowest, _)| above.max(lowest));

@@ -6,6 +6,7 @@ use crate::closure::space::degrees::Degrees;
 use crate::closure::space::{GrazingMotion, Polynomials};
 use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, MOST_FUNCTIONS, PILOT_TRAJECTORIES};
 use crate::control_variates::products::Products;
+use crate::numerics::sort_by_number;
 use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::PartialPivLu;
@@ -117,7 +118,7 @@ impl<'a> StateEquations<'a> {
             all.values += &lot.values;
             all.weights.extend(lot.weights);
         }
-        all.weights.sort_by_key(|(t, _)| *t);
+        sort_by_number(&mut all.weights, |(t, _)| *t as f64);
         let weights = all.weights.into_iter().map(|(_, weights)| weights).collect();
         let factors = [count, ground.lower].map(|size| all.matrix.get(..size, ..size).partial_piv_lu());
         Some(StateEquations { walk, weights, values: all.values, factors, lower: ground.lower })
@@ -163,7 +164,7 @@ impl<'a> StateEquations<'a> {
         let value = |x: &[f64]| grazing.iter().map(|motion| motion.value(x)).sum();
         let lots = self.walk.lots(Vec::new, |parts, [_, t], _| parts.push((t, self.walk.at_rows(t, value))));
         let mut parts: Vec<(usize, Vec<f64>)> = lots.into_iter().flatten().collect();
-        parts.sort_by_key(|(t, _)| *t);
+        sort_by_number(&mut parts, |(t, _)| *t as f64);
         parts.into_iter().map(|(_, values)| values).collect()
     }
 

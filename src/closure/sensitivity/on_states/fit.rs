@@ -2,8 +2,8 @@ use super::rows::Rows;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::sensitivity::slope::Slope;
 use crate::closure::space::{Functions, GrazingMotion};
-use crate::control_variates::products::{LANES, Products};
-use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
+use crate::control_variates::products::Products;
+use crate::numerics::{EIGHT, definite, symmetric, weighted_gram, weighted_sum};
 use crate::parallel;
 use crate::states::States;
 use faer::Mat;
@@ -92,12 +92,12 @@ fn table(products: &Products, n: usize, x: &[f64]) -> Mat<f64> {
     let count = x.len() / n;
     let mut table = Mat::zeros(count, products.len());
     let (arch, mut scratch) = (Arch::new(), products.scratch());
-    let mut lanes = vec![[0.0; LANES]; n];
-    for at in (0..count).step_by(LANES) {
+    let mut lanes = vec![[0.0; EIGHT]; n];
+    for at in (0..count).step_by(EIGHT) {
         for (i, lane) in lanes.iter_mut().enumerate() {
             *lane = std::array::from_fn(|l| x[(at + l).min(count - 1) * n + i]);
         }
-        let (rows, scratch, table) = (&(at..count.min(at + LANES)), &mut scratch, table.as_mut());
+        let (rows, scratch, table) = (&(at..count.min(at + EIGHT)), &mut scratch, table.as_mut());
         arch.dispatch(Rows { products, first: 0, x: &lanes, operator: None, scratch, rows, table });
     }
     table

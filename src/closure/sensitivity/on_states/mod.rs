@@ -211,7 +211,7 @@ impl ClosureDensity {
     /// The functions of Q with a symmetry; next to walls its own ones.
     fn functions_with(&self, symmetry: &Symmetry) -> Functions {
         if self.exponent().space.corners().is_empty() {
-            return Functions::Polynomials(self.polynomials(symmetry));
+            return self.polynomials(symmetry).into();
         }
         self.exponent().space.clone()
     }
@@ -227,7 +227,7 @@ impl ClosureDensity {
     }
 
     fn newton<'a>(&self, on_nodes: &'a ClosureDensity, problem: &Problem, symmetry: &Symmetry) -> Result<Newton<'a>> {
-        let space = Functions::Polynomials(self.polynomials(symmetry));
+        let space = Functions::from(self.polynomials(symmetry));
         Newton::new(on_nodes, problem, space, &[]).ok_or(self.failed())
     }
 

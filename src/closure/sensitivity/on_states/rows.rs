@@ -1,7 +1,8 @@
 //! Functions at eight states, and their images under an operator, in rows of a table: in the widest registers of the processor.
 
 use crate::control_variates::impulses::ImpulseImages;
-use crate::control_variates::products::{PointLane, Products, Scratch};
+use crate::control_variates::products::{Products, Scratch};
+use crate::numerics::PointLane;
 use faer::MatMut;
 use pulp::NullaryFnOnce;
 use std::ops::Range;

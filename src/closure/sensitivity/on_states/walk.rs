@@ -3,7 +3,8 @@ use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::Sites;
 use crate::control_variates::impulses::ImpulseImages;
-use crate::control_variates::products::{LANES, PointLane, Products, Scratch, ZERO};
+use crate::control_variates::products::{Products, Scratch};
+use crate::numerics::{EIGHT, PointLane, ZEROS};
 use crate::parallel;
 use crate::polynomial::Polynomial;
 use crate::problem::{Contact, Problem, StillMotion};
@@ -129,11 +130,11 @@ impl<'a> PilotWalk<'a> {
             let n = self.problem.dimension();
             let mut place = WalkBuffers {
                 arch: Arch::new(),
-                x: vec![ZERO; n],
+                x: vec![ZEROS; n],
                 sites: Sites::new(self.problem, &[]),
                 scratch: self.products.scratch(),
-                moved: [vec![ZERO; n], vec![ZERO; n * n]],
-                ends: [vec![ZERO; n], vec![ZERO; n]],
+                moved: [vec![ZEROS; n], vec![ZEROS; n * n]],
+                ends: [vec![ZEROS; n], vec![ZEROS; n]],
                 rows: 0..0,
             };
             let mut result = zero();
@@ -145,9 +146,9 @@ impl<'a> PilotWalk<'a> {
 
     /// Visits the states of a trajectory, eight at a time.
     fn each(&self, t: usize, place: &mut WalkBuffers, mut visit: impl FnMut(&mut WalkBuffers)) {
-        for at in (0..self.used).step_by(LANES) {
-            place.rows = at..(at + LANES).min(self.used);
-            for l in 0..LANES {
+        for at in (0..self.used).step_by(EIGHT) {
+            place.rows = at..(at + EIGHT).min(self.used);
+            for l in 0..EIGHT {
                 let x = self.pilot.states.state(self.first(t) + (at + l).min(place.rows.end - 1));
                 place.x.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);
             }
@@ -180,7 +181,7 @@ impl<'a> PilotWalk<'a> {
     pub(super) fn images(&self, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
         self.each(t, place, |place| self.enter_images(t, place, table.as_mut()));
-        let mut after = vec![ZERO; self.products.len()];
+        let mut after = vec![ZEROS; self.products.len()];
         self.each_impacts(t, place, |place, _| self.enter_jumps(place, &mut after, table.as_mut()));
         table
     }
@@ -200,10 +201,10 @@ impl<'a> PilotWalk<'a> {
         let Collisions { impacts, states } = &self.pilot.collisions;
         let all = self.impacts(t);
         let mut x = vec![0.0; self.problem.dimension()];
-        for begin in all.clone().step_by(LANES) {
-            let end = (begin + LANES).min(all.end);
+        for begin in all.clone().step_by(EIGHT) {
+            let end = (begin + EIGHT).min(all.end);
             place.rows = self.used + begin - all.start..self.used + end - all.start;
-            for l in 0..LANES {
+            for l in 0..EIGHT {
                 let impact = (begin + l).min(end - 1);
                 let contact = &self.contacts[impacts[impact].wall];
                 x.copy_from_slice(states.state(impact));
@@ -229,8 +230,8 @@ impl<'a> PilotWalk<'a> {
     /// How jumps move: ψ₊ as the velocities there do, by r′ ∂x₊/∂r; and by −η′ their rate, as the time of a stretched coordinate.
     fn enter_struck(&self, moved: &Moved, impacts: &[Impact], place: &mut WalkBuffers, mut table: MatMut<'_, f64>) {
         let [drift, diffusion] = &mut place.moved;
-        drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZERO);
-        let mut stretching = ZERO;
+        drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZEROS);
+        let mut stretching = ZEROS;
         for (l, impact) in impacts.iter().enumerate() {
             let [restitution, slope] = moved.walls[impact.wall];
             let before: Vec<f64> = place.ends[0].iter().map(|lane| lane[l]).collect();
@@ -271,9 +272,9 @@ impl<'a> PilotWalk<'a> {
     /// The images under the derivative of the generator.
     fn enter_moved(&self, moved: &Moved, place: &mut WalkBuffers, table: MatMut<'_, f64>) {
         let WalkBuffers { x, scratch, rows, arch, moved: [drift, diffusion], .. } = place;
-        drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZERO);
+        drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZEROS);
         let mut state = vec![0.0; x.len()];
-        for l in 0..LANES {
+        for l in 0..EIGHT {
             state.iter_mut().zip(x.iter()).for_each(|(x, lane)| *x = lane[l]);
             moved.drift.iter().for_each(|(i, f)| drift[*i][l] = f.evaluate(&state));
             moved.diffusion.iter().for_each(|(ij, b)| diffusion[*ij][l] = b.evaluate(&state));

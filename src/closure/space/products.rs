@@ -1,10 +1,11 @@
-//! The functions next to walls as products, for sweeps over many states.
+//! Functions as products, for sweeps over many states.
 
 use super::corner::{Kink, Radius};
-use super::{ContactFunctions, Corner, PlaneJet};
+use super::functions::{Block, Functions};
+use super::{Corner, PlaneJet};
 use crate::control_variates::planes::{Form, PlaneFunctions, PlaneLanes, Planes};
-use crate::control_variates::products::{PointLane, ProductFactors, Products};
-use crate::numerics::Eight;
+use crate::control_variates::products::{ProductFactors, Products};
+use crate::numerics::{Eight, PointLane};
 use std::sync::Arc;
 
 /// The kinks at one wall as functions of a plane.
@@ -49,9 +50,10 @@ impl Kinks {
 
 impl Products {
     /// These functions, after the constant.
-    pub(in crate::closure) fn next_to_walls(functions: &ContactFunctions) -> Self {
-        let mut kinks: Vec<Vec<Kink>> = vec![Vec::new(); functions.corners.len()];
-        for (wall, kink) in functions.blocks.iter().filter_map(|block| block.kink) {
+    pub(in crate::closure) fn of(functions: &Functions) -> Self {
+        let corners = functions.corners();
+        let mut kinks: Vec<Vec<Kink>> = vec![Vec::new(); corners.len()];
+        for (wall, kink) in functions.blocks.iter().flat_map(Block::each).flatten() {
             if !kinks[wall].contains(&kink) {
                 kinks[wall].push(kink);
             }
@@ -60,37 +62,36 @@ impl Products {
         let place = |(wall, kink): (usize, Kink)| {
             before(wall) + kinks[wall].iter().position(|known| *known == kink).unwrap_or(0)
         };
-        let listed: Vec<ProductFactors> = functions
-            .blocks
-            .iter()
-            .flat_map(|block| {
-                let plane = block.kink.map(place);
-                block.factors.exponents().iter().map(move |degrees| ProductFactors { plane, degrees: degrees.clone() })
-            })
-            .collect();
-        let planes = functions.corners.iter().zip(&kinks).map(|(corner, kinks)| -> Arc<dyn PlaneFunctions> {
+        let mut listed = Vec::with_capacity(functions.len());
+        for block in &functions.blocks {
+            for kink in block.each() {
+                let plane = kink.map(place);
+                let exponents = block.factors.exponents().iter();
+                listed.extend(exponents.map(|degrees| ProductFactors { plane, degrees: degrees.clone() }));
+            }
+        }
+        let planes = corners.iter().zip(&kinks).map(|(corner, kinks)| -> Arc<dyn PlaneFunctions> {
             let powers = kinks.iter().map(Kink::powers);
             let highest = powers.fold([0; 4], |highest, powers| [0, 1, 2, 3].map(|k| highest[k].max(powers[k])));
             Arc::new(Kinks { corner: corner.clone(), kinks: kinks.clone(), highest })
         });
-        let sides = functions.blocks.first().map(|block| [block.factors.centre(), block.factors.half_width()]);
-        Products::with_planes(sides.unwrap_or_default(), Planes(planes.collect()), &listed)
+        Products::with_planes(functions.box_around(), Planes(planes.collect()), &listed)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::Jet;
-    use super::super::contact::tests::{POINTS, functions};
+    use super::super::wall::tests::{POINTS, functions_of_four};
     use super::*;
-    use crate::control_variates::products::LANES;
+    use crate::numerics::EIGHT;
 
     /// The tree of products has the same values, images, sums and gradients.
     #[test]
     fn products_agree() {
-        let functions = functions();
+        let functions = functions_of_four();
         let count = functions.len();
-        let products = Products::next_to_walls(&functions);
+        let products = Products::of(&functions);
         assert_eq!(products.len(), count + 1);
         let drift = [1.1, -0.8, 0.3, -0.6];
         let a: Vec<f64> = (0..=count).map(|k| (0.7 * k as f64).sin()).collect();
@@ -101,8 +102,8 @@ mod tests {
         for (mixed, coupled) in [(0.2, vec![2, 3]), (0.0, vec![])] {
             let mut b = [0.0; 16];
             (b[10], b[11], b[14], b[15]) = (0.5, mixed, mixed, 0.7);
-            scratch.first.copy_from_slice(&drift.map(|f| [f; LANES]));
-            products.apply(&b.map(|b| [b; LANES]), &coupled, &mut scratch);
+            scratch.first.copy_from_slice(&drift.map(|f| [f; EIGHT]));
+            products.apply(&b.map(|b| [b; EIGHT]), &coupled, &mut scratch);
             for (l, x) in POINTS.iter().enumerate() {
                 let [mut values, mut rates] = [(); 2].map(|()| vec![0.0; count]);
                 functions.rates(x, (&drift, &b), &mut values, &mut rates);

@@ -1,3 +1,5 @@
+//! The domain of a density that is closest to another one.
+
 use crate::density::Cell;
 use crate::numerics::Rule;
 use crate::record::{Read, number};
@@ -27,7 +29,12 @@ pub(crate) struct DomainCells {
 }
 
 impl DomainCells {
-    pub(super) fn new(cells: impl Iterator<Item = Cell>, along: usize, density: Vec<f64>, error: f64) -> Self {
+    pub(in crate::closure) fn new(
+        cells: impl Iterator<Item = Cell>,
+        along: usize,
+        density: Vec<f64>,
+        error: f64,
+    ) -> Self {
         DomainCells { limits: cells.map(|cell| cell.limits).collect(), along, density, error, rules: OnceLock::new() }
     }
 
@@ -142,7 +149,7 @@ impl DomainCells {
 }
 
 /// Adds the nodes of a product of one rule in a box.
-pub(super) fn add_nodes(limits: &[[f64; 2]], rule: &Rule, (points, weights): &mut (States, Vec<f64>)) {
+pub(in crate::closure) fn add_nodes(limits: &[[f64; 2]], rule: &Rule, (points, weights): &mut (States, Vec<f64>)) {
     let lines: Vec<Rule> = limits.iter().map(|[low, high]| rule.on(*low, *high)).collect();
     let count = rule.nodes.len();
     let mut x = vec![0.0; limits.len()];
