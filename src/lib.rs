@@ -34,8 +34,7 @@ mod estimate;
 mod file;
 mod fokker_planck;
 mod grid;
-#[doc = include_str!("guide.md")]
-pub mod guide {}
+pub mod guide;
 pub mod inverse;
 mod memory;
 mod method;

@@ -1,4 +1,4 @@
-//! The sentences of src/guide.md, and what its examples assert.
+//! Sentences of the guide's other pages, and what its examples assert.
 
 use super::{Comparison, Document, cycle_error};
 use crate::common::*;
@@ -6,13 +6,9 @@ use expoly::models::{Duffing, Solved};
 use expoly::statistics::{Crossings, Marginal};
 use expoly::{Density, Grid, compare};
 
-fn guide() -> Document {
-    Document::read("src/guide.md")
-}
-
 #[test]
 fn what_is_exceeded_a_thousandth_of_the_time() {
-    let (guide, mut found) = (guide(), Comparison::default());
+    let (guide, mut found) = (Document::read("src/guide/decisions.md"), Comparison::default());
     let density = closed("Duffing", &problem(duffing()), 4, 0);
     let rare = Marginal::new(&*density, 0).unwrap().upper_quantile(1e-3).unwrap();
     let passage = Crossings::new(&*density, [0, 1]).unwrap().first_passage(rare.value, 100.0).unwrap();
@@ -23,7 +19,7 @@ fn what_is_exceeded_a_thousandth_of_the_time() {
 
 #[test]
 fn the_grid_beside_another_tool() {
-    let (guide, mut found) = (guide(), Comparison::default());
+    let (guide, mut found) = (Document::read("src/guide/others.md"), Comparison::default());
     let strength = guide.number("FiPy's numbers were measured with c = D = ").value();
     let duffing = Duffing::new(strength, 1.0, 1.0, strength).unwrap();
     let density = Grid::new().solve(&problem(duffing)).unwrap();
@@ -35,7 +31,7 @@ fn the_grid_beside_another_tool() {
 
 #[test]
 fn a_limit_cycle_with_little_noise() {
-    let (guide, mut found) = (guide(), Comparison::default());
+    let (guide, mut found) = (Document::read("src/guide/trust.md"), Comparison::default());
     let [printed, order] = guide.numbers("limit cycles with little noise (");
     found.number(&printed, cycle_error(&order), 0.0);
     found.finish(1);

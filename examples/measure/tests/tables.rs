@@ -1,4 +1,4 @@
-//! The tables of the campaigns that are kept give the numbers that README prints.
+//! The tables of the campaigns that are kept give the numbers that the guide prints.
 
 #![allow(clippy::unwrap_used, reason = "a value that is missing should fail the test")]
 
@@ -36,16 +36,17 @@ fn kept(summary: &str) -> [usize; 2] {
 }
 
 #[test]
-fn readme_prints_what_the_tables_hold() {
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md")).unwrap();
-    let readme = readme.split_whitespace().collect::<Vec<_>>().join(" ");
-    let says = |phrase: String| assert!(readme.contains(&phrase), "README should have: {phrase}");
+fn the_guide_prints_what_the_tables_hold() {
+    let page =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../src/guide/accuracy.md")).unwrap();
+    let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    let says = |phrase: String| assert!(page.contains(&phrase), "the page should have: {phrase}");
 
     let plane = summary(&[]);
     let [unknown] = numbers(after(&plane, "truth unknown:").next().unwrap());
     says(format!("Of 500 ({unknown} of them the grid did not resolve when the tables were made)"));
     let wrong: usize = after(&plane, "off by 10 % without a warning:").map(|line| numbers::<1>(line)[0]).sum();
-    assert_eq!(wrong, 0, "none off by a tenth is what README says");
+    assert_eq!(wrong, 0, "none off by a tenth is what the page says");
     let [sound, plain] = kept(&plane);
     says(format!("of {plain} densities without a warning {sound} were within three times their estimate"));
 
@@ -62,7 +63,7 @@ fn readme_prints_what_the_tables_hold() {
     let grid = summary(&["--grid"]);
     let [reached, answered] = numbers(after(&grid, "estimate at most 1e-6:").next().unwrap());
     let [right] = numbers(after(&grid, "estimate over distance from 1 to 12:").next().unwrap());
-    assert_eq!(answered, 500, "none refused is what README says");
+    assert_eq!(answered, 500, "none refused is what the page says");
     says(format!(
         "reaches 1e-6 for {reached}, and its estimate is 1 to 12 times the distance from a finer solution for {right}"
     ));
@@ -75,7 +76,7 @@ fn readme_prints_what_the_tables_hold() {
 
     let known = summary(&["--known"]);
     let first = |phrase| numbers::<1>(after(&known, phrase).next().unwrap())[0];
-    assert_eq!([first("n = 4:"), first("without a density:")], [300, 0], "all have a density is what README says");
+    assert_eq!([first("n = 4:"), first("without a density:")], [300, 0], "all have a density is what the page says");
     let [warned, exact] = ["with a warning:", "estimate at most 1e-4:"].map(first);
     says(format!("{warned} with a warning, {exact} exact"));
     says(format!("within three of their errors for {}", first("mean squares within 3 errors:")));

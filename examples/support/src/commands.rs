@@ -3,7 +3,16 @@
 use std::path::{Path, PathBuf};
 
 /// The documents, from the root of the repository.
-pub const DOCUMENTS: [&str; 2] = ["README.md", "src/guide.md"];
+pub const DOCUMENTS: [&str; 8] = [
+    "README.md",
+    "src/guide/accuracy.md",
+    "src/guide/conventions.md",
+    "src/guide/decisions.md",
+    "src/guide/method.md",
+    "src/guide/others.md",
+    "src/guide/programs.md",
+    "src/guide/trust.md",
+];
 
 /// A command of a document.
 #[derive(Clone, Debug, PartialEq, Eq)]
