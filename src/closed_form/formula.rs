@@ -48,6 +48,22 @@ pub(super) struct CornerFormula<'a> {
     pub(super) grazing: Option<&'a Similarity>,
 }
 
+impl<'a> CornerFormula<'a> {
+    /// Without kinks.
+    fn at(corner: &'a Corner, grazes: bool) -> Self {
+        let reach = corner.reach();
+        CornerFormula {
+            offset: corner.wall().offset(),
+            side: corner.side(),
+            reach,
+            kappa: 27.0 * corner.intensity() * reach[0] / reach[1].powi(3),
+            kinks: Vec::new(),
+            // None at an elastic wall.
+            grazing: Some(corner).filter(|_| grazes).and_then(Corner::similarity).filter(|found| found.exponent != 0.0),
+        }
+    }
+}
+
 /// Where the density is not zero.
 pub(super) enum Domain<'a> {
     Everywhere,
@@ -124,18 +140,7 @@ type Written<'a> = (Coordinates<'a>, (f64, Terms), Vec<CornerFormula<'a>>);
 fn in_functions(density: &ClosureDensity) -> Result<Written<'_>> {
     let exponent = density.exponent();
     let space = &exponent.space;
-    let corner = |corner| {
-        let (reach, grazes) = (Corner::reach(corner), exponent.known.contains(corner));
-        CornerFormula {
-            offset: corner.wall().offset(),
-            side: corner.side(),
-            reach,
-            kappa: 27.0 * corner.intensity() * reach[0] / reach[1].powi(3),
-            kinks: Vec::new(),
-            // None at an elastic wall.
-            grazing: Some(corner).filter(|_| grazes).and_then(Corner::similarity).filter(|found| found.exponent != 0.0),
-        }
-    };
+    let corner = |corner| CornerFormula::at(corner, exponent.known.contains(corner));
     let mut corners: Vec<CornerFormula<'_>> = space.corners().iter().map(corner).collect();
     let mut terms = Vec::new();
     for (kink, polynomials, a) in space.terms(&exponent.coefficients) {

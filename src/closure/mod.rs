@@ -23,7 +23,7 @@
 //! `method` holds the options, and `solve` the way from a problem to the steps: `nodal` takes them on Gauss nodes in one and two
 //! states, also next to walls. In three and more, `carried`, `sampled` and `samples`, the pilot's states take the place of the reference:
 //! their means, made precise by the moment equations, have one most likely exponential polynomial; on a lattice there can be a
-//! reference as well. Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls.
+//! reference as well (`lattice_reference`). Next to walls the pilot's impacts are a part of its means, and the equations have integrals over walls.
 //!
 //! `dynamics` has densities in time, by `closest` and on trajectories, and the modes of moment equations in time.
 //!
@@ -43,6 +43,7 @@ mod closest;
 mod density;
 mod discretisation;
 mod dynamics;
+mod lattice_reference;
 mod method;
 mod nodal;
 mod pilot;

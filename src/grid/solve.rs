@@ -132,14 +132,8 @@ impl Grid {
         let mut edges = field.at_edges();
         let edge_level = edges.iter().map(|(.., level)| *level).fold(0.0, f64::max);
         let l1_estimate = difference + changed;
-        let warning = if cut && fine.wells.determined {
-            Some(format!(
-                "the domain loses {:.1e} per unit time at its edges, where the density is {edge_level:.1e} of its peak: its tails are heavy",
-                fine.leak.lost
-            ))
-        } else {
-            self.warning(&fine, l1_estimate, (exhausted, changed))
-        };
+        let cut = cut.then_some(edge_level);
+        let warning = self.warning(&fine, l1_estimate, (cut, exhausted, changed));
         let open = if pilot.settles { None } else { Some(UNSETTLED) };
         let collapsing = walls.iter().flatten().any(Wall::collapses).then_some(COLLAPSE);
         let warning = warning.or(open.or(collapsing).map(str::to_owned));
@@ -182,12 +176,23 @@ impl Grid {
         Ok(density)
     }
 
-    /// What no mesh mends within the memory, given the estimate and the part of it that leaks, rounding and wells leave open.
-    fn warning(&self, fine: &Stationary, l1_estimate: f64, (exhausted, changed): (bool, f64)) -> Option<String> {
+    /// What no mesh mends within the memory, given the estimate, the level at the edges of a domain that cuts the density, and the part of
+    /// the estimate that leaks, rounding and wells leave open.
+    fn warning(
+        &self,
+        fine: &Stationary,
+        l1_estimate: f64,
+        (cut, exhausted, changed): (Option<f64>, bool, f64),
+    ) -> Option<String> {
         if !fine.wells.determined {
             Some(format!(
                 "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
                 fine.places().len()
+            ))
+        } else if let Some(edge_level) = cut {
+            Some(format!(
+                "the domain loses {:.1e} per unit time at its edges, where the density is {edge_level:.1e} of its peak: its tails are heavy",
+                fine.leak.lost
             ))
         } else if exhausted {
             Some(format!(

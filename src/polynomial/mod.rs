@@ -116,6 +116,7 @@ impl Polynomial {
         Self::merged(states, terms.collect())
     }
 
+    /// The same of a list, compiled once for all iterators.
     fn merged(states: usize, mut terms: Vec<(&[u32], f64)>) -> Self {
         if !terms.is_sorted_by(|a, b| ordered(a.0, b.0).is_le()) {
             terms.sort_by(|a, b| ordered(a.0, b.0));

@@ -185,7 +185,7 @@ fn table(pins: &[Pin]) -> String {
     let mut table = String::from("name,value,tolerance\n");
     for Pin { name, value, tolerance } in pins {
         assert!(!name.contains(','), "{name}");
-        writeln!(table, "{name},{value:.16e},{tolerance:.1e}").unwrap();
+        writeln!(table, "{name},{value:.16e},{tolerance:.0e}").unwrap();
     }
     table
 }

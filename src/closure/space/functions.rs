@@ -19,7 +19,7 @@ pub(crate) struct Functions {
     pub(super) blocks: Vec<Block>,
     /// The highest powers of u, w, A and 1/A in kinks.
     #[serde(skip)]
-    highest: [usize; 4],
+    pub(super) highest: [usize; 4],
 }
 
 /// Polynomials, or the products of each of some kinks with all of them.

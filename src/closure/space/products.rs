@@ -71,9 +71,7 @@ impl Products {
             }
         }
         let planes = corners.iter().zip(&kinks).map(|(corner, kinks)| -> Arc<dyn PlaneFunctions> {
-            let powers = kinks.iter().map(Kink::powers);
-            let highest = powers.fold([0; 4], |highest, powers| [0, 1, 2, 3].map(|k| highest[k].max(powers[k])));
-            Arc::new(Kinks { corner: corner.clone(), kinks: kinks.clone(), highest })
+            Arc::new(Kinks { corner: corner.clone(), kinks: kinks.clone(), highest: functions.highest })
         });
         Products::with_planes(functions.box_around(), Planes(planes.collect()), &listed)
     }

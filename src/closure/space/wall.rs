@@ -184,6 +184,11 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn a_list_without_functions_is_refused() {
+        assert!(Functions::of(Vec::new(), Vec::new()).checked(2).is_err());
+    }
+
+    #[test]
     fn the_corner_itself_is_finite() {
         let functions = functions(vec![lower()]);
         let mut values = vec![0.0; functions.len()];
