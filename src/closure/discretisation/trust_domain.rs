@@ -104,6 +104,11 @@ impl TrustDomain {
         TrustDomain { reach, ..self.clone() }
     }
 
+    /// The same with all distances from the centre multiplied by a factor; walls stay where they are.
+    pub(in crate::closure) fn widened(&self, factor: f64) -> Self {
+        TrustDomain { reach: self.reach.iter().map(|reach| factor * reach).collect(), ..self.clone() }
+    }
+
     /// Refuses numbers without a meaning, such as those of a damaged file.
     pub(in crate::closure) fn checked(self, count: usize) -> Read<Self> {
         let sectors = sectors(count);

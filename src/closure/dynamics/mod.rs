@@ -109,11 +109,6 @@ impl Dynamics {
         &self.domain
     }
 
-    /// The rules of nodes next to walls.
-    fn rules(&self) -> &[Rule] {
-        if let Carrier::Rules(rules) = &self.carrier { rules } else { &[] }
-    }
-
     /// The nodes, so many at most where there is a choice. None where there are none.
     fn nodes(&self, most: usize) -> Option<Nodes> {
         match &self.carrier {

@@ -6,8 +6,7 @@
 //! - `moving`: what of a problem moves with a parameter, walls among it;
 //! - `exact`: of an exact density, from its Galerkin equations;
 //! - `factors`: of the moment equations;
-//! - `tangent`: of their solution, under a weight that moves along; `walled`: the same next to walls, where the singular part of the
-//!   weight does;
+//! - `tangent`: of their solution, under a weight of which the singular part next to walls moves along;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
 //! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`: what it says at fixed states and at the walls, of moments, tails
@@ -23,7 +22,6 @@ mod on_states;
 mod projected;
 mod slope;
 mod tangent;
-mod walled;
 
 pub use answers::ClosureSensitivity;
 
@@ -36,7 +34,6 @@ use super::space::{Functions, Polynomials};
 use crate::closure::REFERENCE_EXCESS;
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::fokker_planck::FokkerPlanck;
 use crate::parallel;
 use crate::polynomial::monomials;
 use crate::problem::{Problem, Symmetry};
@@ -47,8 +44,7 @@ use exact::Newton;
 use moving::Moving;
 use projected::LinearisedFit;
 use slope::Slope;
-use tangent::{Derivative, SmoothTangent};
-use walled::WalledTangent;
+use tangent::{Derivative, Tangent};
 
 /// The least degree of the moment equations for derivatives by parameters of systems without impulses.
 const LEAST_DEGREE: u32 = 14;
@@ -63,13 +59,7 @@ const EXCESS_STRUCK: [u32; 2] = [4, 8];
 struct Linearised<'a> {
     /// Of an exact density.
     newton: Option<Newton<'a>>,
-    fitted: Option<(LinearisedFit, DerivativeEquations<'a>)>,
-}
-
-/// The moment equations that a derivative solves.
-enum DerivativeEquations<'a> {
-    Smooth(Box<SmoothTangent<'a>>),
-    Walled(Box<WalledTangent<'a>>),
+    fitted: Option<(LinearisedFit, Tangent<'a>)>,
 }
 
 /// The derivative of a density.
@@ -117,8 +107,7 @@ impl ClosureDensity {
         let moving = moving.collect::<Result<Vec<_>>>()?;
         let symmetry = moving.iter().fold(problem.symmetry(), |symmetry, moving| symmetry.and_of(&moving.operator));
         let system = self.system_of_order(moving.iter().any(Moving::grazes), &symmetry)?;
-        let operators = moving.iter().map(|moving| &moving.operator);
-        let linearised = self.linearised(problem, system.as_ref(), &symmetry, operators)?;
+        let linearised = self.linearised(problem, system.as_ref(), &symmetry)?;
         let one = |(parameter, moving): (&&str, &Moving)| {
             let found = linearised.along(self, moving).ok_or(self.failed())?;
             // The rate of impacts is that of the density over the stretched length.
@@ -173,36 +162,26 @@ impl ClosureDensity {
         system.map(Some).ok_or(self.failed())
     }
 
-    /// What derivatives along motions with these derivatives of the operator have in common.
-    fn linearised<'a, 'o>(
+    /// What derivatives with a symmetry have in common.
+    fn linearised<'a>(
         &'a self,
         problem: &Problem,
         system: Option<&'a MomentSystem>,
         symmetry: &Symmetry,
-        operators: impl Iterator<Item = &'o FokkerPlanck> + Clone,
     ) -> Result<Linearised<'a>> {
-        let (origin, walled) = (self.candidates()[0].origin, !problem.walls().is_empty());
+        let (origin, dynamics) = (self.candidates()[0].origin, self.origin()?);
         let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
-        let dynamics = self.origin()?;
-        let solution = |system: &'a MomentSystem| {
-            if walled {
-                return Some(DerivativeEquations::Walled(Box::new(WalledTangent::new(
-                    system,
-                    dynamics.passages(),
-                    operators.clone(),
-                ))));
-            }
-            Some(DerivativeEquations::Smooth(Box::new(SmoothTangent::new(problem, system, dynamics.domain())?)))
+        let fitted = |system| {
+            let fit = LinearisedFit::new(self, self.functions(symmetry), tails).ok_or(self.failed())?;
+            Ok((fit, Tangent::new(system, dynamics.passages(), dynamics.domain())))
         };
-        let fitted = |system| Some((LinearisedFit::new(self, self.functions(symmetry), tails)?, solution(system)?));
         let newton = if matches!(origin, Origin::Exact) {
             let newton = Newton::new(self, problem, self.functions(symmetry), dynamics.passages());
             Some(newton.ok_or(self.failed())?)
         } else {
             None
         };
-        let fitted = system.map(|system| fitted(system).ok_or(self.failed())).transpose()?;
-        Ok(Linearised { newton, fitted })
+        Ok(Linearised { newton, fitted: system.map(fitted).transpose()? })
     }
 
     fn failed(&self) -> Error {
@@ -270,11 +249,8 @@ impl<'a> Linearised<'a> {
             Linearised { newton: Some(newton), .. } if !moving.grazes() => {
                 (Slope { regular: newton.slope(&moving.operator)?, singular: Vec::new() }, None, None)
             }
-            Linearised { fitted: Some((fit, solution)), .. } => {
-                let derivative = match solution {
-                    DerivativeEquations::Smooth(tangent) => tangent.along(&moving.operator)?,
-                    DerivativeEquations::Walled(tangent) => tangent.along(moving)?,
-                };
+            Linearised { fitted: Some((fit, tangent)), .. } => {
+                let derivative = tangent.along(moving)?;
                 let along = density.centred(derivative.values(&density.nodes), 1).0;
                 let known = derivative.s.singulars(&density.nodes);
                 let slope = Slope { regular: fit.slope(&along, &known)?, singular: moving.singular.clone() };

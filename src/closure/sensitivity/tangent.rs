@@ -1,71 +1,40 @@
+use super::Moving;
 use super::answers::Whole;
 use super::factors::MomentFactors;
 use super::slope::Slope;
-use crate::closure::WEIGHT_POWER;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::locals;
+use crate::closure::discretisation::WallPassage;
 use crate::closure::discretisation::nodes::NodalGenerator;
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::dynamics::MomentSystem;
-use crate::closure::projection::tempered;
-use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
-use crate::fokker_planck::{FokkerPlanck, Local};
-use crate::numerics::{combination, weighted_product, weighted_sum};
-use crate::problem::Problem;
+use crate::numerics::{combination, weighted_sum};
 use crate::states::States;
 use faer::Mat;
 use std::sync::Arc;
 
-/// The degree of the polynomial that is the derivative of the weight's logarithm by a parameter.
-const DEGREE: u32 = 12;
-/// The most times that the derivative of the weight's logarithm by a parameter is renewed.
-const RENEWALS: usize = 12;
-/// What the derivative of the weight's logarithm leaves of a density's derivative must fall by this factor each time that it is
-/// renewed.
-const FALLS: f64 = 0.9;
-
-/// A function at the nodes, with its derivatives.
-struct Jets {
-    value: Vec<f64>,
-    gradient: Vec<Vec<f64>>,
-    hessian: Vec<Vec<f64>>,
-}
-
-impl Jets {
-    fn of(function: &Exponent, points: &States) -> Self {
-        let derivatives =
-            sweep::at_jets(function, points, |_, gradient, hessian| (gradient.to_vec(), hessian.to_vec()));
-        let (gradient, hessian) = derivatives.into_iter().unzip();
-        Jets { value: function.values(points), gradient, hessian }
-    }
-}
-
-/// The solution p̂ = ω u of the moment equations, u = Σ d_l ψ_l, with all that its derivatives have in common.
+/// The solution p̂ = ω u of the moment equations, with all that its derivatives have in common.
 ///
-/// p̂′ = ω (u s + Σ d′_l ψ_l) with a polynomial s of a lower degree that stands for the derivative of ln ω: the weight moves along.
-/// With the weight fixed, what flows through the edge of the domain would be multiplied by the derivative itself and not by what
-/// s leaves of it. The part with s is tested in strong form, ∫ ψ_k L(ω u s) dx, which has no flux through the edge.
+/// p̂′ = ω (u Q₀′ + Σ d′_l ψ_l), where Q₀′ is how the singular part of ln ω next to walls moves. The derivative of the equations is
 ///
-/// Impulses have no such form. Under them the moment equations themselves are those of a process that stays on the domain, ∫ ω u 𝓖ψ_k dx =
-/// 0, and all of their derivative is taken in that form: with the strong one for drift and noise alone the estimates of the L¹ error were 1.1
-/// to 10 times as large, and by damping and stiffness at n = 8 some hundred times.
-pub(super) struct SmoothTangent<'a> {
+/// ∫ p̂′ 𝓖ψ dx + Σ p̂′ \[ψ after − ψ before\] = −∫ p̂ 𝓖′ψ dx − ∂(Σ p̂ \[ψ after − ψ before\]),
+///
+/// with sums over impacts, of which θ changes the velocity after and, between two walls that move, the time. What flows through the
+/// edge of the domain is no part of it: next to walls the density there is e⁻³² of its peak, elsewhere the domain is wider than that of
+/// the density, and under impulses the equations are those of a process that stays on it.
+pub(super) struct Tangent<'a> {
     system: &'a MomentSystem,
+    passages: &'a [WallPassage],
+    /// Impulses that leave it are left out.
     domain: &'a TrustDomain,
-    /// Whether impulses act.
-    struck: bool,
-    log_weight: Jets,
-    /// u, as a function and at the nodes.
+    before: States,
+    after: States,
+    /// ω at the nodes, times the quadrature weights, and then at impacts, times their weights.
+    weights: Vec<f64>,
+    /// u, as a function and there.
     solution: Arc<Exponent>,
-    ratio: Jets,
+    ratio: Vec<f64>,
     factors: MomentFactors,
-    /// The functions χ of s, orthonormal under p̂^0.6,
-    lower: Orthonormal,
-    /// ∫ ψ_k L(ω u χ_j) dx, by which s enters the equations,
-    entering: Mat<f64>,
-    /// and ∫ p̂^0.6 χ_j ψ_l/u dx, the part of Σ d′_l ψ_l/u that s can take up.
-    taken: Mat<f64>,
 }
 
 /// p̂′/p̂ = s + Σ d′_l ψ_l/u.
@@ -79,134 +48,77 @@ pub(super) struct Derivative<'a> {
     pub(super) below: Vec<f64>,
 }
 
-impl<'a> SmoothTangent<'a> {
-    /// None where the functions are linearly dependent.
-    pub(super) fn new(problem: &Problem, system: &'a MomentSystem, domain: &'a TrustDomain) -> Option<Self> {
-        let points = &system.nodes.points;
-        let solution = Arc::new(system.function(&system.stationary(false)));
-        let ratio = Jets::of(&solution, points);
+impl<'a> Tangent<'a> {
+    pub(super) fn new(system: &'a MomentSystem, passages: &'a [WallPassage], domain: &'a TrustDomain) -> Self {
+        let ends = |end: fn(&WallPassage) -> &[f64; 2]| {
+            let mut points = States::new(system.nodes.points.dimension());
+            passages.iter().for_each(|passage| points.push(end(passage)));
+            points
+        };
+        let (before, after) = (ends(|passage| &passage.before), ends(|passage| &passage.after));
+        let stationary = system.stationary(false);
+        let ratio = combination(system.functions.values.as_ref(), &stationary);
+        let impacts = passages.iter().zip(system.weight.values(&before)).map(|(p, log)| p.weight * log.exp());
+        let weights = system.measure.iter().copied().chain(impacts).collect();
         let factors = MomentFactors::new(system);
-        let log_weight = Jets::of(&system.weight, points);
-        let logs: Vec<f64> =
-            log_weight.value.iter().zip(&ratio.value).map(|(log, u)| log + u.max(f64::MIN_POSITIVE).ln()).collect();
-        let measure = tempered(&logs, &system.nodes.weights, WEIGHT_POWER);
-        let functions = system.functions.values.get(..points.len(), ..);
-        let columns = system.columns_of_degree(DEGREE);
-        let lower = Orthonormal::new(functions.get(.., ..columns).to_owned(), &measure)?;
-        let struck = !problem.impulses().is_empty();
-        let over: Vec<f64> = measure.iter().zip(&ratio.value).map(|(w, u)| w / u).collect();
-        let taken = weighted_product(lower.values.as_ref(), functions, &over);
-        let entering = Mat::new();
-        let tangent =
-            SmoothTangent { system, domain, struck, log_weight, solution, ratio, factors, lower, entering, taken };
-        let entering = if struck { tangent.entering_weakly() } else { tangent.entering(&locals(problem, points)) };
-        Some(SmoothTangent { entering, ..tangent })
+        let solution = Arc::new(system.function(&stationary));
+        Tangent { system, passages, domain, before, after, weights, solution, ratio, factors }
     }
 
-    /// ∫ ψ_k L(ω u χ_j) dx by the rates of ψ.
-    fn entering_weakly(&self) -> Mat<f64> {
-        let weights: Vec<f64> = self.ratio.value.iter().zip(&self.system.measure).map(|(u, w)| u * w).collect();
-        weighted_product(self.system.rates.as_ref(), self.lower.values.as_ref(), &weights)
-    }
-
-    /// The same in strong form, with the operator at the nodes.
-    fn entering(&self, locals: &[Local]) -> Mat<f64> {
-        let (system, u) = (self.system, &self.ratio);
-        // L(ω u χ)/ω = χ L(ω u)/ω + (u r + B∇u)·∇χ + ½ u B:∇∇χ with the reversed drift r.
-        let n = system.nodes.points.dimension();
-        let flow = |i: usize| {
-            let (local, u, slope) = (&locals[i], u.value[i], &u.gradient[i]);
-            let mut drift = vec![0.0; n];
-            local.reversed(&self.log_weight.gradient[i], &mut drift);
-            for (a, drift) in drift.iter_mut().enumerate() {
-                let spread: f64 = (0..n).map(|b| local.diffusion[a * n + b] * slope[b]).sum();
-                *drift = u * *drift + spread;
-            }
-            (drift, local.diffusion.iter().map(|b| u * b).collect::<Vec<f64>>())
-        };
-        let flows: Vec<(Vec<f64>, Vec<f64>)> = (0..locals.len()).map(flow).collect();
-        let columns = self.lower.values.ncols();
-        let space = system.space.first(columns - 1);
-        let [mut values, mut images] = [(); 2].map(|()| Mat::zeros(locals.len(), columns));
-        let local = |i: usize| (&flows[i].0[..], &flows[i].1[..]);
-        sweep::tabulate_rates(&space, &system.nodes.points, &local, [values.as_mut(), images.as_mut()]);
-        system.functions.transform(images.as_mut());
-        self.lower.transform(images.as_mut());
-        let still = self.strong(locals);
-        for j in 0..columns {
-            let values = self.lower.values.col(j);
-            (0..locals.len()).for_each(|i| images[(i, j)] += still[i] * values[i]);
-        }
-        weighted_product(system.functions.values.get(..locals.len(), ..), images.as_ref(), &system.measure)
-    }
-
-    /// The derivative along an operator's. None where it is not finite.
-    pub(super) fn along(&self, moved: &FokkerPlanck) -> Option<Derivative<'a>> {
-        self.renewed(&self.tested(moved))
-    }
-
-    /// The solution for a source ∫ ψ_k L(ω g) dx, with a polynomial s that takes up as much of it as it can.
-    fn renewed(&self, fixed: &[f64]) -> Option<Derivative<'a>> {
+    /// The derivative along a motion: A d′ = −(source). None where it is not finite.
+    pub(super) fn along(&self, moving: &Moving) -> Option<Derivative<'a>> {
         let system = self.system;
-        let mut best = None;
-        let mut least = f64::INFINITY;
-        let mut s = vec![0.0; self.lower.values.ncols()];
-        for _ in 0..RENEWALS {
-            let along = combination(self.entering.as_ref(), &s);
-            let source: Vec<f64> = fixed.iter().zip(&along).map(|(a, b)| a + b).collect();
-            let [d, below] = self.factors.solved(&source);
-            let size = d.iter().map(|d| d * d).sum::<f64>();
-            if size.is_nan() || size >= FALLS.powi(2) * least {
-                break;
-            }
-            least = size;
-            let taken = combination(self.taken.as_ref(), &d);
-            best = Some((s.clone(), d, below));
-            s.iter_mut().zip(&taken).for_each(|(s, taken)| *s += taken);
-        }
-        let (s, d, below) = best?;
-        let regular = system.function(&self.lower.coefficients(&s));
-        let s = Slope { regular, singular: Vec::new() };
-        let density: Vec<f64> = self.ratio.value.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
+        // How the singular part of ln ω moves.
+        let s = Slope { regular: system.function(&[0.0]), singular: moving.singular.clone() };
+        let mut source = self.carried(&s, moving.shift[1]);
+        add(&mut source, &self.moved(moving));
+        let [d, below] = self.factors.solved(&source);
+        let finite = d.iter().chain(&below).all(|d| d.is_finite());
+        let density: Vec<f64> = self.weights[..self.nodes()].iter().zip(&self.ratio).map(|(w, u)| w * u).collect();
         let solution = Arc::clone(&self.solution);
-        Some(Derivative { system, solution, s, d, below }.centred(&density))
+        finite.then(|| Derivative { system, solution, s, d, below }.centred(&density))
     }
 
-    /// ∫ ψ_k L′(ω u) dx for the derivative L′ of an operator, in the form that is right with impulses or without.
-    fn tested(&self, moved: &FokkerPlanck) -> Vec<f64> {
-        let (system, points) = (self.system, &self.system.nodes.points);
-        let weighted = |of: &[f64]| of.iter().zip(&system.measure).map(|(value, w)| value * w).collect::<Vec<f64>>();
-        let locals = moved.locals(points);
-        if !self.struck {
-            return weighted_sum(system.functions.values.get(..points.len(), ..), &weighted(&self.strong(&locals)));
-        }
-        let impulses = &moved.impulse_terms();
-        let generator = NodalGenerator { points, locals: &locals, passages: &[], impulses, domain: self.domain };
-        let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(points.len(), system.space.len() + 1));
-        generator.enter(&system.space, [values.as_mut(), rates.as_mut()]);
-        system.functions.transform(rates.as_mut());
-        weighted_sum(rates.as_ref(), &weighted(&self.ratio.value))
+    fn nodes(&self) -> usize {
+        self.system.nodes.points.len()
     }
 
-    /// L(ω u)/ω at the nodes.
-    fn strong(&self, operator: &[Local]) -> Vec<f64> {
-        let u = &self.ratio;
-        let at = |i: usize| {
-            let (gradient, hessian) = (&self.log_weight.gradient[i], &self.log_weight.hessian[i]);
-            let local = &operator[i];
-            let n = gradient.len();
-            let mut reversed = vec![0.0; n];
-            local.reversed(gradient, &mut reversed);
-            let mut sum = u.value[i] * local.residual(gradient, hessian);
-            for a in 0..n {
-                sum += reversed[a] * u.gradient[i][a];
-                for b in 0..n {
-                    sum += 0.5 * local.diffusion[a * n + b] * u.hessian[i][a * n + b];
-                }
-            }
-            sum
+    /// The sums of 𝓖ψ and of its jumps under the known part of p̂′/ω, of which impacts miss what the coordinate takes as it stretches.
+    fn carried(&self, s: &Slope, stretch: f64) -> Vec<f64> {
+        let all = s.singulars(&self.system.nodes.points).into_iter().chain(s.singulars(&self.before));
+        let mut known: Vec<f64> = all.zip(&self.ratio).map(|(s, u)| s * u).collect();
+        (self.nodes()..known.len()).for_each(|i| known[i] -= self.ratio[i] * stretch);
+        known.iter_mut().zip(&self.weights).for_each(|(known, weight)| *known *= weight);
+        weighted_sum(self.system.rates.as_ref(), &known)
+    }
+
+    /// The sums of 𝓖′ψ and of the derivative of its jumps under p̂: ψ after an impact changes as the velocity there does, by the speed
+    /// before it.
+    fn moved(&self, moving: &Moving) -> Vec<f64> {
+        let (space, points) = (&self.system.space, &self.system.nodes.points);
+        let masses: Vec<f64> = self.ratio.iter().zip(&self.weights).map(|(u, weight)| u * weight).collect();
+        let (inside, impacts) = masses.split_at(self.nodes());
+        let tables = |points: &States| [(); 2].map(|()| Mat::zeros(points.len(), space.len() + 1));
+        let (locals, impulses) = (moving.operator.locals(points), moving.operator.impulse_terms());
+        let generator =
+            NodalGenerator { points, locals: &locals, passages: &[], impulses: &impulses, domain: self.domain };
+        let [mut values, mut rates] = tables(points);
+        generator.enter(space, [values.as_mut(), rates.as_mut()]);
+        let mut sum = weighted_sum(rates.as_ref(), inside);
+        let change = |passage: &WallPassage| {
+            let (v, side) = (passage.before[1], usize::from(passage.before[1] > 0.0));
+            [0.0, -v * moving.restitution[side]]
         };
-        (0..u.value.len()).map(at).collect()
+        let changes: Vec<[f64; 2]> = self.passages.iter().map(change).collect();
+        if changes.iter().any(|[_, change]| *change != 0.0) {
+            let local = |i: usize| (&changes[i][..], &[0.0; 4][..]);
+            let [mut values, mut rates] = tables(&self.after);
+            sweep::tabulate_rates(space, &self.after, &local, [values.as_mut(), rates.as_mut()]);
+            add(&mut sum, &weighted_sum(rates.as_ref(), impacts));
+        }
+        let mut sums = Mat::from_fn(1, sum.len(), |_, k| sum[k]);
+        self.system.functions.transform(sums.as_mut());
+        sums.row(0).iter().copied().collect()
     }
 }
 
@@ -249,4 +161,8 @@ impl Derivative<'_> {
         let masses = own.into_iter().zip(below).map(<[f64; 2]>::from).collect();
         Whole { points: points.clone(), masses }
     }
+}
+
+fn add(sum: &mut [f64], part: &[f64]) {
+    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
 }

@@ -91,13 +91,6 @@ impl Functions {
         self.blocks.iter().map(Block::len).sum()
     }
 
-    /// The first so many; all of them next to walls.
-    pub(in crate::closure) fn first(&self, count: usize) -> Self {
-        let Some(all) = self.polynomials() else { return self.clone() };
-        let exponents = all.exponents()[..count].to_vec();
-        Polynomials::new(all.centre().to_vec(), all.half_width().to_vec(), exponents).into()
-    }
-
     /// The number of states.
     pub(crate) fn dimension(&self) -> usize {
         self.blocks.first().map_or(0, |block| block.factors.centre().len())
