@@ -111,15 +111,12 @@ const REFERENCE_EXCESS: [u32; 4] = [8, 8, 8, 4];
 /// samples: a bound on work. Where the density of samples two degrees higher has more, only those of one and of two states are
 /// taken beyond the order.
 const MOST_FUNCTIONS: usize = 800;
-/// The power of the density under which the weight of a reference is fitted: flatter than the density, for the tails' sake.
-/// Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +6 % or +34 %.
-const WEIGHT_POWER: f64 = 0.6;
 /// A reference with an L¹ error as small as this needs no further attempt, and a density as close to it may be exact. None of
 /// nine closures of orders 4 to 8 depends on it.
 const FINE_REFERENCE: f64 = 2e-5;
-/// A reference on Gauss nodes with an L¹ error above this is not used, as the pilot's own fit is better; on a lattice, where
-/// the search starts from that fit, it does not go on from such an error. None of nine closures of orders 4 to 8 depends on it.
-const UNUSABLE: f64 = 1.0;
+/// The power of the density under which the weight of a reference is fitted: flatter than the density, for the tails' sake.
+/// Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +6 % or +34 %.
+const WEIGHT_POWER: f64 = 0.6;
 /// The power of the density that stands for its tails in the weight of a fit.
 const TAILS_POWER: f64 = 0.3;
 /// The most steps of Newton's method towards an exact density, each of which converges. None of nine closures of orders 4 to 8

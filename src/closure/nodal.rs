@@ -1,7 +1,7 @@
 //! The closure of one and two states, from the discretisation to the density.
 
 use super::candidates::indicator::{Indication, Probe, indicate};
-use super::candidates::{Candidate, Fitted, Origin, Retained, Scoring, mean_logarithm};
+use super::candidates::{Candidate, Fitted, Retained, Scoring, mean_logarithm};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
@@ -18,7 +18,7 @@ use super::reference::{ReferenceDensity, ReferenceStart, normalised};
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::nested_spaces::NestedSpaces;
 use super::space::orthonormal::Orthonormal;
-use crate::closure::{DRAWS, SOLVED, UNUSABLE, WEIGHT_POWER};
+use crate::closure::{DRAWS, SOLVED, WEIGHT_POWER};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
@@ -79,7 +79,8 @@ impl NodalClosure {
             return self.content(order);
         }
         let by_states = || {
-            let family = |order| self.discretisation.family.nested(order).answer;
+            let family = self.discretisation.family.without_kinks();
+            let family = |order| family.functions(order);
             let orders = (2..order).step_by(2).chain([order]);
             self.exact(order, exact_on_states(&self.problem, &self.pilot.states, family, orders)?, 0)
         };
@@ -99,10 +100,9 @@ impl NodalClosure {
         let nested = discretisation.family.nested(order);
         let unsolved = || failed("its moment equations have no solution; the noise may not reach every state");
         let table = self.tabulated(&nested).ok_or_else(unsolved)?;
-        let reference = ReferenceDensity::new(discretisation, &nested, &table, self.start.as_ref(), || {
-            self.fit(&self.pilot.states)
-        })
-        .ok_or_else(unsolved)?;
+        let fit = || self.fit(&self.pilot.states);
+        let reference = ReferenceDensity::new(discretisation, &nested, &table, self.start.as_ref(), fit);
+        let reference = reference.ok_or_else(unsolved)?;
         let kept = Retained::above(discretisation, &reference);
         if kept.points.len() < nested.answer_columns {
             return Err(failed("its moment equations leave no part of the trust domain to compare densities on"));
@@ -112,11 +112,11 @@ impl NodalClosure {
         let validation_states = self.pilot.states.evenly(VALIDATION_STATES);
         let functions = (&table.functions, values.as_ref());
         let scoring = self.scoring(&nested, &reference, &kept, functions, &validation_states);
-        let mut tried = self.tried(&scoring, &kept);
-        let chosen = tried.first().ok_or_else(|| failed("no exponential polynomial fits the reference"))?;
-        // Under impulses no density is known to be an exponential polynomial.
-        let exact =
-            if discretisation.impulses.is_empty() { self.exact_at(order, &scoring, &kept, chosen) } else { None };
+        let mut tried = scoring.candidates(self.weight);
+        if tried.is_empty() {
+            return Err(failed("no exponential polynomial fits the reference"));
+        }
+        let exact = self.exact_at(order, &scoring, &kept);
         if let Some(content) = exact.and_then(|exact| self.exact(order, exact, reference.solved)) {
             return Ok(content);
         }
@@ -232,28 +232,6 @@ impl NodalClosure {
         }
     }
 
-    /// The densities that were tried, the best one first.
-    fn tried(&self, scoring: &Scoring<'_>, kept: &Retained) -> Vec<Fitted> {
-        let discretisation = &self.discretisation;
-        let mut tried = scoring.candidates(self.weight);
-        let doubted = scoring.reference.error > UNUSABLE || !tried.first().is_some_and(|f| f.candidate.accepted);
-        if doubted && self.lattice.is_none() {
-            // There is no reference, or the pilot contradicts it: the pilot's own fit is the better answer.
-            let fit = likeliest(
-                scoring.space.clone(),
-                discretisation.known().to_vec(),
-                &discretisation.nodes,
-                &self.pilot.states,
-                1.0,
-            );
-            if let Some(fit) = fit {
-                let log = fit.values(&kept.points);
-                tried.insert(0, scoring.scored(Origin::MaximumLikelihood, fit, &log));
-            }
-        }
-        tried
-    }
-
     /// The rules for the integrals of a density on a domain: those of the nodes, if they do.
     fn resolved(&self, exponent: &Exponent, domain: &TrustDomain, estimate: f64) -> ResolvedRules {
         let given = &self.discretisation.nodes.rules;
@@ -293,13 +271,7 @@ impl NodalClosure {
 
     /// The most likely density, in the functions of the initial fit, for states under the system's own intensities.
     fn fit(&self, states: &States) -> Option<Exponent> {
-        let discretisation = &self.discretisation;
-        likeliest(
-            discretisation.guess.space.clone(),
-            discretisation.known().to_vec(),
-            &discretisation.nodes,
-            states,
-            1.0,
-        )
+        let Discretisation { guess, nodes, .. } = &self.discretisation;
+        likeliest(guess.space.clone(), guess.known.clone(), nodes, states, 1.0)
     }
 }

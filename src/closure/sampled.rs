@@ -7,11 +7,11 @@ use super::density::content::{Content, Integrals};
 use super::density::exponent::Exponent;
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
-use super::pilot::{Pilot, normal_density};
+use super::pilot::Pilot;
 use super::projection::on_states::{exact_near, exact_on_states};
 use super::reference::scaled_mass;
 use super::samples::{
-    Copula, FunctionFamily, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_on_means,
+    Copula, FunctionFamily, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_exactly, close_on_means,
     close_on_samples, unevenness,
 };
 use super::space::degrees;
@@ -55,14 +55,13 @@ impl SampledSystem {
         close_on_samples(Samples { problem, pilot, family, order, copula, seed: *seed })
     }
 
-    /// The exact density of the lowest even order up to one, with that order: equations of higher ones are all but singular at it.
-    fn lowest_exact(&self, order: u32) -> Option<(u32, Exponent)> {
-        let functions = |order| self.family.functions(order);
+    /// The exact density of the lowest even order up to one: equations of higher ones are all but singular at it. Above elastic walls it has
+    /// no kinks.
+    fn lowest_exact(&self, order: u32) -> Option<Exponent> {
+        let without_kinks = self.family.without_kinks();
+        let functions = |order| without_kinks.as_ref().unwrap_or(&self.family).functions(order);
         let orders = (2..order).step_by(2).chain([order]);
-        let found = exact_on_states(&self.problem, &self.pilot.states, functions, orders)?;
-        let degree = |alpha: &Vec<u32>| alpha.iter().sum();
-        let order = found.space.polynomials()?.exponents().iter().map(degree).max()?;
-        Some((order, found))
+        exact_on_states(&self.problem, &self.pilot.states, functions, orders)
     }
 
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
@@ -123,16 +122,21 @@ impl SampledSystem {
         let copula = if self.referred { copula.followed(BY_REFERENCE) } else { copula };
         let reason =
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
-        let exact = self.lowest_exact(order);
-        let lowest = exact.as_ref().map_or(order, |(lower, _)| *lower);
-        let found = self.on_samples(lowest, &copula).ok_or(Error::NotClosed { order, reason })?;
-        let near = || exact_near(&self.problem, &self.pilot.states, &found.exponent);
-        let exact = exact.map(|(_, exponent)| exponent).or_else(|| if found.exact { None } else { near() });
-        let found = match exact {
-            Some(exponent) if !found.exact => found.exactly(exponent),
-            // Its coefficients are those of the covariance, right to rounding.
-            Some(exponent) if normal_density(&self.problem).is_some() => SampleClosure { exponent, ..found },
-            _ => found,
+        let few = Error::NotClosed { order, reason };
+        let SampledSystem { problem, pilot, family, seed, .. } = self;
+        let found = match self.lowest_exact(order) {
+            Some(exact) => {
+                let samples = Samples { problem, pilot, family, order, copula: &copula, seed: *seed };
+                close_exactly(samples, exact).ok_or(few)?
+            }
+            None => {
+                let found = self.on_samples(order, &copula).ok_or(few)?;
+                let exact = exact_near(problem, &pilot.states, &found.exponent);
+                match exact {
+                    Some(exact) => found.exactly(exact),
+                    None => found,
+                }
+            }
         };
         let mut without_reference = None;
         if self.referred && !found.exact {

@@ -28,6 +28,12 @@ impl Contact {
         self.sign * (x[self.first.0] - self.second.map_or(0.0, |(y, _)| x[y]) - self.wall.offset())
     }
 
+    /// What the gap changes by with a state: ±1 for a displacement of its bodies, 0 for all others.
+    pub(crate) fn gap_slope(&self, state: usize) -> f64 {
+        let of = |body: Option<(usize, usize)>| f64::from(u8::from(body.is_some_and(|(y, _)| y == state)));
+        self.sign * (of(Some(self.first)) - of(self.second))
+    }
+
     /// The rate of the gap; minus the speed of approach.
     #[inline]
     pub(crate) fn rate(&self, x: &[f64]) -> f64 {

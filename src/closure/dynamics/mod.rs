@@ -104,6 +104,11 @@ impl Dynamics {
         &self.passages
     }
 
+    /// The functions of an order of the closure.
+    pub(super) fn functions(&self, order: u32) -> Functions {
+        self.family.functions(order)
+    }
+
     /// The trust domain.
     pub(super) fn domain(&self) -> &TrustDomain {
         &self.domain

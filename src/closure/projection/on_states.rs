@@ -1,18 +1,19 @@
 //! Exact densities, found at the states of a pilot alone.
 //!
 //! The residual of exp(Q) is a polynomial where the system is one. If it vanishes at more states than it has monomials, it vanishes
-//! everywhere, and an exp(Q) that satisfies the stationary equation and has a finite integral is the stationary density. Neither nodes
-//! nor integrals come in, so that narrow wells and thin ridges are no obstacle.
+//! everywhere, and an exp(Q) that satisfies the stationary equation and has a finite integral is the stationary density; above elastic
+//! walls where it has the same value before impacts and after them. Neither nodes nor integrals come in, so that narrow wells and thin
+//! ridges are no obstacle.
 
 use crate::closure::density::exponent::Exponent;
-use crate::closure::discretisation::locals;
+use crate::closure::discretisation::{locals, nodes};
 use crate::closure::pilot::normal_density;
 use crate::closure::space::{Functions, sweep};
 use crate::closure::{CONVERGING, EXACT_STEPS, ROUNDING, SOLVED};
 use crate::fokker_planck::Local;
-use crate::numerics::{least_norm, triangle};
+use crate::numerics::{combination, least_norm, triangle};
 use crate::polynomial::{Gaussian, monomials};
-use crate::problem::Problem;
+use crate::problem::{Contact, Problem};
 use crate::states::States;
 use faer::{Col, Mat};
 use nalgebra::DVector;
@@ -20,6 +21,8 @@ use nalgebra::DVector;
 /// The states at which the residual of an exact density is to vanish, and those by which its root is first guessed: bounds on
 /// work, as three times as many give the same.
 const AT_STATES: [usize; 2] = [4000, 20_000];
+/// The states at which impacts on a wall are to leave an exact density as it is.
+const AT_WALL: usize = 1000;
 /// The most functions of an exact density that is sought at states of the pilot: a bound on work.
 const MOST: usize = 150;
 
@@ -30,21 +33,29 @@ pub(in crate::closure) fn exact_on_states(
     functions: impl Fn(u32) -> Functions,
     orders: impl Iterator<Item = u32>,
 ) -> Option<Exponent> {
-    if !is_smooth(problem) {
-        return None;
-    }
-    let [few, more] = AT_STATES.map(|count| states.evenly(count));
-    let (locals, normal) = (locals(problem, &few), normal_density(problem));
+    let (conditions, normal) = (Conditions::new(problem, states)?, normal_density(problem));
+    let more = states.evenly(AT_STATES[1]);
     orders.filter(|order| *order > 1).map(functions).find_map(|space| {
         if let Some(normal) = &normal {
             return quadratic(&space, normal);
         }
-        if space.len() > MOST || few.len() < 2 * space.len() {
+        if space.len() > MOST || conditions.states.len() < 2 * space.len() {
             return None;
         }
-        let start = by_scores(&space, &more)?;
-        root((&few, &locals), Exponent { known: Vec::new(), space, constant: 0.0, coefficients: start })
+        let start = by_scores(&space, &problem.contacts(), &more)?;
+        conditions.root(Exponent { known: Vec::new(), space, constant: 0.0, coefficients: start })
     })
+}
+
+/// The exact density near another one.
+pub(in crate::closure) fn exact_near(problem: &Problem, states: &States, start: &Exponent) -> Option<Exponent> {
+    let conditions = Conditions::new(problem, states).filter(|_| start.known.is_empty())?;
+    (conditions.states.len() >= 2 * start.space.len()).then(|| conditions.root(start.clone()))?
+}
+
+/// Whether an exp(Q) may be exact: impulses are an integral in the equation, and impacts that take energy make a singularity.
+pub(in crate::closure) fn may_be_exact(problem: &Problem) -> bool {
+    problem.impulses().is_empty() && problem.walls().iter().all(|wall| wall.restitution() == 1.0)
 }
 
 /// ln p of a normal density, up to a constant. None where the covariance has no inverse, or a monomial is not among the functions.
@@ -76,44 +87,35 @@ pub(in crate::closure) fn quadratic(space: &Functions, Gaussian { mean, covarian
     Some(Exponent { known: Vec::new(), space: space.clone(), constant: 0.0, coefficients })
 }
 
-/// Whether the residual is all of the equation: impulses are an integral in it, and walls a condition beside it.
-fn is_smooth(problem: &Problem) -> bool {
-    problem.impulses().is_empty() && problem.walls().is_empty()
-}
-
-/// The exact density near another one, by the residual at states.
-pub(in crate::closure) fn exact_near(problem: &Problem, states: &States, start: &Exponent) -> Option<Exponent> {
-    if !is_smooth(problem) || !start.known.is_empty() {
-        return None;
-    }
-    let few = states.evenly(AT_STATES[0]);
-    (few.len() >= 2 * start.space.len()).then(|| root((&few, &locals(problem, &few)), start.clone()))?
-}
-
-/// The coefficients that make E[½|s∇Q|² + s²·∇∇Q] least, s the states' standard deviations: those of the density itself where it is
+/// The coefficients that make E[½ |s∇Q|² + s²·∇∇Q] least, s the states' standard deviations: those of the density itself where it is
 /// exp(Q) (Aapo Hyvärinen, 2005, Journal of Machine Learning Research 6, 695-709). The equations are linear, and no integral of exp(Q)
-/// is in them.
-fn by_scores(space: &Functions, states: &States) -> Option<Vec<f64>> {
-    let (count, size, dimension) = (states.len(), space.len(), states.dimension());
+/// is in them. The part of a displacement that has walls has a factor g, the product of its gaps, so that nothing is left at the walls
+/// of the integration by parts: E[½ g (s ∂Q)² + s² ∂(g ∂Q)] (the same, 2007, doi:10.1016/j.csda.2006.09.003).
+fn by_scores(space: &Functions, contacts: &[Contact], states: &States) -> Option<Vec<f64>> {
+    let (count, size, n) = (states.len(), space.len(), states.dimension());
     let deviations = states.deviations();
-    let mut slopes = Mat::zeros(count * dimension, size);
+    let mut slopes = Mat::zeros(count * n, size);
     let mut bends = Col::<f64>::zeros(size);
     for (state, s) in deviations.iter().enumerate() {
-        let unit: Vec<f64> = (0..dimension).map(|i| if i == state { *s } else { 0.0 }).collect();
-        let square: Vec<f64> =
-            (0..dimension * dimension).map(|k| if k == state * (dimension + 1) { 2.0 * s * s } else { 0.0 }).collect();
-        let nothing = [vec![0.0; dimension], vec![0.0; dimension * dimension]];
-        let rates = |local: [&[f64]; 2]| {
+        let own: Vec<&Contact> = contacts.iter().filter(|contact| contact.gap_slope(state) != 0.0).collect();
+        let gaps: Vec<[f64; 2]> = states.iter().map(|x| gap_product(&own, x, state)).collect();
+        let [mut first, mut second] = [(); 2].map(|()| [vec![0.0; count * n], vec![0.0; count * n * n]]);
+        for (i, [gap, slope]) in gaps.iter().enumerate() {
+            first[0][i * n + state] = gap.max(0.0).sqrt() * s;
+            second[0][i * n + state] = slope * s * s;
+            second[1][(i * n + state) * n + state] = 2.0 * gap * s * s;
+        }
+        let rates = |[drift, diffusion]: [Vec<f64>; 2]| {
             let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(count, size + 1));
-            sweep::tabulate_rates(space, states, &|_| (local[0], local[1]), [values.as_mut(), rates.as_mut()]);
+            let local = |i: usize| (&drift[i * n..(i + 1) * n], &diffusion[i * n * n..(i + 1) * n * n]);
+            sweep::tabulate_rates(space, states, &local, [values.as_mut(), rates.as_mut()]);
             rates
         };
-        let first = rates([&unit, &nothing[1]]);
-        slopes.get_mut(state * count..(state + 1) * count, ..).copy_from(first.get(.., 1..));
-        let second = rates([&nothing[0], &square]);
+        slopes.get_mut(state * count..(state + 1) * count, ..).copy_from(rates(first).get(.., 1..));
+        let second = rates(second);
         (0..size).for_each(|k| bends[k] += second.col(k + 1).sum() / count as f64);
     }
-    let r = triangle(slopes.as_ref(), &vec![(count as f64).recip(); count * dimension]);
+    let r = triangle(slopes.as_ref(), &vec![(count as f64).recip(); count * n]);
     let svd = r.thin_svd().ok()?;
     let (sizes, along) = (svd.S(), svd.V().transpose() * bends);
     let cut = SOLVED * sizes[0];
@@ -122,42 +124,105 @@ fn by_scores(space: &Functions, states: &States) -> Option<Vec<f64>> {
     Some((0..size).map(|k| a[k]).collect())
 }
 
-/// The root of the residual at states, by steps of Gauss and Newton. None where they do not come to one, or exp(Q) has no integral.
-fn root((states, locals): (&States, &[Local]), start: Exponent) -> Option<Exponent> {
-    let (count, size) = (states.len(), start.space.len());
-    let measure = vec![(count as f64).recip(); count];
-    let (mut current, mut last) = (start, f64::INFINITY);
-    for step in 0..EXACT_STEPS {
-        let linearised = sweep::at_jets(&current, states, |i, gradient, hessian| {
-            let mut reversed = vec![0.0; gradient.len()];
-            locals[i].reversed(gradient, &mut reversed);
-            let parts: f64 = locals[i].drift.iter().zip(gradient).map(|(f, slope)| (f * slope).powi(2)).sum();
-            (locals[i].residual(gradient, hessian), parts, reversed)
-        });
-        let [square, parts] =
-            linearised.iter().fold([0.0; 2], |[square, parts], (r, part, _)| [square + r * r, parts + part]);
-        let own = (square / parts.max(f64::MIN_POSITIVE)).sqrt();
-        let solved = own < SOLVED;
-        // From the start the first step may lead away; the negation also excludes NaN.
-        if !(solved || step == 1 || own < CONVERGING * last) {
+/// The product of some gaps and its slope in a state; 1 and 0 without any.
+fn gap_product(contacts: &[&Contact], x: &[f64], state: usize) -> [f64; 2] {
+    contacts.iter().fold([1.0, 0.0], |[product, slope], contact| {
+        let gap = contact.gap(x);
+        [product * gap, slope * gap + product * contact.gap_slope(state)]
+    })
+}
+
+/// What an exact density satisfies: its residual vanishes at states, and impacts, which are elastic, leave it as it is.
+struct Conditions {
+    walled: bool,
+    states: States,
+    locals: Vec<Local>,
+    /// States before impacts, and after them.
+    impacts: [States; 2],
+}
+
+impl Conditions {
+    /// None where no density may be exact.
+    fn new(problem: &Problem, states: &States) -> Option<Self> {
+        if !may_be_exact(problem) {
             return None;
         }
-        last = own;
-        let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(count, size + 1));
-        let local = |i: usize| (&linearised[i].2[..], &locals[i].diffusion[..]);
-        sweep::tabulate_rates(&current.space, states, &local, [values.as_mut(), rates.as_mut()]);
-        let scale: Vec<f64> = (1..=size).map(|k| rates.col(k).norm_l2().max(f64::MIN_POSITIVE).recip()).collect();
-        // The residual stands in the last column.
-        let system =
-            Mat::from_fn(count, size + 1, |i, k| if k < size { rates[(i, k + 1)] * scale[k] } else { linearised[i].0 });
-        let r = triangle(system.as_ref(), &measure);
-        let right = Col::from_fn(size, |k| -r[(k, size)]);
-        let matrix = r.get(..size, ..size).to_owned();
-        let change = least_norm(&matrix, &right, ROUNDING * matrix.norm_l2())?;
-        current.coefficients.iter_mut().enumerate().for_each(|(k, a)| *a += scale[k] * change[k]);
-        if solved {
-            return Some(current).filter(Exponent::is_normalisable);
+        let states = states.evenly(AT_STATES[0]);
+        let [mut before, mut after] = [(); 2].map(|()| States::new(problem.dimension()));
+        for contact in problem.contacts() {
+            for x in &states.evenly(AT_WALL) {
+                let mut x = x.to_vec();
+                contact.close(&mut x);
+                before.push(&x);
+                contact.collide(1.0, &mut x);
+                after.push(&x);
+            }
         }
+        let (walled, locals) = (!before.is_empty(), locals(problem, &states));
+        Some(Conditions { walled, states, locals, impacts: [before, after] })
     }
-    None
+
+    /// What the functions change by at impacts, after the constant.
+    fn jumps(&self, space: &Functions) -> Mat<f64> {
+        let [before, after] = self.impacts.each_ref().map(|points| nodes::values(space, points));
+        (after - before).get(.., 1..).to_owned()
+    }
+
+    /// The root of the residual at the states and of the jumps of Q, by steps of Gauss and Newton. None where they do not come to one, or
+    /// exp(Q) has no integral.
+    fn root(&self, start: Exponent) -> Option<Exponent> {
+        let (count, size, jumps) = (self.states.len(), start.space.len(), self.jumps(&start.space));
+        let impacts = jumps.nrows();
+        let share = |all: usize| (all.max(1) as f64).recip();
+        let measure = [vec![share(count); count], vec![share(impacts); impacts]].concat();
+        let (mut current, mut last) = (start, f64::INFINITY);
+        for step in 0..EXACT_STEPS {
+            let linearised = self.linearised(&current);
+            let missed = combination(jumps.as_ref(), &current.coefficients);
+            let [square, parts] =
+                linearised.iter().fold([0.0; 2], |[square, parts], (r, part, _)| [square + r * r, parts + part]);
+            // A jump of ln p counts as a residual of the size of its parts does.
+            let unit = (parts * share(count)).sqrt();
+            let apart = missed.iter().map(|jump| jump * jump).sum::<f64>() * share(impacts);
+            let own = (square / parts.max(f64::MIN_POSITIVE) + apart).sqrt();
+            let solved = own < SOLVED;
+            // From the start the first step may lead away; the negation also excludes NaN.
+            if !(solved || step == 1 || own < CONVERGING * last) {
+                return None;
+            }
+            last = own;
+            let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(count, size + 1));
+            let local = |i: usize| (&linearised[i].2[..], &self.locals[i].diffusion[..]);
+            sweep::tabulate_rates(&current.space, &self.states, &local, [values.as_mut(), rates.as_mut()]);
+            let scale: Vec<f64> = (1..=size).map(|k| rates.col(k).norm_l2().max(f64::MIN_POSITIVE).recip()).collect();
+            // The residual stands in the last column.
+            let system = Mat::from_fn(count + impacts, size + 1, |i, k| match (i.checked_sub(count), k < size) {
+                (None, true) => rates[(i, k + 1)] * scale[k],
+                (None, false) => linearised[i].0,
+                (Some(i), true) => unit * jumps[(i, k)] * scale[k],
+                (Some(i), false) => unit * missed[i],
+            });
+            let r = triangle(system.as_ref(), &measure);
+            let right = Col::from_fn(size, |k| -r[(k, size)]);
+            let matrix = r.get(..size, ..size).to_owned();
+            let change = least_norm(&matrix, &right, ROUNDING * matrix.norm_l2())?;
+            current.coefficients.iter_mut().enumerate().for_each(|(k, a)| *a += scale[k] * change[k]);
+            if solved {
+                // Between walls a polynomial need not fall in every direction.
+                return Some(current).filter(|found| self.walled || found.is_normalisable());
+            }
+        }
+        None
+    }
+
+    /// The residual at each state, the squares of its parts by the drift, and the drift of its linearisation.
+    fn linearised(&self, current: &Exponent) -> Vec<(f64, f64, Vec<f64>)> {
+        sweep::at_jets(current, &self.states, |i, gradient, hessian| {
+            let local = &self.locals[i];
+            let mut reversed = vec![0.0; gradient.len()];
+            local.reversed(gradient, &mut reversed);
+            let parts: f64 = local.drift.iter().zip(gradient).map(|(f, slope)| (f * slope).powi(2)).sum();
+            (local.residual(gradient, hessian), parts, reversed)
+        })
+    }
 }

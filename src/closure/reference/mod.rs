@@ -13,7 +13,7 @@ use super::space::Functions;
 use super::space::nested_spaces::{NestedSpaces, Truncation};
 use super::space::sweep::{self, Function};
 use crate::checks::dimension;
-use crate::closure::{CONVERGING, FINE_REFERENCE, ROUNDING, UNUSABLE, WEIGHT_POWER};
+use crate::closure::{CONVERGING, FINE_REFERENCE, ROUNDING, WEIGHT_POWER};
 use crate::error::Result;
 use crate::numerics::{Number, exponentials};
 use crate::polynomial::power;
@@ -25,6 +25,9 @@ use serde::{Deserialize, Serialize};
 /// The most weights of a reference, each renewed from the solution under the one before. None of nine closures of orders 4 to 8
 /// depends on it.
 const RENEWALS: usize = 8;
+/// On a lattice, where the search starts from a fit of the pilot's means, it does not go on from an L¹ error above this. None of nine
+/// closures of orders 4 to 8 depends on it.
+const UNUSABLE: f64 = 1.0;
 /// The weight of a reference settles within so many renewals from an initial one. Halved or doubled, it changes L¹ errors of
 /// nine closures of orders 4 to 8 by up to −7 % or +5 %.
 const SETTLING: usize = 3;
@@ -35,7 +38,7 @@ const PATIENCE: f64 = 2.0;
 /// weight that starts from that of a similar system has settled once its correction is the same as there. Halved or doubled, it
 /// changes L¹ errors of nine closures of orders 4 to 8 by up to −8 % or +7 %.
 const SAME: f64 = 1.5;
-/// Where the initial weight of a reference leads to an L¹ error above this, another one is tried. None of nine closures of
+/// Where a start of a reference leads to an L¹ error above this, another one is tried. None of nine closures of
 /// orders 4 to 8 depends on it.
 const GOOD: f64 = 0.05;
 /// A reference's error below this share of the answer's distance from it needs no further attempt. None of nine closures of
@@ -88,8 +91,7 @@ pub(crate) struct ReferenceDensity {
 impl ReferenceDensity {
     /// Solves the moment equations of nested spaces, tabulated in `table`. The correction's highest degrees carry the error
     /// that the edge of the domain makes, as ripples; where they are larger than the distance between the reference and the
-    /// answer, a correction without them is tried too. A lattice has no edge, and its initial weight is already a fit of the
-    /// pilot's means: nothing else is tried. `None` if no system had a solution.
+    /// answer, a correction without them is tried too, but on a lattice, which has no edge. `None` if no system had a solution.
     pub(super) fn new(
         discretisation: &Discretisation,
         nested: &NestedSpaces,
@@ -97,12 +99,8 @@ impl ReferenceDensity {
         start: Option<&ReferenceStart>,
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
-        if discretisation.is_on_lattice() {
-            let start = ReferenceStart { weight: discretisation.guess.clone(), settled: 0.0 };
-            return Self::renewed(discretisation, nested, table, nested.whole, start);
-        }
         let whole = Self::with_truncation(discretisation, nested, table, nested.whole, start, &fit);
-        let Some(cut) = nested.cut else { return whole };
+        let Some(cut) = nested.cut.filter(|_| !discretisation.is_on_lattice()) else { return whole };
         let minor = |whole: &Self| {
             whole.error <= FINE_REFERENCE
                 || whole.error <= MINOR * whole.distance_to_answer(discretisation, nested, table)
@@ -116,8 +114,9 @@ impl ReferenceDensity {
         better.map(|better| ReferenceDensity { doubt, ..better })
     }
 
-    /// The same with a truncation, from the initial ln p of the discretisation. It is good in the tails, but where ln p does
-    /// not scale with the intensity its mass is misplaced: then `fit`, which is right in the middle, is the start.
+    /// The same with a truncation, from the weight of a similar system, or else from the initial ln p of the discretisation. It is good
+    /// in the tails, but where ln p does not scale with the intensity its mass is misplaced: then `fit`, which is right in the middle, is a
+    /// start too, but on a lattice, where the initial ln p is such a fit.
     fn with_truncation(
         discretisation: &Discretisation,
         nested: &NestedSpaces,
@@ -126,14 +125,14 @@ impl ReferenceDensity {
         start: Option<&ReferenceStart>,
         fit: impl Fn() -> Option<Exponent>,
     ) -> Option<Self> {
-        let similar = start.and_then(|start| Self::renewed(discretisation, nested, table, truncation, start.clone()));
-        if similar.as_ref().is_some_and(|similar| similar.error <= GOOD) {
-            return similar;
+        let from = |start| Self::renewed(discretisation, nested, table, truncation, start);
+        let afresh = |weight| from(ReferenceStart { weight, settled: 0.0 });
+        let good = |found: &Self| found.error <= GOOD;
+        if let Some(similar) = start.cloned().and_then(from).filter(good) {
+            return Some(similar);
         }
-        let afresh =
-            |weight| Self::renewed(discretisation, nested, table, truncation, ReferenceStart { weight, settled: 0.0 });
         let first = afresh(discretisation.guess.clone());
-        if first.as_ref().is_some_and(|first| first.error <= GOOD) {
+        if discretisation.is_on_lattice() || first.as_ref().is_some_and(good) {
             return first;
         }
         let second = fit().and_then(afresh);

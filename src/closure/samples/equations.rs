@@ -1,18 +1,14 @@
-//! The Galerkin equations under exp(Q), with the Fokker-Planck operator at eight states at a time, and their root where there
-//! is one.
+//! The Galerkin equations under exp(Q), with the Fokker-Planck operator at eight states at a time.
 
-use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, effective, lane};
+use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, lane};
 use super::products::Scratch;
-use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH};
 use crate::closure::space::Corner;
-use crate::closure::{CONVERGING, EXACT_STEPS, SOLVED};
 use crate::control_variates::planes::Form;
 use crate::fokker_planck::Local;
 use crate::numerics::{EIGHT, Eight, PointLane, ZEROS, add_gram, symmetric};
 use crate::parallel;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, Par};
 
 /// Eight states with the coefficients of the operator there.
@@ -103,87 +99,33 @@ impl Sites {
 }
 
 impl Likelihood<'_> {
-    /// The root of E\[r φ_k\] = 0 under exp(Q) itself near `fit`, where the residual r vanishes at every draw: Q is then
-    /// exact and does not depend on the draws. None where there is no such root.
-    pub(super) fn polished(&self, problem: &Problem, fit: &Fit) -> Option<Fit> {
-        let size = self.products.len() - 1;
-        // Where there is a root, few nodes find it as well as many.
-        let enough = (NODES_EACH * size).max(FEWEST_NODES) / FEWER;
-        let parts = &self.nodes.parts;
-        let fewer = parts.iter().copied().find(|end| *end >= enough && self.walls.is_empty());
-        let count = fewer.unwrap_or(fit.masses.len());
-        let first = |masses: &[f64]| -> Vec<f64> {
-            let sum: f64 = masses[..count].iter().sum();
-            masses[..count].iter().map(|p| p / sum).collect()
-        };
-        let (mut a, mut all, mut last) = (fit.a.clone(), fit.masses.clone(), f64::INFINITY);
-        for steps in 0..EXACT_STEPS {
-            let masses = first(&all);
-            let found = self.means(&masses);
-            let equations = self.equations(problem, &a, &masses, Columns::Linearised);
-            if equations.size < SOLVED {
-                return Some(Fit {
-                    a,
-                    effective: effective(&all),
-                    steps: fit.steps + steps,
-                    converged: true,
-                    next: 0.0,
-                    masses: all,
-                });
-            }
-            if equations.size.is_nan() || equations.size >= CONVERGING * last {
-                return None;
-            }
-            last = equations.size;
-            // Of ψ = φ − Eφ.
-            let matrix = Mat::from_fn(size, size, |k, l| {
-                equations.matrix[(k + 1, l + 1)] - found[k] * equations.matrix[(0, l + 1)]
-            });
-            let right = Mat::from_fn(size, 1, |k, _| found[k] * equations.tested[0] - equations.tested[k + 1]);
-            let scale: Vec<f64> = (0..size).map(|k| matrix.col(k).norm_l2().max(f64::MIN_POSITIVE).recip()).collect();
-            let scaled = Mat::from_fn(size, size, |k, l| matrix[(k, l)] * scale[l]);
-            let step = scaled.partial_piv_lu().solve(&right);
-            (0..size).for_each(|k| a[k + 1] += scale[k] * step[(k, 0)]);
-            all = self.masses(&a)?;
-        }
-        None
-    }
-
     /// The root mean square of the residual of Q under exp(Q), and its size relative to its parts.
     pub(super) fn residual(&self, problem: &Problem, fit: &Fit) -> [f64; 2] {
-        let Equations { root, size, .. } = self.equations(problem, &fit.a, &fit.masses, Columns::None);
+        let Equations { root, size, .. } = self.equations(problem, &fit.a, &fit.masses, false);
         [root, size]
     }
 
-    /// The equations under exp(Q).
-    pub(super) fn equations(&self, problem: &Problem, a: &[f64], masses: &[f64], columns: Columns) -> Equations {
-        let size = if columns == Columns::None { 0 } else { self.products.len() };
+    /// The equations under exp(Q), or the size of its residual alone.
+    pub(super) fn equations(&self, problem: &Problem, a: &[f64], masses: &[f64], whole: bool) -> Equations {
+        let size = if whole { self.products.len() } else { 0 };
         let stretches = (ROOM / (size * size).max(1)).clamp(2, 64);
         let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).collect();
         let runs: Vec<&[usize]> = blocks.chunks(blocks.len().div_ceil(stretches).max(1)).collect();
-        let parts: Vec<Equations> =
-            parallel::map(runs.len(), |run| self.summed(problem, a, masses, (columns, runs[run])));
+        let parts: Vec<Equations> = parallel::map(runs.len(), |run| self.summed(problem, a, masses, (size, runs[run])));
         let mut all = Equations::new(size);
         parts.iter().for_each(|part| all.add(part));
         let root = all.root.sqrt();
         let mut size = root / all.size.sqrt().max(f64::MIN_POSITIVE);
         if !self.walls.is_empty() {
             let log_mass = self.log_mass_by(a, masses);
-            let defect = self.add_impacts(a, log_mass, columns, &mut all);
+            let defect = self.add_impacts(a, log_mass, &mut all);
             size = size.max(defect);
         }
         Equations { noise: symmetric(&all.noise), spread: symmetric(&all.spread), size, root, ..all }
     }
 
     /// The sums of the equations over some blocks of the nodes.
-    fn summed(
-        &self,
-        problem: &Problem,
-        a: &[f64],
-        masses: &[f64],
-        (columns, blocks): (Columns, &[usize]),
-    ) -> Equations {
-        let size = if columns == Columns::None { 0 } else { self.products.len() };
+    fn summed(&self, problem: &Problem, a: &[f64], masses: &[f64], (size, blocks): (usize, &[usize])) -> Equations {
         let mut sum = Equations::new(size);
         let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem, self.corners));
         let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(ROWS, size));
@@ -196,12 +138,8 @@ impl Likelihood<'_> {
                 sites.place(problem, &self.nodes.points.values()[first * n..(first + count) * n]);
                 self.products.place(&sites.x, &mut scratch);
                 let (r, parts) = self.residual_at(a, &sites, &mut scratch);
-                match columns {
-                    Columns::Linearised => linearised(&sites, &mut scratch),
-                    Columns::Generator => scratch.first.copy_from_slice(&sites.drift),
-                    Columns::None => {}
-                }
-                if columns != Columns::None {
+                if size > 0 {
+                    scratch.first.copy_from_slice(&sites.drift);
                     self.products.apply(&sites.diffusion, &sites.coupled, &mut scratch);
                 }
                 let p = lane(&p[at..at + count]);
@@ -224,7 +162,7 @@ impl Likelihood<'_> {
             }
             let [left, right, noise] = [&left, &right, &noise].map(|table| table.get(..p.len(), ..));
             matmul(sum.matrix.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
-            if columns == Columns::Generator {
+            if size > 0 {
                 add_gram(sum.noise.as_mut(), noise);
                 add_gram(sum.spread.as_mut(), left);
             }
@@ -257,38 +195,14 @@ impl Likelihood<'_> {
     }
 }
 
-/// The first-order part −f + ∂B + B∇Q of the linearised residual L′δ = (−f + ∂B + B∇Q)·∇δ + ½ B:∇∇δ.
-fn linearised(sites: &Sites, scratch: &mut Scratch) {
-    scratch.first.copy_from_slice(&sites.backward);
-    let n = sites.drift.len();
-    for &i in &sites.noisy {
-        for &j in &sites.noisy {
-            let (b, slope) = (&sites.diffusion[i * n + j], &scratch.gradient[j]);
-            (0..EIGHT).for_each(|l| scratch.first[i][l] += b[l] * slope[l]);
-        }
-    }
-}
-
-/// The operator whose images are the columns of the matrix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Columns {
-    /// There is no matrix: only the size of the residual is needed.
-    None,
-    /// The linearised residual L′.
-    Linearised,
-    /// The generator 𝓖 = f·∇ + ½ B:∇∇.
-    Generator,
-}
-
 /// The Galerkin equations under exp(Q), the constant among the functions.
 #[derive(Clone, Debug)]
 pub(super) struct Equations {
-    /// E\[φ_k L′φ_l\] or E\[φ_k 𝓖φ_l\].
+    /// E\[φ_k 𝓖φ_l\].
     pub(super) matrix: Mat<f64>,
     /// E\[r φ_k\].
     pub(super) tested: Vec<f64>,
-    /// The sums of (p r)² φ_k φ_l and of p² φ_k φ_l over the draws, where the columns are those of the generator: the
-    /// covariances of E\[r φ\] and of E φ by independent draws.
+    /// The sums of (p r)² φ_k φ_l and of p² φ_k φ_l over the draws: the covariances of E\[r φ\] and of E φ by independent draws.
     pub(super) noise: Mat<f64>,
     pub(super) spread: Mat<f64>,
     /// √E r².

@@ -66,7 +66,7 @@ impl FunctionFamily {
     }
 
     /// The same without kinks, if all walls are elastic and there are any kinks.
-    pub(super) fn without_kinks(&self) -> Option<Self> {
+    pub(in crate::closure) fn without_kinks(&self) -> Option<Self> {
         let elastic = self.corners.iter().all(|corner| corner.wall().restitution() == 1.0);
         let corners = self.corners.iter().map(Corner::without_noise).collect();
         (elastic && self.has_kinks()).then(|| FunctionFamily { corners, ..self.clone() })

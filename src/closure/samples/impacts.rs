@@ -1,6 +1,6 @@
 //! What impacts add to the equations under exp(Q).
 
-use super::equations::{Columns, Equations};
+use super::equations::Equations;
 use super::likelihood::{BLOCK, Likelihood, ROWS};
 use super::products::Scratch;
 use super::wall_nodes::WallNodes;
@@ -56,9 +56,9 @@ impl Likelihood<'_> {
         self.walls.iter().map(rate).collect()
     }
 
-    /// Adds the impacts to the equations: to E\[r φ_k\] the part ∫ |w| p₋ φ_k₊ (1 − e^−j), and to the matrices its
-    /// derivatives, or what impacts add to the generator. The root mean square of j over all impacts.
-    pub(super) fn add_impacts(&self, a: &[f64], log_mass: f64, columns: Columns, all: &mut Equations) -> f64 {
+    /// Adds the impacts to the equations: to E\[r φ_k\] the part ∫ |w| p₋ φ_k₊ (1 − e^−j), and to the matrices what impacts add to the
+    /// generator. The root mean square of j over all impacts.
+    pub(super) fn add_impacts(&self, a: &[f64], log_mass: f64, all: &mut Equations) -> f64 {
         let size = all.tested.len();
         let (mut square, mut mass) = (0.0, 0.0);
         for wall in self.walls {
@@ -83,20 +83,14 @@ impl Likelihood<'_> {
                                 let tested = p[l] * f[l] * -(-j[l]).exp_m1();
                                 sum.tested[k] += tested;
                                 noise[l] = tested;
-                                (left[l], right[l]) = match columns {
-                                    Columns::Generator => (p[l] * b[l], f[l] - b[l]),
-                                    Columns::Linearised => (p[l] * (-j[l]).exp() * f[l], b[l] - f[l]),
-                                    Columns::None => (0.0, 0.0),
-                                };
+                                (left[l], right[l]) = (p[l] * b[l], f[l] - b[l]);
                             }
                         }
                     });
                     let rows = (end - from).next_multiple_of(EIGHT);
                     let [left, right, noise] = [&left, &right, &noise].map(|table| table.get(..rows, ..));
                     matmul(sum.matrix.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
-                    if columns == Columns::Generator {
-                        add_gram(sum.noise.as_mut(), noise);
-                    }
+                    add_gram(sum.noise.as_mut(), noise);
                 }
                 sum
             };

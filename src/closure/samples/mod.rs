@@ -160,13 +160,25 @@ pub(in crate::closure) struct Samples<'a> {
     pub(in crate::closure) seed: u64,
 }
 
-/// Closes at one order on the pilot's states. None where they are too few for its functions.
-///
-/// Above elastic walls a density that is exact has no kinks, and is sought without them first.
-pub(in crate::closure) fn close_on_samples(samples: Samples<'_>) -> Option<SampleClosure> {
-    let without_kinks = samples.family.without_kinks();
-    let exact = without_kinks.and_then(|family| closed(Samples { family: &family, ..samples }, true));
-    exact.or_else(|| closed(samples, false))
+/// The closure whose density is known to be exact, with the calibrated means of the pilot's states. None where these are too few.
+pub(in crate::closure) fn close_exactly(samples: Samples<'_>, exponent: Exponent) -> Option<SampleClosure> {
+    let Samples { problem, pilot, family, .. } = samples;
+    let space = &exponent.space;
+    let calibration = CalibratedMeans::new(problem, pilot, family, space, space.len())?;
+    Some(SampleClosure {
+        log_mass: None,
+        moments: moments(space, family, &calibration.means, |c| calibration.error(c)),
+        impacts: calibration.impacts(family.corners().len()),
+        exact: true,
+        l1_estimate: [0.0; 2],
+        residual: [0.0; 2],
+        carried: true,
+        calibrated: (calibration.degree, calibration.smallest_weight),
+        steps: 0,
+        lattice: None,
+        nest: None,
+        exponent,
+    })
 }
 
 /// Closes at one order by the means of a density at a time, of which the states of `samples` are draws. None where they are too few.
@@ -207,10 +219,9 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
     Some((found, means.share_of_states))
 }
 
-/// Closes in one family of functions, by integrals over nested nodes where a state is thin, over a lattice where that resolves the
-/// density, and over draws from the states' copula otherwise. None where they are too few for its functions, and where the density is
-/// not exact if `exact_alone` asks for nothing else.
-fn closed(samples: Samples<'_>, exact_alone: bool) -> Option<SampleClosure> {
+/// Closes at one order on the pilot's states, by integrals over nested nodes where a state is thin, over a lattice where that resolves
+/// the density, and over draws from the states' copula otherwise. None where they are too few for its functions.
+pub(in crate::closure) fn close_on_samples(samples: Samples<'_>) -> Option<SampleClosure> {
     let Samples { problem, family, order, .. } = samples;
     let (space, higher) = (family.functions(order), family.compared(order));
     let corners = family.corners();
@@ -229,22 +240,16 @@ fn closed(samples: Samples<'_>, exact_alone: bool) -> Option<SampleClosure> {
     // Under impulses the equations on the nodes would take values of the functions far from all states for those after impulses.
     let struck = !problem.impulses().is_empty();
     let covered = if struck { 0 } else { covered };
-    let reconciled = |fit: Fit| reconciled(problem, &likelihood, fit, &calibration, covered);
-    // The pilot's noise in kinks is too large for a root to be near.
-    let fit = if family.has_kinks() { reconciled(fit) } else { fit };
-    let root = if struck { None } else { likelihood.polished(problem, &fit) };
-    let (l1_estimate, exact, fit) = match (root, &nested) {
-        (Some(root), _) => ([0.0; 2], true, root),
-        (None, _) if exact_alone => return None,
-        (None, Some((_, other, above))) => {
+    let (l1_estimate, fit) = match &nested {
+        Some((_, other, above)) => {
             let of_other = if *above { comparing } else { Products::of(&family.functions((order - 1) / 2 * 2)) };
             let other = (&Likelihood { products: &of_other, nodes: &other.nodes, ..likelihood }, &other.fit);
-            (estimate::across([(&likelihood, &fit), other], *above, &calibration)?, false, fit)
+            (estimate::across([(&likelihood, &fit), other], *above, &calibration)?, fit)
         }
-        (None, None) => {
-            let fit = if family.has_kinks() { fit } else { reconciled(fit) };
+        None => {
+            let fit = reconciled(problem, &likelihood, fit, &calibration, covered);
             let comparing = Likelihood { products: &comparing, ..likelihood };
-            (estimate::l1_estimate(problem, [&likelihood, &comparing], &fit, &calibration, covered), false, fit)
+            (estimate::l1_estimate(problem, [&likelihood, &comparing], &fit, &calibration, covered), fit)
         }
     };
     let residual = if struck { [f64::INFINITY; 2] } else { likelihood.residual(problem, &fit) };
@@ -258,7 +263,7 @@ fn closed(samples: Samples<'_>, exact_alone: bool) -> Option<SampleClosure> {
         exponent: Exponent { known: corners.to_vec(), space, constant: 0.0, coefficients },
         log_mass,
         impacts: impacts.collect(),
-        exact,
+        exact: false,
         l1_estimate,
         residual,
         carried: fit.converged && fit.effective > LEAST_EFFECTIVE && calibration.smallest_weight > LEAST_WEIGHT,

@@ -1,6 +1,6 @@
 //! The combination of the pilot's means and the moment equations, each weighted by the inverse of its covariance.
 
-use super::equations::{Columns, Equations};
+use super::equations::Equations;
 use super::likelihood::{Fit, Likelihood};
 use crate::closure::ROUNDING;
 use crate::numerics::definite;
@@ -64,8 +64,7 @@ impl WhitenedTerms {
     ) -> Option<Self> {
         let size = means.len();
         let found = likelihood.means(&fit.masses);
-        let Equations { matrix, tested, noise, spread, .. } =
-            likelihood.equations(problem, &fit.a, &fit.masses, Columns::Generator);
+        let Equations { matrix, tested, noise, spread, .. } = likelihood.equations(problem, &fit.a, &fit.masses, true);
         let factor = definite(likelihood.covariance(&fit.masses, &found))?;
         let lower = factor.L();
         let whitened = |mut matrix: Mat<f64>| -> Mat<f64> {

@@ -6,7 +6,7 @@
 //! - `moving`: what of a problem moves with a parameter, walls among it;
 //! - `exact`: of an exact density, from its Galerkin equations;
 //! - `factors`: of the moment equations;
-//! - `tangent`: of their solution, under a weight of which the singular part next to walls moves along;
+//! - `tangent`: of their solution, under a weight that moves along;
 //! - `projected`: of the exponential polynomial that is closest to it;
 //! - `on_states`: in three states and more, on the pilot's states;
 //! - `slope`: the derivative of ln p; `carried`, `impacts`, `answers`: what it says at fixed states and at the walls, of moments, tails
@@ -102,8 +102,9 @@ impl ClosureDensity {
         if self.dimension() > 2 {
             return self.sensitivities_on_states(problem, parameters);
         }
-        let corners = self.exponent().space.corners();
-        let moving = parameters.iter().map(|parameter| Moving::new(problem, parameter, corners));
+        // An exact density above elastic walls has no kinks, but its derivatives by their restitutions have.
+        let family = self.origin()?.functions(self.provenance().order.unwrap_or(0));
+        let moving = parameters.iter().map(|parameter| Moving::new(problem, parameter, family.corners()));
         let moving = moving.collect::<Result<Vec<_>>>()?;
         let symmetry = moving.iter().fold(problem.symmetry(), |symmetry, moving| symmetry.and_of(&moving.operator));
         let system = self.system_of_order(moving.iter().any(Moving::grazes), &symmetry)?;
@@ -172,8 +173,13 @@ impl ClosureDensity {
         let (origin, dynamics) = (self.candidates()[0].origin, self.origin()?);
         let tails = if let Origin::MomentEquations { tails } = origin { tails } else { 0.0 };
         let fitted = |system| {
-            let fit = LinearisedFit::new(self, self.functions(symmetry), tails).ok_or(self.failed())?;
-            Ok((fit, Tangent::new(system, dynamics.passages(), dynamics.domain())))
+            // Next to walls a density that is exact need not have all functions of its derivatives.
+            let order = self.provenance().order.unwrap_or(0);
+            let space =
+                if dynamics.passages().is_empty() { self.functions(symmetry) } else { dynamics.functions(order) };
+            let fit = LinearisedFit::new(self, space, tails).ok_or(self.failed())?;
+            let tangent = Tangent::new(system, dynamics.passages(), dynamics.domain()).ok_or(self.failed())?;
+            Ok((fit, tangent))
         };
         let newton = if matches!(origin, Origin::Exact) {
             let newton = Newton::new(self, problem, self.functions(symmetry), dynamics.passages());

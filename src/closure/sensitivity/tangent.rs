@@ -2,20 +2,33 @@ use super::Moving;
 use super::answers::Whole;
 use super::factors::MomentFactors;
 use super::slope::Slope;
+use crate::closure::WEIGHT_POWER;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::WallPassage;
 use crate::closure::discretisation::nodes::NodalGenerator;
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::dynamics::MomentSystem;
+use crate::closure::projection::tempered;
+use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
-use crate::numerics::{combination, weighted_sum};
+use crate::numerics::{combination, weighted_product, weighted_sum};
 use crate::states::States;
 use faer::Mat;
 use std::sync::Arc;
 
+/// The degree of the polynomial that is the derivative of the weight's logarithm by a parameter.
+const DEGREE: u32 = 12;
+/// The most times that the derivative of the weight's logarithm by a parameter is renewed.
+const RENEWALS: usize = 12;
+/// What the derivative of the weight's logarithm leaves of a density's derivative must fall by this factor each time that it is
+/// renewed.
+const FALLS: f64 = 0.9;
+
 /// The solution p̂ = ω u of the moment equations, with all that its derivatives have in common.
 ///
-/// p̂′ = ω (u Q₀′ + Σ d′_l ψ_l), where Q₀′ is how the singular part of ln ω next to walls moves. The derivative of the equations is
+/// p̂′ = ω (u s + Σ d′_l ψ_l), where s stands for the derivative of ln ω: next to walls for how its singular part moves, elsewhere for a
+/// polynomial of a lower degree, so that what flows through the edge of the domain has what s leaves of the derivative as a factor, and
+/// not all of it. The derivative of the equations is
 ///
 /// ∫ p̂′ 𝓖ψ dx + Σ p̂′ \[ψ after − ψ before\] = −∫ p̂ 𝓖′ψ dx − ∂(Σ p̂ \[ψ after − ψ before\]),
 ///
@@ -35,6 +48,55 @@ pub(super) struct Tangent<'a> {
     solution: Arc<Exponent>,
     ratio: Vec<f64>,
     factors: MomentFactors,
+    /// None next to walls.
+    weight: Option<MovingWeight>,
+}
+
+/// How the weight may move along.
+struct MovingWeight {
+    /// The functions χ of s, orthonormal under p̂^0.6,
+    lower: Orthonormal,
+    /// ∫ ω u χ_j 𝓖ψ_k dx, by which s enters the equations,
+    entering: Mat<f64>,
+    /// and ∫ p̂^0.6 χ_j ψ_l/u dx, the part of Σ d′_l ψ_l/u that s can take up.
+    taken: Mat<f64>,
+}
+
+impl MovingWeight {
+    /// None where the functions are linearly dependent.
+    fn new(system: &MomentSystem, ratio: &[f64]) -> Option<Self> {
+        let points = &system.nodes.points;
+        let density = system.weight.values(points).into_iter().zip(ratio);
+        let logs: Vec<f64> = density.map(|(log, u)| log + u.max(f64::MIN_POSITIVE).ln()).collect();
+        let measure = tempered(&logs, &system.nodes.weights, WEIGHT_POWER);
+        let functions = system.functions.values.as_ref();
+        let lower = Orthonormal::new(functions.get(.., ..system.columns_of_degree(DEGREE)).to_owned(), &measure)?;
+        let over: Vec<f64> = measure.iter().zip(ratio).map(|(w, u)| w / u).collect();
+        let masses: Vec<f64> = ratio.iter().zip(&system.measure).map(|(u, w)| u * w).collect();
+        let entering = weighted_product(system.rates.as_ref(), lower.values.as_ref(), &masses);
+        let taken = weighted_product(lower.values.as_ref(), functions, &over);
+        Some(MovingWeight { lower, entering, taken })
+    }
+
+    /// s, and d′ by the equations of both degrees, for a source: s takes up as much of d′ as it can.
+    fn solved(&self, factors: &MomentFactors, fixed: &[f64]) -> Option<(Vec<f64>, [Vec<f64>; 2])> {
+        let (mut best, mut least) = (None, f64::INFINITY);
+        let mut s = vec![0.0; self.lower.values.ncols()];
+        for _ in 0..RENEWALS {
+            let mut source = combination(self.entering.as_ref(), &s);
+            add(&mut source, fixed);
+            let solved = factors.solved(&source);
+            let size = solved[0].iter().map(|d| d * d).sum::<f64>();
+            if size.is_nan() || size >= FALLS.powi(2) * least {
+                break;
+            }
+            least = size;
+            let taken = combination(self.taken.as_ref(), &solved[0]);
+            best = Some((s.clone(), solved));
+            add(&mut s, &taken);
+        }
+        best
+    }
 }
 
 /// p̂′/p̂ = s + Σ d′_l ψ_l/u.
@@ -49,7 +111,8 @@ pub(super) struct Derivative<'a> {
 }
 
 impl<'a> Tangent<'a> {
-    pub(super) fn new(system: &'a MomentSystem, passages: &'a [WallPassage], domain: &'a TrustDomain) -> Self {
+    /// None where the functions are linearly dependent.
+    pub(super) fn new(system: &'a MomentSystem, passages: &'a [WallPassage], domain: &'a TrustDomain) -> Option<Self> {
         let ends = |end: fn(&WallPassage) -> &[f64; 2]| {
             let mut points = States::new(system.nodes.points.dimension());
             passages.iter().for_each(|passage| points.push(end(passage)));
@@ -62,17 +125,26 @@ impl<'a> Tangent<'a> {
         let weights = system.measure.iter().copied().chain(impacts).collect();
         let factors = MomentFactors::new(system);
         let solution = Arc::new(system.function(&stationary));
-        Tangent { system, passages, domain, before, after, weights, solution, ratio, factors }
+        let weight = if passages.is_empty() { Some(MovingWeight::new(system, &ratio)?) } else { None };
+        Some(Tangent { system, passages, domain, before, after, weights, solution, ratio, factors, weight })
     }
 
     /// The derivative along a motion: A d′ = −(source). None where it is not finite.
     pub(super) fn along(&self, moving: &Moving) -> Option<Derivative<'a>> {
         let system = self.system;
-        // How the singular part of ln ω moves.
-        let s = Slope { regular: system.function(&[0.0]), singular: moving.singular.clone() };
-        let mut source = self.carried(&s, moving.shift[1]);
-        add(&mut source, &self.moved(moving));
-        let [d, below] = self.factors.solved(&source);
+        let mut s = Slope { regular: system.function(&[0.0]), singular: moving.singular.clone() };
+        let mut source = self.moved(moving);
+        let [d, below] = match &self.weight {
+            Some(weight) => {
+                let (moved, solved) = weight.solved(&self.factors, &source)?;
+                s.regular = system.function(&weight.lower.coefficients(&moved));
+                solved
+            }
+            None => {
+                add(&mut source, &self.carried(&s, moving.shift[1]));
+                self.factors.solved(&source)
+            }
+        };
         let finite = d.iter().chain(&below).all(|d| d.is_finite());
         let density: Vec<f64> = self.weights[..self.nodes()].iter().zip(&self.ratio).map(|(w, u)| w * u).collect();
         let solution = Arc::clone(&self.solution);

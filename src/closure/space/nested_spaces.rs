@@ -106,6 +106,17 @@ impl SpaceFamily {
         }
     }
 
+    /// The same with polynomials alone next to walls.
+    pub(in crate::closure) fn without_kinks(&self) -> Self {
+        match self {
+            SpaceFamily::Walled(walled) => {
+                let corners = walled.corners.iter().map(Corner::without_noise).collect();
+                SpaceFamily::Walled(Walled { corners, ..walled.clone() })
+            }
+            SpaceFamily::Smooth(_) => self.clone(),
+        }
+    }
+
     /// The same for densities that do not share the system's symmetry, with all monomials.
     pub(in crate::closure) fn without_symmetry(&self) -> Self {
         match self {
