@@ -1,4 +1,4 @@
-//! Densities that are exact: the end of the search where the truth itself is an exponential polynomial.
+//! Densities that are exact, in one state and two: whether there is one next to the reference, and its integrals.
 
 use crate::closure::candidates::{Retained, Scoring};
 use crate::closure::density::content::{Content, Integrals};

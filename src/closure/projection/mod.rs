@@ -1,7 +1,7 @@
 //! The exponential polynomial closest to a density.
 //!
-//! `exact` finds the density itself where it is an exponential polynomial of the order, next to the closest one, and `on_states` at a
-//! pilot's states alone.
+//! `on_states` finds the density itself where it is an exponential polynomial, at a pilot's states alone; `exact` is where it is sought
+//! next to the closest one, and what an answer that is exact is integrated on.
 
 pub(super) mod exact;
 pub(super) mod on_states;

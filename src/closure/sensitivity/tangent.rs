@@ -27,14 +27,14 @@ const FALLS: f64 = 0.9;
 /// The solution p̂ = ω u of the moment equations, with all that its derivatives have in common.
 ///
 /// p̂′ = ω (u s + Σ d′_l ψ_l), where s stands for the derivative of ln ω: next to walls for how its singular part moves, elsewhere for a
-/// polynomial of a lower degree, so that what flows through the edge of the domain has what s leaves of the derivative as a factor, and
-/// not all of it. The derivative of the equations is
+/// polynomial of a lower degree, which takes up what it can: what flows through the edge of the domain is multiplied by the rest alone. The
+/// derivative of the equations is
 ///
 /// ∫ p̂′ 𝓖ψ dx + Σ p̂′ \[ψ after − ψ before\] = −∫ p̂ 𝓖′ψ dx − ∂(Σ p̂ \[ψ after − ψ before\]),
 ///
-/// with sums over impacts, of which θ changes the velocity after and, between two walls that move, the time. What flows through the
-/// edge of the domain is no part of it: next to walls the density there is e⁻³² of its peak, elsewhere the domain is wider than that of
-/// the density, and under impulses the equations are those of a process that stays on it.
+/// with sums over impacts, of which θ changes the velocity after and, between two walls that move, the time. The flux through the edge is
+/// left out: next to walls the density there is e⁻³² of its peak, elsewhere the domain is wider than that of the density, and under
+/// impulses the equations are those of a process that stays on it.
 pub(super) struct Tangent<'a> {
     system: &'a MomentSystem,
     passages: &'a [WallPassage],
