@@ -34,6 +34,8 @@ struct Options {
     out: PathBuf,
 }
 
+/// Times that are nearer to each other are one.
+const NEAR: f64 = 1e-9;
 /// The bottom of the right well, at rest.
 const START: [f64; 2] = [1.0, 0.0];
 
@@ -48,9 +50,13 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
 
     let [first, last] = [options.times.first(), options.times.last()].map(|time| time.copied().unwrap_or(1.0));
     let many: Vec<f64> = (0..=60).map(|k| first + (last - first) * f64::from(k) / 60.0).collect();
+    let mut all = [options.times.clone(), many.clone()].concat();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|later, time| *later - *time < NEAR);
     let grid = Grid::new().accuracy(options.accuracy).solve(&problem)?;
-    let (closed, on_grid) =
-        (closure.transient(&problem, &start, &options.times)?, grid.transient(&start, &options.times, 1e-4)?);
+    let (closed, on_grid) = (closure.transient(&problem, &start, &all)?, grid.transient(&start, &all, 1e-4)?);
+    let both = || closed.iter().zip(&on_grid);
+    let is_shown = |time: f64| options.times.iter().any(|shown| (shown - time).abs() < NEAR);
     let simulation = Simulation::new().trajectories(options.trajectories).seed(1);
     let simulated = simulation.transient(&problem, &start, &options.times)?;
     let (x, places) = (between([-2.6, 2.6], 131), between([-2.3, 2.3], 24));
@@ -60,7 +66,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         "{:>6}{:>24}{:>24}{:>24}{:>10}{:>10}  origin",
         "t", "E x: closure", "grid", "simulation", "L1", "estimate"
     );
-    for ((closed, on_grid), simulated) in closed.iter().zip(&on_grid).zip(&simulated) {
+    for ((closed, on_grid), simulated) in both().filter(|(closed, _)| is_shown(closed.time)).zip(&simulated) {
         let (time, simulated) = (closed.time, &simulated.density);
         let (mean, variance) = (simulated.moment(&[1, 0])?, simulated.variance(0)?);
         let histogram = values(&places, |x| simulated.histogram(0)?.density_at(&[x]))?;
@@ -87,10 +93,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     }
 
     // Over time: moments, and what is left of the start.
-    let (closed, on_grid) = (closure.transient(&problem, &start, &many)?, grid.transient(&start, &many, 1e-4)?);
     let mut lines = [const { Vec::new() }; 3];
     let mut known = [const { Vec::new() }; 2];
-    for (closed, on_grid) in closed.iter().zip(&on_grid) {
+    for (closed, on_grid) in both() {
         let of = |mean: f64, square: f64| [mean, square - mean * mean];
         let own = of(closed.moment(&[1, 0])?.value, closed.moment(&[2, 0])?.value);
         let truth = of(on_grid.moment(&[1, 0])?.value, on_grid.moment(&[2, 0])?.value);

@@ -68,7 +68,7 @@ impl SampledSystem {
             lattice: Some((lattice, copula.clone())),
         };
         let unsolved = "its moment equations have no good solution";
-        let mut content = nodal.content(order).map_err(|_| unsolved)?;
+        let mut content = nodal.content(order, None).map_err(|_| unsolved)?;
         if content.reference.as_ref().is_some_and(|reference| reference.error > UNSOLVED) {
             return Err(unsolved);
         }

@@ -13,7 +13,7 @@
 //! 4. `reference`: a density of many more moment equations, E\[Gψ\] = 0, which are linear in its ratio to a weight, the weight
 //!    renewed until it follows the density;
 //! 5. `projection`: the exponential polynomial closest to it, by a convex minimisation; where a candidate near it solves the
-//!    equation exactly, that one (`exact`);
+//!    equation exactly, that one (`exactness`);
 //! 6. `candidates`: their errors, the choice among them, and the guard by the pilot's likelihood;
 //! 7. `density`: the answer with its trust domain, and its integrals with their errors.
 //!

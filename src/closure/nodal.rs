@@ -4,21 +4,22 @@ use super::candidates::indicator::{Indication, Probe, indicate};
 use super::candidates::{Candidate, Fitted, Retained, Scoring, mean_logarithm};
 use super::density::ClosureDensity;
 use super::density::content::{Content, Integrals};
+use super::density::exact::exact_about;
 use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
 use super::discretisation::likelihood::likeliest;
-use super::discretisation::nodes::{Nodes, Table};
+use super::discretisation::nodes::{self, Nodes, Table};
 use super::discretisation::panels::{ResolvedRules, resolved};
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
 use super::pilot::{Pilot, normal_density};
-use super::projection::on_states::exact_on_states;
-use super::projection::{Weight, project, tempered};
+use super::projection::exactness::Exactness;
+use super::projection::{Weight, distance, project, tempered};
 use super::reference::{ReferenceDensity, ReferenceStart, normalised};
 use super::samples::{Copula, ImportanceRule, Lattice};
 use super::space::nested_spaces::NestedSpaces;
 use super::space::orthonormal::Orthonormal;
-use crate::closure::{DRAWS, SOLVED, WEIGHT_POWER};
+use crate::closure::{DRAWS, FINE_REFERENCE, SOLVED, WEIGHT_POWER};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::numerics::Rule;
@@ -28,6 +29,9 @@ use crate::states::States;
 use faer::{Mat, MatRef};
 use std::time::Instant;
 
+/// A density whose L¹ distance from the reference exceeds the reference's own error by this factor is not exact. Halved, it
+/// misses the exact density of two wells at order 6.
+const POLISHABLE: f64 = 30.0;
 /// The power of the reference under which it is smoothed, so that its ripples in the tails do not count.
 const SMOOTHED: f64 = 0.5;
 /// The pilot's states whose likelihood is taken: enough for a guard against gross errors. None of nine closures of orders 4 to
@@ -75,26 +79,20 @@ impl NodalClosure {
     /// The content of an order's density: an exact one by the pilot's states for a linear system, whose equations may not show what its slow
     /// states do, and where the moment equations do not serve.
     fn found(&self, order: u32) -> Result<Content> {
-        if self.lattice.is_some() {
-            return self.content(order);
-        }
-        let by_states = || {
-            let family = self.discretisation.family.without_kinks();
-            let family = |order| family.functions(order);
-            let orders = (2..order).step_by(2).chain([order]);
-            self.exact(order, exact_on_states(&self.problem, &self.pilot.states, family, orders)?, 0)
-        };
+        let family = self.discretisation.family.without_kinks();
+        let exactness = Exactness::new(&self.problem, &self.pilot.states, family.functions(order).len());
+        let by_states = || self.exact(order, exactness.as_ref()?.lowest(order, |order| family.functions(order))?, 0);
         if let Some(normal) = normal_density(&self.problem).and_then(|_| by_states()) {
             return Ok(normal);
         }
-        match self.content(order) {
+        match self.content(order, exactness.as_ref()) {
             Ok(found) if found.is_served_by_equations() => Ok(found),
             found => by_states().map_or(found, Ok),
         }
     }
 
-    /// The content of an order's density.
-    pub(super) fn content(&self, order: u32) -> Result<Content> {
+    /// The content of an order's density: an exact one, where that is sought and one is near the reference.
+    pub(super) fn content(&self, order: u32, exactness: Option<&Exactness<'_>>) -> Result<Content> {
         let failed = |reason| Error::NotClosed { order, reason };
         let discretisation = &self.discretisation;
         let nested = discretisation.family.nested(order);
@@ -116,7 +114,7 @@ impl NodalClosure {
         if tried.is_empty() {
             return Err(failed("no exponential polynomial fits the reference"));
         }
-        let exact = self.exact_at(order, &scoring, &kept);
+        let exact = exactness.and_then(|exactness| self.exact_near(order, &scoring, &kept, exactness));
         if let Some(content) = exact.and_then(|exact| self.exact(order, exact, reference.solved)) {
             return Ok(content);
         }
@@ -150,6 +148,41 @@ impl NodalClosure {
             indication: Some(indication),
             provenance,
         })
+    }
+
+    /// The exact density of the lowest order next to the reference.
+    fn exact_near(
+        &self,
+        order: u32,
+        scoring: &Scoring<'_>,
+        kept: &Retained,
+        exactness: &Exactness<'_>,
+    ) -> Option<Exponent> {
+        let family = self.discretisation.family.without_kinks();
+        // The distance of an exact density from the reference is the reference's own error.
+        let near = POLISHABLE * scoring.reference.doubt + FINE_REFERENCE;
+        let measure = tempered(&scoring.target, &kept.weights, 1.0);
+        // The fit of an order, and whether it is as near.
+        let fit = |order: u32| {
+            let space = family.functions(order);
+            let functions = Orthonormal::new(nodes::values(&space, &kept.points), &measure)?;
+            let fit = project((&functions, functions.values.as_ref()), &scoring.fixed, &scoring.target, &measure)?;
+            let exponent = Exponent { known: Vec::new(), space, constant: 0.0, coefficients: fit.coefficients };
+            Some((exponent, distance(&fit.logarithm, &scoring.target, &kept.weights) <= near))
+        };
+        // What this order does not come near to, no lower one does.
+        let highest = fit(order);
+        if highest.as_ref().is_some_and(|(_, is_near)| !is_near) {
+            return None;
+        }
+        let fits = Exactness::orders(order).map(|lower| if lower < order { fit(lower) } else { highest.clone() });
+        fits.flatten().filter(|(_, is_near)| *is_near).find_map(|(start, _)| exactness.near(&start))
+    }
+
+    /// The content of an exact density that was found by so many linear systems. None where it has no integral.
+    fn exact(&self, order: u32, exponent: Exponent, solved: usize) -> Option<Content> {
+        let provenance = self.provenance(order, exponent.coefficients.len(), solved);
+        Some(Content { provenance, ..exact_about(exponent, &self.discretisation.domain)? })
     }
 
     /// The indicator and the residual of exp(Q), given the functions at the kept nodes.

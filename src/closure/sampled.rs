@@ -8,7 +8,7 @@ use super::density::exponent::Exponent;
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
 use super::pilot::Pilot;
-use super::projection::on_states::{exact_near, exact_on_states};
+use super::projection::exactness::Exactness;
 use super::reference::scaled_mass;
 use super::samples::{
     Copula, FunctionFamily, ImportanceRule, Lattice, MeansFrom, SampleClosure, Samples, close_exactly, close_on_means,
@@ -53,15 +53,6 @@ impl SampledSystem {
     pub(super) fn on_samples(&self, order: u32, copula: &Copula) -> Option<SampleClosure> {
         let SampledSystem { problem, pilot, family, seed, .. } = self;
         close_on_samples(Samples { problem, pilot, family, order, copula, seed: *seed })
-    }
-
-    /// The exact density of the lowest even order up to one: equations of higher ones are all but singular at it. Above elastic walls it has
-    /// no kinks.
-    fn lowest_exact(&self, order: u32) -> Option<Exponent> {
-        let without_kinks = self.family.without_kinks();
-        let functions = |order| without_kinks.as_ref().unwrap_or(&self.family).functions(order);
-        let orders = (2..order).step_by(2).chain([order]);
-        exact_on_states(&self.problem, &self.pilot.states, functions, orders)
     }
 
     /// The domain to which an exact density is extended, with ln ∫ exp(Q) dx by a lattice there, if there is one.
@@ -124,15 +115,18 @@ impl SampledSystem {
             "the pilot's states are too few for so many functions, or meet a wall too seldom: take more of them";
         let few = Error::NotClosed { order, reason };
         let SampledSystem { problem, pilot, family, seed, .. } = self;
-        let found = match self.lowest_exact(order) {
+        // Above elastic walls it has no kinks.
+        let without_kinks = family.without_kinks();
+        let functions = |order| without_kinks.as_ref().unwrap_or(family).functions(order);
+        let exactness = Exactness::new(problem, &pilot.states, functions(order).len());
+        let found = match exactness.as_ref().and_then(|exactness| exactness.lowest(order, functions)) {
             Some(exact) => {
                 let samples = Samples { problem, pilot, family, order, copula: &copula, seed: *seed };
                 close_exactly(samples, exact).ok_or(few)?
             }
             None => {
                 let found = self.on_samples(order, &copula).ok_or(few)?;
-                let exact = exact_near(problem, &pilot.states, &found.exponent);
-                match exact {
+                match exactness.and_then(|exactness| exactness.near(&found.exponent)) {
                     Some(exact) => found.exactly(exact),
                     None => found,
                 }

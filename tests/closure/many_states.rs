@@ -72,21 +72,19 @@ fn calibrated_errors_cover() {
     assert!((0.7..1.35).contains(&rms), "deviation over standard error has the root mean square {rms}");
 }
 
-/// Random systems of three and four states with a density that is known and no polynomial of the orders: the estimated error is
-/// the distance, within a tenth. Measured are 0.99 to 1.04 of it.
+/// A random system whose density is known and no polynomial of the orders: the estimated error is the distance, within a tenth. Measured
+/// are 0.99 to 1.04 of it.
 #[test]
 fn the_estimate_is_the_distance_from_exact_densities() {
-    for (index, orders) in [(5, &[4][..]), (8, &[2, 4])] {
-        let system = Exact::random(1, index);
-        let (problem, truth) = (Problem::of(system.clone()).unwrap(), system.truth(10_000, 1));
-        let mut last = f64::INFINITY;
-        for &order in orders {
-            let density = Closure::new(order).solve(&problem).unwrap();
-            let (l1, estimate) = (system.l1(&density, &truth).unwrap(), density.l1_estimate());
-            println!("{system}, n = {order}: L1 {l1:.3}, estimate {estimate:.3}");
-            assert!((estimate / l1 - 1.0).abs() < 0.1 && l1 < 0.5 * last, "n = {order}: {estimate} and {l1}");
-            last = l1;
-        }
+    let system = Exact::random(1, 8);
+    let (problem, truth) = (Problem::of(system.clone()).unwrap(), system.truth(10_000, 1));
+    let mut last = f64::INFINITY;
+    for order in [2, 4] {
+        let density = Closure::new(order).solve(&problem).unwrap();
+        let (l1, estimate) = (system.l1(&density, &truth).unwrap(), density.l1_estimate());
+        println!("{system}, n = {order}: L1 {l1:.3}, estimate {estimate:.3}");
+        assert!((estimate / l1 - 1.0).abs() < 0.1 && l1 < 0.5 * last, "n = {order}: {estimate} and {l1}");
+        last = l1;
     }
 }
 

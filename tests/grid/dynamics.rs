@@ -106,15 +106,15 @@ fn the_gaussian_of_a_point_is_off_by_less_than_is_estimated() {
     }
 }
 
-/// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at four times, within four standard errors.
+/// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at three times, within four standard errors.
 #[test]
 fn a_point_start_agrees_with_a_simulation() {
     const PATHS: usize = 200_000;
     const STEP: f64 = 0.032;
-    let times = [0.8, 1.6, 3.2, 6.4];
+    let times = [0.8, 1.6, 3.2];
     let densities = duffing().transient(Start::Point(vec![1.0, 0.0]), &times, 5e-5).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let mut sums = [[0.0; 10]; 4];
+    let mut sums = [[0.0; 10]; 3];
     let kick = (2.0 * 0.2 * STEP).sqrt();
     for _ in 0..PATHS {
         let (mut x, mut v) = (1.0_f64, 0.0_f64);
@@ -222,9 +222,9 @@ fn modes_of_cells_do_not_grow_in_the_lower_degree() {
     let start = || Gaussian { mean: dvector![1.0, 0.0], covariance: dmatrix![0.04, 0.0; 0.0, 0.04] };
     let at = |accuracy: f64| {
         let stationary = Grid::new().accuracy(1e-3).solve(&problem).unwrap();
-        stationary.transient(start(), &[16.0, 32.0], accuracy).unwrap().remove(1).density
+        stationary.transient(start(), &[32.0], accuracy).unwrap().remove(0).density
     };
-    let (found, truth) = (at(1e-3), at(1e-4));
+    let (found, truth) = (at(1e-3), at(3e-4));
     let off = l1_from(&truth, &found);
     println!("{off:.1e} off, {:.1e} estimated", found.l1_estimate());
     assert!(off < 4e-4 && (0.8 * off..8e-3).contains(&found.l1_estimate()));

@@ -1,9 +1,10 @@
 //! The grid above walls and between two, against closed forms, reference solutions and a simulation of its own.
 
+use crate::common::moving::normal;
 use crate::common::*;
 use expoly::models::Solved;
 use expoly::statistics::energy_balance;
-use expoly::{Density, Error, Grid, Wall};
+use expoly::{Density, Error, Grid, Start, Wall};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use support::walls;
@@ -225,4 +226,14 @@ fn a_wall_beyond_the_domain_is_refused() {
     let walled = problem(duffing()).with_wall(Wall::above(2.0, 1.0).unwrap()).unwrap();
     let elsewhere = Grid::new().domain([[-1.0, 1.0], [-5.0, 5.0]]).solve(&walled);
     assert!(matches!(elsewhere, Err(Error::OutOfRange { .. })), "{elsewhere:?}");
+}
+
+/// So are starts behind a wall, and across it.
+#[test]
+fn starts_across_a_wall_are_refused() {
+    let density = Grid::new().accuracy(1e-3).solve(&duffing_above(-0.5, 0.8)).unwrap();
+    for start in [Start::Point(vec![-0.6, 0.0]), normal([-0.5, 0.0], 0.2)] {
+        let error = density.transient(&start, &[1.0], 1e-3).map(|_| ()).unwrap_err();
+        assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+    }
 }

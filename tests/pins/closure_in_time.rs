@@ -39,8 +39,13 @@ fn filtered() -> Result<Problem> {
 }
 
 fn from_a_point(pins: &mut Pins) -> Result<()> {
-    let start = Start::Point(vec![1.0, 0.0]);
-    pin(pins, EDGES, &closure(4).transient(&problem(duffing()), &start, &[1.0])?, &[0.3, 0.1])?;
+    let wells = Problem::from_toml("states = ['x']\ndrift.x = 'x - x^3'\nnoise.w.x = '1'")?;
+    for found in &closure(4).transient(&wells, Start::Point(vec![0.5]), &[1.0])? {
+        let moments = [1, 2].map(|power| found.moment(&[power]).unwrap());
+        pins.estimates("wells", OPTIMA, &moments);
+        pins.all("wells ln p", OPTIMA, &[found.density.log_pdf(&[0.3])?]);
+        pins.one("wells L1", 1e2 * OPTIMA, found.density.l1_estimate());
+    }
     let line = closure(2).transient(&problem(OrnsteinUhlenbeck), Start::Point(vec![1.5]), &[0.1, 2.0])?;
     for found in &line {
         let [first, second] = [1, 2].map(|power| found.moment(&[power]).unwrap());
@@ -50,11 +55,11 @@ fn from_a_point(pins: &mut Pins) -> Result<()> {
 }
 
 fn from_a_gaussian(pins: &mut Pins) -> Result<()> {
-    pin(pins, EDGES, &closure(4).transient(&problem(duffing()), &correlated().0, &[0.5, 4.0])?, &[0.3, 0.1])
+    pin(pins, EDGES, &closure(4).transient(&problem(duffing()), &correlated().0, &[0.5])?, &[0.3, 0.1])
 }
 
 fn above_a_wall(pins: &mut Pins) -> Result<()> {
-    let found = closure(4).transient(&duffing_above(-0.5, 0.8), normal([1.0, 0.0], 0.3), &[4.0])?;
+    let found = closure(4).transient(&duffing_above(-0.5, 1.0), normal([0.5, 0.0], 0.3), &[0.5])?;
     pin(pins, EDGES, &found, &[0.3, 0.1])
 }
 
@@ -66,21 +71,18 @@ fn in_three_states(pins: &mut Pins) -> Result<()> {
 }
 
 /// How the stationary response forgets.
-pub(super) fn response(pins: &mut Pins, share: f64, density: &ClosureDensity, count: usize) -> Result<()> {
-    pins.all("autocovariance", share, &values(&density.autocovariance(0, &[0.0, 0.7, 3.0])?));
-    pins.all("spectral density", share, &values(&density.spectral_density(0, &[0.0, 1.0, 3.0])?));
-    let modes = density.relaxation(count)?;
+fn relaxation(pins: &mut Pins) -> Result<()> {
+    let density = closure(4).solve(&van_der_pol())?;
+    pins.all("autocovariance", EDGES, &values(&density.autocovariance(0, &[0.0, 0.7, 3.0])?));
+    pins.all("spectral density", EDGES, &values(&density.spectral_density(0, &[0.0, 1.0, 3.0])?));
+    let modes = density.relaxation(4)?;
     let [rates, frequencies] =
         [0, 1].map(|k| modes.iter().map(|mode| [mode.rate, mode.frequency][k]).collect::<Vec<_>>());
-    pins.all("rates", share, &rates);
-    pins.all("frequencies", share, &frequencies);
+    pins.all("rates", EDGES, &rates);
+    pins.all("frequencies", EDGES, &frequencies);
     Ok(())
 }
 
 fn values(estimates: &[expoly::Estimate]) -> Vec<f64> {
     estimates.iter().map(|estimate| estimate.value).collect()
-}
-
-fn relaxation(pins: &mut Pins) -> Result<()> {
-    response(pins, EDGES, &closure(4).solve(&van_der_pol())?, 4)
 }

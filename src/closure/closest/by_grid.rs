@@ -5,13 +5,13 @@ use super::target::TargetDensity;
 use crate::closure::candidates::indicator::Indication;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Content;
+use crate::closure::density::exact::exact_about;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::discretisation::{locals, nodes};
 use crate::closure::method::Closure;
 use crate::closure::pilot::Pilot;
-use crate::closure::projection::exact::exact_about;
-use crate::closure::projection::on_states::exact_near;
+use crate::closure::projection::exactness::Exactness;
 use crate::closure::projection::tempered;
 use crate::closure::{GRID_MEMORY, HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, REFERENCE_EXCESS};
 use crate::density::Density;
@@ -93,7 +93,8 @@ impl Closure {
 
 /// The exact density next to the closest one, where there is one.
 fn exact(closest: &ClosureDensity, problem: &Problem, pilot: &Pilot) -> Option<ClosureDensity> {
-    let exponent = exact_near(problem, &pilot.states, &closest.content.exponent)?;
+    let start = &closest.content.exponent;
+    let exponent = Exactness::new(problem, &pilot.states, start.space.len())?.near(start)?;
     let symmetry = problem.symmetry();
     let (centre, _) = pilot.spread(&symmetry);
     let region = TrustDomain::new(pilot, &symmetry, centre, [None, None], 1.0);

@@ -7,6 +7,7 @@
 pub(super) mod answers;
 pub(super) mod cells;
 pub(super) mod content;
+pub(super) mod exact;
 pub(super) mod exponent;
 pub(super) mod impacts;
 pub(super) mod moment;

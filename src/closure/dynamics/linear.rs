@@ -2,11 +2,11 @@
 
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::content::Content;
+use crate::closure::density::exact::exact_about;
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::method::Closure;
 use crate::closure::pilot::normal_density;
-use crate::closure::projection::exact::exact_about;
-use crate::closure::projection::on_states::quadratic;
+use crate::closure::projection::exactness::quadratic;
 use crate::closure::space::nested_spaces::Smooth;
 use crate::polynomial::Gaussian;
 use crate::problem::{Problem, linear_after};

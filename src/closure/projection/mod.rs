@@ -1,10 +1,8 @@
 //! The exponential polynomial closest to a density.
 //!
-//! `on_states` finds the density itself where it is an exponential polynomial, at a pilot's states alone; `exact` is where it is sought
-//! next to the closest one, and what an answer that is exact is integrated on.
+//! `exactness` finds the density itself where it is an exponential polynomial, at a pilot's states alone.
 
-pub(super) mod exact;
-pub(super) mod on_states;
+pub(super) mod exactness;
 
 use super::space::orthonormal::{Orthonormal, near_orthonormal};
 use crate::checks::{finite, require};
