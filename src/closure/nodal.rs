@@ -213,7 +213,7 @@ impl NodalClosure {
     }
 
     /// The rules for integrals of exp(Q). None where they are not finite.
-    pub(super) fn integrals(&self, exponent: &Exponent, rules: ResolvedRules, lines: Vec<Rule>) -> Option<Integrals> {
+    fn integrals(&self, exponent: &Exponent, rules: ResolvedRules, lines: Vec<Rule>) -> Option<Integrals> {
         let Some((_, copula)) = &self.lattice else {
             let ResolvedRules { rules, apart } = rules;
             return Some(Integrals::Panels { rules, lines, apart });
@@ -275,7 +275,7 @@ impl NodalClosure {
         resolved(domain, |points| exponent.values(points), given, (SHARE * estimate).clamp(least, most))
     }
 
-    pub(super) fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> Provenance {
+    fn provenance(&self, order: u32, unknowns: usize, iterations: usize) -> Provenance {
         Provenance {
             order: Some(order),
             unknowns: Some(unknowns),
@@ -292,7 +292,7 @@ impl NodalClosure {
 
     /// The mean of ln p over the pilot's states that a good density has: the reference's, or that of a polynomial fitted to
     /// these states, if it is larger.
-    pub(super) fn likelihood(&self, reference: &ReferenceDensity, states: &States) -> f64 {
+    fn likelihood(&self, reference: &ReferenceDensity, states: &States) -> f64 {
         let discretisation = &self.discretisation;
         let shift = reference.value(&discretisation.nodes.points[0]) - reference.logarithm[0];
         let of_reference = reference.values(states).iter().sum::<f64>() / states.len() as f64 - shift;
