@@ -119,7 +119,7 @@ const FINE_REFERENCE: f64 = 2e-5;
 const WEIGHT_POWER: f64 = 0.6;
 /// The power of the density that stands for its tails in the weight of a fit.
 const TAILS_POWER: f64 = 0.3;
-/// The most steps of Newton's method towards an exact density, each of which comes nearer. None of nine closures of orders 4 to 8
+/// The most steps of Newton's method towards an exact density, each of which converges. None of nine closures of orders 4 to 8
 /// depends on it.
 const EXACT_STEPS: usize = 12;
 /// The tails of a density are compared with the reference's down to this share of the peak. Halved or doubled, it changes L¹

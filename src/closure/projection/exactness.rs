@@ -9,7 +9,7 @@ use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::{locals, nodes};
 use crate::closure::pilot::normal_density;
 use crate::closure::space::{Functions, sweep};
-use crate::closure::{EXACT_STEPS, ROUNDING, SOLVED};
+use crate::closure::{CONVERGING, EXACT_STEPS, ROUNDING, SOLVED};
 use crate::fokker_planck::Local;
 use crate::numerics::{combination, least_norm, triangle};
 use crate::polynomial::{Gaussian, monomials};
@@ -129,8 +129,8 @@ impl Conditions {
         let impacts = jumps.nrows();
         let share = |all: usize| (all.max(1) as f64).recip();
         let measure = [vec![share(count); count], vec![share(impacts); impacts]].concat();
-        let (mut current, mut last) = (start, f64::INFINITY);
-        for step in 0..EXACT_STEPS {
+        let (mut current, [mut before, mut last]) = (start, [f64::INFINITY; 2]);
+        for _ in 0..EXACT_STEPS {
             let linearised = self.linearised(&current);
             let missed = combination(jumps.as_ref(), &current.coefficients);
             let [square, parts] =
@@ -140,12 +140,12 @@ impl Conditions {
             let apart = missed.iter().map(|jump| jump * jump).sum::<f64>() * share(impacts);
             let own = (square / parts.max(f64::MIN_POSITIVE) + apart).sqrt();
             let solved = own < SOLVED;
-            // From the start the first step may lead away, and the next ones are slow where many functions are far from their values: of 770
-            // the residual falls by 0.56 and then by 0.1. The negation also excludes NaN.
-            if !(solved || step == 1 || own < last) {
+            // A step converges, or two of them do: from the start the first may lead away, and of many functions the second may be slow. The
+            // negation also excludes NaN.
+            if !(solved || own < CONVERGING * last || own < CONVERGING.powi(2) * before) {
                 return None;
             }
-            last = own;
+            (before, last) = (last, own);
             let [mut values, mut rates] = [(); 2].map(|()| Mat::zeros(count, size + 1));
             let local = |i: usize| (&linearised[i].2[..], &self.locals[i].diffusion[..]);
             sweep::tabulate_rates(&current.space, &self.states, &local, [values.as_mut(), rates.as_mut()]);
